@@ -1,0 +1,1 @@
+"""Readers of articulated objects: one function per source, each giving an `Asset`."""

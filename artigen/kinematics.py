@@ -1,0 +1,78 @@
+"""The kinematic tree of an asset: order, poses, and moving points and Gaussians with it.
+
+Every joint is given in the object frame at rest, so the displacement of a part is the
+displacement of its parent times its own joint motion: ``D[i] = D[parent] @ motion_i(q_i)``.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from artigen.transforms import joint_motion, quat_from_matrix, quat_multiply
+from artigen.types import Asset, Gaussians, Part
+
+
+def topological_order(parts: Sequence[Part]) -> list[int]:
+    """Part indices with every parent before its children."""
+    order: list[int] = []
+    waiting = list(range(len(parts)))
+    while waiting:
+        ready = [index for index in waiting if parts[index].parent == -1 or parts[index].parent in order]
+        order += ready
+        waiting = [index for index in waiting if index not in ready]
+    return order
+
+
+def movable_parts(asset: Asset) -> list[int]:
+    """Indices of the parts whose joint moves; ``qpos`` follows this order."""
+    return [index for index, part in enumerate(asset.parts) if part.joint.type != "fixed"]
+
+
+def qlimits(asset: Asset) -> Float[np.ndarray, "J 2"]:
+    """Lower and upper limit of each movable part, in joint coordinates."""
+    limits = [
+        [asset.parts[index].joint.lower, asset.parts[index].joint.upper] for index in movable_parts(asset)
+    ]
+    return np.array(limits, dtype=np.float64).reshape(-1, 2)
+
+
+def displacements(asset: Asset, qpos: Float[np.ndarray, "*B J"]) -> Float[np.ndarray, "*B P 4 4"]:
+    """Rigid displacement of every part from rest at ``qpos`` (order of `movable_parts`).
+
+    Raises `ValueError` when ``qpos`` has another length than there are movable parts.
+    """
+    qpos = np.asarray(qpos, dtype=np.float64)
+    movable = movable_parts(asset)
+    if qpos.shape[-1] != len(movable):
+        raise ValueError(
+            f"asset {asset.name!r}: qpos has {qpos.shape[-1]} entries, {len(movable)} parts move"
+        )
+    column = {part: index for index, part in enumerate(movable)}
+    out = np.zeros((*qpos.shape[:-1], len(asset.parts), 4, 4))
+    for index in topological_order(asset.parts):
+        part = asset.parts[index]
+        q = qpos[..., column[index]] if index in column else np.zeros(qpos.shape[:-1])
+        own = joint_motion(part.joint, q)
+        out[..., index, :, :] = own if part.parent == -1 else out[..., part.parent, :, :] @ own
+    return out
+
+
+def articulate_points(
+    asset: Asset,
+    qpos: Float[np.ndarray, "J"],
+    points: Float[np.ndarray, "N 3"],
+    part_ids: Int[np.ndarray, "N"],
+) -> Float[np.ndarray, "N 3"]:
+    """Moves points with the parts they belong to."""
+    D = displacements(asset, qpos)[part_ids]  # N 4 4
+    return np.einsum("nij,nj->ni", D[:, :3, :3], points) + D[:, :3, 3]
+
+
+def articulate_gaussians(asset: Asset, qpos: Float[np.ndarray, "J"], gaussians: Gaussians) -> Gaussians:
+    """Moves Gaussians with their parts; rotations are composed into the quaternions."""
+    D = displacements(asset, qpos)
+    means = articulate_points(asset, qpos, gaussians.means, gaussians.part_ids)
+    quats = quat_multiply(quat_from_matrix(D[:, :3, :3])[gaussians.part_ids], gaussians.quats)
+    return replace(gaussians, means=means, quats=quats / np.linalg.norm(quats, axis=1, keepdims=True))

@@ -1,0 +1,251 @@
+"""The values that travel between stages: parts, joints, voxels, surface samples, assets.
+
+Everything is a frozen dataclass over read-only numpy arrays, checked on construction, in the
+conventions of CONVENTIONS.md: z up, front faces -x, unit cube [-0.5, 0.5]^3, radians, and
+``q = 0`` the closed rest pose. Lengths inside an `Asset` are unit-cube lengths;
+``Asset.scale`` (metres per unit) is the only place where metres enter.
+"""
+
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import numpy as np
+from jaxtyping import Float, Int, UInt8
+
+PartLabel = Literal["base", "drawer", "door", "handle", "knob", "tray", "shelf", "wheel"]
+JointType = Literal["fixed", "revolute", "prismatic", "continuous", "screw"]
+
+PART_LABELS: tuple[PartLabel, ...] = get_args(PartLabel)
+JOINT_TYPES: tuple[JointType, ...] = get_args(JointType)
+PAPER_CATEGORIES: tuple[str, ...] = (
+    "StorageFurniture",
+    "Table",
+    "Refrigerator",
+    "Dishwasher",
+    "Oven",
+    "WashingMachine",
+    "Microwave",
+)
+"""The seven categories of the paper, in the order of the category channels."""
+
+FULL_TURN = 2.0 * np.pi
+
+
+def frozen_array(value: object, dtype: type, shape: tuple[int | None, ...], name: str):
+    """Copies ``value`` into a read-only array; raises `ValueError` on a wrong shape or NaN."""
+    array = np.array(value, dtype=dtype)
+    fits = array.ndim == len(shape) and all(
+        want is None or have == want for have, want in zip(array.shape, shape, strict=True)
+    )
+    if not fits:
+        wanted = " x ".join("any" if want is None else str(want) for want in shape)
+        raise ValueError(f"{name}: shape {array.shape}, expected {wanted}")
+    if np.issubdtype(array.dtype, np.floating) and not np.isfinite(array).all():
+        raise ValueError(f"{name}: holds NaN or infinite values")
+    array.setflags(write=False)
+    return array
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Joint:
+    """How a part moves relative to its parent; given in the object frame at rest.
+
+    The coordinate ``q`` is an angle in radians for revolute, continuous and screw joints and a
+    unit-cube length for prismatic ones. ``q = 0`` is closed and positive ``q`` opens. A continuous
+    joint states ``[0, 2 pi]`` but is not limited by it. A screw turns by ``q`` and at the same
+    time travels ``pitch * q`` along its axis.
+    """
+
+    type: JointType
+    axis: Float[np.ndarray, "3"]
+    origin: Float[np.ndarray, "3"]
+    lower: float = 0.0
+    upper: float = 0.0
+    pitch: float = 0.0
+
+    def __post_init__(self) -> None:
+        if self.type not in JOINT_TYPES:
+            raise ValueError(f"joint type {self.type!r} is not one of {', '.join(JOINT_TYPES)}")
+        axis = frozen_array(self.axis, np.float64, (3,), "joint axis")
+        if abs(np.linalg.norm(axis) - 1.0) > 1e-6:
+            raise ValueError(f"joint axis {axis.tolist()} has length {np.linalg.norm(axis):.9g}, expected 1")
+        object.__setattr__(self, "axis", axis)
+        object.__setattr__(self, "origin", frozen_array(self.origin, np.float64, (3,), "joint origin"))
+        if not np.isfinite([self.lower, self.upper, self.pitch]).all():
+            raise ValueError(f"joint limits [{self.lower}, {self.upper}], pitch {self.pitch}: must be finite")
+        if self.lower > self.upper:
+            raise ValueError(f"joint limits: lower {self.lower} is above upper {self.upper}")
+        if self.type == "fixed" and (self.lower, self.upper) != (0.0, 0.0):
+            raise ValueError(f"a fixed joint has limits [{self.lower}, {self.upper}], expected [0, 0]")
+        if self.pitch != 0.0 and self.type != "screw":
+            raise ValueError(f"a {self.type} joint has pitch {self.pitch}; only screws have one")
+
+
+FIXED = Joint(type="fixed", axis=np.array([0.0, 0.0, 1.0]), origin=np.zeros(3))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Part:
+    """One rigid piece with a meaning: a drawer, its handle, a shelf.
+
+    ``parent`` indexes ``Asset.parts`` (-1 for the one root). ``box`` is (centre, size) of the
+    part's own geometry at rest, children excluded, in unit-cube lengths.
+    """
+
+    name: str
+    label: PartLabel
+    parent: int
+    joint: Joint
+    box: Float[np.ndarray, "2 3"]
+
+    def __post_init__(self) -> None:
+        if self.label not in PART_LABELS:
+            raise ValueError(
+                f"part {self.name!r}: label {self.label!r} is not one of {', '.join(PART_LABELS)}"
+            )
+        box = frozen_array(self.box, np.float64, (2, 3), f"part {self.name!r}: box")
+        if (box[1] < 0).any():
+            raise ValueError(f"part {self.name!r}: box size {box[1].tolist()} is negative")
+        object.__setattr__(self, "box", box)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class VoxelGrid:
+    """Occupied surface cells at rest; cell (i, j, k) covers [i, i+1] / resolution - 0.5."""
+
+    resolution: int
+    coords: Int[np.ndarray, "N 3"]
+    part_ids: Int[np.ndarray, "N"]
+
+    def __post_init__(self) -> None:
+        coords = frozen_array(self.coords, np.int16, (None, 3), "voxel coords")
+        part_ids = frozen_array(self.part_ids, np.int16, (len(coords),), "voxel part ids")
+        if len(coords) and (coords.min() < 0 or coords.max() >= self.resolution):
+            raise ValueError(
+                f"voxel coords span {coords.min()}..{coords.max()}, grid is 0..{self.resolution - 1}"
+            )
+        object.__setattr__(self, "coords", coords)
+        object.__setattr__(self, "part_ids", part_ids)
+
+    def centers(self) -> Float[np.ndarray, "N 3"]:
+        """Cell centres in the unit cube."""
+        return (self.coords + 0.5) / self.resolution - 0.5
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SurfaceSamples:
+    """Points drawn uniformly by area from a coloured surface, with the part they lie on.
+
+    Every point stands for the same area, so counting points measures area. The link between a
+    source mesh and everything that needs its look or its place: voxel labels by majority,
+    texture baking, distances.
+    """
+
+    points: Float[np.ndarray, "N 3"]
+    normals: Float[np.ndarray, "N 3"]
+    colors: UInt8[np.ndarray, "N 3"]
+    part_ids: Int[np.ndarray, "N"]
+
+    def __post_init__(self) -> None:
+        points = frozen_array(self.points, np.float32, (None, 3), "surface points")
+        n = len(points)
+        object.__setattr__(self, "points", points)
+        object.__setattr__(self, "normals", frozen_array(self.normals, np.float32, (n, 3), "surface normals"))
+        object.__setattr__(self, "colors", frozen_array(self.colors, np.uint8, (n, 3), "surface colors"))
+        object.__setattr__(self, "part_ids", frozen_array(self.part_ids, np.int16, (n,), "surface part ids"))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Gaussians:
+    """3D Gaussians in the unit cube: values in meaningful units, never encodings.
+
+    ``scales`` are standard deviations in unit-cube lengths, ``opacities`` lie in [0, 1],
+    ``quats`` are wxyz and unit, ``colors`` linear RGB in [0, 1] (degree-0 harmonics).
+    """
+
+    means: Float[np.ndarray, "N 3"]
+    quats: Float[np.ndarray, "N 4"]
+    scales: Float[np.ndarray, "N 3"]
+    opacities: Float[np.ndarray, "N"]
+    colors: Float[np.ndarray, "N 3"]
+    part_ids: Int[np.ndarray, "N"]
+
+    def __post_init__(self) -> None:
+        means = frozen_array(self.means, np.float32, (None, 3), "Gaussian means")
+        n = len(means)
+        object.__setattr__(self, "means", means)
+        for name, width in (("quats", 4), ("scales", 3), ("colors", 3)):
+            value = frozen_array(getattr(self, name), np.float32, (n, width), f"Gaussian {name}")
+            object.__setattr__(self, name, value)
+        object.__setattr__(
+            self, "opacities", frozen_array(self.opacities, np.float32, (n,), "Gaussian opacities")
+        )
+        object.__setattr__(self, "part_ids", frozen_array(self.part_ids, np.int16, (n,), "Gaussian part ids"))
+        lengths = np.linalg.norm(self.quats, axis=1)
+        if n and np.abs(lengths - 1.0).max() > 1e-4:
+            raise ValueError(
+                f"Gaussian quats: lengths span {lengths.min():.6g}..{lengths.max():.6g}, expected 1"
+            )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Asset:
+    """An articulated object: parts in a tree, plus whatever geometry a stage has produced.
+
+    ``scale`` is metres per unit-cube length. ``notes`` records, stage by stage, everything that
+    was repaired, snapped or dropped on the way here, one sentence each.
+    """
+
+    name: str
+    category: str
+    scale: float
+    parts: tuple[Part, ...]
+    voxels: VoxelGrid | None = None
+    surface: SurfaceSamples | None = None
+    gaussians: Gaussians | None = None
+    notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        if not self.parts:
+            raise ValueError(f"asset {self.name!r} has no parts")
+        if not (np.isfinite(self.scale) and self.scale > 0):
+            raise ValueError(f"asset {self.name!r}: scale {self.scale} metres per unit, expected > 0")
+        check_tree(self.name, [part.name for part in self.parts], [part.parent for part in self.parts])
+        for label, holder in (
+            ("voxel", self.voxels),
+            ("surface", self.surface),
+            ("Gaussian", self.gaussians),
+        ):
+            ids = None if holder is None else holder.part_ids
+            if ids is not None and len(ids) and (ids.min() < 0 or ids.max() >= len(self.parts)):
+                raise ValueError(
+                    f"asset {self.name!r}: {label} part ids span {ids.min()}..{ids.max()}, "
+                    f"parts are 0..{len(self.parts) - 1}"
+                )
+
+    @property
+    def root(self) -> int:
+        """Index of the one part without a parent."""
+        return next(index for index, part in enumerate(self.parts) if part.parent == -1)
+
+
+def check_tree(owner: str, names: list[str], parents: list[int]) -> None:
+    """Raises `ValueError` unless ``parents`` describe one tree over unique ``names``."""
+    if len(set(names)) != len(names):
+        twice = sorted({name for name in names if names.count(name) > 1})
+        raise ValueError(f"asset {owner!r}: part names occur twice: {', '.join(twice)}")
+    roots = [name for name, parent in zip(names, parents, strict=True) if parent == -1]
+    if len(roots) != 1:
+        raise ValueError(f"asset {owner!r}: {len(roots)} roots ({', '.join(roots) or 'none'}), expected one")
+    for index, name in enumerate(names):
+        seen = {index}
+        at = parents[index]
+        while at != -1:
+            if not 0 <= at < len(names):
+                raise ValueError(
+                    f"asset {owner!r}: part {name!r} has parent {at}, parts are 0..{len(names) - 1}"
+                )
+            if at in seen:
+                raise ValueError(f"asset {owner!r}: part {name!r} is its own ancestor")
+            seen.add(at)
+            at = parents[at]

@@ -1,0 +1,1 @@
+"""Packages at work in SAPIEN: loading, gymnasium environments, and the validation suite."""
