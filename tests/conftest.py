@@ -1,0 +1,30 @@
+"""Shared fixtures: the embedded sample cabinet, and real objects where they are at hand."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from jaxtyping import install_import_hook
+
+with install_import_hook(["artigen", "sim_export", "envs"], "beartype.beartype"):
+    from artigen.datasets.sample import sample_asset
+    from artigen.types import Asset
+    from artigen.voxels import voxelize
+
+REAL_OBJECTS = Path(__file__).resolve().parents[2] / "shared" / "data"
+
+
+@pytest.fixture(scope="session")
+def cabinet() -> Asset:
+    """The sample cabinet with surface samples and voxels."""
+    asset = sample_asset()
+    assert asset.surface is not None
+    return replace(asset, voxels=voxelize(asset.surface))
+
+
+@pytest.fixture(scope="session")
+def real_objects() -> Path:
+    """Folder with ``partnet_mobility/`` and ``splits.json``; skips where there is none."""
+    if not REAL_OBJECTS.is_dir():
+        pytest.skip("no PartNet-Mobility objects beside the repository")
+    return REAL_OBJECTS
