@@ -14,6 +14,10 @@ with install_import_hook(["artigen", "sim_export", "envs"], "beartype.beartype")
 REAL_OBJECTS = Path(__file__).resolve().parents[2] / "shared" / "data"
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--require-real", action="store_true", help="missing real objects fail the tests")
+
+
 @pytest.fixture(scope="session")
 def cabinet() -> Asset:
     """The sample cabinet with surface samples and voxels."""
@@ -23,8 +27,11 @@ def cabinet() -> Asset:
 
 
 @pytest.fixture(scope="session")
-def real_objects() -> Path:
+def real_objects(pytestconfig: pytest.Config) -> Path:
     """Folder with ``partnet_mobility/`` and ``splits.json``; skips where there is none."""
     if not REAL_OBJECTS.is_dir():
-        pytest.skip("no PartNet-Mobility objects beside the repository")
+        message = f"no PartNet-Mobility objects under {REAL_OBJECTS}"
+        if pytestconfig.getoption("--require-real"):
+            pytest.fail(message)
+        pytest.skip(message)
     return REAL_OBJECTS

@@ -1,0 +1,37 @@
+# Two commands do all set-up on a machine with Python 3.11: `make demo` and `make test`.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+STAMP := $(VENV)/.installed
+WORKERS ?= 2
+
+.PHONY: demo test lint types wheel examples benchmarks clean
+
+demo: $(STAMP)
+	$(BIN)/artigen demo -o out/demo
+
+test: $(STAMP)
+	$(BIN)/python -m pytest -n $(WORKERS) $(PYTEST_FLAGS)
+
+lint: $(STAMP)
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+
+types: $(STAMP)
+	$(BIN)/pyright
+
+wheel: $(STAMP)
+	$(BIN)/python benchmarks/wheel_smoke.py
+
+examples: $(STAMP)
+	$(BIN)/python examples/run_all.py
+
+# torch's default wheel brings gigabytes of CUDA; constraints.txt pins a version with a CPU build.
+$(STAMP): pyproject.toml constraints.txt
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install -q --upgrade pip
+	$(BIN)/python -m pip install -q -c constraints.txt -e '.[dev]'
+	touch $(STAMP)
+
+clean:
+	rm -rf $(VENV) out dist build

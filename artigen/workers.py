@@ -1,0 +1,134 @@
+"""Supervised worker processes: one bad item never harms the others.
+
+Some libraries that we call can abort the whole process (physics engines on a strange mesh, convex
+decomposition), and any stage may hang. So items run in spawned processes that are watched from
+outside: a death or a time-out becomes the outcome of that one item and the process is replaced.
+"""
+
+import multiprocessing
+import signal
+import threading
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from multiprocessing.connection import Connection
+from multiprocessing.process import BaseProcess
+from queue import Empty, SimpleQueue
+from typing import Generic, TypeVar
+
+from artigen.errors import ArtigenError
+
+Item = TypeVar("Item")
+Value = TypeVar("Value")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Outcome(Generic[Item, Value]):
+    """What became of an item: a value, or one sentence that says why there is none."""
+
+    item: Item
+    value: Value | None = None
+    error: str | None = None
+
+
+def _serve(connection: Connection) -> None:
+    """Runs in the child: answers (function, item) with (value, error) until the pipe closes."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent decides what an interrupt means
+    while True:
+        try:
+            function, item = connection.recv()
+        except EOFError:
+            return
+        try:
+            connection.send((function(item), None))
+        except ArtigenError as error:
+            connection.send((None, str(error)))
+        except Exception as error:
+            # The boundary of the process: whatever it is, it is this item's outcome, with its type.
+            connection.send((None, f"{type(error).__name__}: {error}"))
+
+
+class Worker:
+    """One supervised process, started on first use; it has a lifetime, hence a class."""
+
+    def __init__(self) -> None:
+        self._process: BaseProcess | None = None
+        self._connection: Connection | None = None
+
+    def call(self, function: Callable[[Item], Value], item: Item, timeout: float) -> Outcome[Item, Value]:
+        """Runs ``function(item)`` in the process; never raises for what happens in there."""
+        connection = self._start()
+        connection.send((function, item))
+        if not connection.poll(timeout):
+            self.close()
+            return Outcome(item=item, error=f"took longer than {timeout:g} s and was stopped")
+        try:
+            value, error = connection.recv()
+        except EOFError:
+            code = self._exit_code()
+            self.close()
+            return Outcome(item=item, error=f"the worker process died: {code}")
+        return Outcome(item=item, value=value, error=error)
+
+    def close(self) -> None:
+        """Ends the process; the next call starts another."""
+        if self._connection is not None:
+            self._connection.close()
+        if self._process is not None and self._process.is_alive():
+            self._process.kill()
+            self._process.join()
+        self._process = self._connection = None
+
+    def _start(self) -> Connection:
+        if self._connection is None:
+            context = multiprocessing.get_context("spawn")
+            self._connection, child = context.Pipe()
+            self._process = context.Process(target=_serve, args=(child,), daemon=False)
+            self._process.start()
+            child.close()
+        return self._connection
+
+    def _exit_code(self) -> str:
+        if self._process is None:
+            return "not started"
+        self._process.join(timeout=5)
+        code = self._process.exitcode
+        return f"signal {signal.Signals(-code).name}" if code is not None and code < 0 else f"exit code {code}"
+
+
+def run_supervised(
+    function: Callable[[Item], Value], items: Iterable[Item], *, workers: int, timeout: float
+) -> Iterator[Outcome[Item, Value]]:
+    """Yields the outcome of every item as it is finished, in no particular order.
+
+    Args:
+        function: a module-level function, so that the child process can import it.
+        items: picklable arguments.
+        workers: processes side by side.
+        timeout: seconds that one item may take.
+    """
+    waiting: SimpleQueue[Item] = SimpleQueue()
+    total = 0
+    for item in items:
+        waiting.put(item)
+        total += 1
+    finished: SimpleQueue[Outcome[Item, Value]] = SimpleQueue()
+    stop = threading.Event()
+
+    def drain() -> None:
+        worker = Worker()
+        while not stop.is_set():
+            try:
+                item = waiting.get_nowait()
+            except Empty:
+                break
+            finished.put(worker.call(function, item, timeout))
+        worker.close()
+
+    threads = [threading.Thread(target=drain, daemon=True) for _ in range(min(workers, total))]
+    for thread in threads:
+        thread.start()
+    try:
+        for _ in range(total):
+            yield finished.get()
+    finally:
+        stop.set()

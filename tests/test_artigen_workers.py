@@ -1,0 +1,59 @@
+"""Supervised processes: what one item does never reaches another."""
+
+import os
+import time
+
+import pytest
+
+from artigen.errors import SourceError
+from artigen.workers import Worker, run_supervised
+
+
+def act(item: str) -> str:
+    """The item says what to do."""
+    if item == "abort":
+        os.abort()
+    if item == "exit":
+        os._exit(7)
+    if item == "hang":
+        time.sleep(60)
+    if item == "raise":
+        raise SourceError("mobility.urdf: joint 'joint_0' has no parent")
+    if item == "bug":
+        raise KeyError("oops")
+    return item.upper()
+
+
+@pytest.fixture(scope="module")
+def outcomes() -> dict:
+    items = ["a", "abort", "b", "raise", "exit", "hang", "bug", "c"]
+    done = run_supervised(act, items, workers=2, timeout=3.0)
+    return {outcome.item: outcome for outcome in done}
+
+
+def test_good_items_survive_their_neighbours(outcomes):
+    assert {item: outcomes[item].value for item in "abc"} == {"a": "A", "b": "B", "c": "C"}
+
+
+@pytest.mark.parametrize(
+    ("item", "sentence"),
+    [
+        ("abort", "the worker process died: signal SIGABRT"),
+        ("exit", "the worker process died: exit code 7"),
+        ("hang", "took longer than 3 s and was stopped"),
+        ("raise", "mobility.urdf: joint 'joint_0' has no parent"),
+        ("bug", "KeyError: 'oops'"),
+    ],
+)
+def test_each_failure_is_one_sentence(outcomes, item, sentence):
+    assert outcomes[item].value is None
+    assert outcomes[item].error == sentence
+
+
+def test_a_worker_is_replaced_after_a_crash():
+    worker = Worker()
+    try:
+        assert worker.call(act, "abort", 10.0).error is not None
+        assert worker.call(act, "fine", 10.0).value == "FINE"
+    finally:
+        worker.close()
