@@ -1,0 +1,89 @@
+"""Convex polyhedra: hulls of points, planes, volumes, and cutting by half-spaces."""
+
+import numpy as np
+from jaxtyping import Float
+from scipy.spatial import ConvexHull, QhullError
+
+from sim_export.errors import DegeneratePart
+from sim_export.package import Hull
+
+FLAT = 1e-6
+"""Points (m) that span less than this in some direction have no hull."""
+
+
+def convex_hull(points: Float[np.ndarray, "N 3"]) -> Hull:
+    """Convex hull of points, faces counter-clockwise from outside.
+
+    Raises:
+        DegeneratePart: if the points are flat (thinner than ``FLAT``) or fewer than four.
+    """
+    points = np.asarray(points, dtype=np.float64)
+    if len(points) < 4:
+        raise DegeneratePart(f"a hull of {len(points)} points: at least 4 are needed")
+    center = points.mean(axis=0)
+    thickness = np.linalg.svd(points - center, full_matrices=False)[1][-1] if len(points) < 64 else np.inf
+    if thickness < FLAT:
+        raise DegeneratePart(f"a hull of {len(points)} points is flat: {thickness:.3g} m across")
+    try:
+        solved = ConvexHull(points - center)
+    except QhullError as err:
+        raise DegeneratePart(f"a hull of {len(points)} points is degenerate: {err.args[0][:80]!r}") from err
+    used = np.sort(solved.vertices)
+    slot = np.full(len(points), -1)
+    slot[used] = np.arange(len(used))
+    corners = points[solved.simplices]  # F 3 3
+    outward = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    inverted = np.einsum("ij,ij->i", outward, solved.equations[:, :3]) < 0
+    faces = np.where(inverted[:, None], solved.simplices[:, ::-1], solved.simplices)
+    return Hull(vertices=points[used], faces=slot[faces])
+
+
+def box_hull(low: Float[np.ndarray, "3"], high: Float[np.ndarray, "3"]) -> Hull:
+    """An axis-aligned box as a hull of 8 vertices and 12 faces."""
+    corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)])
+    return Hull(vertices=np.where(corners == 0, low, high), faces=_BOX_FACES)
+
+
+_BOX_FACES = np.array(
+    [
+        [0, 1, 3], [0, 3, 2], [4, 6, 7], [4, 7, 5], [0, 4, 5], [0, 5, 1],
+        [2, 3, 7], [2, 7, 6], [0, 2, 6], [0, 6, 4], [1, 5, 7], [1, 7, 3],
+    ]
+)  # fmt: skip
+
+
+def hull_volume(hull: Hull) -> float:
+    """Enclosed volume (m^3)."""
+    corners = hull.vertices[hull.faces] - hull.vertices.mean(axis=0)
+    return float(np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6.0)
+
+
+def hull_planes(hull: Hull) -> Float[np.ndarray, "F 4"]:
+    """Outward unit normals and offsets: a point ``x`` is inside where ``n @ x <= d`` for every face."""
+    corners = hull.vertices[hull.faces]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    lengths = np.linalg.norm(normals, axis=1)
+    proper = lengths > 0
+    normals = normals[proper] / lengths[proper, None]
+    return np.column_stack([normals, np.einsum("ij,ij->i", normals, corners[proper, 0])])
+
+
+def clip_hull(hull: Hull, normal: Float[np.ndarray, "3"], offset: float) -> Hull | None:
+    """The part of a hull with ``normal @ x <= offset``; ``None`` if next to nothing is left."""
+    heights = hull.vertices @ normal - offset
+    below = heights <= 0.0
+    if below.all():
+        return hull
+    if not below.any():
+        return None
+    edges = np.unique(
+        np.sort(np.concatenate([hull.faces[:, [0, 1]], hull.faces[:, [1, 2]], hull.faces[:, [2, 0]]])), axis=0
+    )
+    crossing = edges[below[edges[:, 0]] != below[edges[:, 1]]]
+    start, end = heights[crossing[:, 0]], heights[crossing[:, 1]]
+    share = (start / (start - end))[:, None]
+    cut = (1.0 - share) * hull.vertices[crossing[:, 0]] + share * hull.vertices[crossing[:, 1]]
+    try:
+        return convex_hull(np.concatenate([hull.vertices[below], cut]))
+    except DegeneratePart:
+        return None
