@@ -1,20 +1,111 @@
-"""Surfaces to voxels: labels by area majority."""
+"""Surfaces to voxels: labels by area majority, without losing the small parts.
+
+`encode` and `decode` (the dense field and back) live in `artigen.fields` and are offered here too.
+"""
+
+from dataclasses import replace
 
 import numpy as np
 
-from artigen.types import SurfaceSamples, VoxelGrid
+from artigen.fields import decode, encode
+from artigen.types import Asset, SurfaceSamples, VoxelGrid
+
+__all__ = ["decode", "drop_unresolved", "encode", "voxelize"]
+
+FAIR_SHARE = 0.5
+"""A part should own cells that hold this share of its area; below it the part may claim cells."""
 
 
 def voxelize(surface: SurfaceSamples, resolution: int = 64) -> VoxelGrid:
-    """Marks every cell that holds a sample; the part with the most samples (area) owns it.
+    """Marks every cell that holds a sample and gives it to one part.
 
-    Points on the far faces of the unit cube count to the last cell. Ties go to the lower part id.
+    The part with the most samples (area) in a cell owns it; ties go to the lower part id. A part
+    smaller than a cell would lose every cell to the panel it sits on (the buttons of a microwave), so
+    then the parts whose cells hold less than `FAIR_SHARE` of their own area, smallest first, claim
+    the cells where they have most area until they reach that share. A claimed cell is not claimed
+    again. A part can still end up without a cell when several lie inside one; see `drop_unresolved`.
+    Points on the far faces of the unit cube count to the last cell.
     """
+    shape = (resolution,) * 3
     cells = np.floor((surface.points.astype(np.float64) + 0.5) * resolution).astype(np.int64)
     cells = np.clip(cells, 0, resolution - 1)
-    flat = np.ravel_multi_index(tuple(cells.T), (resolution,) * 3)
-    pairs, areas = np.unique(np.stack([flat, surface.part_ids]), axis=1, return_counts=True)
-    order = np.lexsort((pairs[1], -areas, pairs[0]))
-    owners, first = np.unique(pairs[0][order], return_index=True)
-    coords = np.stack(np.unravel_index(owners, (resolution,) * 3), axis=1)
-    return VoxelGrid(resolution=resolution, coords=coords, part_ids=pairs[1][order][first])
+    parts = int(surface.part_ids.max()) + 1 if len(surface.part_ids) else 1
+    keys = np.ravel_multi_index(tuple(cells.T), shape) * parts + surface.part_ids
+    keys, areas = np.unique(keys, return_counts=True)
+    flat, part = np.divmod(keys, parts)  # one row per (cell, part) that meet, sorted by cell, then part
+    order = np.lexsort((part, -areas, flat))
+    owned, first = np.unique(flat[order], return_index=True)
+    cell = np.searchsorted(owned, flat)
+    owners = _claim(cell, part, areas, part[order][first])
+    return VoxelGrid(
+        resolution=resolution, coords=np.stack(np.unravel_index(owned, shape), axis=1), part_ids=owners
+    )
+
+
+def _claim(cell: np.ndarray, part: np.ndarray, areas: np.ndarray, owners: np.ndarray) -> np.ndarray:
+    """Lets starved parts take cells; rows of ``cell``, ``part``, ``areas`` are the pairs that meet."""
+    totals = np.bincount(part, weights=areas)
+    held = np.bincount(part, weights=areas * (owners[cell] == part), minlength=len(totals))
+    starved = np.flatnonzero((totals > 0) & (held < FAIR_SHARE * totals))
+    owners = owners.copy()
+    claimed = np.zeros(len(owners), dtype=bool)
+    for index in starved[np.argsort(totals[starved], kind="stable")]:
+        rows = np.flatnonzero(part == index)
+        have = areas[rows][owners[cell[rows]] == index].sum()
+        rows = rows[(owners[cell[rows]] != index) & ~claimed[cell[rows]]]
+        rows = rows[np.argsort(-areas[rows], kind="stable")]
+        before = have + np.cumsum(areas[rows]) - areas[rows]
+        taken = cell[rows[before < FAIR_SHARE * totals[index]]]
+        owners[taken] = index
+        claimed[taken] = True
+    return owners
+
+
+def drop_unresolved(asset: Asset) -> Asset:
+    """Merges every part that owns no voxel into its parent, and notes it.
+
+    Such a part is below the grid's resolution: nothing that looks at the voxels can find it again.
+    Its surface samples go to the parent and its children hang from the parent; a movable one stops
+    moving. Gaussians are relabelled likewise.
+
+    Raises:
+        ValueError: If the asset has no voxels, or the root owns none.
+    """
+    if asset.voxels is None:
+        raise ValueError(f"asset {asset.name!r} has no voxels; voxelize its surface first")
+    counts = np.bincount(asset.voxels.part_ids, minlength=len(asset.parts))
+    if counts[asset.root] == 0:
+        raise ValueError(
+            f"asset {asset.name!r}: the root part {asset.parts[asset.root].name!r} owns no voxel"
+        )
+    if (counts > 0).all():
+        return asset
+
+    def heir(index: int) -> int:
+        while counts[index] == 0:
+            index = asset.parts[index].parent
+        return index
+
+    kept = np.flatnonzero(counts)
+    renumber = np.full(len(asset.parts), -1)
+    renumber[kept] = np.arange(len(kept))
+    new_ids = np.array([renumber[heir(index)] for index in range(len(asset.parts))])
+    parts = tuple(
+        replace(part, parent=-1 if part.parent == -1 else int(new_ids[part.parent]))
+        for part in (asset.parts[index] for index in kept)
+    )
+    notes = tuple(
+        f"{part.name} ({part.label}, {part.joint.type}) is below the voxel resolution "
+        f"{asset.voxels.resolution} and was merged into {asset.parts[heir(index)].name}"
+        for index, part in enumerate(asset.parts)
+        if counts[index] == 0
+    )
+    holders = {
+        name: None if holder is None else replace(holder, part_ids=new_ids[holder.part_ids])
+        for name, holder in (
+            ("voxels", asset.voxels),
+            ("surface", asset.surface),
+            ("gaussians", asset.gaussians),
+        )
+    }
+    return replace(asset, parts=parts, notes=asset.notes + notes, **holders)
