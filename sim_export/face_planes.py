@@ -1,0 +1,251 @@
+"""Where the faces of a blocky part really lie: fitted planes for its exposed cell faces.
+
+Marking every cell that a surface touches makes a solid half a cell too thick on average, and says
+nothing about where inside its cell a wall lies. This module groups exposed cell faces into coplanar
+patches, moves each patch to its most likely plane (the part's box where the patch is the part's
+extreme), and tells flat patches from the terraces of slanted and curved surfaces.
+
+Lattice units: cell (i, j, k) covers [i, i + 1] x [j, j + 1] x [k, k + 1].
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+from scipy.sparse import coo_matrix
+from scipy.sparse.csgraph import connected_components
+
+from artigen.types import Part
+
+DIRECTIONS: tuple[tuple[int, int], ...] = ((0, -1), (0, 1), (1, -1), (1, 1), (2, -1), (2, 1))
+"""(axis, sign) of the six face normals, in the order of the first dimension of `FacePlanes`."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class FacePlanesConfig:
+    """How far planes move, in cells, and what counts as flat."""
+
+    inset: float = 0.5
+    """Inward shift of a patch backed by two or more cells: voxelising dilates by half a cell."""
+    thin_inset: float = 0.3
+    """Inward shift of a patch backed by one cell; raise it when thin walls come out too thick."""
+    min_thickness: float = 0.4
+    """Thinnest wall that may remain between two opposite patches."""
+    box_reach: float = 1.25
+    """A patch at the part's extreme goes to the box face if that is at most this far away."""
+    max_step_fraction: float = 0.3
+    """A patch with more one-cell steps than this along its boundary may be a terrace; lower it when
+    slanted or round surfaces come out as stairs."""
+    speck_fraction: float = 0.15
+    """Steps to patches smaller than this fraction of a patch's own area are ignored."""
+
+    def __post_init__(self) -> None:
+        for name in (
+            "inset",
+            "thin_inset",
+            "min_thickness",
+            "box_reach",
+            "max_step_fraction",
+            "speck_fraction",
+        ):
+            if not 0.0 <= getattr(self, name) <= 2.0:
+                raise ValueError(f"face planes: {name} is {getattr(self, name)}, expected 0 to 2")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FacePlanes:
+    """Per direction (order of `DIRECTIONS`) and cell, what is known about that face of the cell.
+
+    ``plane`` is the fitted coordinate along the face's axis in lattice units, NaN where the face is
+    not exposed. ``flat`` is True where the face belongs to a plane patch, False on slanted and
+    curved surfaces. ``patch`` numbers the patches from 0 over all directions, -1 elsewhere.
+    """
+
+    plane: Float[np.ndarray, "6 X Y Z"]
+    flat: Bool[np.ndarray, "6 X Y Z"]
+    patch: Int[np.ndarray, "6 X Y Z"]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Faces:
+    """Every exposed face as one row; cells are flat indices into a grid padded by two."""
+
+    direction: np.ndarray
+    cell: np.ndarray
+    patch: np.ndarray
+    thick: np.ndarray
+    inner: np.ndarray
+    edges: np.ndarray
+    grid: np.ndarray
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Steps:
+    """Boundary edges beyond which a patch goes on one cell higher or lower, by patch number."""
+
+    source: np.ndarray
+    target: np.ndarray
+    riser: np.ndarray
+    climbs: np.ndarray
+
+
+def box_in_lattice(part: Part, resolution: int) -> Float[np.ndarray, "2 3"]:
+    """Lowest and highest corner of a part's box in lattice units."""
+    center, size = part.box
+    return (np.stack([center - size / 2, center + size / 2]) + 0.5) * resolution
+
+
+def fit_face_planes(
+    occupancy: Bool[np.ndarray, "X Y Z"],
+    box: Float[np.ndarray, "2 3"],
+    cfg: FacePlanesConfig | None = None,
+) -> FacePlanes:
+    """Fits a plane to every exposed face of a part; ``box`` is its lowest and highest corner.
+
+    Lattice units, measured from the corner of ``occupancy``. Patches are in-plane connected, and
+    all faces of a patch share one coordinate. Raises `ValueError` when no cell is occupied.
+    """
+    cfg = cfg or FacePlanesConfig()
+    if not occupancy.any():
+        raise ValueError("face planes: no occupied cell")
+    faces, steps = _read_faces(np.pad(occupancy, 2))
+    level = np.stack(np.unravel_index(faces.cell, faces.grid.shape[1:]), axis=1) - 2
+    axis, sign = np.array(DIRECTIONS)[faces.direction].T
+    blocky = level[np.arange(len(level)), axis] + (sign > 0)
+    coordinate, at_box = _place_patches(faces, blocky, box, cfg)
+    coordinate = _keep_thickness(faces, coordinate, at_box, cfg.min_thickness)
+    flat = _find_flat(faces, steps, cfg)
+    patch = faces.grid[:, 2:-2, 2:-2, 2:-2]
+    return FacePlanes(
+        plane=np.append(coordinate, np.nan)[patch], flat=np.append(flat, False)[patch], patch=patch
+    )
+
+
+def _read_faces(solid: np.ndarray) -> tuple[_Faces, _Steps]:
+    """Lists exposed faces with their patches and boundary edges, and the one-cell steps."""
+    strides = np.array(solid.strides) // solid.itemsize
+    full = solid.ravel()
+    cells = [np.flatnonzero(solid & ~np.roll(solid, -sign, axis)) for axis, sign in DIRECTIONS]
+    direction = np.repeat(np.arange(6), [len(cell) for cell in cells])
+    cell = np.concatenate(cells)
+    axis, sign = np.array(DIRECTIONS)[direction].T
+    outward = sign * strides[axis]
+    row = np.full((6, full.size), -1, dtype=np.int32)
+    row[direction, cell] = np.arange(len(cell))
+    # The four in-plane neighbours of each face, as directions: those of the two other axes.
+    around = np.array([[n for n in range(6) if n // 2 != a] for a in range(3)])[axis].T
+    shifts = np.array([s * strides[a] for a, s in DIRECTIONS])
+
+    edges = np.zeros(len(cell), dtype=np.int64)
+    links, steps = [], []
+    for toward in around:
+        beside = cell + shifts[toward]
+        concave = full[beside + outward]
+        coplanar = ~concave & full[beside]
+        edges += ~coplanar
+        at = np.flatnonzero(coplanar)
+        links.append(np.stack([at, row[direction[at], beside[at]]]))
+        at = np.flatnonzero(concave & ~full[beside + 2 * outward])
+        upper = beside[at] + outward[at]
+        steps.append((at, row[direction[at], upper], row[toward[at] ^ 1, upper], True))
+        at = np.flatnonzero(~concave & ~coplanar & full[beside - outward])
+        lower = beside[at] - outward[at]
+        steps.append((at, row[direction[at], lower], row[toward[at], cell[at]], False))
+
+    patch = _connected(np.concatenate(links, axis=1), len(cell))
+    grid = np.append(patch, -1)[row].reshape(6, *solid.shape)
+    first, second = shifts[around[1]], shifts[around[3]]
+    by_cell = grid.reshape(6, -1)
+    offsets = (a * first + b * second for a in (-2, 0, 2) for b in (-2, 0, 2))
+    inner = np.all([by_cell[direction, cell + offset] == patch for offset in offsets], axis=0)
+    faces = _Faces(
+        direction=direction,
+        cell=cell,
+        patch=patch,
+        thick=full[cell - outward],
+        inner=inner,
+        edges=edges,
+        grid=grid,
+    )
+    source, target, riser = (patch[np.concatenate([step[n] for step in steps])] for n in range(3))
+    climbs = np.concatenate([np.full(len(step[0]), step[3]) for step in steps])
+    return faces, _Steps(source=source, target=target, riser=riser, climbs=climbs)
+
+
+def _connected(links: np.ndarray, count: int) -> np.ndarray:
+    """Numbers the connected components of ``count`` rows joined by pairs of rows."""
+    weights = np.ones(links.shape[1], dtype=bool)
+    graph = coo_matrix((weights, tuple(links)), shape=(count, count))
+    return connected_components(graph, directed=False)[1]
+
+
+def _place_patches(
+    faces: _Faces, blocky: np.ndarray, box: np.ndarray, cfg: FacePlanesConfig
+) -> tuple[np.ndarray, np.ndarray]:
+    """Fitted coordinate of every patch, and whether it was put on the box."""
+    area = np.bincount(faces.patch)
+    thick = np.bincount(faces.patch, weights=faces.thick) > area / 2
+    level, direction = np.zeros(len(area)), np.zeros(len(area), dtype=np.int64)
+    level[faces.patch], direction[faces.patch] = blocky, faces.direction
+    axis, sign = np.array(DIRECTIONS)[direction].T
+    extreme = np.full(6, -np.inf)
+    np.maximum.at(extreme, direction, sign * level)
+    side = box[(sign > 0).astype(int), axis]
+    at_box = (sign * level == extreme[direction]) & (np.abs(side - level) <= cfg.box_reach)
+    inset = np.where(thick, cfg.inset, cfg.thin_inset)
+    return np.where(at_box, side, level - sign * inset), at_box
+
+
+def _keep_thickness(
+    faces: _Faces, coordinate: np.ndarray, at_box: np.ndarray, min_thickness: float
+) -> np.ndarray:
+    """Moves opposite patches apart where a wall of one or two cells became too thin.
+
+    Of two patches the one that is not on the box gives way; otherwise both move by half.
+    """
+    out = coordinate.copy()
+    for axis in range(3):
+        low = np.moveaxis(faces.grid[2 * axis], axis, 0)
+        high = np.moveaxis(faces.grid[2 * axis + 1], axis, 0)
+        pairs = []
+        for upper, lower in ((high, low), (high[1:], low[:-1])):
+            opposite = (upper >= 0) & (lower >= 0)
+            pairs.append(np.stack([lower[opposite], upper[opposite]]))
+        lower, upper = np.unique(np.concatenate(pairs, axis=1), axis=1)
+        missing = np.maximum(min_thickness - (coordinate[upper] - coordinate[lower]), 0.0)
+        share = np.where(at_box[lower] == at_box[upper], 0.5, np.where(at_box[lower], 0.0, 1.0))
+        move = np.zeros_like(out)
+        np.minimum.at(move, lower, -missing * share)
+        np.maximum.at(move, upper, missing * (1.0 - share))
+        out += move
+    return out
+
+
+def _find_flat(faces: _Faces, steps: _Steps, cfg: FacePlanesConfig) -> np.ndarray:
+    """Which patches are flat rather than terraces of slanted or curved surfaces.
+
+    A terrace has steps of one cell up on one side and down on the other. The top of a curved
+    surface only steps down, but to terraces, or is less than five cells wide. A raised or sunk
+    panel steps to patches that are no terraces, and stays flat. A riser beside a terrace is not
+    flat either, although it may be long. Steps to specks say nothing about the slope of a patch.
+    """
+    patch = faces.patch
+    area = np.bincount(patch)
+    count = len(area)
+
+    def total(rows: np.ndarray, weights: np.ndarray) -> np.ndarray:
+        return np.bincount(rows, weights=weights, minlength=count)
+
+    counts = area[steps.target] >= cfg.speck_fraction * area[steps.source]
+    edges = np.maximum(total(patch, faces.edges) - total(steps.source, ~counts), 1)
+    up = total(steps.source, counts & steps.climbs) / edges
+    down = total(steps.source, counts & ~steps.climbs) / edges
+    narrow = total(patch, faces.inner) == 0
+    most = cfg.max_step_fraction
+    terrace = (up > most / 2) & (down > most / 2)
+    terrace |= narrow & (down > most)
+    to_terrace = total(steps.source, counts & terrace[steps.target])
+    terrace = terrace | ((up + down > most) & (to_terrace > (up + down) * edges / 2))
+    beside = terrace[steps.source] | terrace[steps.target]
+    # Both ends of a step list the same riser face, once from above and once from below.
+    return ~(terrace | (total(steps.riser, beside / 2) > area / 2))

@@ -1,0 +1,130 @@
+"""Laws of fitted face planes: boxes exact, walls half a cell in, round and slanted things not locked."""
+
+import numpy as np
+import pytest
+
+from sim_export.face_planes import DIRECTIONS, FacePlanesConfig, fit_face_planes
+
+
+def grid(size: int = 28) -> np.ndarray:
+    return np.mgrid[:size, :size, :size] + 0.5 - size / 2
+
+
+def tight_box(occupancy: np.ndarray) -> np.ndarray:
+    cells = np.argwhere(occupancy)
+    return np.stack([cells.min(axis=0), cells.max(axis=0) + 1]).astype(float)
+
+
+def flat_fraction(occupancy: np.ndarray, direction: int) -> float:
+    planes = fit_face_planes(occupancy, tight_box(occupancy))
+    exposed = planes.patch[direction] >= 0
+    return float(planes.flat[direction][exposed].mean())
+
+
+def open_box() -> np.ndarray:
+    """A tray with walls and bottom one cell thick, outer cells 4..15 x 3..20 x 5..12."""
+    occupancy = np.zeros((24, 24, 24), dtype=bool)
+    occupancy[4:16, 3:21, 5:13] = True
+    occupancy[5:15, 4:20, 6:13] = False
+    return occupancy
+
+
+def test_a_solid_box_gets_its_box():
+    occupancy = np.zeros((12, 14, 16), dtype=bool)
+    occupancy[2:9, 3:12, 4:5] = True
+    box = np.array([[2.3, 3.9, 4.1], [8.2, 11.5, 4.8]])
+    planes = fit_face_planes(occupancy, box)
+    for number, (axis, sign) in enumerate(DIRECTIONS):
+        exposed = planes.patch[number] >= 0
+        assert exposed.any()
+        assert planes.flat[number][exposed].all()
+        np.testing.assert_array_equal(planes.plane[number][exposed], box[(sign + 1) // 2, axis])
+        assert np.isnan(planes.plane[number][~exposed]).all()
+
+
+def test_inner_walls_move_toward_the_solid():
+    cfg = FacePlanesConfig()
+    occupancy = open_box()
+    planes = fit_face_planes(occupancy, tight_box(occupancy), cfg)
+    # The tray's floor seen from above, one cell thick, its lower face on the box.
+    assert planes.plane[5][10, 10, 5] == pytest.approx(6 - cfg.thin_inset)
+    solid = occupancy.copy()
+    solid[5:15, 4:20, 6:8] = True
+    planes = fit_face_planes(solid, tight_box(solid), cfg)
+    assert planes.plane[5][10, 10, 7] == pytest.approx(8 - cfg.inset)
+    assert planes.flat[5][10, 10, 7]
+
+
+def test_walls_keep_their_least_thickness_and_the_box_wins():
+    occupancy = open_box()
+    box = tight_box(occupancy)
+    box[0, 2] += 0.9  # the floor's lower face almost at the top of its cell
+    planes = fit_face_planes(occupancy, box, FacePlanesConfig(min_thickness=0.4))
+    assert planes.plane[4][10, 10, 5] == pytest.approx(5.9)
+    assert planes.plane[5][10, 10, 5] == pytest.approx(6.3)
+
+
+def test_a_far_box_is_ignored():
+    occupancy = open_box()
+    box = tight_box(occupancy)
+    box[0, 2] += 3.0
+    planes = fit_face_planes(occupancy, box)
+    assert planes.plane[4][10, 10, 5] == pytest.approx(5.3)
+
+
+@pytest.mark.parametrize("radius", [2, 3, 4, 6, 9, 12])
+def test_balls_are_round_and_cylinders_round_with_flat_ends(radius: int):
+    x = grid()
+    ball = (x**2).sum(axis=0) < radius**2
+    cylinder = ((x[:2] ** 2).sum(axis=0) < radius**2) & (np.abs(x[2]) < 7)
+    for number in range(6):
+        assert flat_fraction(ball, number) == 0.0
+        assert flat_fraction(cylinder, number) == (1.0 if number >= 4 else 0.0)
+
+
+@pytest.mark.parametrize("run", [1, 2, 3, 5])
+def test_slanted_plates_are_not_locked_but_their_sides_are(run: int):
+    x = grid()
+    plate = (np.abs(x[2] - x[0] / run) < 1.5) & (np.abs(x[1]) < 8)
+    assert flat_fraction(plate, 4) < 0.15
+    assert flat_fraction(plate, 5) < 0.15
+    assert flat_fraction(plate, 2) == flat_fraction(plate, 3) == 1.0
+
+
+def test_raised_panels_stay_flat():
+    door = np.zeros((6, 24, 30), dtype=bool)
+    door[2:4] = True
+    door[4, 4:20, 4:26] = True
+    assert flat_fraction(door, 1) == 1.0
+    assert flat_fraction(door, 0) == 1.0
+
+
+def test_specks_do_not_unlock_a_panel():
+    rng = np.random.default_rng(3)
+    door = np.zeros((6, 40, 40), dtype=bool)
+    door[2:4] = True
+    door[4] = rng.random((40, 40)) < 0.1
+    planes = fit_face_planes(door, tight_box(door))
+    assert planes.flat[1][3].mean() > 0.8
+
+
+def test_axis_permutations_and_translations_commute():
+    x = grid(16)
+    occupancy = open_box()[:16, :22, :16] | np.pad(((x**2).sum(axis=0) < 9), ((0, 0), (6, 0), (0, 0)))
+    box = tight_box(occupancy)
+    planes = fit_face_planes(occupancy, box)
+    turned = fit_face_planes(np.transpose(occupancy, (2, 0, 1)), box[:, [2, 0, 1]])
+    moved = fit_face_planes(np.pad(occupancy, ((3, 0), (1, 0), (2, 0))), box + np.array([3, 1, 2]))
+    for number, (axis, sign) in enumerate(DIRECTIONS):
+        other = DIRECTIONS.index(((axis + 1) % 3, sign))
+        np.testing.assert_array_equal(np.transpose(planes.plane[number], (2, 0, 1)), turned.plane[other])
+        np.testing.assert_array_equal(np.transpose(planes.flat[number], (2, 0, 1)), turned.flat[other])
+        np.testing.assert_allclose(moved.plane[number][3:, 1:, 2:], planes.plane[number] + (3, 1, 2)[axis])
+        np.testing.assert_array_equal(moved.flat[number][3:, 1:, 2:], planes.flat[number])
+
+
+def test_nothing_occupied_is_an_error():
+    with pytest.raises(ValueError, match="no occupied cell"):
+        fit_face_planes(np.zeros((4, 4, 4), dtype=bool), np.zeros((2, 3)))
+    with pytest.raises(ValueError, match="inset is -1"):
+        FacePlanesConfig(inset=-1.0)
