@@ -1,0 +1,192 @@
+"""Light for the ray caster: textures, smooth normals, a soft key light and ambient occlusion.
+
+Everything works on flat arrays of hit points. Light is linear; sRGB enters and leaves through the
+tables here. Random directions are one low-discrepancy set, spread over a small tile of subpixels
+and averaged over the same tile afterwards, so that few rays give a smooth, repeatable picture.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+from jaxtyping import Float, Int, UInt8
+from scipy import sparse
+
+TILE = 4
+"""Edge of the tile of subpixels over which directions are spread and then averaged."""
+
+Occluded = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
+"""(origins, directions, reach in units of the direction) -> True where something is in the way."""
+
+
+def linear_from_srgb(values: Float[np.ndarray, "*S"]) -> Float[np.ndarray, "*S"]:
+    """sRGB values in [0, 1] as linear light."""
+    return np.where(values <= 0.04045, values / 12.92, ((values + 0.055) / 1.055) ** 2.4)
+
+
+def srgb_from_linear(values: Float[np.ndarray, "*S"]) -> Float[np.ndarray, "*S"]:
+    """Linear light in [0, 1] as sRGB values."""
+    return np.where(
+        values <= 0.0031308, values * 12.92, 1.055 * np.maximum(values, 1e-9) ** (1.0 / 2.4) - 0.055
+    )
+
+
+LINEAR_OF_BYTE = linear_from_srgb(np.arange(256) / 255.0).astype(np.float32)
+
+
+def smooth_corner_normals(
+    triangles: Float[np.ndarray, "F 3 3"], crease_angle: float
+) -> Float[np.ndarray, "F 3 3"]:
+    """Unit normals at triangle corners: neighbours within ``crease_angle`` (degrees) are averaged.
+
+    Corners at the same place are neighbours whether or not they share a vertex, each weighted by
+    its face's area; faces without area keep the zero normal.
+    """
+    area_normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    lengths = np.linalg.norm(area_normals, axis=1, keepdims=True)
+    normals = area_normals / np.where(lengths > 0, lengths, 1.0)
+    flat = np.repeat(normals[:, None], 3, axis=1)
+    if crease_angle <= 0 or len(triangles) == 0:
+        return flat
+    extent = max(float(np.ptp(triangles.reshape(-1, 3), axis=0).max()), 1e-12)
+    cells = np.round(triangles.reshape(-1, 3) / (extent * 1e-6)).astype(np.int64)
+    _, places = np.unique(cells, axis=0, return_inverse=True)
+    places = places.ravel()
+    # A face direction, rounded, stands for all its coplanar faces: fans of any size stay cheap.
+    _, first, kinds = np.unique(
+        np.round(normals * 500).astype(np.int64), axis=0, return_index=True, return_inverse=True
+    )
+    kinds = np.repeat(kinds.ravel(), 3)
+    pairs, pair_of_corner = np.unique(np.stack([places, kinds]), axis=1, return_inverse=True)
+    pair_of_corner = pair_of_corner.ravel()
+    sums = np.zeros((pairs.shape[1], 3))
+    np.add.at(sums, pair_of_corner, np.repeat(area_normals, 3, axis=0))
+    incidence = sparse.csr_matrix(
+        (np.ones(pairs.shape[1]), (np.arange(pairs.shape[1]), pairs[0])),
+        shape=(pairs.shape[1], int(places.max()) + 1),
+    )
+    near = (incidence @ incidence.T).tocoo()
+    direction = normals[first][pairs[1]]
+    close = (direction[near.row] * direction[near.col]).sum(axis=1) > np.cos(np.radians(crease_angle))
+    blend = sparse.csr_matrix((np.ones(close.sum()), (near.row[close], near.col[close])), shape=near.shape)
+    smooth = (blend @ sums)[pair_of_corner].reshape(-1, 3, 3)
+    size = np.linalg.norm(smooth, axis=2, keepdims=True)
+    return np.where(size > 1e-9 * extent**2, smooth / np.where(size > 0, size, 1.0), flat)
+
+
+def sphere_points(count: int, seed: int) -> Float[np.ndarray, "K 3"]:
+    """Evenly spread unit vectors: an additive low-discrepancy sequence, shifted by ``seed``."""
+    shift = np.random.default_rng(seed).uniform(size=2)
+    golden = 1.32471795724474602596
+    u, v = (np.outer([1.0 / golden, 1.0 / golden**2], np.arange(1, count + 1)) + shift[:, None]) % 1.0
+    height, angle = 2.0 * u - 1.0, 2.0 * np.pi * v
+    radius = np.sqrt(1.0 - height**2)
+    return np.stack([radius * np.cos(angle), radius * np.sin(angle), height], axis=1).astype(np.float32)
+
+
+def sample_textures(
+    atlas: UInt8[np.ndarray, "M 3"], layout: Int[np.ndarray, "N 4"], uv: Float[np.ndarray, "N 2"]
+) -> Float[np.ndarray, "N 3"]:
+    """Bilinear look-up in many textures at once, as linear light.
+
+    Args:
+        atlas: the rows of all textures, one after the other.
+        layout: per look-up: first texel, width, height, and 1 where coordinates repeat (else they
+            are clamped to the edge).
+        uv: texture coordinates with the origin at the lower left.
+    """
+    first, width, height, repeat = layout.T
+    x = uv[:, 0] * width - 0.5
+    y = (1.0 - uv[:, 1]) * height - 0.5
+    x0, y0 = np.floor(x), np.floor(y)
+    fx, fy = (x - x0)[:, None].astype(np.float32), (y - y0)[:, None].astype(np.float32)
+    columns, rows = [], []
+    for step in (0, 1):
+        column, row = x0.astype(np.int64) + step, y0.astype(np.int64) + step
+        columns.append(np.where(repeat, column % width, np.clip(column, 0, width - 1)))
+        rows.append(first + width * np.where(repeat, row % height, np.clip(row, 0, height - 1)))
+    texel = [[LINEAR_OF_BYTE[atlas[row + column]] for column in columns] for row in rows]
+    top = texel[0][0] * (1 - fx) + texel[0][1] * fx
+    bottom = texel[1][0] * (1 - fx) + texel[1][1] * fx
+    return top * (1 - fy) + bottom * fy
+
+
+def unoccluded_fraction(
+    points: Float[np.ndarray, "N 3"],
+    centers: Float[np.ndarray, "N 3"],
+    cells: Int[np.ndarray, "N"],
+    samples: Float[np.ndarray, "K 3"],
+    reach: float,
+    occluded: Occluded,
+) -> Float[np.ndarray, "N"]:
+    """Fraction of free rays among ``centers + samples``; ``cells`` picks the samples of a tile cell.
+
+    With a unit normal as centre and unit samples, the directions follow the cosine law.
+    """
+    per_cell = len(samples) // TILE**2
+    free = np.zeros(len(points), dtype=np.float32)
+    for step in range(per_cell):
+        directions = centers + samples[cells + step * TILE**2]
+        lengths = np.sqrt(np.einsum("ij,ij->i", directions, directions))
+        limits = (reach / np.maximum(lengths, 1e-3)).astype(np.float32)
+        free += ~occluded(points, directions, limits)
+    return free / max(per_cell, 1)
+
+
+def tile_average(
+    values: Float[np.ndarray, "H W C"], normals: Float[np.ndarray, "H W 3"], labels: Int[np.ndarray, "H W"]
+) -> Float[np.ndarray, "H W C"]:
+    """Averages each subpixel with its tile neighbours of the same label and a similar normal."""
+    guide = normals
+    for axis in (0, 1):
+        total = values.copy()
+        weight = np.ones(labels.shape, dtype=np.float32)
+        for shift in range(-(TILE // 2) + 1, TILE // 2 + 1):
+            if shift == 0:
+                continue
+            here, there = _shifted(shift, axis)
+            same = labels[here] == labels[there]
+            same &= np.einsum("ijk,ijk->ij", guide[here], guide[there]) > 0.9
+            total[here] += values[there] * same[..., None]
+            weight[here] += same
+        values = total / weight[..., None]
+    return values
+
+
+def _shifted(shift: int, axis: int) -> tuple[tuple[slice, slice], tuple[slice, slice]]:
+    near = slice(max(0, -shift), -shift if shift > 0 else None)
+    far = slice(max(0, shift), shift if shift < 0 else None)
+    whole = slice(None)
+    return ((near, whole), (far, whole)) if axis == 0 else ((whole, near), (whole, far))
+
+
+def orient_to_viewer(
+    normals: Float[np.ndarray, "N 3"], geometric: Float[np.ndarray, "N 3"], rays: Float[np.ndarray, "N 3"]
+) -> tuple[Float[np.ndarray, "N 3"], Float[np.ndarray, "N 3"]]:
+    """Two-sided shading: turns both normals of each hit against its ray, and unit length."""
+    length = np.sqrt(np.einsum("ij,ij->i", geometric, geometric))[:, None]
+    geometric = geometric / np.maximum(length, 1e-20)
+    geometric = np.where(np.einsum("ij,ij->i", geometric, rays)[:, None] > 0, -geometric, geometric)
+    size = np.sqrt(np.einsum("ij,ij->i", normals, normals))[:, None]
+    normals = np.where(size > 1e-6, normals / np.maximum(size, 1e-20), geometric)
+    normals = np.where(np.einsum("ij,ij->i", normals, geometric)[:, None] < 0, -normals, normals)
+    return normals, geometric
+
+
+def shade(
+    albedo: Float[np.ndarray, "N 3"],
+    normals: Float[np.ndarray, "N 3"],
+    towards_eye: Float[np.ndarray, "N 3"],
+    light: Float[np.ndarray, "3"],
+    visible: Float[np.ndarray, "N 2"],
+) -> Float[np.ndarray, "N 3"]:
+    """Diffuse light from the sky, a key light and a weak lamp at the camera.
+
+    ``visible`` holds the free fraction of sky and of key light.
+    """
+    sky, key = visible[:, :1], visible[:, 1:]
+    height = 0.5 + 0.5 * normals[:, 2:]
+    ambient = np.array([0.50, 0.53, 0.57]) * height + np.array([0.34, 0.32, 0.30]) * (1.0 - height)
+    facing = np.clip(normals @ light, 0.0, None)[:, None]
+    lamp = 0.12 * np.abs(np.einsum("ij,ij->i", normals, towards_eye))[:, None]
+    received = ambient * sky + np.array([0.64, 0.62, 0.585]) * facing * key + lamp * (0.4 + 0.6 * sky)
+    return (albedo * received).astype(np.float32)
