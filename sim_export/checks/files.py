@@ -1,0 +1,254 @@
+"""L0, the files: XML, tree, schema, paths, joints, sizes and the manifest (V001 to V006, V010)."""
+
+import hashlib
+import posixpath
+from pathlib import PurePosixPath
+
+import numpy as np
+
+from artigen.types import FULL_TURN
+from sim_export.checks.config import CheckConfig
+from sim_export.checks.registry import CheckSpec, Finding, always, count_problems
+from sim_export.checks.subject import MAIN_URDF, Subject
+from sim_export.checks.urdf_file import UrdfFile, UrdfJoint, parse_urdf, tree_problems
+from sim_export.errors import PackageError
+from sim_export.package import URDF_JOINT_TYPES
+
+MANIFEST = "manifest.json"
+LATER = ("validation.json",)
+"""Written by validation itself, hence in no manifest and used by no file."""
+
+SIDECARS = (
+    "annotations.json",
+    "bounding_box.json",
+    "meta.json",
+    "mobility_v2.json",
+    "physics.json",
+    "provenance.json",
+    "semantics.txt",
+)
+PARTNET_SIDECARS = ("PROVENANCE.json", "result.json", "result_after_merging.json", "images/info.json")
+Problems = list[tuple[str, str]]
+
+
+def _all_urdfs(subject: Subject) -> dict[str, UrdfFile]:
+    names = [name for name in subject.files if name.endswith(".urdf") and "/" not in name]
+    return {name: parse_urdf(subject.folder / name) for name in sorted({MAIN_URDF, *names})}
+
+
+def check_tree(subject: Subject, cfg: CheckConfig) -> Finding:
+    """V001: every URDF is well-formed and its links are one tree with unique names."""
+    problems: Problems = []
+    links = 0
+    for name in sorted({MAIN_URDF, *(n for n in subject.files if n.endswith(".urdf") and "/" not in n)}):
+        try:
+            urdf = parse_urdf(subject.folder / name)
+        except PackageError as err:
+            problems.append((name, str(err)))
+            continue
+        links = max(links, len(urdf.links))
+        problems += [(where, f"{name}: {sentence}") for where, sentence in tree_problems(urdf)]
+    return count_problems(problems, f"one tree of {links} links with unique names")
+
+
+def check_schema(subject: Subject, cfg: CheckConfig) -> Finding:
+    """V002: yourdfpy, a reader that is not ours, finds the URDF complete and every mesh file present."""
+    from lxml.etree import LxmlError
+    from yourdfpy import URDF
+
+    parse_urdf(subject.folder / MAIN_URDF)  # yourdfpy expands entities; nothing unsafe may reach it
+    try:
+        robot = URDF.load(
+            str(subject.folder / MAIN_URDF),
+            build_scene_graph=False,
+            build_collision_scene_graph=False,
+            load_meshes=False,
+            load_collision_meshes=False,
+        )
+        complete = robot.validate()
+    except (LxmlError, ValueError, KeyError, TypeError, AttributeError) as err:
+        return count_problems([(MAIN_URDF, f"yourdfpy: {type(err).__name__}: {err}")], "")
+    problems: Problems = [] if complete else [(MAIN_URDF, f"yourdfpy: {error}") for error in robot.errors]
+    if not robot.validate_filenames():
+        problems.append((MAIN_URDF, "yourdfpy: a mesh file does not exist"))
+    return count_problems(problems, "yourdfpy finds nothing missing")
+
+
+def check_paths(subject: Subject, cfg: CheckConfig) -> Finding:
+    """V003: every path is relative, inside the folder and there; every file is used by something."""
+    problems: Problems = []
+    used = {MAIN_URDF}
+    for name, urdf in _all_urdfs(subject).items():
+        used |= {name, name.replace(".urdf", ".srdf")}
+        files = {s.file for link in urdf.links for s in (*link.visuals, *link.collisions) if s.kind == "mesh"}
+        for file in sorted(files):
+            used |= _follow(subject, name, file, problems)
+    for name in subject.files:
+        if name.endswith(".mjcf.xml"):
+            used |= {name, *_mjcf_files(subject, name, problems)}
+    known = {*SIDECARS, *LATER, MANIFEST, *(() if subject.is_package else PARTNET_SIDECARS)}
+    problems += [(n, f"{n}: no file refers to it") for n in subject.files if n not in used | known]
+    return count_problems(problems, f"all {len(used)} files that are named exist, and none is left over")
+
+
+def _follow(subject: Subject, owner: str, reference: str, problems: Problems) -> set[str]:
+    """The file a reference means, and what that file refers to; problems are appended."""
+    file = _resolve(subject, owner, reference, problems)
+    if not file:
+        return set()
+    found = {file}
+    key = {".obj": b"mtllib", ".mtl": b"map_"}.get(PurePosixPath(file).suffix.lower())
+    if key is not None:
+        for line in (subject.folder / file).read_bytes().splitlines():
+            words = line.split(maxsplit=1)
+            if len(words) == 2 and words[0].startswith(key):
+                target = words[1].decode(errors="replace").strip()
+                target = target.split()[-1] if target.startswith("-") else target
+                found |= _follow(subject, file, target, problems)
+    return found
+
+
+def _resolve(subject: Subject, owner: str, reference: str, problems: Problems) -> str:
+    """The referenced file relative to the folder, or "" with a problem."""
+    fault = ""
+    path = posixpath.normpath(posixpath.join(posixpath.dirname(owner), reference))
+    if not reference:
+        fault = "an empty file name"
+    elif "://" in reference:
+        fault = f"{reference!r}, expected a relative path"
+    elif reference.startswith(("/", "\\")) or ":" in reference or "\\" in reference:
+        fault = f"{reference!r}, an absolute or platform-bound path"
+    elif path.startswith(".."):
+        fault = f"{reference!r}, which leaves the folder"
+    elif path not in subject.files:
+        fault = f"{reference!r}, which does not exist"
+    if fault and (owner, f"{owner}: refers to {fault}") not in problems:
+        problems.append((owner, f"{owner}: refers to {fault}"))
+    return "" if fault else path
+
+
+def _mjcf_files(subject: Subject, name: str, problems: Problems) -> set[str]:
+    from xml.etree.ElementTree import ParseError
+
+    from defusedxml.common import DefusedXmlException
+    from defusedxml.ElementTree import fromstring
+
+    try:
+        root = fromstring((subject.folder / name).read_bytes())
+    except (ParseError, DefusedXmlException, ValueError) as err:
+        problems.append((name, f"{name}: not well-formed XML ({err})"))
+        return set()
+    compiler = root.find("compiler")
+    folders = {} if compiler is None else compiler.attrib
+    found: set[str] = set()
+    for tag, key in (("mesh", "meshdir"), ("texture", "texturedir")):
+        base = folders.get(key, folders.get("assetdir", ""))
+        for element in root.iter(tag):
+            file = element.get("file")
+            if file is not None:
+                found |= _follow(subject, name, posixpath.join(base, file), problems)
+    return found
+
+
+def check_joint_types(subject: Subject, cfg: CheckConfig) -> Finding:
+    """V004: only joint types that every engine knows."""
+    problems = [
+        (joint.name, f"joint {joint.name!r} has type {joint.type!r}, allowed are {', '.join(URDF_JOINT_TYPES)}")
+        for joint in subject.urdf.joints
+        if joint.type not in URDF_JOINT_TYPES
+    ]
+    return count_problems(problems, f"{len(subject.urdf.joints)} joints of known types")
+
+
+def _moving(subject: Subject) -> list[UrdfJoint]:
+    return [joint for joint in subject.urdf.joints if joint.type != "fixed"]
+
+
+def has_moving_joints(subject: Subject) -> str:
+    """Applies where something can move."""
+    return "" if _moving(subject) else "no joint moves"
+
+
+def check_limits(subject: Subject, cfg: CheckConfig) -> Finding:
+    """V005: finite limits with 0 the lower one, unit axes, ranges that fit the object."""
+    problems: Problems = []
+    for joint in _moving(subject):
+        length = float(np.linalg.norm(joint.axis))
+        if not abs(length - 1.0) <= cfg.axis_tolerance:
+            problems.append((joint.name, f"joint {joint.name!r} has an axis of length {length:.9g}, expected 1"))
+        if joint.type in ("revolute", "prismatic"):
+            problems += [(joint.name, f"joint {joint.name!r} {text}") for text in _range_faults(subject, joint, cfg)]
+    return count_problems(problems, f"limits and axes of {len(_moving(subject))} joints are sound")
+
+
+def _range_faults(subject: Subject, joint: UrdfJoint, cfg: CheckConfig) -> list[str]:
+    lower, upper = joint.lower, joint.upper
+    if lower is None or upper is None:
+        return ["has no <limit>"]
+    if not np.isfinite([lower, upper]).all():
+        return [f"has limits [{lower}, {upper}], expected finite numbers"]
+    faults = []
+    if lower >= upper:
+        faults.append(f"has lower limit {lower:.6g}, not below its upper one {upper:.6g}")
+    if joint.mimic is None and abs(lower) > cfg.rest_tolerance:
+        faults.append(f"has lower limit {lower:.6g}, expected 0, the closed rest pose")
+    turning = joint.type == "revolute"
+    allowed = FULL_TURN + cfg.turn_tolerance if turning else subject.diagonal
+    if upper - lower > allowed:
+        unit, what = ("rad", "a full turn") if turning else ("m", "the object's diagonal")
+        faults.append(f"has a range of {upper - lower:.4g} {unit}, more than {what}")
+    return faults
+
+
+def check_counts(subject: Subject, cfg: CheckConfig) -> Finding:
+    """V006: few enough links and hulls for PhysX."""
+    links = subject.urdf.links
+    worst = max(links, key=lambda link: len(link.collisions))
+    counts = [
+        (len(links), cfg.max_links, "links", MAIN_URDF),
+        (len(worst.collisions), cfg.max_hulls_per_link, f"hulls on {worst.name}", worst.name),
+        (sum(len(link.collisions) for link in links), cfg.max_hulls, "hulls", MAIN_URDF),
+    ]
+    count, limit, what, where = max(counts, key=lambda entry: entry[0] / entry[1])
+    return Finding(
+        passed=count <= limit,
+        value=count,
+        threshold=limit,
+        unit=what.split()[0],
+        where=where,
+        message=", ".join(f"{n} of at most {most} {name}" for n, most, name, _ in counts),
+    )
+
+
+def is_package(subject: Subject) -> str:
+    """Applies to our packages, also to those that have lost a file."""
+    return "" if subject.is_package else "the folder is not a package of ours and has no manifest"
+
+
+def check_manifest(subject: Subject, cfg: CheckConfig) -> Finding:
+    """V010: every file has the hash that the manifest states, and the manifest names every file."""
+    listed = subject.read_json(MANIFEST).get("files")
+    if not isinstance(listed, dict):
+        raise PackageError(f"{MANIFEST}: 'files' is a {type(listed).__name__}, expected names and hashes")
+    problems: Problems = []
+    for name in sorted(set(listed) | set(subject.files)):
+        if name == MANIFEST or name in LATER:
+            continue
+        if name not in listed:
+            problems.append((name, f"{name}: not in the manifest"))
+        elif name not in subject.files:
+            problems.append((name, f"{name}: in the manifest but not in the folder"))
+        elif hashlib.sha256((subject.folder / name).read_bytes()).hexdigest() != listed[name]:
+            problems.append((name, f"{name}: its content differs from the hash in the manifest"))
+    return count_problems(problems, f"{len(listed)} files match their hashes")
+
+
+FILE_CHECKS = (
+    CheckSpec(id="V001", level="L0", title="one tree", applies=always, function=check_tree),
+    CheckSpec(id="V002", level="L0", title="yourdfpy validates", applies=always, function=check_schema),
+    CheckSpec(id="V003", level="L0", title="paths", applies=always, function=check_paths),
+    CheckSpec(id="V004", level="L0", title="joint types", applies=always, function=check_joint_types),
+    CheckSpec(id="V005", level="L0", title="axes and limits", applies=has_moving_joints, function=check_limits),
+    CheckSpec(id="V006", level="L0", title="counts", applies=always, function=check_counts),
+    CheckSpec(id="V010", level="L0", title="manifest", applies=is_package, function=check_manifest),
+)

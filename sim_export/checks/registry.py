@@ -1,0 +1,98 @@
+"""The list of checks, and running them: every check gives a verdict, none brings the suite down."""
+
+import logging
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from time import perf_counter
+
+from sim_export.checks.config import CheckConfig
+from sim_export.checks.subject import Subject
+from artigen.errors import ArtigenError
+from sim_export.report import CheckResult, Level, Verdict
+
+logger = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Finding:
+    """What a check measured and whether that is good enough."""
+
+    passed: bool
+    value: float | None
+    threshold: float
+    unit: str
+    where: str
+    message: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class CheckSpec:
+    """One check. ``applies`` returns why the check has nothing to judge here, or "" if it has."""
+
+    id: str
+    level: Level
+    title: str
+    applies: Callable[[Subject], str]
+    function: Callable[[Subject, CheckConfig], Finding]
+
+
+def always(subject: Subject) -> str:
+    """For checks that every folder must pass."""
+    return ""
+
+
+def count_problems(problems: Sequence[tuple[str, str]], fine: str) -> Finding:
+    """A finding that counts (where, sentence) pairs; none are allowed."""
+    if not problems:
+        return Finding(passed=True, value=0.0, threshold=0.0, unit="problems", where="", message=fine)
+    where, sentence = problems[0]
+    more = f" (and {len(problems) - 1} more)" if len(problems) > 1 else ""
+    return Finding(
+        passed=False,
+        value=float(len(problems)),
+        threshold=0.0,
+        unit="problems",
+        where=where,
+        message=sentence + more,
+    )
+
+
+def run_check(spec: CheckSpec, subject: Subject, cfg: CheckConfig) -> CheckResult:
+    """Runs one check; what keeps it from measuring is its failure."""
+    begin = perf_counter()
+    verdict: Verdict = "fail"
+    finding: Finding | None = None
+    message = ""
+    try:
+        message = spec.applies(subject)
+        if message:
+            verdict = "not_applicable"
+        else:
+            finding = spec.function(subject, cfg)
+            verdict, message = ("pass" if finding.passed else "fail"), finding.message
+    except ArtigenError as err:
+        message = f"cannot be judged: {err}"
+    except Exception as err:  # a broken folder must cost its own verdict, never the run
+        logger.exception("%s: check %s crashed", subject.folder, spec.id)
+        message = f"the check crashed: {type(err).__name__}: {err}"
+    return CheckResult(
+        id=spec.id,
+        level=spec.level,
+        title=spec.title,
+        verdict=verdict,
+        value=None if finding is None else float(finding.value),
+        threshold=None if finding is None else float(finding.threshold),
+        unit="" if finding is None else finding.unit,
+        where="" if finding is None else finding.where,
+        message=message,
+        seconds=perf_counter() - begin,
+    )
+
+
+def run_specs(
+    specs: Sequence[CheckSpec], folder: Path, cfg: CheckConfig, *, subject: Subject | None = None
+) -> tuple[CheckResult, ...]:
+    """Runs checks on a folder, in the order given; pass a `Subject` to share what was already parsed."""
+    subject = Subject(folder) if subject is None else subject
+    return tuple(run_check(spec, subject, cfg) for spec in specs)
