@@ -62,6 +62,10 @@ class UrdfJoint:
     upper: float | None
     mimic: str | None
     mimic_multiplier: float
+    effort: float | None = None
+    velocity: float | None = None
+    friction: float | None = None
+    damping: float | None = None
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -145,6 +149,10 @@ def _number(element: Element, key: str, owner: str) -> float:
     return float(_floats(text, 1, f"{owner}: <{element.tag} {key}>")[0])
 
 
+def _optional(element: Element | None, key: str, owner: str) -> float | None:
+    return None if element is None or element.get(key) is None else _number(element, key, owner)
+
+
 def _origin(element: Element, owner: str) -> np.ndarray:
     T = np.eye(4)
     origin = element.find("origin")
@@ -223,6 +231,7 @@ def _joint(path: Path, element: Element) -> UrdfJoint:
         # URDF: a limit that is not stated is 0.
         limits = [float(_floats(limit.get(k, "0"), 1, f"{owner}: <limit {k}>")[0]) for k in ("lower", "upper")]
     multiplier = 1.0 if mimic is None else float(mimic.get("multiplier", "1"))
+    dynamics = element.find("dynamics")
     return UrdfJoint(
         name=name,
         type=element.get("type", ""),
@@ -234,4 +243,8 @@ def _joint(path: Path, element: Element) -> UrdfJoint:
         upper=limits[1],
         mimic=None if mimic is None else mimic.get("joint", ""),
         mimic_multiplier=multiplier,
+        effort=_optional(limit, "effort", owner),
+        velocity=_optional(limit, "velocity", owner),
+        friction=_optional(dynamics, "friction", owner),
+        damping=_optional(dynamics, "damping", owner),
     )

@@ -1,0 +1,131 @@
+"""What parts are made of, and how their joints resist: densities, friction, damping.
+
+The tables are engineering handbook values. Which material a part gets follows from its label and
+the object's category (`part_material`); how its joint resists follows from its label, its type and
+the mass it moves (`joint_resistance`).
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+from artigen.types import JointType, PartLabel
+from sim_export.package import PackageJoint
+
+MaterialName = Literal["wood_board", "steel_sheet", "steel", "glass", "plastic", "rubber"]
+GRAVITY = 9.81
+
+
+@dataclass(frozen=True, kw_only=True)
+class Material:
+    """Density in kg/m^3 and coefficients of static and sliding friction against a common surface."""
+
+    density: float
+    static_friction: float
+    sliding_friction: float
+
+
+MATERIALS: dict[MaterialName, Material] = {
+    "wood_board": Material(density=650.0, static_friction=0.5, sliding_friction=0.4),
+    "steel_sheet": Material(density=900.0, static_friction=0.4, sliding_friction=0.3),
+    "steel": Material(density=2700.0, static_friction=0.4, sliding_friction=0.3),
+    "glass": Material(density=2500.0, static_friction=0.5, sliding_friction=0.4),
+    "plastic": Material(density=1050.0, static_friction=0.4, sliding_friction=0.3),
+    "rubber": Material(density=1150.0, static_friction=0.9, sliding_friction=0.8),
+}
+"""``steel_sheet`` is a folded or foamed panel: its density is the mean over the panel's thickness, as
+`artigen` walls are panels one voxel thick and not solid sheets (7850). ``steel`` is a hollow bar or rack."""
+
+APPLIANCES: frozenset[str] = frozenset(
+    {"Refrigerator", "Dishwasher", "Oven", "WashingMachine", "Microwave", "Safe", "CoffeeMachine", "Toaster"}
+)
+"""Categories whose carcass and moving parts are sheet metal; every other category is wood board."""
+
+PLASTIC_CATEGORIES: frozenset[str] = frozenset(
+    {"Bottle", "Box", "Laptop", "Printer", "Phone", "Remote", "Suitcase", "Switch", "TrashCan", "Dispenser"}
+)
+METAL_CATEGORIES: frozenset[str] = frozenset({"Faucet", "KitchenPot", "Cart", "Scissors", "Pliers"})
+
+
+def part_material(label: PartLabel, category: str) -> MaterialName:
+    """The material of a part: hardware by its label, everything else by the object's category."""
+    if label == "wheel":
+        return "rubber"
+    if label == "knob":
+        return "plastic"
+    if label == "handle":
+        return "steel"
+    if category in APPLIANCES:
+        return "steel" if label in ("tray", "shelf") else "steel_sheet"
+    if category in PLASTIC_CATEGORIES:
+        return "plastic"
+    if category in METAL_CATEGORIES:
+        return "steel"
+    return "wood_board"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Resistance:
+    """What opposes a joint's motion, and what may drive it.
+
+    ``friction`` and ``effort`` are N (sliding) or N m (turning), ``damping`` N s/m or N m s/rad,
+    ``velocity`` m/s or rad/s.
+    """
+
+    friction: float
+    damping: float
+    effort: float
+    velocity: float
+
+
+RUNNER_FRICTION = 0.03
+"""Rolling resistance of drawer runners: force per moved weight."""
+
+
+def joint_resistance(label: PartLabel, joint: JointType, mass: float) -> Resistance:
+    """Friction and damping of a part's joint, from what it is and the ``mass`` (kg) that it moves.
+
+    Drawers, trays and other sliding panels roll on runners: 1 N of seals and rollers plus 3 % of the
+    moved weight, so that a few N move them. Doors: hinges and catch, 0.3 N m and 0.02 N m per kg, at
+    most 1 N m. Knobs and lids of bottles turn at 0.04 N m; buttons take 0.5 N; wheels 0.005 N m.
+    """
+    sliding = joint == "prismatic"
+    if label == "wheel":
+        return Resistance(friction=0.005, damping=0.002, effort=20.0, velocity=20.0)
+    if label in ("knob", "handle"):
+        if sliding:
+            return Resistance(friction=0.5, damping=1.0, effort=20.0, velocity=0.5)
+        return Resistance(friction=0.04, damping=0.01, effort=5.0, velocity=6.0)
+    if sliding:
+        friction = 1.0 + RUNNER_FRICTION * mass * GRAVITY
+        return Resistance(friction=friction, damping=2.0 + 1.0 * mass, effort=100.0, velocity=1.0)
+    if joint == "screw":
+        return Resistance(friction=0.04, damping=0.01, effort=5.0, velocity=6.0)
+    friction = min(0.3 + 0.02 * mass, 1.0)
+    return Resistance(friction=friction, damping=0.1 + 0.05 * mass, effort=50.0, velocity=3.0)
+
+
+def joint_load(joint: PackageJoint, mass: float, lever: float) -> float:
+    """What a joint carries under gravity: the moved weight (N), or the moment of that weight (N m).
+
+    Args:
+        joint: The joint; sliding ones carry a force, turning ones a moment.
+        mass: Mass of everything that moves with the joint (kg).
+        lever: Distance of its centre of mass from the joint's origin (m), at least 1 cm is assumed.
+    """
+    weight = mass * GRAVITY
+    return weight if joint.type == "prismatic" else weight * max(lever, 0.01)
+
+
+def physx_friction_coefficient(joint: PackageJoint, mass: float, lever: float) -> float:
+    """PhysX's joint friction coefficient that stands for ``joint.friction``.
+
+    PhysX takes no force or torque here: its joints resist with ``coefficient * load``, where the load
+    is what the joint transmits (`joint_load`, in N or N m). Dividing by the load at rest gives the
+    wanted friction at rest.
+
+    Raises:
+        ValueError: If ``mass`` is not positive.
+    """
+    if not mass > 0.0:
+        raise ValueError(f"joint {joint.name!r} moves {mass} kg, expected > 0")
+    return joint.friction / joint_load(joint, mass, lever)

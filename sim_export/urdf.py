@@ -1,0 +1,168 @@
+"""A package as URDF text that SAPIEN, ManiSkill, MuJoCo and yourdfpy load unchanged.
+
+Link frames sit at the joint origin with the object's axes; meshes stay in the object frame, so
+every visual and collision origin is minus the joint origin. No `<material>`: SAPIEN lets it
+override the texture. One `<collision>` per hull file.
+"""
+
+import xml.etree.ElementTree as ET  # writing only; reading goes through defusedxml
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Float
+
+from artigen.types import FULL_TURN
+from sim_export.package import Link, PackageJoint, SimPackage, SourceMesh, Visual
+
+UrdfVariant = Literal["standard", "maniskill"]
+DECIMALS = 9
+
+
+def visual_path(visual: Visual) -> str:
+    """Where the mesh of a visual lies in the package."""
+    return f"visual/{visual.name}.obj"
+
+
+def hull_path(link: Link, index: int) -> str:
+    """Where a collision hull lies in the package."""
+    return f"collision/{link.name}_{index}.obj"
+
+
+def format_number(value: float, decimals: int = DECIMALS) -> str:
+    """Fixed decimals without trailing zeros or a negative zero."""
+    text = f"{value:.{decimals}f}"
+    if "." in text:
+        text = text.rstrip("0").rstrip(".")
+    return "0" if text == "-0" else text
+
+
+def format_vector(values: Float[np.ndarray, "N"], decimals: int = DECIMALS) -> str:
+    """Numbers separated by spaces."""
+    return " ".join(format_number(float(value), decimals) for value in values)
+
+
+def link_origins(package: SimPackage) -> dict[str, Float[np.ndarray, "3"]]:
+    """Origin of every link frame in the object frame at rest."""
+    origins = {link.name: np.zeros(3) for link in package.links}
+    return origins | {joint.child: np.asarray(joint.origin, np.float64) for joint in package.joints}
+
+
+def urdf_text(package: SimPackage, variant: UrdfVariant = "standard") -> str:
+    """The URDF of a package.
+
+    ``maniskill`` serves ManiSkill's cabinet tasks: continuous joints get the limits they state,
+    screws are one turning joint, and every link that slides or turns has a visual named after a
+    handle (its largest one where it has no handle part).
+    """
+    names = {visual.name: visual.name for link in package.links for visual in link.visuals}
+    if variant == "maniskill":
+        package = _for_maniskill(package)
+        names |= _handle_names(package)
+    origins = link_origins(package)
+    robot = ET.Element("robot", name=package.name)
+    compiler = {
+        "strippath": "false",
+        # MuJoCo refuses flat or open meshes even as visuals, and a source may hold any.
+        "discardvisual": "true" if package.visual == "source" else "false",
+        "fusestatic": "false",
+        "balanceinertia": "false",
+    }
+    ET.SubElement(ET.SubElement(robot, "mujoco"), "compiler", compiler)
+    for link in package.links:
+        _add_link(robot, link, origins[link.name], names)
+    for joint in package.joints:
+        _add_joint(robot, joint, origins[joint.parent])
+    ET.indent(robot)
+    return '<?xml version="1.0" encoding="utf-8"?>\n' + ET.tostring(robot, encoding="unicode") + "\n"
+
+
+def _add_link(robot: ET.Element, link: Link, origin: Float[np.ndarray, "3"], names: dict[str, str]) -> None:
+    element = ET.SubElement(robot, "link", name=link.name)
+    if link.inertial is not None:
+        inertial = ET.SubElement(element, "inertial")
+        ET.SubElement(inertial, "origin", xyz=format_vector(link.inertial.com - origin), rpy="0 0 0")
+        ET.SubElement(inertial, "mass", value=f"{link.inertial.mass:.9g}")
+        inertia = link.inertial.inertia
+        entries = {
+            f"i{'xyz'[i]}{'xyz'[j]}": f"{inertia[i, j] + 0.0:.9g}" for i in range(3) for j in range(i, 3)
+        }
+        ET.SubElement(inertial, "inertia", entries)
+    for visual in link.visuals:
+        xyz, rpy, scale = visual_placement(visual, origin)
+        holder = ET.SubElement(element, "visual", name=names[visual.name])
+        ET.SubElement(holder, "origin", xyz=format_vector(xyz), rpy=format_vector(rpy, 12))
+        mesh = ET.SubElement(ET.SubElement(holder, "geometry"), "mesh", filename=visual_path(visual))
+        if scale != 1.0:
+            mesh.set("scale", format_vector(np.full(3, scale), 12))
+    for index in range(len(link.hulls)):
+        holder = ET.SubElement(element, "collision", name=f"collision_{link.name}_{index}")
+        ET.SubElement(holder, "origin", xyz=format_vector(-origin), rpy="0 0 0")
+        ET.SubElement(ET.SubElement(holder, "geometry"), "mesh", filename=hull_path(link, index))
+
+
+def visual_placement(
+    visual: Visual, origin: Float[np.ndarray, "3"]
+) -> tuple[Float[np.ndarray, "3"], Float[np.ndarray, "3"], float]:
+    """Position, roll-pitch-yaw and scale of a visual's file in its link frame."""
+    if not isinstance(visual.mesh, SourceMesh):
+        return -origin, np.zeros(3), 1.0
+    from scipy.spatial.transform import Rotation
+
+    T = visual.mesh.T_object_file
+    return T[:3, 3] - origin, Rotation.from_matrix(T[:3, :3]).as_euler("xyz"), visual.mesh.scale
+
+
+def _add_joint(robot: ET.Element, joint: PackageJoint, parent_origin: Float[np.ndarray, "3"]) -> None:
+    element = ET.SubElement(robot, "joint", name=joint.name, type=joint.type)
+    ET.SubElement(element, "origin", xyz=format_vector(joint.origin - parent_origin), rpy="0 0 0")
+    ET.SubElement(element, "parent", link=joint.parent)
+    ET.SubElement(element, "child", link=joint.child)
+    if joint.type == "fixed":
+        return
+    ET.SubElement(element, "axis", xyz=format_vector(joint.axis))
+    limit = {"effort": format_number(joint.effort), "velocity": format_number(joint.velocity)}
+    if joint.type != "continuous":
+        limit = {"lower": format_number(joint.lower), "upper": format_number(joint.upper)} | limit
+    ET.SubElement(element, "limit", limit)
+    ET.SubElement(
+        element, "dynamics", damping=format_number(joint.damping), friction=format_number(joint.friction)
+    )
+    if joint.mimic is not None:
+        multiplier = f"{joint.mimic_multiplier:.12g}"
+        ET.SubElement(element, "mimic", joint=joint.mimic, multiplier=multiplier, offset="0")
+
+
+def _for_maniskill(package: SimPackage) -> SimPackage:
+    """Continuous joints bounded; a screw's carrier and travel left out, its part only turns."""
+    travels = {joint.mimic: joint for joint in package.joints if joint.mimic is not None}
+    joints = []
+    for joint in package.joints:
+        if joint.mimic is not None:
+            continue
+        child = travels[joint.name].child if joint.name in travels else joint.child
+        if joint.type == "continuous":
+            upper = joint.upper if joint.upper > joint.lower else joint.lower + FULL_TURN
+            joint = replace(joint, type="revolute", upper=upper)
+        joints.append(replace(joint, child=child))
+    dropped = {joint.parent for joint in travels.values()}
+    links = tuple(link for link in package.links if link.name not in dropped)
+    return replace(package, links=links, joints=tuple(joints))
+
+
+def _handle_names(package: SimPackage) -> dict[str, str]:
+    """New names for the main visual of each movable link that shows no handle."""
+    moving = {joint.child for joint in package.joints if joint.type in ("prismatic", "revolute")}
+    out = {}
+    for link in package.links:
+        if link.name in moving and link.visuals and not any("handle" in v.name for v in link.visuals):
+            main = max(link.visuals, key=_visual_size)
+            out[main.name] = f"handle_{main.name}"
+    return out
+
+
+def _visual_size(visual: Visual) -> float:
+    """Diagonal of a visual's box; sources are ranked by the size of their file."""
+    if isinstance(visual.mesh, SourceMesh):
+        return float(visual.mesh.path.stat().st_size)
+    return float(np.linalg.norm(np.ptp(visual.mesh.vertices, axis=0)))
