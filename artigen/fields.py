@@ -17,7 +17,9 @@ from artigen.types import (
     PAPER_CATEGORIES,
     PART_LABELS,
     Asset,
+    JointType,
     Part,
+    PartLabel,
     frozen_array,
 )
 
@@ -34,9 +36,9 @@ class FieldLayout:
     ratio; a continuous joint states a full turn.
     """
 
-    labels: tuple[str, ...] = PART_LABELS
+    labels: tuple[PartLabel, ...] = PART_LABELS
     """Part labels, one channel each; a part with another label cannot be encoded."""
-    joint_types: tuple[str, ...] = JOINT_TYPES
+    joint_types: tuple[JointType, ...] = JOINT_TYPES
     """Joint types, one channel each."""
     categories: tuple[str, ...] = PAPER_CATEGORIES
     """Object categories, one channel each; an object of another category has zeros here."""
@@ -186,8 +188,8 @@ def joint_ranges(part: Part) -> Float[np.ndarray, "2"]:
     joint = part.joint
     if joint.lower != 0.0:
         raise ValueError(
-            f"part {part.name!r}: joint limits [{joint.lower:.6g}, {joint.upper:.6g}] do not start at the rest "
-            "pose, a field states ranges from 0; move the rest pose to the lower limit first"
+            f"part {part.name!r}: joint limits [{joint.lower:.6g}, {joint.upper:.6g}] do not start at the "
+            "rest pose, a field states ranges from 0; move the rest pose to the lower limit first"
         )
     match joint.type:
         case "fixed":
