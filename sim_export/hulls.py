@@ -87,3 +87,52 @@ def clip_hull(hull: Hull, normal: Float[np.ndarray, "3"], offset: float) -> Hull
         return convex_hull(np.concatenate([hull.vertices[below], cut]))
     except DegeneratePart:
         return None
+
+
+def hull_width(hull: Hull) -> tuple[float, Float[np.ndarray, "3"]]:
+    """Least distance between two parallel planes around a hull, one of them on a face, and its direction."""
+    planes = hull_planes(hull)
+    widths = planes[:, 3] - (hull.vertices @ planes[:, :3].T).min(axis=0)
+    thinnest = int(widths.argmin())
+    return float(widths[thinnest]), planes[thinnest, :3]
+
+
+def hull_length(hull: Hull) -> tuple[float, Float[np.ndarray, "3"]]:
+    """Greatest extent of a hull along its principal directions and the object's axes, and its direction."""
+    directions = np.concatenate([np.eye(3), np.linalg.svd(hull.vertices - hull.vertices.mean(axis=0))[2]])
+    extents = np.ptp(hull.vertices @ directions.T, axis=0)
+    longest = int(extents.argmax())
+    return float(extents[longest]), directions[longest]
+
+
+def count_polygons(hull: Hull) -> int:
+    """Faces of a hull with coplanar triangles counted once, as physics engines count them."""
+    planes = hull_planes(hull)
+    size = np.abs(hull.vertices - hull.vertices.mean(axis=0)).max()
+    scaled = np.column_stack(
+        [planes[:, :3], (planes[:, 3] - planes[:, :3] @ hull.vertices.mean(axis=0)) / size]
+    )
+    return len(np.unique(np.round(scaled, 4) + 0.0, axis=0))
+
+
+def reduce_hull(hull: Hull, max_vertices: int = 64, max_polygons: int = 64) -> Hull:
+    """A hull inside the given one within the limits that PhysX sets for its GPU solver.
+
+    Keeps the farthest vertices in evenly spread directions, as many as the limits allow.
+    """
+    budget = max_vertices
+    reduced = hull
+    while len(reduced.vertices) > max_vertices or count_polygons(reduced) > max_polygons:
+        extent = np.ptp(hull.vertices, axis=0)
+        directions = _spread_directions(budget) / np.maximum(extent, 1e-9)
+        reduced = convex_hull(hull.vertices[np.unique((hull.vertices @ directions.T).argmax(axis=0))])
+        budget -= 2
+    return reduced
+
+
+def _spread_directions(count: int) -> np.ndarray:
+    """Nearly even unit directions (Fibonacci lattice)."""
+    turn = np.arange(count) * np.pi * (3.0 - np.sqrt(5.0))
+    z = 1.0 - (2.0 * np.arange(count) + 1.0) / count
+    ring = np.sqrt(1.0 - z * z)
+    return np.stack([ring * np.cos(turn), ring * np.sin(turn), z], axis=1)

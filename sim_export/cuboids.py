@@ -1,0 +1,153 @@
+"""Blocky meshes as few boxes, with their faces where the mesh has its own.
+
+Boxes may overlap. That needs fewer of them than a partition, leaves no seam between neighbours,
+and costs nothing: mass comes from the part's own volume, and no simulator collides the hulls of
+one link with each other.
+"""
+
+from itertools import permutations
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from sim_export.solids import inside_grid
+
+SEEDS_PER_BOX = 96
+"""Uncovered cells tried as the start of the next box."""
+MIN_ALIGNED_AREA = 0.5
+"""Share of the surface that must be axis-aligned before boxes are tried."""
+MIN_PLANE_AREA = 1e-4
+"""Planes that hold less than this share of the surface do not divide space."""
+MAX_PLANES = 64
+"""Planes per axis, largest first."""
+
+
+def cover_with_cuboids(
+    occupancy: Bool[np.ndarray, "X Y Z"], max_count: int | None = None
+) -> Int[np.ndarray, "K 2 3"] | None:
+    """Covers every occupied cell, and no other, with few boxes; each box is as large as can be.
+
+    Greedy: of the maximal boxes around some uncovered cells, the one that covers the most new
+    cells comes next. Deterministic. Returns lowest corner and one past the highest, in cells, in
+    the order found; ``None`` as soon as more than ``max_count`` boxes would be needed.
+    """
+    compressed, edges = _compress(occupancy)
+    sizes = [np.diff(edge) for edge in edges]
+    weights = sizes[0][:, None, None] * sizes[1][:, None] * sizes[2]
+    filled = _integral(compressed)
+    missing = compressed.copy()
+    boxes: list[np.ndarray] = []
+    while missing.any():
+        if max_count is not None and len(boxes) >= max_count:
+            return None
+        # The heaviest uncovered cells lie in the largest boxes; strides keep the choice spread out.
+        cells = np.argwhere(missing)
+        cells = cells[np.argsort(-weights[tuple(cells.T)], kind="stable")]
+        cells = cells[:: max(1, len(cells) // SEEDS_PER_BOX)]
+        candidates = np.concatenate([_grow(filled, cells, order) for order in permutations(range(3))])
+        gains = _box_sums(_integral(missing * weights), candidates)
+        best = candidates[gains.argmax()]
+        boxes.append(best)
+        missing[tuple(slice(low, high) for low, high in best.T)] = False
+    lattice = [[[edges[axis][box[end, axis]] for axis in range(3)] for end in range(2)] for box in boxes]
+    return np.array(lattice, dtype=np.int64).reshape(-1, 2, 3)
+
+
+def fit_cuboids(
+    vertices: Float[np.ndarray, "V 3"],
+    faces: Int[np.ndarray, "F 3"],
+    max_count: int,
+    snap: float,
+) -> Float[np.ndarray, "K 2 3"] | None:
+    """Boxes (lowest and highest corner) that fill a closed mesh of mostly axis-aligned faces.
+
+    The planes of those faces, no two closer than ``snap``, divide space into cells of unequal size;
+    a cell belongs to the solid if most of it lies inside. ``None`` where more than ``max_count``
+    boxes are needed or hardly any face is axis-aligned.
+    """
+    planes = _face_coordinates(vertices, faces, snap)
+    if planes is None:
+        return None
+    fractions = (np.arange(3) + 0.4871) / 3.0  # off centre: no sample on a plane of symmetry
+    x, y, z = ((plane[:-1, None] + np.diff(plane)[:, None] * fractions).ravel() for plane in planes)
+    inside = inside_grid(vertices, faces, (x, y, z))
+    cells = [len(plane) - 1 for plane in planes]
+    share = inside.reshape(cells[0], 3, cells[1], 3, cells[2], 3).mean(axis=(1, 3, 5))
+    boxes = cover_with_cuboids(share > 0.5, max_count)
+    if boxes is None:
+        return None
+    return np.stack([planes[axis][boxes[..., axis]] for axis in range(3)], axis=-1)
+
+
+def _face_coordinates(
+    vertices: np.ndarray, faces: np.ndarray, snap: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
+    """Coordinates of the axis-aligned faces along each axis, the mesh's bounds included."""
+    corners = vertices[faces]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    area = np.linalg.norm(normals, axis=1)
+    aligned = np.abs(normals) > 0.999 * area[:, None]
+    if area[aligned.any(axis=1)].sum() < MIN_ALIGNED_AREA * area.sum():
+        return None
+    out = []
+    for axis in range(3):
+        chosen = aligned[:, axis]
+        at, weight = corners[chosen, :, axis].mean(axis=1), area[chosen]
+        low, high = vertices[:, axis].min(), vertices[:, axis].max()
+        kept = [low, high]
+        # Large faces choose their plane first; small ones near them follow.
+        _, slot = np.unique(np.round(at / (0.1 * snap)).astype(np.int64), return_inverse=True)
+        weights = np.bincount(slot, weights=weight)
+        centers = np.bincount(slot, weights=weight * at) / np.maximum(weights, 1e-300)
+        for index in np.argsort(-weights, kind="stable"):
+            if len(kept) > MAX_PLANES or weights[index] < MIN_PLANE_AREA * area.sum():
+                break
+            if np.abs(np.array(kept) - centers[index]).min() >= snap:
+                kept.append(centers[index])
+        out.append(np.sort(kept))
+    return out[0], out[1], out[2]
+
+
+def _compress(occupancy: np.ndarray) -> tuple[np.ndarray, list[np.ndarray]]:
+    """Merges equal neighbouring slices along every axis; returns the small grid and its cell edges."""
+    edges = []
+    for axis in range(3):
+        slices = np.moveaxis(occupancy, axis, 0).reshape(occupancy.shape[axis], -1)
+        changes = np.flatnonzero((slices[1:] != slices[:-1]).any(axis=1)) + 1
+        edges.append(np.array([0, *changes, occupancy.shape[axis]]))
+    return occupancy[np.ix_(*(edge[:-1] for edge in edges))], edges
+
+
+def _integral(values: np.ndarray) -> np.ndarray:
+    """Sums over all boxes from the origin, padded by one."""
+    sums = np.pad(values.astype(np.int64), ((1, 0),) * 3)
+    for axis in range(3):
+        np.cumsum(sums, axis=axis, out=sums)
+    return sums
+
+
+def _box_sums(integral: np.ndarray, boxes: np.ndarray) -> np.ndarray:
+    """Sum of the values in every box ``[K 2 3]``."""
+    (x0, y0, z0), (x1, y1, z1) = boxes[:, 0].T, boxes[:, 1].T
+    return (
+        integral[x1, y1, z1] - integral[x0, y1, z1] - integral[x1, y0, z1] - integral[x1, y1, z0]
+        + integral[x0, y0, z1] + integral[x0, y1, z0] + integral[x1, y0, z0] - integral[x0, y0, z0]
+    )  # fmt: skip
+
+
+def _grow(filled: np.ndarray, cells: np.ndarray, order: tuple[int, ...]) -> np.ndarray:
+    """Grows a box from every cell as far as it stays filled, one axis after the other."""
+    boxes = np.stack([cells, cells + 1], axis=1)
+    shape = np.array(filled.shape) - 1
+    for axis in order:
+        for end, step in ((0, -1), (1, 1)):
+            active = np.arange(len(boxes))
+            while active.size:
+                longer = boxes[active]
+                longer[:, end, axis] += step
+                inside = (longer[:, 0, axis] >= 0) & (longer[:, 1, axis] <= shape[axis])
+                active, longer = active[inside], longer[inside]
+                full = _box_sums(filled, longer) == np.prod(longer[:, 1] - longer[:, 0], axis=1)
+                active = active[full]
+                boxes[active] = longer[full]
+    return boxes

@@ -1,0 +1,195 @@
+"""Collision hulls of a part: as few and as true to its mesh as possible, and never across a cavity.
+
+Methods, from cheap to dear: one ``hull`` where the part is convex; ``boxes`` where it is blocky
+(exact in milliseconds); ``pieces`` for anything slanted or round (cut at concave edges, joined by
+least added volume); ``coacd`` on request, or where all of these are poor. Volume error is the
+symmetric difference of hulls and mesh over the mesh's volume, measured by exact booleans.
+"""
+
+import logging
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from sim_export.coacd_process import CoacdConfig, run_coacd
+from sim_export.convex_pieces import PieceConfig, Solid, convex_pieces
+from sim_export.cuboids import fit_cuboids
+from sim_export.errors import DecompositionFailed, DegeneratePart
+from sim_export.hull_limits import HullLimits, limit_hulls
+from sim_export.hulls import box_hull
+from sim_export.package import Hull, Mesh
+from sim_export.solids import Fit, as_solid, measure_fit, solid_arrays, solid_hull
+
+logger = logging.getLogger(__name__)
+
+Method = Literal["hull", "boxes", "pieces", "coacd"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class DecomposeConfig:
+    """How a part becomes hulls."""
+
+    method: Literal["auto", "boxes", "pieces", "coacd"] = "auto"
+    """One method, or the cheapest that is good enough."""
+    max_hulls: int = 32
+    """Most hulls per part; physics engines slow down with every one."""
+    tolerance: float = 0.05
+    """Volume error that `auto` accepts; lower it when hulls stray from the visual mesh."""
+    hull_tolerance: float = 0.01
+    """Volume error up to which `auto` takes a single hull."""
+    reach: float = 0.015
+    """Farthest that the mesh may stick out of boxes, over its diagonal: small legs must not get lost."""
+    coacd_above: float = 0.35
+    """Volume error above which `auto` tries CoACD, which takes seconds to minutes."""
+    min_kept_cavity: float = 0.9
+    """Least share of the space inside the part's convex hull that must stay free."""
+    min_cavity: float = 0.1
+    """Space, over the part's convex hull, below which it does not count as a cavity."""
+    simplify: float = 0.0005
+    """Detail (m) left out before cutting; raise it when cutting curved meshes is slow."""
+    on_failure: Literal["raise", "hull"] = "raise"
+    """What to do where no method works: raise, or take one convex hull and record it."""
+    limits: HullLimits = field(default_factory=HullLimits)
+    """What each hull must be like."""
+    coacd: CoacdConfig = field(default_factory=CoacdConfig)
+    """Parameters of CoACD."""
+
+    def __post_init__(self) -> None:
+        for name in ("tolerance", "hull_tolerance", "reach", "coacd_above", "min_kept_cavity", "min_cavity"):
+            if not 0.0 <= getattr(self, name) <= 1.0:
+                raise ValueError(f"decompose: {name} is {getattr(self, name)}, expected 0 to 1")
+        if self.max_hulls < 1:
+            raise ValueError(f"decompose: max_hulls is {self.max_hulls}, expected at least 1")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Decomposition:
+    """Hulls of one part and how true they are; ``records`` says what was changed to meet the limits."""
+
+    hulls: tuple[Hull, ...]
+    method: Method
+    volume_error: float
+    kept_cavity: float
+    seconds: float
+    records: tuple[str, ...] = ()
+
+
+def decompose_part(
+    mesh: Mesh, cfg: DecomposeConfig | None = None, cache: Path | None = None
+) -> Decomposition:
+    """Convex hulls of one part's closed mesh (metres).
+
+    Args:
+        mesh: The part's mesh; must enclose a volume.
+        cfg: Method, tolerances and limits.
+        cache: Folder in which CoACD's results are kept from run to run.
+
+    Raises:
+        OpenMesh: if the mesh is not closed.
+        DecompositionFailed: if no method works, or the hulls would fill a cavity, unless
+            ``cfg.on_failure`` asks for one hull.
+    """
+    cfg = cfg or DecomposeConfig()
+    started = time.perf_counter()
+    solid = as_solid(mesh)
+    records: tuple[str, ...] = ()
+    try:
+        method, hulls, fit = _choose(mesh, solid, cfg, cache)
+        _check_cavity(method, hulls, fit, cfg)
+    except DecompositionFailed as err:
+        if cfg.on_failure == "raise":
+            raise
+        hulls = (solid_hull(solid),)
+        method, fit, records = "hull", measure_fit(hulls, solid), (f"one convex hull instead: {err}",)
+    limited, changes = limit_hulls(hulls, cfg.limits, cfg.max_hulls)
+    if changes:
+        fit = measure_fit(limited, solid)
+    seconds = time.perf_counter() - started
+    logger.info("%s: %d hulls, volume error %.3f, %.3f s", method, len(limited), fit.volume_error, seconds)
+    return Decomposition(
+        hulls=limited,
+        method=method,
+        volume_error=max(fit.volume_error, 0.0),
+        kept_cavity=fit.kept_cavity,
+        seconds=seconds,
+        records=records + changes,
+    )
+
+
+Choice = tuple[Method, tuple[Hull, ...], Fit]
+
+
+def _choose(mesh: Mesh, solid: Solid, cfg: DecomposeConfig, cache: Path | None) -> Choice:
+    """Hulls by the method asked for, or by the cheapest that is within tolerance."""
+    if cfg.method == "boxes":
+        boxes = _boxes(mesh, solid, cfg)
+        if boxes is None:
+            raise DecompositionFailed(
+                f"a mesh of {len(mesh.faces)} faces is no union of {cfg.max_hulls} boxes or fewer; use 'auto'"
+            )
+        return boxes
+    if cfg.method == "pieces":
+        return _pieces(solid, cfg)
+    if cfg.method == "coacd":
+        return _coacd(solid, cfg, cache)
+    if solid.hull().volume() <= (1.0 + cfg.hull_tolerance) * solid.volume():
+        return _measured("hull", (solid_hull(solid),), solid)
+    boxes = _boxes(mesh, solid, cfg)
+    if boxes is not None and boxes[2].volume_error <= cfg.tolerance and _covers(boxes[1], mesh, cfg.reach):
+        return boxes
+    found = [_pieces(solid, cfg)]
+    if found[0][2].volume_error > cfg.coacd_above:
+        found.append(_coacd(solid, cfg, cache))
+    return min(found, key=lambda choice: choice[2].volume_error)
+
+
+def _check_cavity(method: Method, hulls: Sequence[Hull], fit: Fit, cfg: DecomposeConfig) -> None:
+    """Raises `DecompositionFailed` if hulls fill space that a hand or a thing should be able to enter."""
+    hollow = fit.cavity > cfg.min_cavity and fit.volume_error > cfg.tolerance
+    if hollow and fit.kept_cavity < cfg.min_kept_cavity:
+        raise DecompositionFailed(
+            f"{len(hulls)} hulls by {method} leave {fit.kept_cavity:.0%} of the cavity free, at least "
+            f"{cfg.min_kept_cavity:.0%} allowed; raise max_hulls or lower the tolerance"
+        )
+
+
+def _boxes(mesh: Mesh, solid: Solid, cfg: DecomposeConfig) -> Choice | None:
+    diagonal = float(np.linalg.norm(np.ptp(mesh.vertices, axis=0)))
+    vertices, faces = solid_arrays(solid)
+    boxes = fit_cuboids(vertices, faces, cfg.max_hulls, snap=diagonal / 2000)
+    if boxes is None or not len(boxes):
+        return None
+    return _measured("boxes", tuple(box_hull(low, high) for low, high in boxes), solid)
+
+
+def _pieces(solid: Solid, cfg: DecomposeConfig) -> Choice:
+    simple = solid.simplify(cfg.simplify)
+    pieces = PieceConfig(max_hulls=cfg.max_hulls, join_excess=0.8 * cfg.tolerance)
+    hulls = []
+    for piece in convex_pieces(simple if simple.volume() > 0 else solid, pieces):
+        try:
+            hulls.append(solid_hull(piece))
+        except DegeneratePart:
+            logger.debug("a piece of %.3g m^3 is flat: left out", piece.volume())
+    return _measured("pieces", tuple(hulls), solid)
+
+
+def _coacd(solid: Solid, cfg: DecomposeConfig, cache: Path | None) -> Choice:
+    vertices, faces = solid_arrays(solid.simplify(cfg.simplify))
+    return _measured("coacd", run_coacd(Mesh(vertices=vertices, faces=faces), cfg.coacd, cache), solid)
+
+
+def _measured(method: Method, hulls: tuple[Hull, ...], solid: Solid) -> Choice:
+    return method, hulls, measure_fit(hulls, solid)
+
+
+def _covers(hulls: Sequence[Hull], mesh: Mesh, reach: float) -> bool:
+    """Whether every vertex of the mesh lies within ``reach`` diagonals of some axis-aligned box."""
+    bounds = np.array([[hull.vertices.min(axis=0), hull.vertices.max(axis=0)] for hull in hulls])
+    outside = np.maximum(bounds[:, 0] - mesh.vertices[:, None], mesh.vertices[:, None] - bounds[:, 1])
+    distance = np.linalg.norm(np.maximum(outside, 0.0), axis=-1).min(axis=1)  # V
+    return bool(distance.max() <= reach * np.linalg.norm(np.ptp(mesh.vertices, axis=0)))
