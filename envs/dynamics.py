@@ -1,0 +1,330 @@
+"""Checks V301 to V309: does the object load, rest, stand, open, close and stay closed in a physics engine?
+
+Everything here runs in the present process, which SAPIEN may abort: `envs.validate` calls it in a
+supervised child. Each function states what it measures, what is allowed, and where it applies.
+"""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from sim_export.errors import PackageError
+from sim_export.package import PackageJoint, SimPackage
+from sim_export.report import CheckResult
+
+from .mujoco_check import compile_package
+from .support import must_stand
+from .trials import TrialConfig, TrialResults, limit_tolerance, run_trials
+
+TITLES = {
+    "V301": "loads in SAPIEN with every hull and every mass",
+    "V302": "rests under gravity with a fixed base",
+    "V303": "stands on the ground with a free base",
+    "V304": "opens and closes by hand",
+    "V305": "stays closed when tilted",
+    "V306": "no energy from nowhere",
+    "V307": "two runs are identical",
+    "V308": "compiles in MuJoCo without forces at rest",
+    "V309": "behaves at every time step",
+}
+MASS_TOLERANCE = 1e-4
+REST_DRIFT = 0.01
+REST_SPEED = 1e-3
+STAND_TILT = 2.0
+STAND_DRIFT = 0.005
+STAND_PENETRATION = 0.005
+OPENED = 0.9
+SIZE_RATIO = 10.0
+REPEAT = 1e-6
+MUJOCO_FORCE = 1e-3
+
+
+@dataclass(frozen=True, kw_only=True)
+class DynamicsConfig:
+    """Settings of the L3 checks."""
+
+    trials: TrialConfig = TrialConfig()
+    """Durations, hand forces and tolerances."""
+
+    timestep: float = 1.0 / 100.0
+    """Seconds per step of checks V302 to V307: ManiSkill's default."""
+
+    other_timesteps: tuple[float, ...] = (1.0 / 60.0, 1.0 / 240.0)
+    """Where V309 repeats V302 to V306."""
+
+
+def check_dynamics(folder: Path, package: SimPackage, cfg: DynamicsConfig) -> tuple[CheckResult, ...]:
+    """All L3 checks of a package, in order of their ids; ``seconds`` tells what each cost."""
+    clock = time.perf_counter()
+    try:
+        main = run_trials(folder, package, cfg.timestep, cfg.trials)
+    except PackageError as error:
+        loads = _result("V301", fails=True, message=str(error))
+        rest = [not_run(name, "the package does not load") for name in TITLES if name not in ("V301", "V308")]
+        return tuple(sorted([loads, *rest, check_mujoco(folder)], key=lambda result: result.id))
+    spent = time.perf_counter() - clock
+    single = list(_single_checks(package, main, cfg.trials))
+    single[1] = replace(single[1], seconds=spent)
+    return (
+        *single,
+        _timed(lambda: check_repeat(folder, package, main, cfg)),
+        _timed(lambda: check_mujoco(folder)),
+        _timed(lambda: check_timesteps(folder, package, cfg)),
+    )
+
+
+def not_run(check: str, reason: str) -> CheckResult:
+    """A check that could not be made, which is a failure and says why."""
+    return _result(check, fails=True, message=f"not run: {reason}")
+
+
+def _single_checks(package: SimPackage, run: TrialResults, cfg: TrialConfig) -> tuple[CheckResult, ...]:
+    """V301 to V306 out of the trials at one time step."""
+    return (
+        check_loads(run),
+        check_rest(package, run),
+        check_stand(package, run),
+        check_opens(package, run, cfg),
+        check_stays_closed(package, run),
+        check_energy(package, run),
+    )
+
+
+def check_loads(run: TrialResults) -> CheckResult:
+    """V301: no collision shape is lost, and every link has the mass that the URDF gives it.
+
+    Each ``<collision>`` must give at least one shape (exactly one where it holds one hull; older
+    packages keep several in one file). A link without ``<inertial>`` has no mass to compare: SAPIEN
+    then assumes 1000 kg/m^3, which is reported and left to V007. Masses agree within 1e-4.
+    """
+    for load in run.loads:
+        if load.lost or load.shapes < load.hulls:
+            files = ", ".join(load.lost) or "primitive shapes"
+            return _result(
+                "V301", fails=True, value=load.hulls - len(load.lost), threshold=load.hulls, unit="shapes",
+                where=load.name, message=f"{load.name} lost {files}: write closed, solid OBJ hulls",
+            )  # fmt: skip
+    worst, where = 0.0, ""
+    for load in run.loads:
+        if load.mass is not None:
+            error = abs(load.engine_mass - load.mass) / max(load.mass, 1e-12)
+            if error > worst or not where:
+                worst, where = error, load.name
+    unweighed = [load.name for load in run.loads if load.mass is None and load.shapes]
+    message = f"{sum(load.shapes for load in run.loads)} shapes in {len(run.loads)} links"
+    if unweighed:
+        message += f"; SAPIEN invents the mass of {', '.join(unweighed)} (no inertial, 1000 kg/m^3)"
+    if worst > MASS_TOLERANCE:
+        message = f"{where}: SAPIEN's mass differs from the URDF's: its inertia is zero or not positive"
+    return _result(
+        "V301", fails=worst > MASS_TOLERANCE, value=worst, threshold=MASS_TOLERANCE, unit="relative mass",
+        where=where, message=message,
+    )  # fmt: skip
+
+
+def check_rest(package: SimPackage, run: TrialResults) -> CheckResult:
+    """V302: bolted down and left alone for 5 s, no joint moves by more than 1 % of its range (a full
+    turn where there is none) or is still moving faster than 1e-3 m/s or rad/s."""
+    joints = moving_joints(package)
+    if not joints:
+        return _not_applicable("V302", "nothing moves")
+    drift = run.rest_drift / np.array([_span(joint) for joint in joints])
+    worst = int(np.argmax(drift))
+    fast = int(np.argmax(np.where(np.isfinite(run.rest_speed), run.rest_speed, np.inf)))
+    fails = not drift[worst] <= REST_DRIFT
+    if not fails and not run.rest_speed[fast] < REST_SPEED:
+        return _result(
+            "V302", fails=True, value=float(run.rest_speed[fast]), threshold=REST_SPEED, unit="m/s or rad/s",
+            where=joints[fast].name, message=f"{joints[fast].name} is still moving after 5 s",
+        )  # fmt: skip
+    return _result(
+        "V302", fails=fails, value=float(drift[worst]), threshold=REST_DRIFT, unit="of range",
+        where=joints[worst].name, message=f"{joints[worst].name} moved most",
+    )  # fmt: skip
+
+
+def check_stand(package: SimPackage, run: TrialResults) -> CheckResult:
+    """V303: on the ground with a free base for 3 s, tilt < 2 degrees, drift < 5 mm, penetration < 5 mm.
+
+    Not applicable to what nobody expects to stand (`envs.support`: faucets, switches, doors, windows,
+    and things held in a hand) when its centre of mass is not above what touches the floor; they are
+    checked when it is. For everything else such an overhang is what the failure reports.
+    """
+    stand = run.stand
+    if stand.overhang > 0.0 and not must_stand(package.category):
+        return _not_applicable("V303", f"a {package.category} is mounted or held, and does not balance")
+    parts = {
+        "tilts by {:.3g} degrees": stand.tilt / STAND_TILT,
+        "drifts by {:.3g} m": stand.drift / STAND_DRIFT,
+        "sinks by {:.3g} m": stand.penetration / STAND_PENETRATION,
+    }
+    worst = max(parts, key=lambda key: parts[key] if np.isfinite(parts[key]) else np.inf)
+    at = list(parts).index(worst)
+    value = (stand.tilt, stand.drift, stand.penetration)[at]
+    message = "the object " + worst.format(value)
+    if stand.overhang > 0.0:
+        message += f"; its centre of mass lies {stand.overhang:.3g} m outside what touches the floor"
+    return _result(
+        "V303", fails=not parts[worst] < 1.0, value=value, unit=("degrees", "m", "m")[at],
+        threshold=(STAND_TILT, STAND_DRIFT, STAND_PENETRATION)[at], message=message,
+    )  # fmt: skip
+
+
+def check_opens(package: SimPackage, run: TrialResults, cfg: TrialConfig) -> CheckResult:
+    """V304: a constant pull opens every joint to 90 % of its range and on to its limit within 5 s, and
+    a constant push closes it again, with what it requires standing open and all else at rest.
+
+    The hand gives 30 N on drawers, 10 N m on doors (never more than 30 N at the handle), 10 N on
+    buttons, 1 N m on knobs, and carries the weight that it lifts (`envs.hand`). Limits count as
+    reached within 1 % of the range, or 0.5 degrees where that is more. A joint without limits has to
+    turn once around and back.
+    """
+    joints = moving_joints(package)
+    if not joints:
+        return _not_applicable("V304", "nothing moves")
+    gaps = [max(pull.open_gap, pull.close_gap) for pull in run.pulls]
+    near = [limit_tolerance(joint.type, _span(joint), cfg) for joint in joints]
+    ratios = np.array([gap / max(limit, 1e-12) for gap, limit in zip(gaps, near, strict=True)])
+    at = int(np.argmax(ratios))
+    joint, pull, plan = joints[at], run.pulls[at], run.plan.joints[at]
+    unit = "N" if joint.type == "prismatic" else "N m"
+    message = f"{joint.name} opens to {100 * pull.opened:.1f} % with {plan.opening:.3g} {unit}"
+    if pull.open_gap <= near[at] < pull.close_gap:
+        message += f" but does not close again with {plan.closing:.3g} {unit}"
+    if ratios[at] > 1.0:
+        message += "; look for collisions, a missing requires_open, or friction above the hand's force"
+    return _result(
+        "V304", fails=not ratios[at] <= 1.0, value=gaps[at], threshold=near[at],
+        unit="m to the limit" if joint.type == "prismatic" else "rad to the limit",
+        where=joint.name, message=message,
+    )  # fmt: skip
+
+
+def check_stays_closed(package: SimPackage, run: TrialResults) -> CheckResult:
+    """V305: leaned 5 degrees towards the way it opens, no joint opens by more than 1 % of its range in
+    2 s. Joints without limits (wheels, knobs) have no closed state and are left out."""
+    joints = moving_joints(package)
+    limited = [index for index, joint in enumerate(joints) if joint.type != "continuous"]
+    if not limited:
+        return _not_applicable("V305", "no joint has limits")
+    drift = run.lean_drift / np.array([_span(joint) for joint in joints])
+    worst = max(limited, key=lambda index: drift[index])
+    fails = not drift[worst] <= REST_DRIFT
+    message = f"{joints[worst].name} moved most"
+    if fails:
+        message = f"{joints[worst].name} opens by itself: its friction holds less than 8.7 % of its weight"
+    return _result(
+        "V305", fails=fails, value=float(drift[worst]), threshold=REST_DRIFT, unit="of range",
+        where=joints[worst].name, message=message,
+    )  # fmt: skip
+
+
+def check_energy(package: SimPackage, run: TrialResults) -> CheckResult:
+    """V306: while opened and closed no joint moves faster than 1.5 times what all work of hand and
+    weight could give it, and the object's bounding box never grows beyond 10 times its size."""
+    joints = moving_joints(package)
+    if not joints:
+        return _not_applicable("V306", "nothing moves")
+    if not run.size_ratio <= SIZE_RATIO:
+        return _result(
+            "V306", fails=True, value=run.size_ratio, threshold=SIZE_RATIO, unit="times the box at rest",
+            message="the object flies apart",
+        )  # fmt: skip
+    pairs = zip(run.pulls, run.plan.joints, strict=True)
+    ratios = np.array([pull.peak_speed / max(plan.speed_limit, 1e-9) for pull, plan in pairs])
+    at = int(np.argmax(ratios))
+    return _result(
+        "V306", fails=not ratios[at] <= 1.0, value=run.pulls[at].peak_speed,
+        threshold=run.plan.joints[at].speed_limit,
+        unit="m/s" if joints[at].type == "prismatic" else "rad/s",
+        where=joints[at].name, message=f"{joints[at].name} comes nearest to its bound",
+    )  # fmt: skip
+
+
+def check_repeat(
+    folder: Path, package: SimPackage, first: TrialResults, cfg: DynamicsConfig
+) -> CheckResult:
+    """V307: all trials again in new scenes; every recorded coordinate agrees within 1e-6."""
+    second = run_trials(folder, package, cfg.timestep, cfg.trials)
+    if first.trace.shape != second.trace.shape:
+        return _result(
+            "V307", fails=True, value=float(abs(len(first.trace) - len(second.trace))), threshold=0.0,
+            unit="recorded values", message="the two runs took different numbers of steps",
+        )  # fmt: skip
+    both_nan = np.isnan(first.trace) & np.isnan(second.trace)
+    difference = np.where(both_nan, 0.0, np.abs(first.trace - second.trace))
+    worst = float(difference.max(initial=0.0))
+    return _result(
+        "V307", fails=not worst <= REPEAT, value=worst, threshold=REPEAT, unit="m or rad",
+        message=f"{len(first.trace)} recorded values compared",
+    )  # fmt: skip
+
+
+def check_mujoco(folder: Path) -> CheckResult:
+    """V308: MuJoCo compiles the URDF and the MJCF, and at rest, weight left out, no constraint pushes
+    (sum of absolute generalised constraint forces < 1e-3)."""
+    results = compile_package(folder)
+    for result in results:
+        if result.error is not None:
+            return _result("V308", fails=True, where=result.file, message=f"MuJoCo: {result.error}")
+    worst = max(results, key=lambda result: result.force)
+    return _result(
+        "V308", fails=not worst.force < MUJOCO_FORCE, value=worst.force, threshold=MUJOCO_FORCE,
+        unit="N and N m", where=worst.file, message=f"{len(results)} files compiled",
+    )  # fmt: skip
+
+
+def check_timesteps(folder: Path, package: SimPackage, cfg: DynamicsConfig) -> CheckResult:
+    """V309: checks V302 to V306 give no failure at 1/60 s and 1/240 s (1/100 s is what they use)."""
+    failures = []
+    for timestep in cfg.other_timesteps:
+        run = run_trials(folder, package, timestep, cfg.trials)
+        failures += [
+            f"{result.id} at 1/{round(1.0 / timestep)} s ({result.message})"
+            for result in _single_checks(package, run, cfg.trials)
+            if result.verdict == "fail"
+        ]
+    return _result(
+        "V309", fails=bool(failures), value=float(len(failures)), threshold=0.0, unit="failed checks",
+        message="; ".join(failures) or f"passes at {len(cfg.other_timesteps)} other time steps",
+    )  # fmt: skip
+
+
+def moving_joints(package: SimPackage) -> list[PackageJoint]:
+    """The joints that move on their own, in the order of the package."""
+    return [joint for joint in package.joints if joint.type != "fixed" and joint.mimic is None]
+
+
+def _span(joint: PackageJoint) -> float:
+    return 2.0 * np.pi if joint.type == "continuous" else max(joint.upper - joint.lower, 1e-9)
+
+
+def _result(
+    check: str, *, fails: bool, value: float | None = None, threshold: float | None = None, unit: str = "",
+    where: str = "", message: str = "",
+) -> CheckResult:  # fmt: skip
+    return CheckResult(
+        id=check, level="L3", title=TITLES[check], verdict="fail" if fails else "pass",
+        value=None if value is None else _round(value), threshold=None if threshold is None else _round(threshold),
+        unit=unit, where=where, message=message,
+    )  # fmt: skip
+
+
+def _round(value: float) -> float:
+    """Six significant digits; infinity, which JSON cannot say, becomes a very large number."""
+    return float(f"{value:.6g}") if np.isfinite(value) else 1e300
+
+
+def _not_applicable(check: str, reason: str) -> CheckResult:
+    return CheckResult(
+        id=check, level="L3", title=TITLES[check], verdict="not_applicable", message=reason
+    )
+
+
+def _timed(check: Callable[[], CheckResult]) -> CheckResult:
+    clock = time.perf_counter()
+    result = check()
+    return replace(result, seconds=time.perf_counter() - clock)

@@ -1,0 +1,42 @@
+"""Joint friction and damping in SI units, for an engine that knows neither.
+
+SAPIEN ignores a URDF's ``<dynamics friction>``, and PhysX's own joint friction is a unitless
+coefficient whose holding force depends on the time step and on the number of solver iterations
+(``benchmarks/friction_calibration.py`` measures by how much). Two other constraints do exactly what
+is meant, at any step size: a velocity drive at rest with a force limit is Coulomb friction, and a
+fixed tendon over one joint is a viscous damper beside it.
+"""
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from sapien.physx import PhysxArticulation, PhysxArticulationJoint
+
+CREEP = 1e-5
+"""Speed (m/s or rad/s) at which the drive reaches its friction force: a joint that is loaded just
+below its friction creeps this slowly, and one that moves faster feels the whole force."""
+
+
+def apply_friction(joint: "PhysxArticulationJoint", friction: float) -> None:
+    """Replaces a joint's resistance by Coulomb friction of ``friction`` newtons or newton metres.
+
+    Uses the joint's drive; whoever drives the joint later replaces the friction with it.
+    """
+    if not friction >= 0.0:
+        raise ValueError(f"joint {joint.name!r}: friction {friction}, expected >= 0")
+    joint.set_friction(0.0)
+    if friction > 0.0:
+        joint.set_drive_velocity_target(0.0)
+        joint.set_drive_properties(stiffness=0.0, damping=friction / CREEP, force_limit=friction, mode="force")
+    else:
+        joint.set_drive_properties(stiffness=0.0, damping=0.0)
+
+
+def apply_damping(articulation: "PhysxArticulation", joint: "PhysxArticulationJoint", damping: float) -> None:
+    """Adds viscous damping (N s/m or N m s/rad) beside whatever the joint's drive does."""
+    if not damping >= 0.0:
+        raise ValueError(f"joint {joint.name!r}: damping {damping}, expected >= 0")
+    if damping > 0.0:
+        articulation.create_fixed_tendon(
+            [joint.parent_link, joint.child_link], [0.0, 1.0], [0.0, 1.0], stiffness=0.0, damping=damping
+        )

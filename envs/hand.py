@@ -1,0 +1,158 @@
+"""What a hand does to a joint: how hard it may pull, where, and in which direction.
+
+A person pulls a drawer with at most 30 N and turns a door with at most 10 N m, and never with more
+than 30 N at its handle, which is what limits a small lid. Fingers push a button with 10 N and turn a
+knob with 10 N at its rim and at most 1 N m. The hand also carries the weight of what it lifts:
+appliances have springs and counterweights that packages do not model.
+"""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from jaxtyping import Float
+
+from artigen.transforms import matrix_from_quat, rotation_about, transform_points
+
+from .package import LoadedJoint, LoadedPackage, moving_links
+
+if TYPE_CHECKING:
+    from sapien.physx import PhysxArticulationLinkComponent
+
+GRAVITY = 9.81
+FINGER_LABELS = ("knob",)
+
+
+@dataclass(frozen=True, kw_only=True)
+class HandConfig:
+    """Limits of the hand, in newtons and newton metres."""
+
+    pull: float = 30.0
+    """Largest force on a drawer, or at the handle of anything that turns."""
+
+    turn: float = 10.0
+    """Largest torque on a door, lid or wheel."""
+
+    push: float = 10.0
+    """Largest force of fingers, on a button or at the rim of a knob."""
+
+    twist: float = 1.0
+    """Largest torque of fingers on a knob."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Moved:
+    """Everything that a joint moves, in the world at the present pose: mass, centre, hull vertices.
+
+    ``inertia`` is about the joint's axis (kg m^2); ``axis`` and ``origin`` are the joint's.
+    """
+
+    mass: float
+    com: Float[np.ndarray, "3"]
+    inertia: float
+    vertices: Float[np.ndarray, "V 3"]
+    axis: Float[np.ndarray, "3"]
+    origin: Float[np.ndarray, "3"]
+
+
+def pose_matrix(pose) -> Float[np.ndarray, "4 4"]:
+    """A SAPIEN pose as a float64 matrix."""
+    T = np.eye(4)
+    T[:3, :3] = matrix_from_quat(np.asarray(pose.q, dtype=np.float64))
+    T[:3, 3] = pose.p
+    return T
+
+
+def link_vertices(link: "PhysxArticulationLinkComponent") -> Float[np.ndarray, "V 3"]:
+    """Vertices of a link's collision shapes in its own frame, metres."""
+    chunks = [np.zeros((0, 3))]
+    for shape in link.collision_shapes:
+        corners = _shape_points(shape)
+        chunks.append(transform_points(pose_matrix(shape.local_pose), corners))
+    return np.concatenate(chunks)
+
+
+def measure_moved(loaded: LoadedPackage, joint: LoadedJoint) -> Moved:
+    """What ``joint`` moves at the articulation's present pose."""
+    frame = pose_matrix(joint.engine.global_pose)
+    axis, origin = frame[:3, 0], frame[:3, 3]  # SAPIEN puts the axis on the joint frame's x
+    masses, centers, inertias, vertices = [], [], [], [np.zeros((0, 3))]
+    for link in moving_links(loaded, joint):
+        T = pose_matrix(link.entity_pose)
+        principal = T @ pose_matrix(link.cmass_local_pose)
+        arm = np.cross(axis, principal[:3, 3] - origin)
+        along = principal[:3, :3].T @ axis
+        masses.append(float(link.mass))
+        centers.append(principal[:3, 3])
+        inertias.append(float(along @ (np.asarray(link.inertia) * along)) + link.mass * float(arm @ arm))
+        vertices.append(transform_points(T, link_vertices(link)))
+    mass = sum(masses)
+    com = np.average(centers, axis=0, weights=masses) if mass > 0 else origin
+    return Moved(
+        mass=mass,
+        com=com,
+        inertia=sum(inertias),
+        vertices=np.concatenate(vertices),
+        axis=axis,
+        origin=origin,
+    )
+
+
+def hand_effort(joint: LoadedJoint, moved: Moved, cfg: HandConfig) -> float:
+    """The largest effort of a hand on a joint: N for sliding joints, N m for turning ones."""
+    fingers = joint.label in FINGER_LABELS
+    if joint.spec.type == "prismatic":
+        return cfg.push if fingers else cfg.pull
+    lever = _lever(joint, moved)
+    return min(cfg.twist, cfg.push * lever) if fingers else min(cfg.turn, cfg.pull * lever)
+
+
+def weight_effort(joint: LoadedJoint, moved: Moved, q: Float[np.ndarray, "N"]) -> Float[np.ndarray, "N"]:
+    """How the moved weight pushes the joint at coordinates ``q`` from the present pose: > 0 opens."""
+    weight = np.array([0.0, 0.0, -GRAVITY * moved.mass])
+    if joint.spec.type == "prismatic":
+        return np.full(len(q), float(weight @ moved.axis))
+    arms = rotation_about(moved.axis, q) @ (moved.com - moved.origin)
+    return np.cross(arms, weight) @ moved.axis
+
+
+def push_wrench(joint: LoadedJoint, axis: Float[np.ndarray, "3"], effort: float) -> tuple:
+    """Force and torque on the child link, as SAPIEN takes them, that act on the joint with ``effort``.
+
+    A force at the handle and this wrench differ only in what the joint's own bearing takes up.
+    """
+    vector = (effort * axis).astype(np.float32)
+    zero = np.zeros(3, dtype=np.float32)
+    return (vector, zero) if joint.spec.type == "prismatic" else (zero, vector)
+
+
+def _lever(joint: LoadedJoint, moved: Moved) -> float:
+    """Distance from the axis at which a hand takes hold: the handle's, else the farthest point's."""
+    points = moved.vertices
+    if joint.handle is not None:
+        points = joint.handle.corners.mean(axis=0, keepdims=True)
+    arms = points - (joint.spec.origin if joint.handle is not None else moved.origin)
+    axis = joint.spec.axis if joint.handle is not None else moved.axis
+    distance = np.linalg.norm(np.cross(axis, arms), axis=1).max(initial=0.0)
+    if joint.handle is not None and joint.label in FINGER_LABELS:
+        # Fingers hold a knob at its rim, not at its middle.
+        arms = joint.handle.corners - joint.spec.origin
+        distance = np.linalg.norm(np.cross(axis, arms), axis=1).max()
+    return float(distance)
+
+
+def _shape_points(shape) -> np.ndarray:
+    """Corners of a collision shape before its local pose."""
+    import sapien.physx as physx
+
+    signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=np.float64)
+    match shape:
+        case physx.PhysxCollisionShapeConvexMesh() | physx.PhysxCollisionShapeTriangleMesh():
+            return np.asarray(shape.vertices, dtype=np.float64) * np.asarray(shape.scale)
+        case physx.PhysxCollisionShapeBox():
+            return signs * np.asarray(shape.half_size)
+        case physx.PhysxCollisionShapeSphere():
+            return signs * shape.radius
+        case physx.PhysxCollisionShapeCylinder() | physx.PhysxCollisionShapeCapsule():
+            return signs * np.array([shape.half_length, shape.radius, shape.radius])
+    raise TypeError(f"collision shape {type(shape).__name__} has no corners")

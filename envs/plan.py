@@ -1,0 +1,154 @@
+"""Which joints may be tried at the same time, and what each needs: effort, requirements, direction.
+
+Trying every joint alone is exact but slow. Joints whose swept volumes stay apart cannot help or
+hinder one another, so they move together; everything else keeps to separate runs.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from artigen.transforms import rotation_about
+
+from .hand import HandConfig, Moved, hand_effort, measure_moved, weight_effort
+from .package import LoadedJoint, LoadedPackage, qpos_of
+
+SWEEP_SAMPLES = 13
+SPEED_MARGIN = 1.5
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class JointPlan:
+    """How one joint is tried.
+
+    ``opening`` and ``closing`` are efforts (N or N m) including the weight that the hand carries,
+    ``hand`` is the effort without it. ``needs`` are joints that stand open meanwhile.
+    ``speed_limit`` bounds the joint's speed (m/s or rad/s) by the work that is put in;
+    ``lean`` is the horizontal direction in which a tilt would open the joint, zero if there is none.
+    """
+
+    index: int
+    hand: float
+    opening: float
+    closing: float
+    needs: tuple[str, ...]
+    speed_limit: float
+    lean: Float[np.ndarray, "3"]
+    axis: Float[np.ndarray, "3"]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TrialPlan:
+    """Plans in the order of ``LoadedPackage.joints``, and groups of their indices that run together."""
+
+    joints: tuple[JointPlan, ...]
+    groups: tuple[tuple[int, ...], ...]
+
+
+def plan_trials(loaded: LoadedPackage, cfg: HandConfig) -> TrialPlan:
+    """Measures every joint of a fixed-base object and groups the independent ones."""
+    plans, swept = [], []
+    for index, joint in enumerate(loaded.joints):
+        needs = _all_needs(loaded, joint.spec.name)
+        at_limits = {name: loaded.joint(name).spec.upper for name in needs}
+        loaded.articulation.set_qpos(
+            qpos_of(loaded, at_limits | {joint.spec.name: _start(joint)}).astype(np.float32)
+        )
+        moved = measure_moved(loaded, joint)
+        plans.append(_plan(index, joint, moved, needs, cfg))
+        swept.append(_swept_box(joint, moved))
+    loaded.articulation.set_qpos(rest_qpos(loaded))
+    return TrialPlan(joints=tuple(plans), groups=_group(loaded, plans, np.array(swept).reshape(-1, 2, 3)))
+
+
+def rest_qpos(loaded: LoadedPackage) -> Float[np.ndarray, "Q"]:
+    """Rest: 0 for every joint, or the nearest value within its limits."""
+    q = {joint.spec.name: _rest(joint) for joint in loaded.joints}
+    return qpos_of(loaded, q).astype(np.float32)
+
+
+def _rest(joint: LoadedJoint) -> float:
+    return float(np.clip(0.0, joint.spec.lower, joint.spec.upper)) if joint.limited else 0.0
+
+
+def _start(joint: LoadedJoint) -> float:
+    """Where opening starts: the lower limit."""
+    return joint.spec.lower if joint.limited else 0.0
+
+
+def _plan(
+    index: int, joint: LoadedJoint, moved: Moved, needs: tuple[str, ...], cfg: HandConfig
+) -> JointPlan:
+    hand = hand_effort(joint, moved, cfg)
+    travel = np.linspace(0.0, joint.span, SWEEP_SAMPLES)
+    weight = weight_effort(joint, moved, travel)
+    opening = hand + max(0.0, float(-weight.min()))
+    closing = hand + max(0.0, float(weight.max()))
+    # Work of the largest effort plus the most that the weight can add, all of it turned into speed.
+    work = (max(opening, closing) + float(np.abs(weight).max())) * joint.span
+    load = moved.mass if joint.spec.type == "prismatic" else moved.inertia
+    if joint.spec.type == "prismatic":
+        lean = moved.axis.copy()
+    else:
+        lean = np.cross(moved.axis, moved.com - moved.origin)
+    lean[2] = 0.0
+    length = np.linalg.norm(lean)
+    return JointPlan(
+        index=joint.index,
+        hand=hand,
+        opening=opening,
+        closing=closing,
+        needs=needs,
+        speed_limit=SPEED_MARGIN * float(np.sqrt(2.0 * work / max(load, 1e-9))),
+        lean=lean / length if length > 1e-3 else np.zeros(3),
+        axis=moved.axis,
+    )
+
+
+def _all_needs(loaded: LoadedPackage, name: str) -> tuple[str, ...]:
+    """Everything that has to stand open before ``name`` moves, needs of needs included."""
+    direct = {pair.joint: [] for pair in loaded.package.requires_open}
+    for pair in loaded.package.requires_open:
+        direct[pair.joint].append(pair.needs)
+    out: list[str] = []
+    waiting = list(direct.get(name, []))
+    while waiting:
+        need = waiting.pop()
+        if need not in out and need != name:
+            out.append(need)
+            waiting += direct.get(need, [])
+    return tuple(sorted(out))
+
+
+def _swept_box(joint: LoadedJoint, moved: Moved) -> np.ndarray:
+    """Bounds of everything the joint moves, over its whole range."""
+    if not len(moved.vertices):
+        return np.stack([moved.origin, moved.origin])
+    travel = np.linspace(0.0, joint.span, SWEEP_SAMPLES)
+    if joint.spec.type == "prismatic":
+        points = moved.vertices + travel[[0, -1], None, None] * moved.axis
+    else:
+        turns = rotation_about(moved.axis, travel)
+        points = (moved.vertices - moved.origin) @ np.swapaxes(turns, -1, -2) + moved.origin
+    points = points.reshape(-1, 3)
+    return np.stack([points.min(axis=0), points.max(axis=0)])
+
+
+def _group(loaded: LoadedPackage, plans: list[JointPlan], swept: np.ndarray) -> tuple[tuple[int, ...], ...]:
+    """Greedy colouring: equal needs, and swept boxes that stay apart."""
+    groups: list[list[int]] = []
+    for index, plan in enumerate(plans):
+        for group in groups:
+            same = all(plans[other].needs == plan.needs for other in group)
+            apart = all(_boxes_apart(swept[index], swept[other]) for other in group)
+            if same and apart:
+                group.append(index)
+                break
+        else:
+            groups.append([index])
+    return tuple(tuple(group) for group in groups)
+
+
+def _boxes_apart(a: np.ndarray, b: np.ndarray) -> bool:
+    return bool(((a[0] > b[1]) | (b[0] > a[1])).any())

@@ -1,0 +1,58 @@
+"""Physics scenes on the CPU, and whether this machine can draw at all."""
+
+import functools
+import subprocess
+import sys
+from typing import TYPE_CHECKING
+
+from artigen.errors import ArtigenError
+
+if TYPE_CHECKING:
+    import sapien
+
+PROBE = "import sapien; sapien.Scene([sapien.physx.PhysxCpuSystem(), sapien.render.RenderSystem()])"
+PROBE_SECONDS = 60.0
+
+
+class NoRenderDevice(ArtigenError):
+    """Pictures were asked for on a machine without a usable Vulkan device."""
+
+
+@functools.cache
+def has_render_device() -> bool:
+    """Whether SAPIEN can render here; asked in a child process, since it may abort instead of raising."""
+    try:
+        done = subprocess.run([sys.executable, "-c", PROBE], capture_output=True, timeout=PROBE_SECONDS)
+    except subprocess.TimeoutExpired:
+        return False
+    return done.returncode == 0
+
+
+def create_scene(timestep: float, *, ground: bool = False, render: bool = False) -> "sapien.Scene":
+    """An empty scene with gravity (0, 0, -9.81) m/s^2.
+
+    Args:
+        timestep: seconds per step.
+        ground: adds the plane z = 0.
+        render: adds a render system and lights.
+
+    Raises:
+        NoRenderDevice: if ``render`` is asked for and there is no device.
+    """
+    import sapien
+
+    if not timestep > 0.0:
+        raise ValueError(f"timestep {timestep} s, expected > 0")
+    systems: list = [sapien.physx.PhysxCpuSystem()]
+    if render:
+        if not has_render_device():
+            raise NoRenderDevice("SAPIEN finds no Vulkan device here; leave render_mode at None")
+        systems.append(sapien.render.RenderSystem())
+    scene = sapien.Scene(systems)
+    scene.set_timestep(timestep)
+    if ground:
+        scene.add_ground(0.0, render=render)
+    if render:
+        scene.set_ambient_light([0.5, 0.5, 0.5])
+        scene.add_directional_light([1.0, 0.5, -1.0], [1.5, 1.5, 1.5])
+    return scene

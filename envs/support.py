@@ -1,0 +1,54 @@
+"""Does an object stand: is its centre of mass above the polygon of what touches the floor?"""
+
+import numpy as np
+from jaxtyping import Float
+from scipy.spatial import ConvexHull, QhullError
+
+from .hand import pose_matrix
+from .package import LoadedPackage
+
+FLOOR_BAND = 0.005
+"""Metres above the lowest point within which a vertex counts as touching the floor."""
+
+MOUNTED_CATEGORIES = frozenset({"Door", "Faucet", "Switch", "Window"})
+HELD_CATEGORIES = frozenset(
+    {"Eyeglasses", "Knife", "Lighter", "Pen", "Phone", "Pliers", "Remote", "Scissors", "Stapler", "USB"}
+)
+"""PartNet-Mobility categories that are fixed to a building or held in a hand: nobody expects them to
+stand. Every other object, and one of unknown category, is expected to."""
+
+
+def overhang_of(loaded: LoadedPackage, vertices: Float[np.ndarray, "V 3"]) -> float:
+    """How far (m) the centre of mass lies outside the support polygon; negative inside.
+
+    Args:
+        loaded: the object at its present pose.
+        vertices: its collision vertices in the world.
+    """
+    feet = vertices[vertices[:, 2] < vertices[:, 2].min() + FLOOR_BAND][:, :2]
+    center = center_of_mass(loaded)[:2]
+    try:
+        hull = ConvexHull(feet)
+    except (QhullError, ValueError):
+        # A point or a line carries nothing: any sideways push topples what stands on it.
+        return float(np.linalg.norm(feet - center, axis=1).min())
+    return float((hull.equations[:, :2] @ center + hull.equations[:, 2]).max())
+
+
+def center_of_mass(loaded: LoadedPackage) -> Float[np.ndarray, "3"]:
+    """Centre of mass of all links in the world."""
+    masses = np.array([link.mass for link in loaded.articulation.links])
+    centers = np.array(
+        [
+            (pose_matrix(link.entity_pose) @ pose_matrix(link.cmass_local_pose))[:3, 3]
+            for link in loaded.articulation.links
+        ]
+    )
+    if not masses.sum() > 0:
+        return centers.mean(axis=0)
+    return np.average(centers, axis=0, weights=masses)
+
+
+def must_stand(category: str) -> bool:
+    """Whether objects of this category stand on their own."""
+    return category not in MOUNTED_CATEGORIES | HELD_CATEGORIES

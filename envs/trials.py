@@ -1,0 +1,296 @@
+"""The simulated trials behind checks V302 to V307: rest, lean, pull open, push closed, stand free.
+
+`run_trials` plays all of them at one time step and returns plain measurements; `envs.dynamics`
+compares those with thresholds. Everything is CPU PhysX, and nothing is random.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import sapien
+from jaxtyping import Float
+
+from artigen.transforms import transform_points
+from sim_export.package import SimPackage
+
+from .hand import HandConfig, link_vertices, pose_matrix, push_wrench
+from .package import LinkLoad, LoadConfig, LoadedPackage, load_package, qpos_of
+from .plan import JointPlan, TrialPlan, plan_trials, rest_qpos
+from .scene import create_scene
+
+STALL_SPEED = 1e-3
+STALL_SECONDS = 0.25
+
+
+@dataclass(frozen=True, kw_only=True)
+class TrialConfig:
+    """Durations and tolerances of the trials."""
+
+    hand: HandConfig = HandConfig()
+    """How hard joints are pulled and pushed."""
+
+    rest_seconds: float = 5.0
+    """How long the fixed object stands under gravity (V302)."""
+
+    stand_seconds: float = 3.0
+    """How long the free object stands on the ground (V303)."""
+
+    pull_seconds: float = 5.0
+    """How long a hand may take to open or close a joint (V304)."""
+
+    lean_seconds: float = 2.0
+    """How long the tilted object is watched (V305)."""
+
+    lean_degrees: float = 5.0
+    """How far the object is tilted (V305)."""
+
+    limit_fraction: float = 0.01
+    """A limit counts as reached within this part of the range ..."""
+
+    limit_degrees: float = 0.5
+    """... or, for turning joints, within this angle if that is more."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PullResult:
+    """One joint's trial; distances to the limits and speeds in m or rad, ``opened`` as part of the range."""
+
+    opened: float
+    open_gap: float
+    close_gap: float
+    peak_speed: float
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class StandResult:
+    """Free base on the ground: degrees, metres; ``overhang`` is how far the centre of mass lies outside
+    the support polygon (m, negative inside)."""
+
+    tilt: float
+    drift: float
+    penetration: float
+    overhang: float
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TrialResults:
+    """Everything measured at one time step. Arrays follow ``LoadedPackage.joints``."""
+
+    timestep: float
+    loads: tuple[LinkLoad, ...]
+    plan: TrialPlan
+    rest_drift: Float[np.ndarray, "J"]
+    rest_speed: Float[np.ndarray, "J"]
+    lean_drift: Float[np.ndarray, "J"]
+    pulls: tuple[PullResult, ...]
+    stand: StandResult
+    size_ratio: float
+    trace: Float[np.ndarray, "T"]
+
+
+def run_trials(folder: Path, package: SimPackage, timestep: float, cfg: TrialConfig) -> TrialResults:
+    """All trials of one package at one time step, in a scene of their own."""
+    scene = create_scene(timestep)
+    loaded = load_package(scene, folder, LoadConfig(base="fixed"), package)
+    plan = plan_trials(loaded, cfg.hand)
+    trace: list[np.ndarray] = []
+    reset(loaded, rest_qpos(loaded))
+    size = _size(loaded)
+    rest_drift, rest_speed = _rest(scene, loaded, cfg, trace)
+    growth = [_size(loaded)]
+    lean_drift = _lean(scene, loaded, plan, cfg, trace)
+    pulls: dict[int, PullResult] = {}
+    for group in plan.groups:
+        pulls |= _pull_group(scene, loaded, [(i, plan.joints[i]) for i in group], cfg, trace)
+        growth.append(_size(loaded))
+    stand = _stand(folder, package, timestep, cfg, trace)
+    return TrialResults(
+        timestep=timestep,
+        loads=loaded.links,
+        plan=plan,
+        rest_drift=rest_drift,
+        rest_speed=rest_speed,
+        lean_drift=lean_drift,
+        pulls=tuple(pulls[index] for index in range(len(loaded.joints))),
+        stand=stand,
+        size_ratio=max(growth) / size if size > 0 else 1.0,
+        trace=np.concatenate([np.zeros(0), *trace]),
+    )
+
+
+def reset(loaded: LoadedPackage, qpos: Float[np.ndarray, "Q"]) -> None:
+    """Poses the articulation at rest with no efforts left over."""
+    still = np.zeros(len(qpos), dtype=np.float32)
+    loaded.articulation.set_qpos(qpos.astype(np.float32))
+    loaded.articulation.set_qvel(still)
+    loaded.articulation.set_qf(still)
+
+
+def _steps(scene: "sapien.Scene", seconds: float) -> int:
+    return max(1, round(seconds / scene.timestep))
+
+
+def _of_joints(loaded: LoadedPackage, values: np.ndarray) -> np.ndarray:
+    """Entries of a ``qpos``-like array for ``loaded.joints``."""
+    return np.asarray(values, dtype=np.float64)[[joint.index for joint in loaded.joints]]
+
+
+def _run_free(scene, loaded: LoadedPackage, seconds: float, trace: list) -> np.ndarray:
+    """Steps without touching anything; returns the largest displacement of each joint from the start."""
+    start = np.array(loaded.articulation.qpos, dtype=np.float64)
+    worst = np.zeros(len(start))
+    for step in range(_steps(scene, seconds)):
+        scene.step()
+        if step % 8 == 7:
+            q = np.array(loaded.articulation.qpos, dtype=np.float64)
+            worst = np.fmax(worst, np.abs(q - start)) if np.isfinite(q).all() else np.full(len(q), np.inf)
+            trace.append(q)
+    q = np.array(loaded.articulation.qpos, dtype=np.float64)
+    trace.append(q)
+    last = np.where(np.isfinite(q), np.abs(q - start), np.inf)
+    return _of_joints(loaded, np.maximum(worst, last))
+
+
+def _rest(scene, loaded: LoadedPackage, cfg: TrialConfig, trace: list) -> tuple[np.ndarray, np.ndarray]:
+    drift = _run_free(scene, loaded, cfg.rest_seconds, trace)
+    return drift, np.abs(_of_joints(loaded, loaded.articulation.qvel))
+
+
+def _lean(scene, loaded: LoadedPackage, plan: TrialPlan, cfg: TrialConfig, trace: list) -> np.ndarray:
+    """Tilts the fixed object so that each joint in turn would like to open; largest movement of each."""
+    worst = np.zeros(len(loaded.joints))
+    angle = np.radians(cfg.lean_degrees)
+    leans = {tuple(np.round(joint.lean, 2)): joint.lean for joint in plan.joints if joint.lean.any()}
+    for _, lean in sorted(leans.items()):
+        axis = np.cross([0.0, 0.0, 1.0], lean)  # turning about it lowers what lies towards `lean`
+        half = angle / 2.0
+        loaded.articulation.set_root_pose(
+            sapien.Pose(q=np.array([np.cos(half), *(np.sin(half) * axis)], dtype=np.float32))
+        )
+        reset(loaded, rest_qpos(loaded))
+        worst = np.maximum(worst, _run_free(scene, loaded, cfg.lean_seconds, trace))
+    loaded.articulation.set_root_pose(sapien.Pose())
+    return worst
+
+
+def _pull_group(
+    scene, loaded: LoadedPackage, members: list[tuple[int, JointPlan]], cfg: TrialConfig, trace: list
+) -> dict[int, PullResult]:
+    """Opens joints together from their lower limits, then closes them; everything else is at rest."""
+    start = {joint.spec.name: float(rest_qpos(loaded)[joint.index]) for joint in loaded.joints}
+    start |= {name: loaded.joint(name).spec.upper for name in members[0][1].needs}
+    start |= {
+        loaded.joints[i].spec.name: loaded.joints[i].spec.lower for i, _ in members if loaded.joints[i].limited
+    }
+    reset(loaded, qpos_of(loaded, start))
+    opened, open_gap, speed_out = _drive(scene, loaded, members, cfg, trace, direction=1.0)
+    _, close_gap, speed_back = _drive(scene, loaded, members, cfg, trace, direction=-1.0)
+    return {
+        index: PullResult(
+            opened=float(opened[k]),
+            open_gap=float(open_gap[k]),
+            close_gap=float(close_gap[k]),
+            peak_speed=float(max(speed_out[k], speed_back[k])),
+        )
+        for k, (index, _) in enumerate(members)
+    }
+
+
+def _drive(
+    scene, loaded: LoadedPackage, members: list[tuple[int, JointPlan]], cfg: TrialConfig, trace: list, *,
+    direction: float,
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:  # fmt: skip
+    """Pushes joints one way until all have arrived, all have stalled, or the time is over.
+
+    Returns the covered part of the range, the remaining distance to the limit, and the peak speed.
+    """
+    joints = [loaded.joints[index] for index, _ in members]
+    columns = np.array([joint.index for joint in joints])
+    span = np.array([joint.span for joint in joints])
+    limited = np.array([joint.limited for joint in joints])
+    near = np.array([limit_tolerance(joint.spec.type, joint.span, cfg) for joint in joints])
+    target = np.array([joint.spec.upper if direction > 0 else joint.spec.lower for joint in joints])
+    pushes = [
+        (joint.engine.child_link, push_wrench(joint, direction * plan.axis, effort(plan, direction)))
+        for joint, (_, plan) in zip(joints, members, strict=True)
+    ]
+    travelled, peak = np.zeros(len(joints)), np.zeros(len(joints))
+    start = np.array(loaded.articulation.qpos, dtype=np.float64)[columns]
+    still_for, q = 0, start
+    for _ in range(_steps(scene, cfg.pull_seconds)):
+        gap = np.where(limited, np.abs(target - q), np.maximum(span - travelled, 0.0))
+        for k, (link, wrench) in enumerate(pushes):
+            # A joint without limits is let go once it has turned far enough.
+            if limited[k] or gap[k] > 0.0:
+                link.add_force_torque(*wrench)
+        scene.step()
+        q = np.array(loaded.articulation.qpos, dtype=np.float64)[columns]
+        v = np.array(loaded.articulation.qvel, dtype=np.float64)[columns]
+        travelled = travelled + direction * v * scene.timestep
+        peak = np.fmax(peak, np.abs(v))
+        trace.append(q)
+        if not np.isfinite(q).all():
+            return np.zeros(len(q)), np.full(len(q), np.inf), np.full(len(q), np.inf)
+        gap = np.where(limited, np.abs(target - q), np.maximum(span - travelled, 0.0))
+        still_for = still_for + 1 if (np.abs(v) < STALL_SPEED * np.maximum(span, 0.1)).all() else 0
+        if (gap < near / 2).all() or still_for * scene.timestep > STALL_SECONDS:
+            break
+    gap = np.where(limited, np.abs(target - q), np.maximum(span - travelled, 0.0))
+    return 1.0 - gap / np.maximum(span, 1e-9), gap, peak
+
+
+def effort(plan: JointPlan, direction: float) -> float:
+    """Effort of a plan in a direction: > 0 opens."""
+    return plan.opening if direction > 0 else plan.closing
+
+
+def limit_tolerance(joint_type: str, span: float, cfg: TrialConfig) -> float:
+    """How near to a limit counts as reached: 1 % of the range, or 0.5 degrees if that is more."""
+    by_range = cfg.limit_fraction * span
+    return by_range if joint_type == "prismatic" else max(by_range, float(np.radians(cfg.limit_degrees)))
+
+
+def _size(loaded: LoadedPackage) -> float:
+    """Diagonal of the box around all collision shapes (m)."""
+    boxes = np.array(
+        [link.get_global_aabb_fast() for link in loaded.articulation.links if link.collision_shapes]
+    ).reshape(-1, 2, 3)
+    if not len(boxes):
+        return 0.0
+    return float(np.linalg.norm(boxes[:, 1].max(axis=0) - boxes[:, 0].min(axis=0)))
+
+
+def world_vertices(loaded: LoadedPackage) -> Float[np.ndarray, "V 3"]:
+    """Vertices of all collision shapes where they are now."""
+    chunks = [
+        transform_points(pose_matrix(link.entity_pose), link_vertices(link))
+        for link in loaded.articulation.links
+    ]
+    return np.concatenate([np.zeros((0, 3)), *chunks])
+
+
+def _stand(
+    folder: Path, package: SimPackage, timestep: float, cfg: TrialConfig, trace: list
+) -> StandResult:
+    from .support import overhang_of
+
+    scene = create_scene(timestep, ground=True)
+    loaded = load_package(scene, folder, LoadConfig(base="free"), package)
+    reset(loaded, rest_qpos(loaded))
+    vertices = world_vertices(loaded)
+    if not len(vertices):
+        return StandResult(tilt=np.inf, drift=np.inf, penetration=np.inf, overhang=np.inf)
+    loaded.articulation.set_root_pose(sapien.Pose(p=[0.0, 0.0, -float(vertices[:, 2].min())]))
+    overhang = overhang_of(loaded, world_vertices(loaded))
+    start = pose_matrix(loaded.articulation.root_pose)
+    _run_free(scene, loaded, cfg.stand_seconds, trace)
+    end = pose_matrix(loaded.articulation.root_pose)
+    trace.append(end.ravel())
+    lowest = float(world_vertices(loaded)[:, 2].min())
+    return StandResult(
+        tilt=float(np.degrees(np.arccos(np.clip(end[2, 2] * start[2, 2], -1.0, 1.0)))),
+        drift=float(np.linalg.norm(end[:2, 3] - start[:2, 3])),
+        penetration=max(0.0, -lowest),
+        overhang=overhang,
+    )
