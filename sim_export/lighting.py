@@ -6,7 +6,7 @@ from functools import partial
 import numpy as np
 from jaxtyping import Float, Int
 
-from sim_export.camera import Camera
+from sim_export.camera import Camera, project_points
 from sim_export.raycast import (
     Scene,
     albedo_at,
@@ -27,14 +27,18 @@ from sim_export.shading import (
 
 GROUND = -2
 NOTHING = -1
+FADE = 0.14
+"""Width of the border where the floor's shadow fades out, as a fraction of the picture."""
+FLOOR_SHADE = (0.30, 0.32)
+"""How much the floor darkens where all of the sky, and all of the key light, is hidden."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class RenderConfig:
     """How a picture is lit and sampled."""
 
-    supersample: int = 2
-    """Rays per pixel along each direction; raise it where edges look jagged."""
+    supersample: int = 3
+    """Rays per edge pixel along each direction; raise it where edges look jagged."""
     background: tuple[int, int, int] = (247, 248, 250)
     """sRGB colour behind the object and of the ground."""
     ground: bool = True
@@ -46,9 +50,9 @@ class RenderConfig:
     light_radius: float = 0.16
     """Radius of the key light at unit distance; larger gives softer shadows."""
     shadow_rays: int = 2
-    """Rays to the key light per subpixel, averaged over 16 subpixels; more smooths soft shadows."""
-    occlusion_rays: int = 3
-    """Rays to the sky per subpixel, averaged over 16 subpixels; more smooths dark corners."""
+    """Rays to the key light per pixel, averaged over nearby pixels; more smooths soft shadows."""
+    occlusion_rays: int = 4
+    """Rays to the sky per pixel, averaged over nearby pixels; more smooths dark corners."""
     occlusion_reach: float = 0.30
     """How far away something still darkens a surface, as a fraction of the scene's diagonal."""
     seed: int = 0
@@ -181,14 +185,25 @@ def gather_light(
     label = np.full(shape, NOTHING)
     free[row, column] = free_light(scene, samples, cells, light, cfg)
     normals[row, column], label[row, column] = samples.normals, samples.label
-    return Grid(label=label, normals=normals, visible=tile_average(free, normals, label))
+    smooth = tile_average(tile_average(free, normals, label), normals, label)
+    return Grid(label=label, normals=normals, visible=smooth)
 
 
-def shade_samples(samples: Samples, visible: np.ndarray, light: Light) -> Float[np.ndarray, "N 3"]:
+def shade_samples(
+    samples: Samples, visible: Float[np.ndarray, "N 2"], light: Light, camera: Camera
+) -> Float[np.ndarray, "N 3"]:
+    """Linear colours of samples, given the free fraction of sky and key light at each.
+
+    The floor shows only what the object takes away from it, so that it has no horizon, and fades
+    out towards the border of the picture.
+    """
     colors = shade(samples.albedo, samples.normals, -samples.rays, light.direction, visible)
-    floor = samples.label == GROUND
-    # The floor shows only what the object takes away from it, so that it has no horizon.
-    colors[floor] = light.background * (visible[floor] @ np.array([0.28, 0.30], np.float32) + 0.42)[:, None]
+    floor = np.flatnonzero(samples.label == GROUND)
+    seen = project_points(camera, samples.points[floor].astype(np.float64))[:, :2]
+    size = np.array([camera.width, camera.height])
+    inward = np.clip(np.minimum(seen, size - seen).min(axis=1) / (FADE * size.min()), 0.0, 1.0)
+    darkness = (1.0 - visible[floor]) @ np.array(FLOOR_SHADE) * (inward**2 * (3.0 - 2.0 * inward))
+    colors[floor] = light.background * (1.0 - darkness)[:, None]
     return colors
 
 

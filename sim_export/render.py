@@ -93,7 +93,7 @@ def render_scene(
         samples = find_samples(scene, camera, pixel_rays(camera).reshape(-1, 3), cfg)
         grid = gather_light(scene, samples, shape, light, cfg)
         visible = grid.visible.reshape(-1, 2)[samples.place]
-        picture.reshape(-1, 3)[samples.place] = shade_samples(samples, visible, light)
+        picture.reshape(-1, 3)[samples.place] = shade_samples(samples, visible, light, camera)
         if cfg.supersample > 1:
             edges = _find_edges(picture, grid.label)
             picture[edges] = _refine(scene, camera, edges, grid, light, cfg)
@@ -126,5 +126,5 @@ def _refine(
     owner = samples.place // step**2
     visible = borrow_light(scene, samples, grid, (rows[owner], columns[owner]), light, cfg)
     colors = np.tile(light.background, (len(rays), 1))
-    colors[samples.place] = shade_samples(samples, visible, light)
+    colors[samples.place] = shade_samples(samples, visible, light, camera)
     return colors.reshape(-1, step**2, 3).mean(axis=1)

@@ -1,7 +1,7 @@
 """Light for the ray caster: textures, smooth normals, a soft key light and ambient occlusion.
 
 Everything works on flat arrays of hit points. Light is linear; sRGB enters and leaves through the
-tables here. Random directions are one low-discrepancy set, spread over a small tile of subpixels
+tables here. Random directions are one low-discrepancy set, spread over a small tile of pixels
 and averaged over the same tile afterwards, so that few rays give a smooth, repeatable picture.
 """
 
@@ -12,7 +12,7 @@ from jaxtyping import Float, Int, UInt8
 from scipy import sparse
 
 TILE = 4
-"""Edge of the tile of subpixels over which directions are spread and then averaged."""
+"""Edge of the tile of pixels over which directions are spread and then averaged."""
 
 Occluded = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
 """(origins, directions, reach in units of the direction) -> True where something is in the way."""
@@ -135,7 +135,7 @@ def unoccluded_fraction(
 def tile_average(
     values: Float[np.ndarray, "H W C"], normals: Float[np.ndarray, "H W 3"], labels: Int[np.ndarray, "H W"]
 ) -> Float[np.ndarray, "H W C"]:
-    """Averages each subpixel with its tile neighbours of the same label and a similar normal."""
+    """Averages each pixel with its tile neighbours of the same label and a similar normal."""
     guide = normals
     for axis in (0, 1):
         total = values.copy()
@@ -181,9 +181,10 @@ def shade(
 ) -> Float[np.ndarray, "N 3"]:
     """Diffuse light from the sky, a key light and a weak lamp at the camera.
 
-    ``visible`` holds the free fraction of sky and of key light.
+    ``visible`` holds the free fraction of sky and of key light. A fifth of the sky's light arrives
+    everywhere, standing for light that bounces into corners.
     """
-    sky, key = visible[:, :1], visible[:, 1:]
+    sky, key = 0.2 + 0.8 * visible[:, :1], visible[:, 1:]
     height = 0.5 + 0.5 * normals[:, 2:]
     ambient = np.array([0.50, 0.53, 0.57]) * height + np.array([0.34, 0.32, 0.30]) * (1.0 - height)
     facing = np.clip(normals @ light, 0.0, None)[:, None]
