@@ -1,0 +1,155 @@
+"""From PartNet's joint annotation to ours: which pose is closed, and the joint counted from there.
+
+PartNet states limits ``[a, b]`` relative to the pose in which the artist modelled the part, which
+may be half open; limits may start below zero, run backwards, or leave the modelled pose out.
+``a`` is the closed end nearly always. `closed_pose` checks that against the geometry: the closed
+pose is one where the part sticks out least from the box of the body.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Float
+
+from artigen.datasets.partnet_source import SourceNode
+from artigen.transforms import screw_motion
+from artigen.types import FIXED, FULL_TURN, Joint, PartLabel
+
+JointKind = Literal["fixed", "revolute", "prismatic", "continuous", "screw"]
+
+HINGE_TOLERANCE = 0.01
+"""Poses whose mean distance outside the body differs by less, in body diagonals, count as equal."""
+SLIDER_TOLERANCE = 0.1
+"""The same for sliders, in travels."""
+POSES_TRIED = 61
+
+
+@dataclass(frozen=True, kw_only=True)
+class RestPose:
+    """Rest coordinate and far end in PartNet's own numbers (degrees or lengths)."""
+
+    rest: float
+    far: float
+    note: str = ""
+
+
+def joint_kind(node: SourceNode) -> JointKind:
+    """The joint type of a node; a slider that turns freely as well counts as continuous."""
+    if node.joint == "hinge":
+        return "continuous" if node.unlimited else "fixed" if node.a == node.b else "revolute"
+    if node.joint != "slider":
+        return "fixed"
+    if node.rotates and node.rotation_unlimited:
+        return "continuous"
+    if node.a == node.b:
+        return "fixed"
+    return "screw" if node.rotates and node.rotation_limit != 0.0 else "prismatic"
+
+
+def motion(node: SourceNode, q: Float[np.ndarray, "*B"]) -> Float[np.ndarray, "*B 4 4"]:
+    """Motion of the node by its own joint, in PartNet's frame; ``q`` as in `RestPose`."""
+    axis = np.array(node.direction) / np.linalg.norm(node.direction)
+    still = np.zeros_like(np.asarray(q, dtype=np.float64))
+    if node.joint == "hinge":
+        return screw_motion(axis, np.array(node.origin), np.radians(q), still)
+    return screw_motion(axis, np.array(node.origin), still, q)
+
+
+def closed_pose(
+    node: SourceNode,
+    label: PartLabel,
+    points: Float[np.ndarray, "N 3"],
+    body: Float[np.ndarray, "2 3"],
+) -> RestPose:
+    """Finds the closed pose of a node among its limits.
+
+    The first candidate wins that sticks out of the body no more than the best one does. Candidates
+    are ``a``, ``b``, then for doors on hinges the best pose between them (a window that swings both
+    ways); sliding doors prefer the end nearer to the modelled pose and handles the modelled pose.
+    Knobs, buttons and wheels rest at ``a``: pressing a button hides it, which does not close it.
+
+    Args:
+        node: a hinge or slider with limits.
+        label: what the part is.
+        points: points on the part and all that it carries, as modelled.
+        body: lowest and highest corner of the body.
+    """
+    candidates = [node.a, node.b]
+    inside = min(node.a, node.b) < 0.0 < max(node.a, node.b)
+    if label in ("knob", "wheel"):
+        candidates = [node.a]
+    elif label == "handle" and inside:
+        candidates = [0.0, *candidates]
+    elif label == "door" and node.joint == "slider":
+        candidates.sort(key=abs)
+    elif label == "door":
+        tried = np.linspace(node.a, node.b, POSES_TRIED)
+        values = _protrusions(node, tried, points, body)
+        candidates.append(float(tried[values <= values.min() + 1e-4].mean()))
+    values = _protrusions(node, np.array(candidates), points, body)
+    diagonal = float(np.linalg.norm(body[1] - body[0]))
+    tolerance = (
+        HINGE_TOLERANCE * diagonal if node.joint == "hinge" else SLIDER_TOLERANCE * abs(node.b - node.a)
+    )
+    rest = candidates[int(np.argmax(values <= values.min() + tolerance))]
+    far = (
+        node.b
+        if rest == node.a
+        else node.a
+        if rest == node.b
+        else max(node.a, node.b, key=lambda q: abs(q - rest))
+    )
+    return RestPose(rest=rest, far=far, note=_describe(node, rest, far))
+
+
+def _protrusions(node: SourceNode, q: np.ndarray, points: np.ndarray, body: np.ndarray) -> np.ndarray:
+    """Mean distance of the points from the body's box, at each pose."""
+    T = motion(node, q)
+    moved = points @ np.swapaxes(T[:, :3, :3], 1, 2) + T[:, None, :3, 3]
+    outside = np.maximum(0.0, np.maximum(body[0] - moved, moved - body[1]))
+    return np.linalg.norm(outside, axis=-1).mean(axis=1)
+
+
+def _describe(node: SourceNode, rest: float, far: float) -> str:
+    unit = " degrees" if node.joint == "hinge" else ""
+    where = f"node {node.id} ({node.name}): limits [{node.a:g}, {node.b:g}]{unit}"
+    said = []
+    if rest != 0.0:
+        said.append(f"moved by {rest:g} to its closed pose")
+    if rest != node.a:
+        said.append("closed at the other end" if rest == node.b else "closed inside the range")
+    if rest not in (node.a, node.b):
+        said.append(f"range cut to the larger side, {abs(far - rest):g}")
+    return f"{where}: {', '.join(said)}" if said else ""
+
+
+def build_joint(
+    node: SourceNode, pose: RestPose, T_unit_partnet: Float[np.ndarray, "4 4"], scale: float
+) -> Joint:
+    """The joint of a node in the unit cube, counted from its rest pose and opening positively.
+
+    Args:
+        node: the annotation.
+        pose: rest and far end; ignored for joints without limits.
+        T_unit_partnet: rigid placement of the (already scaled) parent geometry at rest.
+        scale: unit-cube lengths per PartNet length.
+    """
+    kind = joint_kind(node)
+    if kind == "fixed":
+        return FIXED
+    reach = pose.far - pose.rest
+    sign = -1.0 if reach < 0 and kind != "continuous" else 1.0
+    axis = T_unit_partnet[:3, :3] @ np.array(node.direction)
+    axis = sign * axis / np.linalg.norm(axis)
+    origin = T_unit_partnet[:3, :3] @ (scale * np.array(node.origin)) + T_unit_partnet[:3, 3]
+    match kind:
+        case "continuous":
+            return Joint(type=kind, axis=axis, origin=origin, upper=FULL_TURN)
+        case "revolute":
+            return Joint(type=kind, axis=axis, origin=origin, upper=float(np.radians(abs(reach))))
+        case "prismatic":
+            return Joint(type=kind, axis=axis, origin=origin, upper=abs(reach) * scale)
+        case "screw":
+            turn = float(np.radians(abs(node.rotation_limit)))
+            return Joint(type=kind, axis=axis, origin=origin, upper=turn, pitch=abs(reach) * scale / turn)

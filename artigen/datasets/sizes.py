@@ -1,0 +1,132 @@
+"""Real-world sizes of categories: PartNet's lengths are normalised, a simulator wants metres.
+
+Each rule gives one extent of the closed object in metres. Where one number would be wrong for half
+of a category (a nightstand and a wardrobe are both storage furniture), the rule depends on how tall
+the object is for its width.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Float
+
+Extent = Literal["height", "width", "longest"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class SizeRule:
+    """``extent`` is ``metres`` long when height over the larger footprint edge is at most ``up_to``."""
+
+    extent: Extent
+    metres: float
+    up_to: float = np.inf
+    note: str = ""
+
+
+def _height(metres: float, up_to: float = np.inf, note: str = "") -> SizeRule:
+    return SizeRule(extent="height", metres=metres, up_to=up_to, note=note)
+
+
+def _width(metres: float, up_to: float = np.inf, note: str = "") -> SizeRule:
+    return SizeRule(extent="width", metres=metres, up_to=up_to, note=note)
+
+
+def _longest(metres: float) -> tuple[SizeRule, ...]:
+    return (SizeRule(extent="longest", metres=metres),)
+
+
+LONGEST_FURNITURE = 2.4
+"""No object of the table gets longer than this (metres)."""
+
+FALLBACK = _longest(0.5)
+
+SIZE_TABLE: dict[str, tuple[SizeRule, ...]] = {
+    "StorageFurniture": (
+        _width(1.6, 0.45, "low sideboard"),
+        _height(0.8, 1.05, "chest, base cabinet"),
+        _height(0.9, 1.6, "cupboard"),
+        _height(1.9, note="wardrobe, tall cabinet"),
+    ),
+    "Table": (
+        _height(0.45, 0.38, "coffee table"),
+        _height(0.75, 0.95, "desk, dining table"),
+        _height(0.65, note="bedside table"),
+    ),
+    "Refrigerator": (_height(0.85, 1.3, "under the counter"), _height(1.75)),
+    "Dishwasher": (_height(0.85),),
+    "Oven": (
+        _width(0.75, 0.35, "cooktop"),
+        _width(0.6, 0.8, "built-in"),
+        _height(0.92, 1.7, "range"),
+        _height(1.4, note="double oven"),
+    ),
+    "WashingMachine": (_height(0.85),),
+    "Microwave": (_width(0.5),),
+    "Bottle": (_height(0.25),),
+    "Box": _longest(0.4),
+    "Bucket": (_height(0.3),),
+    "Camera": _longest(0.13),
+    "Cart": _longest(1.0),
+    "Chair": (_height(1.0),),
+    "Clock": _longest(0.3),
+    "CoffeeMachine": (_height(0.35),),
+    "Dispenser": (_height(0.2),),
+    "Display": (_width(0.6),),
+    "Door": (_height(2.05),),
+    "Eyeglasses": (_width(0.14),),
+    "Fan": _longest(0.5),
+    "Faucet": _longest(0.3),
+    "FoldingChair": (_height(0.85),),
+    "Globe": (_height(0.4),),
+    "Kettle": (_height(0.25),),
+    "Keyboard": _longest(0.45),
+    "KitchenPot": _longest(0.35),
+    "Knife": _longest(0.25),
+    "Lamp": _longest(0.5),
+    "Laptop": (_width(0.34),),
+    "Lighter": _longest(0.08),
+    "Mouse": _longest(0.11),
+    "Pen": _longest(0.14),
+    "Phone": _longest(0.15),
+    "Pliers": _longest(0.18),
+    "Printer": (_width(0.45),),
+    "Remote": _longest(0.18),
+    "Safe": (_height(0.45),),
+    "Scissors": _longest(0.18),
+    "Stapler": _longest(0.15),
+    "Suitcase": _longest(0.65),
+    "Switch": _longest(0.12),
+    "Toaster": (_width(0.3),),
+    "Toilet": (_height(0.75),),
+    "TrashCan": (_height(0.6),),
+    "USB": _longest(0.06),
+    "Window": (_height(1.2),),
+}
+
+
+def estimate_size(category: str, extents: Float[np.ndarray, "3"]) -> tuple[float, bool]:
+    """Longest edge in metres, and whether the table knows the category.
+
+    Args:
+        category: PartNet-Mobility's name of the category.
+        extents: depth, width and height (x, y, z) of the closed object, in any unit.
+    """
+    depth, width, height = (float(extent) for extent in extents)
+    rules = SIZE_TABLE.get(category, FALLBACK)
+    slenderness = height / max(depth, width)
+    rule = next(rule for rule in rules if slenderness <= rule.up_to)
+    longest = max(depth, width, height)
+    measured = {"height": height, "width": width, "longest": longest}[rule.extent]
+    return min(rule.metres / measured * longest, LONGEST_FURNITURE), category in SIZE_TABLE
+
+
+def size_table_markdown() -> str:
+    """The table as Markdown, for the documentation."""
+    rows = ["| category | extent | metres | where height / footprint is at most |", "|---|---|---|---|"]
+    for category, rules in [*SIZE_TABLE.items(), ("any other", FALLBACK)]:
+        for rule in rules:
+            bound = "" if np.isinf(rule.up_to) else f"{rule.up_to:g}"
+            note = f" ({rule.note})" if rule.note else ""
+            rows.append(f"| {category}{note} | {rule.extent} | {rule.metres:g} | {bound} |")
+    return "\n".join(rows) + "\n"

@@ -1,0 +1,240 @@
+"""Wavefront OBJ and MTL files as arrays: fast on triangles, strict on everything else.
+
+Only what a coloured surface needs: positions, faces, texture coordinates, and per face the plain
+colour or image of its material. Files are untrusted: every index is checked, and an image outside
+the object's folder is refused.
+"""
+
+import os
+import warnings
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from artigen.errors import SourceError
+
+NO_MATERIAL = (0.7, 0.7, 0.7)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Material:
+    """Diffuse colour in [0, 1] and, where there is one, the image that replaces it.
+
+    ``missing`` is the name of an image that the file asks for and that is not there.
+    """
+
+    color: tuple[float, float, float] = NO_MATERIAL
+    image: Path | None = None
+    missing: str = ""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ObjMesh:
+    """Triangles of one file, in file coordinates.
+
+    ``uv`` holds the texture coordinates of each corner (zero where the file has none) and
+    ``material_ids`` indexes ``materials``.
+    """
+
+    vertices: Float[np.ndarray, "V 3"]
+    faces: Int[np.ndarray, "F 3"]
+    uv: Float[np.ndarray, "F 3 2"]
+    material_ids: Int[np.ndarray, "F"]
+    materials: tuple[Material, ...]
+
+
+def read_obj(path: Path, root: Path) -> ObjMesh:
+    """Reads one OBJ with its materials; polygons become fans of triangles.
+
+    Args:
+        path: the file.
+        root: folder that materials and images must not leave.
+
+    Raises:
+        SourceError: the file is missing, malformed, holds NaN, or points at what is not there.
+    """
+    lines = _read_lines(path)
+    vertices = _parse_numbers([line[2:] for line in lines if line[:2] == b"v "], 3, path, "v")
+    coords = _parse_numbers([line[3:] for line in lines if line[:3] == b"vt "], 2, path, "vt")
+    faces, uv_ids, names, material_ids = _parse_faces(lines, len(vertices), len(coords), path)
+    uv = np.zeros((len(faces), 3, 2))
+    textured = uv_ids[:, 0] >= 0
+    uv[textured] = coords[uv_ids[textured]]
+    known = _read_libraries(lines, path, root)
+    return ObjMesh(
+        vertices=vertices,
+        faces=faces,
+        uv=uv,
+        material_ids=material_ids,
+        materials=tuple(known.get(name, Material()) for name in names),
+    )
+
+
+def _read_lines(path: Path) -> list[bytes]:
+    try:
+        data = path.read_bytes()
+    except OSError as err:
+        raise SourceError(f"{path}: mesh cannot be read: {err.strerror}") from err
+    if b"\\\n" in data:
+        data = data.replace(b"\\\n", b" ")
+    if b"\r" in data:
+        data = data.replace(b"\r", b"")
+    if b"\t" in data:
+        data = data.replace(b"\t", b" ")
+    return data.split(b"\n")
+
+
+def _parse_numbers(rows: list[bytes], width: int, path: Path, tag: str) -> np.ndarray:
+    """The first ``width`` numbers of every row (files may append colours or a weight)."""
+    if not rows:
+        return np.zeros((0, width))
+    with warnings.catch_warnings():
+        # numpy only warns about text that is no number, and then stops reading.
+        warnings.simplefilter("error", DeprecationWarning)
+        try:
+            flat = np.fromstring(b" ".join(rows), sep=" ", dtype=np.float64)
+        except (ValueError, DeprecationWarning) as err:
+            raise SourceError(f"{path}: a '{tag}' line holds something that is not a number") from err
+    columns, rest = divmod(len(flat), len(rows))
+    if rest or columns < width:
+        raise SourceError(
+            f"{path}: {len(rows)} '{tag}' lines hold {len(flat)} numbers, expected {width} on each"
+        )
+    values = flat.reshape(-1, columns)[:, :width]
+    if not np.isfinite(values).all():
+        row = int(np.argwhere(~np.isfinite(values).all(axis=1))[0, 0])
+        raise SourceError(
+            f"{path}: '{tag}' line {row + 1} holds {values[row].tolist()}, expected finite numbers"
+        )
+    return values
+
+
+def _parse_faces(
+    lines: list[bytes], num_vertices: int, num_coords: int, path: Path
+) -> tuple[np.ndarray, np.ndarray, list[str], np.ndarray]:
+    """Faces, texture indices (-1: none), material names and the material of every face."""
+    rows: list[bytes] = []
+    names: list[str] = []
+    starts: list[int] = []
+    for line in lines:
+        if line[:2] == b"f ":
+            rows.append(line[2:])
+        elif line[:7] == b"usemtl ":
+            names.append(line[7:].decode(errors="replace").strip())
+            starts.append(len(rows))
+    corners, owners = _parse_corners(rows, path)
+    for column, limit, what in ((0, num_vertices, "vertex"), (1, num_coords, "texture coordinate")):
+        bad = (corners[..., column] >= limit) | (corners[..., column] < -column)
+        if bad.any():
+            value = int(corners[..., column][bad][0]) + 1
+            raise SourceError(f"{path}: a face names {what} {value}, allowed are 1..{limit}")
+    per_row = np.searchsorted(np.array(starts, dtype=np.int64), np.arange(len(rows)), side="right")
+    if not starts or starts[0] > 0:
+        names.insert(0, "")
+    else:
+        per_row = per_row - 1
+    return corners[..., 0], corners[..., 1], names, per_row[owners]
+
+
+def _parse_corners(rows: list[bytes], path: Path) -> tuple[np.ndarray, np.ndarray]:
+    """Corners [F, 3, 2] as zero-based (vertex, texture) indices, and the row each face came from.
+
+    Rows of one shape (corners, slashes) are parsed together; there are two or three shapes in a file.
+    """
+    groups: dict[tuple[int, int, int], list[int]] = {}
+    for index, row in enumerate(rows):
+        shape = (row.count(b" "), row.count(b"/"), row.count(b"//"))
+        groups.setdefault(shape, []).append(index)
+    corners, owners = [np.zeros((0, 3, 2), dtype=np.int64)], [np.zeros(0, dtype=np.int64)]
+    for (_, slashes, doubles), members in groups.items():
+        sides = len(rows[members[0]].split())
+        if sides < 3 or slashes % sides or doubles not in (0, sides):
+            raise SourceError(f"{path}: face {rows[members[0]].decode(errors='replace')!r} is malformed")
+        width = 2 if doubles else 1 + slashes // sides
+        table = _parse_indices([rows[index] for index in members], sides, width, path)
+        coords = np.zeros_like(table[..., 0]) if doubles or width == 1 else table[..., 1]
+        polygons = np.stack([table[..., 0], coords], axis=-1) - 1  # N sides 2
+        fan = np.array([[0, k, k + 1] for k in range(1, sides - 1)])
+        corners.append(polygons[:, fan].reshape(-1, 3, 2))
+        owners.append(np.repeat(members, sides - 2))
+    return np.concatenate(corners), np.concatenate(owners)
+
+
+def _parse_indices(rows: list[bytes], sides: int, width: int, path: Path) -> np.ndarray:
+    """Indices [N, sides, width] of rows that all have that shape."""
+    text = b" ".join(rows).replace(b"/", b" ")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", DeprecationWarning)
+        try:
+            flat = np.fromstring(text, sep=" ", dtype=np.int64)
+        except (ValueError, DeprecationWarning) as err:
+            raise SourceError(f"{path}: a face holds something that is not an index") from err
+    if len(flat) != len(rows) * sides * width:
+        raise SourceError(
+            f"{path}: {len(rows)} faces of {sides} corners hold {len(flat)} indices, "
+            f"expected {len(rows) * sides * width}"
+        )
+    return flat.reshape(len(rows), sides, width)
+
+
+def _read_libraries(lines: list[bytes], path: Path, root: Path) -> dict[str, Material]:
+    known: dict[str, Material] = {}
+    for line in lines:
+        if line[:7] == b"mtllib ":
+            library = inside(root, path.parent, line[7:].decode(errors="replace").strip(), str(path))
+            if library.is_file():
+                known |= read_mtl(library, root)
+    return known
+
+
+def read_mtl(path: Path, root: Path) -> dict[str, Material]:
+    """Reads diffuse colours and images of the materials of one file.
+
+    Raises:
+        SourceError: a colour is not three numbers, or an image lies outside ``root``.
+    """
+    colors: dict[str, tuple[float, float, float]] = {}
+    images: dict[str, Path] = {}
+    missing: dict[str, str] = {}
+    name = ""
+    for line in path.read_text(errors="replace").splitlines():
+        tag, _, value = line.strip().partition(" ")
+        if tag == "newmtl":
+            name = value.strip()
+            colors[name] = NO_MATERIAL
+        elif tag == "Kd":
+            colors[name] = _parse_color(value, path, name)
+        elif tag == "map_Kd" and value.split():
+            image = inside(root, path.parent, value.split()[-1], str(path))
+            if image.is_file():
+                images[name] = image
+            else:
+                missing[name] = value.split()[-1]
+    return {
+        name: Material(color=color, image=images.get(name), missing=missing.get(name, ""))
+        for name, color in colors.items()
+    }
+
+
+def _parse_color(value: str, path: Path, name: str) -> tuple[float, float, float]:
+    try:
+        red, green, blue = (float(word) for word in value.split()[:3])
+    except ValueError as err:
+        raise SourceError(f"{path}: material {name!r} has Kd {value!r}, expected three numbers") from err
+    if not np.isfinite([red, green, blue]).all():
+        raise SourceError(f"{path}: material {name!r} has Kd {value!r}, expected finite numbers")
+    return min(max(red, 0.0), 1.0), min(max(green, 0.0), 1.0), min(max(blue, 0.0), 1.0)
+
+
+def inside(root: Path, base: Path, name: str, owner: str) -> Path:
+    """``base / name`` when it stays below ``root``; ``owner`` names who asks in the error.
+
+    Raises:
+        SourceError: the path is absolute or leaves ``root`` (links included).
+    """
+    target = base / name
+    if Path(name).is_absolute() or not os.path.realpath(target).startswith(os.path.realpath(root) + os.sep):
+        raise SourceError(f"{owner}: names file {name!r}, which lies outside {root}")
+    return target
