@@ -1,6 +1,5 @@
 """L0, the files: XML, tree, schema, paths, joints, sizes and the manifest (V001 to V006, V010)."""
 
-import hashlib
 import posixpath
 from pathlib import PurePosixPath
 
@@ -13,8 +12,8 @@ from sim_export.checks.subject import MAIN_URDF, Subject
 from sim_export.checks.urdf_file import UrdfFile, UrdfJoint, parse_urdf, tree_problems
 from sim_export.errors import PackageError
 from sim_export.package import URDF_JOINT_TYPES
+from sim_export.write import MANIFEST, manifest_problems
 
-MANIFEST = "manifest.json"
 LATER = ("validation.json",)
 """Written by validation itself, hence in no manifest and used by no file."""
 
@@ -153,7 +152,10 @@ def _mjcf_files(subject: Subject, name: str, problems: Problems) -> set[str]:
 def check_joint_types(subject: Subject, cfg: CheckConfig) -> Finding:
     """V004: only joint types that every engine knows."""
     problems = [
-        (joint.name, f"joint {joint.name!r} has type {joint.type!r}, allowed are {', '.join(URDF_JOINT_TYPES)}")
+        (
+            joint.name,
+            f"joint {joint.name!r} has type {joint.type!r}, allowed are {', '.join(URDF_JOINT_TYPES)}",
+        )
         for joint in subject.urdf.joints
         if joint.type not in URDF_JOINT_TYPES
     ]
@@ -175,9 +177,13 @@ def check_limits(subject: Subject, cfg: CheckConfig) -> Finding:
     for joint in _moving(subject):
         length = float(np.linalg.norm(joint.axis))
         if not abs(length - 1.0) <= cfg.axis_tolerance:
-            problems.append((joint.name, f"joint {joint.name!r} has an axis of length {length:.9g}, expected 1"))
+            problems.append(
+                (joint.name, f"joint {joint.name!r} has an axis of length {length:.9g}, expected 1")
+            )
         if joint.type in ("revolute", "prismatic"):
-            problems += [(joint.name, f"joint {joint.name!r} {text}") for text in _range_faults(subject, joint, cfg)]
+            problems += [
+                (joint.name, f"joint {joint.name!r} {text}") for text in _range_faults(subject, joint, cfg)
+            ]
     return count_problems(problems, f"limits and axes of {len(_moving(subject))} joints are sound")
 
 
@@ -227,20 +233,8 @@ def is_package(subject: Subject) -> str:
 
 def check_manifest(subject: Subject, cfg: CheckConfig) -> Finding:
     """V010: every file has the hash that the manifest states, and the manifest names every file."""
-    listed = subject.read_json(MANIFEST).get("files")
-    if not isinstance(listed, dict):
-        raise PackageError(f"{MANIFEST}: 'files' is a {type(listed).__name__}, expected names and hashes")
-    problems: Problems = []
-    for name in sorted(set(listed) | set(subject.files)):
-        if name == MANIFEST or name in LATER:
-            continue
-        if name not in listed:
-            problems.append((name, f"{name}: not in the manifest"))
-        elif name not in subject.files:
-            problems.append((name, f"{name}: in the manifest but not in the folder"))
-        elif hashlib.sha256((subject.folder / name).read_bytes()).hexdigest() != listed[name]:
-            problems.append((name, f"{name}: its content differs from the hash in the manifest"))
-    return count_problems(problems, f"{len(listed)} files match their hashes")
+    problems = [(MANIFEST, f"{MANIFEST}: {sentence}") for sentence in manifest_problems(subject.folder)]
+    return count_problems(problems, f"{len(subject.files)} files match their hashes")
 
 
 FILE_CHECKS = (
@@ -248,7 +242,9 @@ FILE_CHECKS = (
     CheckSpec(id="V002", level="L0", title="yourdfpy validates", applies=always, function=check_schema),
     CheckSpec(id="V003", level="L0", title="paths", applies=always, function=check_paths),
     CheckSpec(id="V004", level="L0", title="joint types", applies=always, function=check_joint_types),
-    CheckSpec(id="V005", level="L0", title="axes and limits", applies=has_moving_joints, function=check_limits),
+    CheckSpec(
+        id="V005", level="L0", title="axes and limits", applies=has_moving_joints, function=check_limits
+    ),
     CheckSpec(id="V006", level="L0", title="counts", applies=always, function=check_counts),
     CheckSpec(id="V010", level="L0", title="manifest", applies=is_package, function=check_manifest),
 )

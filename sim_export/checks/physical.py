@@ -19,7 +19,9 @@ def _solid_links(subject: Subject) -> list[UrdfLink]:
 
 def check_mass(subject: Subject, cfg: CheckConfig) -> Finding:
     """V007: every link with geometry states a mass that a thing of this world can have."""
-    masses = {link.name: 0.0 if link.inertial is None else link.inertial.mass for link in _solid_links(subject)}
+    masses = {
+        link.name: 0.0 if link.inertial is None else link.inertial.mass for link in _solid_links(subject)
+    }
     if not masses:
         return count_problems([("", "no link has any geometry")], "")
     low, high = cfg.min_mass, cfg.max_mass

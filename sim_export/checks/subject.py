@@ -22,6 +22,7 @@ from sim_export.hulls import convex_hull
 from sim_export.motion import MOVING_TYPES, link_displacements
 from sim_export.obj import ObjData, ObjGroup, parse_obj
 from sim_export.package import Hull, Link, PackageJoint, Requirement
+from sim_export.primitives import primitive_mesh
 
 MAIN_URDF = "mobility.urdf"
 OWN_SIDECARS = ("annotations.json", "manifest.json", "physics.json", "provenance.json")
@@ -126,13 +127,17 @@ class Subject:
     def _joint(self, joint: UrdfJoint) -> PackageJoint:
         type_ = next((known for known in ("fixed", *MOVING_TYPES) if known == joint.type), None)
         if type_ is None:
-            raise PackageError(f"{MAIN_URDF}: joint {joint.name!r} has type {joint.type!r}, which cannot be moved")
+            raise PackageError(
+                f"{MAIN_URDF}: joint {joint.name!r} has type {joint.type!r}, which cannot be moved"
+            )
         T = self.poses[joint.child]
         length = float(np.linalg.norm(joint.axis))
         lower, upper = joint.lower or 0.0, joint.upper or 0.0
         if type_ == "continuous":
             lower, upper = 0.0, 2.0 * np.pi
-        if type_ != "fixed" and not (np.isfinite([length, lower, upper]).all() and length > 0.0 and lower <= upper):
+        if type_ != "fixed" and not (
+            np.isfinite([length, lower, upper]).all() and length > 0.0 and lower <= upper
+        ):
             raise PackageError(
                 f"{MAIN_URDF}: joint {joint.name!r} cannot be moved: axis {joint.axis.tolist()}, "
                 f"limits [{lower}, {upper}]"
@@ -205,14 +210,21 @@ class Subject:
         vertices = transform_points(T, obj.vertices * shape.scale)
         faces = obj.faces if np.prod(shape.scale) > 0 else obj.faces[:, ::-1]
         return Shape(
-            link=link.name, name=shape.name, file=shape.file or shape.kind, vertices=vertices, faces=faces, obj=obj
+            link=link.name,
+            name=shape.name,
+            file=shape.file or shape.kind,
+            vertices=vertices,
+            faces=faces,
+            obj=obj,
         )
 
     def _mesh(self, shape: UrdfShape) -> ObjData:
         path = self.folder / shape.file
         if path not in self._meshes:
             if path.suffix.lower() != ".obj":
-                raise PackageError(f"{shape.file}: a {path.suffix or 'nameless'} mesh, these checks read OBJ only")
+                raise PackageError(
+                    f"{shape.file}: a {path.suffix or 'nameless'} mesh, these checks read OBJ only"
+                )
             self._meshes[path] = parse_obj(path)
         return self._meshes[path]
 
@@ -272,7 +284,9 @@ class Subject:
                 for row in self.annotations.get("requires_open", [])
             )
         except (KeyError, TypeError, ValueError) as err:
-            raise PackageError(f"annotations.json: requires_open is not a list of requirements ({err!r})") from err
+            raise PackageError(
+                f"annotations.json: requires_open is not a list of requirements ({err!r})"
+            ) from err
 
 
 def _label(kind: str, name: str) -> PartLabel | None:
@@ -299,16 +313,6 @@ def _engine_hull(vertices: np.ndarray) -> Hull | None:
 
 def _primitive(shape: UrdfShape) -> ObjData:
     """A URDF box, cylinder or sphere as triangles."""
-    from trimesh import creation
-
-    match shape.kind:
-        case "box":
-            mesh = creation.box(extents=shape.sizes)
-        case "cylinder":
-            mesh = creation.cylinder(radius=shape.sizes[0], height=shape.sizes[1], sections=24)
-        case _:
-            mesh = creation.icosphere(subdivisions=1, radius=shape.sizes[0])
-    faces = np.asarray(mesh.faces, dtype=np.int64)
-    group = ObjGroup(material=None, faces=faces, uv_faces=np.full_like(faces, -1))
-    vertices = np.asarray(mesh.vertices, dtype=np.float64)
-    return ObjData(vertices=vertices, uv=np.zeros((0, 2)), groups=(group,), mtllib=None)
+    mesh = primitive_mesh(shape.kind, shape.sizes)
+    group = ObjGroup(material=None, faces=mesh.faces, uv_faces=np.full_like(mesh.faces, -1))
+    return ObjData(vertices=mesh.vertices, uv=np.zeros((0, 2)), groups=(group,), mtllib=None)

@@ -197,7 +197,9 @@ def _inertial(element: Element, owner: str) -> UrdfInertial:
         missing = "mass" if mass is None else "inertia"
         raise PackageError(f"{owner}: <inertial> has no <{missing}>")
     T = _origin(element, owner)
-    xx, xy, xz, yy, yz, zz = (_number(inertia, key, owner) for key in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"))
+    xx, xy, xz, yy, yz, zz = (
+        _number(inertia, key, owner) for key in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
+    )
     tensor = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
     return UrdfInertial(
         mass=_number(mass, "value", owner), com=T[:3, 3], inertia=T[:3, :3] @ tensor @ T[:3, :3].T
@@ -229,7 +231,9 @@ def _joint(path: Path, element: Element) -> UrdfJoint:
     limits: list[float | None] = [None, None]
     if limit is not None:
         # URDF: a limit that is not stated is 0.
-        limits = [float(_floats(limit.get(k, "0"), 1, f"{owner}: <limit {k}>")[0]) for k in ("lower", "upper")]
+        limits = [
+            float(_floats(limit.get(k, "0"), 1, f"{owner}: <limit {k}>")[0]) for k in ("lower", "upper")
+        ]
     multiplier = 1.0 if mimic is None else float(mimic.get("multiplier", "1"))
     dynamics = element.find("dynamics")
     return UrdfJoint(

@@ -1,0 +1,224 @@
+"""L1, the shapes: closed visuals, convex hulls, nothing detached, feet on the floor (V101, V102, V104, V105)."""
+
+import numpy as np
+
+from sim_export.checks.config import CheckConfig
+from sim_export.checks.registry import CheckSpec, Finding, always, count_problems
+from sim_export.checks.subject import Shape, Subject
+from sim_export.checks.surface import triangle_areas
+from sim_export.contacts import HullSet, signed_distances
+from sim_export.errors import PackageError
+from sim_export.hulls import hull_planes
+from sim_export.obj import face_normals
+from sim_export.package import Hull
+
+
+def own_visuals(subject: Subject) -> str:
+    """Applies to visual meshes that we made; artwork kept from a source is shown as it is."""
+    if subject.visual_source == "voxels":
+        return ""
+    return "the visual meshes are the source's own and serve only to be looked at"
+
+
+def check_visuals(subject: Subject, cfg: CheckConfig) -> Finding:
+    """V101: visual meshes are closed, wound outwards, free of slivers and of moderate size."""
+    problems = []
+    for shape in subject.visuals:
+        problems += [(shape.file, f"{shape.file}: {fault}") for fault in mesh_faults(shape, cfg)]
+    if not subject.visuals:
+        problems.append(("", "no link has a visual mesh"))
+    return count_problems(problems, f"{len(subject.visuals)} visual meshes are closed and well shaped")
+
+
+def mesh_faults(shape: Shape, cfg: CheckConfig) -> list[str]:
+    """What is wrong with one visual mesh, one sentence each."""
+    faces = shape.faces
+    if not len(faces):
+        return ["has no faces"]
+    faults = []
+    if len(faces) > cfg.max_faces:
+        faults.append(f"has {len(faces)} faces, allowed are {cfg.max_faces}")
+    open_edges = count_open_edges(faces)
+    if open_edges:  # a writer may split vertices along texture seams; the surface is still closed
+        faces = _merge_vertices(shape.vertices, faces)
+        open_edges = count_open_edges(faces)
+    if open_edges:
+        faults.append(f"is open or wound inconsistently along {open_edges} edges")
+    else:
+        faults += _topology_faults(shape, faces)
+    slivers = float(_sliver_mask(shape.triangles, cfg.sliver_ratio).mean())
+    if slivers > cfg.max_sliver_area:
+        faults.append(
+            f"has {100 * slivers:.2g} % degenerate faces, allowed are {100 * cfg.max_sliver_area:g} %"
+        )
+    return faults
+
+
+def _topology_faults(shape: Shape, faces: np.ndarray) -> list[str]:
+    euler = euler_numbers(faces)
+    bad = euler[(euler > 2) | (euler % 2 != 0)]
+    faults = [f"has a piece with Euler number {int(bad[0])}, which no closed surface has"] if len(bad) else []
+    corners = shape.vertices[faces]
+    volume = float(np.einsum("fi,fi->", np.cross(corners[:, 0], corners[:, 1]), corners[:, 2]) / 6.0)
+    if volume <= 0.0:
+        faults.append(f"encloses {1e3 * volume:.3g} litres: it is wound inwards or flat")
+    return faults
+
+
+def count_open_edges(faces: np.ndarray) -> int:
+    """Edges not passed equally often in both directions: 0 for a closed, consistently wound surface."""
+    start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    low, high = np.minimum(start, end), np.maximum(start, end)
+    _, edge = np.unique(low * (faces.max() + 1) + high, return_inverse=True)
+    return int(np.count_nonzero(np.bincount(edge, weights=np.where(start < end, 1, -1))))
+
+
+def euler_numbers(faces: np.ndarray) -> np.ndarray:
+    """Vertices - edges + faces of every connected piece."""
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+
+    used, faces = np.unique(faces, return_inverse=True)
+    faces = faces.reshape(-1, 3)
+    edges = np.unique(
+        np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1), axis=0
+    )
+    graph = coo_matrix((np.ones(len(edges), bool), edges.T), (len(used), len(used)))
+    count, piece = connected_components(graph, directed=False)
+    vertices = np.bincount(piece, minlength=count)
+    return (
+        vertices
+        - np.bincount(piece[edges[:, 0]], minlength=count)
+        + np.bincount(piece[faces[:, 0]], minlength=count)
+    )
+
+
+def _merge_vertices(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    _, same = np.unique(np.round(vertices, 9), axis=0, return_inverse=True)
+    merged = same.ravel()[faces]
+    proper = (merged[:, 0] != merged[:, 1]) & (merged[:, 1] != merged[:, 2]) & (merged[:, 2] != merged[:, 0])
+    return merged[proper]
+
+
+def _sliver_mask(triangles: np.ndarray, ratio: float) -> np.ndarray:
+    edges = np.linalg.norm(triangles - np.roll(triangles, -1, axis=1), axis=2).max(axis=1)
+    return 2.0 * triangle_areas(triangles) <= ratio * edges**2
+
+
+def has_collision(subject: Subject) -> str:
+    """Applies where there is collision geometry."""
+    return "" if any(link.collisions for link in subject.links.values()) else "no link has collision geometry"
+
+
+def check_hulls(subject: Subject, cfg: CheckConfig) -> Finding:
+    """V102: every collision file is one convex hull that PhysX takes as it is, on a GPU too."""
+    problems = []
+    for shape, hull in zip(subject.collisions, subject.hulls, strict=True):
+        where = f"{shape.link}: {shape.file}"
+        problems += [(where, f"{where} {fault}") for fault in hull_faults(shape, hull, cfg)]
+    for name, link in subject.links.items():
+        if link.visuals and not link.collisions:
+            problems.append((name, f"link {name!r} is visible but has no collision geometry"))
+    return count_problems(problems, f"{len(subject.hulls)} hulls are convex, compact and thick enough")
+
+
+def hull_faults(shape: Shape, hull: Hull | None, cfg: CheckConfig) -> list[str]:
+    """What is wrong with one collision mesh, one sentence each."""
+    if hull is None:
+        return [f"has {len(shape.vertices)} vertices without volume"]
+    faults = []
+    own = _volume(shape.vertices, shape.faces)
+    ratio = own / _volume(hull.vertices, hull.faces)
+    if not cfg.convex_volume_ratio <= ratio <= 2.0 - cfg.convex_volume_ratio:
+        faults.append(
+            f"encloses {ratio:.4g} of its convex hull's volume, expected {cfg.convex_volume_ratio:g}"
+        )
+    if len(hull.vertices) > cfg.max_hull_vertices:
+        faults.append(f"has {len(hull.vertices)} vertices, allowed are {cfg.max_hull_vertices}")
+    thickness, longest = hull_extents(hull)
+    if thickness < cfg.min_thickness:
+        faults.append(f"is {1e3 * thickness:.3g} mm thin, allowed is {1e3 * cfg.min_thickness:g} mm")
+    elif longest > cfg.max_aspect * thickness * (1.0 + 1e-6):
+        faults.append(f"is {longest / thickness:.4g} times as long as thick, allowed is {cfg.max_aspect:g}")
+    return faults
+
+
+def hull_extents(hull: Hull) -> tuple[float, float]:
+    """Smallest and largest extent (m) over the directions of the hull's faces and of the axes."""
+    directions = np.concatenate([hull_planes(hull)[:, :3], np.eye(3)])
+    extents = np.ptp(hull.vertices @ directions.T, axis=0)
+    return float(extents.min()), float(extents.max())
+
+
+def _volume(vertices: np.ndarray, faces: np.ndarray) -> float:
+    centered = vertices - vertices.mean(axis=0)
+    return float(np.einsum("fi,fi->", face_normals(centered, faces), centered[faces[:, 0]]) / 6.0)
+
+
+def carrier(subject: Subject, link: str) -> str | None:
+    """The nearest ancestor with collision geometry: the root and a screw's carrier have none."""
+    return next((name for name in subject.ancestors(link) if subject.hull_sets[name].hulls), None)
+
+
+def has_carried_links(subject: Subject) -> str:
+    """Applies where a link with geometry hangs from another one."""
+    if any(carrier(subject, name) for name in subject.links if subject.hull_sets[name].hulls):
+        return ""
+    return "no link with collision geometry hangs from another one"
+
+
+def check_attached(subject: Subject, cfg: CheckConfig) -> Finding:
+    """V104: at rest every link is within reach of the link that carries it."""
+    gaps = {}
+    for name, hulls in subject.hull_sets.items():
+        parent = carrier(subject, name)
+        if hulls.hulls and parent is not None:
+            gaps[name] = rest_gap(hulls, subject.hull_sets[parent], cfg.max_gap, subject.diagonal)
+    where = max(gaps, key=lambda name: gaps[name])
+    return Finding(
+        passed=gaps[where] <= cfg.max_gap,
+        value=gaps[where],
+        threshold=cfg.max_gap,
+        unit="m",
+        where=where,
+        message=f"link {where!r} is {1e3 * max(gaps[where], 0.0):.3g} mm from {carrier(subject, where)!r}, "
+        f"allowed is {1e3 * cfg.max_gap:g} mm",
+    )
+
+
+def rest_gap(first: HullSet, second: HullSet, near: float, far: float) -> float:
+    """Distance of two hull sets at rest (m), 0 where they overlap; only the nearest pairs are measured."""
+    still = np.eye(4)
+    for reach in (near, 10.0 * near, far):
+        found = signed_distances(first, second, still, still, max_distance=reach)
+        if len(found.distance):
+            return max(0.0, float(found.distance.min()))
+    return far
+
+
+def check_floor(subject: Subject, cfg: CheckConfig) -> Finding:
+    """V105: collision geometry reaches as far down as what is seen."""
+    if not subject.visuals:
+        raise PackageError("no link has a visual mesh to compare the collision geometry with")
+    seen = min((float(s.vertices[:, 2].min()), s.link) for s in subject.visuals if len(s.vertices))
+    felt = min(float(h.vertices[:, 2].min()) for h in subject.hull_sets.values() if h.hulls)
+    gap = abs(felt - seen[0])
+    return Finding(
+        passed=gap <= cfg.max_floor_gap,
+        value=gap,
+        threshold=cfg.max_floor_gap,
+        unit="m",
+        where=seen[1],
+        message=f"the lowest collision point is {1e3 * (felt - seen[0]):+.3g} mm from the lowest visual one, "
+        f"allowed is {1e3 * cfg.max_floor_gap:g} mm",
+    )
+
+
+GEOMETRY_CHECKS = (
+    CheckSpec(id="V101", level="L1", title="visual meshes", applies=own_visuals, function=check_visuals),
+    CheckSpec(id="V102", level="L1", title="hulls", applies=always, function=check_hulls),
+    CheckSpec(
+        id="V104", level="L1", title="nothing detached", applies=has_carried_links, function=check_attached
+    ),
+    CheckSpec(id="V105", level="L1", title="feet on the floor", applies=has_collision, function=check_floor),
+)

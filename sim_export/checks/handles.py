@@ -1,0 +1,162 @@
+"""L2, handles can be taken hold of (V204).
+
+A handle is a visual whose name contains ``handle`` inside the link it opens: the rule by which
+ManiSkill finds it. It is measured as seen, along the direction in which it starts to move.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from sim_export.checks.config import CheckConfig
+from sim_export.checks.grid import Grid, column_crossings
+from sim_export.checks.opening import opening_joints, velocity_at
+from sim_export.checks.registry import CheckSpec, Finding
+from sim_export.checks.subject import Shape, Subject
+from sim_export.package import PackageJoint
+
+_COLUMNS = 48
+_DIRECTIONS = np.radians(np.arange(0.0, 180.0, 5.0))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Grip:
+    """What a hand finds at one handle, in metres; ``clearance`` is infinite where nothing is behind."""
+
+    front: float
+    clearance: float
+    width: float
+    protrusion: float
+
+
+def handle_joints(subject: Subject) -> list[PackageJoint]:
+    """Joints of doors and drawers; wheels, knobs and buttons are handles themselves, trays are lifted."""
+    return opening_joints(subject, ("drawer", "door"), ("prismatic", "revolute"))
+
+
+def handle_shapes(subject: Subject, link: str) -> list[Shape]:
+    """Visuals of a link that are handles."""
+    return [s for s in subject.visuals if s.link == link and "handle" in s.name and len(s.faces)]
+
+
+def annotated_links(subject: Subject) -> dict[str, int]:
+    """Number of handles that ``annotations.json`` states for each link."""
+    rows = subject.annotations.get("handles", [])
+    names = [row.get("link") for row in rows if isinstance(row, dict)]
+    return {name: names.count(name) for name in sorted({str(name) for name in names})}
+
+
+def has_handles(subject: Subject) -> str:
+    """Applies to doors and drawers that have a handle, or are said to have one."""
+    joints = handle_joints(subject)
+    if not joints:
+        return "there is no door or drawer"
+    if any(
+        handle_shapes(subject, joint.child) or joint.child in annotated_links(subject) for joint in joints
+    ):
+        return ""
+    return "no door or drawer has a handle; they are opened at their edges"
+
+
+def check_handles(subject: Subject, cfg: CheckConfig) -> Finding:
+    """V204: each handle is there, in front of its panel, and can be hooked from behind or pinched."""
+    annotated = annotated_links(subject)
+    ratios: dict[str, tuple[float, str]] = {}
+    for joint in handle_joints(subject):
+        name = joint.child
+        shapes = handle_shapes(subject, name)
+        if not shapes and name in annotated:
+            ratios[name] = (np.inf, f"{name!r} should have a handle and shows none")
+        if shapes:
+            grips = [measure_grip(subject, joint, shape) for shape in shapes]
+            ratios[name] = min(judge_grip(grip, name, cfg) for grip in grips)
+    where = max(ratios, key=lambda name: ratios[name][0])
+    ratio, message = ratios[where]
+    return Finding(
+        passed=ratio <= 1.0,
+        value=float(min(ratio, 1e3)),
+        threshold=1.0,
+        unit="of the allowed",
+        where=where,
+        message=message,
+    )
+
+
+def judge_grip(grip: Grip, name: str, cfg: CheckConfig) -> tuple[float, str]:
+    """The better of the two ways to hold a handle, as a share of the allowed (above 1 fails)."""
+    if grip.front <= 0.0:
+        return (
+            np.inf,
+            f"the handle of {name!r} lies {1e3 * -grip.front:.3g} mm behind the middle of its panel",
+        )
+    hook = cfg.min_clearance / max(grip.clearance, 1e-9)
+    pinch = max(grip.width / cfg.max_grasp_width, cfg.min_protrusion / max(grip.protrusion, 1e-9))
+    text = (
+        f"the handle of {name!r} is {1e3 * grip.width:.3g} mm wide, stands out by {1e3 * grip.protrusion:.3g} mm and "
+        f"has {1e3 * min(grip.clearance, 9.999):.3g} mm behind it"
+    )
+    return min(hook, pinch), text
+
+
+def measure_grip(subject: Subject, joint: PackageJoint, handle: Shape) -> Grip:
+    """Measures a handle against the rest of its link, looking along its first motion."""
+    center = (handle.vertices.min(axis=0) + handle.vertices.max(axis=0)) / 2.0
+    out = velocity_at(joint, center[None])[0]
+    frame = _frame_along(out / np.linalg.norm(out))
+    grip = handle.triangles @ frame.T
+    rest = [s for s in subject.visuals if s.link == handle.link and "handle" not in s.name and len(s.faces)]
+    width = _least_width(handle.vertices @ frame.T)
+    if not rest:
+        return Grip(front=np.inf, clearance=np.inf, width=width, protrusion=float(np.ptp(grip[..., 2])))
+    panel = np.concatenate([s.triangles for s in rest]) @ frame.T
+    front = float(center @ frame[2] - (panel[..., 2].min() + panel[..., 2].max()) / 2.0)
+    clearance, protrusion = _gaps(grip, panel)
+    return Grip(front=front, clearance=clearance, width=width, protrusion=protrusion)
+
+
+def _frame_along(direction: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 3"]:
+    """Rows of a rotation whose third row is ``direction``."""
+    first = np.cross(np.eye(3)[np.abs(direction).argmin()], direction)
+    first /= np.linalg.norm(first)
+    return np.stack([first, np.cross(direction, first), direction])
+
+
+def _least_width(points: np.ndarray) -> float:
+    """Smallest extent seen from the front: what the fingers of a gripper must span."""
+    across = np.stack([np.cos(_DIRECTIONS), np.sin(_DIRECTIONS)])
+    return float(np.ptp(points[:, :2] @ across, axis=0).min())
+
+
+def _gaps(grip: np.ndarray, panel: np.ndarray) -> tuple[float, float]:
+    """Free depth behind the middle of the handle, and how far it stands out of its panel."""
+    low, high = grip.min(axis=(0, 1)), grip.max(axis=(0, 1))
+    cell = float((high - low)[:2].max()) / _COLUMNS
+    shape = np.maximum(np.ceil((high - low)[:2] / cell), 1).astype(int)
+    grid = Grid(low=np.array([low[0], low[1], 0.0]), cell=cell, shape=(int(shape[0]), int(shape[1]), 1))
+    back = _extreme(grip, grid, np.minimum, np.inf)
+    face = _extreme(panel, grid, np.maximum, -np.inf)
+    covered = np.isfinite(back)
+    if not covered.any():
+        return 0.0, 0.0
+    along = int(np.argmax((high - low)[:2]))
+    place = np.indices(back.shape)[along] / max(back.shape[along] - 1, 1)
+    middle = covered & (np.abs(place - 0.5) <= 0.25)
+    chosen = middle if middle.any() else covered
+    gap = float(np.median(back[chosen] - face[chosen]))
+    plate = face[covered & np.isfinite(face)]
+    protrusion = float(high[2] - np.median(plate)) if len(plate) else float(high[2] - low[2])
+    return max(0.0, gap), protrusion
+
+
+def _extreme(triangles: np.ndarray, grid: Grid, better: np.ufunc, none: float) -> np.ndarray:
+    """Lowest or highest height at which each column meets triangles (m)."""
+    column, height, _ = column_crossings(triangles, grid, 2)
+    out = np.full(grid.shape[0] * grid.shape[1], none)
+    better.at(out, column, height * grid.cell)
+    return out.reshape(grid.shape[:2])
+
+
+HANDLE_CHECKS = (
+    CheckSpec(id="V204", level="L2", title="handles", applies=has_handles, function=check_handles),
+)

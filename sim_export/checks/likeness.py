@@ -1,0 +1,157 @@
+"""L1, collision against visual: same surface, same volume, same cavities (V103)."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from sim_export.checks.config import CheckConfig
+from sim_export.checks.grid import Grid, fill_solid, find_cavity, make_grid, mark_surface
+from sim_export.checks.registry import CheckSpec, Finding
+from sim_export.checks.subject import Subject
+from sim_export.checks.surface import inside_hulls, nearest_distances, sample_triangles, triangle_areas
+from sim_export.errors import PackageError
+
+_QUERY_STRIDE = 4
+_SKIN = 1e-3
+"""A collision face covered by another hull of the link at this distance (m) is no outer surface."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Measure:
+    """One of the four quantities of V103, as a share of what is allowed (above 1 fails)."""
+
+    ratio: float
+    where: str
+    text: str
+
+
+def has_both(subject: Subject) -> str:
+    """Applies where something is both seen and felt."""
+    both = any(link.visuals and link.collisions for link in subject.links.values())
+    return "" if both else "no link has both visual and collision geometry"
+
+
+def check_likeness(subject: Subject, cfg: CheckConfig) -> Finding:
+    """V103: what a gripper feels is what a camera sees, and what is free is free for both."""
+    if not subject.diagonal > 0.0:
+        raise PackageError("the object's bounding box has no extent")
+    links = [name for name, link in subject.links.items() if link.visuals and subject.hull_sets[name].hulls]
+    visual = {
+        name: np.concatenate([s.triangles for s in subject.visuals if s.link == name]) for name in links
+    }
+    solid = {name: _hull_triangles(subject, name) for name in links}
+    measures = [*_distances(subject, cfg, visual, solid)]
+    grid = make_grid(subject.bounds, cfg.grid_resolution)
+    if subject.visual_source == "voxels":
+        measures.append(_volume_overlap(cfg, grid, visual, solid))
+    measures += [
+        measure
+        for name in links
+        for measure in _kept_cavity(cfg, grid, name, visual[name], solid[name], closed=_is_closed(subject))
+    ]
+    worst = max(measures, key=lambda measure: measure.ratio)
+    told = [m.text for m in measures if m.ratio > 1.0] or [m.text for m in measures[:3]]
+    return Finding(
+        passed=worst.ratio <= 1.0,
+        value=worst.ratio,
+        threshold=1.0,
+        unit="of the allowed",
+        where=worst.where,
+        message="; ".join(told),
+    )
+
+
+def _is_closed(subject: Subject) -> bool:
+    return subject.visual_source == "voxels"
+
+
+def _hull_triangles(subject: Subject, link: str) -> np.ndarray:
+    return np.concatenate([hull.vertices[hull.faces] for hull in subject.hull_sets[link].hulls])
+
+
+def _distances(
+    subject: Subject, cfg: CheckConfig, visual: dict[str, np.ndarray], solid: dict[str, np.ndarray]
+) -> list[Measure]:
+    """Two-sided distances of the surfaces, link by link, so that one link cannot stand in for another."""
+    areas = {name: triangle_areas(visual[name]).sum() + triangle_areas(solid[name]).sum() for name in visual}
+    total = sum(areas.values())
+    forth, back = {}, {}
+    for name in visual:
+        count = int(np.ceil(cfg.surface_samples * areas[name] / total)) + 8 * _QUERY_STRIDE
+        seen, _ = sample_triangles(visual[name], count)
+        felt, face = sample_triangles(solid[name], count)
+        hulls = subject.hull_sets[name].hulls
+        queries = seen[::_QUERY_STRIDE]
+        covered = inside_hulls(queries, hulls)
+        forth[name] = np.where(covered, 0.0, nearest_distances(queries, felt))
+        corners = solid[name][face[::_QUERY_STRIDE]]
+        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
+        queries = felt[::_QUERY_STRIDE]
+        outer = queries[~inside_hulls(queries + _SKIN * normals, hulls)]
+        back[name] = nearest_distances(outer, seen)
+    worst = {name: max(np.max(forth[name], initial=0.0), np.max(back[name], initial=0.0)) for name in visual}
+    where = max(worst, key=lambda name: worst[name])
+    p99 = max(float(np.percentile(np.concatenate(list(d.values())), 99)) for d in (forth, back))
+    farthest, size = float(worst[where]), subject.diagonal
+    return [
+        Measure(
+            ratio=farthest / (cfg.max_hausdorff * size),
+            where=where,
+            text=f"surfaces differ by at most {100 * farthest / size:.2g} % of the diagonal "
+            f"(allowed {100 * cfg.max_hausdorff:g} %)",
+        ),
+        Measure(
+            ratio=p99 / (cfg.max_p99 * size),
+            where=where,
+            text=f"99 % of them by less than {100 * p99 / size:.2g} % (allowed {100 * cfg.max_p99:g} %)",
+        ),
+    ]
+
+
+def _volume_overlap(
+    cfg: CheckConfig, grid: Grid, visual: dict[str, np.ndarray], solid: dict[str, np.ndarray]
+) -> Measure:
+    seen = fill_solid(np.concatenate(list(visual.values())), grid)
+    felt = fill_solid(np.concatenate(list(solid.values())), grid)
+    union = np.count_nonzero(seen | felt)
+    iou = np.count_nonzero(seen & felt) / union if union else 0.0
+    return Measure(
+        ratio=(1.0 - iou) / (1.0 - cfg.min_iou),
+        where="",
+        text=f"volumes overlap by {iou:.3f} of their union (at least {cfg.min_iou:g})",
+    )
+
+
+def _kept_cavity(
+    cfg: CheckConfig, grid: Grid, name: str, visual: np.ndarray, solid: np.ndarray, *, closed: bool
+) -> list[Measure]:
+    """How much of what is free inside a link stays free, where there is a cavity worth the name."""
+    low = grid.cells_of(visual.min(axis=(0, 1))[None])[0] - 2
+    shape = grid.cells_of(visual.max(axis=(0, 1))[None])[0] + 3 - low
+    window = Grid(
+        low=grid.low + low * grid.cell, cell=grid.cell, shape=(int(shape[0]), int(shape[1]), int(shape[2]))
+    )
+    wall = fill_solid(visual, window) if closed else mark_surface(visual, window)
+    cavity = find_cavity(wall)
+    cells = int(np.count_nonzero(cavity))
+    if cells < _SMALLEST_CAVITY:
+        return []
+    kept = 1.0 - np.count_nonzero(cavity & fill_solid(solid, window)) / cells
+    litres = 1e3 * cells * grid.cell**3
+    return [
+        Measure(
+            ratio=(1.0 - kept) / (1.0 - cfg.min_free_kept),
+            where=name,
+            text=f"{100 * kept:.3g} % of the {litres:.3g} litres inside {name!r} stay free "
+            f"(at least {100 * cfg.min_free_kept:g} %)",
+        )
+    ]
+
+
+_SMALLEST_CAVITY = 512
+"""Cells; below it the cavity is smaller than an eighth of 16^3 and its measure mostly rounding."""
+
+LIKENESS_CHECKS = (
+    CheckSpec(id="V103", level="L1", title="collision is visual", applies=has_both, function=check_likeness),
+)

@@ -1,0 +1,272 @@
+"""L2, doors, drawers and trays open as such things do (V203, V205, V206)."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from artigen.transforms import line_distance
+from sim_export.checks.config import CheckConfig
+from sim_export.checks.registry import CheckSpec, Finding, count_problems
+from sim_export.checks.subject import Subject
+from sim_export.checks.surface import sample_triangles
+from sim_export.hulls import hull_planes
+from sim_export.package import Hull, PackageJoint
+
+_SIGHT_LINES = 400
+_FIRST_TURN = 1.0
+"""Rad; a door's corners are followed along the tangent for at most this turn."""
+_PARALLEL = 0.5
+"""Cosine above which an axis counts as perpendicular to a panel: such a lid screws or spins, it has no edge."""
+_TWIN_SIZE = 0.05
+_TWIN_AXIS_DEGREES = 5.0
+
+
+def opening_joints(subject: Subject, labels: tuple[str, ...], types: tuple[str, ...]) -> list[PackageJoint]:
+    """Joints of some types that move links with one of some labels and with collision geometry."""
+    return [
+        joint
+        for joint in subject.driven
+        if joint.type in types
+        and subject.labels.get(joint.child) in labels
+        and subject.hull_sets[joint.child].hulls
+    ]
+
+
+def panel_joints(subject: Subject) -> list[PackageJoint]:
+    """Drawers that slide and doors that turn between limits; sliding doors go sideways, caps spin."""
+    return opening_joints(subject, ("drawer",), ("prismatic",)) + opening_joints(
+        subject, ("door",), ("revolute",)
+    )
+
+
+def has_panels(subject: Subject) -> str:
+    """Applies to drawers that slide and doors that turn."""
+    return "" if panel_joints(subject) else "no drawer slides and no door turns between limits"
+
+
+def velocity_at(joint: PackageJoint, points: Float[np.ndarray, "N 3"]) -> Float[np.ndarray, "N 3"]:
+    """Velocity of points at rest for one unit of joint velocity (m per rad or per m)."""
+    if joint.type == "prismatic":
+        return np.broadcast_to(joint.axis, points.shape)
+    return np.cross(joint.axis, points - joint.origin)
+
+
+def check_opening(subject: Subject, cfg: CheckConfig) -> Finding:
+    """V203: opening leads out of the body, and a hinge sits at the edge of its door."""
+    problems = []
+    for joint in panel_joints(subject):
+        problems += [
+            (joint.name, f"joint {joint.name!r} {fault}") for fault in _direction_faults(subject, joint, cfg)
+        ]
+        if joint.type == "revolute":
+            problems += [
+                (joint.name, f"joint {joint.name!r} {fault}") for fault in _hinge_faults(subject, joint, cfg)
+            ]
+    return count_problems(
+        problems, f"{len(panel_joints(subject))} doors and drawers open outwards from their edges"
+    )
+
+
+def _direction_faults(subject: Subject, joint: PackageJoint, cfg: CheckConfig) -> list[str]:
+    """Compares how much of the body stands in the way of opening and of the opposite motion.
+
+    Where neither is blocked (an empty frame), the handle decides: it goes first.
+    """
+    triangles = np.concatenate([hull.vertices[hull.faces] for hull in subject.hull_sets[joint.child].hulls])
+    points, _ = sample_triangles(triangles, _SIGHT_LINES)
+    reach = joint.upper if joint.type == "prismatic" else min(joint.upper, _FIRST_TURN)
+    path = velocity_at(joint, points) * reach
+    obstacles = tuple(
+        hull
+        for name in subject.links
+        if name in subject.ancestors(joint.child) or name in subject.static_links
+        for hull in subject.hull_sets[name].hulls
+    )
+    ahead = float(hit_hulls(points, path, obstacles).mean())
+    behind = float(hit_hulls(points, -path, obstacles).mean())
+    if ahead > behind + cfg.blocked_margin:
+        return [
+            f"opens into the body: {100 * ahead:.2g} % of it is blocked ahead, {100 * behind:.2g} % behind"
+        ]
+    handles = handle_points(subject, joint.child)
+    if abs(ahead - behind) <= cfg.blocked_margin and len(handles):
+        panel = triangles.mean(axis=(0, 1))
+        direction = velocity_at(joint, handles.mean(axis=0)[None])[0]
+        if (handles.mean(axis=0) - panel) @ direction < 0.0:
+            return ["opens away from its handle"]
+    return []
+
+
+def handle_points(subject: Subject, link: str) -> Float[np.ndarray, "N 3"]:
+    """Vertices of the visuals of a link that are named after a handle."""
+    chunks = [s.vertices for s in subject.visuals if s.link == link and "handle" in s.name]
+    return np.concatenate([np.zeros((0, 3)), *chunks])
+
+
+def hit_hulls(
+    origins: Float[np.ndarray, "N 3"], paths: Float[np.ndarray, "N 3"], hulls: tuple[Hull, ...]
+) -> Bool[np.ndarray, "N"]:
+    """Which straight paths enter a hull from outside on their way."""
+    hit = np.zeros(len(origins), dtype=bool)
+    for hull in hulls:
+        planes = hull_planes(hull)
+        height = origins @ planes[:, :3].T - planes[:, 3]
+        slope = paths @ planes[:, :3].T
+        with np.errstate(divide="ignore", invalid="ignore"):
+            at = -height / slope
+        enter = np.where(slope < 0, at, np.where(height > 0, np.inf, -np.inf)).max(axis=1)
+        leave = np.where(slope > 0, at, np.inf).min(axis=1)
+        hit |= (enter > 0.0) & (enter <= 1.0) & (enter < leave)
+    return hit
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Panel:
+    """A door seen along its hinge: extent ``low..high`` across it and the hinge's place, all in metres."""
+
+    across: Float[np.ndarray, "3"]
+    low: float
+    high: float
+    hinge: float
+
+
+def door_panel(subject: Subject, joint: PackageJoint) -> Panel | None:
+    """The door's extent in the direction from its hinge; None where the axis stands upright on the panel."""
+    handles = {tuple(row) for row in np.round(handle_points(subject, joint.child), 6)}
+    seen = [s.vertices for s in subject.visuals if s.link == joint.child and "handle" not in s.name]
+    points = np.concatenate(seen) if seen and handles else subject.hull_sets[joint.child].vertices
+    centered = points - (points.min(axis=0) + points.max(axis=0)) / 2.0
+    normal = _thin_direction(centered)
+    if abs(normal @ joint.axis) > _PARALLEL:
+        return None
+    across = np.cross(normal, joint.axis)
+    across /= np.linalg.norm(across)
+    extent = points @ across
+    return Panel(
+        across=across, low=float(extent.min()), high=float(extent.max()), hinge=float(joint.origin @ across)
+    )
+
+
+def _thin_direction(points: np.ndarray) -> np.ndarray:
+    """The axis direction in which points extend least; principal directions where none is clearly thin."""
+    extents = np.ptp(points, axis=0)
+    if extents.min() < 0.5 * np.sort(extents)[1]:
+        return np.eye(3)[extents.argmin()]
+    return np.linalg.svd(points, full_matrices=False)[2][2]
+
+
+def _hinge_faults(subject: Subject, joint: PackageJoint, cfg: CheckConfig) -> list[str]:
+    panel = door_panel(subject, joint)
+    if panel is None:
+        return []
+    width = panel.high - panel.low
+    off = min(abs(panel.hinge - panel.low), abs(panel.hinge - panel.high))
+    if off <= cfg.max_edge_ratio * width:
+        return []
+    return [
+        f"turns about a line {1e3 * off:.3g} mm from the edge of its {1e3 * width:.3g} mm wide door, "
+        f"allowed are {100 * cfg.max_edge_ratio:g} % of the width"
+    ]
+
+
+def door_pairs(subject: Subject) -> list[tuple[PackageJoint, PackageJoint]]:
+    """Two doors of one parent and one size, side by side, hinged on opposite sides about parallel axes."""
+    doors = opening_joints(subject, ("door",), ("revolute",))
+    return [
+        (first, second)
+        for index, first in enumerate(doors)
+        for second in doors[index + 1 :]
+        if first.parent == second.parent and _mirror_normal(subject, first, second) is not None
+    ]
+
+
+def _mirror_normal(subject: Subject, first: PackageJoint, second: PackageJoint) -> np.ndarray | None:
+    """Normal of the plane that maps one door of a pair onto the other; None where they are no pair."""
+    boxes = [subject.hull_sets[joint.child].vertices for joint in (first, second)]
+    low, high = (np.stack([f(points, axis=0) for points in boxes]) for f in (np.min, np.max))
+    size, center = high - low, (low + high) / 2.0
+    offset = center[1] - center[0]
+    distance = float(np.linalg.norm(offset))
+    axis = int(np.abs(offset).argmax())
+    if distance == 0.0 or abs(offset[axis]) < 0.99 * distance:
+        return None
+    same = np.all(np.abs(size[0] - size[1]) <= _TWIN_SIZE * size.max())
+    beside = abs(abs(offset[axis]) - size[:, axis].mean()) <= 2 * _TWIN_SIZE * size[:, axis].mean()
+    normal = np.eye(3)[axis]
+    parallel = abs(first.axis @ second.axis) >= np.cos(np.radians(_TWIN_AXIS_DEGREES))
+    upright = abs(first.axis @ normal) <= np.sin(np.radians(_TWIN_AXIS_DEGREES))
+    if not (same and beside and parallel and upright):
+        return None
+    middle = center.mean(axis=0)
+    hinges = [(joint.origin - middle) @ normal for joint in (first, second)]
+    apart = line_distance(first.origin, first.axis, second.origin, second.axis)
+    mirrored = abs(hinges[0] + hinges[1]) <= 2 * _TWIN_SIZE * apart and hinges[0] * hinges[1] < 0
+    return normal if mirrored else None
+
+
+def has_pairs(subject: Subject) -> str:
+    """Applies to double doors."""
+    return "" if door_pairs(subject) else "no two doors are a mirrored pair"
+
+
+def check_pairs(subject: Subject, cfg: CheckConfig) -> Finding:
+    """V205: the two leaves of a double door open like mirror images."""
+    angles = {}
+    for first, second in door_pairs(subject):
+        normal = _mirror_normal(subject, first, second)
+        assert normal is not None
+        ways = []
+        for joint in (first, second):
+            center = subject.hull_sets[joint.child].vertices.mean(axis=0)
+            way = velocity_at(joint, center[None])[0]
+            ways.append(way / max(float(np.linalg.norm(way)), 1e-12))
+        mirrored = ways[0] - 2.0 * (ways[0] @ normal) * normal
+        angles[f"{first.name} and {second.name}"] = float(
+            np.degrees(np.arccos(np.clip(mirrored @ ways[1], -1, 1)))
+        )
+    where = max(angles, key=lambda name: angles[name])
+    return Finding(
+        passed=angles[where] <= cfg.max_mirror_angle,
+        value=angles[where],
+        threshold=cfg.max_mirror_angle,
+        unit="degrees",
+        where=where,
+        message=f"{where} open {angles[where]:.3g} degrees from mirrored directions, "
+        f"allowed are {cfg.max_mirror_angle:g}",
+    )
+
+
+def has_drawers(subject: Subject) -> str:
+    """Applies to drawers and trays that slide."""
+    return "" if opening_joints(subject, ("drawer", "tray"), ("prismatic",)) else "no drawer or tray slides"
+
+
+def check_retained(subject: Subject, cfg: CheckConfig) -> Finding:
+    """V206: a drawer pulled out to its limit is still held by what carries it."""
+    shares = {}
+    for joint in opening_joints(subject, ("drawer", "tray"), ("prismatic",)):
+        own = subject.hull_sets[joint.child].vertices @ joint.axis + joint.upper
+        carrier = np.concatenate(
+            [subject.hull_sets[name].vertices for name in subject.ancestors(joint.child)]
+        )
+        held = carrier @ joint.axis if len(carrier) else np.array([np.inf, -np.inf])
+        inside = min(own.max(), held.max()) - max(own.min(), held.min())
+        shares[joint.name] = max(0.0, float(inside / np.ptp(own)))
+    where = min(shares, key=lambda name: shares[name])
+    return Finding(
+        passed=shares[where] >= cfg.min_retained,
+        value=shares[where],
+        threshold=cfg.min_retained,
+        unit="of the depth",
+        where=where,
+        message=f"joint {where!r} leaves {100 * shares[where]:.3g} % of its drawer's depth inside when open, "
+        f"at least {100 * cfg.min_retained:g} % must stay",
+    )
+
+
+OPENING_CHECKS = (
+    CheckSpec(id="V203", level="L2", title="opening direction", applies=has_panels, function=check_opening),
+    CheckSpec(id="V205", level="L2", title="double doors", applies=has_pairs, function=check_pairs),
+    CheckSpec(id="V206", level="L2", title="drawer retained", applies=has_drawers, function=check_retained),
+)

@@ -1,0 +1,53 @@
+"""All checks from L0 to L2, in order of their ids."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from sim_export.checks.appearance import APPEARANCE_CHECKS
+from sim_export.checks.config import CheckConfig
+from sim_export.checks.files import FILE_CHECKS
+from sim_export.checks.geometry import GEOMETRY_CHECKS
+from sim_export.checks.handles import HANDLE_CHECKS
+from sim_export.checks.likeness import LIKENESS_CHECKS
+from sim_export.checks.opening import OPENING_CHECKS
+from sim_export.checks.physical import PHYSICAL_CHECKS
+from sim_export.checks.registry import CheckSpec, run_specs
+from sim_export.checks.subject import Subject
+from sim_export.checks.sweep import SWEEP_CHECKS
+from sim_export.report import CheckResult, Level
+
+STATIC_LEVELS: tuple[Level, ...] = ("L0", "L1", "L2")
+CHECKS: tuple[CheckSpec, ...] = tuple(
+    sorted(
+        (
+            *FILE_CHECKS,
+            *PHYSICAL_CHECKS,
+            *GEOMETRY_CHECKS,
+            *LIKENESS_CHECKS,
+            *APPEARANCE_CHECKS,
+            *SWEEP_CHECKS,
+            *OPENING_CHECKS,
+            *HANDLE_CHECKS,
+        ),
+        key=lambda spec: spec.id,
+    )
+)
+
+
+def run_checks(
+    folder: Path,
+    levels: Sequence[Level] = STATIC_LEVELS,
+    cfg: CheckConfig | None = None,
+    *,
+    subject: Subject | None = None,
+) -> tuple[CheckResult, ...]:
+    """Runs the static checks of some levels on a package or an original PartNet-Mobility folder.
+
+    Args:
+        folder: The folder with ``mobility.urdf``.
+        levels: Which of L0, L1 and L2.
+        cfg: Thresholds; the documented ones by default.
+        subject: The folder as already parsed, where a caller has it.
+    """
+    specs = [spec for spec in CHECKS if spec.level in levels]
+    return run_specs(specs, folder, CheckConfig() if cfg is None else cfg, subject=subject)

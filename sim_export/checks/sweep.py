@@ -1,0 +1,216 @@
+"""L2, through the whole range: nothing enters anything else, at rest or on the way (V201, V202).
+
+Simulators cannot tell: they filter contacts of parent and child. Here every pair of links counts,
+measured by exact hull distances.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from artigen.transforms import inverse, transform_points
+from sim_export.checks.config import CheckConfig
+from sim_export.checks.registry import CheckSpec, Finding
+from sim_export.checks.subject import Subject
+from sim_export.checks.surface import inside_hulls
+from sim_export.contacts import Distances, HullSet, find_penetration, signed_distances
+from sim_export.errors import PackageError
+from sim_export.package import PackageJoint
+
+_SAMPLES_PER_LINK = 1500
+_TOUCH = 1e-4
+"""Overlaps shallower than this (m) have no volume worth counting."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Motion:
+    """Poses to be judged: displacement of every link, and the pairs of links that count."""
+
+    name: str
+    T: dict[str, np.ndarray]
+    pairs: tuple[tuple[str, str], ...]
+
+
+def has_colliding_joints(subject: Subject) -> str:
+    """Applies where something with collision geometry moves."""
+    if not subject.driven:
+        return "no joint moves"
+    carried = {name for joint in subject.driven for name in subject.carried(joint.child)}
+    if not any(subject.hull_sets[name].hulls for name in carried):
+        return "nothing that moves has collision geometry"
+    return ""
+
+
+def check_sweep(subject: Subject, cfg: CheckConfig) -> Finding:
+    """V201: along every joint's range, and at poses of all joints, nothing enters another link."""
+    motions = [joint_motion(subject, joint, cfg) for joint in subject.driven]
+    motions.append(_joint_poses(subject, cfg))
+    depth, depth_where = 0.0, ""
+    overlap, overlap_where = 0.0, ""
+    for motion in motions:
+        for mover, other in motion.pairs:
+            first, second = subject.hull_sets[mover], subject.hull_sets[other]
+            found = signed_distances(first, second, motion.T[mover], motion.T[other])
+            if not len(found.distance):
+                continue
+            excess = -float(found.distance.min()) - _rest_depth(subject, mover, other)
+            where = f"{mover} into {other} ({motion.name})"
+            if excess > depth:
+                depth, depth_where = excess, where
+            if excess > _TOUCH:
+                share = swept_overlap(first, second, motion.T[mover], motion.T[other], found)
+                if share > overlap:
+                    overlap, overlap_where = share, where
+    if depth / cfg.max_penetration >= overlap / cfg.max_swept_overlap:
+        passed, value, threshold, unit, where = (
+            depth <= cfg.max_penetration,
+            depth,
+            cfg.max_penetration,
+            "m",
+            depth_where,
+        )
+    else:
+        passed, value, threshold = overlap <= cfg.max_swept_overlap, overlap, cfg.max_swept_overlap
+        unit, where = "of the volume", overlap_where
+    return Finding(
+        passed=passed,
+        value=value,
+        threshold=threshold,
+        unit=unit,
+        where=where,
+        message=f"{len(subject.driven)} joints: {1e3 * depth:.3g} mm at most beyond rest "
+        f"({depth_where or 'nowhere'}; allowed {1e3 * cfg.max_penetration:g} mm), "
+        f"{100 * overlap:.2g} % of a link's volume (allowed {100 * cfg.max_swept_overlap:g} %)",
+    )
+
+
+def open_positions(subject: Subject, joint: PackageJoint) -> dict[str, object]:
+    """Coordinates of the joints that must be open before ``joint`` can move, their own needs included."""
+    by_name = {other.name: other for other in subject.driven}
+    qpos: dict[str, object] = {}
+    waiting = [joint.name]
+    while waiting:
+        name = waiting.pop()
+        for need in subject.requires_open:
+            if need.joint == name and need.needs not in qpos:
+                if need.needs not in by_name:
+                    raise PackageError(
+                        f"annotations.json: {name!r} needs {need.needs!r}, which is no joint that moves"
+                    )
+                other = by_name[need.needs]
+                qpos[need.needs] = other.lower + need.fraction * (other.upper - other.lower)
+                waiting.append(need.needs)
+    return qpos
+
+
+def joint_motion(subject: Subject, joint: PackageJoint, cfg: CheckConfig) -> Motion:
+    """One joint through its range, the others closed or as far open as `requires_open` says.
+
+    A folder that does not say what must be open first is judged against ancestors and static links
+    only: two movable neighbours may well meet when one of them should have been opened before.
+    """
+    qpos = open_positions(subject, joint) | {
+        joint.name: np.linspace(joint.lower, joint.upper, cfg.sweep_samples)
+    }
+    movers = subject.carried(joint.child)
+    others = [name for name in subject.links if name not in movers]
+    pairs = [
+        (mover, other)
+        for mover in movers
+        for other in others
+        if subject.is_package or other in subject.static_links or other in subject.ancestors(mover)
+    ]
+    return Motion(name=joint.name, T=subject.displacements(qpos), pairs=_solid(subject, pairs))
+
+
+def _joint_poses(subject: Subject, cfg: CheckConfig) -> Motion:
+    """All joints at once; only (link, ancestor) and (link, static link) pairs, since movable neighbours may meet."""
+    from scipy.stats.qmc import Sobol
+
+    lower = np.array([joint.lower for joint in subject.driven])
+    upper = np.array([joint.upper for joint in subject.driven])
+    unit = Sobol(len(lower), scramble=False).random(cfg.sobol_poses)
+    values = (lower + unit * (upper - lower)).T
+    qpos = {joint.name: row for joint, row in zip(subject.driven, values, strict=True)}
+    moving = [name for name in subject.links if name not in subject.static_links]
+    pairs = [
+        (name, other)
+        for name in moving
+        for other in subject.links
+        if other in subject.ancestors(name) or other in subject.static_links
+    ]
+    return Motion(name="all joints", T=subject.displacements(qpos), pairs=_solid(subject, pairs))
+
+
+def _solid(subject: Subject, pairs: list[tuple[str, str]]) -> tuple[tuple[str, str], ...]:
+    return tuple(p for p in pairs if subject.hull_sets[p[0]].hulls and subject.hull_sets[p[1]].hulls)
+
+
+def _rest_depth(subject: Subject, first: str, second: str) -> float:
+    still = np.eye(4)
+    return find_penetration(subject.hull_sets[first], subject.hull_sets[second], still, still).depth
+
+
+def swept_overlap(
+    mover: HullSet,
+    other: HullSet,
+    T_mover: Float[np.ndarray, "*P 4 4"],
+    T_other: Float[np.ndarray, "*P 4 4"],
+    found: Distances,
+) -> float:
+    """Share of the mover's volume that is inside the other link at some pose but not at rest."""
+    points = volume_samples(mover, _SAMPLES_PER_LINK)
+    T = inverse(T_other) @ T_mover
+    poses = np.unique(found.pose[found.distance < -_TOUCH])
+    entered = np.zeros(len(points), dtype=bool)
+    for pose in poses:
+        touched = np.unique(found.second[(found.pose == pose) & (found.distance < -_TOUCH)])
+        hulls = tuple(other.hulls[index] for index in touched)
+        entered |= inside_hulls(transform_points(T[pose] if T.ndim == 3 else T, points), hulls)
+    return float(np.mean(entered & ~inside_hulls(points, other.hulls)))
+
+
+def volume_samples(hulls: HullSet, count: int) -> Float[np.ndarray, "N 3"]:
+    """About ``count`` points spread evenly through the union of hulls, always the same ones."""
+    low, high = hulls.vertices.min(axis=0), hulls.vertices.max(axis=0)
+    from scipy.stats.qmc import Sobol
+
+    trial = low + Sobol(3, scramble=False).random(1024) * (high - low)
+    filled = max(float(inside_hulls(trial, hulls.hulls).mean()), 1.0 / 64.0)
+    needed = 2 ** int(np.ceil(np.log2(count / filled)))
+    points = low + Sobol(3, scramble=False).random(needed) * (high - low)
+    return points[inside_hulls(points, hulls.hulls)]
+
+
+def has_two_solids(subject: Subject) -> str:
+    """Applies where two links have collision geometry."""
+    solid = [name for name, hulls in subject.hull_sets.items() if hulls.hulls]
+    return "" if len(solid) > 1 else "fewer than two links have collision geometry"
+
+
+def check_rest(subject: Subject, cfg: CheckConfig) -> Finding:
+    """V202: at rest links do not overlap: siblings hardly, a link and its ancestors as on the way."""
+    names = [name for name, hulls in subject.hull_sets.items() if hulls.hulls]
+    worst = (0.0, 0.0, cfg.max_rest_overlap, "")
+    for index, first in enumerate(names):
+        for second in names[:index]:
+            related = first in subject.ancestors(second) or second in subject.ancestors(first)
+            allowed = cfg.max_rest_overlap_parent if related else cfg.max_rest_overlap
+            depth = _rest_depth(subject, first, second)
+            worst = max(worst, (depth / allowed, depth, allowed, f"{second} and {first}"))
+    ratio, depth, allowed, where = worst
+    return Finding(
+        passed=ratio <= 1.0,
+        value=depth,
+        threshold=allowed,
+        unit="m",
+        where=where,
+        message=f"{where or 'no two links'} overlap by {1e3 * depth:.3g} mm at rest, allowed is {1e3 * allowed:g} mm",
+    )
+
+
+SWEEP_CHECKS = (
+    CheckSpec(id="V201", level="L2", title="sweep", applies=has_colliding_joints, function=check_sweep),
+    CheckSpec(id="V202", level="L2", title="rest overlap", applies=has_two_solids, function=check_rest),
+)
