@@ -6,6 +6,7 @@ halves are cheap because hulls and half-space cuts of small meshes take fraction
 """
 
 import heapq
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import manifold3d
@@ -46,18 +47,33 @@ class _Piece:
         return self.outer - self.volume
 
 
+def join_pieces(pieces: Sequence[Solid], total: float, cfg: PieceConfig) -> list[Solid]:
+    """Joins convex solids, which may overlap, into fewer: those pairs first that add least volume.
+
+    ``total`` is the volume of what the pieces stand for, and the measure of ``cfg.join_excess``,
+    which here bounds what joining adds. Largest first.
+    """
+    joined = _join([_piece(piece, piece.volume()) for piece in pieces], total, cfg)
+    return [piece.hull for piece in _largest_first(joined)]
+
+
 def convex_pieces(solid: Solid, cfg: PieceConfig) -> list[Solid]:
     """Few convex solids that together cover ``solid`` and exceed it little, largest first."""
     total = solid.volume()
     leaves = _cut(solid, cfg)
     pieces = _join([_piece(leaf.hull(), leaf.volume()) for leaf in leaves], total, cfg)
-    pieces.sort(key=lambda piece: (-piece.outer, *piece.bounds.ravel()))
-    return [piece.hull for piece in pieces if piece.volume >= cfg.smallest * total] or [solid.hull()]
+    return [piece.hull for piece in _largest_first(pieces) if piece.volume >= cfg.smallest * total] or [
+        solid.hull()
+    ]
 
 
 def _piece(hull: Solid, volume: float) -> _Piece:
     bounds = np.array(hull.bounding_box()).reshape(2, 3)
     return _Piece(hull=hull, volume=volume, outer=hull.volume(), bounds=bounds)
+
+
+def _largest_first(pieces: list[_Piece]) -> list[_Piece]:
+    return sorted(pieces, key=lambda piece: (-piece.outer, *piece.bounds.ravel()))
 
 
 def _cut(solid: Solid, cfg: PieceConfig) -> list[Solid]:
@@ -184,8 +200,11 @@ def _join(pieces: list[_Piece], total: float, cfg: PieceConfig) -> list[_Piece]:
 
 def _candidate(alive: dict[int, _Piece], i: int, j: int) -> tuple[float, int, int, _Piece]:
     """What joining two pieces costs, and the result; indices make the order unique."""
-    both = _piece(Solid.batch_hull([alive[i].hull, alive[j].hull]), alive[i].volume + alive[j].volume)
-    return both.excess - alive[i].excess - alive[j].excess, i, j, both
+    a, b = alive[i], alive[j]
+    meet = _touch(a, b, 0.0)
+    common = (a.hull ^ b.hull).volume() if meet else 0.0
+    both = _piece(Solid.batch_hull([a.hull, b.hull]), a.volume + b.volume)
+    return both.outer - (a.outer + b.outer - common), i, j, both
 
 
 def _touch(a: _Piece, b: _Piece, reach: float) -> bool:

@@ -12,7 +12,7 @@ from jaxtyping import Bool, Float, Int
 
 from sim_export.solids import inside_grid
 
-SEEDS_PER_BOX = 96
+SEEDS_PER_BOX = 48
 """Uncovered cells tried as the start of the next box."""
 MIN_ALIGNED_AREA = 0.5
 """Share of the surface that must be axis-aligned before boxes are tried."""
@@ -44,7 +44,7 @@ def cover_with_cuboids(
         cells = np.argwhere(missing)
         cells = cells[np.argsort(-weights[tuple(cells.T)], kind="stable")]
         cells = cells[:: max(1, len(cells) // SEEDS_PER_BOX)]
-        candidates = np.concatenate([_grow(filled, cells, order) for order in permutations(range(3))])
+        candidates = _grow(filled, cells)
         gains = _box_sums(_integral(missing * weights), candidates)
         best = candidates[gains.argmax()]
         boxes.append(best)
@@ -135,19 +135,23 @@ def _box_sums(integral: np.ndarray, boxes: np.ndarray) -> np.ndarray:
     )  # fmt: skip
 
 
-def _grow(filled: np.ndarray, cells: np.ndarray, order: tuple[int, ...]) -> np.ndarray:
-    """Grows a box from every cell as far as it stays filled, one axis after the other."""
-    boxes = np.stack([cells, cells + 1], axis=1)
+def _grow(filled: np.ndarray, cells: np.ndarray) -> np.ndarray:
+    """Grows boxes from every cell as far as they stay filled, once for each order of the axes."""
+    orders = np.array(list(permutations(range(3))))
+    seeds = np.tile(cells, (len(orders), 1))
+    boxes = np.stack([seeds, seeds + 1], axis=1)  # 6 N, 2, 3
     shape = np.array(filled.shape) - 1
-    for axis in order:
+    for axes in np.repeat(orders, len(cells), axis=0).T:
         for end, step in ((0, -1), (1, 1)):
             active = np.arange(len(boxes))
             while active.size:
-                longer = boxes[active]
-                longer[:, end, axis] += step
-                inside = (longer[:, 0, axis] >= 0) & (longer[:, 1, axis] <= shape[axis])
-                active, longer = active[inside], longer[inside]
-                full = _box_sums(filled, longer) == np.prod(longer[:, 1] - longer[:, 0], axis=1)
+                longer, along = boxes[active], axes[active]
+                at = longer[np.arange(len(active)), end, along] + step
+                inside = (at >= 0) & (at <= shape[along])
+                active, longer, along, at = active[inside], longer[inside], along[inside], at[inside]
+                longer[np.arange(len(active)), end, along] = at
+                size = longer[:, 1] - longer[:, 0]
+                full = _box_sums(filled, longer) == size[:, 0] * size[:, 1] * size[:, 2]
                 active = active[full]
                 boxes[active] = longer[full]
     return boxes

@@ -16,7 +16,7 @@ from typing import Literal
 import numpy as np
 
 from sim_export.coacd_process import CoacdConfig, run_coacd
-from sim_export.convex_pieces import PieceConfig, Solid, convex_pieces
+from sim_export.convex_pieces import PieceConfig, Solid, convex_pieces, join_pieces
 from sim_export.cuboids import fit_cuboids
 from sim_export.errors import DecompositionFailed, DegeneratePart
 from sim_export.hull_limits import HullLimits, limit_hulls
@@ -39,6 +39,8 @@ class DecomposeConfig:
     """Most hulls per part; physics engines slow down with every one."""
     tolerance: float = 0.05
     """Volume error that `auto` accepts; lower it when hulls stray from the visual mesh."""
+    join_above: int = 6
+    """More boxes than this are joined to fewer hulls while the volume error stays within tolerance."""
     hull_tolerance: float = 0.01
     """Volume error up to which `auto` takes a single hull."""
     reach: float = 0.015
@@ -140,7 +142,7 @@ def _choose(mesh: Mesh, solid: Solid, cfg: DecomposeConfig, cache: Path | None) 
         return _measured("hull", (solid_hull(solid),), solid)
     boxes = _boxes(mesh, solid, cfg)
     if boxes is not None and boxes[2].volume_error <= cfg.tolerance and _covers(boxes[1], mesh, cfg.reach):
-        return boxes
+        return boxes if len(boxes[1]) <= cfg.join_above else _joined(boxes, solid, cfg)
     found = [_pieces(solid, cfg)]
     if found[0][2].volume_error > cfg.coacd_above:
         found.append(_coacd(solid, cfg, cache))
@@ -164,6 +166,15 @@ def _boxes(mesh: Mesh, solid: Solid, cfg: DecomposeConfig) -> Choice | None:
     if boxes is None or not len(boxes):
         return None
     return _measured("boxes", tuple(box_hull(low, high) for low, high in boxes), solid)
+
+
+def _joined(boxes: Choice, solid: Solid, cfg: DecomposeConfig) -> Choice:
+    """Fewer hulls from many boxes, with what the tolerance leaves."""
+    left = max(cfg.tolerance - boxes[2].volume_error, 0.0)
+    pieces = PieceConfig(max_hulls=cfg.max_hulls, join_excess=0.8 * left)
+    joined = join_pieces([as_solid(hull) for hull in boxes[1]], solid.volume(), pieces)
+    choice = _measured("boxes", tuple(solid_hull(piece) for piece in joined), solid)
+    return choice if choice[2].volume_error <= cfg.tolerance else boxes
 
 
 def _pieces(solid: Solid, cfg: DecomposeConfig) -> Choice:

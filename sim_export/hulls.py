@@ -116,18 +116,22 @@ def count_polygons(hull: Hull) -> int:
 
 
 def reduce_hull(hull: Hull, max_vertices: int = 64, max_polygons: int = 64) -> Hull:
-    """A hull inside the given one within the limits that PhysX sets for its GPU solver.
+    """A hull of equal volume within the limits that PhysX sets for its GPU solver.
 
-    Keeps the farthest vertices in evenly spread directions, as many as the limits allow.
+    Keeps the farthest vertices in evenly spread directions, as many as the limits allow, and makes
+    up for the volume lost by scaling about the middle.
     """
     budget = max_vertices
     reduced = hull
     while len(reduced.vertices) > max_vertices or count_polygons(reduced) > max_polygons:
-        extent = np.ptp(hull.vertices, axis=0)
-        directions = _spread_directions(budget) / np.maximum(extent, 1e-9)
+        directions = _spread_directions(budget) / np.maximum(np.ptp(hull.vertices, axis=0), 1e-9)
         reduced = convex_hull(hull.vertices[np.unique((hull.vertices @ directions.T).argmax(axis=0))])
         budget -= 2
-    return reduced
+    if reduced is hull:
+        return hull
+    middle = (reduced.vertices.min(axis=0) + reduced.vertices.max(axis=0)) / 2
+    growth = np.cbrt(hull_volume(hull) / hull_volume(reduced))
+    return Hull(vertices=middle + growth * (reduced.vertices - middle), faces=reduced.faces)
 
 
 def _spread_directions(count: int) -> np.ndarray:
