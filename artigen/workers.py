@@ -22,16 +22,15 @@ Value = TypeVar("Value")
 
 
 @dataclass(frozen=True, kw_only=True)
-class Outcome(Generic[Item, Value]):
-    """What became of an item: a value, or one sentence that says why there is none."""
+class Outcome(Generic[Value]):
+    """A value, or one sentence that says why there is none."""
 
-    item: Item
     value: Value | None = None
     error: str | None = None
 
 
 def _serve(connection: Connection) -> None:
-    """Runs in the child: answers (function, item) with (value, error) until the pipe closes."""
+    """Runs in the child: answers (function, item) with an outcome until the pipe closes."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent decides what an interrupt means
     while True:
         try:
@@ -39,12 +38,12 @@ def _serve(connection: Connection) -> None:
         except EOFError:
             return
         try:
-            connection.send((function(item), None))
+            connection.send(Outcome(value=function(item)))
         except ArtigenError as error:
-            connection.send((None, str(error)))
+            connection.send(Outcome(error=str(error)))
         except Exception as error:
             # The boundary of the process: whatever it is, it is this item's outcome, with its type.
-            connection.send((None, f"{type(error).__name__}: {error}"))
+            connection.send(Outcome(error=f"{type(error).__name__}: {error}"))
 
 
 class Worker:
@@ -54,20 +53,25 @@ class Worker:
         self._process: BaseProcess | None = None
         self._connection: Connection | None = None
 
-    def call(self, function: Callable[[Item], Value], item: Item, timeout: float) -> Outcome[Item, Value]:
-        """Runs ``function(item)`` in the process; never raises for what happens in there."""
+    def call(self, function: Callable[[Item], Value], item: Item, timeout: float) -> Outcome[Value]:
+        """Runs ``function(item)`` in the process; never raises for what happens in there.
+
+        Args:
+            function: a module-level function, so that the child can import it.
+            item: its picklable argument.
+            timeout: seconds after which the process is stopped.
+        """
         connection = self._start()
         connection.send((function, item))
         if not connection.poll(timeout):
             self.close()
-            return Outcome(item=item, error=f"took longer than {timeout:g} s and was stopped")
+            return Outcome(error=f"took longer than {timeout:g} s and was stopped")
         try:
-            value, error = connection.recv()
+            return connection.recv()
         except EOFError:
             code = self._exit_code()
             self.close()
-            return Outcome(item=item, error=f"the worker process died: {code}")
-        return Outcome(item=item, value=value, error=error)
+            return Outcome(error=f"the worker process died: {code}")
 
     def close(self) -> None:
         """Ends the process; the next call starts another."""
@@ -92,26 +96,28 @@ class Worker:
             return "not started"
         self._process.join(timeout=5)
         code = self._process.exitcode
-        return f"signal {signal.Signals(-code).name}" if code is not None and code < 0 else f"exit code {code}"
+        return (
+            f"signal {signal.Signals(-code).name}" if code is not None and code < 0 else f"exit code {code}"
+        )
 
 
 def run_supervised(
-    function: Callable[[Item], Value], items: Iterable[Item], *, workers: int, timeout: float
-) -> Iterator[Outcome[Item, Value]]:
-    """Yields the outcome of every item as it is finished, in no particular order.
+    handle: Callable[[Worker, Item], Value], items: Iterable[Item], *, workers: int
+) -> Iterator[Value]:
+    """Yields what ``handle`` makes of every item as it is finished, in no particular order.
 
     Args:
-        function: a module-level function, so that the child process can import it.
-        items: picklable arguments.
-        workers: processes side by side.
-        timeout: seconds that one item may take.
+        handle: called in a thread with a worker of its own; it calls the worker for everything that
+            may fail, so it has an answer for every item. What it raises ends the run.
+        items: anything.
+        workers: threads, each with one process, side by side.
     """
     waiting: SimpleQueue[Item] = SimpleQueue()
     total = 0
     for item in items:
         waiting.put(item)
         total += 1
-    finished: SimpleQueue[Outcome[Item, Value]] = SimpleQueue()
+    finished: SimpleQueue[tuple[Value | None, BaseException | None]] = SimpleQueue()
     stop = threading.Event()
 
     def drain() -> None:
@@ -121,7 +127,10 @@ def run_supervised(
                 item = waiting.get_nowait()
             except Empty:
                 break
-            finished.put(worker.call(function, item, timeout))
+            try:
+                finished.put((handle(worker, item), None))
+            except BaseException as error:  # raised again where the results are read
+                finished.put((None, error))
         worker.close()
 
     threads = [threading.Thread(target=drain, daemon=True) for _ in range(min(workers, total))]
@@ -129,6 +138,9 @@ def run_supervised(
         thread.start()
     try:
         for _ in range(total):
-            yield finished.get()
+            value, error = finished.get()
+            if error is not None:
+                raise error
+            yield value  # type: ignore[misc]
     finally:
         stop.set()

@@ -6,7 +6,7 @@ import time
 import pytest
 
 from artigen.errors import SourceError
-from artigen.workers import Worker, run_supervised
+from artigen.workers import Outcome, Worker, run_supervised
 
 
 def act(item: str) -> str:
@@ -24,11 +24,15 @@ def act(item: str) -> str:
     return item.upper()
 
 
+def handle(worker: Worker, item: str) -> tuple[str, Outcome]:
+    """Everything that may fail happens in the worker."""
+    return item, worker.call(act, item, 3.0)
+
+
 @pytest.fixture(scope="module")
 def outcomes() -> dict:
     items = ["a", "abort", "b", "raise", "exit", "hang", "bug", "c"]
-    done = run_supervised(act, items, workers=2, timeout=3.0)
-    return {outcome.item: outcome for outcome in done}
+    return dict(run_supervised(handle, items, workers=2))
 
 
 def test_good_items_survive_their_neighbours(outcomes):
@@ -57,3 +61,11 @@ def test_a_worker_is_replaced_after_a_crash():
         assert worker.call(act, "fine", 10.0).value == "FINE"
     finally:
         worker.close()
+
+
+def test_what_the_handler_itself_raises_ends_the_run():
+    def broken(worker: Worker, item: int) -> int:
+        raise ZeroDivisionError(item)
+
+    with pytest.raises(ZeroDivisionError):
+        list(run_supervised(broken, [1, 2], workers=1))
