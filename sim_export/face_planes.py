@@ -36,7 +36,7 @@ class FacePlanesConfig:
     max_step_fraction: float = 0.3
     """A patch with more one-cell steps than this along its boundary may be a terrace; lower it when
     slanted or round surfaces come out as stairs."""
-    speck_fraction: float = 0.15
+    speck_fraction: float = 0.03
     """Steps to patches smaller than this fraction of a patch's own area are ignored."""
 
     def __post_init__(self) -> None:
@@ -66,9 +66,17 @@ class FacePlanes:
     patch: Int[np.ndarray, "6 X Y Z"]
 
 
+_PAD = 3
+"""Empty cells around the grid, as many as the farthest cell looked at from an exposed face."""
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Faces:
-    """Every exposed face as one row; cells are flat indices into a grid padded by two."""
+    """Every exposed face as one row; cells are flat indices into a grid padded by `_PAD`.
+
+    ``edges``, ``double_up`` and ``double_down`` count the sides of a face where its patch ends, and
+    those where the surface goes on exactly two cells higher or lower.
+    """
 
     direction: np.ndarray
     cell: np.ndarray
@@ -76,6 +84,8 @@ class _Faces:
     thick: np.ndarray
     inner: np.ndarray
     edges: np.ndarray
+    double_up: np.ndarray
+    double_down: np.ndarray
     grid: np.ndarray
 
 
@@ -108,14 +118,14 @@ def fit_face_planes(
     cfg = cfg or FacePlanesConfig()
     if not occupancy.any():
         raise ValueError("face planes: no occupied cell")
-    faces, steps = _read_faces(np.pad(occupancy, 2))
-    level = np.stack(np.unravel_index(faces.cell, faces.grid.shape[1:]), axis=1) - 2
+    faces, steps = _read_faces(np.pad(occupancy, _PAD))
+    level = np.stack(np.unravel_index(faces.cell, faces.grid.shape[1:]), axis=1) - _PAD
     axis, sign = np.array(DIRECTIONS)[faces.direction].T
     blocky = level[np.arange(len(level)), axis] + (sign > 0)
     coordinate, at_box = _place_patches(faces, blocky, box, cfg)
     coordinate = _keep_thickness(faces, coordinate, at_box, cfg.min_thickness)
     flat = _find_flat(faces, steps, cfg)
-    patch = faces.grid[:, 2:-2, 2:-2, 2:-2]
+    patch = faces.grid[:, _PAD:-_PAD, _PAD:-_PAD, _PAD:-_PAD]
     return FacePlanes(
         plane=np.append(coordinate, np.nan)[patch], flat=np.append(flat, False)[patch], patch=patch
     )
@@ -136,7 +146,7 @@ def _read_faces(solid: np.ndarray) -> tuple[_Faces, _Steps]:
     around = np.array([[n for n in range(6) if n // 2 != a] for a in range(3)])[axis].T
     shifts = np.array([s * strides[a] for a, s in DIRECTIONS])
 
-    edges = np.zeros(len(cell), dtype=np.int64)
+    edges, double_up, double_down = (np.zeros(len(cell), dtype=np.int64) for _ in range(3))
     links, steps = [], []
     for toward in around:
         beside = cell + shifts[toward]
@@ -145,18 +155,21 @@ def _read_faces(solid: np.ndarray) -> tuple[_Faces, _Steps]:
         edges += ~coplanar
         at = np.flatnonzero(coplanar)
         links.append(np.stack([at, row[direction[at], beside[at]]]))
-        at = np.flatnonzero(concave & ~full[beside + 2 * outward])
-        upper = beside[at] + outward[at]
-        steps.append((at, row[direction[at], upper], row[toward[at] ^ 1, upper], True))
-        at = np.flatnonzero(~concave & ~coplanar & full[beside - outward])
-        lower = beside[at] - outward[at]
-        steps.append((at, row[direction[at], lower], row[toward[at], cell[at]], False))
+        higher, lower = full[beside + 2 * outward], full[beside - outward]
+        double_up += concave & higher & ~full[beside + 3 * outward]
+        double_down += ~concave & ~coplanar & ~lower & full[beside - 2 * outward]
+        at = np.flatnonzero(concave & ~higher)
+        above = beside[at] + outward[at]
+        steps.append((at, row[direction[at], above], row[toward[at] ^ 1, above], True))
+        at = np.flatnonzero(~concave & ~coplanar & lower)
+        below = beside[at] - outward[at]
+        steps.append((at, row[direction[at], below], row[toward[at], cell[at]], False))
 
     patch = _connected(np.concatenate(links, axis=1), len(cell))
     grid = np.append(patch, -1)[row].reshape(6, *solid.shape)
     first, second = shifts[around[1]], shifts[around[3]]
     by_cell = grid.reshape(6, -1)
-    offsets = (a * first + b * second for a in (-2, 0, 2) for b in (-2, 0, 2))
+    offsets = (a * first + b * second for a in (-3, 0, 3) for b in (-3, 0, 3))
     inner = np.all([by_cell[direction, cell + offset] == patch for offset in offsets], axis=0)
     faces = _Faces(
         direction=direction,
@@ -165,6 +178,8 @@ def _read_faces(solid: np.ndarray) -> tuple[_Faces, _Steps]:
         thick=full[cell - outward],
         inner=inner,
         edges=edges,
+        double_up=double_up,
+        double_down=double_down,
         grid=grid,
     )
     source, target, riser = (patch[np.concatenate([step[n] for step in steps])] for n in range(3))
@@ -224,8 +239,9 @@ def _keep_thickness(
 def _find_flat(faces: _Faces, steps: _Steps, cfg: FacePlanesConfig) -> np.ndarray:
     """Which patches are flat rather than terraces of slanted or curved surfaces.
 
-    A terrace has steps of one cell up on one side and down on the other. The top of a curved
-    surface only steps down, but to terraces, or is less than five cells wide. A raised or sunk
+    A terrace has steps of one cell up on one side and down on the other; where it is less than seven
+    cells wide, one of the two may be a step of two cells. The top of a curved
+    surface only steps down, but to terraces, or is as narrow. A raised or sunk
     panel steps to patches that are no terraces, and stays flat. A riser beside a terrace is not
     flat either, although it may be long. Steps to specks say nothing about the slope of a patch.
     """
@@ -244,6 +260,9 @@ def _find_flat(faces: _Faces, steps: _Steps, cfg: FacePlanesConfig) -> np.ndarra
     most = cfg.max_step_fraction
     terrace = (up > most / 2) & (down > most / 2)
     terrace |= narrow & (down > most)
+    double_up = up + total(patch, faces.double_up) / edges
+    double_down = down + total(patch, faces.double_down) / edges
+    terrace |= narrow & (np.minimum(double_up, double_down) > most / 2) & (up + down > most / 2)
     to_terrace = total(steps.source, counts & terrace[steps.target])
     terrace = terrace | ((up + down > most) & (to_terrace > (up + down) * edges / 2))
     beside = terrace[steps.source] | terrace[steps.target]

@@ -1,0 +1,178 @@
+"""From the voxels of an asset to one closed mesh per part.
+
+The cells of a part become a blocky solid (`occupancy`), its faces move to the planes they most
+likely voxelise (`face_planes`), what is round or slanted is smoothed (`smoothing`), and coplanar
+triangles are merged. Unlike marching cubes this keeps walls one cell thick, the sharp edges and
+the exact outer size of furniture, and open drawers stay open.
+"""
+
+from dataclasses import dataclass, field
+
+import manifold3d
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from artigen.types import Asset, Part
+from sim_export.errors import DegeneratePart, OpenMesh
+from sim_export.face_planes import DIRECTIONS, FacePlanesConfig, box_in_lattice, fit_face_planes
+from sim_export.occupancy import part_occupancy
+from sim_export.package import Mesh
+from sim_export.smoothing import BlockySurface, SmoothingConfig, smooth_surface, stretch_to_box
+
+
+@dataclass(frozen=True, kw_only=True)
+class MeshingConfig:
+    """How voxels become meshes."""
+
+    planes: FacePlanesConfig = field(default_factory=FacePlanesConfig)
+    """Where walls lie inside their cells."""
+    smoothing: SmoothingConfig = field(default_factory=SmoothingConfig)
+    """What happens to round and slanted surfaces."""
+    tolerance: float = 0.03
+    """Deviation allowed when triangles are merged, in cells; raise it for fewer faces."""
+
+    def __post_init__(self) -> None:
+        if not 0.0 <= self.tolerance <= 0.5:
+            raise ValueError(f"meshing: tolerance is {self.tolerance} cells, expected 0 to 0.5")
+
+
+def mesh_parts(asset: Asset, cfg: MeshingConfig | None = None) -> tuple[Mesh, ...]:
+    """One closed mesh per part, in the order of the parts; metres, object frame.
+
+    Raises `DegeneratePart` when a part has no voxels, `ValueError` when the asset has none.
+    """
+    cfg = cfg or MeshingConfig()
+    if asset.voxels is None:
+        raise ValueError(f"asset {asset.name!r} has no voxels; voxelize its surface first")
+    meshes = []
+    for index, part in enumerate(asset.parts):
+        count = int((asset.voxels.part_ids == index).sum())
+        if count == 0:
+            raise DegeneratePart(
+                f"asset {asset.name!r}: part {part.name!r} owns 0 of {len(asset.voxels.coords)} voxels, "
+                "expected at least 1; give it more samples or leave it out"
+            )
+        occupancy = part_occupancy(asset.voxels, index).occupancy
+        vertices, faces = mesh_occupancy(occupancy, box_in_lattice(part, asset.voxels.resolution), cfg)
+        _check_closed(asset.name, part, vertices, faces)
+        metres = (vertices / asset.voxels.resolution - 0.5) * asset.scale
+        meshes.append(Mesh(vertices=metres, faces=faces))
+    return tuple(meshes)
+
+
+def mesh_occupancy(
+    occupancy: Bool[np.ndarray, "X Y Z"],
+    box: Float[np.ndarray, "2 3"],
+    cfg: MeshingConfig | None = None,
+) -> tuple[Float[np.ndarray, "V 3"], Int[np.ndarray, "F 3"]]:
+    """Closed mesh of a well-composed solid that fits ``box``; lattice units."""
+    cfg = cfg or MeshingConfig()
+    cells = np.nonzero(occupancy)
+    low = np.array([axis.min() for axis in cells])
+    window = tuple(slice(axis.min(), axis.max() + 1) for axis in cells)
+    surface = read_surface(occupancy[window], box - low, cfg.planes)
+    vertices = smooth_surface(surface, cfg.smoothing)
+    vertices = stretch_to_box(vertices, ~surface.locked, box - low, cfg.planes.box_reach)
+    faces = _split_quads(vertices, surface.quads)
+    return _merge_coplanar(vertices + low, faces, cfg.tolerance)
+
+
+def read_surface(
+    occupancy: Bool[np.ndarray, "X Y Z"], box: Float[np.ndarray, "2 3"], cfg: FacePlanesConfig
+) -> BlockySurface:
+    """The blocky surface with every vertex moved to the fitted planes of its faces."""
+    planes = fit_face_planes(occupancy, box, cfg)
+    rows = np.argwhere(planes.patch >= 0)
+    direction, cell = rows[:, 0], rows[:, 1:]
+    plane, flat = planes.plane[tuple(rows.T)], planes.flat[tuple(rows.T)]
+    shape = np.array(occupancy.shape) + 1
+    corners = cell[:, None] + _QUAD_CORNERS[direction]  # Q 4 3
+    flat_corner = np.ravel_multi_index(tuple(np.moveaxis(corners, 2, 0)), tuple(shape))
+    used = np.zeros(np.prod(shape), dtype=bool)
+    used[flat_corner] = True
+    number = np.cumsum(used) - 1
+    quads = number[flat_corner]
+    vertices = np.stack(np.unravel_index(np.flatnonzero(used), tuple(shape)), axis=1).astype(np.float64)
+    locked = np.zeros(vertices.shape, dtype=bool)
+    for axis in range(3):
+        for kind in (~flat, flat):
+            chosen = kind & (direction // 2 == axis)
+            ids = quads[chosen].ravel()
+            hits = np.bincount(ids, minlength=len(vertices))
+            total = np.bincount(ids, weights=np.repeat(plane[chosen], 4), minlength=len(vertices))
+            vertices[:, axis] = np.where(hits > 0, total / np.maximum(hits, 1), vertices[:, axis])
+        locked[:, axis] = hits > 0
+    return BlockySurface(
+        vertices=vertices,
+        quads=quads,
+        flat=flat,
+        locked=locked,
+        walls=_thin_walls(planes.patch, number, shape),
+    )
+
+
+def _thin_walls(patch: np.ndarray, number: np.ndarray, shape: np.ndarray) -> np.ndarray:
+    """Vertex pairs across cells that are exposed on two opposite sides."""
+    walls = []
+    for axis in range(3):
+        cell = np.argwhere((patch[2 * axis] >= 0) & (patch[2 * axis + 1] >= 0))
+        low = cell[:, None] + _QUAD_CORNERS[2 * axis]
+        step = np.eye(3, dtype=np.int64)[axis]
+        pair = [
+            number[np.ravel_multi_index(tuple(np.moveaxis(corner, 2, 0)), tuple(shape))].ravel()
+            for corner in (low, low + step)
+        ]
+        walls.append(np.stack([*pair, np.full(len(pair[0]), axis)], axis=1))
+    return np.unique(np.concatenate(walls), axis=0)
+
+
+def _quad_corners() -> np.ndarray:
+    """Offsets of the four corners of a cell's face, counter-clockwise from outside; 6 4 3."""
+    out = np.zeros((6, 4, 3), dtype=np.int64)
+    for number, (axis, sign) in enumerate(DIRECTIONS):
+        order = ((0, 0), (1, 0), (1, 1), (0, 1))
+        for corner, (b, c) in enumerate(order if sign > 0 else order[::-1]):
+            out[number, corner, axis] = sign > 0
+            out[number, corner, (axis + 1) % 3] = b
+            out[number, corner, (axis + 2) % 3] = c
+    return out
+
+
+_QUAD_CORNERS = _quad_corners()
+
+
+def _split_quads(vertices: np.ndarray, quads: np.ndarray) -> np.ndarray:
+    """Two triangles per quad, along its shorter diagonal."""
+    at = vertices[quads]
+    first = ((at[:, 0] - at[:, 2]) ** 2).sum(axis=1)
+    second = ((at[:, 1] - at[:, 3]) ** 2).sum(axis=1)
+    turned = np.where((second < first - 1e-9)[:, None], np.roll(quads, -1, axis=1), quads)
+    return np.concatenate([turned[:, [0, 1, 2]], turned[:, [0, 2, 3]]])
+
+
+def _merge_coplanar(
+    vertices: np.ndarray, faces: np.ndarray, tolerance: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Fewer triangles within ``tolerance`` of the same surface; still a closed manifold."""
+    solid = manifold3d.Manifold(
+        manifold3d.Mesh64(vert_properties=vertices, tri_verts=faces.astype(np.uint64))
+    )
+    if solid.status() != manifold3d.Error.NoError:
+        raise OpenMesh(f"blocky surface of {len(faces)} triangles is no manifold: {solid.status().name}")
+    merged = solid.simplify(tolerance).to_mesh64()
+    return np.array(merged.vert_properties[:, :3]), np.array(merged.tri_verts, dtype=np.int64)
+
+
+def _check_closed(name: str, part: Part, vertices: np.ndarray, faces: np.ndarray) -> None:
+    """Raises unless every edge has exactly one twin running the other way and the volume is positive."""
+    edges = np.concatenate([faces[:, [n, (n + 1) % 3]] for n in range(3)])
+    codes = edges[:, 0] * len(vertices) + edges[:, 1]
+    twins = edges[:, 1] * len(vertices) + edges[:, 0]
+    closed = len(np.unique(codes)) == len(codes) and np.isin(codes, twins).all()
+    a, b, c = vertices[faces].transpose(1, 0, 2)
+    volume = float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
+    if not closed or volume <= 0:
+        raise OpenMesh(
+            f"asset {name!r}: mesh of part {part.name!r} has {len(faces)} faces, "
+            f"{'closed' if closed else 'not closed'}, volume {volume:.4g} cells, expected closed and positive"
+        )

@@ -1,0 +1,199 @@
+"""Laws of occupancy, smoothing and meshing: closed, fitted, round where round, open where open."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import trimesh
+from scipy import ndimage
+
+from artigen.types import Asset, VoxelGrid
+from sim_export.errors import DegeneratePart
+from sim_export.meshing import MeshingConfig, mesh_occupancy, mesh_parts
+from sim_export.occupancy import join_cells, part_occupancy
+from sim_export.package import Mesh
+
+
+def grid(size: int = 28) -> np.ndarray:
+    return np.mgrid[:size, :size, :size] + 0.5 - size / 2
+
+
+def tight_box(occupancy: np.ndarray) -> np.ndarray:
+    cells = np.argwhere(occupancy)
+    return np.stack([cells.min(axis=0), cells.max(axis=0) + 1]).astype(float)
+
+
+def as_trimesh(vertices: np.ndarray, faces: np.ndarray) -> trimesh.Trimesh:
+    return trimesh.Trimesh(vertices, faces, process=False)
+
+
+def voxel_grid(occupancy: np.ndarray, other: np.ndarray | None = None) -> VoxelGrid:
+    """Part 0 (and 1) as a voxel grid."""
+    other = np.zeros_like(occupancy) if other is None else other
+    coords = np.concatenate([np.argwhere(occupancy), np.argwhere(other)])
+    ids = np.repeat([0, 1], [occupancy.sum(), other.sum()])
+    return VoxelGrid(resolution=len(occupancy), coords=coords, part_ids=ids)
+
+
+@pytest.fixture(scope="session")
+def cabinet_meshes(cabinet: Asset) -> dict[str, Mesh]:
+    return {part.name: mesh for part, mesh in zip(cabinet.parts, mesh_parts(cabinet), strict=True)}
+
+
+def test_closed_boxes_become_solid_and_open_ones_stay_open():
+    shell = np.zeros((16, 16, 16), dtype=bool)
+    shell[3:12, 3:12, 3:12] = True
+    shell[4:11, 4:11, 4:11] = False
+    closed = part_occupancy(voxel_grid(shell), 0)
+    assert closed.enclosed == 7**3
+    assert closed.occupancy.sum() == 9**3
+    shell[4:11, 4:11, 11] = False
+    opened = part_occupancy(voxel_grid(shell), 0)
+    np.testing.assert_array_equal(opened.occupancy, shell)
+    assert (opened.shared, opened.enclosed, opened.joined) == (0, 0, 0)
+
+
+def test_pits_owned_by_another_part_are_shared():
+    door = np.zeros((16, 16, 16), dtype=bool)
+    door[5, 2:14, 2:14] = True
+    pits = np.zeros_like(door)
+    pits[5, 4, 4:6] = pits[5, 9, 9] = True
+    shared = part_occupancy(voxel_grid(door & ~pits, pits), 0)
+    assert shared.shared == 3
+    np.testing.assert_array_equal(shared.occupancy, door)
+    holes = part_occupancy(voxel_grid(door & ~pits), 0)
+    np.testing.assert_array_equal(holes.occupancy, door & ~pits)
+
+
+def test_joined_cells_make_any_noise_a_manifold():
+    rng = np.random.default_rng(5)
+    for density in (0.05, 0.2, 0.4):
+        noise = np.pad(rng.random((14, 14, 14)) < density, 1)
+        solid = join_cells(noise, np.zeros_like(noise))
+        assert (solid >= noise).all()
+        mesh = as_trimesh(*mesh_occupancy(solid, tight_box(solid)))
+        assert mesh.is_watertight
+        assert mesh.volume > 0
+
+
+def test_joining_commutes_with_axis_permutation():
+    noise = np.pad(np.random.default_rng(1).random((10, 10, 10)) < 0.3, 1)
+    none = np.zeros_like(noise)
+    np.testing.assert_array_equal(
+        join_cells(noise, none).transpose(1, 2, 0), join_cells(noise.transpose(1, 2, 0), none)
+    )
+
+
+def touched_by_ball(radius: float) -> np.ndarray:
+    """Cells that a ball in the middle of the grid touches: what voxelising its surface marks."""
+    nearest = np.maximum(np.abs(grid()) - 0.5, 0.0)
+    return (nearest**2).sum(axis=0) < radius**2
+
+
+@pytest.mark.parametrize("radius", [2.5, 3.7, 5.2, 8.0, 11.4])
+def test_a_ball_is_round(radius: float):
+    box = np.array([[14 - radius] * 3, [14 + radius] * 3])
+    mesh = as_trimesh(*mesh_occupancy(touched_by_ball(radius), box))
+    assert mesh.is_watertight
+    assert mesh.is_winding_consistent
+    assert mesh.euler_number == 2
+    assert mesh.volume == pytest.approx(4 / 3 * np.pi * radius**3, rel=0.1)
+    assert np.abs(np.linalg.norm(mesh.vertices - 14, axis=1) - radius).max() < 0.35
+
+
+def test_a_box_is_exactly_its_box():
+    solid = np.zeros((16, 16, 16), dtype=bool)
+    solid[2:9, 3:13, 5:6] = True
+    box = np.array([[2.3, 3.1, 5.05], [8.6, 12.9, 5.8]])
+    vertices, faces = mesh_occupancy(solid, box)
+    mesh = as_trimesh(vertices, faces)
+    assert len(faces) == 12
+    np.testing.assert_allclose(mesh.bounds, box, atol=1e-12)
+    assert mesh.volume == pytest.approx(np.prod(box[1] - box[0]))
+
+
+def test_axis_permutation_and_translation_commute():
+    x = grid(20)
+    solid = ((x[:2] ** 2).sum(axis=0) < 20) | ((np.abs(x[2]) < 2) & (np.abs(x[0]) < 6) & (np.abs(x[1]) < 3))
+    cfg = MeshingConfig(tolerance=0.0)
+    plain = as_trimesh(*mesh_occupancy(solid, tight_box(solid), cfg))
+    turned = as_trimesh(*mesh_occupancy(solid.transpose(2, 0, 1), tight_box(solid)[:, [2, 0, 1]], cfg))
+    moved = as_trimesh(*mesh_occupancy(np.pad(solid, 3), tight_box(solid) + 3, cfg))
+    np.testing.assert_allclose(turned.bounds, plain.bounds[:, [2, 0, 1]], atol=1e-9)
+    np.testing.assert_allclose(moved.bounds, plain.bounds + 3, atol=1e-9)
+    assert turned.volume == pytest.approx(plain.volume, rel=1e-3)
+    assert moved.volume == pytest.approx(plain.volume)
+    np.testing.assert_allclose(turned.center_mass, plain.center_mass[[2, 0, 1]], atol=1e-3)
+
+
+def test_every_cell_is_near_the_mesh(cabinet: Asset, cabinet_meshes: dict[str, Mesh]):
+    voxels = cabinet.voxels
+    for index, part in enumerate(cabinet.parts):
+        mesh = cabinet_meshes[part.name]
+        cells = voxels.centers()[voxels.part_ids == index] * cabinet.scale
+        distance = trimesh.proximity.closest_point(as_trimesh(mesh.vertices, mesh.faces), cells)[1]
+        assert distance.max() < 1.3 * cabinet.scale / voxels.resolution
+
+
+def test_the_cabinet_is_closed_and_fits_its_boxes(cabinet: Asset, cabinet_meshes: dict[str, Mesh]):
+    for part in cabinet.parts:
+        mesh = cabinet_meshes[part.name]
+        solid = as_trimesh(mesh.vertices, mesh.faces)
+        assert solid.is_watertight
+        assert solid.is_winding_consistent
+        assert solid.volume > 0
+        assert solid.area_faces.min() > 0
+        assert len(mesh.faces) < 3000
+        center, size = part.box * cabinet.scale
+        bounds = np.stack([center - size / 2, center + size / 2])
+        assert np.abs(solid.bounds - bounds).max() < 0.5 * cabinet.scale / cabinet.voxels.resolution
+    for flat, most in (("door", 20), ("tray", 60)):
+        assert len(cabinet_meshes[flat].faces) <= most
+
+
+def test_the_cabinet_is_where_it_was_sampled(cabinet: Asset, cabinet_meshes: dict[str, Mesh]):
+    cell = cabinet.scale / cabinet.voxels.resolution
+    for index, part in enumerate(cabinet.parts):
+        mesh = cabinet_meshes[part.name]
+        points = cabinet.surface.points[cabinet.surface.part_ids == index][::40] * cabinet.scale
+        distance = trimesh.proximity.closest_point(as_trimesh(mesh.vertices, mesh.faces), points)[1]
+        assert distance.mean() < 0.5 * cell
+
+
+def test_drawer_and_tray_stay_open(cabinet: Asset, cabinet_meshes: dict[str, Mesh]):
+    for name in ("drawer", "tray"):
+        mesh = cabinet_meshes[name]
+        solid = as_trimesh(mesh.vertices, mesh.faces)
+        center = solid.bounds.mean(axis=0)
+        assert not solid.contains(center[None])[0]
+        size = solid.bounds[1] - solid.bounds[0]
+        assert solid.volume < 0.35 * np.prod(size)
+
+
+def test_meshing_twice_gives_the_same(cabinet: Asset, cabinet_meshes: dict[str, Mesh]):
+    for mesh, part in zip(mesh_parts(cabinet), cabinet.parts, strict=True):
+        np.testing.assert_array_equal(mesh.vertices, cabinet_meshes[part.name].vertices)
+        np.testing.assert_array_equal(mesh.faces, cabinet_meshes[part.name].faces)
+
+
+def test_thin_slanted_walls_survive():
+    x = grid(24)
+    plate = (np.abs(x[2] - x[0] / 3) < 0.8) & (np.abs(x[1]) < 8) & (np.abs(x[0]) < 9)
+    solid = join_cells(plate, np.zeros_like(plate))
+    mesh = as_trimesh(*mesh_occupancy(solid, tight_box(solid)))
+    assert mesh.is_watertight
+    assert mesh.body_count == 1
+    normals = mesh.face_normals
+    slanted = np.abs(normals @ (np.array([-1, 0, 3]) / np.sqrt(10))) > 0.98
+    assert mesh.area_faces[slanted].sum() > 0.7 * mesh.area
+    assert ndimage.label(solid)[1] == 1
+
+
+def test_a_part_without_voxels_is_named(cabinet: Asset):
+    voxels = cabinet.voxels
+    kept = voxels.part_ids != 4
+    fewer = VoxelGrid(resolution=64, coords=voxels.coords[kept], part_ids=voxels.part_ids[kept])
+    with pytest.raises(DegeneratePart, match="'door' owns 0"):
+        mesh_parts(replace(cabinet, voxels=fewer))
+    with pytest.raises(ValueError, match="has no voxels"):
+        mesh_parts(replace(cabinet, voxels=None))
