@@ -63,6 +63,17 @@ def link_displacements(
     return out
 
 
+def moved_links(
+    links: Sequence[Link], joints: Sequence[PackageJoint], joint: PackageJoint
+) -> tuple[int, ...]:
+    """Indices of the links that move with ``joint``: its child and everything that hangs from it."""
+    moved = {joint.child}
+    for other in _parents_first(links, joints):
+        if other.parent in moved:
+            moved.add(other.child)
+    return tuple(index for index, link in enumerate(links) if link.name in moved)
+
+
 def _parents_first(links: Sequence[Link], joints: Sequence[PackageJoint]) -> list[PackageJoint]:
     """Joints ordered so that each comes after the joint that moves its parent."""
     children = [joint.child for joint in joints]

@@ -1,0 +1,296 @@
+"""Room to move: collision hulls are cut back until joints sweep their range without penetration.
+
+Parent and child are included, because simulators never report contact between them and a package
+should not depend on that. Where hulls overlap, the contact's separating plane cuts the one that
+loses less volume; what cuts cannot free is shortened or reported, never hidden. Every cut only
+removes collision volume, so that no cut can cause new contact.
+"""
+
+import logging
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from jaxtyping import Float
+
+from sim_export.contacts import HullSet, penetration_depths, signed_distances
+from sim_export.hulls import hull_volume
+from sim_export.motion import driven_joints, link_displacements, moved_links
+from sim_export.package import Hull, Link, PackageJoint, Requirement
+from sim_export.relief import ReliefConfig, relieve_pair
+from sim_export.requirements import required_openings, sweep_coordinates
+
+logger = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ClearanceConfig:
+    """How much room there must be, and what may be done for it."""
+
+    poses: int = 21
+    """Samples of each joint's range."""
+    tolerance: float = 0.0005
+    """Depth (m) that is left alone."""
+    relief: ReliefConfig = field(default_factory=ReliefConfig)
+    """Limits of cutting."""
+    rounds: int = 3
+    """Most passes over all joints; cuts for one joint seldom leave anything to do for another."""
+    shorten_limits: bool = True
+    """Whether a joint that stays blocked may have its upper limit lowered."""
+    min_range: float = 0.5
+    """Share of a joint's range that must be free for it to be shortened rather than reported."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class LinkRelief:
+    """What one link lost: number of cuts, volume (m^3) and share of its hulls' volume, deepest cut (m)."""
+
+    link: str
+    cuts: int
+    dropped: int
+    removed_volume: float
+    removed_share: float
+    largest_depth: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class LimitChange:
+    """A joint's upper limit before and after (rad or m), and the two links that met beyond it."""
+
+    joint: str
+    before: float
+    after: float
+    links: tuple[str, str]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Residual:
+    """A penetration (m) that is left, at coordinate ``q`` of ``joint``, and why it was not cut."""
+
+    joint: str
+    links: tuple[str, str]
+    depth: float
+    q: float
+    reason: str
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Clearance:
+    """Links with relieved hulls, joints with final limits, and everything that was done or is left."""
+
+    links: tuple[Link, ...]
+    joints: tuple[PackageJoint, ...]
+    reliefs: tuple[LinkRelief, ...] = ()
+    limits: tuple[LimitChange, ...] = ()
+    residuals: tuple[Residual, ...] = ()
+
+    @property
+    def records(self) -> tuple[str, ...]:
+        """One sentence for everything that was done or is left."""
+        cuts = [
+            f"{item.link}: {item.cuts} cuts and {item.dropped} hulls dropped for clearance, "
+            f"{item.removed_share:.1%} of its collision volume, deepest {1000 * item.largest_depth:.1f} mm"
+            for item in self.reliefs
+        ]
+        limits = [
+            f"{item.joint}: upper limit {item.before:.4g} lowered to {item.after:.4g}, "
+            f"where {item.links[0]} meets {item.links[1]}"
+            for item in self.limits
+        ]
+        left = [
+            f"{item.joint}: {item.links[0]} penetrates {item.links[1]} by {1000 * item.depth:.1f} mm "
+            f"at {item.q:.4g} ({item.reason})"
+            for item in self.residuals
+        ]
+        return (*cuts, *limits, *left)
+
+
+class _Hulls:
+    """The hulls of every link while they are cut; ``None`` where one was dropped."""
+
+    def __init__(self, links: Sequence[Link]) -> None:
+        self.links = links
+        self.hulls: list[list[Hull | None]] = [list(link.hulls) for link in links]
+        self.volumes = [[hull_volume(hull) for hull in link.hulls] for link in links]
+        self.cuts = [0] * len(links)
+        self.deepest = [0.0] * len(links)
+
+    def prepared(self, link: int) -> tuple[HullSet, list[int]]:
+        """The remaining hulls of a link, and their places in its list."""
+        slots = [slot for slot, hull in enumerate(self.hulls[link]) if hull is not None]
+        return HullSet(hulls=tuple(hull for hull in self.hulls[link] if hull is not None)), slots
+
+    def sets(self) -> list[HullSet]:
+        return [self.prepared(link)[0] for link in range(len(self.links))]
+
+    def reliefs(self) -> tuple[LinkRelief, ...]:
+        out = []
+        for index, link in enumerate(self.links):
+            if self.cuts[index]:
+                before = sum(self.volumes[index])
+                removed = before - sum(hull_volume(hull) for hull in self.hulls[index] if hull is not None)
+                out.append(
+                    LinkRelief(
+                        link=link.name,
+                        cuts=self.cuts[index],
+                        dropped=self.hulls[index].count(None),
+                        removed_volume=removed,
+                        removed_share=removed / before,
+                        largest_depth=self.deepest[index],
+                    )
+                )
+        return tuple(out)
+
+
+def clear_joints(
+    links: Sequence[Link],
+    joints: Sequence[PackageJoint],
+    requirements: Sequence[Requirement] = (),
+    cfg: ClearanceConfig | None = None,
+) -> Clearance:
+    """Cuts hulls back until every joint sweeps its range freely, others closed or open as required.
+
+    Args:
+        links: Links with hulls, object frame at rest.
+        joints: Their joints.
+        requirements: Joints that must be open while another moves (`find_requirements`).
+        cfg: Tolerance and limits of what may be changed.
+
+    Returns:
+        New links and joints; links without changes are the same objects. Penetrations that the
+        limits do not allow to cut are in ``residuals``.
+    """
+    cfg = cfg or ClearanceConfig()
+    work = _Hulls(links)
+    stuck: dict[tuple[int, int, int, int], str] = {}
+    for _ in range(cfg.rounds):
+        changes = [
+            _clear_joint(work, joint, joints, requirements, cfg, stuck) for joint in driven_joints(joints)
+        ]
+        if not any(changes):
+            break
+    final, limits, residuals = _settle_limits(work, joints, requirements, cfg, stuck)
+    cleared = tuple(
+        link if not work.cuts[index] else replace(link, hulls=work.prepared(index)[0].hulls)
+        for index, link in enumerate(links)
+    )
+    out = Clearance(links=cleared, joints=final, reliefs=work.reliefs(), limits=limits, residuals=residuals)
+    logger.info(
+        "clearance: %d cuts, %d limits lowered, %d penetrations left",
+        sum(work.cuts), len(limits), len(residuals),
+    )  # fmt: skip
+    return out
+
+
+def _poses(work: _Hulls, joint: PackageJoint, joints: Sequence[PackageJoint],
+           requirements: Sequence[Requirement], q: Float[np.ndarray, "P"]) -> np.ndarray:  # fmt: skip
+    """Displacements ``P L 4 4`` along a joint's sweep, with what it requires open."""
+    qpos = {**required_openings(joint, joints, requirements), joint.name: q}
+    return link_displacements(work.links, joints, qpos)
+
+
+def _clear_joint(
+    work: _Hulls,
+    joint: PackageJoint,
+    joints: Sequence[PackageJoint],
+    requirements: Sequence[Requirement],
+    cfg: ClearanceConfig,
+    stuck: dict[tuple[int, int, int, int], str],
+) -> int:
+    """Relieves every overlapping pair of hulls along one joint's sweep; returns the number of cuts."""
+    T = _poses(work, joint, joints, requirements, sweep_coordinates(joint, cfg.poses))
+    moving = moved_links(work.links, joints, joint)
+    changes = 0
+    for a in moving:
+        for b in (index for index in range(len(work.links)) if index not in moving):
+            (first, slots_a), (second, slots_b) = work.prepared(a), work.prepared(b)
+            found = signed_distances(first, second, T[:, a], T[:, b])
+            deep = found.distance < -cfg.tolerance
+            pairs: dict[tuple[int, int], list[int]] = {}
+            order = np.argsort(found.distance[deep], kind="stable")
+            for pose, i, j in np.stack([found.pose, found.first, found.second])[:, deep][:, order].T.tolist():
+                pairs.setdefault((slots_a[i], slots_b[j]), []).append(pose)
+            for (i, j), poses in pairs.items():
+                mine, theirs = work.hulls[a][i], work.hulls[b][j]
+                if mine is None or theirs is None or (a, i, b, j) in stuck:
+                    continue
+                # Small against its link: such a hull may go entirely.
+                volumes = work.volumes[a][i], work.volumes[b][j]
+                slivers = (
+                    volumes[0] < cfg.relief.sliver * sum(work.volumes[a]),
+                    volumes[1] < cfg.relief.sliver * sum(work.volumes[b]),
+                )
+                done = relieve_pair(
+                    (mine, theirs), (T[poses, a], T[poses, b]), volumes, slivers, cfg.tolerance, cfg.relief
+                )
+                work.hulls[a][i], work.hulls[b][j] = done.hulls
+                for side, link in enumerate((a, b)):
+                    work.cuts[link] += done.cuts[side]
+                    work.deepest[link] = max(work.deepest[link], done.depths[side])
+                changes += sum(done.cuts)
+                if done.reason:
+                    stuck[a, i, b, j] = done.reason
+    return changes
+
+
+def _settle_limits(
+    work: _Hulls,
+    joints: Sequence[PackageJoint],
+    requirements: Sequence[Requirement],
+    cfg: ClearanceConfig,
+    stuck: dict[tuple[int, int, int, int], str],
+) -> tuple[tuple[PackageJoint, ...], tuple[LimitChange, ...], tuple[Residual, ...]]:
+    """Lowers limits where most of the range is free; reports what is left."""
+    limits, residuals = [], []
+    final = list(joints)
+    sets = work.sets()
+    for slot, joint in enumerate(joints):
+        if joint not in driven_joints(joints):
+            continue
+        q = sweep_coordinates(joint, cfg.poses)
+        depths, pairs = _depths(work, sets, joint, joints, requirements, q)
+        blocked = np.flatnonzero(depths > cfg.tolerance)
+        if not len(blocked):
+            continue
+        worst = int(depths.argmax())
+        names = (work.links[pairs[worst][0]].name, work.links[pairs[worst][1]].name)
+        free = int(blocked[0]) - 1
+        share = 0.0 if free < 0 else (q[free] - q[0]) / (q[-1] - q[0])
+        if cfg.shorten_limits and joint.type != "continuous" and share >= cfg.min_range:
+            final[slot] = replace(joint, upper=float(q[free]))
+            limits.append(
+                LimitChange(joint=joint.name, before=joint.upper, after=float(q[free]), links=names)
+            )
+            continue
+        reasons = sorted({reason for (a, _, b, _), reason in stuck.items() if {a, b} == set(pairs[worst])})
+        residuals.append(
+            Residual(
+                joint=joint.name,
+                links=names,
+                depth=float(depths[worst]),
+                q=float(q[worst]),
+                reason=reasons[0] if reasons else "more cuts needed than allowed",
+            )
+        )
+    return tuple(final), tuple(limits), tuple(residuals)
+
+
+def _depths(
+    work: _Hulls,
+    sets: Sequence[HullSet],
+    joint: PackageJoint,
+    joints: Sequence[PackageJoint],
+    requirements: Sequence[Requirement],
+    q: Float[np.ndarray, "P"],
+) -> tuple[Float[np.ndarray, "P"], list[tuple[int, int]]]:
+    """Deepest penetration at each coordinate, and between which links."""
+    T = _poses(work, joint, joints, requirements, q)
+    moving = moved_links(work.links, joints, joint)
+    depths = np.zeros(len(q))
+    pairs = [(moving[0], moving[0])] * len(q)
+    for a in moving:
+        for b in (index for index in range(len(work.links)) if index not in moving):
+            measured = penetration_depths(sets[a], sets[b], T[:, a], T[:, b])
+            for pose in np.flatnonzero(measured > depths):
+                depths[pose], pairs[pose] = measured[pose], (a, b)
+    return depths, pairs
