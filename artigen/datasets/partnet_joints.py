@@ -12,7 +12,7 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float
 
-from artigen.datasets.partnet_source import SourceNode
+from artigen.datasets.partnet_annotation import MOVING_JOINTS, SourceNode
 from artigen.transforms import screw_motion
 from artigen.types import FIXED, FULL_TURN, Joint, PartLabel
 
@@ -153,3 +153,19 @@ def build_joint(
         case "screw":
             turn = float(np.radians(abs(node.rotation_limit)))
             return Joint(type=kind, axis=axis, origin=origin, upper=turn, pitch=abs(reach) * scale / turn)
+
+
+def describe_joint(node: SourceNode) -> str:
+    """Says where the joint was simplified; empty where it is as annotated."""
+    kind = joint_kind(node)
+    where = f"node {node.id} ({node.name})"
+    if kind == "continuous" and node.joint == "slider":
+        return f"{where} turns freely and slides by {abs(node.b - node.a):g}; the slide was left out"
+    if kind == "fixed" and node.joint in MOVING_JOINTS:
+        return f"{where}: limits [{node.a:g}, {node.b:g}] leave no motion, made fixed"
+    if kind == "screw":
+        return f"{where}: slides and turns by {node.rotation_limit:g} degrees, read as one screw"
+    length = float(np.linalg.norm(node.direction))
+    if kind != "fixed" and abs(length - 1.0) > 0.02:
+        return f"{where}: axis direction had length {length:.3g}, normalised"
+    return ""

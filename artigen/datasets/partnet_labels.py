@@ -6,6 +6,7 @@
 from dataclasses import dataclass
 from typing import Literal
 
+from artigen.datasets.partnet_annotation import MOVING_JOINTS, SourceNode
 from artigen.types import PartLabel
 
 SourceJoint = Literal["hinge", "slider"]
@@ -124,6 +125,25 @@ def choose_label(joint: str, names: tuple[str, ...], *, free: bool) -> tuple[Par
             if label is not None and any(name in rule.names for name in names):
                 return label, True
     return DEFAULT_LABELS["free hinge" if joint == "hinge" and free else joint], False
+
+
+def label_nodes(nodes: tuple[SourceNode, ...]) -> tuple[dict[int, PartLabel], list[str]]:
+    """Labels of all nodes by id, with a note for each that only a default could label."""
+    labels: dict[int, PartLabel] = {}
+    notes = []
+    for node in nodes:
+        if node.parent == -1:
+            labels[node.id] = "base"
+            continue
+        names = (node.name, *(piece.name for piece in node.pieces))
+        joint = node.joint if node.joint in MOVING_JOINTS else "fixed"
+        labels[node.id], known = choose_label(joint, names, free=node.unlimited)
+        if not known:
+            notes.append(
+                f"node {node.id} ({node.name}): none of {', '.join(dict.fromkeys(names))} "
+                f"is in the label table, labelled {labels[node.id]} for its {joint}"
+            )
+    return labels, notes
 
 
 def label_table_markdown() -> str:

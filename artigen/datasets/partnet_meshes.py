@@ -9,9 +9,8 @@ from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
-from artigen.datasets.partnet_source import SourceNode, SourcePiece, UrdfFile
+from artigen.datasets.partnet_annotation import SourceNode, SourcePiece
+from artigen.datasets.partnet_urdf import UrdfFile, UrdfVisual
 from artigen.datasets.wavefront import ObjMesh, inside, read_obj
 from artigen.errors import SourceError
 
@@ -136,7 +135,9 @@ def _owner_by_name(
     return owner if owner is not None and match is not None and owner[1].name == match[1] else None
 
 
-def _owner_by_link(visual, above: dict[str, str], known: dict[int, SourceNode]):
+def _owner_by_link(
+    visual: UrdfVisual, above: dict[str, str], known: dict[int, SourceNode]
+) -> tuple[SourceNode, SourcePiece] | None:
     """The node of the link, or of the nearest link above it that has one."""
     link: str | None = visual.link
     while link is not None:
@@ -148,10 +149,3 @@ def _owner_by_link(visual, above: dict[str, str], known: dict[int, SourceNode]):
             return node, same[0] if same else SourcePiece(id=node.id, name=stem)
         link = above.get(link)
     return None
-
-
-def triangle_areas(corners: np.ndarray) -> np.ndarray:
-    """Areas of triangles [F, 3, 3]."""
-    return 0.5 * np.linalg.norm(
-        np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1
-    )

@@ -1,5 +1,6 @@
 """Triangles placed in the unit cube: separate pieces told apart, surfaces sampled with colours."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -36,7 +37,7 @@ def make_face_table(mesh: ObjMesh, T_unit_file: Float[np.ndarray, "4 4"], scale:
     )
 
 
-def split_pieces(tables: list[FaceTable], gap: float) -> list[Int[np.ndarray, "F"]]:
+def split_pieces(tables: Sequence[FaceTable], gap: float) -> list[Int[np.ndarray, "F"]]:
     """Numbers the spatially separate pieces of some meshes, face by face.
 
     Connected triangles belong together, and so do components whose boxes are within ``gap``.
@@ -70,7 +71,7 @@ def _merge_boxes(low: np.ndarray, high: np.ndarray, gap: float) -> np.ndarray:
 
 
 def sample_surface(
-    tables: list[FaceTable], owners: list[np.ndarray], count: int, rng: np.random.Generator
+    tables: Sequence[FaceTable], owners: Sequence[Int[np.ndarray, "F"]], count: int, rng: np.random.Generator
 ) -> SurfaceSamples:
     """Draws ``count`` points uniformly by area, stratified, with normals and colours.
 
@@ -103,7 +104,7 @@ def _barycentric(count: int, rng: np.random.Generator) -> np.ndarray:
     return np.stack([1 - root, root * (1 - other), root * other], axis=1)
 
 
-def _look_up_colors(tables: list[FaceTable], face: np.ndarray, uv: np.ndarray) -> np.ndarray:
+def _look_up_colors(tables: Sequence[FaceTable], face: np.ndarray, uv: np.ndarray) -> np.ndarray:
     """Nearest texel of each sample, or the material's plain colour."""
     materials = [material for table in tables for material in table.materials]
     offsets = np.cumsum([0, *(len(table.materials) for table in tables)])

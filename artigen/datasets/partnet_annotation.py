@@ -1,31 +1,27 @@
-"""The text files of a PartNet-Mobility folder, parsed and checked: JSON annotation and URDF.
+"""PartNet-Mobility's JSON files, parsed and checked; nothing here touches geometry.
 
-Nothing here touches geometry. ``mobility_v2.json`` is the original annotation and the truth about
-parts and joints; ``result.json`` says which mesh files make up an annotated piece; the URDF is one
-export of both, which repositories that carry these objects have sometimes edited.
+``mobility_v2.json`` is the original annotation and the truth about parts and joints;
+``result.json`` says which mesh files make up an annotated piece.
 """
 
 import json
 import math
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TypeVar
 
 import numpy as np
 
 from artigen.errors import SourceError
-from artigen.transforms import matrix_from_rpy
-
-if TYPE_CHECKING:
-    from xml.etree.ElementTree import Element
 
 ROOT_JOINTS = ("static", "heavy", "free")
 MOVING_JOINTS = ("hinge", "slider")
-URDF_JOINTS = ("fixed", "revolute", "continuous", "prismatic", "floating", "planar")
 MAX_ANGLE = 720.0
 """Largest believable hinge limit in degrees."""
 MAX_LENGTH = 100.0
 """Largest believable coordinate or travel, in PartNet's units (objects are about 2 long)."""
+
+Kind = TypeVar("Kind", int, str, list, dict)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,39 +49,6 @@ class SourceNode:
     rotates: bool = False
     rotation_unlimited: bool = False
     rotation_limit: float = 0.0
-
-
-@dataclass(frozen=True, kw_only=True)
-class UrdfVisual:
-    """A mesh reference of the URDF: link, visual name, file as written, and whether it is shifted."""
-
-    link: str
-    name: str
-    file: str
-
-
-@dataclass(frozen=True, kw_only=True)
-class UrdfJoint:
-    """What a URDF joint says."""
-
-    name: str
-    type: str
-    parent: str
-    child: str
-    lower: float
-    upper: float
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class UrdfFile:
-    """The parts of a URDF that matter here. ``R_world_root`` is the turn of the root geometry."""
-
-    links: tuple[str, ...]
-    joints: tuple[UrdfJoint, ...]
-    visuals: tuple[UrdfVisual, ...]
-    primitives: tuple[str, ...]
-    T_base_link: dict[str, np.ndarray]
-    T_link_visual: tuple[np.ndarray, ...]
 
 
 def read_json(path: Path) -> object:
@@ -138,8 +101,8 @@ def _parse_node(path: Path, index: int, item: object) -> SourceNode:
     if not isinstance(item, dict):
         raise SourceError(f"{where}: holds {type(item).__name__}, expected an object")
     where = f"{path}: node {item.get('id', index)}"
-    number, parent = (_field(item, key, int, where) for key in ("id", "parent"))
-    joint, name = (_field(item, key, str, where) for key in ("joint", "name"))
+    number, parent = _field(item, "id", int, where), _field(item, "parent", int, where)
+    joint, name = _field(item, "joint", str, where), _field(item, "name", str, where)
     allowed = (*ROOT_JOINTS, *MOVING_JOINTS, "junk")
     if joint not in allowed:
         raise SourceError(f"{where}: joint {joint!r} is not one of {', '.join(allowed)}")
@@ -180,7 +143,7 @@ def _origin(axis: dict, joint: str, where: str) -> tuple[float, float, float]:
     return _vector(axis, "origin", where)
 
 
-def _field(item: dict, key: str, kind: type, where: str):
+def _field(item: dict, key: str, kind: type[Kind], where: str) -> Kind:
     value = item.get(key)
     if not isinstance(value, kind) or isinstance(value, bool):
         raise SourceError(f"{where}: {key!r} holds {value!r}, expected {kind.__name__}")
@@ -240,132 +203,3 @@ def read_piece_files(path: Path) -> dict[int, tuple[str, ...]]:
     except RecursionError as err:
         raise SourceError(f"{path}: nested too deeply") from err
     return found
-
-
-def read_urdf(path: Path) -> UrdfFile:
-    """Reads links, joints and visual meshes; refuses entities, cycles and more than one root.
-
-    Raises:
-        SourceError: names the element and its value.
-    """
-    from xml.etree.ElementTree import ParseError
-
-    from defusedxml.common import DefusedXmlException
-    from defusedxml.ElementTree import fromstring
-
-    try:
-        robot = fromstring(path.read_bytes(), forbid_dtd=True)
-    except FileNotFoundError as err:
-        raise SourceError(f"{path}: file is missing") from err
-    except (ParseError, OSError) as err:
-        raise SourceError(f"{path}: not valid XML: {err}") from err
-    except DefusedXmlException as err:
-        raise SourceError(f"{path}: declares a DTD or entities, which are refused: {err}") from err
-    links = tuple(_attribute(link, "name", path) for link in robot.iter("link"))
-    if len(set(links)) != len(links):
-        twice = sorted({name for name in links if links.count(name) > 1})
-        raise SourceError(f"{path}: link names occur twice: {', '.join(twice)}")
-    joints = tuple(_parse_joint(joint, links, path) for joint in robot.iter("joint"))
-    visuals, primitives, T_link_visual = [], [], []
-    for link in robot.iter("link"):
-        for visual in link.findall("visual"):
-            mesh = visual.find("geometry/mesh")
-            name = visual.get("name") or ""
-            if mesh is None:
-                primitives.append(name or link.get("name", ""))
-                continue
-            visuals.append(
-                UrdfVisual(link=link.get("name", ""), name=name, file=_attribute(mesh, "filename", path))
-            )
-            T_link_visual.append(_parse_origin(visual, path, f"visual {name!r}"))
-            if mesh.get("scale") not in (None, "1 1 1", "1.0 1.0 1.0"):
-                raise SourceError(
-                    f"{path}: visual {name!r}: mesh scale {mesh.get('scale')!r}, expected 1 1 1"
-                )
-    origins = {
-        _attribute(joint.find("child"), "link", path): _parse_origin(
-            joint, path, f"joint {joint.get('name')!r}"
-        )
-        for joint in robot.iter("joint")
-    }
-    return UrdfFile(
-        links=links,
-        joints=joints,
-        visuals=tuple(visuals),
-        primitives=tuple(primitives),
-        T_base_link=_chain(links, joints, origins, path),
-        T_link_visual=tuple(T_link_visual),
-    )
-
-
-def _attribute(element: "Element | None", key: str, path: Path) -> str:
-    value = None if element is None else element.get(key)
-    if not value:
-        tag = "element" if element is None else f"<{element.tag}>"
-        raise SourceError(f"{path}: a {tag} lacks its {key!r}")
-    return value
-
-
-def _floats(element: "Element", key: str, default: str, path: Path, where: str) -> list[float]:
-    text = element.get(key, default)
-    try:
-        values = [float(word) for word in text.split()]
-    except ValueError as err:
-        raise SourceError(f"{path}: {where}: {key} {text!r} is not made of numbers") from err
-    if len(values) != len(default.split()) or not np.isfinite(values).all():
-        raise SourceError(f"{path}: {where}: {key} {text!r}, expected {len(default.split())} finite numbers")
-    return values
-
-
-def _parse_origin(owner: "Element", path: Path, where: str) -> np.ndarray:
-    T = np.eye(4)
-    origin = owner.find("origin")
-    if origin is not None:
-        T[:3, :3] = matrix_from_rpy(np.array(_floats(origin, "rpy", "0 0 0", path, where)))
-        T[:3, 3] = _floats(origin, "xyz", "0 0 0", path, where)
-    return T
-
-
-def _parse_joint(joint: "Element", links: tuple[str, ...], path: Path) -> UrdfJoint:
-    name = _attribute(joint, "name", path)
-    kind = _attribute(joint, "type", path)
-    if kind not in URDF_JOINTS:
-        raise SourceError(f"{path}: joint {name!r}: type {kind!r} is not one of {', '.join(URDF_JOINTS)}")
-    ends = [_attribute(joint.find(tag), "link", path) for tag in ("parent", "child")]
-    for end in ends:
-        if end not in links:
-            raise SourceError(f"{path}: joint {name!r}: link {end!r} does not exist")
-    limit = joint.find("limit")
-    where = f"joint {name!r}"
-    lower, upper = (
-        (0.0, 0.0)
-        if limit is None
-        else (_floats(limit, key, "0", path, where)[0] for key in ("lower", "upper"))
-    )
-    return UrdfJoint(name=name, type=kind, parent=ends[0], child=ends[1], lower=lower, upper=upper)
-
-
-def _chain(
-    links: tuple[str, ...], joints: tuple[UrdfJoint, ...], origins: dict[str, np.ndarray], path: Path
-) -> dict[str, np.ndarray]:
-    """Placement of every link at zero joint values, which also proves that the links form one tree."""
-    above = {joint.child: joint.parent for joint in joints}
-    if len(above) != len(joints):
-        children = [joint.child for joint in joints]
-        twice = sorted({child for child in children if children.count(child) > 1})
-        raise SourceError(f"{path}: links with two parents: {', '.join(twice)}")
-    roots = [link for link in links if link not in above]
-    if len(roots) != 1:
-        raise SourceError(f"{path}: {len(roots)} root links ({', '.join(roots) or 'none'}), expected one")
-    placed = {roots[0]: np.eye(4)}
-    for link in links:
-        trail: list[str] = []
-        at = link
-        while at not in placed:
-            if at in trail:
-                raise SourceError(f"{path}: links {', '.join(trail)} form a cycle")
-            trail.append(at)
-            at = above[at]
-        for step in reversed(trail):
-            placed[step] = placed[above[step]] @ origins[step]
-    return placed
