@@ -168,4 +168,6 @@ def _add_pairs(root: ET.Element, package: SimPackage, apart: tuple[tuple[str, st
                 joint1=joint.name,
                 joint2=joint.mimic,
                 polycoef=f"0 {joint.mimic_multiplier:.12g} 0 0 0",
+                solref="0.004 1",
+                solimp="0.99 0.999 0.0001",
             )

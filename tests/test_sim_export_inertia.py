@@ -1,0 +1,193 @@
+"""Mass properties: closed forms, equivariance, additivity, and what is refused; material tables."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from artigen.types import JOINT_TYPES, PAPER_CATEGORIES, PART_LABELS
+from sim_export.errors import DegeneratePart, InvalidInertia, OpenMesh
+from sim_export.hulls import box_hull, convex_hull
+from sim_export.inertia import (
+    MIN_LINK_MASS,
+    check_inertial,
+    combine,
+    inertia_about,
+    mesh_inertial,
+    raise_light_mass,
+)
+from sim_export.materials import (
+    MATERIALS,
+    joint_load,
+    joint_resistance,
+    part_material,
+    physx_friction_coefficient,
+)
+from sim_export.package import Inertial, Mesh, PackageJoint
+
+
+def prism(sides: int, radius: float, height: float) -> Mesh:
+    angle = 2 * np.pi * np.arange(sides) / sides
+    ring = np.stack([radius * np.cos(angle), radius * np.sin(angle), np.zeros(sides)], axis=1)
+    hull = convex_hull(np.concatenate([ring, ring + [0.0, 0.0, height]]))
+    return Mesh(vertices=hull.vertices, faces=hull.faces)
+
+
+@given(
+    size=st.tuples(*[st.floats(0.01, 3.0)] * 3),
+    at=st.tuples(*[st.floats(-5.0, 5.0)] * 3),
+    density=st.floats(1.0, 8000.0),
+)
+@settings(max_examples=30, deadline=None)
+def test_box_has_its_closed_form(size, at, density):
+    size, at = np.array(size), np.array(at)
+    found = mesh_inertial(box_hull(at - size / 2, at + size / 2), density)
+    mass = density * np.prod(size)
+    square = size**2
+    assert found.mass == pytest.approx(mass, rel=1e-9)
+    np.testing.assert_allclose(found.com, at, atol=1e-9)
+    np.testing.assert_allclose(
+        found.inertia, np.diag(mass / 12 * (square.sum() - square)), rtol=1e-7, atol=1e-9 * found.inertia.max()
+    )
+
+
+@pytest.mark.parametrize("sides", [6, 400])
+def test_prism_and_cylinder_have_their_closed_form(sides):
+    radius, height, density = 0.3, 0.8, 500.0
+    found = mesh_inertial(prism(sides, radius, height), density)
+    turn = 2 * np.pi / sides
+    mass = density * height * sides / 2 * radius**2 * np.sin(turn)
+    polar = mass * radius**2 * (2 + np.cos(turn)) / 6
+    across = polar / 2 + mass * height**2 / 12
+    assert found.mass == pytest.approx(mass, rel=1e-9)
+    np.testing.assert_allclose(found.inertia, np.diag([across, across, polar]), rtol=1e-9, atol=1e-9)
+    if sides == 400:
+        assert found.mass == pytest.approx(density * np.pi * radius**2 * height, rel=1e-4)
+        assert found.inertia[2, 2] == pytest.approx(found.mass * radius**2 / 2, rel=1e-4)
+
+
+@given(seed=st.integers(0, 10_000))
+@settings(max_examples=30, deadline=None)
+def test_inertia_moves_with_the_body(seed):
+    rng = np.random.default_rng(seed)
+    hull = convex_hull(rng.normal(size=(12, 3)))
+    R, shift = Rotation.random(rng=rng).as_matrix(), rng.normal(size=3)
+    here = mesh_inertial(hull, 700.0)
+    there = mesh_inertial(replace(hull, vertices=hull.vertices @ R.T + shift), 700.0)
+    assert there.mass == pytest.approx(here.mass, rel=1e-9)
+    np.testing.assert_allclose(there.com, R @ here.com + shift, atol=1e-9)
+    np.testing.assert_allclose(there.inertia, R @ here.inertia @ R.T, rtol=1e-6, atol=1e-9 * here.mass)
+    check_inertial(there, "body")
+
+
+def test_mass_properties_add_up():
+    low, high, cut = np.array([0.1, -0.2, 0.3]), np.array([0.9, 0.5, 0.7]), 0.4
+    whole = mesh_inertial(box_hull(low, high), 300.0)
+    left = mesh_inertial(box_hull(low, np.array([cut, *high[1:]])), 300.0)
+    right = mesh_inertial(box_hull(np.array([cut, *low[1:]]), high), 300.0)
+    both = combine([left, right])
+    assert both.mass == pytest.approx(whole.mass)
+    np.testing.assert_allclose(both.com, whole.com, atol=1e-12)
+    np.testing.assert_allclose(both.inertia, whole.inertia, atol=1e-12)
+    point = np.array([1.0, 2.0, 3.0])
+    np.testing.assert_allclose(
+        inertia_about(left, point) + inertia_about(right, point), inertia_about(whole, point), atol=1e-9
+    )
+
+
+def test_a_hollow_box_weighs_its_walls():
+    outer, inner = box_hull(np.zeros(3), np.ones(3)), box_hull(np.full(3, 0.1), np.full(3, 0.9))
+    shell = Mesh(
+        vertices=np.concatenate([outer.vertices, inner.vertices]),
+        faces=np.concatenate([outer.faces, inner.faces[:, ::-1] + len(outer.vertices)]),
+    )
+    assert mesh_inertial(shell, 1000.0).mass == pytest.approx(1000.0 * (1 - 0.8**3))
+
+
+def test_what_encloses_nothing_has_no_mass():
+    box = box_hull(np.zeros(3), np.ones(3))
+    with pytest.raises(OpenMesh, match="not closed"):
+        mesh_inertial(replace(box, faces=box.faces[1:]), 1.0)
+    with pytest.raises(OpenMesh, match="inside out"):
+        mesh_inertial(replace(box, faces=box.faces[:, ::-1]), 1.0)
+    with pytest.raises(DegeneratePart):
+        mesh_inertial(replace(box, vertices=box.vertices * [1.0, 1.0, 0.0]), 1.0)
+    with pytest.raises(DegeneratePart):
+        mesh_inertial(replace(box, faces=np.zeros((0, 3))), 1.0)
+    for density in (0.0, -1.0, np.nan):
+        with pytest.raises(InvalidInertia, match="density"):
+            mesh_inertial(box, density)
+
+
+@pytest.mark.parametrize(
+    ("mass", "diagonal", "what"),
+    [
+        (0.0, (1.0, 1.0, 1.0), "mass"),
+        (-1.0, (1.0, 1.0, 1.0), "mass"),
+        (np.nan, (1.0, 1.0, 1.0), "NaN"),
+        (1.0, (0.0, 0.0, 0.0), "moments"),
+        (1.0, (1.0, 1.0, -0.1), "moments"),
+        (1.0, (1.0, 0.1, 0.1), "triangle"),
+        (1.0, (1.0, np.inf, 1.0), "infinite"),
+    ],
+)
+def test_unphysical_inertia_is_refused(mass, diagonal, what):
+    with pytest.raises(InvalidInertia, match=what):
+        check_inertial(Inertial(mass=mass, com=np.zeros(3), inertia=np.diag(diagonal)), "link_0")
+
+
+def test_triangle_inequality_is_relative():
+    rod = np.diag([1.0, 1.0, 1e-9]) * 1e-6
+    check_inertial(Inertial(mass=1.0, com=np.zeros(3), inertia=rod), "rod")
+    plate = np.diag([0.5, 0.5, 1.0 + 1e-7]) * 1e-8
+    check_inertial(Inertial(mass=1.0, com=np.zeros(3), inertia=plate), "plate")
+    with pytest.raises(InvalidInertia, match="triangle"):
+        check_inertial(Inertial(mass=1.0, com=np.zeros(3), inertia=plate + np.diag([0, 0, 1e-12])), "plate")
+    skew = np.eye(3)
+    skew[0, 1] = 0.1
+    with pytest.raises(InvalidInertia, match="symmetric"):
+        check_inertial(Inertial(mass=1.0, com=np.zeros(3), inertia=skew), "skew")
+
+
+def test_light_links_are_raised_on_record():
+    light = mesh_inertial(box_hull(np.zeros(3), np.full(3, 0.01)), 700.0)
+    raised, record = raise_light_mass(light, "button")
+    assert raised.mass == MIN_LINK_MASS
+    assert record is not None
+    assert "button" in record
+    np.testing.assert_allclose(raised.inertia / raised.mass, light.inertia / light.mass)
+    heavy = replace(light, mass=1.0)
+    assert raise_light_mass(heavy, "box") == (heavy, None)
+
+
+def test_every_part_has_a_material_and_every_joint_resists():
+    for category in (*PAPER_CATEGORIES, "Bottle", "Faucet", "something new"):
+        for label in PART_LABELS:
+            material = MATERIALS[part_material(label, category)]
+            assert 50 < material.density < 8000
+            assert 0 < material.sliding_friction <= material.static_friction <= 1
+    for label in PART_LABELS:
+        for kind in JOINT_TYPES:
+            resist = joint_resistance(label, kind, 5.0)
+            assert resist.friction > 0
+            assert min(resist.damping, resist.effort, resist.velocity) > 0
+    assert 1 < joint_resistance("drawer", "prismatic", 5.0).friction < 8
+    assert 0.3 <= joint_resistance("door", "revolute", 2.0).friction <= 1
+    assert joint_resistance("door", "revolute", 1000.0).friction == 1.0
+    assert 0.02 <= joint_resistance("knob", "continuous", 0.1).friction <= 0.1
+
+
+def test_physx_coefficient_times_load_is_the_friction():
+    door = PackageJoint(
+        name="joint_0", type="revolute", kind="revolute", parent="a", child="b",
+        origin=np.zeros(3), axis=np.array([0.0, 0.0, 1.0]), upper=1.5, friction=0.6,
+    )  # fmt: skip
+    drawer = replace(door, type="prismatic", kind="prismatic", friction=4.0)
+    for joint in (door, drawer):
+        coefficient = physx_friction_coefficient(joint, 8.0, 0.3)
+        assert coefficient * joint_load(joint, 8.0, 0.3) == pytest.approx(joint.friction)
+    with pytest.raises(ValueError, match="joint_0"):
+        physx_friction_coefficient(door, 0.0, 0.3)

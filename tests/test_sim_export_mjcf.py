@@ -1,0 +1,199 @@
+"""MJCF and URDF in MuJoCo: same masses, inertias and poses as the package; screws stay coupled."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from artigen.datasets.sample import SAMPLE_PARTS, sample_box_arrays
+from artigen.kinematics import displacements, qlimits
+from artigen.types import Asset
+from sim_export.hulls import box_hull
+from sim_export.inertia import combine, mesh_inertial
+from sim_export.links import PartGeometry, build_links
+from sim_export.mjcf import mjcf_text
+from sim_export.package import Mesh, SimPackage
+from sim_export.srdf import srdf_text, touching_pairs
+from sim_export.urdf import link_origins
+from sim_export.write import write_package
+
+SCALE = 0.7
+
+
+def scaled(asset: Asset) -> Asset:
+    """The cabinet at 0.7 metres per unit, so that no factor is 1 by accident."""
+    return replace(asset, scale=SCALE)
+
+
+def box_geometry() -> list[PartGeometry]:
+    """The sample cabinet's own boxes as visuals and hulls, in metres about its centre."""
+    arrays = [sample_box_arrays(part) for part in SAMPLE_PARTS]
+    every = np.concatenate(arrays).reshape(-1, 3)
+    center = (every.min(axis=0) + every.max(axis=0)) / 2
+    geometry = []
+    for boxes in arrays:
+        hulls = tuple(box_hull(SCALE * (low - center), SCALE * (high - center)) for low, high in boxes)
+        mesh = Mesh(
+            vertices=np.concatenate([hull.vertices for hull in hulls]),
+            faces=np.concatenate([hull.faces + 8 * k for k, hull in enumerate(hulls)]),
+        )
+        inertial = combine([mesh_inertial(hull, 600.0) for hull in hulls])
+        geometry.append(PartGeometry(visuals=(mesh,), hulls=hulls, inertial=inertial))
+    return geometry
+
+
+def as_package(asset: Asset, geometry: list[PartGeometry]) -> SimPackage:
+    tree = build_links(asset, geometry)
+    return SimPackage(
+        name=asset.name,
+        category=asset.category,
+        visual="voxels",
+        links=tree.links,
+        joints=tree.joints,
+        records=tree.records,
+    )
+
+
+def with_screw(asset: Asset) -> Asset:
+    """The cabinet with a lock that moves 12 mm out of the door per turn."""
+    parts = list(asset.parts)
+    joint = replace(
+        parts[6].joint, type="screw", lower=0.0, upper=2 * np.pi, pitch=-0.012 / (2 * np.pi) / asset.scale
+    )
+    parts[6] = replace(parts[6], joint=joint)
+    return replace(asset, parts=tuple(parts))
+
+
+@pytest.fixture(scope="module", params=["plain", "screw"])
+def case(request, cabinet, tmp_path_factory) -> tuple[Asset, SimPackage, Path]:
+    asset = scaled(cabinet) if request.param == "plain" else with_screw(scaled(cabinet))
+    geometry = box_geometry()
+    textured = replace(
+        geometry[2].visuals[0],
+        uv=np.zeros((len(geometry[2].visuals[0].faces), 3, 2)),
+        texture=np.full((4, 4, 3), 200, dtype=np.uint8),
+    )
+    geometry[2] = replace(geometry[2], visuals=(textured,))
+    package = as_package(asset, geometry)
+    folder = write_package(package, tmp_path_factory.mktemp(request.param) / "cabinet")
+    return asset, package, folder
+
+
+FILES = ["mobility.mjcf.xml", "mobility.urdf"]
+
+
+@pytest.mark.parametrize("file", FILES)
+def test_mujoco_compiles_with_the_same_masses_and_limits(case, file):
+    _, package, folder = case
+    model = mujoco.MjModel.from_xml_path(str(folder / file))
+    for link in package.links:
+        body = model.body(link.name)
+        if link.inertial is None:
+            continue
+        assert body.mass[0] == pytest.approx(link.inertial.mass, rel=1e-8)
+        np.testing.assert_allclose(body.ipos, link.inertial.com - link_origins(package)[link.name], atol=1e-8)
+        R = Rotation.from_quat(body.iquat, scalar_first=True).as_matrix()
+        np.testing.assert_allclose(
+            R @ np.diag(body.inertia) @ R.T, link.inertial.inertia, rtol=1e-6, atol=1e-8
+        )
+        # The visuals neither weigh nor collide.
+        geoms = [geom for geom in range(model.ngeom) if model.geom_bodyid[geom] == body.id]
+        assert sum(model.geom_contype[geom] > 0 for geom in geoms) == len(link.hulls)
+        assert len(geoms) == len(link.hulls) + len(link.visuals)
+    for joint in package.joints:
+        if joint.type == "fixed":
+            continue
+        found = model.joint(joint.name)
+        np.testing.assert_allclose(found.axis, joint.axis, atol=1e-9)
+        assert bool(model.jnt_limited[found.id]) == (joint.type != "continuous")
+        if joint.type != "continuous":
+            np.testing.assert_allclose(found.range, [joint.lower, joint.upper], atol=1e-8)
+        assert model.dof_frictionloss[found.dofadr[0]] == pytest.approx(joint.friction, abs=1e-8)
+        damping = np.ravel(model.dof_damping[found.dofadr[0]])[0]
+        assert damping == pytest.approx(joint.damping, abs=1e-8)
+
+
+@pytest.mark.parametrize("file", FILES)
+def test_mujoco_agrees_on_poses(case, file):
+    asset, package, folder = case
+    model = mujoco.MjModel.from_xml_path(str(folder / file))
+    data = mujoco.MjData(model)
+    index = {part.name: k for k, part in enumerate(asset.parts)}
+    low, high = qlimits(asset).T
+    movers = [joint for joint in package.joints if joint.type != "fixed" and joint.mimic is None]
+    for seed in range(4):
+        qpos = np.random.default_rng(seed).uniform(low, high)
+        values = {
+            joint.name: q * (asset.scale if joint.type == "prismatic" else 1.0)
+            for joint, q in zip(movers, qpos, strict=True)
+        }
+        for joint in package.joints:
+            if joint.mimic is not None:
+                values[joint.name] = joint.mimic_multiplier * values[joint.mimic]
+        for name, value in values.items():
+            data.qpos[model.joint(name).qposadr[0]] = value
+        mujoco.mj_forward(model, data)
+        moved = displacements(asset, qpos)
+        moved[:, :3, 3] *= asset.scale
+        for link in package.links:
+            if link.parts:
+                T = moved[index[link.parts[0]]]
+                origin = link_origins(package)[link.name]
+                np.testing.assert_allclose(
+                    data.body(link.name).xpos, T[:3, :3] @ origin + T[:3, 3], atol=1e-7
+                )
+                np.testing.assert_allclose(data.body(link.name).xmat.reshape(3, 3), T[:3, :3], atol=1e-7)
+
+
+@pytest.mark.sim
+def test_mujoco_rests_quietly_and_keeps_screws_coupled(case):
+    _, package, folder = case
+    model = mujoco.MjModel.from_xml_path(str(folder / "mobility.mjcf.xml"))
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    assert np.abs(data.qfrc_constraint).sum() < 1e-3
+    travels = [joint for joint in package.joints if joint.mimic is not None]
+    for joint in travels:
+        data.qfrc_applied[model.joint(joint.mimic).dofadr[0]] = 0.06
+    for _ in range(200):
+        mujoco.mj_step(model, data)
+    assert np.isfinite(data.qpos).all()
+    assert int(sum(warning.number for warning in data.warning)) == 0
+    for joint in travels:
+        turned = data.qpos[model.joint(joint.mimic).qposadr[0]]
+        assert turned > 0.1
+        assert data.qpos[model.joint(joint.name).qposadr[0]] == pytest.approx(
+            joint.mimic_multiplier * turned, abs=2e-4
+        )
+
+
+def test_joined_bodies_do_not_collide(case):
+    _, package, folder = case
+    model = mujoco.MjModel.from_xml_path(str(folder / "mobility.mjcf.xml"))
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    joined = {frozenset((joint.parent, joint.child)) for joint in package.joints}
+    for contact in data.contact:
+        pair = frozenset(model.body(model.geom_bodyid[geom]).name for geom in contact.geom)
+        assert pair not in joined
+    assert model.nexclude >= 3
+
+
+def test_only_pairs_that_touch_without_a_joint_are_in_the_srdf(cabinet):
+    geometry = box_geometry()
+    package = as_package(scaled(cabinet), geometry)
+    assert touching_pairs(package) == ()
+    drawer_floor = min(hull.vertices[:, 2].min() for hull in geometry[2].hulls)
+    door_top = max(hull.vertices[:, 2].max() for hull in geometry[4].hulls)
+    for gap, expected in ((0.0, (("link_0", "link_1"),)), (-0.0005, (("link_0", "link_1"),)), (-0.01, ())):
+        lift = np.array([0.0, 0.0, drawer_floor - door_top - gap])
+        raised = tuple(replace(hull, vertices=hull.vertices + lift) for hull in geometry[4].hulls)
+        changed = [*geometry[:4], replace(geometry[4], hulls=raised), *geometry[5:]]
+        assert touching_pairs(as_package(scaled(cabinet), changed)) == expected
+    text = srdf_text("x", (("link_0", "link_1"),))
+    assert 'reason="Default"' in text
+    assert text.count("disable_collisions") == 1
+    assert '<exclude body1="link_0" body2="link_1"' in mjcf_text(package, (("link_0", "link_1"),))
