@@ -1,1 +1,11 @@
-"""Packages at work in SAPIEN: loading, gymnasium environments, and the validation suite."""
+"""Packages in physics engines: loading, gymnasium environments, dynamic checks, validation.
+
+Importing registers the environments, so that ``gym.make("envs:ArtiGen/Actuate-v0", package=folder)``
+works; everything heavy is imported by what needs it.
+"""
+
+from envs.registration import ENVIRONMENT_IDS, register_environments
+
+register_environments()
+
+__all__ = ["ENVIRONMENT_IDS", "register_environments"]

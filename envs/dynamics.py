@@ -6,7 +6,7 @@ supervised child. Each function states what it measures, what is allowed, and wh
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,21 +15,12 @@ from sim_export.errors import PackageError
 from sim_export.package import PackageJoint, SimPackage
 from sim_export.report import CheckResult
 
+from .config import DynamicsConfig, TrialConfig
 from .mujoco_check import compile_package
 from .support import must_stand
-from .trials import TrialConfig, TrialResults, limit_tolerance, run_trials
+from .titles import TITLES, not_run
+from .trials import TrialResults, limit_tolerance, run_trials
 
-TITLES = {
-    "V301": "loads in SAPIEN with every hull and every mass",
-    "V302": "rests under gravity with a fixed base",
-    "V303": "stands on the ground with a free base",
-    "V304": "opens and closes by hand",
-    "V305": "stays closed when tilted",
-    "V306": "no energy from nowhere",
-    "V307": "two runs are identical",
-    "V308": "compiles in MuJoCo without forces at rest",
-    "V309": "behaves at every time step",
-}
 MASS_TOLERANCE = 1e-4
 REST_DRIFT = 0.01
 REST_SPEED = 1e-3
@@ -40,20 +31,6 @@ OPENED = 0.9
 SIZE_RATIO = 10.0
 REPEAT = 1e-6
 MUJOCO_FORCE = 1e-3
-
-
-@dataclass(frozen=True, kw_only=True)
-class DynamicsConfig:
-    """Settings of the L3 checks."""
-
-    trials: TrialConfig = TrialConfig()
-    """Durations, hand forces and tolerances."""
-
-    timestep: float = 1.0 / 100.0
-    """Seconds per step of checks V302 to V307: ManiSkill's default."""
-
-    other_timesteps: tuple[float, ...] = (1.0 / 60.0, 1.0 / 240.0)
-    """Where V309 repeats V302 to V306."""
 
 
 def check_dynamics(folder: Path, package: SimPackage, cfg: DynamicsConfig) -> tuple[CheckResult, ...]:
@@ -74,11 +51,6 @@ def check_dynamics(folder: Path, package: SimPackage, cfg: DynamicsConfig) -> tu
         _timed(lambda: check_mujoco(folder)),
         _timed(lambda: check_timesteps(folder, package, cfg)),
     )
-
-
-def not_run(check: str, reason: str) -> CheckResult:
-    """A check that could not be made, which is a failure and says why."""
-    return _result(check, fails=True, message=f"not run: {reason}")
 
 
 def _single_checks(package: SimPackage, run: TrialResults, cfg: TrialConfig) -> tuple[CheckResult, ...]:
@@ -244,9 +216,7 @@ def check_energy(package: SimPackage, run: TrialResults) -> CheckResult:
     )  # fmt: skip
 
 
-def check_repeat(
-    folder: Path, package: SimPackage, first: TrialResults, cfg: DynamicsConfig
-) -> CheckResult:
+def check_repeat(folder: Path, package: SimPackage, first: TrialResults, cfg: DynamicsConfig) -> CheckResult:
     """V307: all trials again in new scenes; every recorded coordinate agrees within 1e-6."""
     second = run_trials(folder, package, cfg.timestep, cfg.trials)
     if first.trace.shape != second.trace.shape:
@@ -307,10 +277,16 @@ def _result(
     where: str = "", message: str = "",
 ) -> CheckResult:  # fmt: skip
     return CheckResult(
-        id=check, level="L3", title=TITLES[check], verdict="fail" if fails else "pass",
-        value=None if value is None else _round(value), threshold=None if threshold is None else _round(threshold),
-        unit=unit, where=where, message=message,
-    )  # fmt: skip
+        id=check,
+        level="L3",
+        title=TITLES[check],
+        verdict="fail" if fails else "pass",
+        value=None if value is None else _round(value),
+        threshold=None if threshold is None else _round(threshold),
+        unit=unit,
+        where=where,
+        message=message,
+    )
 
 
 def _round(value: float) -> float:
@@ -319,9 +295,7 @@ def _round(value: float) -> float:
 
 
 def _not_applicable(check: str, reason: str) -> CheckResult:
-    return CheckResult(
-        id=check, level="L3", title=TITLES[check], verdict="not_applicable", message=reason
-    )
+    return CheckResult(id=check, level="L3", title=TITLES[check], verdict="not_applicable", message=reason)
 
 
 def _timed(check: Callable[[], CheckResult]) -> CheckResult:

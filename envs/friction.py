@@ -27,7 +27,9 @@ def apply_friction(joint: "PhysxArticulationJoint", friction: float) -> None:
     joint.set_friction(0.0)
     if friction > 0.0:
         joint.set_drive_velocity_target(0.0)
-        joint.set_drive_properties(stiffness=0.0, damping=friction / CREEP, force_limit=friction, mode="force")
+        joint.set_drive_properties(
+            stiffness=0.0, damping=friction / CREEP, force_limit=friction, mode="force"
+        )
     else:
         joint.set_drive_properties(stiffness=0.0, damping=0.0)
 

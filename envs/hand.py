@@ -12,32 +12,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import Float
 
-from artigen.transforms import matrix_from_quat, rotation_about, transform_points
+from artigen.transforms import rotation_about, transform_points
 
+from .config import HandConfig
 from .package import LoadedJoint, LoadedPackage, moving_links
 
 if TYPE_CHECKING:
-    from sapien.physx import PhysxArticulationLinkComponent
+    import sapien
+    from sapien.physx import PhysxArticulationLinkComponent, PhysxCollisionShape
 
 GRAVITY = 9.81
 FINGER_LABELS = ("knob",)
-
-
-@dataclass(frozen=True, kw_only=True)
-class HandConfig:
-    """Limits of the hand, in newtons and newton metres."""
-
-    pull: float = 30.0
-    """Largest force on a drawer, or at the handle of anything that turns."""
-
-    turn: float = 10.0
-    """Largest torque on a door, lid or wheel."""
-
-    push: float = 10.0
-    """Largest force of fingers, on a button or at the rim of a knob."""
-
-    twist: float = 1.0
-    """Largest torque of fingers on a knob."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -55,21 +40,19 @@ class Moved:
     origin: Float[np.ndarray, "3"]
 
 
-def pose_matrix(pose) -> Float[np.ndarray, "4 4"]:
-    """A SAPIEN pose as a float64 matrix."""
-    T = np.eye(4)
-    T[:3, :3] = matrix_from_quat(np.asarray(pose.q, dtype=np.float64))
-    T[:3, 3] = pose.p
-    return T
+def pose_matrix(pose: "sapien.Pose") -> Float[np.ndarray, "4 4"]:
+    """A SAPIEN pose (single precision) as a matrix."""
+    return np.asarray(pose.to_transformation_matrix(), dtype=np.float64)
 
 
 def link_vertices(link: "PhysxArticulationLinkComponent") -> Float[np.ndarray, "V 3"]:
     """Vertices of a link's collision shapes in its own frame, metres."""
-    chunks = [np.zeros((0, 3))]
-    for shape in link.collision_shapes:
-        corners = _shape_points(shape)
-        chunks.append(transform_points(pose_matrix(shape.local_pose), corners))
-    return np.concatenate(chunks)
+    return np.concatenate([np.zeros((0, 3)), *(shape_vertices(shape) for shape in link.collision_shapes)])
+
+
+def shape_vertices(shape: "PhysxCollisionShape") -> Float[np.ndarray, "V 3"]:
+    """Vertices of one collision shape in its link's frame, metres."""
+    return transform_points(pose_matrix(shape.local_pose), _shape_points(shape))
 
 
 def measure_moved(loaded: LoadedPackage, joint: LoadedJoint) -> Moved:

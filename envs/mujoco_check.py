@@ -1,13 +1,16 @@
-"""A second engine's opinion on a package: MuJoCo compiles its URDF and MJCF and finds nothing to push apart."""
+"""A second engine's opinion: MuJoCo compiles a package's URDF and MJCF and finds nothing to push apart."""
 
 from dataclasses import dataclass
 from pathlib import Path
 
-import defusedxml.ElementTree as DET  # noqa: N817 - the usual short name of an element tree module
 import numpy as np
-from defusedxml import DefusedXmlException
 
-READER_SETTINGS = {"strippath": "false", "discardvisual": "true", "fusestatic": "false"}
+from sim_export.errors import PackageError
+
+from .urdf_text import physics_urdf
+
+# mujoco is a compiled module whose stubs name nothing.
+# pyright: reportAttributeAccessIssue=false
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,35 +36,13 @@ def _compile(path: Path) -> MujocoResult:
 
     try:
         if path.suffix == ".urdf":
-            model = mujoco.MjModel.from_xml_string(_readable_urdf(path))
+            model = mujoco.MjModel.from_xml_string(physics_urdf(path, mujoco=True))
         else:
             model = mujoco.MjModel.from_xml_path(str(path))
-    except (ValueError, OSError, DET.ParseError, DefusedXmlException) as error:
+    except (ValueError, PackageError) as error:
         return MujocoResult(file=path.name, error=" ".join(str(error).split()))
     # Weight is off: what is left are forces of overlap and of limits that rest violates.
     model.opt.gravity[:] = 0.0
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     return MujocoResult(file=path.name, force=float(np.abs(data.qfrc_constraint).sum()))
-
-
-def _readable_urdf(path: Path) -> str:
-    """The URDF with absolute mesh paths and drawing left out: MuJoCo strips folders from paths unless
-    told otherwise, and a check of mechanics has no use for pictures."""
-    robot = DET.parse(path).getroot()
-    settings = robot.find("mujoco")
-    if settings is None:
-        settings = robot.makeelement("mujoco", {})
-        robot.insert(0, settings)
-    compiler = settings.find("compiler")
-    if compiler is None:
-        compiler = settings.makeelement("compiler", {})
-        settings.append(compiler)
-    for key, value in READER_SETTINGS.items():
-        compiler.set(key, value)
-    for link in robot.findall("link"):
-        for visual in link.findall("visual"):
-            link.remove(visual)
-    for mesh in robot.iter("mesh"):
-        mesh.set("filename", str(path.parent.absolute() / mesh.get("filename", "")))
-    return DET.tostring(robot, encoding="unicode")

@@ -6,21 +6,19 @@ ignores joint friction, and needs (or aborts without) a render device as soon as
 """
 
 import tempfile
-import xml.etree.ElementTree as ET
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
-from defusedxml import DefusedXmlException
-from defusedxml.ElementTree import ParseError, parse
 from jaxtyping import Float
 
 from sim_export.errors import PackageError
 from sim_export.package import HandleAnnotation, PackageJoint, SimPackage
 
 from .friction import apply_damping, apply_friction
+from .urdf_text import physics_urdf
 
 if TYPE_CHECKING:
     import sapien
@@ -124,9 +122,7 @@ def load_package(
     except (RuntimeError, AssertionError) as error:
         raise PackageError(f"{folder / 'mobility.urdf'}: SAPIEN cannot build it: {error}") from error
     masses = {link.name: link.inertial.mass if link.inertial else None for link in package.links}
-    links = tuple(
-        _compare(link, records[link.name], masses.get(link.name)) for link in articulation.links
-    )
+    links = tuple(_compare(link, records[link.name], masses.get(link.name)) for link in articulation.links)
     joints = _match_joints(articulation, package)
     if cfg.joint_resistance == "package":
         for joint in joints:
@@ -172,26 +168,6 @@ def qpos_of(loaded: LoadedPackage, coordinates: dict[str, float]) -> Float[np.nd
         else:
             qpos[index] = coordinates.get(joint.name, 0.0)
     return qpos
-
-
-def physics_urdf(path: Path) -> str:
-    """The URDF without anything to draw and with absolute mesh paths, as text.
-
-    Raises:
-        PackageError: if the file is missing or is not plain, well-formed XML.
-    """
-    try:
-        robot = parse(path).getroot()
-    except (OSError, ParseError, DefusedXmlException) as error:
-        raise PackageError(f"{path}: cannot be read: {error}") from error
-    for material in robot.findall("material"):
-        robot.remove(material)
-    for link in robot.findall("link"):
-        for visual in link.findall("visual"):
-            link.remove(visual)
-    for mesh in robot.iter("mesh"):
-        mesh.set("filename", str(path.parent.absolute() / mesh.get("filename", "")))
-    return ET.tostring(robot, encoding="unicode")
 
 
 def _parse(loader, folder: Path, visuals: str):
@@ -260,7 +236,9 @@ def _match_joints(articulation: "PhysxArticulation", package: SimPackage) -> tup
     held |= {spec.mimic: spec.child for spec in package.joints if spec.mimic is not None}
     strangers = [joint.name for joint in articulation.active_joints if joint.name not in specs]
     if strangers:
-        raise PackageError(f"package {package.name!r}: SAPIEN has joints {strangers} that the package has not")
+        raise PackageError(
+            f"package {package.name!r}: SAPIEN has joints {strangers} that the package has not"
+        )
     return tuple(
         LoadedJoint(
             spec=specs[joint.name],

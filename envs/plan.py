@@ -11,7 +11,8 @@ from jaxtyping import Float
 
 from artigen.transforms import rotation_about
 
-from .hand import HandConfig, Moved, hand_effort, measure_moved, weight_effort
+from .config import HandConfig
+from .hand import Moved, hand_effort, measure_moved, weight_effort
 from .package import LoadedJoint, LoadedPackage, qpos_of
 
 SWEEP_SAMPLES = 13
@@ -77,9 +78,7 @@ def _start(joint: LoadedJoint) -> float:
     return joint.spec.lower if joint.limited else 0.0
 
 
-def _plan(
-    index: int, joint: LoadedJoint, moved: Moved, needs: tuple[str, ...], cfg: HandConfig
-) -> JointPlan:
+def _plan(index: int, joint: LoadedJoint, moved: Moved, needs: tuple[str, ...], cfg: HandConfig) -> JointPlan:
     hand = hand_effort(joint, moved, cfg)
     travel = np.linspace(0.0, joint.span, SWEEP_SAMPLES)
     weight = weight_effort(joint, moved, travel)

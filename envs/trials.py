@@ -4,6 +4,7 @@
 compares those with thresholds. Everything is CPU PhysX, and nothing is random.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,42 +15,14 @@ from jaxtyping import Float
 from artigen.transforms import transform_points
 from sim_export.package import SimPackage
 
-from .hand import HandConfig, link_vertices, pose_matrix, push_wrench
+from .config import TrialConfig
+from .hand import link_vertices, pose_matrix, push_wrench
 from .package import LinkLoad, LoadConfig, LoadedPackage, load_package, qpos_of
 from .plan import JointPlan, TrialPlan, plan_trials, rest_qpos
 from .scene import create_scene
 
 STALL_SPEED = 1e-3
 STALL_SECONDS = 0.25
-
-
-@dataclass(frozen=True, kw_only=True)
-class TrialConfig:
-    """Durations and tolerances of the trials."""
-
-    hand: HandConfig = HandConfig()
-    """How hard joints are pulled and pushed."""
-
-    rest_seconds: float = 5.0
-    """How long the fixed object stands under gravity (V302)."""
-
-    stand_seconds: float = 3.0
-    """How long the free object stands on the ground (V303)."""
-
-    pull_seconds: float = 5.0
-    """How long a hand may take to open or close a joint (V304)."""
-
-    lean_seconds: float = 2.0
-    """How long the tilted object is watched (V305)."""
-
-    lean_degrees: float = 5.0
-    """How far the object is tilted (V305)."""
-
-    limit_fraction: float = 0.01
-    """A limit counts as reached within this part of the range ..."""
-
-    limit_degrees: float = 0.5
-    """... or, for turning joints, within this angle if that is more."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -165,9 +138,8 @@ def _lean(scene, loaded: LoadedPackage, plan: TrialPlan, cfg: TrialConfig, trace
     for _, lean in sorted(leans.items()):
         axis = np.cross([0.0, 0.0, 1.0], lean)  # turning about it lowers what lies towards `lean`
         half = angle / 2.0
-        loaded.articulation.set_root_pose(
-            sapien.Pose(q=np.array([np.cos(half), *(np.sin(half) * axis)], dtype=np.float32))
-        )
+        quat = [float(value) for value in (np.cos(half), *(np.sin(half) * axis))]
+        loaded.articulation.set_root_pose(sapien.Pose(q=quat))
         reset(loaded, rest_qpos(loaded))
         worst = np.maximum(worst, _run_free(scene, loaded, cfg.lean_seconds, trace))
     loaded.articulation.set_root_pose(sapien.Pose())
@@ -181,7 +153,9 @@ def _pull_group(
     start = {joint.spec.name: float(rest_qpos(loaded)[joint.index]) for joint in loaded.joints}
     start |= {name: loaded.joint(name).spec.upper for name in members[0][1].needs}
     start |= {
-        loaded.joints[i].spec.name: loaded.joints[i].spec.lower for i, _ in members if loaded.joints[i].limited
+        loaded.joints[i].spec.name: loaded.joints[i].spec.lower
+        for i, _ in members
+        if loaded.joints[i].limited
     }
     reset(loaded, qpos_of(loaded, start))
     opened, open_gap, speed_out = _drive(scene, loaded, members, cfg, trace, direction=1.0)
@@ -261,33 +235,37 @@ def _size(loaded: LoadedPackage) -> float:
     return float(np.linalg.norm(boxes[:, 1].max(axis=0) - boxes[:, 0].min(axis=0)))
 
 
-def world_vertices(loaded: LoadedPackage) -> Float[np.ndarray, "V 3"]:
-    """Vertices of all collision shapes where they are now."""
-    chunks = [
-        transform_points(pose_matrix(link.entity_pose), link_vertices(link))
-        for link in loaded.articulation.links
-    ]
+def local_vertices(loaded: LoadedPackage) -> tuple[Float[np.ndarray, "V 3"], ...]:
+    """Vertices of the collision shapes of every link of the articulation, in link frames."""
+    return tuple(link_vertices(link) for link in loaded.articulation.links)
+
+
+def world_vertices(
+    loaded: LoadedPackage, local: Sequence[Float[np.ndarray, "V 3"]]
+) -> Float[np.ndarray, "W 3"]:
+    """What `local_vertices` gave, all in one, where the links are now."""
+    pairs = zip(loaded.articulation.links, local, strict=True)
+    chunks = [transform_points(pose_matrix(link.entity_pose), points) for link, points in pairs]
     return np.concatenate([np.zeros((0, 3)), *chunks])
 
 
-def _stand(
-    folder: Path, package: SimPackage, timestep: float, cfg: TrialConfig, trace: list
-) -> StandResult:
+def _stand(folder: Path, package: SimPackage, timestep: float, cfg: TrialConfig, trace: list) -> StandResult:
     from .support import overhang_of
 
     scene = create_scene(timestep, ground=True)
     loaded = load_package(scene, folder, LoadConfig(base="free"), package)
     reset(loaded, rest_qpos(loaded))
-    vertices = world_vertices(loaded)
+    local = local_vertices(loaded)
+    vertices = world_vertices(loaded, local)
     if not len(vertices):
         return StandResult(tilt=np.inf, drift=np.inf, penetration=np.inf, overhang=np.inf)
     loaded.articulation.set_root_pose(sapien.Pose(p=[0.0, 0.0, -float(vertices[:, 2].min())]))
-    overhang = overhang_of(loaded, world_vertices(loaded))
+    overhang = overhang_of(loaded, world_vertices(loaded, local))
     start = pose_matrix(loaded.articulation.root_pose)
     _run_free(scene, loaded, cfg.stand_seconds, trace)
     end = pose_matrix(loaded.articulation.root_pose)
     trace.append(end.ravel())
-    lowest = float(world_vertices(loaded)[:, 2].min())
+    lowest = float(world_vertices(loaded, local)[:, 2].min())
     return StandResult(
         tilt=float(np.degrees(np.arccos(np.clip(end[2, 2] * start[2, 2], -1.0, 1.0)))),
         drift=float(np.linalg.norm(end[:2, 3] - start[:2, 3])),

@@ -1,0 +1,175 @@
+"""``ArtiGen/Actuate-v0``: open one joint by pulling at its handle."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import gymnasium as gym
+import numpy as np
+from jaxtyping import Float
+
+from artigen.transforms import inverse, transform_points
+
+from .base import SUBSTEPS, PackageEnv, open_fractions
+from .config import HandConfig
+from .hand import measure_moved, pose_matrix
+from .package import LoadConfig, LoadedJoint, qpos_of
+from .plan import plan_trials
+from .trials import reset
+
+
+@dataclass(frozen=True, kw_only=True)
+class ActuateConfig:
+    """Which joint is opened, and how hard the hand may pull."""
+
+    joint: str | None = None
+    """Name of the joint; ``None`` draws one at every reset."""
+
+    hand: HandConfig = field(default_factory=HandConfig)
+    """Largest forces and torques; a full action is the largest for the joint."""
+
+    success_fraction: float = 0.9
+    """Part of the range (of a full turn where there are no limits) that counts as open."""
+
+
+class ActuateEnv(PackageEnv):
+    """The object is bolted down and stands at rest; whatever the joint requires to be open is open.
+
+    **Action** ``[1]`` in [-1, 1]: force at the handle along the direction in which it moves as the joint
+    opens, as part of the hand's largest (30 N on a drawer, 10 N m on a door and at most 30 N at its
+    handle, 10 N on a button, 1 N m on a knob; the weight of what is lifted comes on top).
+
+    **Observation** ``open_fraction [J]``, ``joint_velocity [J]`` in ranges per second, ``target [J]``
+    one-hot, and of the target's handle ``handle_position [3]`` (m) and ``opening_direction [3]`` (unit),
+    both in the world. Where the package names no handle it is the point farthest from the axis, and for
+    sliding parts their centre of mass.
+
+    **Reward** the change of the target's open fraction in this step: the return of an episode is how far
+    the joint was opened.
+
+    **Success** (``info["success"]``, ends the episode): the target is open to ``cfg.success_fraction``.
+
+    **Reset** all joints at rest, the target at its lower limit, what it requires at the upper limit;
+    without ``cfg.joint`` the target is drawn at random.
+
+    Version history: v0 first version.
+    """
+
+    def __init__(
+        self, folder: Path, cfg: ActuateConfig | None = None, render_mode: str | None = None
+    ) -> None:
+        self.cfg = ActuateConfig() if cfg is None else cfg
+        visuals = "all" if render_mode == "rgb_array" else "none"
+        super().__init__(folder, LoadConfig(visuals=visuals), render_mode, ground=False)
+        count = len(self.loaded.joints)
+        if not count:
+            raise ValueError(f"{folder}: nothing moves in this package, so nothing can be opened")
+        if self.cfg.joint is not None:
+            self.loaded.joint(self.cfg.joint)
+        self.action_space = gym.spaces.Box(-1.0, 1.0, (1,), np.float32)
+        free = gym.spaces.Box(-np.inf, np.inf, (count,), np.float32)
+        self.observation_space = gym.spaces.Dict(
+            {
+                "open_fraction": free,
+                "joint_velocity": free,
+                "target": gym.spaces.MultiBinary(count),
+                "handle_position": gym.spaces.Box(-np.inf, np.inf, (3,), np.float32),
+                "opening_direction": gym.spaces.Box(-1.0, 1.0, (3,), np.float32),
+            }
+        )
+        self._plans = plan_trials(self.loaded, self.cfg.hand).joints
+        self._target = 0
+        self._grip = np.zeros(3)
+        self._travel = 0.0
+
+    def reset(self, *, seed: int | None = None, options: dict | None = None):
+        """Closes everything, opens what the target requires, and takes hold of the handle."""
+        self._rebuild(seed)
+        names = [joint.spec.name for joint in self.loaded.joints]
+        drawn = int(self.np_random.integers(len(names)))
+        self._target = drawn if self.cfg.joint is None else names.index(self.cfg.joint)
+        joint = self._joint
+        start = {other.spec.name: other.spec.lower for other in self.loaded.joints if other.limited}
+        start |= {name: self.loaded.joint(name).spec.upper for name in self._plans[self._target].needs}
+        reset(self.loaded, qpos_of(self.loaded, start))
+        T_link_world = inverse(pose_matrix(joint.engine.child_link.entity_pose))
+        self._grip = transform_points(T_link_world, self._grasp_point()[None])[0]
+        self._travel = 0.0
+        return self._observe(), self._info()
+
+    def step(self, action: np.ndarray):
+        """Five physics steps with the force following the handle."""
+        joint, plan = self._joint, self._plans[self._target]
+        push = float(np.clip(np.asarray(action, dtype=np.float64), -1.0, 1.0)[0])
+        effort = push * (plan.opening if push > 0 else plan.closing)
+        before = self._opened()
+        for _ in range(SUBSTEPS):
+            point, direction, lever = self._handle()
+            force = effort / lever * direction
+            joint.engine.child_link.add_force_at_point(force.astype(np.float32), point.astype(np.float32))
+            self.scene.step()
+            self._travel += float(self.loaded.articulation.qvel[joint.index]) * self.scene.timestep
+        info = self._info()
+        return self._observe(), self._opened() - before, info["success"], False, info
+
+    @property
+    def _joint(self) -> LoadedJoint:
+        return self.loaded.joints[self._target]
+
+    def _opened(self) -> float:
+        """Open fraction of the target; a joint without limits counts the angle it has turned."""
+        joint = self._joint
+        if joint.limited:
+            return float(open_fractions(self.loaded)[self._target])
+        return self._travel / joint.span
+
+    def _grasp_point(self) -> Float[np.ndarray, "3"]:
+        """Where the hand takes hold, in the world at the pose of the reset."""
+        joint = self._joint
+        moved = measure_moved(self.loaded, joint)
+        if joint.handle is not None:
+            # Annotations are given in the object frame at rest; the link may have been moved since.
+            T = pose_matrix(joint.engine.child_link.entity_pose)
+            center = joint.handle.corners.mean(axis=0)
+            T_rest_link = np.eye(4)
+            T_rest_link[:3, 3] = joint.spec.origin
+            return transform_points(T @ inverse(T_rest_link), center[None])[0]
+        if joint.spec.type == "prismatic" or not len(moved.vertices):
+            return moved.com
+        arms = np.cross(moved.axis, moved.vertices - moved.origin)
+        return moved.vertices[int(np.argmax(np.linalg.norm(arms, axis=1)))]
+
+    def _handle(self) -> tuple[np.ndarray, np.ndarray, float]:
+        """Position and direction of motion of the handle now, and metres per unit of the joint."""
+        joint = self._joint
+        frame = pose_matrix(joint.engine.global_pose)
+        axis, origin = frame[:3, 0], frame[:3, 3]
+        T = pose_matrix(joint.engine.child_link.entity_pose)
+        point = transform_points(T, self._grip[None])[0]
+        if joint.spec.type == "prismatic":
+            return point, axis, 1.0
+        motion = np.cross(axis, point - origin)
+        lever = max(float(np.linalg.norm(motion)), 1e-3)
+        return point, motion / lever, lever
+
+    def _observe(self) -> dict[str, np.ndarray]:
+        point, direction, _ = self._handle()
+        qvel = np.asarray(self.loaded.articulation.qvel, dtype=np.float64)
+        target = np.zeros(len(self.loaded.joints), dtype=np.int8)
+        target[self._target] = 1
+        return {
+            "open_fraction": open_fractions(self.loaded),
+            "joint_velocity": np.array(
+                [qvel[joint.index] / max(joint.span, 1e-9) for joint in self.loaded.joints], dtype=np.float32
+            ),
+            "target": target,
+            "handle_position": point.astype(np.float32),
+            "opening_direction": np.clip(direction, -1.0, 1.0).astype(np.float32),
+        }
+
+    def _info(self) -> dict:
+        opened = self._opened()
+        return {
+            "success": bool(opened >= self.cfg.success_fraction),
+            "joint": self._joint.spec.name,
+            "opened": opened,
+        }

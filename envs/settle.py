@@ -1,0 +1,136 @@
+"""``ArtiGen/Settle-v0``: a free-standing object falls a little and has to come to rest upright."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import gymnasium as gym
+import numpy as np
+import sapien
+
+from .base import SUBSTEPS, PackageEnv, open_fractions
+from .hand import GRAVITY, pose_matrix
+from .package import LoadConfig
+from .plan import rest_qpos
+from .support import center_of_mass
+from .trials import local_vertices, reset, world_vertices
+
+
+@dataclass(frozen=True, kw_only=True)
+class SettleConfig:
+    """How the object is put down, and what counts as settled."""
+
+    drop_height: float = 0.02
+    """Metres between the floor and the object's lowest point at the start."""
+
+    lean_degrees: float = 1.0
+    """The object starts leaned by up to this angle in a random direction."""
+
+    push_ratio: float = 0.2
+    """Force of a full action as part of the object's weight."""
+
+    upright_degrees: float = 2.0
+    """Tilt up to which the object stands upright."""
+
+    fallen_degrees: float = 45.0
+    """Tilt from which it has fallen over, which ends the episode."""
+
+    rest_speed: float = 0.01
+    """Speed (m/s, and rad/s) below which it is at rest."""
+
+    rest_steps: int = 10
+    """Control steps at rest, upright, that make a success."""
+
+
+class SettleEnv(PackageEnv):
+    """The object stands free on the ground; joints have the friction and damping of the package.
+
+    **Action** ``[3]`` in [-1, 1]: a force on the body (the root) through the object's centre of mass, as
+    part of ``cfg.push_ratio`` times its weight; zero leaves the object alone.
+
+    **Observation** ``height [1]`` of the lowest point above the ground (m), ``up [3]`` the object's z axis
+    in the world, ``linear_velocity [3]`` (m/s) and ``angular_velocity [3]`` (rad/s) of the body, and
+    ``open_fraction [J]``.
+
+    **Reward** 1 for every step that ends upright and at rest, else 0.
+
+    **Success** (``info["success"]``, ends the episode): upright and at rest for ``cfg.rest_steps`` steps
+    in a row. The episode also ends, without success, when the object has fallen over.
+
+    **Reset** joints at rest, the lowest point ``cfg.drop_height`` above the ground, leaned by a random
+    angle up to ``cfg.lean_degrees`` in a random direction.
+
+    Version history: v0 first version.
+    """
+
+    def __init__(self, folder: Path, cfg: SettleConfig | None = None, render_mode: str | None = None) -> None:
+        self.cfg = SettleConfig() if cfg is None else cfg
+        visuals = "all" if render_mode == "rgb_array" else "none"
+        super().__init__(folder, LoadConfig(base="free", visuals=visuals), render_mode, ground=True)
+        self.action_space = gym.spaces.Box(-1.0, 1.0, (3,), np.float32)
+        unbounded = gym.spaces.Box(-np.inf, np.inf, (3,), np.float32)
+        self.observation_space = gym.spaces.Dict(
+            {
+                "height": gym.spaces.Box(-np.inf, np.inf, (1,), np.float32),
+                "up": gym.spaces.Box(-1.0, 1.0, (3,), np.float32),
+                "linear_velocity": unbounded,
+                "angular_velocity": unbounded,
+                "open_fraction": gym.spaces.Box(-np.inf, np.inf, (len(self.loaded.joints),), np.float32),
+            }
+        )
+        self._weight = GRAVITY * sum(float(link.mass) for link in self.loaded.articulation.links)
+        self._local = local_vertices(self.loaded)
+        self._resting = 0
+
+    def reset(self, *, seed: int | None = None, options: dict | None = None):
+        """Lifts the object, leans it a little, and lets go."""
+        self._rebuild(seed)
+        self._resting = 0
+        reset(self.loaded, rest_qpos(self.loaded))
+        lean = np.radians(self.cfg.lean_degrees) * self.np_random.uniform()
+        heading = self.np_random.uniform(0.0, 2.0 * np.pi)
+        axis = np.array([np.cos(heading), np.sin(heading), 0.0])
+        quat = [float(value) for value in (np.cos(lean / 2), *(np.sin(lean / 2) * axis))]
+        self.loaded.articulation.set_root_pose(sapien.Pose(q=quat))
+        lowest = float(world_vertices(self.loaded, self._local)[:, 2].min())
+        self.loaded.articulation.set_root_pose(
+            sapien.Pose(p=[0.0, 0.0, self.cfg.drop_height - lowest], q=quat)
+        )
+        return self._observe(), self._info()
+
+    def step(self, action: np.ndarray):
+        """Five physics steps under the same force."""
+        push = np.clip(np.asarray(action, dtype=np.float64), -1.0, 1.0)
+        force = (self.cfg.push_ratio * self._weight * push).astype(np.float32)
+        root = self.loaded.articulation.links[0]
+        for _ in range(SUBSTEPS):
+            if force.any():
+                point = center_of_mass(self.loaded).astype(np.float32)
+                root.add_force_at_point(force, point)
+            self.scene.step()
+        info = self._info()
+        settled = info["tilt_degrees"] < self.cfg.upright_degrees and info["speed"] < self.cfg.rest_speed
+        self._resting = self._resting + 1 if settled else 0
+        info["success"] = self._resting >= self.cfg.rest_steps
+        fallen = not info["tilt_degrees"] < self.cfg.fallen_degrees
+        return self._observe(), float(settled), bool(info["success"] or fallen), False, info
+
+    def _observe(self) -> dict[str, np.ndarray]:
+        root = self.loaded.articulation.links[0]
+        up = pose_matrix(root.entity_pose)[:3, 2]
+        return {
+            "height": np.array([world_vertices(self.loaded, self._local)[:, 2].min()], dtype=np.float32),
+            "up": np.clip(up, -1.0, 1.0).astype(np.float32),
+            "linear_velocity": np.asarray(root.linear_velocity, dtype=np.float32),
+            "angular_velocity": np.asarray(root.angular_velocity, dtype=np.float32),
+            "open_fraction": open_fractions(self.loaded),
+        }
+
+    def _info(self) -> dict:
+        root = self.loaded.articulation.links[0]
+        up = pose_matrix(root.entity_pose)[2, 2]
+        speed = max(np.linalg.norm(root.linear_velocity), np.linalg.norm(root.angular_velocity))
+        return {
+            "success": False,
+            "tilt_degrees": float(np.degrees(np.arccos(np.clip(up, -1.0, 1.0)))),
+            "speed": float(speed),
+        }

@@ -1,0 +1,22 @@
+"""Ids and titles of the L3 checks, and the verdict on one that could not be made."""
+
+from sim_export.report import CheckResult
+
+TITLES = {
+    "V301": "loads in SAPIEN with every hull and every mass",
+    "V302": "rests under gravity with a fixed base",
+    "V303": "stands on the ground with a free base",
+    "V304": "opens and closes by hand",
+    "V305": "stays closed when tilted",
+    "V306": "no energy from nowhere",
+    "V307": "two runs are identical",
+    "V308": "compiles in MuJoCo without forces at rest",
+    "V309": "behaves at every time step",
+}
+
+
+def not_run(check: str, reason: str) -> CheckResult:
+    """A check that could not be made: a failure that says why."""
+    return CheckResult(
+        id=check, level="L3", title=TITLES[check], verdict="fail", message=f"not run: {reason}"
+    )

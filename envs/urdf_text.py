@@ -1,0 +1,52 @@
+"""A package's URDF reduced to mechanics: nothing to draw, absolute mesh paths."""
+
+from pathlib import Path
+from xml.etree.ElementTree import Element, ParseError, tostring
+
+from defusedxml import DefusedXmlException
+from defusedxml.ElementTree import parse
+
+from sim_export.errors import PackageError
+
+MUJOCO_SETTINGS = {"strippath": "false", "discardvisual": "true", "fusestatic": "false"}
+
+
+def physics_urdf(path: Path, *, mujoco: bool = False) -> str:
+    """The URDF's text without visuals and materials, its mesh paths absolute.
+
+    Args:
+        path: ``mobility.urdf`` of a package.
+        mujoco: also sets MuJoCo's own options, whose defaults strip folders from mesh paths.
+
+    Raises:
+        PackageError: if the file is missing or is not plain, well-formed XML.
+    """
+    robot = _root(path)
+    for material in robot.findall("material"):
+        robot.remove(material)
+    for link in robot.findall("link"):
+        for visual in link.findall("visual"):
+            link.remove(visual)
+    for mesh in robot.iter("mesh"):
+        mesh.set("filename", str(path.parent.absolute() / mesh.get("filename", "")))
+    if mujoco:
+        _child(_child(robot, "mujoco"), "compiler").attrib.update(MUJOCO_SETTINGS)
+    return tostring(robot, encoding="unicode")
+
+
+def _root(path: Path) -> Element:
+    try:
+        root = parse(path).getroot()
+    except (OSError, ParseError, DefusedXmlException) as error:
+        raise PackageError(f"{path}: cannot be read: {error}") from error
+    if root is None:
+        raise PackageError(f"{path}: holds no element")
+    return root
+
+
+def _child(parent: Element, tag: str) -> Element:
+    found = parent.find(tag)
+    if found is None:
+        found = parent.makeelement(tag, {})
+        parent.insert(0, found)
+    return found
