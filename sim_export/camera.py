@@ -73,20 +73,24 @@ def _axes(forward: np.ndarray) -> np.ndarray:
     return np.stack([right, np.cross(forward, right), forward])
 
 
-def pixel_rays(camera: Camera, supersample: int = 1) -> Float[np.ndarray, "H W 3"]:
-    """Ray directions through every (sub)pixel centre.
+def pixel_rays(camera: Camera) -> Float[np.ndarray, "H W 3"]:
+    """Ray directions (float32) through all pixel centres, see `rays_through`."""
+    columns, rows = np.meshgrid(np.arange(camera.width) + 0.5, np.arange(camera.height) + 0.5)
+    return rays_through(camera, columns, rows)
+
+
+def rays_through(
+    camera: Camera, columns: Float[np.ndarray, "*S"], rows: Float[np.ndarray, "*S"]
+) -> Float[np.ndarray, "*S 3"]:
+    """Ray directions (float32) through points of the picture, given in pixels.
 
     Each direction has length one *along the viewing direction*, so that a ray's parameter is depth.
-
-    Returns:
-        float32, ``H = height * supersample`` rows by ``W = width * supersample`` columns.
     """
-    axes = camera_axes(camera)
+    right, down, forward = camera_axes(camera)
     pixel = 2.0 * np.tan(np.radians(camera.fov) / 2.0) / camera.height
-    columns = ((np.arange(camera.width * supersample) + 0.5) / supersample - camera.width / 2.0) * pixel
-    rows = ((np.arange(camera.height * supersample) + 0.5) / supersample - camera.height / 2.0) * pixel
-    rays = columns[None, :, None] * axes[0] + rows[:, None, None] * axes[1] + axes[2]
-    return rays.astype(np.float32)
+    across = ((columns - camera.width / 2.0) * pixel).astype(np.float32)[..., None]
+    along = ((rows - camera.height / 2.0) * pixel).astype(np.float32)[..., None]
+    return across * right.astype(np.float32) + along * down.astype(np.float32) + forward.astype(np.float32)
 
 
 def project_points(camera: Camera, points: Float[np.ndarray, "N 3"]) -> Float[np.ndarray, "N 3"]:

@@ -13,10 +13,11 @@ from sim_export.raycast import (
     are_occluded,
     cast_rays,
     corner_normals_at,
-    face_normals_at,
+    surface_ids_at,
 )
 from sim_export.shading import (
     TILE,
+    dot_rows,
     linear_from_srgb,
     orient_to_viewer,
     shade,
@@ -37,8 +38,8 @@ FLOOR_SHADE = (0.30, 0.32)
 class RenderConfig:
     """How a picture is lit and sampled."""
 
-    supersample: int = 3
-    """Rays per edge pixel along each direction; raise it where edges look jagged."""
+    edge_rays: int = 6
+    """Rays in each pixel on an edge (1 leaves edges as they are); raise it where edges look jagged."""
     background: tuple[int, int, int] = (247, 248, 250)
     """sRGB colour behind the object and of the ground."""
     ground: bool = True
@@ -59,11 +60,10 @@ class RenderConfig:
     """Shifts the set of ray directions."""
 
     def __post_init__(self) -> None:
-        if self.supersample < 1:
-            raise ValueError(f"supersample is {self.supersample}, allowed is 1 and above")
-        if min(self.shadow_rays, self.occlusion_rays) < 1:
+        if min(self.edge_rays, self.shadow_rays, self.occlusion_rays) < 1:
             raise ValueError(
-                f"shadow_rays {self.shadow_rays}, occlusion_rays {self.occlusion_rays}: at least 1 each"
+                f"edge_rays {self.edge_rays}, shadow_rays {self.shadow_rays}, occlusion_rays "
+                f"{self.occlusion_rays}: allowed is 1 and above each"
             )
         if not np.linalg.norm(self.light_direction) > 0.0:
             raise ValueError(f"light_direction is {self.light_direction}, expected a length above 0")
@@ -113,22 +113,17 @@ def prepare_light(cfg: RenderConfig) -> Light:
     )
 
 
-def label_triangles(scene: Scene, triangle: np.ndarray) -> np.ndarray:
-    ids = np.array([surface.id for surface in scene.surfaces], dtype=np.int64)
-    return np.append(ids[scene.owner], NOTHING)[triangle]
-
-
-def find_samples(scene: Scene, camera: Camera, rays: np.ndarray, cfg: RenderConfig) -> Samples:
+def find_samples(scene: Scene, camera: Camera, rays: Float[np.ndarray, "R 3"], cfg: RenderConfig) -> Samples:
+    """What rays from the camera see: surfaces, and floor where they could darken it."""
     hits = cast_rays(scene, camera.position, rays)
-    place = np.flatnonzero(hits.triangle >= 0)
-    triangle, weights, seen = hits.triangle[place], hits.weights[place], rays[place]
-    normals, geometric = orient_to_viewer(
-        corner_normals_at(scene, triangle, weights), face_normals_at(scene, triangle), seen
-    )
-    points = camera.position.astype(np.float32) + seen * hits.depth[place, None]
-    label, albedo = label_triangles(scene, triangle), albedo_at(scene, triangle, weights)
+    place, seen = hits.place, rays[hits.place]
+    normals, geometric = orient_to_viewer(corner_normals_at(scene, hits), hits.normals, seen)
+    points = camera.position.astype(np.float32) + seen * hits.depth[:, None]
+    label, albedo = surface_ids_at(scene, hits), albedo_at(scene, hits)
     if cfg.ground:
-        floor, floor_points = _find_floor(scene, camera, rays, hits.triangle < 0, cfg)
+        free = np.ones(len(rays), dtype=bool)
+        free[place] = False
+        floor, floor_points = _find_floor(scene, camera, rays, free, cfg)
         up = np.tile(np.array([0.0, 0.0, 1.0], dtype=np.float32), (len(floor), 1))
         place, points = np.concatenate([place, floor]), np.concatenate([points, floor_points])
         normals, geometric = np.concatenate([normals, up]), np.concatenate([geometric, up])
@@ -219,14 +214,16 @@ def borrow_light(
 
     A sample with no such neighbour sends its own rays.
     """
+    # One gather per neighbour: label, normal and light side by side.
+    packed = np.concatenate([grid.label[..., None].astype(np.float32), grid.normals, grid.visible], axis=2)
     total = np.zeros((len(samples.place), 2), dtype=np.float32)
     weight = np.zeros((len(samples.place), 1), dtype=np.float32)
     for down, across in np.ndindex(3, 3):
         row = np.clip(at[0] + down - 1, 0, grid.label.shape[0] - 1)
         column = np.clip(at[1] + across - 1, 0, grid.label.shape[1] - 1)
-        same = np.einsum("ij,ij->i", grid.normals[row, column], samples.normals) > 0.9
-        same &= grid.label[row, column] == samples.label
-        total += grid.visible[row, column] * same[:, None]
+        there = packed[row, column]
+        same = (dot_rows(there[:, 1:4], samples.normals) > 0.9) & (there[:, 0] == samples.label)
+        total += there[:, 4:] * same[:, None]
         weight += same[:, None]
     alone = np.flatnonzero(weight[:, 0] == 0)
     fields = ("place", "label", "points", "rays", "normals", "geometric", "albedo")

@@ -11,21 +11,23 @@ import numpy as np
 from jaxtyping import Float, Int, UInt8
 
 from artigen.transforms import transform_points, transform_vectors
-from sim_export.camera import Camera, pixel_rays
+from sim_export.camera import Camera, pixel_rays, rays_through
 from sim_export.lighting import (
+    NOTHING,
     Grid,
     Light,
     RenderConfig,
     borrow_light,
     find_samples,
     gather_light,
-    label_triangles,
     prepare_light,
     shade_samples,
 )
 from sim_export.package import Mesh
-from sim_export.raycast import Scene, Surface, build_scene, cast_rays
+from sim_export.raycast import Scene, Surface, build_scene, cast_rays, surface_ids_at
 from sim_export.shading import smooth_corner_normals, srgb_from_linear
+
+GOLDEN = 0.618033988749895
 
 
 def surface_from_mesh(
@@ -63,17 +65,19 @@ def surface_points(surfaces: Sequence[Surface]) -> Float[np.ndarray, "N 3"]:
 
 def render_depth(surfaces: Sequence[Surface], camera: Camera) -> Float[np.ndarray, "H W"]:
     """Depth (metres along the viewing direction) at pixel centres; infinite where nothing is hit."""
-    rays = pixel_rays(camera)
-    hits = cast_rays(build_scene(surfaces), camera.position, rays.reshape(-1, 3))
-    return hits.depth.reshape(rays.shape[:2])
+    hits = cast_rays(build_scene(surfaces), camera.position, pixel_rays(camera).reshape(-1, 3))
+    depth = np.full(camera.height * camera.width, np.inf)
+    depth[hits.place] = hits.depth
+    return depth.reshape(camera.height, camera.width)
 
 
 def render_ids(surfaces: Sequence[Surface], camera: Camera) -> Int[np.ndarray, "H W"]:
     """Surface id at pixel centres; -1 where nothing is hit."""
-    rays = pixel_rays(camera)
     scene = build_scene(surfaces)
-    hits = cast_rays(scene, camera.position, rays.reshape(-1, 3))
-    return label_triangles(scene, hits.triangle).reshape(rays.shape[:2])
+    hits = cast_rays(scene, camera.position, pixel_rays(camera).reshape(-1, 3))
+    ids = np.full(camera.height * camera.width, NOTHING)
+    ids[hits.place] = surface_ids_at(scene, hits)
+    return ids.reshape(camera.height, camera.width)
 
 
 def render_scene(
@@ -81,8 +85,8 @@ def render_scene(
 ) -> UInt8[np.ndarray, "H W 3"]:
     """A shaded, antialiased sRGB picture of the surfaces on a plain background.
 
-    Light is gathered once per pixel; pixels on an edge are then divided into ``supersample ** 2``
-    and take the light of neighbouring pixels that see the same surface.
+    Light is gathered once per pixel; pixels on an edge are then looked at again with
+    ``edge_rays`` rays, which take the light of neighbouring pixels that see the same surface.
     """
     cfg = RenderConfig() if cfg is None else cfg
     scene = build_scene(surfaces)
@@ -94,7 +98,7 @@ def render_scene(
         grid = gather_light(scene, samples, shape, light, cfg)
         visible = grid.visible.reshape(-1, 2)[samples.place]
         picture.reshape(-1, 3)[samples.place] = shade_samples(samples, visible, light, camera)
-        if cfg.supersample > 1:
+        if cfg.edge_rays > 1:
             edges = _find_edges(picture, grid.label)
             picture[edges] = _refine(scene, camera, edges, grid, light, cfg)
     picture = np.clip(srgb_from_linear(np.minimum(picture, 1.0)), 0.0, 1.0)
@@ -106,7 +110,7 @@ def _find_edges(picture: np.ndarray, label: np.ndarray) -> np.ndarray:
     seen = np.sqrt(picture)
     edges = np.zeros(label.shape, dtype=bool)
     for near, far in ((np.s_[:-1], np.s_[1:]), (np.s_[:, :-1], np.s_[:, 1:])):
-        step = (np.abs(seen[near] - seen[far]).max(axis=2) > 0.025) | (
+        step = (np.abs(seen[near] - seen[far]).max(axis=2) > 0.035) | (
             (label[near] != label[far]) & (np.maximum(label[near], label[far]) >= 0)
         )
         edges[near] |= step
@@ -118,13 +122,14 @@ def _refine(
     scene: Scene, camera: Camera, edges: np.ndarray, grid: Grid, light: Light, cfg: RenderConfig
 ) -> Float[np.ndarray, "E 3"]:
     """Colours of the edge pixels, each the mean of a grid of rays."""
-    step = cfg.supersample
     rows, columns = np.nonzero(edges)
-    rays = pixel_rays(camera, step).reshape(camera.height, step, camera.width, step, 3)
-    rays = rays[rows, :, columns].reshape(-1, 3)
+    # A rank-1 lattice: all rows and all columns of the pixel's rays differ.
+    steps = np.arange(cfg.edge_rays)
+    across, along = (steps + 0.5) / cfg.edge_rays, (steps * GOLDEN + 0.5 / cfg.edge_rays) % 1.0
+    rays = rays_through(camera, columns[:, None] + across, rows[:, None] + along).reshape(-1, 3)
     samples = find_samples(scene, camera, rays, cfg)
-    owner = samples.place // step**2
+    owner = samples.place // cfg.edge_rays
     visible = borrow_light(scene, samples, grid, (rows[owner], columns[owner]), light, cfg)
     colors = np.tile(light.background, (len(rays), 1))
     colors[samples.place] = shade_samples(samples, visible, light, camera)
-    return colors.reshape(-1, step**2, 3).mean(axis=1)
+    return colors.reshape(-1, cfg.edge_rays, 3).mean(axis=1)

@@ -83,31 +83,37 @@ def sphere_points(count: int, seed: int) -> Float[np.ndarray, "K 3"]:
     return np.stack([radius * np.cos(angle), radius * np.sin(angle), height], axis=1).astype(np.float32)
 
 
-def sample_textures(
-    atlas: UInt8[np.ndarray, "M 3"], layout: Int[np.ndarray, "N 4"], uv: Float[np.ndarray, "N 2"]
-) -> Float[np.ndarray, "N 3"]:
-    """Bilinear look-up in many textures at once, as linear light.
+def dot_rows(a: Float[np.ndarray, "*S 3"], b: Float[np.ndarray, "*S 3"]) -> Float[np.ndarray, "*S"]:
+    """Scalar product of matching vectors; several times faster than `einsum` on rows this short."""
+    return a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1] + a[..., 2] * b[..., 2]
 
-    Args:
-        atlas: the rows of all textures, one after the other.
-        layout: per look-up: first texel, width, height, and 1 where coordinates repeat (else they
-            are clamped to the edge).
-        uv: texture coordinates with the origin at the lower left.
+
+def blend_corners(
+    values: Float[np.ndarray, "N 3 C"], weights: Float[np.ndarray, "N 3"]
+) -> Float[np.ndarray, "N C"]:
+    """Weighted sums over the three corners of triangles."""
+    return values[:, 0] * weights[:, :1] + values[:, 1] * weights[:, 1:2] + values[:, 2] * weights[:, 2:]
+
+
+def sample_texture(
+    texture: UInt8[np.ndarray, "H W 3"], uv: Float[np.ndarray, "N 2"], *, repeat: bool
+) -> Float[np.ndarray, "N 3"]:
+    """Bilinear look-up as linear light; ``uv`` has its origin at the lower left.
+
+    Coordinates outside [0, 1] repeat the texture, or are clamped to its edge.
     """
-    first, width, height, repeat = layout.T
-    x = uv[:, 0] * width - 0.5
-    y = (1.0 - uv[:, 1]) * height - 0.5
+    height, width = texture.shape[:2]
+    x, y = uv[:, 0] * width - 0.5, (1.0 - uv[:, 1]) * height - 0.5
     x0, y0 = np.floor(x), np.floor(y)
     fx, fy = (x - x0)[:, None].astype(np.float32), (y - y0)[:, None].astype(np.float32)
-    columns, rows = [], []
-    for step in (0, 1):
-        column, row = x0.astype(np.int64) + step, y0.astype(np.int64) + step
-        columns.append(np.where(repeat, column % width, np.clip(column, 0, width - 1)))
-        rows.append(first + width * np.where(repeat, row % height, np.clip(row, 0, height - 1)))
-    texel = [[LINEAR_OF_BYTE[atlas[row + column]] for column in columns] for row in rows]
-    top = texel[0][0] * (1 - fx) + texel[0][1] * fx
-    bottom = texel[1][0] * (1 - fx) + texel[1][1] * fx
-    return top * (1 - fy) + bottom * fy
+    columns = np.stack([x0, x0 + 1]).astype(np.int64)
+    rows = np.stack([y0, y0 + 1]).astype(np.int64)
+    columns = columns % width if repeat else np.clip(columns, 0, width - 1)
+    rows = rows % height if repeat else np.clip(rows, 0, height - 1)
+    texel = LINEAR_OF_BYTE[texture[rows[:, None], columns[None, :]]]  # row column N 3
+    top = texel[0, 0] + (texel[0, 1] - texel[0, 0]) * fx
+    bottom = texel[1, 0] + (texel[1, 1] - texel[1, 0]) * fx
+    return top + (bottom - top) * fy
 
 
 def unoccluded_fraction(
@@ -126,7 +132,7 @@ def unoccluded_fraction(
     free = np.zeros(len(points), dtype=np.float32)
     for step in range(per_cell):
         directions = centers + samples[cells + step * TILE**2]
-        lengths = np.sqrt(np.einsum("ij,ij->i", directions, directions))
+        lengths = np.sqrt(dot_rows(directions, directions))
         limits = (reach / np.maximum(lengths, 1e-3)).astype(np.float32)
         free += ~occluded(points, directions, limits)
     return free / max(per_cell, 1)
@@ -145,7 +151,7 @@ def tile_average(
                 continue
             here, there = _shifted(shift, axis)
             same = labels[here] == labels[there]
-            same &= np.einsum("ijk,ijk->ij", guide[here], guide[there]) > 0.9
+            same &= dot_rows(guide[here], guide[there]) > 0.9
             total[here] += values[there] * same[..., None]
             weight[here] += same
         values = total / weight[..., None]
@@ -163,12 +169,12 @@ def orient_to_viewer(
     normals: Float[np.ndarray, "N 3"], geometric: Float[np.ndarray, "N 3"], rays: Float[np.ndarray, "N 3"]
 ) -> tuple[Float[np.ndarray, "N 3"], Float[np.ndarray, "N 3"]]:
     """Two-sided shading: turns both normals of each hit against its ray, and unit length."""
-    length = np.sqrt(np.einsum("ij,ij->i", geometric, geometric))[:, None]
+    length = np.sqrt(dot_rows(geometric, geometric))[:, None]
     geometric = geometric / np.maximum(length, 1e-20)
-    geometric = np.where(np.einsum("ij,ij->i", geometric, rays)[:, None] > 0, -geometric, geometric)
-    size = np.sqrt(np.einsum("ij,ij->i", normals, normals))[:, None]
+    geometric = np.where(dot_rows(geometric, rays)[:, None] > 0, -geometric, geometric)
+    size = np.sqrt(dot_rows(normals, normals))[:, None]
     normals = np.where(size > 1e-6, normals / np.maximum(size, 1e-20), geometric)
-    normals = np.where(np.einsum("ij,ij->i", normals, geometric)[:, None] < 0, -normals, normals)
+    normals = np.where(dot_rows(normals, geometric)[:, None] < 0, -normals, normals)
     return normals, geometric
 
 
@@ -188,6 +194,6 @@ def shade(
     height = 0.5 + 0.5 * normals[:, 2:]
     ambient = np.array([0.50, 0.53, 0.57]) * height + np.array([0.34, 0.32, 0.30]) * (1.0 - height)
     facing = np.clip(normals @ light, 0.0, None)[:, None]
-    lamp = 0.12 * np.abs(np.einsum("ij,ij->i", normals, towards_eye))[:, None]
+    lamp = 0.12 * np.abs(dot_rows(normals, towards_eye))[:, None]
     received = ambient * sky + np.array([0.64, 0.62, 0.585]) * facing * key + lamp * (0.4 + 0.6 * sky)
     return (albedo * received).astype(np.float32)
