@@ -43,6 +43,12 @@ def package_files(package: SimPackage) -> dict[str, bytes]:
         PackageError: If a source mesh or one of its images cannot be read.
     """
     check_kinematics(package)
+    files: dict[str, bytes] = {}
+    for link in package.links:
+        for visual in link.visuals:
+            files |= _visual_files(visual)
+        for index, hull in enumerate(link.hulls):
+            files[hull_path(link, index)] = hull_obj_text(hull, f"{link.name}_{index}").encode()
     pairs = touching_pairs(package)
     texts = {
         "mobility.urdf": urdf_text(package),
@@ -57,12 +63,7 @@ def package_files(package: SimPackage) -> dict[str, bytes]:
         "physics.json": physics_json(package),
         "provenance.json": provenance_json(package),
     }
-    files = {path: text.encode() for path, text in texts.items()}
-    for link in package.links:
-        for visual in link.visuals:
-            files |= _visual_files(visual)
-        for index, hull in enumerate(link.hulls):
-            files[hull_path(link, index)] = hull_obj_text(hull, f"{link.name}_{index}").encode()
+    files |= {path: text.encode() for path, text in texts.items()}
     return files | {MANIFEST: manifest_text(files).encode()}
 
 
