@@ -1,0 +1,223 @@
+"""Assets as folders: ``asset.json`` for everything with a name, ``asset.npz`` for the arrays.
+
+Equal assets give equal bytes, a folder appears whole or not at all, and reading is strict: an
+unknown key is an error, because a misspelt one would otherwise be a silent default.
+"""
+
+import json
+import shutil
+import tempfile
+import zipfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import fields
+from pathlib import Path
+
+import numpy as np
+
+from artigen.errors import SourceError
+from artigen.types import (
+    JOINT_TYPES,
+    PART_LABELS,
+    Asset,
+    Gaussians,
+    Joint,
+    Part,
+    SurfaceSamples,
+    VoxelGrid,
+)
+
+FORMAT = "artigen-asset-1"
+JSON_NAME = "asset.json"
+ARRAYS_NAME = "asset.npz"
+
+
+@contextmanager
+def whole_folder(folder: Path) -> Iterator[Path]:
+    """Yields an empty folder beside ``folder`` that takes its place only when all went well.
+
+    An older ``folder`` is replaced. Whatever stops the block, no half-written folder is left.
+
+    Raises:
+        FileExistsError: ``folder`` is a file.
+    """
+    if folder.exists() and not folder.is_dir():
+        raise FileExistsError(f"{folder}: is a file, expected a folder or nothing")
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    scratch = Path(tempfile.mkdtemp(prefix=f".{folder.name}.", suffix=".partial", dir=folder.parent))
+    try:
+        inner = scratch / "new"
+        inner.mkdir()
+        yield inner
+        old = folder.rename(scratch / "old") if folder.exists() else None
+        try:
+            inner.rename(folder)
+        except OSError:
+            if old is not None:
+                old.rename(folder)
+            raise
+    finally:
+        shutil.rmtree(scratch, ignore_errors=True)
+
+
+def write_asset(asset: Asset, folder: Path) -> None:
+    """Writes an asset as a folder, replacing an older one in one step.
+
+    Raises:
+        OSError: the disk refuses; nothing is left behind.
+    """
+    with whole_folder(folder) as scratch:
+        (scratch / JSON_NAME).write_text(json.dumps(_to_json(asset), indent=1) + "\n", encoding="utf-8")
+        write_arrays(_to_arrays(asset), scratch / ARRAYS_NAME)
+
+
+def read_asset(folder: Path) -> Asset:
+    """Reads what `write_asset` wrote.
+
+    Raises:
+        SourceError: names the file, the field and its value.
+    """
+    path = folder / JSON_NAME
+    try:
+        value = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError) as err:
+        raise SourceError(f"{path}: cannot be read: {err}") from err
+    arrays = read_arrays(folder / ARRAYS_NAME)
+    known = {f"{name}.{field}" for name, kind in _HOLDERS.items() for field in _array_names(kind)}
+    if unknown := sorted(set(arrays) - known):
+        raise SourceError(f"{folder / ARRAYS_NAME}: unknown arrays {', '.join(unknown)}")
+    try:
+        names = {field.name for field in fields(Asset)} - set(_HOLDERS)
+        _check_keys(value, names | {"format", "resolution"}, "asset")
+        _chosen(value, "format", (FORMAT,))
+        resolution = 0 if value["resolution"] is None else _typed(value, "resolution", int)
+        voxels, surface, gaussians = (_take(name, kind, arrays) for name, kind in _HOLDERS.items())
+        return Asset(
+            name=_typed(value, "name", str),
+            category=_typed(value, "category", str),
+            scale=float(_typed(value, "scale", (int, float))),
+            parts=tuple(_read_part(item, index) for index, item in enumerate(_typed(value, "parts", list))),
+            voxels=None
+            if voxels is None
+            else VoxelGrid(resolution=_typed(value, "resolution", int), **voxels),
+            surface=None if surface is None else SurfaceSamples(**surface),
+            gaussians=None if gaussians is None else Gaussians(**gaussians),
+            notes=tuple(_typed({"notes": note}, "notes", str) for note in _typed(value, "notes", list)),
+        )
+    except (ValueError, TypeError) as err:
+        raise SourceError(f"{path}: {err}") from err
+
+
+def write_arrays(arrays: dict[str, np.ndarray], path: Path) -> None:
+    """Writes a .npz whose bytes depend on the arrays alone: sorted names, one fixed date, no packing."""
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_STORED) as archive:
+        for name in sorted(arrays):
+            info = zipfile.ZipInfo(f"{name}.npy", date_time=(1980, 1, 1, 0, 0, 0))
+            with archive.open(info, "w", force_zip64=True) as stream:
+                np.lib.format.write_array(stream, np.ascontiguousarray(arrays[name]), allow_pickle=False)
+
+
+def read_arrays(path: Path) -> dict[str, np.ndarray]:
+    """Reads a .npz of plain arrays; pickles are refused.
+
+    Raises:
+        SourceError: the file is missing or damaged.
+    """
+    try:
+        with np.load(path, allow_pickle=False) as archive:
+            return {name: archive[name] for name in archive.files}
+    except (OSError, ValueError, EOFError, KeyError, zipfile.BadZipFile) as err:
+        raise SourceError(f"{path}: arrays cannot be read: {err}") from err
+
+
+_HOLDERS = {"voxels": VoxelGrid, "surface": SurfaceSamples, "gaussians": Gaussians}
+
+
+def _array_names(kind: type) -> list[str]:
+    return [field.name for field in fields(kind) if field.name != "resolution"]
+
+
+def _to_arrays(asset: Asset) -> dict[str, np.ndarray]:
+    return {
+        f"{name}.{field}": getattr(holder, field)
+        for name, kind in _HOLDERS.items()
+        if (holder := getattr(asset, name)) is not None
+        for field in _array_names(kind)
+    }
+
+
+def _to_json(asset: Asset) -> dict[str, object]:
+    return {
+        "format": FORMAT,
+        "name": asset.name,
+        "category": asset.category,
+        "scale": asset.scale,
+        "resolution": None if asset.voxels is None else asset.voxels.resolution,
+        "parts": [
+            {
+                "name": part.name,
+                "label": part.label,
+                "parent": part.parent,
+                "box": part.box.tolist(),
+                "joint": {
+                    field.name: value.tolist() if isinstance(value, np.ndarray) else value
+                    for field in fields(Joint)
+                    for value in [getattr(part.joint, field.name)]
+                },
+            }
+            for part in asset.parts
+        ],
+        "notes": list(asset.notes),
+    }
+
+
+def _check_keys(value: object, names: set[str], where: str) -> None:
+    if not isinstance(value, dict):
+        raise TypeError(f"{where}: holds {type(value).__name__}, expected an object")
+    unknown, missing = sorted(set(value) - names), sorted(names - set(value))
+    if unknown or missing:
+        said = [f"unknown keys {', '.join(unknown)}"] if unknown else []
+        said += [f"missing keys {', '.join(missing)}"] if missing else []
+        raise ValueError(f"{where}: {'; '.join(said)}; allowed are {', '.join(sorted(names))}")
+
+
+def _typed(value: dict, key: str, kind: type | tuple[type, ...]):
+    if not isinstance(value[key], kind) or isinstance(value[key], bool):
+        raise TypeError(f"{key!r} holds {value[key]!r}")
+    return value[key]
+
+
+def _chosen(value: dict, key: str, allowed: tuple):
+    if value[key] not in allowed:
+        raise ValueError(f"{key!r} is {value[key]!r}, expected one of {', '.join(allowed)}")
+    return value[key]
+
+
+def _read_part(item: object, index: int) -> Part:
+    where = f"part {index}"
+    _check_keys(item, {field.name for field in fields(Part)}, where)
+    assert isinstance(item, dict)
+    _check_keys(item["joint"], {field.name for field in fields(Joint)}, f"{where} joint")
+    numbers = {key: float(_typed(item["joint"], key, (int, float))) for key in ("lower", "upper", "pitch")}
+    joint = Joint(
+        type=_chosen(item["joint"], "type", JOINT_TYPES),
+        axis=np.array(item["joint"]["axis"], dtype=np.float64),
+        origin=np.array(item["joint"]["origin"], dtype=np.float64),
+        **numbers,
+    )
+    return Part(
+        name=_typed(item, "name", str),
+        label=_chosen(item, "label", PART_LABELS),
+        parent=_typed(item, "parent", int),
+        joint=joint,
+        box=np.array(item["box"], dtype=np.float64),
+    )
+
+
+def _take(name: str, kind: type, arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray] | None:
+    """The arrays of one holder, None when the asset had none."""
+    names = _array_names(kind)
+    found = {field: arrays[f"{name}.{field}"] for field in names if f"{name}.{field}" in arrays}
+    if found and (missing := sorted(set(names) - set(found))):
+        raise ValueError(f"{ARRAYS_NAME}: {name} lacks {', '.join(missing)}")
+    return found or None
