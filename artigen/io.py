@@ -97,9 +97,7 @@ def read_asset(folder: Path) -> Asset:
             category=_typed(value, "category", str),
             scale=float(_typed(value, "scale", (int, float))),
             parts=tuple(_read_part(item, index) for index, item in enumerate(_typed(value, "parts", list))),
-            voxels=None
-            if voxels is None
-            else VoxelGrid(resolution=_typed(value, "resolution", int), **voxels),
+            voxels=None if voxels is None else VoxelGrid(resolution=resolution, **voxels),
             surface=None if surface is None else SurfaceSamples(**surface),
             gaussians=None if gaussians is None else Gaussians(**gaussians),
             notes=tuple(_typed({"notes": note}, "notes", str) for note in _typed(value, "notes", list)),
