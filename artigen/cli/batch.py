@@ -1,0 +1,125 @@
+"""Long runs: many objects, several processes, a progress bar, and a journal to resume from.
+
+The journal ``run.jsonl`` in the output folder holds one line per finished object, written as it
+finishes. A rerun with the same settings does only what is missing or failed before.
+"""
+
+import hashlib
+import json
+import os
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Protocol, TypeVar
+
+from artigen.errors import ArtigenError
+from artigen.workers import Worker, run_supervised
+
+JOURNAL = "run.jsonl"
+
+
+class Job(Protocol):
+    """What a batch needs to know about one piece of work."""
+
+    @property
+    def key(self) -> str:
+        """Unique name of the object in this run; the name of its folder."""
+        ...
+
+    @property
+    def settings(self) -> str:
+        """Everything besides the source that decides the result, as text."""
+        ...
+
+
+JobType = TypeVar("JobType", bound=Job)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Finished:
+    """A line of the journal: what became of one object."""
+
+    key: str
+    settings: str
+    error: str | None = None
+    passed: bool | None = None
+    failures: tuple[str, ...] = ()
+    seconds: tuple[tuple[str, float], ...] = ()
+    peak_mib: float = 0.0
+    notes: tuple[str, ...] = ()
+
+    @property
+    def good(self) -> bool:
+        """Written, and not failed by validation."""
+        return self.error is None and self.passed is not False
+
+
+def digest_settings(text: str) -> str:
+    """A short name for settings; equal settings have equal names."""
+    return hashlib.sha256(text.encode()).hexdigest()[:16]
+
+
+def read_journal(out: Path) -> dict[str, Finished]:
+    """The last line of every object in the journal of ``out``.
+
+    A line cut short by a killed run is left out, so its object is done again.
+    """
+    path = out / JOURNAL
+    done: dict[str, Finished] = {}
+    if not path.is_file():
+        return done
+    for line in path.read_text().splitlines():
+        try:
+            value = json.loads(line)
+        except json.JSONDecodeError:
+            continue
+        value["seconds"] = tuple((name, spent) for name, spent in value["seconds"])
+        value["failures"] = tuple(value["failures"])
+        value["notes"] = tuple(value["notes"])
+        done[value["key"]] = Finished(**value)
+    return done
+
+
+def run_batch(
+    handle: Callable[[Worker, JobType], Finished],
+    jobs: Sequence[JobType],
+    out: Path,
+    *,
+    workers: int,
+    on_done: Callable[[Finished], None],
+) -> list[Finished]:
+    """Runs every job that the journal does not know as good; returns all, in the order of ``jobs``.
+
+    Raises:
+        ArtigenError: two jobs of one name, or an output folder that cannot be written.
+    """
+    keys = [job.key for job in jobs]
+    twice = sorted({key for key in keys if keys.count(key) > 1})
+    if twice:
+        raise ArtigenError(
+            f"several sources are called {', '.join(twice)}; convert them into different folders"
+        )
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise ArtigenError(f"cannot make the output folder {out}: {error.strerror}") from error
+    if not os.access(out, os.W_OK):
+        raise ArtigenError(f"the output folder {out} cannot be written; choose another with -o")
+    done = read_journal(out)
+
+    def is_done(job: JobType) -> bool:
+        line = done.get(job.key)
+        same = line is not None and line.settings == digest_settings(job.settings)
+        return same and line is not None and line.good and (out / job.key).is_dir()
+
+    results = {job.key: done[job.key] for job in jobs if is_done(job)}
+    for finished in results.values():
+        on_done(finished)
+    waiting = [job for job in jobs if job.key not in results]
+    with (out / JOURNAL).open("a") as journal:
+        for finished in run_supervised(handle, waiting, workers=workers):
+            journal.write(json.dumps(asdict(finished)) + "\n")
+            journal.flush()
+            results[finished.key] = finished
+            on_done(finished)
+    return [results[key] for key in keys]

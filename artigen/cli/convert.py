@@ -1,0 +1,225 @@
+"""`artigen convert`: real articulated objects to proven packages, many at once, resumable."""
+
+import resource
+import sys
+import time
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+import tyro
+from tqdm import tqdm
+
+from artigen.cli.arguments import Out, Workers
+from artigen.cli.batch import Finished, digest_settings, run_batch
+from artigen.workers import Worker
+
+if TYPE_CHECKING:
+    from artigen.types import Asset
+
+SOURCE_FILE = "mobility_v2.json"
+
+
+@dataclass(frozen=True, kw_only=True)
+class ConvertSettings:
+    """What decides how an object is converted; equal settings give equal packages."""
+
+    visual: Literal["voxels", "source"] = "voxels"
+    """``voxels`` rebuilds the object from its 64^3 articulated voxels, as for a generated one;
+    ``source`` keeps the object's own textured meshes and adds collision, mass, friction and proof."""
+    recipe: Literal["robust", "paper"] = "robust"
+    """How parts are found in the voxels: the robust recipe, or the paper's."""
+    size: float | None = None
+    """Longest edge of the closed object in metres; None takes it from the category's usual size."""
+    seed: int = 0
+    """Seed of the surface samples."""
+    validation: Literal["full", "none"] = "full"
+    """Whether every package is tried (L0 to L3) as soon as it is written."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ConvertJob:
+    """One source folder on its way to one package folder."""
+
+    source: Path
+    out: Path
+    cfg: ConvertSettings = field(default_factory=ConvertSettings)
+
+    @property
+    def key(self) -> str:
+        """Name of the package: that of the source folder."""
+        return self.source.resolve().name
+
+    @property
+    def settings(self) -> str:
+        """Source and settings as text."""
+        return f"{self.source.resolve()} {self.cfg}"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Converted:
+    """What one conversion took and noted."""
+
+    seconds: tuple[tuple[str, float], ...]
+    peak_mib: float
+    notes: tuple[str, ...]
+
+
+def convert_object(job: ConvertJob) -> Converted:
+    """Reads one object, exports it and writes the package; runs in a worker process."""
+    from artigen import __version__
+    from artigen.datasets.partnet_mobility import ReaderConfig, read_object
+    from sim_export.export import export_asset
+    from sim_export.write import write_package
+
+    watch = [("start", time.perf_counter())]
+    source = read_object(job.source, ReaderConfig(size=job.cfg.size, seed=job.cfg.seed))
+    watch.append(("read", time.perf_counter()))
+    provenance = {
+        "generator": f"artigen {__version__} convert",
+        "source": f"{job.key} ({source.asset.category}), PartNet-Mobility layout",
+        "visual": job.cfg.visual,
+        "seed": str(job.cfg.seed),
+    }
+    asset = voxelize_object(source.asset)
+    watch.append(("voxelize", time.perf_counter()))
+    if job.cfg.visual == "voxels":
+        asset = rebuild_from_voxels(asset, job.cfg.recipe)
+        watch.append(("segment", time.perf_counter()))
+        exported = export_asset(asset, provenance=provenance)
+    else:
+        meshes = place_source_meshes(source, asset)
+        exported = export_asset(asset, source_meshes=meshes, provenance=provenance)
+    written = time.perf_counter()
+    write_package(exported.package, job.out / job.key, "replace")
+    laps = [(name, now - before) for (_, before), (name, now) in zip(watch, watch[1:], strict=False)]
+    return Converted(
+        seconds=(*laps, *exported.seconds, ("write", time.perf_counter() - written)),
+        peak_mib=resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
+        notes=exported.package.records,
+    )
+
+
+def voxelize_object(asset: "Asset") -> "Asset":
+    """Adds the voxels of the surface; parts below the grid's resolution join their parents."""
+    from dataclasses import replace
+
+    from artigen.voxels import drop_unresolved, voxelize
+
+    if asset.surface is None:
+        raise ValueError(f"asset {asset.name!r} has no surface to voxelize")
+    return drop_unresolved(replace(asset, voxels=voxelize(asset.surface)))
+
+
+def rebuild_from_voxels(asset: "Asset", recipe: Literal["robust", "paper"] = "robust") -> "Asset":
+    """Object to 35-channel field and back: all that is kept besides is the colour of the surface."""
+    from dataclasses import replace
+
+    from artigen.carry_over import carry_surface
+    from artigen.fields import DEFAULT_LAYOUT, decode, encode
+    from artigen.segment import SegmentConfig, segment
+
+    fields = decode(encode(asset, DEFAULT_LAYOUT), DEFAULT_LAYOUT)
+    found = segment(
+        fields, SegmentConfig(recipe=recipe), name=asset.name, scale=asset.scale, category=asset.category
+    )
+    return carry_surface(asset, replace(found, notes=asset.notes + found.notes))
+
+
+def place_source_meshes(source, asset: "Asset"):
+    """The object's own mesh files, part by part, in metres; visuals of merged parts follow them."""
+    import numpy as np
+
+    from sim_export.package import SourceMesh
+
+    names = {part.name: index for index, part in enumerate(asset.parts)}
+    placed: dict[int, list[SourceMesh]] = {}
+    for visual in source.visuals:
+        part = visual.part
+        while source.asset.parts[part].name not in names:
+            part = source.asset.parts[part].parent
+        T = np.array(visual.T_unit_file)
+        T[:3, 3] *= asset.scale
+        mesh = SourceMesh(path=visual.path, T_object_file=T, scale=visual.scale * asset.scale)
+        placed.setdefault(names[source.asset.parts[part].name], []).append(mesh)
+    return placed
+
+
+def convert_and_validate(worker: Worker, job: ConvertJob, timeout: float) -> Finished:
+    """One object the whole way, in a supervised process."""
+    from envs.config import ValidateConfig
+    from envs.validate import validate
+
+    settings = digest_settings(job.settings)
+    outcome = worker.call(convert_object, job, timeout)
+    if outcome.value is None:
+        return Finished(key=job.key, settings=settings, error=outcome.error)
+    converted = outcome.value
+    if job.cfg.validation == "none":
+        return Finished(
+            key=job.key,
+            settings=settings,
+            seconds=converted.seconds,
+            peak_mib=converted.peak_mib,
+            notes=converted.notes,
+        )
+    before = time.perf_counter()
+    report = validate(job.out / job.key, ValidateConfig(), worker)
+    return Finished(
+        key=job.key,
+        settings=settings,
+        passed=report.passed,
+        failures=tuple(f"{check.id} {check.where}: {check.message}" for check in report.failures),
+        seconds=(*converted.seconds, ("validate", time.perf_counter() - before)),
+        peak_mib=converted.peak_mib,
+        notes=converted.notes,
+    )
+
+
+def find_sources(paths: tuple[Path, ...]) -> list[Path]:
+    """The object folders among ``paths``, and those directly inside of any other folder."""
+    found = []
+    for path in paths:
+        inside = sorted(child for child in path.glob("*") if (child / SOURCE_FILE).is_file())
+        found += [path] if (path / SOURCE_FILE).is_file() or not inside else inside
+    return found
+
+
+def convert(
+    sources: tyro.conf.Positional[tuple[Path, ...]],
+    out: Out,
+    cfg: tyro.conf.OmitArgPrefixes[ConvertSettings] = ConvertSettings(),  # noqa: B008
+    workers: Workers = 2,
+    timeout: float = 300.0,
+) -> int:
+    """Turns objects in the PartNet-Mobility layout into simulation packages and proves them.
+
+    A killed or failed run is finished by running the same command again.
+
+    Args:
+        sources: Object folders, or folders full of them.
+        out: Folder for the packages and the journal run.jsonl.
+        cfg: How objects are converted.
+        workers: Processes side by side.
+        timeout: Seconds that one stage of one object may take.
+    """
+    jobs = [ConvertJob(source=source, out=out, cfg=cfg) for source in find_sources(sources)]
+    with tqdm(total=len(jobs), unit="object", disable=not sys.stderr.isatty() and len(jobs) > 1) as bar:
+
+        def on_done(finished: Finished) -> None:
+            bar.update()
+            if not finished.good:
+                bar.write(
+                    f"{finished.key}: {finished.error or '; '.join(finished.failures)}", file=sys.stderr
+                )
+
+        handle = partial(convert_and_validate, timeout=timeout)
+        results = run_batch(handle, jobs, out, workers=workers, on_done=on_done)
+    written = [finished for finished in results if finished.error is None]
+    passed = [finished for finished in written if finished.passed]
+    sys.stdout.write(
+        f"{len(results)} objects: {len(written)} packages in {out}, {len(passed)} of them passed every check, "
+        f"{len(results) - len(written)} not converted\n"
+    )
+    return 0 if all(finished.good for finished in results) else 1

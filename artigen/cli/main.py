@@ -1,0 +1,36 @@
+"""`artigen`: subcommands built from typed functions; each imports what it needs when it runs."""
+
+import logging
+import sys
+
+from artigen.cli.convert import convert
+from artigen.cli.demo import demo
+from artigen.cli.export import export
+from artigen.cli.preview import preview
+from artigen.cli.validate import validate
+from artigen.cli.view import view
+from artigen.errors import ArtigenError
+
+
+def main() -> None:
+    """Runs the subcommand and exits with its code: 0 done, 1 something failed, 2 wrong usage."""
+    import tyro
+
+    logging.basicConfig(level=logging.WARNING, format="%(levelname)s %(name)s: %(message)s")
+    commands = {
+        "convert": convert,
+        "export": export,
+        "validate": validate,
+        "preview": preview,
+        "view": view,
+        "demo": demo,
+    }
+    try:
+        code = tyro.extras.subcommand_cli_from_dict(commands, prog="artigen", description=__doc__)
+    except ArtigenError as error:
+        sys.stderr.write(f"artigen: {error}\n")
+        sys.exit(1)
+    except KeyboardInterrupt:
+        sys.stderr.write("artigen: interrupted; run the same command again to finish the rest\n")
+        sys.exit(130)
+    sys.exit(code)

@@ -1,0 +1,25 @@
+"""`artigen view`: a package in the browser."""
+
+import sys
+import time
+from pathlib import Path
+
+import tyro
+
+
+def view(package: tyro.conf.Positional[Path], port: int = 8080) -> int:
+    """Serves a page with joint sliders, visual and collision meshes, and handle annotations.
+
+    Args:
+        package: A package folder.
+        port: TCP port on this machine.
+    """
+    from sim_export.view import view_package
+
+    view_package(package, port=port)
+    sys.stderr.write(f"{package}: http://localhost:{port} (Ctrl-C ends it)\n")
+    try:
+        while True:
+            time.sleep(3600.0)
+    except KeyboardInterrupt:
+        return 0

@@ -1,0 +1,28 @@
+"""The export's settings, one nested config per stage."""
+
+from dataclasses import dataclass, field
+
+from sim_export.annotations import HandleConfig
+from sim_export.clearance import ClearanceConfig
+from sim_export.decompose import DecomposeConfig
+from sim_export.meshing import MeshingConfig
+from sim_export.requirements import RequirementConfig
+from sim_export.texture import TextureConfig
+
+
+@dataclass(frozen=True, kw_only=True)
+class ExportConfig:
+    """How an asset becomes a package."""
+
+    meshing: MeshingConfig = field(default_factory=MeshingConfig)
+    """Voxels to closed part meshes."""
+    texture: TextureConfig = field(default_factory=TextureConfig)
+    """Source colours to textures."""
+    decompose: DecomposeConfig = field(default_factory=DecomposeConfig)
+    """Part meshes to convex collision hulls."""
+    requirements: RequirementConfig = field(default_factory=RequirementConfig)
+    """Which joint needs which other open."""
+    clearance: ClearanceConfig = field(default_factory=ClearanceConfig)
+    """Room for moving parts."""
+    handles: HandleConfig = field(default_factory=HandleConfig)
+    """How handles are measured."""

@@ -1,0 +1,135 @@
+"""`export_asset`: the stages from an `Asset` to a `SimPackage`, in order, nothing else."""
+
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from artigen.types import Asset
+from sim_export.annotations import annotate_handles
+from sim_export.clearance import clear_joints
+from sim_export.config import ExportConfig
+from sim_export.decompose import Decomposition, decompose_part
+from sim_export.links import LinkTree, PartGeometry, build_links
+from sim_export.masses import weigh_part
+from sim_export.materials import part_material
+from sim_export.meshing import mesh_parts
+from sim_export.package import Mesh, SimPackage, SourceMesh
+from sim_export.requirements import find_requirements
+from sim_export.texture import bake_texture
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Exported:
+    """A package, and what making it took: seconds per stage."""
+
+    package: SimPackage
+    decompositions: tuple[Decomposition, ...]
+    seconds: tuple[tuple[str, float], ...]
+
+
+class _Stopwatch:
+    """Collects the seconds between laps."""
+
+    def __init__(self) -> None:
+        self.laps: list[tuple[str, float]] = []
+        self._last = time.perf_counter()
+
+    def lap(self, name: str) -> None:
+        now = time.perf_counter()
+        self.laps.append((name, now - self._last))
+        self._last = now
+
+
+def export_asset(
+    asset: Asset,
+    cfg: ExportConfig | None = None,
+    *,
+    source_meshes: Mapping[int, Sequence[SourceMesh]] | None = None,
+    provenance: Mapping[str, str] | None = None,
+    cache: Path | None = None,
+) -> Exported:
+    """Turns an articulated object into a simulation package.
+
+    Args:
+        asset: parts, joints and voxels; its surface samples, where it has any, colour the textures.
+        cfg: settings of all stages.
+        source_meshes: meshes to show instead of those made from the voxels, by part; a part without
+            any is invisible. Collision, mass and annotations come from the voxels all the same.
+        provenance: where the object comes from, for ``provenance.json``.
+        cache: folder for results of slow convex decompositions.
+
+    Raises:
+        ExportError: names the part, what was measured and what is allowed.
+    """
+    cfg = cfg or ExportConfig()
+    watch = _Stopwatch()
+    meshes = mesh_parts(asset, cfg.meshing)
+    watch.lap("mesh")
+    decompositions = tuple(decompose_part(mesh, cfg.decompose, cache) for mesh in meshes)
+    watch.lap("decompose")
+    inertials = [weigh_part(asset, index, mesh) for index, mesh in enumerate(meshes)]
+    watch.lap("mass")
+    if source_meshes is None:
+        shown: list[tuple[Mesh | SourceMesh, ...]] = [(mesh,) for mesh in _with_texture(asset, meshes, cfg)]
+    else:
+        shown = [tuple(source_meshes.get(index, ())) for index in range(len(meshes))]
+    watch.lap("texture")
+    geometry = [
+        PartGeometry(visuals=visuals, hulls=decomposition.hulls, inertial=inertial)
+        for visuals, decomposition, inertial in zip(shown, decompositions, inertials, strict=True)
+    ]
+    tree = build_links(asset, geometry)
+    watch.lap("links")
+    needs = find_requirements(tree.links, tree.joints, cfg.requirements)
+    watch.lap("requirements")
+    cleared = clear_joints(tree.links, tree.joints, needs, cfg.clearance)
+    watch.lap("clearance")
+    tree = LinkTree(links=cleared.links, joints=cleared.joints, records=tree.records)
+    handles = annotate_handles(asset, meshes, tree, cfg.handles)
+    watch.lap("annotate")
+    records = (
+        *asset.notes,
+        *(
+            f"{p.name}: {said}"
+            for p, d in zip(asset.parts, decompositions, strict=True)
+            for said in d.records
+        ),
+        *tree.records,
+        *cleared.records,
+    )
+    package = SimPackage(
+        name=asset.name,
+        category=asset.category,
+        visual="voxels" if source_meshes is None else "source",
+        links=tree.links,
+        joints=tree.joints,
+        handles=handles,
+        requires_open=needs,
+        materials=tuple((part.name, part_material(part.label, asset.category)) for part in asset.parts),
+        provenance=tuple(sorted((provenance or {}).items())),
+        records=records,
+    )
+    return Exported(package=package, decompositions=decompositions, seconds=tuple(watch.laps))
+
+
+def _with_texture(asset: Asset, meshes: Sequence[Mesh], cfg: ExportConfig) -> list[Mesh]:
+    """Meshes coloured by the samples of their part; plain where there are none."""
+    surface = asset.surface
+    if surface is None:
+        return list(meshes)
+    order = np.argsort(surface.part_ids, kind="stable")
+    bounds = np.searchsorted(surface.part_ids[order], np.arange(len(meshes) + 1))
+    out = []
+    for index, mesh in enumerate(meshes):
+        rows = order[bounds[index] : bounds[index + 1]]
+        if not len(rows):
+            out.append(mesh)
+            continue
+        points = surface.points[rows].astype(np.float64) * asset.scale
+        out.append(
+            bake_texture(mesh, points, surface.colors[rows], cfg.texture, normals=surface.normals[rows])
+        )
+    return out

@@ -1,0 +1,61 @@
+"""The mass of a part: its walls, not the space they enclose.
+
+Voxels of a closed body describe a shell; its mesh encloses the cavity as well, because nothing can
+get in there. So the mass properties are those of the solid mesh minus those of the cells that lie in
+the cavity, both exact.
+"""
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from artigen.types import Asset
+from sim_export.errors import DegeneratePart
+from sim_export.inertia import inertia_about, mesh_inertial
+from sim_export.materials import MATERIALS, part_material
+from sim_export.occupancy import part_occupancy
+from sim_export.package import Inertial, Mesh
+
+
+def weigh_part(asset: Asset, part_id: int, mesh: Mesh) -> Inertial:
+    """Mass properties of the walls of a part, of the material that its label and category imply.
+
+    Args:
+        asset: parts and voxels; unit-cube lengths.
+        part_id: which part.
+        mesh: its closed mesh, metres.
+    """
+    if asset.voxels is None:
+        raise ValueError(f"asset {asset.name!r} has no voxels; voxelize its surface first")
+    part = asset.parts[part_id]
+    density = MATERIALS[part_material(part.label, asset.category)].density
+    solid = mesh_inertial(mesh, density)
+    occupancy = part_occupancy(asset.voxels, part_id).occupancy
+    cavity = occupancy.copy()
+    cavity[tuple(asset.voxels.coords.T)] = False  # what is on the surface of any part is wall
+    if not cavity.any():
+        return solid
+    walls = subtract(solid, cells_inertial(cavity, asset.scale / asset.voxels.resolution, density))
+    if walls.mass <= 0:
+        raise DegeneratePart(
+            f"part {part.name!r}: walls of {walls.mass:.3g} kg around its cavity, expected > 0"
+        )
+    return walls
+
+
+def cells_inertial(cells: Bool[np.ndarray, "R R R"], cell_size: float, density: float) -> Inertial:
+    """Mass properties of the cubes of a grid that is centred on the origin."""
+    centers = (np.argwhere(cells) + 0.5 - cells.shape[0] / 2) * cell_size
+    mass = density * cell_size**3
+    com = centers.mean(axis=0)
+    arms = centers - com
+    own = mass * cell_size**2 / 6.0 * len(arms) * np.eye(3)
+    second = mass * arms.T @ arms
+    return Inertial(mass=mass * len(arms), com=com, inertia=own + np.trace(second) * np.eye(3) - second)
+
+
+def subtract(whole: Inertial, hole: Inertial) -> Inertial:
+    """Mass properties of ``whole`` without ``hole``."""
+    mass = whole.mass - hole.mass
+    com = (whole.mass * np.asarray(whole.com) - hole.mass * np.asarray(hole.com)) / mass
+    rest: Float[np.ndarray, "3 3"] = inertia_about(whole, com) - inertia_about(hole, com)
+    return Inertial(mass=mass, com=com, inertia=rest)

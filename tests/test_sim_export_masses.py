@@ -1,0 +1,65 @@
+"""Walls weigh, cavities do not."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from artigen.types import FIXED, Asset, Part, VoxelGrid
+from sim_export.inertia import check_inertial, combine
+from sim_export.masses import cells_inertial, subtract, weigh_part
+from sim_export.materials import MATERIALS
+from sim_export.meshing import mesh_parts
+
+
+def hollow_box(shape=(20, 24, 30), resolution=32) -> Asset:
+    """A closed box of one-cell walls, 1 m wide in the grid."""
+    solid = np.zeros((resolution,) * 3, dtype=bool)
+    inside = solid.copy()
+    solid[tuple(slice(1, 1 + n) for n in shape)] = True
+    inside[tuple(slice(2, n) for n in shape)] = True
+    coords = np.argwhere(solid & ~inside)
+    center = (1 + np.array(shape) / 2) / resolution - 0.5
+    part = Part(
+        name="box", label="base", parent=-1, joint=FIXED, box=np.stack([center, np.array(shape) / resolution])
+    )
+    grid = VoxelGrid(resolution=resolution, coords=coords, part_ids=np.zeros(len(coords), dtype=np.int16))
+    return Asset(name="hollow", category="Table", scale=1.0, parts=(part,), voxels=grid)
+
+
+def test_a_closed_shell_weighs_its_walls():
+    asset = hollow_box()
+    (mesh,) = mesh_parts(asset)
+    walls = weigh_part(asset, 0, mesh)
+    size = np.array([20, 24, 30]) / 32
+    volume = np.prod(size) - np.prod(size - 2 / 32)
+    assert walls.mass == pytest.approx(MATERIALS["wood_board"].density * volume, rel=1e-6)
+    check_inertial(walls, "shell")
+
+
+def test_subtracting_undoes_adding():
+    rng = np.random.default_rng(0)
+    cells = rng.random((8, 8, 8)) < 0.3
+    other = rng.random((8, 8, 8)) < 0.3
+    a, b = cells_inertial(cells, 0.1, 500.0), cells_inertial(other, 0.1, 300.0)
+    back = subtract(combine([a, b]), b)
+    assert back.mass == pytest.approx(a.mass)
+    np.testing.assert_allclose(back.com, a.com, atol=1e-12)
+    np.testing.assert_allclose(back.inertia, a.inertia, atol=1e-9)
+
+
+def test_cells_of_a_block_have_the_inertia_of_the_block():
+    cells = np.zeros((8, 8, 8), dtype=bool)
+    cells[2:6, 1:4, 3:5] = True
+    block = cells_inertial(cells, 0.5, 2.0)
+    x, y, z = 2.0, 1.5, 1.0
+    assert block.mass == pytest.approx(2.0 * x * y * z)
+    expected = block.mass / 12 * np.diag([y * y + z * z, x * x + z * z, x * x + y * y])
+    np.testing.assert_allclose(block.inertia, expected, atol=1e-12)
+
+
+def test_an_asset_without_voxels_cannot_be_weighed():
+    asset = hollow_box()
+    (mesh,) = mesh_parts(asset)
+    with pytest.raises(ValueError, match="no voxels"):
+        weigh_part(replace(asset, voxels=None), 0, mesh)
