@@ -195,5 +195,5 @@ def shade(
     ambient = np.array([0.50, 0.53, 0.57]) * height + np.array([0.34, 0.32, 0.30]) * (1.0 - height)
     facing = np.clip(normals @ light, 0.0, None)[:, None]
     lamp = 0.12 * np.abs(dot_rows(normals, towards_eye))[:, None]
-    received = ambient * sky + np.array([0.64, 0.62, 0.585]) * facing * key + lamp * (0.4 + 0.6 * sky)
+    received = ambient * sky + np.array([0.58, 0.56, 0.53]) * facing * key + lamp * (0.4 + 0.6 * sky)
     return (albedo * received).astype(np.float32)
