@@ -9,7 +9,7 @@ from artigen.types import FULL_TURN
 from sim_export.checks.config import CheckConfig
 from sim_export.checks.registry import CheckSpec, Finding, always, count_problems
 from sim_export.checks.subject import MAIN_URDF, Subject
-from sim_export.checks.urdf_file import UrdfFile, UrdfJoint, parse_urdf, tree_problems
+from sim_export.checks.urdf_file import UrdfJoint, tree_problems
 from sim_export.errors import PackageError
 from sim_export.package import URDF_JOINT_TYPES
 from sim_export.write import MANIFEST, manifest_problems
@@ -30,20 +30,13 @@ PARTNET_SIDECARS = ("PROVENANCE.json", "result.json", "result_after_merging.json
 Problems = list[tuple[str, str]]
 
 
-def _all_urdfs(subject: Subject) -> dict[str, UrdfFile]:
-    names = [name for name in subject.files if name.endswith(".urdf") and "/" not in name]
-    return {name: parse_urdf(subject.folder / name) for name in sorted({MAIN_URDF, *names})}
-
-
 def check_tree(subject: Subject, cfg: CheckConfig) -> Finding:
     """V001: every URDF is well-formed and its links are one tree with unique names."""
     problems: Problems = []
     links = 0
-    for name in sorted({MAIN_URDF, *(n for n in subject.files if n.endswith(".urdf") and "/" not in n)}):
-        try:
-            urdf = parse_urdf(subject.folder / name)
-        except PackageError as err:
-            problems.append((name, str(err)))
+    for name, urdf in subject.urdfs.items():
+        if isinstance(urdf, PackageError):
+            problems.append((name, str(urdf)))
             continue
         links = max(links, len(urdf.links))
         problems += [(where, f"{name}: {sentence}") for where, sentence in tree_problems(urdf)]
@@ -55,7 +48,7 @@ def check_schema(subject: Subject, cfg: CheckConfig) -> Finding:
     from lxml.etree import LxmlError
     from yourdfpy import URDF
 
-    parse_urdf(subject.folder / MAIN_URDF)  # yourdfpy expands entities; nothing unsafe may reach it
+    assert subject.urdf.path.name == MAIN_URDF  # read safely before: yourdfpy would expand entities
     try:
         robot = URDF.load(
             str(subject.folder / MAIN_URDF),
@@ -77,7 +70,9 @@ def check_paths(subject: Subject, cfg: CheckConfig) -> Finding:
     """V003: every path is relative, inside the folder and there; every file is used by something."""
     problems: Problems = []
     used = {MAIN_URDF}
-    for name, urdf in _all_urdfs(subject).items():
+    for name, urdf in subject.urdfs.items():
+        if isinstance(urdf, PackageError):
+            raise urdf
         used |= {name, name.replace(".urdf", ".srdf")}
         files = {s.file for link in urdf.links for s in (*link.visuals, *link.collisions) if s.kind == "mesh"}
         for file in sorted(files):

@@ -8,12 +8,18 @@ from sim_export.checks.config import CheckConfig
 from sim_export.checks.grid import Grid, fill_solid, find_cavity, make_grid, mark_surface
 from sim_export.checks.registry import CheckSpec, Finding
 from sim_export.checks.subject import Subject
-from sim_export.checks.surface import inside_hulls, nearest_distances, sample_triangles, triangle_areas
+from sim_export.checks.surface import inside_hulls, surface_distances, sample_triangles, triangle_areas
 from sim_export.errors import PackageError
 
-_QUERY_STRIDE = 4
+_LEAST_SAMPLES = 64
+_DENSER = 4
+"""The surface measured to has this many times the samples of the points measured from."""
 _SKIN = 1e-3
 """A collision face covered by another hull of the link at this distance (m) is no outer surface."""
+
+
+_SMALLEST_CAVITY = 512
+"""Cells; below it the cavity is smaller than an eighth of 16^3 and its measure mostly rounding."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,15 +46,13 @@ def check_likeness(subject: Subject, cfg: CheckConfig) -> Finding:
         name: np.concatenate([s.triangles for s in subject.visuals if s.link == name]) for name in links
     }
     solid = {name: _hull_triangles(subject, name) for name in links}
-    measures = [*_distances(subject, cfg, visual, solid)]
     grid = make_grid(subject.bounds, cfg.grid_resolution)
+    volumes = [_link_volumes(subject, grid, visual[name], solid[name]) for name in links]
+    measures = _distances(subject, cfg, visual, solid)
     if subject.visual_source == "voxels":
-        measures.append(_volume_overlap(cfg, grid, visual, solid))
-    measures += [
-        measure
-        for name in links
-        for measure in _kept_cavity(cfg, grid, name, visual[name], solid[name], closed=_is_closed(subject))
-    ]
+        measures.append(_volume_overlap(cfg, grid, volumes))
+    for name, volume in zip(links, volumes, strict=True):
+        measures += _kept_cavity(cfg, grid, name, volume)
     worst = max(measures, key=lambda measure: measure.ratio)
     told = [m.text for m in measures if m.ratio > 1.0] or [m.text for m in measures[:3]]
     return Finding(
@@ -59,10 +63,6 @@ def check_likeness(subject: Subject, cfg: CheckConfig) -> Finding:
         where=worst.where,
         message="; ".join(told),
     )
-
-
-def _is_closed(subject: Subject) -> bool:
-    return subject.visual_source == "voxels"
 
 
 def _hull_triangles(subject: Subject, link: str) -> np.ndarray:
@@ -77,19 +77,18 @@ def _distances(
     total = sum(areas.values())
     forth, back = {}, {}
     for name in visual:
-        count = int(np.ceil(cfg.surface_samples * areas[name] / total)) + 8 * _QUERY_STRIDE
-        seen, _ = sample_triangles(visual[name], count)
-        felt, face = sample_triangles(solid[name], count)
+        count = int(np.ceil(cfg.surface_samples * areas[name] / total)) + _LEAST_SAMPLES
         hulls = subject.hull_sets[name].hulls
-        queries = seen[::_QUERY_STRIDE]
-        covered = inside_hulls(queries, hulls)
-        forth[name] = np.where(covered, 0.0, nearest_distances(queries, felt))
-        corners = solid[name][face[::_QUERY_STRIDE]]
+        seen, _ = sample_triangles(visual[name], count)
+        free = seen[~inside_hulls(seen, hulls)]
+        forth[name] = np.zeros(len(seen))
+        forth[name][: len(free)] = surface_distances(free, solid[name], _DENSER * count)
+        felt, face = sample_triangles(solid[name], count)
+        corners = solid[name][face]
         normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
         normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
-        queries = felt[::_QUERY_STRIDE]
-        outer = queries[~inside_hulls(queries + _SKIN * normals, hulls)]
-        back[name] = nearest_distances(outer, seen)
+        outer = felt[~inside_hulls(felt + _SKIN * normals, hulls)]
+        back[name] = surface_distances(outer, visual[name], _DENSER * count)
     worst = {name: max(np.max(forth[name], initial=0.0), np.max(back[name], initial=0.0)) for name in visual}
     where = max(worst, key=lambda name: worst[name])
     p99 = max(float(np.percentile(np.concatenate(list(d.values())), 99)) for d in (forth, back))
@@ -109,11 +108,36 @@ def _distances(
     ]
 
 
-def _volume_overlap(
-    cfg: CheckConfig, grid: Grid, visual: dict[str, np.ndarray], solid: dict[str, np.ndarray]
-) -> Measure:
-    seen = fill_solid(np.concatenate(list(visual.values())), grid)
-    felt = fill_solid(np.concatenate(list(solid.values())), grid)
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Volumes:
+    """Cells of one link that are seen as wall and that are felt as solid, in a window of the grid."""
+
+    window: tuple[slice, slice, slice]
+    seen: np.ndarray
+    felt: np.ndarray
+
+
+def _link_volumes(subject: Subject, grid: Grid, visual: np.ndarray, solid: np.ndarray) -> Volumes:
+    corners = np.concatenate([visual, solid]).reshape(-1, 3)
+    low = np.maximum(grid.cells_of(corners.min(axis=0)[None])[0] - 1, 0)
+    high = np.minimum(grid.cells_of(corners.max(axis=0)[None])[0] + 2, grid.shape)
+    size = high - low
+    part = Grid(
+        low=grid.low + low * grid.cell, cell=grid.cell, shape=(int(size[0]), int(size[1]), int(size[2]))
+    )
+    closed = subject.visual_source == "voxels"
+    return Volumes(
+        window=(slice(low[0], high[0]), slice(low[1], high[1]), slice(low[2], high[2])),
+        seen=fill_solid(visual, part) if closed else mark_surface(visual, part),
+        felt=fill_solid(solid, part),
+    )
+
+
+def _volume_overlap(cfg: CheckConfig, grid: Grid, volumes: list[Volumes]) -> Measure:
+    seen, felt = np.zeros((2, *grid.shape), dtype=bool)
+    for volume in volumes:
+        seen[volume.window] |= volume.seen
+        felt[volume.window] |= volume.felt
     union = np.count_nonzero(seen | felt)
     iou = np.count_nonzero(seen & felt) / union if union else 0.0
     return Measure(
@@ -123,21 +147,13 @@ def _volume_overlap(
     )
 
 
-def _kept_cavity(
-    cfg: CheckConfig, grid: Grid, name: str, visual: np.ndarray, solid: np.ndarray, *, closed: bool
-) -> list[Measure]:
+def _kept_cavity(cfg: CheckConfig, grid: Grid, name: str, volume: Volumes) -> list[Measure]:
     """How much of what is free inside a link stays free, where there is a cavity worth the name."""
-    low = grid.cells_of(visual.min(axis=(0, 1))[None])[0] - 2
-    shape = grid.cells_of(visual.max(axis=(0, 1))[None])[0] + 3 - low
-    window = Grid(
-        low=grid.low + low * grid.cell, cell=grid.cell, shape=(int(shape[0]), int(shape[1]), int(shape[2]))
-    )
-    wall = fill_solid(visual, window) if closed else mark_surface(visual, window)
-    cavity = find_cavity(wall)
+    cavity = find_cavity(volume.seen)
     cells = int(np.count_nonzero(cavity))
     if cells < _SMALLEST_CAVITY:
         return []
-    kept = 1.0 - np.count_nonzero(cavity & fill_solid(solid, window)) / cells
+    kept = 1.0 - np.count_nonzero(cavity & volume.felt) / cells
     litres = 1e3 * cells * grid.cell**3
     return [
         Measure(
@@ -148,9 +164,6 @@ def _kept_cavity(
         )
     ]
 
-
-_SMALLEST_CAVITY = 512
-"""Cells; below it the cavity is smaller than an eighth of 16^3 and its measure mostly rounding."""
 
 LIKENESS_CHECKS = (
     CheckSpec(id="V103", level="L1", title="collision is visual", applies=has_both, function=check_likeness),

@@ -104,6 +104,12 @@ def handle_points(subject: Subject, link: str) -> Float[np.ndarray, "N 3"]:
     return np.concatenate([np.zeros((0, 3)), *chunks])
 
 
+def panel_points(subject: Subject, link: str) -> Float[np.ndarray, "N 3"]:
+    """What is seen of a link without its handles; its hulls where nothing is."""
+    seen = [s.vertices for s in subject.visuals if s.link == link and "handle" not in s.name]
+    return np.concatenate(seen) if seen else subject.hull_sets[link].vertices
+
+
 def hit_hulls(
     origins: Float[np.ndarray, "N 3"], paths: Float[np.ndarray, "N 3"], hulls: tuple[Hull, ...]
 ) -> Bool[np.ndarray, "N"]:
@@ -123,19 +129,17 @@ def hit_hulls(
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Panel:
-    """A door seen along its hinge: extent ``low..high`` across it and the hinge's place, all in metres."""
+    """A door seen along its hinge: extent ``low..high`` across it, its thickness, the hinge's place (m)."""
 
-    across: Float[np.ndarray, "3"]
     low: float
     high: float
+    thickness: float
     hinge: float
 
 
 def door_panel(subject: Subject, joint: PackageJoint) -> Panel | None:
     """The door's extent in the direction from its hinge; None where the axis stands upright on the panel."""
-    handles = {tuple(row) for row in np.round(handle_points(subject, joint.child), 6)}
-    seen = [s.vertices for s in subject.visuals if s.link == joint.child and "handle" not in s.name]
-    points = np.concatenate(seen) if seen and handles else subject.hull_sets[joint.child].vertices
+    points = panel_points(subject, joint.child)
     centered = points - (points.min(axis=0) + points.max(axis=0)) / 2.0
     normal = _thin_direction(centered)
     if abs(normal @ joint.axis) > _PARALLEL:
@@ -144,7 +148,10 @@ def door_panel(subject: Subject, joint: PackageJoint) -> Panel | None:
     across /= np.linalg.norm(across)
     extent = points @ across
     return Panel(
-        across=across, low=float(extent.min()), high=float(extent.max()), hinge=float(joint.origin @ across)
+        low=float(extent.min()),
+        high=float(extent.max()),
+        thickness=float(np.ptp(points @ normal)),
+        hinge=float(joint.origin @ across),
     )
 
 
@@ -162,11 +169,13 @@ def _hinge_faults(subject: Subject, joint: PackageJoint, cfg: CheckConfig) -> li
         return []
     width = panel.high - panel.low
     off = min(abs(panel.hinge - panel.low), abs(panel.hinge - panel.high))
-    if off <= cfg.max_edge_ratio * width:
+    # A thick door turns about the middle of its thickness and clears its frame on both sides.
+    allowed = max(cfg.max_edge_ratio * width, panel.thickness / 2.0)
+    if off <= allowed:
         return []
     return [
         f"turns about a line {1e3 * off:.3g} mm from the edge of its {1e3 * width:.3g} mm wide door, "
-        f"allowed are {100 * cfg.max_edge_ratio:g} % of the width"
+        f"allowed are {1e3 * allowed:.3g} mm"
     ]
 
 
@@ -246,7 +255,7 @@ def check_retained(subject: Subject, cfg: CheckConfig) -> Finding:
     """V206: a drawer pulled out to its limit is still held by what carries it."""
     shares = {}
     for joint in opening_joints(subject, ("drawer", "tray"), ("prismatic",)):
-        own = subject.hull_sets[joint.child].vertices @ joint.axis + joint.upper
+        own = panel_points(subject, joint.child) @ joint.axis + joint.upper
         carrier = np.concatenate(
             [subject.hull_sets[name].vertices for name in subject.ancestors(joint.child)]
         )

@@ -92,6 +92,18 @@ class Subject:
         return parse_urdf(self.folder / MAIN_URDF)
 
     @cached_property
+    def urdfs(self) -> dict[str, UrdfFile | PackageError]:
+        """Every URDF of the folder, or why it cannot be read; `mobility.urdf` is always among them."""
+        names = {MAIN_URDF, *(name for name in self.files if name.endswith(".urdf") and "/" not in name)}
+        found: dict[str, UrdfFile | PackageError] = {}
+        for name in sorted(names):
+            try:
+                found[name] = self.urdf if name == MAIN_URDF else parse_urdf(self.folder / name)
+            except PackageError as err:
+                found[name] = err
+        return found
+
+    @cached_property
     def links(self) -> dict[str, UrdfLink]:
         """Links by name, once it is certain that they form one tree."""
         problems = tree_problems(self.urdf)

@@ -8,6 +8,7 @@ from sim_export.package import Hull
 
 _STEP = np.array([0.7548776662466927, 0.5698402909980532])
 """The plastic number's two-dimensional low-discrepancy sequence."""
+_NEAREST = 8
 
 
 def triangle_areas(triangles: Float[np.ndarray, "F 3 3"]) -> Float[np.ndarray, "F"]:
@@ -52,12 +53,37 @@ def inside_hulls(
     return out
 
 
-def nearest_distances(
-    points: Float[np.ndarray, "N 3"], target: Float[np.ndarray, "M 3"]
+def surface_distances(
+    points: Float[np.ndarray, "N 3"], triangles: Float[np.ndarray, "F 3 3"], samples: int
 ) -> Float[np.ndarray, "N"]:
-    """Distance of every point to the nearest target point; infinite where there is none."""
-    from scipy.spatial import cKDTree
+    """Distance of points to a surface: exact to the triangles under the nearest samples of it.
 
-    if not len(target):
+    Never too small, and too large only where the nearest triangle has none of a point's nearest
+    samples on it, that is by less than the spacing of the samples.
+    """
+    from scipy.spatial import KDTree
+
+    spread, owner = sample_triangles(triangles, samples)
+    if not len(spread) or not len(points):
         return np.full(len(points), np.inf)
-    return cKDTree(target).query(points)[0]
+    _, near = KDTree(spread).query(points, k=min(_NEAREST, len(spread)))
+    candidates = owner[near.reshape(len(points), -1)]  # N K
+    flat = triangle_distances(np.repeat(points, candidates.shape[1], axis=0), triangles[candidates.ravel()])
+    return flat.reshape(candidates.shape).min(axis=1)
+
+
+def triangle_distances(
+    points: Float[np.ndarray, "N 3"], triangles: Float[np.ndarray, "N 3 3"]
+) -> Float[np.ndarray, "N"]:
+    """Distance of each point to its own triangle."""
+    edges = np.roll(triangles, -1, axis=1) - triangles  # N 3 3
+    offset = points[:, None] - triangles
+    length = np.maximum(np.einsum("nki,nki->nk", edges, edges), 1e-30)
+    along = np.clip(np.einsum("nki,nki->nk", offset, edges) / length, 0.0, 1.0)
+    to_edges = np.linalg.norm(offset - along[..., None] * edges, axis=2).min(axis=1)
+    normal = np.cross(edges[:, 0], edges[:, 1])
+    size = np.linalg.norm(normal, axis=1)
+    beside = np.einsum("nki,nki->nk", np.cross(edges, offset), normal[:, None])
+    above = (beside >= 0).all(axis=1) & (size > 0)
+    height = np.abs(np.einsum("ni,ni->n", offset[:, 0], normal)) / np.maximum(size, 1e-30)
+    return np.where(above, height, to_edges)
