@@ -5,6 +5,7 @@ import sys
 import time
 from dataclasses import dataclass, field
 from functools import partial
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -93,7 +94,7 @@ def convert_object(job: ConvertJob) -> Converted:
         exported = export_asset(asset, source_meshes=meshes, provenance=provenance)
     written = time.perf_counter()
     write_package(exported.package, job.out / job.key, "replace")
-    laps = [(name, now - before) for (_, before), (name, now) in zip(watch, watch[1:], strict=False)]
+    laps = [(name, now - before) for (_, before), (name, now) in pairwise(watch)]
     return Converted(
         seconds=(*laps, *exported.seconds, ("write", time.perf_counter() - written)),
         peak_mib=resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
@@ -189,7 +190,7 @@ def find_sources(paths: tuple[Path, ...]) -> list[Path]:
 def convert(
     sources: tyro.conf.Positional[tuple[Path, ...]],
     out: Out,
-    cfg: tyro.conf.OmitArgPrefixes[ConvertSettings] = ConvertSettings(),  # noqa: B008
+    cfg: tyro.conf.OmitArgPrefixes[ConvertSettings] = ConvertSettings(),
     workers: Workers = 2,
     timeout: float = 300.0,
 ) -> int:
@@ -219,7 +220,7 @@ def convert(
     written = [finished for finished in results if finished.error is None]
     passed = [finished for finished in written if finished.passed]
     sys.stdout.write(
-        f"{len(results)} objects: {len(written)} packages in {out}, {len(passed)} of them passed every check, "
-        f"{len(results) - len(written)} not converted\n"
+        f"{len(results)} objects: {len(written)} packages in {out}, {len(passed)} of them passed "
+        f"every check, {len(results) - len(written)} not converted\n"
     )
     return 0 if all(finished.good for finished in results) else 1

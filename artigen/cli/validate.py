@@ -3,7 +3,7 @@
 import sys
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from tqdm import tqdm
 
@@ -14,17 +14,17 @@ if TYPE_CHECKING:
     from sim_export.report import Report
 
 
-def validate_folder(worker: Worker, folder: Path, *, keep: bool) -> "Report":
-    """The report on one folder; ``keep`` leaves it there as ``validation.json``."""
+def validate_folder(worker: Worker, folder: Path, *, output: Literal["package", "none"]) -> "Report":
+    """The report on one folder, run in the worker."""
     from envs.config import ValidateConfig
     from envs.validate import validate as run
 
-    return run(folder, ValidateConfig(output="package" if keep else "none"), worker)
+    return run(folder, ValidateConfig(output=output), worker)
 
 
 def describe(report: "Report") -> str:
     """A line for the package, and one for every check that failed."""
-    counts = {verdict: 0 for verdict in ("pass", "fail", "not_applicable")}
+    counts = dict.fromkeys(("pass", "fail", "not_applicable"), 0)
     for check in report.checks:
         counts[check.verdict] += 1
     head = (
@@ -35,14 +35,17 @@ def describe(report: "Report") -> str:
 
 
 def validate(
-    packages: Packages, json_file: Path | None = None, read_only: bool = False, workers: Workers = 1
+    packages: Packages,
+    json_file: Path | None = None,
+    report: Literal["package", "none"] = "package",
+    workers: Workers = 1,
 ) -> int:
     """Runs the checks L0 to L3 and says which failed, where, by how much; exits 1 if any did.
 
     Args:
         packages: Folders with a mobility.urdf.
         json_file: Also write all reports to this file.
-        read_only: Leave no validation.json in the folders.
+        report: Leave validation.json in each folder, or nothing.
         workers: Processes side by side.
     """
     from sim_export.report import report_to_json
@@ -53,11 +56,13 @@ def validate(
         return 2
     reports = []
     with tqdm(total=len(packages), unit="package", disable=len(packages) == 1) as bar:
-        for report in run_supervised(partial(validate_folder, keep=not read_only), packages, workers=workers):
-            reports.append(report)
+        for verdict in run_supervised(partial(validate_folder, output=report), packages, workers=workers):
+            reports.append(verdict)
             bar.update()
-            bar.write(describe(report), file=sys.stdout)
+            bar.write(describe(verdict), file=sys.stdout)
     if json_file is not None:
-        ordered = sorted(reports, key=lambda report: report.package)
-        json_file.write_text("[" + ",\n".join(report_to_json(report).rstrip() for report in ordered) + "]\n")
-    return 0 if all(report.passed for report in reports) else 1
+        ordered = sorted(reports, key=lambda verdict: verdict.package)
+        json_file.write_text(
+            "[" + ",\n".join(report_to_json(verdict).rstrip() for verdict in ordered) + "]\n"
+        )
+    return 0 if all(verdict.passed for verdict in reports) else 1
