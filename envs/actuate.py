@@ -12,7 +12,8 @@ from artigen.transforms import inverse, transform_points
 from .base import SUBSTEPS, PackageEnv, open_fractions
 from .config import HandConfig
 from .hand import measure_moved, pose_matrix
-from .package import LoadConfig, LoadedJoint, qpos_of
+from .loaded import LoadedJoint, advance, qpos_of
+from .package import LoadConfig
 from .plan import plan_trials
 from .trials import reset
 
@@ -105,8 +106,8 @@ class ActuateEnv(PackageEnv):
         for _ in range(SUBSTEPS):
             point, direction, lever = self._handle()
             force = effort / lever * direction
-            joint.engine.child_link.add_force_at_point(force.astype(np.float32), point.astype(np.float32))
-            self.scene.step()
+            joint.engine.child_link.add_force_at_point(force.tolist(), point.tolist())
+            advance(self.loaded)
             self._travel += float(self.loaded.articulation.qvel[joint.index]) * self.scene.timestep
         info = self._info()
         return self._observe(), self._opened() - before, info["success"], False, info

@@ -10,7 +10,8 @@ from jaxtyping import Float
 from sim_export.package import SimPackage
 from sim_export.read import read_package
 
-from .package import LoadConfig, LoadedPackage, load_package
+from .loaded import LoadedPackage
+from .package import LoadConfig, load_package
 from .scene import create_scene
 
 CONTROL_FREQUENCY = 20

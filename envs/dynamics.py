@@ -57,11 +57,11 @@ def _single_checks(package: SimPackage, run: TrialResults, cfg: TrialConfig) -> 
     """V301 to V306 out of the trials at one time step."""
     return (
         check_loads(run),
-        check_rest(package, run),
+        check_rest(run),
         check_stand(package, run),
-        check_opens(package, run, cfg),
-        check_stays_closed(package, run),
-        check_energy(package, run),
+        check_opens(run, cfg),
+        check_stays_closed(run),
+        check_energy(run),
     )
 
 
@@ -97,10 +97,10 @@ def check_loads(run: TrialResults) -> CheckResult:
     )  # fmt: skip
 
 
-def check_rest(package: SimPackage, run: TrialResults) -> CheckResult:
+def check_rest(run: TrialResults) -> CheckResult:
     """V302: bolted down and left alone for 5 s, no joint moves by more than 1 % of its range (a full
     turn where there is none) or is still moving faster than 1e-3 m/s or rad/s."""
-    joints = moving_joints(package)
+    joints = run.joints
     if not joints:
         return _not_applicable("V302", "nothing moves")
     drift = run.rest_drift / np.array([_span(joint) for joint in joints])
@@ -145,7 +145,7 @@ def check_stand(package: SimPackage, run: TrialResults) -> CheckResult:
     )  # fmt: skip
 
 
-def check_opens(package: SimPackage, run: TrialResults, cfg: TrialConfig) -> CheckResult:
+def check_opens(run: TrialResults, cfg: TrialConfig) -> CheckResult:
     """V304: a constant pull opens every joint to 90 % of its range and on to its limit within 5 s, and
     a constant push closes it again, with what it requires standing open and all else at rest.
 
@@ -154,7 +154,7 @@ def check_opens(package: SimPackage, run: TrialResults, cfg: TrialConfig) -> Che
     reached within 1 % of the range, or 0.5 degrees where that is more. A joint without limits has to
     turn once around and back.
     """
-    joints = moving_joints(package)
+    joints = run.joints
     if not joints:
         return _not_applicable("V304", "nothing moves")
     gaps = [max(pull.open_gap, pull.close_gap) for pull in run.pulls]
@@ -175,10 +175,10 @@ def check_opens(package: SimPackage, run: TrialResults, cfg: TrialConfig) -> Che
     )  # fmt: skip
 
 
-def check_stays_closed(package: SimPackage, run: TrialResults) -> CheckResult:
+def check_stays_closed(run: TrialResults) -> CheckResult:
     """V305: leaned 5 degrees towards the way it opens, no joint opens by more than 1 % of its range in
     2 s. Joints without limits (wheels, knobs) have no closed state and are left out."""
-    joints = moving_joints(package)
+    joints = run.joints
     limited = [index for index, joint in enumerate(joints) if joint.type != "continuous"]
     if not limited:
         return _not_applicable("V305", "no joint has limits")
@@ -194,10 +194,10 @@ def check_stays_closed(package: SimPackage, run: TrialResults) -> CheckResult:
     )  # fmt: skip
 
 
-def check_energy(package: SimPackage, run: TrialResults) -> CheckResult:
+def check_energy(run: TrialResults) -> CheckResult:
     """V306: while opened and closed no joint moves faster than 1.5 times what all work of hand and
     weight could give it, and the object's bounding box never grows beyond 10 times its size."""
-    joints = moving_joints(package)
+    joints = run.joints
     if not joints:
         return _not_applicable("V306", "nothing moves")
     if not run.size_ratio <= SIZE_RATIO:
@@ -261,11 +261,6 @@ def check_timesteps(folder: Path, package: SimPackage, cfg: DynamicsConfig) -> C
         "V309", fails=bool(failures), value=float(len(failures)), threshold=0.0, unit="failed checks",
         message="; ".join(failures) or f"passes at {len(cfg.other_timesteps)} other time steps",
     )  # fmt: skip
-
-
-def moving_joints(package: SimPackage) -> list[PackageJoint]:
-    """The joints that move on their own, in the order of the package."""
-    return [joint for joint in package.joints if joint.type != "fixed" and joint.mimic is None]
 
 
 def _span(joint: PackageJoint) -> float:

@@ -15,7 +15,7 @@ from jaxtyping import Float
 from artigen.transforms import rotation_about, transform_points
 
 from .config import HandConfig
-from .package import LoadedJoint, LoadedPackage, moving_links
+from .loaded import LoadedJoint, LoadedPackage, moving_links
 
 if TYPE_CHECKING:
     import sapien

@@ -12,7 +12,8 @@ from sim_export.hulls import convex_hull
 
 from .base import PackageEnv
 from .hand import pose_matrix, shape_vertices
-from .package import LoadConfig, set_open_fraction
+from .loaded import set_open_fraction
+from .package import LoadConfig
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,23 +6,24 @@ ignores joint friction, and needs (or aborts without) a render device as soon as
 """
 
 import tempfile
-from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
-
-import numpy as np
-from jaxtyping import Float
 
 from sim_export.errors import PackageError
 from sim_export.package import HandleAnnotation, PackageJoint, SimPackage
 
 from .friction import apply_damping, apply_friction
+from .loaded import LinkLoad, LoadedJoint, LoadedPackage, Screw
 from .urdf_text import physics_urdf
 
 if TYPE_CHECKING:
     import sapien
-    from sapien.physx import PhysxArticulation, PhysxArticulationJoint, PhysxArticulationLinkComponent
+    from sapien.physx import PhysxArticulation
+
+SCREW_FREQUENCY = 1000.0
+"""Natural frequency (rad/s) of the drive that makes the travel of a screw follow its turn: under its own
+weight a part sags by g / frequency^2, a hundredth of a millimetre."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,59 +40,6 @@ class LoadConfig:
     """``package`` applies the package's friction and damping exactly; ``engine`` leaves what SAPIEN
     makes of the URDF, which is how other loaders will see it. Joints that carry neither value in
     the package are left to the engine in both."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class LinkLoad:
-    """What the URDF says about a link and what the engine made of it; ``None`` mass: none authored."""
-
-    name: str
-    hulls: int
-    shapes: int
-    lost: tuple[str, ...]
-    mass: float | None
-    engine_mass: float
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class LoadedJoint:
-    """A joint with its engine counterpart; ``index`` is its place in the articulation's ``qpos``."""
-
-    spec: PackageJoint
-    index: int
-    label: str | None
-    handle: HandleAnnotation | None
-    engine: "PhysxArticulationJoint"
-
-    @property
-    def limited(self) -> bool:
-        """False for wheels and other joints that turn for ever."""
-        return self.spec.type != "continuous"
-
-    @property
-    def span(self) -> float:
-        """Length of the range (m or rad); a full turn where there are no limits."""
-        return self.spec.upper - self.spec.lower if self.limited else 2.0 * np.pi
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class LoadedPackage:
-    """A package in a scene. ``joints`` are those that move on their own, screw followers left out, in
-    the order of the package."""
-
-    package: SimPackage
-    folder: Path
-    articulation: "PhysxArticulation"
-    joints: tuple[LoadedJoint, ...]
-    links: tuple[LinkLoad, ...]
-
-    def joint(self, name: str) -> LoadedJoint:
-        """The joint of that name; raises `ValueError` naming those that exist."""
-        for joint in self.joints:
-            if joint.spec.name == name:
-                return joint
-        known = ", ".join(joint.spec.name for joint in self.joints)
-        raise ValueError(f"package {self.package.name!r} has no joint {name!r}; it has {known or 'none'}")
 
 
 def load_package(
@@ -116,6 +64,8 @@ def load_package(
     loader.fix_root_link = cfg.base == "fixed"
     loader.load_multiple_collisions_from_file = True
     builder = _parse(loader, folder, cfg.visuals)
+    package = _limit_screws(package)
+    _uncouple(builder, package)
     records = {record.name: record for record in builder.link_builders}
     try:
         articulation = builder.build()
@@ -131,43 +81,14 @@ def load_package(
     moving = [joint for joint in joints if joint.spec.mimic is None]
     moving.sort(key=lambda joint: order.index(joint.spec.name))
     return LoadedPackage(
-        package=package, folder=folder, articulation=articulation, joints=tuple(moving), links=links
+        package=package,
+        folder=folder,
+        scene=scene,
+        articulation=articulation,
+        joints=tuple(moving),
+        links=links,
+        screws=tuple(_drive_screw(joint, joints) for joint in joints if joint.spec.mimic is not None),
     )
-
-
-def set_open_fraction(loaded: LoadedPackage, fraction: float | Sequence[float]) -> Float[np.ndarray, "Q"]:
-    """Poses every joint at a fraction of its range, at rest; returns the articulation's ``qpos``.
-
-    Args:
-        loaded: the object.
-        fraction: 0 is the lower limit and 1 the upper; one number for all joints or one per joint
-            of ``loaded.joints``. A joint without limits takes it as part of a full turn.
-    """
-    count = len(loaded.joints)
-    values = np.broadcast_to(np.asarray(fraction, dtype=np.float64), (count,))
-    if ((values < 0.0) | (values > 1.0)).any():
-        raise ValueError(f"open fraction {values.tolist()}: must lie in [0, 1]")
-    q = {
-        joint.spec.name: (joint.spec.lower if joint.limited else 0.0) + value * joint.span
-        for joint, value in zip(loaded.joints, values, strict=True)
-    }
-    qpos = qpos_of(loaded, q)
-    loaded.articulation.set_qpos(qpos.astype(np.float32))
-    loaded.articulation.set_qvel(np.zeros(len(qpos), dtype=np.float32))
-    return qpos
-
-
-def qpos_of(loaded: LoadedPackage, coordinates: dict[str, float]) -> Float[np.ndarray, "Q"]:
-    """The articulation's ``qpos`` for joint coordinates by name; the others are 0, followers follow."""
-    qpos = np.zeros(loaded.articulation.dof)
-    specs = {joint.name: joint for joint in loaded.package.joints}
-    for index, joint in enumerate(loaded.articulation.active_joints):
-        spec = specs[joint.name]
-        if spec.mimic is not None:
-            qpos[index] = spec.mimic_multiplier * coordinates.get(spec.mimic, 0.0)
-        else:
-            qpos[index] = coordinates.get(joint.name, 0.0)
-    return qpos
 
 
 def _parse(loader, folder: Path, visuals: str):
@@ -193,6 +114,44 @@ def _parse(loader, folder: Path, visuals: str):
             "articulation; write a root link and at least one joint, and no floating ones"
         )
     return articulations[0]
+
+
+def _limit_screws(package: SimPackage) -> SimPackage:
+    """The package with every screw's turn limited by the ends of its thread."""
+    followers = {joint.mimic: joint for joint in package.joints if joint.mimic is not None}
+
+    def limit(joint: PackageJoint) -> PackageJoint:
+        follower = followers.get(joint.name)
+        if follower is None or joint.type != "continuous" or follower.mimic_multiplier == 0.0:
+            return joint
+        ends = sorted(
+            (follower.lower / follower.mimic_multiplier, follower.upper / follower.mimic_multiplier)
+        )
+        return replace(joint, type="revolute", lower=ends[0], upper=ends[1])
+
+    return replace(package, joints=tuple(limit(joint) for joint in package.joints))
+
+
+def _uncouple(builder, package: SimPackage) -> None:
+    """Takes SAPIEN's tendons out of a builder and gives the turning joints of screws their limits."""
+    builder.mimic_joint_records.clear()
+    leaders = {joint.mimic for joint in package.joints if joint.mimic is not None}
+    limits = {joint.name: [[joint.lower, joint.upper]] for joint in package.joints if joint.name in leaders}
+    for link in builder.link_builders:
+        record = link.joint_record
+        if record.name in limits and record.joint_type == "revolute":
+            record.joint_type, record.limits = "revolute_unwrapped", limits[record.name]
+
+
+def _drive_screw(joint: LoadedJoint, joints: tuple[LoadedJoint, ...]) -> Screw:
+    """Couples a following joint to its leader by a critically damped position drive."""
+    leader = next((other for other in joints if other.spec.name == joint.spec.mimic), None)
+    if leader is None:
+        raise PackageError(f"joint {joint.spec.name!r} follows {joint.spec.mimic!r}, which does not move")
+    mass = float(joint.engine.child_link.mass)
+    joint.engine.set_friction(0.0)
+    joint.engine.set_drive_properties(mass * SCREW_FREQUENCY**2, 2.0 * mass * SCREW_FREQUENCY)
+    return Screw(leader=leader.index, multiplier=joint.spec.mimic_multiplier, follower=joint.engine)
 
 
 def _compare(link, record, mass: float | None) -> LinkLoad:
@@ -252,19 +211,10 @@ def _match_joints(articulation: "PhysxArticulation", package: SimPackage) -> tup
 
 
 def _apply_resistance(articulation: "PhysxArticulation", joint: LoadedJoint) -> None:
-    """Friction and damping of the package; a joint that has neither is left to the engine."""
+    """Friction and damping of the package; a joint that has neither is left to the engine, and the
+    follower of a screw to its drive."""
     spec = joint.spec
-    if spec.friction == 0.0 and spec.damping == 0.0:
+    if spec.mimic is not None or (spec.friction == 0.0 and spec.damping == 0.0):
         return
     apply_friction(joint.engine, spec.friction)
     apply_damping(articulation, joint.engine, spec.damping)
-
-
-def moving_links(loaded: LoadedPackage, joint: LoadedJoint) -> list["PhysxArticulationLinkComponent"]:
-    """The joint's child link and everything that hangs from it."""
-    out, waiting = [], [joint.engine.child_link]
-    while waiting:
-        link = waiting.pop()
-        out.append(link)
-        waiting += sorted(link.children, key=lambda child: child.name)
-    return out

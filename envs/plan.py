@@ -13,7 +13,7 @@ from artigen.transforms import rotation_about
 
 from .config import HandConfig
 from .hand import Moved, hand_effort, measure_moved, weight_effort
-from .package import LoadedJoint, LoadedPackage, qpos_of
+from .loaded import LoadedJoint, LoadedPackage, qpos_of
 
 SWEEP_SAMPLES = 13
 SPEED_MARGIN = 1.5

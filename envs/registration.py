@@ -1,5 +1,6 @@
 """The environments' ids. Entry points are small factories: the physics engine is imported when one runs."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -42,7 +43,11 @@ def make_settle(
 
 def register_environments() -> None:
     """Registers every id once; gymnasium adds the time limits."""
-    factories = (make_actuate, make_joint_sweep, make_settle)
-    for name, factory, steps in zip(ENVIRONMENT_IDS, factories, (100, 200, 100), strict=True):
-        if name not in gym.registry:
-            gym.register(id=name, entry_point=factory, max_episode_steps=steps)
+    _register("ArtiGen/Actuate-v0", make_actuate, steps=100)
+    _register("ArtiGen/JointSweep-v0", make_joint_sweep, steps=200)
+    _register("ArtiGen/Settle-v0", make_settle, steps=100)
+
+
+def _register(name: str, factory: Callable[..., gym.Env], *, steps: int) -> None:
+    if name not in gym.registry:
+        gym.register(id=name, entry_point=factory, max_episode_steps=steps)

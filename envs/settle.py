@@ -9,6 +9,7 @@ import sapien
 
 from .base import SUBSTEPS, PackageEnv, open_fractions
 from .hand import GRAVITY, pose_matrix
+from .loaded import advance
 from .package import LoadConfig
 from .plan import rest_qpos
 from .support import center_of_mass
@@ -100,13 +101,12 @@ class SettleEnv(PackageEnv):
     def step(self, action: np.ndarray):
         """Five physics steps under the same force."""
         push = np.clip(np.asarray(action, dtype=np.float64), -1.0, 1.0)
-        force = (self.cfg.push_ratio * self._weight * push).astype(np.float32)
+        force = self.cfg.push_ratio * self._weight * push
         root = self.loaded.articulation.links[0]
         for _ in range(SUBSTEPS):
             if force.any():
-                point = center_of_mass(self.loaded).astype(np.float32)
-                root.add_force_at_point(force, point)
-            self.scene.step()
+                root.add_force_at_point(force.tolist(), center_of_mass(self.loaded).tolist())
+            advance(self.loaded)
         info = self._info()
         settled = info["tilt_degrees"] < self.cfg.upright_degrees and info["speed"] < self.cfg.rest_speed
         self._resting = self._resting + 1 if settled else 0

@@ -5,7 +5,7 @@ from jaxtyping import Float
 from scipy.spatial import ConvexHull, QhullError
 
 from .hand import pose_matrix
-from .package import LoadedPackage
+from .loaded import LoadedPackage
 
 FLOOR_BAND = 0.005
 """Metres above the lowest point within which a vertex counts as touching the floor."""

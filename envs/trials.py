@@ -13,11 +13,12 @@ import sapien
 from jaxtyping import Float
 
 from artigen.transforms import transform_points
-from sim_export.package import SimPackage
+from sim_export.package import PackageJoint, SimPackage
 
 from .config import TrialConfig
 from .hand import link_vertices, pose_matrix, push_wrench
-from .package import LinkLoad, LoadConfig, LoadedPackage, load_package, qpos_of
+from .loaded import LinkLoad, LoadedPackage, advance, qpos_of
+from .package import LoadConfig, load_package
 from .plan import JointPlan, TrialPlan, plan_trials, rest_qpos
 from .scene import create_scene
 
@@ -51,6 +52,7 @@ class TrialResults:
     """Everything measured at one time step. Arrays follow ``LoadedPackage.joints``."""
 
     timestep: float
+    joints: tuple[PackageJoint, ...]
     loads: tuple[LinkLoad, ...]
     plan: TrialPlan
     rest_drift: Float[np.ndarray, "J"]
@@ -80,6 +82,7 @@ def run_trials(folder: Path, package: SimPackage, timestep: float, cfg: TrialCon
     stand = _stand(folder, package, timestep, cfg, trace)
     return TrialResults(
         timestep=timestep,
+        joints=tuple(joint.spec for joint in loaded.joints),
         loads=loaded.links,
         plan=plan,
         rest_drift=rest_drift,
@@ -114,7 +117,7 @@ def _run_free(scene, loaded: LoadedPackage, seconds: float, trace: list) -> np.n
     start = np.array(loaded.articulation.qpos, dtype=np.float64)
     worst = np.zeros(len(start))
     for step in range(_steps(scene, seconds)):
-        scene.step()
+        advance(loaded)
         if step % 8 == 7:
             q = np.array(loaded.articulation.qpos, dtype=np.float64)
             worst = np.fmax(worst, np.abs(q - start)) if np.isfinite(q).all() else np.full(len(q), np.inf)
@@ -198,7 +201,7 @@ def _drive(
             # A joint without limits is let go once it has turned far enough.
             if limited[k] or gap[k] > 0.0:
                 link.add_force_torque(*wrench)
-        scene.step()
+        advance(loaded)
         q = np.array(loaded.articulation.qpos, dtype=np.float64)[columns]
         v = np.array(loaded.articulation.qvel, dtype=np.float64)[columns]
         travelled = travelled + direction * v * scene.timestep

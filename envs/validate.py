@@ -5,6 +5,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
 from artigen.workers import Worker
+from sim_export.errors import PackageError
 from sim_export.report import CheckResult, Report, write_report
 
 from .config import ValidateConfig
@@ -26,10 +27,13 @@ def validate(folder: Path, cfg: ValidateConfig | None = None, worker: Worker | N
         folder: a package, or any folder in PartNet-Mobility's layout.
         cfg: thresholds, time limit, and whether ``validation.json`` is written.
         worker: a process to reuse for package after package; without one a process is started and ended.
+
+    Raises:
+        PackageError: if there is no such folder; what is wrong inside of it is for the checks to say.
     """
     cfg = ValidateConfig() if cfg is None else cfg
-    own = Worker() if worker is None else worker
     job = _job(folder, cfg)
+    own = Worker() if worker is None else worker
     try:
         static = call_static(own, job, cfg.timeout)
         dynamic = (
@@ -61,6 +65,8 @@ def engine_versions() -> tuple[tuple[str, str], ...]:
 
 
 def _job(folder: Path, cfg: ValidateConfig) -> CheckJob:
+    if not Path(folder).is_dir():
+        raise PackageError(f"{folder}: no such folder")
     return CheckJob(folder=Path(folder), checks=cfg.checks, dynamics=cfg.dynamics)
 
 

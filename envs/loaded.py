@@ -1,0 +1,141 @@
+"""A package in a scene as a value, and what one does with it: pose it, step it, ask what moves."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from jaxtyping import Float
+
+from sim_export.package import HandleAnnotation, PackageJoint, SimPackage
+
+if TYPE_CHECKING:
+    import sapien
+    from sapien.physx import PhysxArticulation, PhysxArticulationJoint, PhysxArticulationLinkComponent
+
+
+@dataclass(frozen=True, kw_only=True)
+class LinkLoad:
+    """What the URDF says about a link and what the engine made of it; ``None`` mass: none authored."""
+
+    name: str
+    hulls: int
+    shapes: int
+    lost: tuple[str, ...]
+    mass: float | None
+    engine_mass: float
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class LoadedJoint:
+    """A joint with its engine counterpart; ``index`` is its place in the articulation's ``qpos``."""
+
+    spec: PackageJoint
+    index: int
+    label: str | None
+    handle: HandleAnnotation | None
+    engine: "PhysxArticulationJoint"
+
+    @property
+    def limited(self) -> bool:
+        """False for wheels and other joints that turn for ever."""
+        return self.spec.type != "continuous"
+
+    @property
+    def span(self) -> float:
+        """Length of the range (m or rad); a full turn where there are no limits."""
+        return self.spec.upper - self.spec.lower if self.limited else 2.0 * np.pi
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Screw:
+    """A sliding joint that follows a turning one by ``multiplier`` metres per radian.
+
+    SAPIEN's own coupling, a stiff tendon, pushes energy into multipliers as small as a thread's, so the
+    follower has a position drive instead, and `advance` sets its target. Thread friction hides the
+    reaction on the turning joint, which is left out.
+    """
+
+    leader: int
+    multiplier: float
+    follower: "PhysxArticulationJoint"
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class LoadedPackage:
+    """A package in a scene. ``joints`` are those that move on their own, screw followers left out, in
+    the order of the package. It holds the scene, without which SAPIEN forgets the articulation."""
+
+    package: SimPackage
+    folder: Path
+    scene: "sapien.Scene"
+    articulation: "PhysxArticulation"
+    joints: tuple[LoadedJoint, ...]
+    links: tuple[LinkLoad, ...]
+    screws: tuple[Screw, ...] = ()
+
+    def joint(self, name: str) -> LoadedJoint:
+        """The joint of that name; raises `ValueError` naming those that exist."""
+        for joint in self.joints:
+            if joint.spec.name == name:
+                return joint
+        known = ", ".join(joint.spec.name for joint in self.joints)
+        raise ValueError(f"package {self.package.name!r} has no joint {name!r}; it has {known or 'none'}")
+
+
+def advance(loaded: LoadedPackage) -> None:
+    """One physics step in which the followers of screws follow. Objects without screws need no more
+    than ``scene.step()``."""
+    if loaded.screws:
+        qpos = loaded.articulation.qpos
+        for screw in loaded.screws:
+            screw.follower.set_drive_target(screw.multiplier * float(qpos[screw.leader]))
+    loaded.scene.step()
+
+
+def set_open_fraction(
+    loaded: LoadedPackage, fraction: float | Sequence[float] | Float[np.ndarray, "J"]
+) -> Float[np.ndarray, "Q"]:
+    """Poses every joint at a fraction of its range, at rest; returns the articulation's ``qpos``.
+
+    Args:
+        loaded: the object.
+        fraction: 0 is the lower limit and 1 the upper; one number for all joints or one per joint
+            of ``loaded.joints``. A joint without limits takes it as part of a full turn.
+    """
+    count = len(loaded.joints)
+    values = np.broadcast_to(np.asarray(fraction, dtype=np.float64), (count,))
+    if ((values < 0.0) | (values > 1.0)).any():
+        raise ValueError(f"open fraction {values.tolist()}: must lie in [0, 1]")
+    q = {
+        joint.spec.name: (joint.spec.lower if joint.limited else 0.0) + value * joint.span
+        for joint, value in zip(loaded.joints, values, strict=True)
+    }
+    qpos = qpos_of(loaded, q)
+    loaded.articulation.set_qpos(qpos.astype(np.float32))
+    loaded.articulation.set_qvel(np.zeros(len(qpos), dtype=np.float32))
+    return qpos
+
+
+def qpos_of(loaded: LoadedPackage, coordinates: dict[str, float]) -> Float[np.ndarray, "Q"]:
+    """The articulation's ``qpos`` for joint coordinates by name; the others are 0, followers follow."""
+    qpos = np.zeros(loaded.articulation.dof)
+    specs = {joint.name: joint for joint in loaded.package.joints}
+    for index, joint in enumerate(loaded.articulation.active_joints):
+        spec = specs[joint.name]
+        if spec.mimic is not None:
+            qpos[index] = spec.mimic_multiplier * coordinates.get(spec.mimic, 0.0)
+        else:
+            qpos[index] = coordinates.get(joint.name, 0.0)
+    return qpos
+
+
+def moving_links(loaded: LoadedPackage, joint: LoadedJoint) -> list["PhysxArticulationLinkComponent"]:
+    """The joint's child link and everything that hangs from it."""
+    out, waiting = [], [joint.engine.child_link]
+    while waiting:
+        link = waiting.pop()
+        out.append(link)
+        waiting += sorted(link.children, key=lambda child: child.name)
+    return out

@@ -1,0 +1,284 @@
+"""Loading: what the package says is what the engine has, and nothing is lost without a word."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from artigen.datasets.sample import SAMPLE_PARTS, sample_box_arrays
+from artigen.transforms import inverse
+from artigen.types import Asset
+from sim_export.errors import PackageError
+from sim_export.hulls import box_hull
+from sim_export.inertia import combine, mesh_inertial
+from sim_export.links import PartGeometry, build_links
+from sim_export.motion import link_displacements
+from sim_export.package import Inertial, Link, PackageJoint, Requirement, SimPackage
+from sim_export.write import write_package
+
+sapien = pytest.importorskip("sapien")
+from envs.friction import apply_damping, apply_friction  # noqa: E402
+from envs.hand import pose_matrix  # noqa: E402
+from envs.loaded import advance, qpos_of, set_open_fraction  # noqa: E402
+from envs.package import LoadConfig, load_package  # noqa: E402
+from envs.scene import create_scene  # noqa: E402
+
+pytestmark = pytest.mark.sim
+TIMESTEPS = [1 / 60, 1 / 100, 1 / 240]
+
+
+def box_package(cabinet: Asset) -> SimPackage:
+    """The sample cabinet with its exact boxes as hulls and resistances that hold against 5 degrees."""
+    corners = np.concatenate([sample_box_arrays(part).reshape(-1, 3) for part in SAMPLE_PARTS])
+    center = (corners.min(axis=0) + corners.max(axis=0)) / 2
+    geometry = []
+    for part in SAMPLE_PARTS:
+        hulls = tuple(box_hull(low - center, high - center) for low, high in sample_box_arrays(part))
+        geometry.append(
+            PartGeometry(hulls=hulls, inertial=combine([mesh_inertial(hull, 600.0) for hull in hulls]))
+        )
+    tree = build_links(cabinet, geometry)
+    resistance = {
+        "joint_0": (12.0, 8.0),
+        "joint_1": (4.0, 0.4),
+        "joint_2": (0.04, 1e-4),
+        "joint_3": (8.0, 5.0),
+    }
+    joints = tuple(
+        replace(joint, friction=resistance[joint.name][0], damping=resistance[joint.name][1])
+        if joint.name in resistance
+        else joint
+        for joint in tree.joints
+    )
+    return SimPackage(
+        name="cabinet",
+        category="StorageFurniture",
+        visual="voxels",
+        links=tree.links,
+        joints=joints,
+        requires_open=(Requirement(joint="joint_3", needs="joint_1", fraction=0.9),),
+    )
+
+
+@pytest.fixture(scope="module")
+def package(cabinet: Asset) -> SimPackage:
+    return box_package(cabinet)
+
+
+@pytest.fixture(scope="module")
+def folder(package: SimPackage, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write_package(package, tmp_path_factory.mktemp("package") / "cabinet")
+
+
+def slider(mass: float, joint: str = "prismatic") -> str:
+    """A block on a horizontal rail (or hinge), as URDF; its inertia about any axis is mass / 10."""
+    inertia = f'<inertia ixx="{mass / 10}" iyy="{mass / 10}" izz="{mass / 10}" ixy="0" ixz="0" iyz="0"/>'
+    return f"""<robot name="slider"><link name="base"/>
+    <link name="link_0"><inertial><mass value="{mass}"/>{inertia}</inertial>
+      <collision><geometry><box size="0.1 0.1 0.1"/></geometry></collision></link>
+    <joint name="joint_0" type="{joint}"><parent link="base"/><child link="link_0"/>
+      <axis xyz="1 0 0"/><limit lower="-10" upper="10" effort="1" velocity="1"/></joint></robot>"""
+
+
+def push(
+    xml: str, path: Path, timestep: float, friction: float, damping: float, effort: float, seconds: float
+):
+    """Position and speed after a constant effort from rest."""
+    path.write_text(xml)
+    scene = create_scene(timestep)
+    articulation = scene.create_urdf_loader().load(str(path))
+    joint = articulation.active_joints[0]
+    apply_friction(joint, friction)
+    apply_damping(articulation, joint, damping)
+    for _ in range(round(seconds / timestep)):
+        articulation.set_qf(np.array([effort], dtype=np.float32))
+        scene.step()
+    return float(articulation.qpos[0]), float(articulation.qvel[0])
+
+
+@pytest.mark.parametrize("timestep", TIMESTEPS)
+@pytest.mark.parametrize("joint", ["prismatic", "revolute"])
+def test_friction_is_coulomb_in_newtons_at_every_step_size(tmp_path, timestep, joint):
+    mass = 2.0
+    inertia = mass if joint == "prismatic" else mass / 10
+    for friction in (0.5, 5.0):
+        held, _ = push(
+            slider(mass, joint), tmp_path / "s.urdf", timestep, friction, 0.0, 0.98 * friction, 0.5
+        )
+        assert abs(held) < 1e-4
+        _, speed = push(
+            slider(mass, joint), tmp_path / "s.urdf", timestep, friction, 0.0, 1.5 * friction, 0.5
+        )
+        assert speed == pytest.approx(0.5 * friction / inertia * 0.5, rel=0.05)
+
+
+@pytest.mark.parametrize("timestep", TIMESTEPS)
+def test_damping_adds_to_friction(tmp_path, timestep):
+    mass, friction, damping, effort, seconds = 5.0, 5.0, 10.0, 12.0, 0.5
+    _, speed = push(slider(mass), tmp_path / "s.urdf", timestep, friction, damping, effort, seconds)
+    exact = (effort - friction) / damping * (1 - np.exp(-seconds * damping / mass))
+    assert speed == pytest.approx(exact, rel=0.08)
+
+
+def test_negative_resistance_is_refused(tmp_path):
+    with pytest.raises(ValueError, match=r"joint_0.*friction -1"):
+        push(slider(1.0), tmp_path / "s.urdf", 0.01, -1.0, 0.0, 0.0, 0.1)
+
+
+def test_every_hull_and_mass_arrives(folder, package):
+    loaded = load_package(create_scene(0.01), folder, LoadConfig())
+    by_name = {load.name: load for load in loaded.links}
+    assert set(by_name) == {link.name for link in package.links}
+    for link in package.links:
+        load = by_name[link.name]
+        assert (load.hulls, load.shapes, load.lost) == (len(link.hulls), len(link.hulls), ())
+        if link.inertial is not None:
+            assert load.engine_mass == pytest.approx(link.inertial.mass, rel=1e-6)
+
+
+def test_joints_keep_order_labels_and_resistance(folder, package):
+    loaded = load_package(create_scene(0.01), folder, LoadConfig())
+    assert [joint.spec.name for joint in loaded.joints] == ["joint_0", "joint_1", "joint_2", "joint_3"]
+    assert [joint.label for joint in loaded.joints] == ["drawer", "door", "knob", "tray"]
+    for joint, spec in zip(loaded.joints, package.joints, strict=False):
+        assert joint.engine.force_limit == pytest.approx(spec.friction)
+        assert joint.engine.friction == 0.0
+
+
+@pytest.mark.parametrize("fraction", [0.0, 0.3, [1.0, 0.5, 0.25, 0.1]])
+def test_poses_agree_with_our_own_kinematics(folder, package, fraction):
+    loaded = load_package(create_scene(0.01), folder, LoadConfig())
+    qpos = set_open_fraction(loaded, fraction)
+    q = {joint.spec.name: qpos[joint.index] for joint in loaded.joints}
+    D = link_displacements(package.links, package.joints, q)
+    origins = {joint.child: joint.origin for joint in package.joints}
+    for link, displacement in zip(package.links, D, strict=True):
+        here = pose_matrix(loaded.articulation.find_link_by_name(link.name).entity_pose)
+        rest = np.eye(4)
+        rest[:3, 3] = origins.get(link.name, np.zeros(3))
+        np.testing.assert_allclose(here @ inverse(rest), displacement, atol=2e-6)
+
+
+def test_open_fraction_outside_the_range_is_refused(folder):
+    loaded = load_package(create_scene(0.01), folder, LoadConfig())
+    with pytest.raises(ValueError, match=r"\[0, 1\]"):
+        set_open_fraction(loaded, 1.1)
+
+
+def test_a_free_base_falls_and_a_fixed_one_stays(folder):
+    for base, drop in (("free", 0.5 * 9.81 * 0.2**2), ("fixed", 0.0)):
+        scene = create_scene(0.001)
+        loaded = load_package(scene, folder, LoadConfig(base=base))
+        for _ in range(200):
+            scene.step()
+        height = pose_matrix(loaded.articulation.root_pose)[2, 3]
+        assert height == pytest.approx(-drop, abs=2e-3)
+
+
+def test_a_missing_hull_is_named(package, tmp_path):
+    folder = write_package(package, tmp_path / "cabinet")
+    (folder / "collision" / "link_1_0.obj").unlink()
+    loaded = load_package(create_scene(0.01), folder, LoadConfig(), package)
+    lost = {load.name: load.lost for load in loaded.links if load.lost}
+    assert lost == {"link_1": ("link_1_0.obj",)}
+
+
+def test_visuals_and_materials_need_no_render_device(package, tmp_path):
+    folder = write_package(package, tmp_path / "cabinet")
+    urdf = folder / "mobility.urdf"
+    red = '<material name="m"><color rgba="1 0 0 1"/></material>'
+    visual = f'<visual><geometry><box size="1 1 1"/></geometry>{red}</visual>'
+    urdf.write_text(urdf.read_text().replace('<link name="link_0">', f'<link name="link_0">{visual}', 1))
+    assert visual in urdf.read_text()
+    assert len(load_package(create_scene(0.01), folder, LoadConfig(), package).joints) == 4
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "sentence"),
+    [
+        ("</robot>", "", "mobility.urdf"),
+        ('type="continuous"', 'type="screw"', "screw"),
+        ('<?xml version="1.0" encoding="utf-8"?>', '<!DOCTYPE r [<!ENTITY a "b">]>', "mobility.urdf"),
+    ],
+)
+def test_what_cannot_be_parsed_is_one_error(package, tmp_path, old, new, sentence):
+    folder = write_package(package, tmp_path / "cabinet")
+    urdf = folder / "mobility.urdf"
+    assert old in urdf.read_text()
+    urdf.write_text(urdf.read_text().replace(old, new))
+    with pytest.raises(PackageError, match=sentence):
+        load_package(create_scene(0.01), folder, LoadConfig(), package)
+
+
+def plain_link(name: str, label=None, hulls=(), inertial=None) -> Link:
+    return Link(name=name, label=label, parts=(), visuals=(), hulls=hulls, inertial=inertial)
+
+
+def screw_package() -> SimPackage:
+    """A cap that rises 1 cm per turn on a plate: two joints in a row, the second following the first."""
+    plate = box_hull(np.array([-0.2, -0.2, 0.0]), np.array([0.2, 0.2, 0.02]))
+    cap = box_hull(np.array([-0.05, -0.05, 0.05]), np.array([0.05, 0.05, 0.09]))
+    links = (
+        plain_link("base"),
+        plain_link("carrier", inertial=Inertial(mass=0.05, com=np.zeros(3), inertia=1e-5 * np.eye(3))),
+        plain_link("link_0", "knob", (cap,), mesh_inertial(cap, 1000.0)),
+        plain_link("link_1", "base", (plate,), mesh_inertial(plate, 1000.0)),
+    )
+    turn = PackageJoint(
+        name="joint_0",
+        type="continuous",
+        kind="screw",
+        parent="link_1",
+        child="carrier",
+        origin=np.zeros(3),
+        axis=np.array([0.0, 0.0, 1.0]),
+        friction=0.02,
+    )
+    travel = replace(
+        turn,
+        name="joint_0_travel",
+        type="prismatic",
+        parent="carrier",
+        child="link_0",
+        upper=0.05,
+        friction=0.0,
+        mimic="joint_0",
+        mimic_multiplier=0.01 / (2 * np.pi),
+    )
+    bolt = replace(
+        turn, name="joint_1", type="fixed", kind="fixed", parent="base", child="link_1", friction=0.0
+    )
+    return SimPackage(
+        name="jar", category="Bottle", visual="voxels", links=links, joints=(turn, travel, bolt)
+    )
+
+
+@pytest.mark.parametrize("timestep", TIMESTEPS)
+def test_a_screw_turns_and_travels_as_one(tmp_path, timestep):
+    package = screw_package()
+    folder = write_package(package, tmp_path / "jar")
+    loaded = load_package(create_scene(timestep), folder, LoadConfig(), package)
+    (turn,) = loaded.joints
+    assert (turn.spec.name, turn.label, turn.span) == ("joint_0", "knob", pytest.approx(5 * 2 * np.pi))
+    articulation = loaded.articulation
+    names = [joint.name for joint in articulation.active_joints]
+    turned = 0.0
+    for step in range(round(3.0 / timestep)):
+        articulation.find_link_by_name("carrier").add_force_torque([0, 0, 0], [0, 0, 0.021])
+        advance(loaded)
+        turned, travelled = (float(articulation.qpos[names.index(n)]) for n in ("joint_0", "joint_0_travel"))
+        assert travelled == pytest.approx(0.01 * turned / (2 * np.pi), abs=1e-3), step
+    assert turned > np.pi
+    followers = qpos_of(loaded, {"joint_0": np.pi})
+    assert followers[names.index("joint_0_travel")] == pytest.approx(0.005)
+
+
+@pytest.mark.real
+def test_original_objects_load(real_objects):
+    folders = sorted((real_objects / "partnet_mobility").iterdir())[::40]
+    assert len(folders) >= 4
+    for folder in folders:
+        loaded = load_package(create_scene(0.01), folder, LoadConfig())
+        assert sum(load.shapes for load in loaded.links) > 0
+        assert all(load.mass is None for load in loaded.links)
