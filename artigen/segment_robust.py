@@ -11,7 +11,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
-from scipy.sparse import coo_array
 
 from artigen.fields import VoxelFields
 from artigen.neighbours import connected_groups, neighbour_pairs
@@ -28,11 +27,10 @@ class RobustConfig:
     are found split."""
     motion_floor: float = 0.02
     """Least noise assumed on axis components and on normalised ranges."""
-    split_scatter: float = 2.0
+    split_scatter: float = 1.5
     """A group is split when its votes scatter this many times more than noise alone (variance)."""
     seed_voxels: int = 12
-    """Connected voxels of one label that make a first group of their own; fewer only do when no
-    other group explains them."""
+    """Fewer voxels than this are a part of their own only when no larger part explains them."""
     extent_tolerance: float = 1.0
     """Voxels by which a part may fall short of or exceed the box it votes for."""
     merge_evidence: float = 12.0
@@ -54,113 +52,135 @@ def partition_robust(fields: VoxelFields, cfg: RobustConfig) -> Partition:
     base = fields.layout.labels.index("base")
     alike = labels[pairs[0]] == labels[pairs[1]]
     floor = np.repeat([cfg.length_floor / fields.resolution, cfg.motion_floor], [9, WIDTH - 9])
-    votes = collect_votes(fields, pairs[:, alike], floor, cfg.label_error)
-    components = connected_groups(len(labels), pairs, alike)
-    groups = _first_groups(votes, components, labels == base, base, cfg)
+    votes = collect_votes(
+        fields, is_base=labels == base, alike=pairs[:, alike], floor=floor, label_error=cfg.label_error
+    )
+    pieces = connected_groups(len(labels), pairs, alike)
+    groups = _first_groups(votes, pieces, labels == base, cfg)
     for _ in range(cfg.rounds):
-        groups = _merge(votes, groups, components, base, cfg)
+        groups = _absorb(votes, groups, base, cfg)
+        groups = _merge(votes, groups, pieces, base, cfg)
         groups = _reassign(votes, groups, pairs, base, cfg)
-    return canonical_partition(fields, groups, summarise(votes, groups, base).label)
+    groups = _without_gaps(_absorb(votes, groups, base, cfg))
+    label = summarise(votes, groups, base).label
+    groups[label[groups] == base] = 0
+    return canonical_partition(fields, groups, label)
 
 
 def _first_groups(
-    votes: Votes,
-    components: Int[np.ndarray, "N"],
-    is_base: Bool[np.ndarray, "N"],
-    base: int,
-    cfg: RobustConfig,
+    votes: Votes, pieces: Int[np.ndarray, "N"], is_base: Bool[np.ndarray, "N"], cfg: RobustConfig
 ) -> Int[np.ndarray, "N"]:
     """Group 0 is the base; connected voxels of one label follow, split where their votes disagree."""
-    groups = np.full(len(components), -1, dtype=np.int64)
-    groups[is_base] = 0
-    order = np.argsort(components, kind="stable")
-    starts = np.flatnonzero(np.diff(components[order], prepend=-1))
-    pieces = [rows for rows in np.split(order, starts[1:]) if not is_base[rows[0]]]
+    groups = np.zeros(len(pieces), dtype=np.int64)
+    rows = np.flatnonzero(~is_base)
+    order = rows[np.argsort(pieces[rows], kind="stable")]
+    starts = np.flatnonzero(np.diff(pieces[order], prepend=-1))
     count = 1
-    for rows in (rows for rows in pieces if len(rows) >= cfg.seed_voxels):
-        for piece in _split(votes.whitened, rows, cfg.split_scatter):
-            groups[piece] = count
-            count += 1
-    small = [rows for rows in pieces if len(rows) < cfg.seed_voxels]
-    if not small:
-        return groups
-    costs = voxel_costs(votes, summarise(votes, groups, base), np.concatenate(small), cfg.outside)
-    limit = _explained_below(cfg)
-    for rows, cost in zip(small, np.split(costs, np.cumsum([len(rows) for rows in small])[:-1]), strict=True):
-        if cost.mean(axis=0).min() < limit:
-            groups[rows] = cost.argmin(axis=1)
-        else:
-            groups[rows] = count
+    for piece in np.split(order, starts[1:]) if len(order) else []:
+        for part in _split(votes, piece, cfg):
+            groups[part] = count
             count += 1
     return groups
 
 
-def _explained_below(cfg: RobustConfig) -> float:
-    """Cost under which a voxel may be in a group by noise and one wrong label: mean plus 3 sigma."""
-    return (WIDTH + 3 * np.sqrt(2 * WIDTH)) / 2 - np.log(cfg.label_error / 8)
+def _split(votes: Votes, rows: Int[np.ndarray, "n"], cfg: RobustConfig) -> list[np.ndarray]:
+    """Bisects ``rows`` until no direction scatters ``split_scatter`` times more than noise would.
 
-
-def _split(
-    whitened: Float[np.ndarray, "N 14"], rows: Int[np.ndarray, "n"], scatter: float
-) -> list[np.ndarray]:
-    """Bisects ``rows`` until no direction scatters ``scatter`` times more than pure noise would.
-
-    Pure noise of n samples in d dimensions has variances up to (1 + sqrt(d / n))^2 (Marchenko-Pastur).
+    Pure noise of n draws in d dimensions has variances up to (1 + sqrt(d / n))^2 (Marchenko-Pastur).
     """
     done, waiting = [], [rows]
     while waiting:
         piece = waiting.pop()
-        values = whitened[piece] - whitened[piece].mean(axis=0)
-        variances, directions = np.linalg.eigh(values.T @ values / len(piece))
-        if len(piece) < 2 or variances[-1] <= scatter * (1 + np.sqrt(WIDTH / len(piece))) ** 2:
+        if len(piece) < cfg.seed_voxels:
             done.append(piece)
             continue
-        side = values @ directions[:, -1] > 0
-        for _ in range(10):
-            means = np.stack([values[~side].mean(axis=0), values[side].mean(axis=0)])
-            nearer = values @ (means[1] - means[0]) > (means[1] @ means[1] - means[0] @ means[0]) / 2
-            if (nearer == side).all() or nearer.all() or not nearer.any():
-                break
-            side = nearer
+        values = votes.whitened[piece] - votes.whitened[piece].mean(axis=0)
+        variances, directions = np.linalg.eigh(values.T @ values / len(piece))
+        draws = max(1.0, len(piece) / votes.patch)
+        if variances[-1] <= cfg.split_scatter * (1 + np.sqrt(WIDTH / draws)) ** 2:
+            done.append(piece)
+            continue
+        side = _bisect(values, directions[:, -1])
         waiting += [piece[side], piece[~side]]
     return done
 
 
+def _bisect(values: Float[np.ndarray, "n 14"], direction: Float[np.ndarray, "14"]) -> Bool[np.ndarray, "n"]:
+    """Two-means of centred rows, started from the sign along ``direction``; both sides are non-empty."""
+    side = values @ direction > 0
+    for _ in range(10):
+        low, high = values[~side].mean(axis=0), values[side].mean(axis=0)
+        nearer = values @ (high - low) > (high @ high - low @ low) / 2
+        if (nearer == side).all() or nearer.all() or not nearer.any():
+            break
+        side = nearer
+    return side
+
+
+def _absorb(votes: Votes, groups: Int[np.ndarray, "N"], base: int, cfg: RobustConfig) -> Int[np.ndarray, "N"]:
+    """Gives small groups to larger ones that explain them by noise and a wrong label.
+
+    The mean of n half chi squares of d votes stays below (d + 4.5 sqrt(2 d / n)) / 2; a wrong label
+    costs its logarithm.
+    """
+    groups = _without_gaps(groups)
+    counts = np.bincount(groups)
+    is_small = counts < cfg.seed_voxels
+    is_small[0] = False
+    if not is_small.any():
+        return groups
+    rows = np.flatnonzero(is_small[groups])
+    rows = rows[np.argsort(groups[rows], kind="stable")]
+    large = np.flatnonzero(~is_small)
+    renumber = np.full(len(counts), -1)
+    renumber[large] = np.arange(len(large))
+    costs = voxel_costs(votes, summarise(votes, renumber[groups], base), rows, cfg.outside)
+    starts = np.flatnonzero(np.diff(groups[rows], prepend=-1))
+    number = np.diff(np.append(starts, len(rows)))
+    limit = (WIDTH + 4.5 * np.sqrt(2 * WIDTH / number)) / 2 - np.log(cfg.label_error / 8)
+    explained = (np.add.reduceat(costs, starts, axis=0) / number[:, None]).min(axis=1) < limit
+    moved = np.repeat(explained, number)
+    out = groups.copy()
+    out[rows[moved]] = large[costs[moved].argmin(axis=1)]
+    return out
+
+
 def _merge(
-    votes: Votes, groups: Int[np.ndarray, "N"], components: Int[np.ndarray, "N"], base: int, cfg: RobustConfig
+    votes: Votes, groups: Int[np.ndarray, "N"], pieces: Int[np.ndarray, "N"], base: int, cfg: RobustConfig
 ) -> Int[np.ndarray, "N"]:
-    """Merges the two groups that look most like one part until none do."""
-    label_penalty = -2 * np.log(cfg.label_error)
+    """Merges groups that look like one part, the most alike first, until none do."""
     while True:
         groups = _without_gaps(groups)
         stats = summarise(votes, groups, base)
         total = len(stats.count)
-        if total == 1:
-            return groups
-        first = np.zeros(total, dtype=np.int64)
-        first[groups] = components
-        scores = np.full((total, total), np.inf)
-        for index in range(total):
-            scores[index] = merge_scores(
-                votes, stats, index, first == first[index], cfg.extent_tolerance, label_penalty
-            )
+        piece = np.zeros(total, dtype=np.int64)
+        piece[groups] = pieces
+        scores = merge_scores(
+            votes,
+            stats,
+            groups,
+            same_piece=piece[:, None] == piece,
+            tolerance=cfg.extent_tolerance,
+            outside=cfg.outside,
+            label_penalty=-2 * np.log(cfg.label_error),
+        )
         scores[0, stats.label == base] = scores[stats.label == base, 0] = -np.inf
         np.fill_diagonal(scores, np.inf)
-        merged = np.arange(total)
+        into = np.arange(total)
         taken = np.zeros(total, dtype=bool)
-        for a, b in np.stack(np.unravel_index(np.argsort(scores, axis=None), scores.shape), axis=1):
-            if scores[a, b] >= cfg.merge_evidence:
-                break
+        candidates = np.argwhere(scores < cfg.merge_evidence)
+        for a, b in candidates[np.argsort(scores[tuple(candidates.T)], kind="stable")]:
             if not taken[a] and not taken[b]:
-                merged[max(a, b)] = min(a, b)
+                into[max(a, b)] = min(a, b)
                 taken[a] = taken[b] = True
         if not taken.any():
             return groups
-        groups = merged[groups]
+        groups = into[groups]
 
 
 def _without_gaps(groups: Int[np.ndarray, "N"]) -> Int[np.ndarray, "N"]:
-    return np.unique(groups, return_inverse=True)[1].ravel()
+    used = np.bincount(groups) > 0
+    return (np.cumsum(used) - 1)[groups]
 
 
 def _reassign(
@@ -170,10 +190,7 @@ def _reassign(
     groups = _without_gaps(groups)
     stats = summarise(votes, groups, base)
     total = len(stats.count)
-    everything = np.arange(len(groups))
-    costs = voxel_costs(votes, stats, everything, cfg.outside)
-    both = np.concatenate([pairs, pairs[::-1]], axis=1)
-    touching = coo_array(
-        (np.ones(both.shape[1], dtype=np.float32), (both[0], groups[both[1]])), shape=(len(groups), total)
-    ).toarray()
+    costs = voxel_costs(votes, stats, np.arange(len(groups)), cfg.outside)
+    keys = np.concatenate([pairs[0] * total + groups[pairs[1]], pairs[1] * total + groups[pairs[0]]])
+    touching = np.bincount(keys, minlength=len(groups) * total).reshape(len(groups), total)
     return (costs - cfg.neighbour_weight * touching).argmin(axis=1)

@@ -3,15 +3,21 @@
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 
 from artigen.fields import VoxelFields
 
 BOX, PLACE, ORIGIN, MOTION = slice(0, 6), slice(0, 3), slice(6, 9), slice(9, 14)
 WIDTH = 14
 """Columns of a vote: box centre 3, box size 3, joint origin 3, axis 3, normalised ranges 2."""
-FACE_CAP, SEPARATE_JOINTS = 25.0, 10.0
+FACE_CAP, OUTSIDE_CAP, SEPARATE_JOINTS = 25.0, 24.0, 10.0
 """Most that one face, and that different joint types, count as evidence for two parts."""
+
+
+WITNESSES = 40
+"""Voxels that are asked whether their group lies in another group's box."""
+TRIM = 0.01
+"""Share of a group's voxels that may lie beyond the extent it is given, on every side."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -22,6 +28,8 @@ class Votes:
     coords: Int[np.ndarray, "N 3"]
     whitened: Float[np.ndarray, "N 14"]
     sigma: Float[np.ndarray, "14"]
+    patch: float
+    """Voxels whose noise counts as one independent draw."""
     drift: Float[np.ndarray, "14"]
     """Variance, in units of the noise, by which the votes of one part may differ between places."""
     log_label: Float[np.ndarray, "N L"]
@@ -33,6 +41,7 @@ class GroupVotes:
     """Summaries of groups of voxels; ``mean`` in units of the noise, corners in unit lengths."""
 
     count: Int[np.ndarray, "G"]
+    draws: Float[np.ndarray, "G"]
     mean: Float[np.ndarray, "G 14"]
     low: Float[np.ndarray, "G 3"]
     high: Float[np.ndarray, "G 3"]
@@ -40,24 +49,51 @@ class GroupVotes:
     joint: Int[np.ndarray, "G"]
 
 
+def measure_noise(
+    values: Float[np.ndarray, "N 14"],
+    is_base: Bool[np.ndarray, "N"],
+    alike: Int[np.ndarray, "2 E"],
+    floor: Float[np.ndarray, "14"],
+) -> tuple[Float[np.ndarray, "14"], float]:
+    """Noise of the votes: standard deviations (at least ``floor``), and how many voxels share a draw.
+
+    The base is one part, so whatever its votes scatter is noise; differences between like-labelled
+    neighbours (``alike``) measure the part of it that changes from voxel to voxel. If neighbours
+    correlate by rho, a surface patch of ``1 + pi rho / (1 - rho)`` voxels counts as one draw (exact for
+    a Gaussian correlation on a plane).
+    """
+    center = np.median(values[is_base], axis=0)
+    sigma = 1.4826 * np.median(np.abs(values[is_base] - center), axis=0)
+    local = sigma
+    if alike.shape[1]:
+        chosen = alike[:, :: max(1, alike.shape[1] // 20000)]
+        local = 1.4826 / np.sqrt(2) * np.median(np.abs(values[chosen[0]] - values[chosen[1]]), axis=0)
+    sigma = np.maximum(sigma, local)
+    noisy = sigma > floor
+    if not noisy.any():
+        return floor, 1.0
+    rho = float(np.clip(1 - np.median(local[noisy] ** 2 / sigma[noisy] ** 2), 0.0, 0.99))
+    return np.maximum(sigma, floor), 1 + np.pi * rho / (1 - rho)
+
+
 def collect_votes(
-    fields: VoxelFields, alike: Int[np.ndarray, "2 E"], floor: Float[np.ndarray, "14"], label_error: float
+    fields: VoxelFields,
+    is_base: Bool[np.ndarray, "N"],
+    alike: Int[np.ndarray, "2 E"],
+    floor: Float[np.ndarray, "14"],
+    label_error: float,
 ) -> Votes:
-    """Votes of a field; the noise of each column is measured between the like-labelled neighbours
-    ``alike`` and is at least ``floor``."""
+    """Votes of a field in units of its own noise; see `measure_noise`."""
     layout = fields.layout
     ranges = fields.ranges / (layout.rotation_unit, layout.length_unit)
     values = np.concatenate([fields.box, fields.origin, fields.axis, ranges], axis=1, dtype=np.float64)
-    sigma = floor
-    if alike.shape[1]:
-        chosen = alike[:, :: max(1, alike.shape[1] // 20000)]
-        spread = np.median(np.abs(values[chosen[0]] - values[chosen[1]]), axis=0)
-        sigma = np.maximum(floor, spread * 1.4826 / np.sqrt(2.0))
+    sigma, patch = measure_noise(values, is_base, alike, floor)
     return Votes(
         resolution=fields.resolution,
         coords=fields.coords.astype(np.int64),
         whitened=values / sigma,
         sigma=sigma,
+        patch=patch,
         drift=(2 * floor / sigma) ** 2,
         log_label=np.log(fields.label_probs * (1 - label_error) + label_error / fields.label_probs.shape[1]),
         log_joint=np.log(fields.joint_probs * (1 - label_error) + label_error / fields.joint_probs.shape[1]),
@@ -78,58 +114,127 @@ def summarise(votes: Votes, groups: Int[np.ndarray, "N"], base: int) -> GroupVot
     mean[0] = np.median(votes.whitened[order[: count[0]]], axis=0)
     label = np.add.reduceat(votes.log_label[order], starts, axis=0).argmax(axis=1)
     label[0] = base
+    low, high = np.empty((2, len(count), 3))
+    for index, (start, number) in enumerate(zip(starts, count, strict=True)):
+        cut = int(TRIM * number)
+        cells = np.partition(votes.coords[order[start : start + number]], (cut, number - 1 - cut), axis=0)
+        low[index], high[index] = cells[cut], cells[number - 1 - cut]
     return GroupVotes(
         count=count,
+        draws=np.maximum(count / votes.patch, 1.0),
         mean=mean,
-        low=np.minimum.reduceat(votes.coords[order], starts, axis=0) / votes.resolution - 0.5,
-        high=(np.maximum.reduceat(votes.coords[order], starts, axis=0) + 1) / votes.resolution - 0.5,
+        low=low / votes.resolution - 0.5,
+        high=(high + 1) / votes.resolution - 0.5,
         label=label,
         joint=np.add.reduceat(votes.log_joint[order], starts, axis=0).argmax(axis=1),
     )
 
 
 def misfit(
-    votes: Votes, mean: np.ndarray, count: np.ndarray, low: np.ndarray, high: np.ndarray, tolerance: float
+    votes: Votes, mean: np.ndarray, draws: np.ndarray, low: np.ndarray, high: np.ndarray, tolerance: float
 ) -> np.ndarray:
-    """Chi squared of voted box faces against the extent of the voxels (leading shape of ``count``).
+    """Chi squared of voted box faces against the extent of the voxels (leading shape of ``draws``).
 
     ``tolerance`` is in voxels: the extent is known to about one, because a cell has one owner.
     """
     size = mean[..., 3:6] * votes.sigma[3:6] / 2
     center = mean[..., :3] * votes.sigma[:3]
-    noise = (votes.sigma[:3] ** 2 + votes.sigma[3:6] ** 2 / 4) / count[..., None]
+    noise = (votes.sigma[:3] ** 2 + votes.sigma[3:6] ** 2 / 4) / draws[..., None]
     noise = noise + (tolerance / votes.resolution) ** 2
     faces = np.minimum((center - size - low) ** 2 / noise, FACE_CAP)
     return (faces + np.minimum((center + size - high) ** 2 / noise, FACE_CAP)).sum(axis=-1)
 
 
 def merge_scores(
-    votes: Votes, stats: GroupVotes, one: int, same_origin: np.ndarray, tolerance: float, label_penalty: float
-) -> Float[np.ndarray, "G"]:
-    """Evidence that group ``one`` and each group are two parts, minus what one common part explains.
+    votes: Votes,
+    stats: GroupVotes,
+    groups: Int[np.ndarray, "N"],
+    *,
+    same_piece: Bool[np.ndarray, "G G"],
+    tolerance: float,
+    outside: float,
+    label_penalty: float,
+) -> Float[np.ndarray, "G G"]:
+    """Evidence, for every two groups, that they are two parts and not one.
 
-    Chi squared of the difference of the votes (the most telling of: centre, centre and origin, all),
-    plus the misfit of the common box, minus the misfits of the separate boxes, plus penalties for
-    different classes. ``same_origin`` marks groups split from the same connected piece: the split
-    itself pulls their means apart by up to 1.6 standard deviations, which is no evidence.
+    The disagreement of their votes, plus the better of two geometric arguments (the common box fits
+    the common extent worse than the separate boxes fit theirs; the smaller group lies outside the
+    other's box), plus penalties for different classes. ``same_piece`` marks groups split from the same
+    connected piece; ``tolerance`` and ``outside`` are in voxels.
     """
-    n, other = stats.count[one], stats.count
-    weight = (n / (n + other))[:, None]
-    mean = weight * stats.mean[one] + (1 - weight) * stats.mean
-    low, high = np.minimum(stats.low[one], stats.low), np.maximum(stats.high[one], stats.high)
-    spread = (1 / n + 1 / other + 2.56 * same_origin)[:, None] + votes.drift
-    apart = (stats.mean[one] - stats.mean) ** 2 / spread
-    evidence = np.zeros(len(other))
-    for columns in (apart[:, PLACE], np.concatenate([apart[:, PLACE], apart[:, ORIGIN]], axis=1), apart):
-        width = columns.shape[1]
-        excess = np.maximum(columns.sum(axis=1) - width, 0) / np.sqrt(2 * width)
-        evidence = np.maximum(evidence, excess**2)
-    alone = misfit(votes, stats.mean, other, stats.low, stats.high, tolerance)
-    together = misfit(votes, mean, n + other, low, high, tolerance)
-    classes = label_penalty * (stats.label != stats.label[one]) + SEPARATE_JOINTS * (
-        stats.joint != stats.joint[one]
+    apart = _disagreement(votes, stats, same_piece)
+    weight = stats.draws[:, None] / (stats.draws[:, None] + stats.draws)
+    mean = weight[..., None] * stats.mean[:, None] + (1 - weight[..., None]) * stats.mean
+    alone = misfit(votes, stats.mean, stats.draws, stats.low, stats.high, tolerance)
+    together = misfit(
+        votes,
+        mean,
+        stats.draws[:, None] + stats.draws,
+        np.minimum(stats.low[:, None], stats.low),
+        np.maximum(stats.high[:, None], stats.high),
+        tolerance,
     )
-    return evidence + together - alone - alone[one] + classes
+    geometry = np.maximum(together - alone[:, None] - alone, _strangeness(votes, stats, groups, outside))
+    classes = label_penalty * (stats.label[:, None] != stats.label)
+    return apart + geometry + classes + SEPARATE_JOINTS * (stats.joint[:, None] != stats.joint)
+
+
+def _disagreement(
+    votes: Votes, stats: GroupVotes, same_piece: Bool[np.ndarray, "G G"]
+) -> Float[np.ndarray, "G G"]:
+    """Squared number of standard deviations by which the mean votes differ more than by chance.
+
+    The most telling of: centre, centre and origin, all. The split of one piece itself pulls the means
+    apart, by up to 1.6 standard deviations of a vote; that is allowed for.
+    """
+    spread = 1 / stats.draws[:, None] + 1 / stats.draws + 2.56 * same_piece  # G G
+    apart = (stats.mean[:, None] - stats.mean) ** 2 / (spread[..., None] + votes.drift)  # G G 14
+    place, origin = apart[..., PLACE].sum(axis=-1), apart[..., ORIGIN].sum(axis=-1)
+    evidence = np.zeros(place.shape)
+    for total, width in ((place, 3), (place + origin, 6), (apart.sum(axis=-1), WIDTH)):
+        evidence = np.maximum(evidence, np.maximum(total - width, 0) ** 2 / (2 * width))
+    return evidence
+
+
+def _strangeness(
+    votes: Votes, stats: GroupVotes, groups: Int[np.ndarray, "N"], outside: float
+) -> Float[np.ndarray, "G G"]:
+    """How much worse the voxels of the smaller group lie in the other's box than in their own.
+
+    At most `WITNESSES` voxels of a group, evenly chosen, speak for it.
+    """
+    order = np.argsort(groups, kind="stable")
+    starts = np.cumsum(stats.count) - stats.count
+    number = np.minimum(stats.count, WITNESSES)
+    chosen = np.concatenate(
+        [
+            order[start + (np.arange(n) * count) // n]
+            for start, n, count in zip(starts, number, stats.count, strict=True)
+        ]
+    )
+    costs = outside_costs(votes, stats, chosen, outside)
+    total = np.add.reduceat(costs, np.cumsum(number) - number, axis=0)  # G G
+    extra = np.maximum(total - np.diag(total)[:, None], 0.0)
+    smaller = stats.count[:, None] <= stats.count
+    return np.maximum(np.where(smaller, extra, 0.0), np.where(smaller, extra, 0.0).T)
+
+
+def outside_costs(
+    votes: Votes, stats: GroupVotes, rows: Int[np.ndarray, "n"], outside: float
+) -> Float[np.ndarray, "n G"]:
+    """Half chi squared of each voxel's distance from each group's voted box, capped.
+
+    ``outside`` is the number of voxels beyond the box that make one standard deviation.
+    """
+    center, half = stats.mean[:, :3] * votes.sigma[:3], stats.mean[:, 3:6] * votes.sigma[3:6] / 2
+    noise = (votes.sigma[:3] ** 2 + votes.sigma[3:6] ** 2 / 4) / stats.draws[:, None]
+    noise = noise + (outside / votes.resolution) ** 2  # G 3
+    at = (votes.coords[rows] + 0.5) / votes.resolution - 0.5
+    beyond = np.zeros((len(rows), len(stats.count)))
+    for k in range(3):
+        far = np.abs(at[:, k, None] - center[:, k]) - half[:, k] - 0.5 / votes.resolution
+        beyond += np.maximum(far, 0.0) ** 2 / noise[:, k]
+    return np.minimum(beyond / 2, OUTSIDE_CAP)
 
 
 def voxel_costs(
@@ -145,13 +250,5 @@ def voxel_costs(
         mine, theirs = votes.whitened[rows, columns], stats.mean[:, columns]
         square = (mine**2).sum(axis=1)[:, None] - 2 * mine @ theirs.T + (theirs**2).sum(axis=1)
         cost += np.minimum(square / 2, cap)
-    center, size = stats.mean[:, :3] * votes.sigma[:3], stats.mean[:, 3:6] * votes.sigma[3:6] / 2
-    noise = (votes.sigma[:3] ** 2 + votes.sigma[3:6] ** 2 / 4) / stats.count[:, None]
-    noise = noise + (outside / votes.resolution) ** 2  # G 3
-    at = (votes.coords[rows] + 0.5) / votes.resolution - 0.5
-    beyond = np.zeros_like(cost)
-    for k in range(3):
-        far = np.abs(at[:, k, None] - center[:, k]) - size[:, k] - 0.5 / votes.resolution
-        beyond += np.maximum(far, 0.0) ** 2 / noise[:, k]
-    cost += np.minimum(beyond / 2, 24.0)
+    cost += outside_costs(votes, stats, rows, outside)
     return cost - votes.log_label[rows][:, stats.label] - votes.log_joint[rows][:, stats.joint]
