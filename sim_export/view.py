@@ -1,7 +1,7 @@
 """A package in the browser: joint sliders, visual and collision meshes, handle annotations.
 
-`build_view` starts a viser server and returns its handles; `view_package` does so for a folder and
-blocks until interrupted. Each group of things that can be shown or hidden is one branch of the
+`build_view` starts a viser server and returns its handles without blocking; `view_package` does so
+for a folder. Each group of things that can be shown or hidden is one branch of the
 scene with one frame per link, so that a pose is set by moving frames and no mesh is sent twice.
 """
 
@@ -57,15 +57,15 @@ class PackageView:
     """The frame of each link, by group and link name; its pose is the link's displacement from rest."""
 
 
-def view_package(folder: Path, *, host: str = "127.0.0.1", port: int = 8080) -> None:
-    """Shows the package in ``folder`` at ``http://host:port`` until interrupted.
+def view_package(folder: Path, *, host: str = "127.0.0.1", port: int = 8080) -> PackageView:
+    """Starts to show the package in ``folder`` at ``http://host:port``; see `build_view`.
 
     Raises:
         PackageError: the folder holds no readable package.
     """
     from sim_export.read import read_package
 
-    build_view(read_package(folder), host=host, port=port).server.sleep_forever()
+    return build_view(read_package(folder), host=host, port=port)
 
 
 def build_view(package: SimPackage, *, host: str = "127.0.0.1", port: int = 8080) -> PackageView:
