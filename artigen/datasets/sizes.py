@@ -2,7 +2,7 @@
 
 Each rule gives one extent of the closed object in metres. Where one number would be wrong for half
 of a category (a nightstand and a wardrobe are both storage furniture), the rule depends on how tall
-the object is for its width.
+the object is for its footprint, and a limit on the depth keeps proportions plausible.
 """
 
 from dataclasses import dataclass
@@ -36,14 +36,25 @@ def _longest(metres: float) -> tuple[SizeRule, ...]:
     return (SizeRule(extent="longest", metres=metres),)
 
 
-LONGEST_FURNITURE = 2.4
-"""No object of the table gets longer than this (metres)."""
+LONGEST = 2.4
+"""No object gets longer than this (metres)."""
+
+DEPTH_LIMITS: dict[str, float] = {
+    "StorageFurniture": 0.65,
+    "Refrigerator": 0.8,
+    "Oven": 0.7,
+    "Dishwasher": 0.7,
+    "WashingMachine": 0.75,
+    "Microwave": 0.5,
+    "Door": 0.5,
+}
+"""Depths that such objects do not exceed (metres): a stout refrigerator is a small one."""
 
 FALLBACK = _longest(0.5)
 
 SIZE_TABLE: dict[str, tuple[SizeRule, ...]] = {
     "StorageFurniture": (
-        _width(1.6, 0.45, "low sideboard"),
+        _width(1.4, 0.45, "sideboard"),
         _height(0.8, 1.05, "chest, base cabinet"),
         _height(0.9, 1.6, "cupboard"),
         _height(1.9, note="wardrobe, tall cabinet"),
@@ -53,13 +64,13 @@ SIZE_TABLE: dict[str, tuple[SizeRule, ...]] = {
         _height(0.75, 0.95, "desk, dining table"),
         _height(0.65, note="bedside table"),
     ),
-    "Refrigerator": (_height(0.85, 1.3, "under the counter"), _height(1.75)),
+    "Refrigerator": (_height(1.75),),
     "Dishwasher": (_height(0.85),),
     "Oven": (
         _width(0.75, 0.35, "cooktop"),
         _width(0.6, 0.8, "built-in"),
-        _height(0.92, 1.7, "range"),
-        _height(1.4, note="double oven"),
+        _height(0.92, 1.5, "range"),
+        _height(1.15, note="range with back panel, double oven"),
     ),
     "WashingMachine": (_height(0.85),),
     "Microwave": (_width(0.5),),
@@ -92,7 +103,7 @@ SIZE_TABLE: dict[str, tuple[SizeRule, ...]] = {
     "Pliers": _longest(0.18),
     "Printer": (_width(0.45),),
     "Remote": _longest(0.18),
-    "Safe": (_height(0.45),),
+    "Safe": (_height(0.45, 1.7), _height(1.3, note="gun safe")),
     "Scissors": _longest(0.18),
     "Stapler": _longest(0.15),
     "Suitcase": _longest(0.65),
@@ -118,15 +129,22 @@ def estimate_size(category: str, extents: Float[np.ndarray, "3"]) -> tuple[float
     rule = next(rule for rule in rules if slenderness <= rule.up_to)
     longest = max(depth, width, height)
     measured = {"height": height, "width": width, "longest": longest}[rule.extent]
-    return min(rule.metres / measured * longest, LONGEST_FURNITURE), category in SIZE_TABLE
+    size = min(rule.metres / measured * longest, LONGEST)
+    if category in DEPTH_LIMITS:
+        size = min(size, DEPTH_LIMITS[category] / depth * longest)
+    return size, category in SIZE_TABLE
 
 
 def size_table_markdown() -> str:
     """The table as Markdown, for the documentation."""
-    rows = ["| category | extent | metres | where height / footprint is at most |", "|---|---|---|---|"]
+    rows = [
+        "| category | extent | metres | for height / footprint up to | depth at most |",
+        "|---|---|---|---|---|",
+    ]
     for category, rules in [*SIZE_TABLE.items(), ("any other", FALLBACK)]:
         for rule in rules:
             bound = "" if np.isinf(rule.up_to) else f"{rule.up_to:g}"
             note = f" ({rule.note})" if rule.note else ""
-            rows.append(f"| {category}{note} | {rule.extent} | {rule.metres:g} | {bound} |")
+            depth = f"{DEPTH_LIMITS[category]:g}" if category in DEPTH_LIMITS else ""
+            rows.append(f"| {category}{note} | {rule.extent} | {rule.metres:g} | {bound} | {depth} |")
     return "\n".join(rows) + "\n"
