@@ -52,8 +52,9 @@ def mesh_parts(asset: Asset, cfg: MeshingConfig | None = None) -> tuple[Mesh, ..
                 f"asset {asset.name!r}: part {part.name!r} owns 0 of {len(asset.voxels.coords)} voxels, "
                 "expected at least 1; give it more samples or leave it out"
             )
-        occupancy = part_occupancy(asset.voxels, index).occupancy
-        vertices, faces = mesh_occupancy(occupancy, box_in_lattice(part, asset.voxels.resolution), cfg)
+        box = box_in_lattice(part, asset.voxels.resolution)
+        occupancy = part_occupancy(asset.voxels, index, box).occupancy
+        vertices, faces = mesh_occupancy(occupancy, box, cfg)
         _check_closed(asset.name, part, vertices, faces)
         metres = (vertices / asset.voxels.resolution - 0.5) * asset.scale
         meshes.append(Mesh(vertices=metres, faces=faces))

@@ -1,43 +1,52 @@
-"""A part's cells as a solid that can be meshed: shared, enclosed and ill-connected cells settled.
+"""A part's cells as a solid that can be meshed: contested, enclosed and ill-connected cells settled.
 
 Three things stand between labelled surface cells and a solid. A cell that two parts touch is owned
-by one of them, which leaves pits where owners alternate; a closed box is hollow; and cells that
-meet only along an edge or in a corner have no manifold surface. Every cell added is counted.
+by one of them, which leaves ragged layers where owners alternate; a closed box is hollow; and cells
+that meet only along an edge or in a corner have no manifold surface. Every change is counted.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool
+from jaxtyping import Bool, Float
 from scipy import ndimage
 
 from artigen.types import VoxelGrid
 from sim_export.errors import DegeneratePart
+from sim_export.joining import join_cells
 
-_CORNERS = [np.array(np.unravel_index(n, (2, 2, 2))) for n in range(8)]
+_SMALL_HOLE = 16
+"""Cells; a hole in a layer up to this size that another part fills is the foot of a knob or handle."""
+_RAGGED_SHARE = 0.15
+"""A layer at the part's box face is completed where the part already owns this share of it."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PartOccupancy:
-    """The solid cells of one part, on the asset's whole grid.
+    """The solid cells of one part, on the asset's whole grid, and how many were added or removed.
 
-    ``shared`` cells belong to another part in the voxel grid but lie in pits of this one;
-    ``enclosed`` cells were cavities without a way out; ``joined`` cells connect cells that touched
-    only along an edge or in a corner. All three are counts of added cells.
+    ``shared`` cells belong to another part in the voxel grid, whose surface runs through the same
+    layer; ``shaved`` ones were specks of this part in a layer that others own; ``enclosed`` ones
+    were cavities without a way out; ``joined`` ones connect cells that touched only along an edge or
+    in a corner.
     """
 
     occupancy: Bool[np.ndarray, "X Y Z"]
     shared: int
+    shaved: int
     enclosed: int
     joined: int
 
 
-def part_occupancy(voxels: VoxelGrid, part_id: int) -> PartOccupancy:
-    """Solid cells of a part: its own ones, one-cell pits shared with others, enclosed cavities.
+def part_occupancy(
+    voxels: VoxelGrid, part_id: int, box: Float[np.ndarray, "2 3"] | None = None
+) -> PartOccupancy:
+    """Solid cells of a part: its own, those it shares in ragged layers, and enclosed cavities.
 
-    The result is well-composed: its boundary is a 2-manifold. Cavities that are open, like a
-    drawer's, stay open; disconnected pieces stay apart. Raises `DegeneratePart` for a part
-    without cells.
+    ``box`` (lowest and highest corner in lattice units) tells how far the part reaches into layers
+    it contests with others; without it such layers stay ragged. The result is well-composed: its
+    boundary is a 2-manifold. Cavities that are open, like a drawer's, stay open; disconnected pieces
+    stay apart. Raises `DegeneratePart` for a part without cells.
     """
     mine = voxels.part_ids == part_id
     if not mine.any():
@@ -50,8 +59,11 @@ def part_occupancy(voxels: VoxelGrid, part_id: int) -> PartOccupancy:
     window = tuple(slice(a, b) for a, b in zip(low, high, strict=True))
     own, others = (np.pad(grid[window], 2) for grid in whole)
 
-    shared = own | (_close_in_planes(own) & others)
-    filled = _fill_cavities(shared)
+    shared = own | _pits(own, others)
+    if box is not None:
+        shared |= _ragged_layers(shared, others, box - low + 2)
+    shaved = _shave_specks(shared, others & ~shared)
+    filled = _fill_cavities(shaved)
     joined = join_cells(filled, others)
     solid = _fill_cavities(joined)
     inside = tuple(slice(2, -2) for _ in range(3))
@@ -60,84 +72,93 @@ def part_occupancy(voxels: VoxelGrid, part_id: int) -> PartOccupancy:
     return PartOccupancy(
         occupancy=out,
         shared=int(shared.sum() - own.sum()),
-        enclosed=int(filled.sum() - shared.sum() + solid.sum() - joined.sum()),
+        shaved=int(shared.sum() - shaved.sum()),
+        enclosed=int(filled.sum() - shaved.sum() + solid.sum() - joined.sum()),
         joined=int(joined.sum() - filled.sum()),
     )
 
 
-def join_cells(
-    occupancy: Bool[np.ndarray, "X Y Z"], avoid: Bool[np.ndarray, "X Y Z"]
-) -> Bool[np.ndarray, "X Y Z"]:
-    """Adds cells until no two cells touch only along an edge or in a corner (nor do two empty ones).
+def _shave_specks(own: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """Without single cells and pairs that stick out of a layer of this part into another part.
 
-    Of the cells that would connect a pair, the one with most occupied neighbours is added, and of
-    equals one outside ``avoid``; remaining ties are all added, so that the result does not depend
-    on the order of axes. The outermost cells of the grid must be empty.
+    Such a cell has this part behind it, in its own layer only cells of others and at most one of
+    this part, and no empty cell.
     """
-    out = occupancy.copy()
-    while True:
-        wanted = _joining_cells(out, avoid)
-        if not wanted.any():
-            return out
-        out |= wanted
+    specks = np.zeros_like(own)
+    neighbours = {axis: [np.roll(own, shift, axis) for shift in (1, -1)] for axis in range(3)}
+    around = {axis: [np.roll(others, shift, axis) for shift in (1, -1)] for axis in range(3)}
+    for normal in range(3):
+        beside = [grid for axis in range(3) if axis != normal for grid in neighbours[axis]]
+        foreign = [grid for axis in range(3) if axis != normal for grid in around[axis]]
+        alone = np.sum(foreign, axis=0, dtype=np.int8) >= 3
+        alone &= np.sum(foreign + beside, axis=0, dtype=np.int8) == 4
+        behind, front = neighbours[normal]
+        specks |= own & alone & (behind ^ front)
+    return own & ~specks
 
 
-def _close_in_planes(own: np.ndarray) -> np.ndarray:
-    """Closing by 3 x 3 squares in each of the three axis planes, joined."""
-    out = np.zeros_like(own)
+def _pits(own: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """Cells of others in gaps up to two cells wide, or in small holes, of a layer of this part."""
+    pits = np.zeros_like(own)
     for normal in range(3):
         grid = own
         for axis in [a for a in range(3) if a != normal]:
             grid = grid | np.roll(grid, 1, axis) | np.roll(grid, -1, axis)
         for axis in [a for a in range(3) if a != normal]:
             grid = grid & np.roll(grid, 1, axis) & np.roll(grid, -1, axis)
-        out |= grid
+        pits |= grid & others
+        pits |= _small_holes(own, others, normal)
+    return pits
+
+
+def _small_holes(own: np.ndarray, others: np.ndarray, normal: int) -> np.ndarray:
+    """In-plane components of others' cells up to `_SMALL_HOLE`, surrounded by this part alone."""
+    labels, count = _label(~own, _in_plane(normal))
+    ids = labels.ravel()
+    size = np.bincount(ids, minlength=count + 1)
+    foreign = np.bincount(ids, weights=others.ravel(), minlength=count + 1)
+    small = (size <= _SMALL_HOLE) & (foreign == size)
+    small[0] = False
+    return small[labels]
+
+
+def _ragged_layers(own: np.ndarray, others: np.ndarray, box: np.ndarray) -> np.ndarray:
+    """Cells of others in the outermost layer of this part that its box says it reaches too.
+
+    Only over cells of this part, and only in connected regions of which it has a fair share.
+    """
+    out = np.zeros_like(own)
+    for axis in range(3):
+        layers = np.flatnonzero(own.any(axis=tuple(a for a in range(3) if a != axis)))
+        for layer, inward, depth in (
+            (layers[0], 1, layers[0] + 1 - box[0, axis]),
+            (layers[-1], -1, box[1, axis] - layers[-1]),
+        ):
+            if not 0.05 <= depth <= 1.05:
+                continue
+            mine, theirs = np.take(own, layer, axis), np.take(others, layer, axis)
+            wanted = theirs & np.take(own, layer + inward, axis)
+            labels, count = _label(mine | wanted, ndimage.generate_binary_structure(2, 1))
+            held = np.bincount(labels.ravel(), weights=mine.ravel(), minlength=count + 1)
+            total = np.bincount(labels.ravel(), minlength=count + 1)
+            np.moveaxis(out, axis, 0)[layer] |= wanted & np.greater_equal(held, _RAGGED_SHARE * total)[labels]
     return out
+
+
+def _label(grid: np.ndarray, structure: np.ndarray) -> tuple[np.ndarray, int]:
+    """Connected components numbered from 1, and how many there are."""
+    labels = np.zeros(grid.shape, dtype=np.int32)
+    ndimage.label(grid, structure=structure, output=labels)
+    return labels, int(labels.max())
+
+
+def _in_plane(normal: int) -> np.ndarray:
+    """Connectivity of cells that share a face within a layer."""
+    structure = ndimage.generate_binary_structure(3, 1)
+    np.moveaxis(structure, normal, 0)[[0, 2]] = False
+    return structure
 
 
 def _fill_cavities(grid: np.ndarray) -> np.ndarray:
     """Fills empty cells from which no way of cells sharing faces leads out."""
     return np.asarray(ndimage.binary_fill_holes(grid), dtype=bool)
-
-
-def _joining_cells(occupancy: np.ndarray, avoid: np.ndarray) -> np.ndarray:
-    """The cells to add in one round; all False when the grid is well-composed."""
-    shape = occupancy.shape
-    views = [occupancy[tuple(slice(c, n - 1 + c) for c, n in zip(corner, shape, strict=True))]
-             for corner in _CORNERS]  # fmt: skip
-    code = np.zeros(views[0].shape, dtype=np.uint8)
-    for bit, view in enumerate(views):
-        code |= view.astype(np.uint8) << np.uint8(bit)
-    bad = np.argwhere(_BAD_BLOCK[code])
-    wanted = np.zeros(shape, dtype=bool)
-    if not len(bad):
-        return wanted
-    neighbours = ndimage.uniform_filter(occupancy.astype(np.float64), 3) * 54 + ~avoid
-    blocks = bad[:, None] + np.array(_CORNERS)  # B 8 3
-    score = np.rint(neighbours[tuple(np.moveaxis(blocks, 2, 0))])
-    options = _OPTIONS[code[tuple(bad.T)]]
-    score = np.where(options, score, -1)
-    chosen = options & (score == score.max(axis=1, keepdims=True))
-    wanted[tuple(blocks[chosen].T)] = True
-    return wanted
-
-
-def _block_tables() -> np.ndarray:
-    """Cells that would mend each of the 256 states of a 2 x 2 x 2 block; none where it is well-composed."""
-    options = np.zeros((256, 8), dtype=bool)
-    for code in range(256):
-        full = [bool(code >> bit & 1) for bit in range(8)]
-        for one in range(8):
-            for axis_bits in (3, 5, 6):  # the cell across one edge differs in two coordinates
-                edge = [one ^ bit for bit in (1, 2, 4) if bit & axis_bits]
-                if full[one] and full[one ^ axis_bits] and not any(full[cell] for cell in edge):
-                    options[code, edge] = True
-        if not options[code].any() and sum(full) in (2, 6):
-            rare = [cell for cell in range(8) if full[cell] == (sum(full) == 2)]
-            if rare[0] ^ rare[1] == 7:
-                options[code, [cell for cell in range(8) if not full[cell]]] = True
-    return options
-
-
-_OPTIONS = _block_tables()
-_BAD_BLOCK = _OPTIONS.sum(axis=1) > 0

@@ -9,8 +9,9 @@ from scipy import ndimage
 
 from artigen.types import Asset, VoxelGrid
 from sim_export.errors import DegeneratePart
+from sim_export.joining import join_cells
 from sim_export.meshing import MeshingConfig, mesh_occupancy, mesh_parts
-from sim_export.occupancy import join_cells, part_occupancy
+from sim_export.occupancy import part_occupancy
 from sim_export.package import Mesh
 
 
@@ -197,3 +198,31 @@ def test_a_part_without_voxels_is_named(cabinet: Asset):
         mesh_parts(replace(cabinet, voxels=fewer))
     with pytest.raises(ValueError, match="has no voxels"):
         mesh_parts(replace(cabinet, voxels=None))
+
+
+def test_the_box_completes_ragged_layers_and_only_those():
+    rng = np.random.default_rng(2)
+    door, frame = np.zeros((2, 16, 16, 16), dtype=bool)
+    door[5, 2:14, 2:14] = True
+    contested = np.zeros_like(door)
+    contested[6, 2:14, 2:14] = True
+    contested[6, 4:12, 4:12] = False
+    lost = contested & (rng.random(door.shape) < 0.6)
+    frame[7, 2:14, 2:14] = True
+    box = np.array([[5.2, 2, 2], [6.4, 14, 14]])
+    grid = voxel_grid(door | (contested & ~lost), frame | lost)
+    np.testing.assert_array_equal(part_occupancy(grid, 0, box).occupancy, door | contested)
+    box[1, 0] = 5.9
+    assert part_occupancy(grid, 0, box).occupancy[6].sum() < contested.sum()
+
+
+def test_single_cells_in_a_foreign_layer_are_shaved():
+    wall, other = np.zeros((2, 16, 16, 16), dtype=bool)
+    wall[5, 2:14, 2:14] = True
+    other[6, 2:14, 2:14] = True
+    other[6, 5, 5] = False
+    solid = part_occupancy(
+        voxel_grid(wall | (np.indices(wall.shape) == [[[[6]]], [[[5]]], [[[5]]]]).all(axis=0), other), 0
+    )
+    assert solid.shaved == 1
+    np.testing.assert_array_equal(solid.occupancy, wall)
