@@ -17,6 +17,9 @@ from .package import LoadConfig
 from .plan import plan_trials
 from .trials import reset
 
+ON_AXIS = 0.01
+"""Metres from the axis below which a handle is turned, not pulled."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class ActuateConfig:
@@ -37,12 +40,13 @@ class ActuateEnv(PackageEnv):
 
     **Action** ``[1]`` in [-1, 1]: force at the handle along the direction in which it moves as the joint
     opens, as part of the hand's largest (30 N on a drawer, 10 N m on a door and at most 30 N at its
-    handle, 10 N on a button, 1 N m on a knob; the weight of what is lifted comes on top).
+    handle, 10 N on a button, 1 N m on a knob; the weight of what is lifted comes on top). A handle
+    that sits on the joint's axis, such as a knob, is turned by a torque instead.
 
     **Observation** ``open_fraction [J]``, ``joint_velocity [J]`` in ranges per second, ``target [J]``
     one-hot, and of the target's handle ``handle_position [3]`` (m) and ``opening_direction [3]`` (unit),
-    both in the world. Where the package names no handle it is the point farthest from the axis, and for
-    sliding parts their centre of mass.
+    both in the world; for a handle on the axis the direction is the axis. Where the package names no
+    handle it is the point farthest from the axis, and for sliding parts their centre of mass.
 
     **Reward** the change of the target's open fraction in this step: the return of an episode is how far
     the joint was opened.
@@ -105,8 +109,11 @@ class ActuateEnv(PackageEnv):
         before = self._opened()
         for _ in range(SUBSTEPS):
             point, direction, lever = self._handle()
-            force = effort / lever * direction
-            joint.engine.child_link.add_force_at_point(force.tolist(), point.tolist())
+            if lever > 0.0:
+                force = effort / lever * direction
+                joint.engine.child_link.add_force_at_point(force.tolist(), point.tolist())
+            else:
+                joint.engine.child_link.add_force_torque([0.0, 0.0, 0.0], (effort * direction).tolist())
             advance(self.loaded)
             self._travel += float(self.loaded.articulation.qvel[joint.index]) * self.scene.timestep
         info = self._info()
@@ -140,7 +147,8 @@ class ActuateEnv(PackageEnv):
         return moved.vertices[int(np.argmax(np.linalg.norm(arms, axis=1)))]
 
     def _handle(self) -> tuple[np.ndarray, np.ndarray, float]:
-        """Position and direction of motion of the handle now, and metres per unit of the joint."""
+        """Position and direction of motion of the handle now, and metres per unit of the joint; 0 metres,
+        and the axis for a direction, where the handle sits on the axis."""
         joint = self._joint
         frame = pose_matrix(joint.engine.global_pose)
         axis, origin = frame[:3, 0], frame[:3, 3]
@@ -149,8 +157,8 @@ class ActuateEnv(PackageEnv):
         if joint.spec.type == "prismatic":
             return point, axis, 1.0
         motion = np.cross(axis, point - origin)
-        lever = max(float(np.linalg.norm(motion)), 1e-3)
-        return point, motion / lever, lever
+        lever = float(np.linalg.norm(motion))
+        return (point, axis, 0.0) if lever < ON_AXIS else (point, motion / lever, lever)
 
     def _observe(self) -> dict[str, np.ndarray]:
         point, direction, _ = self._handle()

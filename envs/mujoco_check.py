@@ -16,11 +16,12 @@ from .urdf_text import physics_urdf
 @dataclass(frozen=True, kw_only=True)
 class MujocoResult:
     """``force`` is the sum of absolute constraint forces at rest without gravity (N and N m together);
-    ``error`` is the compiler's sentence where there is no model."""
+    ``error`` is the compiler's sentence where there is no model, ``warnings`` what it said besides."""
 
     file: str
     force: float = 0.0
     error: str | None = None
+    warnings: tuple[str, ...] = ()
 
 
 def compile_package(folder: Path) -> tuple[MujocoResult, ...]:
@@ -34,15 +35,22 @@ def compile_package(folder: Path) -> tuple[MujocoResult, ...]:
 def _compile(path: Path) -> MujocoResult:
     import mujoco
 
+    warnings: list[str] = []
+    # Without a handler of ours MuJoCo appends its warnings to a file in the working directory.
+    before = mujoco.get_mju_user_warning()
+    mujoco.set_mju_user_warning(warnings.append)
     try:
         if path.suffix == ".urdf":
             model = mujoco.MjModel.from_xml_string(physics_urdf(path, mujoco=True))
         else:
             model = mujoco.MjModel.from_xml_path(str(path))
     except (ValueError, PackageError) as error:
-        return MujocoResult(file=path.name, error=" ".join(str(error).split()))
+        return MujocoResult(file=path.name, error=" ".join(str(error).split()), warnings=tuple(warnings))
+    finally:
+        mujoco.set_mju_user_warning(before)
     # Weight is off: what is left are forces of overlap and of limits that rest violates.
     model.opt.gravity[:] = 0.0
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
-    return MujocoResult(file=path.name, force=float(np.abs(data.qfrc_constraint).sum()))
+    force = float(np.abs(data.qfrc_constraint).sum())
+    return MujocoResult(file=path.name, force=force, warnings=tuple(warnings))

@@ -1,20 +1,18 @@
 """Loading: what the package says is what the engine has, and nothing is lost without a word."""
 
+import importlib.util
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from artigen.datasets.sample import SAMPLE_PARTS, sample_box_arrays
 from artigen.transforms import inverse
-from artigen.types import Asset
 from sim_export.errors import PackageError
 from sim_export.hulls import box_hull
-from sim_export.inertia import combine, mesh_inertial
-from sim_export.links import PartGeometry, build_links
+from sim_export.inertia import mesh_inertial
 from sim_export.motion import link_displacements
-from sim_export.package import Inertial, Link, PackageJoint, Requirement, SimPackage
+from sim_export.package import Inertial, Link, PackageJoint, SimPackage
 from sim_export.write import write_package
 
 sapien = pytest.importorskip("sapien")
@@ -28,42 +26,33 @@ pytestmark = pytest.mark.sim
 TIMESTEPS = [1 / 60, 1 / 100, 1 / 240]
 
 
-def box_package(cabinet: Asset) -> SimPackage:
-    """The sample cabinet with its exact boxes as hulls and resistances that hold against 5 degrees."""
-    corners = np.concatenate([sample_box_arrays(part).reshape(-1, 3) for part in SAMPLE_PARTS])
-    center = (corners.min(axis=0) + corners.max(axis=0)) / 2
-    geometry = []
-    for part in SAMPLE_PARTS:
-        hulls = tuple(box_hull(low - center, high - center) for low, high in sample_box_arrays(part))
-        geometry.append(
-            PartGeometry(hulls=hulls, inertial=combine([mesh_inertial(hull, 600.0) for hull in hulls]))
-        )
-    tree = build_links(cabinet, geometry)
+def sample_package() -> SimPackage:
+    """The exact sample cabinet with resistances that hold against a tilt of 5 degrees."""
+    path = Path(__file__).parents[1] / "benchmarks" / "sample_packages.py"
+    spec = importlib.util.spec_from_file_location("sample_packages", path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    package = module.build_package(module.cabinet_parts())
     resistance = {
         "joint_0": (12.0, 8.0),
         "joint_1": (4.0, 0.4),
         "joint_2": (0.04, 1e-4),
-        "joint_3": (8.0, 5.0),
+        "joint_3": (9.0, 5.0),
     }
     joints = tuple(
         replace(joint, friction=resistance[joint.name][0], damping=resistance[joint.name][1])
         if joint.name in resistance
         else joint
-        for joint in tree.joints
+        for joint in package.joints
     )
-    return SimPackage(
-        name="cabinet",
-        category="StorageFurniture",
-        visual="voxels",
-        links=tree.links,
-        joints=joints,
-        requires_open=(Requirement(joint="joint_3", needs="joint_1", fraction=0.9),),
-    )
+    return replace(package, joints=joints)
 
 
 @pytest.fixture(scope="module")
-def package(cabinet: Asset) -> SimPackage:
-    return box_package(cabinet)
+def package() -> SimPackage:
+    return sample_package()
 
 
 @pytest.fixture(scope="module")

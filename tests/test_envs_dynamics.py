@@ -1,0 +1,225 @@
+"""L3 checks: a sound cabinet passes all of them, and every seeded defect fails the check meant for it."""
+
+import importlib.util
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sim_export.hulls import box_hull
+from sim_export.package import Inertial, SimPackage
+from sim_export.read import read_package
+from sim_export.write import write_package
+
+pytest.importorskip("sapien")
+from envs.config import DynamicsConfig
+from envs.dynamics import (
+    check_dynamics,
+    check_energy,
+    check_mujoco,
+    check_repeat,
+    check_stand,
+)
+from envs.titles import TITLES
+from envs.trials import run_trials
+
+pytestmark = pytest.mark.sim
+ONE_STEP_SIZE = DynamicsConfig(other_timesteps=())
+
+
+def sample_package() -> SimPackage:
+    """The exact sample cabinet with resistances that hold against a tilt of 5 degrees."""
+    path = Path(__file__).parents[1] / "benchmarks" / "sample_packages.py"
+    spec = importlib.util.spec_from_file_location("sample_packages", path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    resistance = {
+        "joint_0": (12.0, 8.0),
+        "joint_1": (4.0, 0.4),
+        "joint_2": (0.04, 1e-4),
+        "joint_3": (9.0, 5.0),
+    }
+    package = module.build_package(module.cabinet_parts())
+    for name, (friction, damping) in resistance.items():
+        package = with_joint(package, name, friction=friction, damping=damping)
+    return package
+
+
+def with_joint(package: SimPackage, name: str, **changes: object) -> SimPackage:
+    joints = tuple(replace(joint, **changes) if joint.name == name else joint for joint in package.joints)
+    return replace(package, joints=joints)
+
+
+def with_link(package: SimPackage, name: str, **changes: object) -> SimPackage:
+    links = tuple(replace(link, **changes) if link.name == name else link for link in package.links)
+    return replace(package, links=links)
+
+
+def hulls_of(package: SimPackage, name: str):
+    return next(link for link in package.links if link.name == name).hulls
+
+
+@pytest.fixture(scope="module")
+def package() -> SimPackage:
+    return sample_package()
+
+
+@pytest.fixture(scope="module")
+def folder(package: SimPackage, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write_package(package, tmp_path_factory.mktemp("dynamics") / "cabinet")
+
+
+@pytest.fixture(scope="module")
+def trials(folder: Path, package: SimPackage):
+    return run_trials(folder, package, 0.01, DynamicsConfig().trials)
+
+
+def test_a_sound_cabinet_passes_everything(folder):
+    results = check_dynamics(folder, read_package(folder), DynamicsConfig())
+    assert [result.id for result in results] == sorted(TITLES)
+    assert {
+        result.id: (result.verdict, result.message) for result in results if result.verdict != "pass"
+    } == {}
+
+
+def seeded(package: SimPackage, defect: str) -> SimPackage:
+    """The package with one thing wrong."""
+    drawer = next(joint for joint in package.joints if joint.name == "joint_0")
+    body = next(link for link in package.links if link.name == "link_4")
+    if defect == "jammed":  # a latch on the door in front of the drawer
+        front = np.concatenate([hull.vertices for hull in hulls_of(package, "link_0")])
+        # Close to the hinge, where 30 N cannot push the door open along with it.
+        low = np.array([front[:, 0].min() - 0.05, 0.34, front[:, 2].min() - 0.02])
+        latch = box_hull(low, low + np.array([0.09, 0.05, 0.1]))
+        return with_link(package, "link_1", hulls=(*hulls_of(package, "link_1"), latch))
+    if defect == "tray behind a closed door":
+        return replace(package, requires_open=())
+    if defect == "stuck":
+        return with_joint(package, "joint_0", friction=200.0)
+    if defect == "no friction":
+        return with_joint(package, "joint_0", friction=0.0, damping=1.0)
+    if defect == "slanted runners":
+        axis = drawer.axis * np.cos(0.5) + np.array([0.0, 0.0, -np.sin(0.5)])
+        return with_joint(package, "joint_0", axis=axis)
+    if defect == "top-heavy":
+        assert body.inertial is not None
+        beside = replace(body.inertial, com=body.inertial.com + np.array([-1.0, 0.0, 0.0]))
+        return with_link(package, "link_4", inertial=beside)
+    if defect == "overlapping siblings":
+        moved = tuple(
+            replace(hull, vertices=hull.vertices + np.array([0.0, 0.0, 0.05]))
+            for hull in hulls_of(package, "link_1")
+        )
+        return with_link(package, "link_1", hulls=moved)
+    if defect == "impossible inertia":
+        assert body.inertial is not None
+        bad = Inertial(mass=1.0, com=body.inertial.com, inertia=np.diag([1.0, 0.1, 0.1]))
+        return with_link(package, "link_0", inertial=bad)
+    if defect == "stiff knob":  # an overdamped knob of 20 g cm^2 turns at the speed of the time step
+        return with_joint(package, "joint_2", damping=0.02)
+    raise ValueError(defect)
+
+
+@pytest.mark.parametrize(
+    ("defect", "check"),
+    [
+        ("jammed", "V304"),
+        ("tray behind a closed door", "V304"),
+        ("stuck", "V304"),
+        ("no friction", "V305"),
+        ("slanted runners", "V302"),
+        ("top-heavy", "V303"),
+        ("overlapping siblings", "V302"),
+        ("impossible inertia", "V308"),
+    ],
+)
+def test_a_seeded_defect_fails_its_check(package, tmp_path, defect, check):
+    wrong = seeded(package, defect)
+    folder = write_package(wrong, tmp_path / "cabinet")
+    verdicts = {result.id: result.verdict for result in check_dynamics(folder, wrong, ONE_STEP_SIZE)}
+    assert verdicts[check] == "fail"
+    assert verdicts["V301"] == verdicts["V307"] == "pass"
+
+
+def test_what_depends_on_the_step_size_fails_v309(package, tmp_path):
+    wrong = seeded(package, "stiff knob")
+    folder = write_package(wrong, tmp_path / "cabinet")
+    coarse = DynamicsConfig(timestep=1 / 240, other_timesteps=(1 / 60,))
+    results = {result.id: result for result in check_dynamics(folder, wrong, coarse)}
+    assert results["V304"].verdict == "pass"
+    assert results["V309"].verdict == "fail"
+    assert "V304 at 1/60 s (joint_2" in results["V309"].message
+
+
+def lose_a_hull(folder: Path) -> None:
+    (folder / "collision" / "link_3_1.obj").unlink()
+
+
+def flatten_inertia(folder: Path) -> None:
+    urdf = folder / "mobility.urdf"
+    head, tail = urdf.read_text().split('<link name="link_1">')
+    values = tail.split("<inertia ")[1].split("/>")[0]
+    zero = " ".join(f'{name}="0"' for name in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"))
+    urdf.write_text(head + '<link name="link_1">' + tail.replace(values, zero, 1))
+
+
+@pytest.mark.parametrize(
+    ("damage", "where"), [(lose_a_hull, "link_3"), (flatten_inertia, "link_1")], ids=["hull", "inertia"]
+)
+def test_what_sapien_passes_over_fails_v301(package, tmp_path, damage: Callable[[Path], None], where):
+    folder = write_package(package, tmp_path / "cabinet")
+    damage(folder)
+    result = check_dynamics(folder, package, ONE_STEP_SIZE)[0]
+    assert (result.id, result.verdict, result.where) == ("V301", "fail", where)
+
+
+def test_energy_from_nowhere_fails_v306(trials):
+    assert check_energy(trials).verdict == "pass"
+    fast = replace(trials.pulls[0], peak_speed=10 * trials.plan.joints[0].speed_limit)
+    assert check_energy(replace(trials, pulls=(fast, *trials.pulls[1:]))).verdict == "fail"
+    assert check_energy(replace(trials, size_ratio=11.0)).verdict == "fail"
+
+
+def test_a_different_second_run_fails_v307(folder, package, trials):
+    assert check_repeat(folder, package, trials, ONE_STEP_SIZE).verdict == "pass"
+    other = replace(trials, trace=trials.trace + 2e-6)
+    assert check_repeat(folder, package, other, ONE_STEP_SIZE).verdict == "fail"
+
+
+def test_only_what_is_mounted_or_held_may_overhang(package, trials):
+    tipped = replace(trials, stand=replace(trials.stand, overhang=0.1, tilt=60.0))
+    assert check_stand(package, tipped).verdict == "fail"
+    assert "outside" in check_stand(package, tipped).message
+    assert check_stand(replace(package, category="Faucet"), tipped).verdict == "not_applicable"
+    assert check_stand(replace(package, category="Faucet"), trials).verdict == "pass"
+
+
+def test_what_does_not_move_has_nothing_to_open(package, tmp_path):
+    body = next(link for link in package.links if link.name == "link_4")
+    fixed = tuple(joint for joint in package.joints if joint.type == "fixed")
+    block = replace(package, links=(package.links[0], body), joints=fixed, handles=(), requires_open=())
+    folder = write_package(block, tmp_path / "block")
+    verdicts = {result.id: result.verdict for result in check_dynamics(folder, block, ONE_STEP_SIZE)}
+    applies = {name for name, verdict in verdicts.items() if verdict != "not_applicable"}
+    assert applies == {"V301", "V303", "V307", "V308", "V309"}
+    assert {verdicts[name] for name in applies} == {"pass"}
+
+
+def test_mujoco_leaves_nothing_in_the_working_directory(folder, monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    assert check_mujoco(folder).verdict == "pass"
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.real
+def test_original_objects_get_a_verdict_on_everything(real_objects):
+    for name in ("10040", "44781"):
+        folder = real_objects / "partnet_mobility" / name
+        results = check_dynamics(folder, read_package(folder), ONE_STEP_SIZE)
+        assert [result.id for result in results] == sorted(TITLES)
+        assert results[0].verdict == "pass"
+        assert "invents the mass" in results[0].message
