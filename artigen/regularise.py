@@ -16,11 +16,15 @@ from artigen.types import Asset, Joint, Part
 class RegulariseConfig:
     """Tolerances of the snapping."""
 
-    axis_degrees: float = 4.0
-    """An axis closer than this to a principal direction becomes that direction; 0 turns it off."""
-    knob_offset: float = 1.0 / 64.0
+    axis_degrees: float = 1.0
+    """An axis closer than this to a principal direction becomes that direction."""
+    knob_offset: float = 0.25 / 64.0
     """The axis of a continuous joint that passes its part's box centre within this many unit lengths
-    is moved through the centre; 0 turns it off."""
+    is moved through the centre."""
+    sigmas: float = 3.0
+    """Where the uncertainty of a vote is known, the tolerances grow by this many standard errors."""
+    most_degrees: float = 8.0
+    """However uncertain, no axis is turned by more than this."""
 
     def __post_init__(self) -> None:
         if not 0 <= self.axis_degrees < 45:

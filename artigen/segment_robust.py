@@ -15,17 +15,17 @@ from jaxtyping import Bool, Float, Int
 from artigen.fields import VoxelFields
 from artigen.neighbours import connected_groups, neighbour_pairs
 from artigen.partition import Partition, canonical_partition
-from artigen.votes import WIDTH, Votes, collect_votes, merge_scores, summarise, voxel_costs
+from artigen.votes import WIDTH, Votes, collect_votes, merge_scores, placed_votes, summarise, voxel_costs
 
 
 @dataclass(frozen=True, kw_only=True)
 class RobustConfig:
     """Sensitivities of the robust recipe; lengths in voxels, evidence in units of chi squared."""
 
-    length_floor: float = 0.25
+    length_floor: float = 0.05
     """Least noise assumed on lengths, in voxels. Raise it when votes drift within a part and parts
     are found split."""
-    motion_floor: float = 0.02
+    motion_floor: float = 0.005
     """Least noise assumed on axis components and on normalised ranges."""
     split_scatter: float = 1.5
     """A group is split when its votes scatter this many times more than noise alone (variance)."""
@@ -91,10 +91,11 @@ def _split(votes: Votes, rows: Int[np.ndarray, "n"], cfg: RobustConfig) -> list[
     done, waiting = [], [rows]
     while waiting:
         piece = waiting.pop()
-        if len(piece) < cfg.seed_voxels:
+        if len(piece) < 2:
             done.append(piece)
             continue
-        values = votes.whitened[piece] - votes.whitened[piece].mean(axis=0)
+        values = placed_votes(votes, piece)
+        values -= values.mean(axis=0)
         variances, directions = np.linalg.eigh(values.T @ values / len(piece))
         draws = max(1.0, len(piece) / votes.patch)
         if variances[-1] <= cfg.split_scatter * (1 + np.sqrt(WIDTH / draws)) ** 2:

@@ -24,12 +24,12 @@ ALLOWED_PARENTS: Mapping[PartLabel, Mapping[PartLabel, float]] = MappingProxyTyp
         "knob": {"door": 1.5, "drawer": 1.5, "base": 1.0},
         "tray": {"base": 1.0, "drawer": 0.3},
         "shelf": {"base": 1.0, "door": 1.0},
-        "wheel": {"knob": 3.0, "base": 1.0},
+        "wheel": {"wheel": 3.0, "knob": 3.0, "base": 1.0},
     }
 )
 """For each label, the labels it may hang from, with the factor on their contact count.
 
-A caster is a part that turns under the base and carries a wheel; it is labelled knob.
+Equal labels (a wheel on the stem of its caster): only from a part that touches the base more.
 """
 
 
@@ -63,13 +63,16 @@ def find_parents(
     Parts that touch compete by contact; only where none touches does the nearest within reach win.
     """
     contact = contact_counts(part_ids, pairs, len(parts))
+    is_base = np.array([part.label == "base" for part in parts])
+    support = contact[:, is_base].sum(axis=1)
     parents: list[int | None] = []
     for index, part in enumerate(parts):
         if part.label == "base":
             parents.append(-1)
             continue
         weights = np.array([ALLOWED_PARENTS[part.label].get(other.label, 0.0) for other in parts])
-        weights[index] = 0.0
+        rivals = [k for k, other in enumerate(parts) if other.label == part.label]
+        weights[[k for k in rivals if support[k] <= support[index]]] = 0.0
         scores = contact[index] * weights
         if scores.max(initial=0.0) > 0:
             parents.append(int(scores.argmax()))

@@ -100,6 +100,20 @@ def collect_votes(
     )
 
 
+def placed_votes(votes: Votes, rows: Int[np.ndarray, "n"]) -> Float[np.ndarray, "n 14"]:
+    """Votes of voxels thought to be one part, their own places counted as votes for its centre.
+
+    A voxel lies in its part's box, so its place tells the centre to about ``size / sqrt(6)`` (between
+    evenly filled and shell), which for small parts is better than what a network says.
+    """
+    values = votes.whitened[rows].copy()
+    size = np.maximum(values[:, 3:6].mean(axis=0) * votes.sigma[3:6], 1 / votes.resolution)
+    place = (votes.coords[rows] + 0.5) / votes.resolution - 0.5
+    said, seen = votes.sigma[:3] ** -2, 6 / size**2
+    values[:, PLACE] = (values[:, PLACE] * votes.sigma[:3] * said + place * seen) / np.sqrt(said + seen)
+    return values
+
+
 def summarise(votes: Votes, groups: Int[np.ndarray, "N"], base: int) -> GroupVotes:
     """Counts, mean votes, extents and majority classes of groups numbered from 0 without gaps.
 
