@@ -39,6 +39,11 @@ LABEL_COLORS: dict[PartLabel, tuple[float, float, float]] = {
 CONTINUOUS_OPEN = np.pi / 2
 """What stands for "open" of a joint that turns without limit: a quarter turn, in radians."""
 
+HAIR = 2e-5
+"""Step by which drawn hulls are swollen, as a fraction of the object's diagonal."""
+HAIRS = 24
+"""Number of different steps."""
+
 
 def distinct_color(index: int) -> tuple[float, float, float]:
     """The ``index``-th of an endless row of easily told apart sRGB colours."""
@@ -82,12 +87,10 @@ def visual_meshes(visual: Visual) -> tuple[Mesh, ...]:
 
 def package_surfaces(package: SimPackage, look: Look = "own") -> tuple[Surface, ...]:
     """Everything there is to draw, at rest; each surface's id is the index of its link."""
+    if look == "collision":
+        return _hull_surfaces(package)
     surfaces: list[Surface] = []
     for index, link in enumerate(package.links):
-        if look == "collision":
-            meshes = [_hull_mesh(hull, index * 7 + place) for place, hull in enumerate(link.hulls)]
-            surfaces += [surface_from_mesh(mesh, surface_id=index, crease_angle=0.0) for mesh in meshes]
-            continue
         for visual in link.visuals:
             color = None
             if look != "own":
@@ -98,8 +101,40 @@ def package_surfaces(package: SimPackage, look: Look = "own") -> tuple[Surface, 
     return tuple(surfaces)
 
 
-def _hull_mesh(hull: Hull, index: int) -> Mesh:
-    return Mesh(vertices=hull.vertices, faces=hull.faces, color=distinct_color(index))
+def _hull_surfaces(package: SimPackage) -> tuple[Surface, ...]:
+    """Hulls in their own colours, each swollen by another hair's breadth.
+
+    Hulls overlap and often share a plane; the differences decide which of them is seen there.
+    """
+    vertices = [hull.vertices for link in package.links for hull in link.hulls]
+    if not vertices:
+        return ()
+    hair = HAIR * float(np.linalg.norm(np.ptp(np.concatenate(vertices), axis=0)))
+    surfaces = []
+    for index, link in enumerate(package.links):
+        for place, hull in enumerate(link.hulls):
+            mesh = Mesh(
+                vertices=swell_hull(hull, hair * (len(surfaces) % HAIRS)),
+                faces=hull.faces,
+                color=distinct_color(index * 7 + place),
+            )
+            surfaces.append(surface_from_mesh(mesh, surface_id=index, crease_angle=0.0))
+    return tuple(surfaces)
+
+
+def swell_hull(hull: Hull, amount: float) -> Float[np.ndarray, "V 3"]:
+    """Vertices of the hull with its faces moved outward by at most ``amount`` (metres)."""
+    corners = hull.vertices[hull.faces]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
+    # Triangles of one flat face count once.
+    _, first, kind = np.unique(np.round(normals, 3), axis=0, return_index=True, return_inverse=True)
+    pairs = np.unique(np.stack([hull.faces.ravel(), np.repeat(kind.ravel(), 3)]), axis=1)
+    outward = np.zeros_like(hull.vertices)
+    np.add.at(outward, pairs[0], normals[first][pairs[1]])
+    reach = np.full(len(outward), 1e-30)
+    np.maximum.at(reach, pairs[0], (outward[pairs[0]] * normals[first][pairs[1]]).sum(axis=1))
+    return hull.vertices + outward * (amount / np.maximum(reach, 1.0))[:, None]
 
 
 def pose_surfaces(surfaces: Sequence[Surface], T: Float[np.ndarray, "L 4 4"]) -> tuple[Surface, ...]:

@@ -11,7 +11,7 @@ from jaxtyping import Bool, UInt8
 from PIL import Image
 
 from artigen.datasets.sample import SAMPLE_PARTS, SamplePart, sample_box_arrays
-from sim_export.camera import Viewpoint, project_points
+from sim_export.camera import Camera, Viewpoint, project_points
 from sim_export.draw import (
     LABEL_COLORS,
     distinct_color,
@@ -21,6 +21,7 @@ from sim_export.draw import (
     open_links,
     package_surfaces,
     pose_surfaces,
+    swell_hull,
 )
 from sim_export.errors import PackageError
 from sim_export.lighting import RenderConfig
@@ -171,6 +172,26 @@ def test_hull_colors_are_distinct():
     assert apart.min() > 0.12
     assert colors.min() >= 0.0
     assert colors.max() <= 1.0
+
+
+def test_a_swollen_box_is_the_larger_box():
+    box = trimesh.creation.box(extents=(0.4, 1.0, 0.02))
+    larger = swell_hull(Hull(vertices=box.vertices, faces=box.faces), 0.01)
+    assert larger == pytest.approx(box.vertices + 0.01 * np.sign(box.vertices))
+
+
+def test_of_hulls_that_share_a_plane_one_is_seen_all_over(boxes_package: SimPackage):
+    """Two plates with a common front: without a decision their colours would mix at random."""
+    plates = [trimesh.creation.box(bounds=[[0, -0.5, -0.5], [0.1 * k, 0.5, 0.5]]) for k in (1, 2)]
+    turned = np.linalg.qr(np.random.default_rng(0).normal(size=(3, 3)))[0]
+    hulls = tuple(Hull(vertices=plate.vertices @ turned, faces=plate.faces) for plate in plates)
+    package = replace(boxes_package, links=(replace(boxes_package.links[1], hulls=hulls),), joints=())
+    first, second = package_surfaces(package, "collision")
+    front = Camera(position=np.array([-3.0, 0.3, 0.2]) @ turned, target=np.zeros(3))
+    ids = render_ids([first, replace(second, id=second.id + 1)], front)
+    assert len(np.unique(ids[ids >= 0])) <= 2
+    middle = ids[180:204, 180:204]
+    assert len(np.unique(middle)) == 1
 
 
 def test_open_ends_and_exploded_links(boxes_package: SimPackage):
