@@ -18,6 +18,8 @@ from sim_export.package import HandleAnnotation, Mesh, PackageJoint
 
 SNAP_DEGREES = 5.0
 MAX_TILT_DEGREES = 35.0
+AGREEMENT = 0.6
+FINGER_SHARE = 0.2
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,11 +89,18 @@ def _annotate(
     points = triangles.reshape(-1, 3)
     center = (points.min(axis=0) + points.max(axis=0)) / 2
     motion = joint_velocity(joint, center)
-    normal = _outward_normal(points, _near(carrier, points, cfg.reach), motion, joint.axis, cfg)
+    in_place = joint.type != "prismatic" and np.linalg.norm(motion) < np.ptp(points, axis=0).max() / 4
+    guide = np.asarray(joint.axis) if in_place else motion / np.linalg.norm(motion)
+    normal = _outward_normal(points, _near(carrier, points, cfg.reach), guide, cfg)
     frame = _box_along(points, normal)
-    clearance, line = _grip(frame, triangles, _near(others, points, cfg.reach), cfg)
+    if part.label == "knob":
+        half = 0.4 * frame.size[1] * frame.axes[1]
+        line = np.stack([frame.center - half, frame.center + half])
+        clearance = min(_stand_off(frame, _near(carrier, points, cfg.reach)), cfg.reach)
+    else:
+        clearance, line = _grip(frame, triangles, _near(others, points, cfg.reach), cfg)
     direction = motion
-    if np.linalg.norm(motion) < 1e-3:  # it turns about its own centre: its outline moves, the centre does not
+    if in_place:  # its outline moves, its centre hardly does
         direction = joint_velocity(joint, line[1])
     if np.linalg.norm(direction) < 1e-9:
         direction = joint.axis
@@ -160,18 +169,15 @@ def ray_hits(
 def _outward_normal(
     points: Float[np.ndarray, "N 3"],
     carrier: Float[np.ndarray, "F 3 3"],
-    motion: Float[np.ndarray, "3"],
-    axis: Float[np.ndarray, "3"],
+    guide: Float[np.ndarray, "3"],
     cfg: HandleConfig,
 ) -> Float[np.ndarray, "3"]:
     """The direction with the carrier behind and nothing of it in front.
 
-    Candidates are the object's axes and the handle's first motion, or its joint's axis where it turns
-    in place; where several fit, the one most along that motion or axis. The winner is then laid along
-    the normals of the carrier's faces behind the handle.
+    Candidates are the object's axes and the ``guide``: the handle's first motion, or its joint's axis
+    where it turns in place; where several fit, the one most along the guide. The winner is then laid
+    along the carrier's face behind the handle.
     """
-    guide = motion if np.linalg.norm(motion) > 1e-3 else axis
-    guide = guide / np.linalg.norm(guide)
     candidates = np.concatenate([np.eye(3), -np.eye(3), [guide, -guide]])
     scores = []
     for direction in candidates:
@@ -187,22 +193,40 @@ def _outward_normal(
 def _lay_along(
     direction: Float[np.ndarray, "3"], grid: Float[np.ndarray, "R 3"], carrier: Float[np.ndarray, "F 3 3"]
 ) -> Float[np.ndarray, "3"]:
-    """The mean normal of the carrier's faces behind the handle; object axes win within `SNAP_DEGREES`."""
+    """The carrier's normal behind the handle where most rays agree on one; object axes win when close."""
     normal = direction
+    carrier = _in_the_way(grid, -direction, carrier)
     if len(carrier):
         distances, sides = ray_hits(grid, -direction, carrier)
         distances = np.where(sides < 0, distances, np.inf)
         first = distances.argmin(axis=1)[np.isfinite(distances.min(axis=1))]
         faces = carrier[first]
-        weighted = np.cross(faces[:, 1] - faces[:, 0], faces[:, 2] - faces[:, 0])
-        mean = (weighted / np.linalg.norm(weighted, axis=1, keepdims=True)).sum(axis=0)
-        length = np.linalg.norm(mean)
-        if length > 0 and mean @ direction > np.cos(np.radians(MAX_TILT_DEGREES)) * length:
-            normal = mean / length
+        normals = np.cross(faces[:, 1] - faces[:, 0], faces[:, 2] - faces[:, 0])
+        normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+        normals = normals[normals @ direction > np.cos(np.radians(MAX_TILT_DEGREES))]
+        alike = normals @ normals.T > np.cos(np.radians(SNAP_DEGREES))
+        most = int(alike.sum(axis=1).argmax()) if len(normals) else 0
+        if len(normals) and alike[most].sum() > AGREEMENT * len(first):
+            mean = normals[alike[most]].sum(axis=0)
+            normal = mean / np.linalg.norm(mean)
     nearest = int(np.abs(normal).argmax())
     if abs(normal[nearest]) > np.cos(np.radians(SNAP_DEGREES)):
         normal = np.sign(normal[nearest]) * np.eye(3)[nearest] + 0.0
     return normal
+
+
+def _in_the_way(
+    origins: Float[np.ndarray, "R 3"],
+    direction: Float[np.ndarray, "3"],
+    triangles: Float[np.ndarray, "F 3 3"],
+) -> Float[np.ndarray, "G 3 3"]:
+    """Triangles that parallel rays could meet: seen along them, their boxes overlap that of the origins."""
+    across = np.stack(_plane_axes(direction), axis=1)  # 3 2
+    flat, seen = triangles @ across, origins @ across
+    near = (flat.min(axis=1) <= seen.max(axis=0)).all(axis=1) & (flat.max(axis=1) >= seen.min(axis=0)).all(
+        axis=1
+    )
+    return triangles[near]
 
 
 def _hit_share(
@@ -212,6 +236,7 @@ def _hit_share(
     depth: float,
 ) -> float:
     """Share of rays that meet a triangle within ``depth``."""
+    triangles = _in_the_way(origins, direction, triangles)
     if not len(triangles):
         return 0.0
     return float((ray_hits(origins, direction, triangles)[0].min(axis=1) <= depth).mean())
@@ -278,29 +303,63 @@ def _grip(
     behind: Float[np.ndarray, "G 3 3"],
     cfg: HandleConfig,
 ) -> tuple[float, Float[np.ndarray, "2 3"]]:
-    """Clearance behind the handle and the line to grasp, from rays along its middle.
+    """Clearance behind a bar and the line to grasp, from rays along its middle and its two sides.
 
-    Where the handle stands off (by more than half of the largest free depth), the line runs through
-    the middle of the bar over that stretch; a handle without free depth has the line through the
-    middle of its box.
+    The clearance is the largest depth that is free over a stretch of at least `FINGER_SHARE` of the
+    bar's length; the line runs through the middle of the bar as far as most of that depth is free.
+    A handle without free depth has the line through the middle of its box.
     """
-    normal, along, _ = frame.axes
+    normal, along, across = frame.axes
     steps = ((np.arange(cfg.samples) + 0.5) / cfg.samples - 0.5) * frame.size[1]
     start = frame.center + normal * (frame.size[0] / 2 + 1e-3)
-    origins = start + steps[:, None] * along
-    fronts, backs = _bar_depths(origins, -normal, triangles)
-    distances = ray_hits(origins, -normal, behind)[0] if len(behind) else np.full((cfg.samples, 1), np.inf)
-    beyond = np.where(distances >= backs[:, None] - 1e-6, distances, np.inf).min(axis=1)
-    free = np.where(np.isfinite(backs), np.minimum(beyond - backs, cfg.reach), 0.0)
-    free = np.where(np.isnan(free), 0.0, np.maximum(free, 0.0))
-    clearance = float(free.max())
+    free = np.full(cfg.samples, np.inf)
+    for side in (-0.3, 0.0, 0.3):
+        origins = start + side * frame.size[2] * across + steps[:, None] * along
+        fronts, backs = _bar_depths(origins, -normal, triangles)
+        depth = _free_depth(origins, -normal, backs, behind)
+        free = np.minimum(free, np.where(np.isfinite(backs), depth, 0.0 if side == 0.0 else np.inf))
+        if side == 0.0:
+            middle = (fronts + backs) / 2
+    free = np.minimum(free, cfg.reach)
+    window = max(3, round(FINGER_SHARE * cfg.samples))
+    stretches = np.lib.stride_tricks.sliding_window_view(free, window).min(axis=1)
+    clearance = float(stretches.max())
     if clearance < 1e-4:
         half = 0.4 * frame.size[1] * along
         return 0.0, np.stack([frame.center - half, frame.center + half])
-    low, high = _longest_run(free >= clearance / 2)
-    depth = float(np.median((fronts[low:high] + backs[low:high]) / 2))
-    line = origins[[low, high - 1]] - depth * normal
-    return float(np.median(free[low:high])), line
+    low, high = _run_around(free >= 0.8 * clearance, int(stretches.argmax()))
+    origins = start + steps[[low, high - 1], None] * along
+    return clearance, origins - float(np.median(middle[low:high])) * normal
+
+
+def _free_depth(
+    origins: Float[np.ndarray, "R 3"],
+    direction: Float[np.ndarray, "3"],
+    starts: Float[np.ndarray, "R"],
+    triangles: Float[np.ndarray, "F 3 3"],
+) -> Float[np.ndarray, "R"]:
+    """How far each ray goes on from ``starts`` until it meets something; infinite where nothing is."""
+    triangles = _in_the_way(origins, direction, triangles)
+    if not len(triangles):
+        return np.full(len(origins), np.inf)
+    starts = np.where(np.isfinite(starts), starts, 0.0)
+    distances = ray_hits(origins, direction, triangles)[0]
+    return np.where(distances >= starts[:, None] - 1e-6, distances, np.inf).min(axis=1) - starts
+
+
+def _stand_off(frame: _Frame, carrier: Float[np.ndarray, "F 3 3"]) -> float:
+    """How far a knob's back stands off the carrier around it, 0 where it touches or nothing is there.
+
+    Voxels under a knob are the knob's own, so that its carrier often has a hole there: the rays go
+    past the knob's outline instead of through it.
+    """
+    normal, along, across = frame.axes
+    turn = np.linspace(0.0, 2 * np.pi, 16, endpoint=False)[:, None]
+    ring = np.cos(turn) * along * frame.size[1] + np.sin(turn) * across * frame.size[2]
+    origins = frame.center + normal * (frame.size[0] / 2 + 1e-3) + 0.75 * ring
+    depths = _free_depth(origins, -normal, np.zeros(len(origins)), carrier)
+    depths = depths[np.isfinite(depths)]
+    return max(0.0, float(np.median(depths)) - 1e-3 - float(frame.size[0])) if len(depths) else 0.0
 
 
 def _bar_depths(
@@ -324,9 +383,11 @@ def _bar_depths(
     return fronts, backs
 
 
-def _longest_run(flags: np.ndarray) -> tuple[int, int]:
-    """Start and end of the longest stretch of true values."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], flags.astype(np.int8), [0]])))
-    starts, ends = edges[::2], edges[1::2]
-    best = int(np.argmax(ends - starts))
-    return int(starts[best]), int(ends[best])
+def _run_around(flags: np.ndarray, index: int) -> tuple[int, int]:
+    """Start and end of the stretch of true values that holds ``index``."""
+    low = high = index
+    while low > 0 and flags[low - 1]:
+        low -= 1
+    while high < len(flags) and flags[high]:
+        high += 1
+    return low, high
