@@ -15,6 +15,8 @@ import numpy as np
 from sim_export.solids import solid_arrays
 
 Solid = manifold3d.Manifold
+MINOR_PLANE = 0.1
+"""Share of a piece's concavity below which a plane is not worth a cut for its own sake."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -25,12 +27,14 @@ class PieceConfig:
     """Cutting stops at this many pieces; raise it for parts with fine detail that hulls should follow."""
     max_hulls: int = 32
     """Joining goes on until no more hulls than this are left, whatever it costs."""
-    cut_excess: float = 0.02
+    cut_excess: float = 0.03
     """Cutting stops when the pieces' hulls together exceed the solid by this share of its volume."""
     join_excess: float = 0.04
     """Joining goes on while the hulls together exceed the solid by less than this share of its volume."""
     smallest: float = 1e-4
     """Pieces below this share of the solid's volume are joined to a neighbour or, alone, left out."""
+    small: float = 5e-3
+    """Pieces below this share are joined to a neighbour if that adds no more than their own volume."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -53,7 +57,7 @@ def join_pieces(pieces: Sequence[Solid], total: float, cfg: PieceConfig) -> list
     ``total`` is the volume of what the pieces stand for, and the measure of ``cfg.join_excess``,
     which here bounds what joining adds. Largest first.
     """
-    joined = _join([_piece(piece, piece.volume()) for piece in pieces], total, cfg)
+    joined = _join([_piece(piece, piece.volume()) for piece in pieces], total, cfg, overlap=True)
     return [piece.hull for piece in _largest_first(joined)]
 
 
@@ -61,7 +65,7 @@ def convex_pieces(solid: Solid, cfg: PieceConfig) -> list[Solid]:
     """Few convex solids that together cover ``solid`` and exceed it little, largest first."""
     total = solid.volume()
     leaves = _cut(solid, cfg)
-    pieces = _join([_piece(leaf.hull(), leaf.volume()) for leaf in leaves], total, cfg)
+    pieces = _join([_piece(leaf.hull(), leaf.volume()) for leaf in leaves], total, cfg, overlap=False)
     return [piece.hull for piece in _largest_first(pieces) if piece.volume >= cfg.smallest * total] or [
         solid.hull()
     ]
@@ -110,18 +114,28 @@ def _cut(solid: Solid, cfg: PieceConfig) -> list[Solid]:
 
 
 def _best_cut(piece: Solid) -> tuple[Solid, Solid] | None:
-    """The cut through concave edges that resolves most, or the best of three cuts through the middle."""
+    """The cut through concave edges that resolves most, or one of three through the middle.
+
+    A plane that resolves more than half of all concavity, or clearly more than the next, is taken
+    unseen; otherwise what a cut saves in hull volume counts as well.
+    """
     vertices, faces = solid_arrays(piece)
     planes, weights = _concave_planes(vertices, faces)
+    least = 1e-9 * piece.volume()
+    if len(weights) and weights[0] > max(0.5, 2.0 * weights[1:2].sum()):
+        halves = piece.split_by_plane(tuple(planes[0, :3]), float(planes[0, 3]))
+        if min(half.volume() for half in halves) > least:
+            return halves
     low, high = vertices.min(axis=0), vertices.max(axis=0)
-    middle = np.column_stack([np.eye(3), (low + high) / 2])
+    if not len(weights) or weights[0] < MINOR_PLANE:
+        # Curved: no plane stands out, so halving the longest side makes compact pieces.
+        planes = np.concatenate([planes, np.column_stack([np.eye(3), (low + high) / 2])])
+        weights = np.concatenate([weights, MINOR_PLANE * (high - low) / (high - low).max()])
     before = piece.hull().volume()
     best, best_score = None, -np.inf
-    for plane, weight in zip(
-        np.concatenate([planes, middle]), [*weights, *(0.02 * (high - low) / (high - low).max())], strict=True
-    ):
+    for plane, weight in zip(planes, weights, strict=True):
         halves = piece.split_by_plane(tuple(plane[:3]), float(plane[3]))
-        if min(half.volume() for half in halves) <= 1e-9 * piece.volume():
+        if min(half.volume() for half in halves) <= least:
             continue
         saved = (before - sum(half.hull().volume() for half in halves)) / before
         if saved + weight > best_score:
@@ -129,7 +143,7 @@ def _best_cut(piece: Solid) -> tuple[Solid, Solid] | None:
     return best
 
 
-def _concave_planes(vertices: np.ndarray, faces: np.ndarray, most: int = 6) -> tuple[np.ndarray, np.ndarray]:
+def _concave_planes(vertices: np.ndarray, faces: np.ndarray, most: int = 4) -> tuple[np.ndarray, np.ndarray]:
     """Planes of faces at concave edges ``[K 4]`` and the share of all concavity that each resolves.
 
     Concavity is edge length times the angle by which the edge bends inwards.
@@ -167,12 +181,17 @@ def _concave_planes(vertices: np.ndarray, faces: np.ndarray, most: int = 6) -> t
     return planes[first[top]], resolved[top] / concavity.sum()
 
 
-def _join(pieces: list[_Piece], total: float, cfg: PieceConfig) -> list[_Piece]:
+def _join(pieces: list[_Piece], total: float, cfg: PieceConfig, *, overlap: bool) -> list[_Piece]:
     """Joins the pair that adds least volume until the budget is used and few enough are left."""
     alive = dict(enumerate(pieces))
     excess = sum(piece.excess for piece in pieces)
     reach = 1e-3 * np.ptp(np.concatenate([piece.bounds for piece in pieces]), axis=0).max()
-    queue = [_candidate(alive, i, j) for i in alive for j in range(i) if _touch(alive[i], alive[j], reach)]
+    queue = [
+        _candidate(alive, i, j, overlap=overlap)
+        for i in alive
+        for j in range(i)
+        if _touch(alive[i], alive[j], reach)
+    ]
     heapq.heapify(queue)
     serial = len(pieces)
     while len(alive) > 1:
@@ -180,29 +199,34 @@ def _join(pieces: list[_Piece], total: float, cfg: PieceConfig) -> list[_Piece]:
             if len(alive) <= cfg.max_hulls:
                 break
             # Only pieces apart from each other are left, and still too many of them.
-            queue = [_candidate(alive, i, j) for i in alive for j in alive if j < i]
+            queue = [_candidate(alive, i, j, overlap=overlap) for i in alive for j in alive if j < i]
             heapq.heapify(queue)
         cost, i, j, both = heapq.heappop(queue)
         if i not in alive or j not in alive:
             continue
-        tiny = min(alive[i].volume, alive[j].volume) < cfg.smallest * total and cost <= cfg.smallest * total
-        if len(alive) <= cfg.max_hulls and not tiny and excess + cost > cfg.join_excess * total:
-            break
+        lesser = min(alive[i].volume, alive[j].volume)
+        tiny = lesser < cfg.small * total and cost <= max(lesser, cfg.smallest * total)
+        if len(alive) <= cfg.max_hulls and excess + cost > cfg.join_excess * total and not tiny:
+            if cost > cfg.small * total:
+                break
+            continue
         excess += cost
         del alive[i], alive[j]
         near = [other for other in alive if _touch(both, alive[other], reach)]
         alive[serial] = both
         for other in near:
-            heapq.heappush(queue, _candidate(alive, serial, other))
+            heapq.heappush(queue, _candidate(alive, serial, other, overlap=overlap))
         serial += 1
     return list(alive.values())
 
 
-def _candidate(alive: dict[int, _Piece], i: int, j: int) -> tuple[float, int, int, _Piece]:
-    """What joining two pieces costs, and the result; indices make the order unique."""
+def _candidate(alive: dict[int, _Piece], i: int, j: int, *, overlap: bool) -> tuple[float, int, int, _Piece]:
+    """What joining two pieces costs, and the result; indices make the order unique.
+
+    Pieces of a cut solid share no volume, so only boxes of a cover pay for measuring it.
+    """
     a, b = alive[i], alive[j]
-    meet = _touch(a, b, 0.0)
-    common = (a.hull ^ b.hull).volume() if meet else 0.0
+    common = (a.hull ^ b.hull).volume() if overlap and _touch(a, b, 0.0) else 0.0
     both = _piece(Solid.batch_hull([a.hull, b.hull]), a.volume + b.volume)
     return both.outer - (a.outer + b.outer - common), i, j, both
 

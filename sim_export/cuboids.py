@@ -16,8 +16,8 @@ SEEDS_PER_BOX = 48
 """Uncovered cells tried as the start of the next box."""
 MIN_ALIGNED_AREA = 0.5
 """Share of the surface that must be axis-aligned before boxes are tried."""
-MIN_PLANE_AREA = 1e-4
-"""Planes that hold less than this share of the surface do not divide space."""
+SNAP = 5e-4
+"""Planes closer together than this share of the diagonal are one."""
 MAX_PLANES = 64
 """Planes per axis, largest first."""
 
@@ -57,15 +57,16 @@ def fit_cuboids(
     vertices: Float[np.ndarray, "V 3"],
     faces: Int[np.ndarray, "F 3"],
     max_count: int,
-    snap: float,
+    detail: float,
 ) -> Float[np.ndarray, "K 2 3"] | None:
     """Boxes (lowest and highest corner) that fill a closed mesh of mostly axis-aligned faces.
 
-    The planes of those faces, no two closer than ``snap``, divide space into cells of unequal size;
-    a cell belongs to the solid if most of it lies inside. ``None`` where more than ``max_count``
-    boxes are needed or hardly any face is axis-aligned.
+    The planes of those faces divide space into cells of unequal size; a cell belongs to the solid
+    if most of it lies inside. Planes that hold less than the share ``detail`` of the surface divide
+    nothing. ``None`` where more than ``max_count`` boxes are needed or hardly any face is
+    axis-aligned.
     """
-    planes = _face_coordinates(vertices, faces, snap)
+    planes = _face_coordinates(vertices, faces, detail)
     if planes is None:
         return None
     fractions = (np.arange(3) + 0.4871) / 3.0  # off centre: no sample on a plane of symmetry
@@ -80,9 +81,10 @@ def fit_cuboids(
 
 
 def _face_coordinates(
-    vertices: np.ndarray, faces: np.ndarray, snap: float
+    vertices: np.ndarray, faces: np.ndarray, detail: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
     """Coordinates of the axis-aligned faces along each axis, the mesh's bounds included."""
+    snap = SNAP * np.linalg.norm(np.ptp(vertices, axis=0))
     corners = vertices[faces]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     area = np.linalg.norm(normals, axis=1)
@@ -100,7 +102,7 @@ def _face_coordinates(
         weights = np.bincount(slot, weights=weight)
         centers = np.bincount(slot, weights=weight * at) / np.maximum(weights, 1e-300)
         for index in np.argsort(-weights, kind="stable"):
-            if len(kept) > MAX_PLANES or weights[index] < MIN_PLANE_AREA * area.sum():
+            if len(kept) > MAX_PLANES or weights[index] < detail * area.sum():
                 break
             if np.abs(np.array(kept) - centers[index]).min() >= snap:
                 kept.append(centers[index])

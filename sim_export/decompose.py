@@ -14,6 +14,8 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
+from jaxtyping import Float
+from manifold3d import OpType
 
 from sim_export.coacd_process import CoacdConfig, run_coacd
 from sim_export.convex_pieces import PieceConfig, Solid, convex_pieces, join_pieces
@@ -22,11 +24,13 @@ from sim_export.errors import DecompositionFailed, DegeneratePart
 from sim_export.hull_limits import HullLimits, limit_hulls
 from sim_export.hulls import box_hull
 from sim_export.package import Hull, Mesh
-from sim_export.solids import Fit, as_solid, measure_fit, solid_arrays, solid_hull
+from sim_export.solids import Fit, as_solid, measure_fit, measure_kept_cavity, solid_arrays, solid_hull
 
 logger = logging.getLogger(__name__)
 
 Method = Literal["hull", "boxes", "pieces", "coacd"]
+BOX_DETAILS = (1e-2, 3e-3, 1e-3, 1e-4)
+"""Least share of the surface that a plane must hold to bound boxes; tried from coarse to fine."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,22 +41,27 @@ class DecomposeConfig:
     """One method, or the cheapest that is good enough."""
     max_hulls: int = 32
     """Most hulls per part; physics engines slow down with every one."""
-    tolerance: float = 0.05
+    tolerance: float = 0.08
     """Volume error that `auto` accepts; lower it when hulls stray from the visual mesh."""
     join_above: int = 6
     """More boxes than this are joined to fewer hulls while the volume error stays within tolerance."""
-    hull_tolerance: float = 0.01
+    hull_tolerance: float = 0.08
     """Volume error up to which `auto` takes a single hull."""
-    reach: float = 0.015
-    """Farthest that the mesh may stick out of boxes, over its diagonal: small legs must not get lost."""
-    coacd_above: float = 0.35
+    reach: float = 0.02
+    """Farthest that the mesh may stick out of boxes, over its diagonal, before what does gets hulls of its
+    own: volume alone would not miss small legs."""
+    coacd_above: float = 0.5
     """Volume error above which `auto` tries CoACD, which takes seconds to minutes."""
     min_kept_cavity: float = 0.9
     """Least share of the space inside the part's convex hull that must stay free."""
-    min_cavity: float = 0.1
+    min_cavity: float = 0.3
     """Space, over the part's convex hull, below which it does not count as a cavity."""
-    simplify: float = 0.0005
-    """Detail (m) left out before cutting; raise it when cutting curved meshes is slow."""
+    skin: float = 0.015
+    """Space nearer to the part than this, over its diagonal, does not count as cavity either."""
+    max_pieces: int = 26
+    """Most hulls by `pieces`, fewer than ``max_hulls``, because oblong ones are cut again afterwards."""
+    simplify: float = 0.0015
+    """Detail left out before cutting, over the mesh's diagonal; raise it when curved meshes take long."""
     on_failure: Literal["raise", "hull"] = "raise"
     """What to do where no method works: raise, or take one convex hull and record it."""
     limits: HullLimits = field(default_factory=HullLimits)
@@ -101,7 +110,6 @@ def decompose_part(
     records: tuple[str, ...] = ()
     try:
         method, hulls, fit = _choose(mesh, solid, cfg, cache)
-        _check_cavity(method, hulls, fit, cfg)
     except DecompositionFailed as err:
         if cfg.on_failure == "raise":
             raise
@@ -110,13 +118,19 @@ def decompose_part(
     limited, changes = limit_hulls(hulls, cfg.limits, cfg.max_hulls)
     if changes:
         fit = measure_fit(limited, solid)
+    kept = _measure_cavity(limited, solid, fit, cfg)
+    if kept < cfg.min_kept_cavity and cfg.on_failure == "raise":
+        raise DecompositionFailed(
+            f"{len(limited)} hulls by {method} leave {kept:.0%} of the cavity free, at least "
+            f"{cfg.min_kept_cavity:.0%} allowed; raise max_hulls or lower the tolerance"
+        )
     seconds = time.perf_counter() - started
     logger.info("%s: %d hulls, volume error %.3f, %.3f s", method, len(limited), fit.volume_error, seconds)
     return Decomposition(
         hulls=limited,
         method=method,
-        volume_error=max(fit.volume_error, 0.0),
-        kept_cavity=fit.kept_cavity,
+        volume_error=fit.volume_error,
+        kept_cavity=kept,
         seconds=seconds,
         records=records + changes,
     )
@@ -125,47 +139,77 @@ def decompose_part(
 Choice = tuple[Method, tuple[Hull, ...], Fit]
 
 
+def _measure_cavity(hulls: Sequence[Hull], solid: Solid, fit: Fit, cfg: DecomposeConfig) -> float:
+    """Share of the part's cavity that stays free; 1 where it has none worth the name."""
+    if fit.cavity <= cfg.min_cavity:
+        return 1.0
+    return measure_kept_cavity(hulls, solid, cfg.skin * _diagonal(solid))
+
+
+def _diagonal(solid: Solid) -> float:
+    low, high = np.array(solid.bounding_box()).reshape(2, 3)
+    return float(np.linalg.norm(high - low))
+
+
 def _choose(mesh: Mesh, solid: Solid, cfg: DecomposeConfig, cache: Path | None) -> Choice:
     """Hulls by the method asked for, or by the cheapest that is within tolerance."""
+    if cfg.method == "pieces":
+        return _pieces(solid, cfg)
+    if cfg.method == "coacd":
+        return _coacd(solid, cfg, cache)
+    if cfg.method == "auto" and solid.hull().volume() <= (1.0 + cfg.hull_tolerance) * solid.volume():
+        return _measured("hull", (solid_hull(solid),), solid)
+    boxes = _boxes(solid, cfg)
     if cfg.method == "boxes":
-        boxes = _boxes(mesh, solid, cfg)
         if boxes is None:
             raise DecompositionFailed(
                 f"a mesh of {len(mesh.faces)} faces is no union of {cfg.max_hulls} boxes or fewer; use 'auto'"
             )
         return boxes
-    if cfg.method == "pieces":
-        return _pieces(solid, cfg)
-    if cfg.method == "coacd":
-        return _coacd(solid, cfg, cache)
-    if solid.hull().volume() <= (1.0 + cfg.hull_tolerance) * solid.volume():
-        return _measured("hull", (solid_hull(solid),), solid)
-    boxes = _boxes(mesh, solid, cfg)
-    if boxes is not None and boxes[2].volume_error <= cfg.tolerance and _covers(boxes[1], mesh, cfg.reach):
+    if boxes is not None and boxes[2].volume_error <= cfg.tolerance:
         return boxes if len(boxes[1]) <= cfg.join_above else _joined(boxes, solid, cfg)
-    found = [_pieces(solid, cfg)]
-    if found[0][2].volume_error > cfg.coacd_above:
-        found.append(_coacd(solid, cfg, cache))
+    found = [_pieces(solid, cfg)] + ([boxes] if boxes is not None else [])
+    if min(choice[2].volume_error for choice in found) > cfg.coacd_above:
+        try:
+            found.append(_coacd(solid, cfg, cache))
+        except DecompositionFailed as err:
+            logger.warning("CoACD was tried, because volume error is high, and failed: %s", err)
     return min(found, key=lambda choice: choice[2].volume_error)
 
 
-def _check_cavity(method: Method, hulls: Sequence[Hull], fit: Fit, cfg: DecomposeConfig) -> None:
-    """Raises `DecompositionFailed` if hulls fill space that a hand or a thing should be able to enter."""
-    hollow = fit.cavity > cfg.min_cavity and fit.volume_error > cfg.tolerance
-    if hollow and fit.kept_cavity < cfg.min_kept_cavity:
-        raise DecompositionFailed(
-            f"{len(hulls)} hulls by {method} leave {fit.kept_cavity:.0%} of the cavity free, at least "
-            f"{cfg.min_kept_cavity:.0%} allowed; raise max_hulls or lower the tolerance"
-        )
-
-
-def _boxes(mesh: Mesh, solid: Solid, cfg: DecomposeConfig) -> Choice | None:
-    diagonal = float(np.linalg.norm(np.ptp(mesh.vertices, axis=0)))
+def _boxes(solid: Solid, cfg: DecomposeConfig) -> Choice | None:
+    """The coarsest boxes within tolerance, else the best there are; what they miss gets hulls of its own."""
     vertices, faces = solid_arrays(solid)
-    boxes = fit_cuboids(vertices, faces, cfg.max_hulls, snap=diagonal / 2000)
-    if boxes is None or not len(boxes):
-        return None
-    return _measured("boxes", tuple(box_hull(low, high) for low, high in boxes), solid)
+    best = None
+    for detail in BOX_DETAILS:
+        boxes = fit_cuboids(vertices, faces, cfg.max_hulls, detail)
+        if boxes is None or not len(boxes):
+            continue
+        hulls = [box_hull(low, high) for low, high in boxes]
+        if _farthest_outside(boxes, vertices) > cfg.reach * _diagonal(solid):
+            hulls += _missing_hulls(solid, boxes, cfg)
+        if len(hulls) > cfg.max_hulls:
+            continue
+        choice = _measured("boxes", tuple(hulls), solid)
+        if best is None or choice[2].volume_error < best[2].volume_error:
+            best = choice
+        if best[2].volume_error <= cfg.tolerance:
+            break
+    return best
+
+
+def _missing_hulls(solid: Solid, boxes: Float[np.ndarray, "K 2 3"], cfg: DecomposeConfig) -> list[Hull]:
+    """Hulls of those pieces of the solid that stick far out of the boxes: feet, knobs, rims."""
+    covered = Solid.batch_boolean(
+        [Solid.cube(tuple(high - low)).translate(tuple(low)) for low, high in boxes], OpType.Add
+    )
+    hulls = []
+    for piece in (solid - covered).decompose():
+        vertices = solid_arrays(piece)[0]
+        if _farthest_outside(boxes, vertices) > cfg.reach * _diagonal(solid):
+            small = PieceConfig(max_hulls=4, max_pieces=8)
+            hulls += [solid_hull(part) for part in convex_pieces(piece, small)]
+    return hulls
 
 
 def _joined(boxes: Choice, solid: Solid, cfg: DecomposeConfig) -> Choice:
@@ -178,10 +222,14 @@ def _joined(boxes: Choice, solid: Solid, cfg: DecomposeConfig) -> Choice:
 
 
 def _pieces(solid: Solid, cfg: DecomposeConfig) -> Choice:
-    simple = solid.simplify(cfg.simplify)
-    pieces = PieceConfig(max_hulls=cfg.max_hulls, join_excess=0.8 * cfg.tolerance)
+    simple = _simplified(solid, cfg)
+    pieces = PieceConfig(
+        max_hulls=min(cfg.max_hulls, cfg.max_pieces),
+        cut_excess=0.5 * cfg.tolerance,
+        join_excess=0.8 * cfg.tolerance,
+    )
     hulls = []
-    for piece in convex_pieces(simple if simple.volume() > 0 else solid, pieces):
+    for piece in convex_pieces(simple, pieces):
         try:
             hulls.append(solid_hull(piece))
         except DegeneratePart:
@@ -189,8 +237,14 @@ def _pieces(solid: Solid, cfg: DecomposeConfig) -> Choice:
     return _measured("pieces", tuple(hulls), solid)
 
 
+def _simplified(solid: Solid, cfg: DecomposeConfig) -> Solid:
+    """The solid without detail, unless that costs more than a hundredth of its volume."""
+    simple = solid.simplify(cfg.simplify * _diagonal(solid))
+    return simple if abs(simple.volume() / solid.volume() - 1.0) < 0.01 else solid
+
+
 def _coacd(solid: Solid, cfg: DecomposeConfig, cache: Path | None) -> Choice:
-    vertices, faces = solid_arrays(solid.simplify(cfg.simplify))
+    vertices, faces = solid_arrays(_simplified(solid, cfg))
     return _measured("coacd", run_coacd(Mesh(vertices=vertices, faces=faces), cfg.coacd, cache), solid)
 
 
@@ -198,9 +252,7 @@ def _measured(method: Method, hulls: tuple[Hull, ...], solid: Solid) -> Choice:
     return method, hulls, measure_fit(hulls, solid)
 
 
-def _covers(hulls: Sequence[Hull], mesh: Mesh, reach: float) -> bool:
-    """Whether every vertex of the mesh lies within ``reach`` diagonals of some axis-aligned box."""
-    bounds = np.array([[hull.vertices.min(axis=0), hull.vertices.max(axis=0)] for hull in hulls])
-    outside = np.maximum(bounds[:, 0] - mesh.vertices[:, None], mesh.vertices[:, None] - bounds[:, 1])
-    distance = np.linalg.norm(np.maximum(outside, 0.0), axis=-1).min(axis=1)  # V
-    return bool(distance.max() <= reach * np.linalg.norm(np.ptp(mesh.vertices, axis=0)))
+def _farthest_outside(boxes: Float[np.ndarray, "K 2 3"], points: Float[np.ndarray, "N 3"]) -> float:
+    """Greatest distance (m) of a point from the boxes."""
+    outside = np.maximum(boxes[:, 0] - points[:, None], points[:, None] - boxes[:, 1])
+    return float(np.linalg.norm(np.maximum(outside, 0.0), axis=-1).min(axis=1).max())

@@ -28,8 +28,10 @@ class HullLimits:
     min_width: float = 0.001
     """Least thickness (m); thinner hulls are thickened to it."""
     max_aspect: float = 60.0
-    """Greatest length over thickness; longer hulls are cut in two or, where there are too many already,
-    thickened. PhysX handles oblong hulls badly from 64 on."""
+    """Greatest length over thickness; longer hulls are cut and, where that would make too many, first
+    thickened a little. PhysX handles oblong hulls badly from 64 on."""
+    sliver: float = 0.005
+    """Share of the part's hull volume that may be left out as hulls thinner than the least thickness."""
 
 
 def limit_hulls(
@@ -38,14 +40,19 @@ def limit_hulls(
     """Hulls within the limits, and one sentence for each kind of change."""
     reduced = [reduce_hull(hull, limits.max_vertices, limits.max_polygons) for hull in hulls]
     fewer = sum(new is not old for new, old in zip(reduced, hulls, strict=True))
-    thick = [_thicken(hull, limits.min_width) for hull in reduced]
-    thickened = sum(new is not old for new, old in zip(thick, reduced, strict=True))
-    out, cuts, widened = _limit_aspect(thick, limits, max_hulls)
+    kept = _without_slivers(reduced, limits)
+    thick = [_thicken(hull, limits.min_width) for hull in kept]
+    thickened = sum(new is not old for new, old in zip(thick, kept, strict=True))
+    out, cuts, least = _limit_aspect(thick, limits, max_hulls)
     records = (
         (fewer, f"{fewer} hulls reduced to {limits.max_vertices} vertices and {limits.max_polygons} faces"),
+        (len(reduced) - len(kept), f"{len(reduced) - len(kept)} slivers left out"),
         (thickened, f"{thickened} hulls thickened to {1000 * limits.min_width:g} mm"),
         (cuts, f"oblong hulls cut {cuts} times to a length below {limits.max_aspect:g} thicknesses"),
-        (widened, f"{widened} oblong hulls thickened, because cutting them would exceed {max_hulls} hulls"),
+        (
+            least > 0,
+            f"oblong hulls thickened to {1000 * least:.1f} mm, to have no more than {max_hulls} hulls",
+        ),
     )
     return tuple(out), tuple(sentence for count, sentence in records if count)
 
@@ -55,39 +62,65 @@ def hull_aspect(hull: Hull) -> float:
     return hull_length(hull)[0] / hull_width(hull)[0]
 
 
+def _without_slivers(hulls: Sequence[Hull], limits: HullLimits) -> list[Hull]:
+    """Leaves out hulls too thin to keep, as long as together they hold next to nothing."""
+    volumes = [hull_volume(hull) for hull in hulls]
+    room = limits.sliver * sum(volumes)
+    kept = []
+    for hull, volume in sorted(zip(hulls, volumes, strict=True), key=lambda pair: pair[1]):
+        if volume <= room and hull_width(hull)[0] < limits.min_width:
+            room -= volume
+        else:
+            kept.append(hull)
+    return [hull for hull in hulls if any(hull is other for other in kept)]
+
+
 def _thicken(hull: Hull, width: float) -> Hull:
     """Stretches a hull along its thinnest direction to ``width``, about its middle."""
-    measured, normal = hull_width(hull)
-    if measured >= width * (1.0 - 1e-9):
-        return hull
-    heights = hull.vertices @ normal
-    middle = (heights.min() + heights.max()) / 2
-    return convex_hull(hull.vertices + np.outer((heights - middle) * (width / measured - 1.0), normal))
+    for _ in range(3):  # a needle is thin in two directions
+        measured, normal = hull_width(hull)
+        if measured >= width * (1.0 - 1e-9):
+            break
+        heights = hull.vertices @ normal
+        middle = (heights.min() + heights.max()) / 2
+        hull = convex_hull(hull.vertices + np.outer((heights - middle) * (width / measured - 1.0), normal))
+    return hull
 
 
-def _limit_aspect(hulls: Sequence[Hull], limits: HullLimits, max_hulls: int) -> tuple[list[Hull], int, int]:
-    """Cuts oblong hulls while the number of hulls allows it, those first that need few cuts."""
-    pieces = [_cut_to_aspect(hull, limits.max_aspect) for hull in hulls]
-    room = max(max_hulls - len(hulls), 0)
-    cuts, widened = 0, 0
-    for index in sorted(range(len(hulls)), key=lambda index: len(pieces[index])):
-        extra = len(pieces[index]) - 1
-        if extra == 0:
-            continue
-        if cuts + extra <= room:
-            cuts += extra
-        else:
-            width = hull_length(hulls[index])[0] / limits.max_aspect
-            pieces[index] = [_thicken(hulls[index], width)]
-            widened += 1
-    return [piece for group in pieces for piece in group], cuts, widened
+def _limit_aspect(hulls: Sequence[Hull], limits: HullLimits, max_hulls: int) -> tuple[list[Hull], int, float]:
+    """Cuts oblong hulls across their length, after making them just thick enough that few cuts do.
+
+    Returns the hulls, the number of cuts, and the thickness (m) that the thinnest oblong hulls were
+    given, 0 where the number of hulls allows to cut them as they are.
+    """
+    widths = np.array([hull_width(hull)[0] for hull in hulls])
+    sides = np.array([_side_lengths(hull) for hull in hulls])  # H 2
+    enough = sides.max(initial=0.0) / limits.max_aspect
+    least = 0.0
+    while True:
+        compact = limits.max_aspect * np.maximum(widths, least)
+        out = []
+        if least >= enough or np.prod(np.ceil(sides / compact[:, None]), axis=1).sum() <= max_hulls:
+            for hull, width, side in zip(hulls, widths, sides, strict=True):
+                oblong = side.max() > limits.max_aspect * width
+                out += _cut_to_aspect(_thicken(hull, least) if oblong else hull, limits.max_aspect)
+            if least >= enough or len(out) <= max_hulls:
+                return out, len(out) - len(hulls), least
+        least = max(1.05 * least, widths.min())
+
+
+def _side_lengths(hull: Hull) -> tuple[float, float]:
+    """Greatest extent, and greatest extent across both that and the thickness."""
+    length, along = hull_length(hull)
+    across = np.cross(along, hull_width(hull)[1])
+    return length, float(np.ptp(hull.vertices @ across) / max(np.linalg.norm(across), 1e-9))
 
 
 def _cut_to_aspect(hull: Hull, max_aspect: float) -> list[Hull]:
-    """Halves a hull across its length until every piece is compact enough."""
+    """Cuts a hull across its length until every piece is compact enough."""
     length, direction = hull_length(hull)
     width, _ = hull_width(hull)
-    count = int(np.ceil(length / width / max_aspect))
+    count = int(np.ceil(length / width / max_aspect - 1e-9))
     if count <= 1:
         return [hull]
     heights = hull.vertices @ direction
@@ -96,6 +129,6 @@ def _cut_to_aspect(hull: Hull, max_aspect: float) -> list[Hull]:
     for low, high in pairwise(steps):
         piece = clip_hull(hull, direction, high)
         piece = None if piece is None else clip_hull(piece, -direction, -low)
-        if piece is not None and hull_volume(piece) > 1e-6 * hull_volume(hull):
+        if piece is not None and hull_width(piece)[0] > 0.5 * width:
             out += _cut_to_aspect(piece, max_aspect)
     return out

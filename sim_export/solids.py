@@ -6,11 +6,12 @@ from dataclasses import dataclass
 import manifold3d
 import numpy as np
 from jaxtyping import Bool, Float, Int
+from scipy import ndimage
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
 from sim_export.errors import OpenMesh
-from sim_export.hulls import convex_hull
+from sim_export.hulls import convex_hull, hull_planes
 from sim_export.package import Hull, Mesh
 
 
@@ -18,13 +19,11 @@ from sim_export.package import Hull, Mesh
 class Fit:
     """How well hulls stand for a solid.
 
-    ``volume_error`` is the volume of the symmetric difference over the solid's, ``kept_cavity`` the
-    share of the space between the solid and its one convex hull that the hulls leave free (1 where
-    there is no such space), ``cavity`` that space over the volume of the one convex hull.
+    ``volume_error`` is the volume of the symmetric difference over the solid's, ``cavity`` the space
+    between the solid and its one convex hull over the volume of that hull.
     """
 
     volume_error: float
-    kept_cavity: float
     cavity: float
 
 
@@ -60,13 +59,44 @@ def measure_fit(hulls: Sequence[Hull], solid: manifold3d.Manifold) -> Fit:
         [_manifold(hull.vertices, hull.faces) for hull in hulls], manifold3d.OpType.Add
     )
     volume, outer, common = solid.volume(), solid.hull().volume(), (union ^ solid).volume()
-    excess = union.volume() - common
-    cavity = outer - volume
     return Fit(
-        volume_error=(union.volume() + volume - 2.0 * common) / volume,
-        kept_cavity=1.0 if cavity <= 1e-3 * outer else float(np.clip(1.0 - excess / cavity, 0.0, 1.0)),
-        cavity=max(cavity / outer, 0.0),
+        volume_error=max((union.volume() + volume - 2.0 * common) / volume, 0.0),
+        cavity=max((outer - volume) / outer, 0.0),
     )
+
+
+def measure_kept_cavity(
+    hulls: Sequence[Hull], solid: manifold3d.Manifold, skin: float, resolution: int = 48
+) -> float:
+    """Share of the space that a solid encloses or shelters which its hulls leave free.
+
+    Counted in points of a grid, inside the solid's one convex hull and more than ``skin`` (m) away
+    from the solid; 1 where those are less than a twentieth of that hull.
+    """
+    vertices, faces = solid_arrays(solid)
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    x, y, z = (
+        low[axis] + (high - low)[axis] * (np.arange(resolution) + 0.4871) / resolution for axis in range(3)
+    )
+    solid_points = inside_grid(vertices, faces, (x, y, z))
+    reach = ndimage.distance_transform_edt(~solid_points, sampling=(high - low) / resolution)
+    grid = np.stack(np.meshgrid(x, y, z, indexing="ij"), axis=-1)
+    points = grid[np.asarray(reach) > skin]
+    points = points[_inside_hull(points, solid_hull(solid))]
+    cell = float(np.prod((high - low) / resolution))
+    if len(points) * cell < 0.05 * solid.hull().volume():
+        return 1.0
+    filled = np.zeros(len(points), dtype=bool)
+    for hull in hulls:
+        filled |= _inside_hull(points, hull)
+    return float(1.0 - filled.mean())
+
+
+def _inside_hull(points: np.ndarray, hull: Hull) -> np.ndarray:
+    near = ((points >= hull.vertices.min(axis=0)) & (points <= hull.vertices.max(axis=0))).all(axis=1)
+    planes = hull_planes(hull)
+    near[near] = (points[near] @ planes[:, :3].T <= planes[:, 3]).all(axis=1)
+    return near
 
 
 def inside_grid(
