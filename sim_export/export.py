@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -12,13 +12,17 @@ from sim_export.annotations import annotate_handles
 from sim_export.clearance import clear_joints
 from sim_export.config import ExportConfig
 from sim_export.decompose import Decomposition, decompose_part
-from sim_export.links import LinkTree, PartGeometry, build_links
+from sim_export.errors import DegeneratePart
+from sim_export.links import LinkTree, PartGeometry, build_links, link_owners
 from sim_export.masses import weigh_part
 from sim_export.materials import part_material
 from sim_export.meshing import mesh_parts
 from sim_export.package import Mesh, SimPackage, SourceMesh
 from sim_export.requirements import find_requirements
-from sim_export.texture import bake_texture
+from sim_export.texture import bake_parts
+
+MAX_FIXED_HULLS = 6
+"""Most hulls of a handle or shelf: it is simple, and its link needs hulls for itself."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -68,12 +72,17 @@ def export_asset(
     watch = _Stopwatch()
     meshes = mesh_parts(asset, cfg.meshing)
     watch.lap("mesh")
-    decompositions = tuple(decompose_part(mesh, cfg.decompose, cache) for mesh in meshes)
+    decompositions = tuple(
+        decompose_part(mesh, replace(cfg.decompose, max_hulls=share), cache)
+        for mesh, share in zip(meshes, share_hulls(asset, meshes, cfg.decompose.max_hulls), strict=True)
+    )
     watch.lap("decompose")
     inertials = [weigh_part(asset, index, mesh) for index, mesh in enumerate(meshes)]
     watch.lap("mass")
     if source_meshes is None:
-        shown: list[tuple[Mesh | SourceMesh, ...]] = [(mesh,) for mesh in _with_texture(asset, meshes, cfg)]
+        colored = asset.surface is not None or asset.gaussians is not None
+        painted = bake_parts(asset, meshes, cfg.texture) if colored else meshes
+        shown: list[tuple[Mesh | SourceMesh, ...]] = [(mesh,) for mesh in painted]
     else:
         shown = [tuple(source_meshes.get(index, ())) for index in range(len(meshes))]
     watch.lap("texture")
@@ -115,21 +124,24 @@ def export_asset(
     return Exported(package=package, decompositions=decompositions, seconds=tuple(watch.laps))
 
 
-def _with_texture(asset: Asset, meshes: Sequence[Mesh], cfg: ExportConfig) -> list[Mesh]:
-    """Meshes coloured by the samples of their part; plain where there are none."""
-    surface = asset.surface
-    if surface is None:
-        return list(meshes)
-    order = np.argsort(surface.part_ids, kind="stable")
-    bounds = np.searchsorted(surface.part_ids[order], np.arange(len(meshes) + 1))
-    out = []
-    for index, mesh in enumerate(meshes):
-        rows = order[bounds[index] : bounds[index + 1]]
-        if not len(rows):
-            out.append(mesh)
-            continue
-        points = surface.points[rows].astype(np.float64) * asset.scale
-        out.append(
-            bake_texture(mesh, points, surface.colors[rows], cfg.texture, normals=surface.normals[rows])
-        )
-    return out
+def share_hulls(asset: Asset, meshes: Sequence[Mesh], max_hulls: int) -> list[int]:
+    """How many hulls each part may have, so that its whole link has no more than ``max_hulls``.
+
+    Parts fixed to a link are small beside it (handles, shelves): each gets a share by the size of its
+    box, at least one, and the leading part what they leave.
+    """
+    owners = link_owners(asset)
+    reach = [float(np.linalg.norm(np.ptp(mesh.vertices, axis=0))) for mesh in meshes]
+    shares = [0] * len(meshes)
+    for leader in sorted(set(owners)):
+        others = [index for index, owner in enumerate(owners) if owner == leader and index != leader]
+        total = reach[leader] + sum(reach[index] for index in others)
+        for index in others:
+            shares[index] = int(np.clip(max_hulls * reach[index] / total, 1, MAX_FIXED_HULLS))
+        shares[leader] = max_hulls - sum(shares[index] for index in others)
+        if shares[leader] < 1:
+            raise DegeneratePart(
+                f"part {asset.parts[leader].name!r} carries {len(others)} fixed parts, a link of at most "
+                f"{max_hulls} hulls has no room for them; join some of them"
+            )
+    return shares

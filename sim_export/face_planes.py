@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
+from scipy import ndimage
 from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
@@ -27,10 +28,12 @@ class FacePlanesConfig:
 
     inset: float = 0.5
     """Inward shift of a patch backed by two or more cells: voxelising dilates by half a cell."""
-    thin_inset: float = 0.3
+    thin_inset: float = 0.1
     """Inward shift of a patch backed by one cell; raise it when thin walls come out too thick."""
-    min_thickness: float = 0.4
-    """Thinnest wall that may remain between two opposite patches."""
+    min_thickness: float = 0.8
+    """Thinnest wall that may remain between two opposite patches; furniture board is about a cell."""
+    min_box_thickness: float = 0.4
+    """The same where both patches lie on the part's box, which then knows the true thickness."""
     box_reach: float = 1.25
     """A patch at the part's extreme goes to the box face if that is at most this far away."""
     max_step_fraction: float = 0.3
@@ -44,6 +47,7 @@ class FacePlanesConfig:
             "inset",
             "thin_inset",
             "min_thickness",
+            "min_box_thickness",
             "box_reach",
             "max_step_fraction",
             "speck_fraction",
@@ -87,6 +91,7 @@ class _Faces:
     double_up: np.ndarray
     double_down: np.ndarray
     grid: np.ndarray
+    solid: np.ndarray
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -113,7 +118,7 @@ def fit_face_planes(
     """Fits a plane to every exposed face of a part; ``box`` is its lowest and highest corner.
 
     Lattice units, measured from the corner of ``occupancy``. Patches are in-plane connected, and
-    all faces of a patch share one coordinate. Raises `ValueError` when no cell is occupied.
+    all faces of a flat patch share one coordinate. Raises `ValueError` when no cell is occupied.
     """
     cfg = cfg or FacePlanesConfig()
     if not occupancy.any():
@@ -123,12 +128,35 @@ def fit_face_planes(
     axis, sign = np.array(DIRECTIONS)[faces.direction].T
     blocky = level[np.arange(len(level)), axis] + (sign > 0)
     coordinate, at_box = _place_patches(faces, blocky, box, cfg)
-    coordinate = _keep_thickness(faces, coordinate, at_box, cfg.min_thickness)
+    coordinate = _keep_thickness(faces, coordinate, at_box, cfg)
     flat = _find_flat(faces, steps, cfg)
-    patch = faces.grid[:, _PAD:-_PAD, _PAD:-_PAD, _PAD:-_PAD]
+    plane = coordinate[faces.patch]
+    curved = ~flat[faces.patch] & ~at_box[faces.patch]
+    if curved.any():
+        shift = _curved_inset(faces, cfg)[curved]
+        plane[curved] = blocky[curved] - sign[curved] * shift
+    planes = np.full((6, faces.grid[0].size), np.nan)
+    planes[faces.direction, faces.cell] = plane
+    inside = (slice(None), *(slice(_PAD, -_PAD),) * 3)
+    patch = faces.grid[inside]
     return FacePlanes(
-        plane=np.append(coordinate, np.nan)[patch], flat=np.append(flat, False)[patch], patch=patch
+        plane=planes.reshape(faces.grid.shape)[inside], flat=np.append(flat, False)[patch], patch=patch
     )
+
+
+def _curved_inset(faces: _Faces, cfg: FacePlanesConfig) -> np.ndarray:
+    """Inward shift of every face as if it were on a curved or slanted wall.
+
+    A voxelised sheet with normal n has |n|_1 cells and 2 |n|_1 exposed faces per area, whatever n is;
+    each cell of thickness adds one cell. Cells per pair of faces, counted around a face, so tell
+    how thick the wall is, and how far both its sides may move in until `min_thickness` is left.
+    """
+    shape = faces.grid.shape[1:]
+    exposed = np.bincount(faces.cell, minlength=faces.grid[0].size).reshape(shape).astype(np.float32)
+    solid = faces.solid.astype(np.float32)
+    cells, sides = (ndimage.uniform_filter(grid, 5, mode="constant") for grid in (solid, exposed))
+    thickness = 2.0 * cells.ravel()[faces.cell] / np.maximum(sides.ravel()[faces.cell], 1e-6)
+    return np.clip((thickness - cfg.min_thickness) / 2.0, 0.0, cfg.inset)
 
 
 def _read_faces(solid: np.ndarray) -> tuple[_Faces, _Steps]:
@@ -181,6 +209,7 @@ def _read_faces(solid: np.ndarray) -> tuple[_Faces, _Steps]:
         double_up=double_up,
         double_down=double_down,
         grid=grid,
+        solid=solid,
     )
     source, target, riser = (patch[np.concatenate([step[n] for step in steps])] for n in range(3))
     climbs = np.concatenate([np.full(len(step[0]), step[3]) for step in steps])
@@ -212,7 +241,7 @@ def _place_patches(
 
 
 def _keep_thickness(
-    faces: _Faces, coordinate: np.ndarray, at_box: np.ndarray, min_thickness: float
+    faces: _Faces, coordinate: np.ndarray, at_box: np.ndarray, cfg: FacePlanesConfig
 ) -> np.ndarray:
     """Moves opposite patches apart where a wall of one or two cells became too thin.
 
@@ -227,7 +256,9 @@ def _keep_thickness(
             opposite = (upper >= 0) & (lower >= 0)
             pairs.append(np.stack([lower[opposite], upper[opposite]]))
         lower, upper = np.unique(np.concatenate(pairs, axis=1), axis=1)
-        missing = np.maximum(min_thickness - (coordinate[upper] - coordinate[lower]), 0.0)
+        both = at_box[lower] & at_box[upper]
+        least = np.where(both, cfg.min_box_thickness, cfg.min_thickness)
+        missing = np.maximum(least - (coordinate[upper] - coordinate[lower]), 0.0)
         share = np.where(at_box[lower] == at_box[upper], 0.5, np.where(at_box[lower], 0.0, 1.0))
         move = np.zeros_like(out)
         np.minimum.at(move, lower, -missing * share)

@@ -259,8 +259,10 @@ def _with_resistance(
         if joint.mimic is not None:  # the turning joint already resists for both
             out.append(replace(joint, friction=0.0, damping=0.0, effort=100.0, velocity=1.0))
             continue
-        mass = subtree_inertial(links, joints, joint.child).mass
-        resist = joint_resistance(label, joint.kind, mass)
+        moved = subtree_inertial(links, joints, joint.child)
+        arm = np.asarray(moved.com) - joint.origin
+        lever = float(np.linalg.norm(arm - (arm @ joint.axis) * joint.axis))
+        resist = joint_resistance(label, joint.kind, moved.mass, lever)
         out.append(
             replace(
                 joint,
@@ -301,7 +303,9 @@ def check_kinematics(package: SimPackage) -> None:
         )
     for joint in package.joints:
         where = f"{owner}, joint {joint.name!r}"
-        unknown = {joint.parent, joint.child} - set(names) | ({joint.mimic} - {None} - set(joints))
+        unknown = {joint.parent, joint.child} - set(names)
+        if joint.mimic is not None:
+            unknown |= {joint.mimic} - set(joints)
         if unknown:
             raise InvalidKinematics(f"{where}: names {', '.join(sorted(unknown))}, which is not there")
         if joint.type not in URDF_JOINT_TYPES:

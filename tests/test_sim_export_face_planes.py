@@ -69,7 +69,7 @@ def test_a_far_box_is_ignored():
     box = tight_box(occupancy)
     box[0, 2] += 3.0
     planes = fit_face_planes(occupancy, box)
-    assert planes.plane[4][10, 10, 5] == pytest.approx(5.3)
+    assert planes.plane[4][10, 10, 5] == pytest.approx(5.1)
 
 
 @pytest.mark.parametrize("radius", [2, 3, 4, 6, 9, 12])
@@ -117,7 +117,9 @@ def test_axis_permutations_and_translations_commute():
     moved = fit_face_planes(np.pad(occupancy, ((3, 0), (1, 0), (2, 0))), box + np.array([3, 1, 2]))
     for number, (axis, sign) in enumerate(DIRECTIONS):
         other = DIRECTIONS.index(((axis + 1) % 3, sign))
-        np.testing.assert_array_equal(np.transpose(planes.plane[number], (2, 0, 1)), turned.plane[other])
+        np.testing.assert_allclose(
+            np.transpose(planes.plane[number], (2, 0, 1)), turned.plane[other], atol=1e-5
+        )
         np.testing.assert_array_equal(np.transpose(planes.flat[number], (2, 0, 1)), turned.flat[other])
         np.testing.assert_allclose(moved.plane[number][3:, 1:, 2:], planes.plane[number] + (3, 1, 2)[axis])
         np.testing.assert_array_equal(moved.flat[number][3:, 1:, 2:], planes.flat[number])

@@ -20,6 +20,7 @@ from sim_export.inertia import (
     raise_light_mass,
 )
 from sim_export.materials import (
+    GRAVITY,
     MATERIALS,
     joint_load,
     joint_resistance,
@@ -50,7 +51,10 @@ def test_box_has_its_closed_form(size, at, density):
     assert found.mass == pytest.approx(mass, rel=1e-9)
     np.testing.assert_allclose(found.com, at, atol=1e-9)
     np.testing.assert_allclose(
-        found.inertia, np.diag(mass / 12 * (square.sum() - square)), rtol=1e-7, atol=1e-9 * found.inertia.max()
+        found.inertia,
+        np.diag(mass / 12 * (square.sum() - square)),
+        rtol=1e-7,
+        atol=1e-9 * found.inertia.max(),
     )
 
 
@@ -171,13 +175,20 @@ def test_every_part_has_a_material_and_every_joint_resists():
             assert 0 < material.sliding_friction <= material.static_friction <= 1
     for label in PART_LABELS:
         for kind in JOINT_TYPES:
-            resist = joint_resistance(label, kind, 5.0)
+            resist = joint_resistance(label, kind, 5.0, 0.2)
             assert resist.friction > 0
             assert min(resist.damping, resist.effort, resist.velocity) > 0
-    assert 1 < joint_resistance("drawer", "prismatic", 5.0).friction < 8
-    assert 0.3 <= joint_resistance("door", "revolute", 2.0).friction <= 1
-    assert joint_resistance("door", "revolute", 1000.0).friction == 1.0
-    assert 0.02 <= joint_resistance("knob", "continuous", 0.1).friction <= 0.1
+    assert 1 < joint_resistance("drawer", "prismatic", 5.0, 0.1).friction < 8
+    assert 0.3 <= joint_resistance("door", "revolute", 2.0, 0.3).friction <= 1
+    assert 0.02 <= joint_resistance("knob", "continuous", 0.1, 0.01).friction <= 0.1
+
+
+@pytest.mark.parametrize(("label", "kind"), [("drawer", "prismatic"), ("door", "revolute")])
+def test_furniture_stays_shut_on_a_slope_of_five_degrees(label, kind):
+    for mass in (0.5, 5.0, 50.0):
+        lever = 0.4
+        load = mass * GRAVITY * (1.0 if kind == "prismatic" else lever)
+        assert joint_resistance(label, kind, mass, lever).friction > np.sin(np.radians(5.0)) * load
 
 
 def test_physx_coefficient_times_load_is_the_friction():

@@ -16,8 +16,8 @@ def view(package: tyro.conf.Positional[Path], port: int = 8080) -> int:
     """
     from sim_export.view import view_package
 
-    view_package(package, port=port)
-    sys.stderr.write(f"{package}: http://localhost:{port} (Ctrl-C ends it)\n")
+    page = view_package(package, port=port)
+    sys.stderr.write(f"{package}: http://localhost:{page.server.get_port()} (Ctrl-C ends it)\n")
     try:
         while True:
             time.sleep(3600.0)
