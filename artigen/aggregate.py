@@ -1,6 +1,7 @@
 """What a group of voxels says about its part: joint, range and box, voted for by many voxels."""
 
 from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -93,6 +94,11 @@ def fuse_box(
     return np.stack([(low + high) / 2, high - low])
 
 
+def box_faces(box: Float[np.ndarray, "2 3"]) -> Float[np.ndarray, "2 3"]:
+    """Lowest and highest corner of a box given by centre and size."""
+    return np.stack([box[0] - box[1] / 2, box[0] + box[1] / 2])
+
+
 def mean_votes(fields: VoxelFields, rows: Int[np.ndarray, "n"]) -> tuple[np.ndarray, ...]:
     """The paper's aggregation: axis, origin, ranges and box by plain averaging."""
     return tuple(
@@ -116,10 +122,37 @@ VOTES: dict[Aggregation, Callable[[VoxelFields, np.ndarray], tuple[np.ndarray, .
 }
 
 
+def standard_errors(
+    fields: VoxelFields, rows: Int[np.ndarray, "n"], axis: Float[np.ndarray, "3"]
+) -> tuple[float, float]:
+    """Standard errors of a part's axis (radians) and of its origin across the axis (unit lengths).
+
+    As if every voxel voted on its own; for votes that agree exactly, zero.
+    """
+    sides = np.linalg.svd(axis[None])[2][1:]  # 2 3, across the axis
+    spread = [
+        np.sqrt((values[rows] @ sides.T).var(axis=0).mean() / len(rows))
+        for values in (fields.axis, fields.origin)
+    ]
+    return float(spread[0]), float(spread[1])
+
+
+@dataclass(frozen=True, kw_only=True)
+class AggregatedPart:
+    """A part that is not yet in a tree, with how sure its votes are and what was repaired."""
+
+    part: Part
+    axis_error: float = 0.0
+    """Standard error of the axis, radians."""
+    origin_error: float = 0.0
+    """Standard error of the axis line's place, unit lengths."""
+    notes: tuple[str, ...] = ()
+
+
 def aggregate_part(
-    fields: VoxelFields, rows: Int[np.ndarray, "n"], name: str, label: PartLabel, method: Aggregation
-) -> tuple[Part, tuple[str, ...]]:
-    """A part (not yet in a tree) from the voxels in ``rows``, and notes on what was repaired.
+    fields: VoxelFields, rows: Int[np.ndarray, "n"], *, name: str, label: PartLabel, method: Aggregation
+) -> AggregatedPart:
+    """Aggregates the votes of the voxels in ``rows``.
 
     The part labelled base carries the object and is fixed whatever its voxels vote.
 
@@ -132,7 +165,12 @@ def aggregate_part(
     if label == "base" and kind != "fixed":
         notes.append(f"{name}: voted {kind}, held fixed because it carries the object")
         kind = "fixed"
-    box = fuse_box(voted, fields.coords[rows], fields.resolution) if method == "robust" else _plain_box(voted)
+    box = _plain_box(voted)
+    if method == "robust":
+        box = fuse_box(voted, fields.coords[rows], fields.resolution)
+        moved = np.abs(box_faces(box) - box_faces(_plain_box(voted))).max() * fields.resolution
+        if moved > 1:
+            notes.append(f"{name}: box face moved by {moved:.1f} voxels to the extent of the voxels")
     try:
         joint, note = _joint(kind, axis, origin, ranges)
     except SegmentationError as err:
@@ -141,15 +179,15 @@ def aggregate_part(
         notes.append(f"{name}: {note}")
     part = Part(name=name, label=label, parent=-1, joint=joint, box=box)
     if kind == "fixed":
-        return part, tuple(notes)
-    gauged = Joint(
-        type=joint.type,
-        axis=joint.axis,
-        origin=canonical_origin(part),
-        upper=joint.upper,
-        pitch=joint.pitch,
+        return AggregatedPart(part=part, notes=tuple(notes))
+    gauged = replace(joint, origin=canonical_origin(part))
+    axis_error, origin_error = standard_errors(fields, rows, joint.axis)
+    return AggregatedPart(
+        part=replace(part, joint=gauged),
+        axis_error=axis_error,
+        origin_error=origin_error,
+        notes=tuple(notes),
     )
-    return Part(name=name, label=label, parent=-1, joint=gauged, box=box), tuple(notes)
 
 
 def _plain_box(voted: np.ndarray) -> np.ndarray:

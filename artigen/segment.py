@@ -20,7 +20,7 @@ from artigen.regularise import RegulariseConfig, regularise
 from artigen.segment_paper import PaperConfig, partition_paper
 from artigen.segment_robust import RobustConfig, partition_robust
 from artigen.tree import TreeConfig, find_parents
-from artigen.types import Asset, VoxelGrid
+from artigen.types import Asset, Part, VoxelGrid
 
 logger = logging.getLogger(__name__)
 
@@ -89,29 +89,31 @@ def segment(
     """
     cfg = cfg or SegmentConfig()
     divided = partition(fields, cfg)
-    parts, notes = [], []
+    found = []
     for index, label in enumerate(divided.labels):
         number = divided.labels[:index].count(label)
         called = "base" if label == "base" else f"{label}_{number}"
         rows = np.flatnonzero(divided.part_ids == index)
-        part, said = aggregate_part(
-            fields, rows, called, label, "mean" if cfg.recipe == "paper" else "robust"
-        )
-        parts.append(part)
-        notes += said
-    parts, said = _hang(parts, fields, divided, cfg)
+        method = "mean" if cfg.recipe == "paper" else "robust"
+        found.append(aggregate_part(fields, rows, name=called, label=label, method=method))
+    parts, said = _hang([one.part for one in found], fields, divided, cfg)
     asset = Asset(
         name=name,
         category=category or _voted_category(fields),
         scale=scale,
         parts=tuple(parts),
         voxels=VoxelGrid(resolution=fields.resolution, coords=fields.coords, part_ids=divided.part_ids),
-        notes=(*notes, *said),
+        notes=(*(note for one in found for note in one.notes), *said),
     )
-    return asset if cfg.regularise is None else regularise(asset, cfg.regularise)
+    if cfg.regularise is None:
+        return asset
+    errors = [(one.axis_error, one.origin_error) for one in found]
+    return regularise(asset, cfg.regularise, errors=errors)
 
 
-def _hang(parts: list, fields: VoxelFields, divided: Partition, cfg: SegmentConfig) -> tuple[list, list[str]]:
+def _hang(
+    parts: list[Part], fields: VoxelFields, divided: Partition, cfg: SegmentConfig
+) -> tuple[list[Part], list[str]]:
     """Parts with their parents set, and a note for each part hung by default."""
     coords = fields.coords.astype(np.int64)
     pairs = neighbour_pairs(coords, fields.resolution)

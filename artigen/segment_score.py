@@ -6,6 +6,7 @@ import numpy as np
 from jaxtyping import Float
 from scipy.optimize import linear_sum_assignment
 
+from artigen.aggregate import box_faces
 from artigen.fields import canonical_origin
 from artigen.types import Asset, Part
 
@@ -131,5 +132,4 @@ def _score_part(
 
 
 def _face_error(true: Part, found: Part) -> float:
-    faces = [np.stack([box[0] - box[1] / 2, box[0] + box[1] / 2]) for box in (true.box, found.box)]
-    return float(np.abs(faces[0] - faces[1]).max())
+    return float(np.abs(box_faces(true.box) - box_faces(found.box)).max())
