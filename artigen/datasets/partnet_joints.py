@@ -20,6 +20,10 @@ JointKind = Literal["fixed", "revolute", "prismatic", "continuous", "screw"]
 
 HINGE_TOLERANCE = 0.01
 """Poses whose mean distance outside the body differs by less, in body diagonals, count as equal."""
+OPEN_TOLERANCE = 0.08
+"""The same, as a share of the distance where the part sticks out most."""
+BOTH_WAYS = 0.25
+"""A range with at least this share on either side of the modelled pose swings both ways."""
 SLIDER_TOLERANCE = 0.1
 """The same for sliders, in travels."""
 POSES_TRIED = 61
@@ -65,9 +69,10 @@ def closed_pose(
     """Finds the closed pose of a node among its limits.
 
     The first candidate wins that sticks out of the body no more than the best one does. Candidates
-    are ``a``, ``b``, then for doors on hinges the best pose between them (a window that swings both
-    ways); sliding doors prefer the end nearer to the modelled pose and handles the modelled pose.
-    Knobs, buttons and wheels rest at ``a``: pressing a button hides it, which does not close it.
+    are ``a``, then ``b``. Doors and handles on hinges first try the modelled pose when it lies well
+    between the limits, and doors last the best pose between them (a window that swings both ways).
+    Sliding doors first try the end nearer to the modelled pose. Knobs, buttons and wheels rest at
+    ``a``: pressing a button hides it, which does not close it.
 
     Args:
         node: a hinge or slider with limits.
@@ -76,22 +81,22 @@ def closed_pose(
         body: lowest and highest corner of the body.
     """
     candidates = [node.a, node.b]
-    inside = min(node.a, node.b) < 0.0 < max(node.a, node.b)
+    tried = np.linspace(node.a, node.b, POSES_TRIED)
+    values = _protrusions(node, tried, points, body)
     if label in ("knob", "wheel"):
         candidates = [node.a]
-    elif label == "handle" and inside:
-        candidates = [0.0, *candidates]
     elif label == "door" and node.joint == "slider":
         candidates.sort(key=abs)
-    elif label == "door":
-        tried = np.linspace(node.a, node.b, POSES_TRIED)
-        values = _protrusions(node, tried, points, body)
+    elif label in ("door", "handle") and _swings_both_ways(node):
+        candidates = [0.0, *candidates]
+    if label == "door" and node.joint == "hinge":
         candidates.append(float(tried[values <= values.min() + 1e-4].mean()))
+    if node.joint == "hinge":
+        diagonal = float(np.linalg.norm(body[1] - body[0]))
+        tolerance = max(HINGE_TOLERANCE * diagonal, OPEN_TOLERANCE * float(values.max()))
+    else:
+        tolerance = SLIDER_TOLERANCE * abs(node.b - node.a)
     values = _protrusions(node, np.array(candidates), points, body)
-    diagonal = float(np.linalg.norm(body[1] - body[0]))
-    tolerance = (
-        HINGE_TOLERANCE * diagonal if node.joint == "hinge" else SLIDER_TOLERANCE * abs(node.b - node.a)
-    )
     rest = candidates[int(np.argmax(values <= values.min() + tolerance))]
     far = (
         node.b
@@ -101,6 +106,12 @@ def closed_pose(
         else max(node.a, node.b, key=lambda q: abs(q - rest))
     )
     return RestPose(rest=rest, far=far, note=_describe(node, rest, far))
+
+
+def _swings_both_ways(node: SourceNode) -> bool:
+    """The modelled pose lies well inside the range; near an end, the part was drawn ajar."""
+    low, high = sorted((node.a, node.b))
+    return low < 0.0 < high and min(-low, high) >= BOTH_WAYS * (high - low)
 
 
 def _protrusions(node: SourceNode, q: np.ndarray, points: np.ndarray, body: np.ndarray) -> np.ndarray:

@@ -41,13 +41,18 @@ class _Reference:
 
 
 def read_pieces(
-    folder: Path, nodes: tuple[SourceNode, ...], urdf: UrdfFile, files: dict[int, tuple[str, ...]]
+    folder: Path,
+    nodes: tuple[SourceNode, ...],
+    live: frozenset[int],
+    urdf: UrdfFile,
+    files: dict[int, tuple[str, ...]],
 ) -> tuple[tuple[PieceMesh, ...], tuple[str, ...]]:
-    """Reads every mesh of the nodes given; returns them with notes on what was missing.
+    """Reads every mesh of the live nodes; returns them with notes on what was missing.
 
     Args:
         folder: the object.
-        nodes: nodes to read (no junk).
+        nodes: all nodes, junk too, so that junk meshes are not taken for somebody else's.
+        live: ids of the nodes to read.
         urdf: the object's URDF.
         files: mesh names of annotated ids, from result.json; empty where there is none.
 
@@ -59,7 +64,7 @@ def read_pieces(
     pieces: list[PieceMesh] = []
     missing: Counter[int] = Counter()
     dangling: dict[int, Path] = {}
-    for reference in references:
+    for reference in (reference for reference in references if reference.node in live):
         mesh = read_obj(reference.path, folder) if reference.path.is_file() else None
         if mesh is None or len(mesh.faces) == 0:
             missing[reference.node] += 1
@@ -68,7 +73,7 @@ def read_pieces(
             continue
         pieces.append(PieceMesh(node=reference.node, piece=reference.piece, path=reference.path, mesh=mesh))
     drawn = Counter(piece.node for piece in pieces)
-    for node in nodes:
+    for node in (node for node in nodes if node.id in live):
         if drawn[node.id] == 0 and node.id in dangling:
             raise SourceError(
                 f"{folder / 'mobility.urdf'}: node {node.id} ({node.name}) has no geometry: "

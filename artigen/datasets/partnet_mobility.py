@@ -101,11 +101,12 @@ def read_object(folder: Path, cfg: ReaderConfig | None = None) -> PartNetObject:
     """
     cfg = cfg or ReaderConfig()
     category = _read_category(folder / "meta.json")
-    nodes, notes = _keep_live(read_nodes(folder / "mobility_v2.json"), folder)
+    all_nodes = read_nodes(folder / "mobility_v2.json")
+    nodes, notes = _keep_live(all_nodes, folder)
     urdf = read_urdf(folder / "mobility.urdf")
     listing = folder / "result.json"
     files = read_piece_files(listing) if listing.exists() else {}
-    pieces, mesh_notes = read_pieces(folder, nodes, urdf, files)
+    pieces, mesh_notes = read_pieces(folder, all_nodes, frozenset(node.id for node in nodes), urdf, files)
     nodes, empty_notes = _keep_drawn(nodes, pieces, folder)
     labels, label_notes = label_nodes(nodes)
     poses = _find_rest_poses(nodes, labels, pieces)
