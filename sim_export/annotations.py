@@ -313,6 +313,7 @@ def _grip(
     steps = ((np.arange(cfg.samples) + 0.5) / cfg.samples - 0.5) * frame.size[1]
     start = frame.center + normal * (frame.size[0] / 2 + 1e-3)
     free = np.full(cfg.samples, np.inf)
+    middle = np.zeros(cfg.samples)
     for side in (-0.3, 0.0, 0.3):
         origins = start + side * frame.size[2] * across + steps[:, None] * along
         fronts, backs = _bar_depths(origins, -normal, triangles)

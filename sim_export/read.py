@@ -44,9 +44,6 @@ from sim_export.sidecars import FORMAT, VERSION, handles_from_json
 PLATE_THICKNESS = 1e-3
 
 LABEL_WORDS: tuple[tuple[str, PartLabel], ...] = (
-    ("_body", "base"),
-    ("_frame", "base"),
-    ("_base", "base"),
     ("handle", "handle"),
     ("knob", "knob"),
     ("button", "knob"),
@@ -282,8 +279,16 @@ def _read_foreign(
     )
 
 
+def _label_of(text: str) -> PartLabel | None:
+    """The label that a name of PartNet-Mobility's stands for, where we know a word in it."""
+    for word, label in LABEL_WORDS:
+        if word in text:
+            return label
+    return None
+
+
 def _semantics(path: Path) -> dict[str, PartLabel]:
-    """Label of every link whose meaning we know."""
+    """Label of every link whose meaning we know; what does not move is the base."""
     labels: dict[str, PartLabel] = {}
     if not path.is_file():
         return labels
@@ -291,11 +296,12 @@ def _semantics(path: Path) -> dict[str, PartLabel]:
         fields = line.split()
         if len(fields) < 3:
             continue
-        label = next((label for word, label in LABEL_WORDS if word in fields[2]), None)
-        if fields[1] in ("heavy", "static", "free"):
-            label = "base"
-        if label is not None:
-            labels[fields[0]] = label
+        link, kind, name = fields[:3]
+        known = _label_of(name)
+        if kind in ("heavy", "static") or (kind == "free" and known != "wheel"):
+            known = "base"
+        if known is not None:
+            labels[link] = known
     return labels
 
 
@@ -306,14 +312,12 @@ def _foreign_link(foreign: _Foreign, urdf: UrdfFile, link: UrdfLink) -> Link:
     visuals = []
     for index, shape in enumerate(link.visuals):
         name = shape.name or f"visual_{index}"
-        own = next(
-            (known for word, known in LABEL_WORDS if word in name and known in ("handle", "knob")), None
-        )
+        own = _label_of(name)
         visuals.append(
             Visual(
                 name=name,
                 part=name,
-                label=own or label or "base",
+                label=own if own in ("handle", "knob") else label or "base",
                 mesh=_foreign_visual(foreign.folder, shape, T, owner),
             )
         )

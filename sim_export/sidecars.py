@@ -163,7 +163,7 @@ def bounding_box_json(package: SimPackage) -> str:
             visual.mesh.vertices
             for link in package.links
             for visual in link.visuals
-            if hasattr(visual.mesh, "vertices")
+            if not isinstance(visual.mesh, SourceMesh)
         ]
     if not points:
         return json_text({})
