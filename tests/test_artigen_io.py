@@ -5,6 +5,7 @@ from dataclasses import fields, replace
 
 import numpy as np
 import pytest
+
 from artigen import io
 from artigen.errors import SourceError
 from artigen.io import read_asset, whole_folder, write_arrays, write_asset

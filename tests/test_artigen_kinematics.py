@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+
 from artigen.kinematics import (
     articulate_gaussians,
     articulate_points,

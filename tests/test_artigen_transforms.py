@@ -2,6 +2,10 @@
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
 from artigen.transforms import (
     T_ZUP_FROM_PARTNET,
     inverse,
@@ -17,9 +21,6 @@ from artigen.transforms import (
     transform_vectors,
 )
 from artigen.types import FIXED, Joint
-from hypothesis import given, settings
-from hypothesis import strategies as st
-from scipy.spatial.transform import Rotation
 
 ATOL = 1e-9
 seeds = st.integers(0, 2**32 - 1)
