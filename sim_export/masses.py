@@ -7,6 +7,7 @@ the cavity, both exact.
 
 import numpy as np
 from jaxtyping import Bool, Float
+from scipy.ndimage import binary_erosion
 
 from artigen.types import Asset
 from sim_export.errors import DegeneratePart
@@ -30,8 +31,8 @@ def weigh_part(asset: Asset, part_id: int, mesh: Mesh) -> Inertial:
     density = MATERIALS[part_material(part.label, asset.category)].density
     solid = mesh_inertial(mesh, density)
     occupancy = part_occupancy(asset.voxels, part_id).occupancy
-    cavity = occupancy.copy()
-    cavity[tuple(asset.voxels.coords.T)] = False  # what is on the surface of any part is wall
+    cavity = binary_erosion(occupancy)  # the outermost cells are wall, and so is any part's surface
+    cavity[tuple(asset.voxels.coords.T)] = False
     if not cavity.any():
         return solid
     walls = subtract(solid, cells_inertial(cavity, asset.scale / asset.voxels.resolution, density))
