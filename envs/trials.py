@@ -214,7 +214,7 @@ def _drive(
         if (gap < near / 2).all() or still_for * scene.timestep > STALL_SECONDS:
             break
     gap = np.where(limited, np.abs(target - q), np.maximum(span - travelled, 0.0))
-    return 1.0 - gap / np.maximum(span, 1e-9), gap, peak
+    return np.clip(1.0 - gap / np.maximum(span, 1e-9), 0.0, 1.0), gap, peak
 
 
 def effort(plan: JointPlan, direction: float) -> float:

@@ -11,6 +11,7 @@ from artigen.transforms import inverse
 from sim_export.errors import PackageError
 from sim_export.hulls import box_hull
 from sim_export.inertia import mesh_inertial
+from sim_export.materials import physx_friction_coefficient
 from sim_export.motion import link_displacements
 from sim_export.package import Inertial, Link, PackageJoint, SimPackage
 from sim_export.write import write_package
@@ -108,6 +109,26 @@ def test_damping_adds_to_friction(tmp_path, timestep):
     _, speed = push(slider(mass), tmp_path / "s.urdf", timestep, friction, damping, effort, seconds)
     exact = (effort - friction) / damping * (1 - np.exp(-seconds * damping / mass))
     assert speed == pytest.approx(exact, rel=0.08)
+
+
+@pytest.mark.parametrize("friction", [1.0, 3.0, 8.0])
+def test_the_coefficient_for_other_loaders_holds_about_the_friction(tmp_path, friction):
+    mass = 5.0
+    path = tmp_path / "s.urdf"
+    path.write_text(slider(mass))
+    spec = PackageJoint(
+        name="joint_0", type="prismatic", kind="prismatic", parent="base", child="link_0",
+        origin=np.zeros(3), axis=np.array([1.0, 0.0, 0.0]), upper=1.0, friction=friction,
+    )  # fmt: skip
+    for effort, low, high in ((0.7 * friction, 0.0, 1e-3), (1.4 * friction, 1.2e-3, 10.0)):
+        scene = create_scene(0.01)
+        articulation = scene.create_urdf_loader().load(str(path))
+        articulation.set_solver_position_iterations(15)
+        articulation.active_joints[0].set_friction(physx_friction_coefficient(spec, mass, 0.0))
+        for _ in range(100):
+            articulation.set_qf(np.array([effort], dtype=np.float32))
+            scene.step()
+        assert low <= abs(float(articulation.qpos[0])) <= high
 
 
 def test_negative_resistance_is_refused(tmp_path):

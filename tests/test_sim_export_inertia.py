@@ -22,7 +22,6 @@ from sim_export.inertia import (
 from sim_export.materials import (
     GRAVITY,
     MATERIALS,
-    joint_load,
     joint_resistance,
     part_material,
     physx_friction_coefficient,
@@ -191,14 +190,19 @@ def test_furniture_stays_shut_on_a_slope_of_five_degrees(label, kind):
         assert joint_resistance(label, kind, mass, lever).friction > np.sin(np.radians(5.0)) * load
 
 
-def test_physx_coefficient_times_load_is_the_friction():
+def test_the_physx_coefficient_grows_with_friction_and_shrinks_with_load():
     door = PackageJoint(
         name="joint_0", type="revolute", kind="revolute", parent="a", child="b",
         origin=np.zeros(3), axis=np.array([0.0, 0.0, 1.0]), upper=1.5, friction=0.6,
     )  # fmt: skip
     drawer = replace(door, type="prismatic", kind="prismatic", friction=4.0)
     for joint in (door, drawer):
-        coefficient = physx_friction_coefficient(joint, 8.0, 0.3)
-        assert coefficient * joint_load(joint, 8.0, 0.3) == pytest.approx(joint.friction)
+        rising = [
+            physx_friction_coefficient(replace(joint, friction=f), 8.0, 0.3) for f in (0, 0.1, 1, 9, 30)
+        ]
+        assert rising[0] == 0.0
+        assert (np.diff(rising) > 0.0).all()
+        twice = physx_friction_coefficient(replace(joint, friction=2 * joint.friction), 16.0, 0.3)
+        assert twice == pytest.approx(physx_friction_coefficient(joint, 8.0, 0.3))
     with pytest.raises(ValueError, match="joint_0"):
         physx_friction_coefficient(door, 0.0, 0.3)
