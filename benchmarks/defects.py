@@ -49,7 +49,7 @@ def edit_urdf(change: Callable[[ET.Element], None]) -> Mutation:
     """Changes the URDF's element tree."""
 
     def mutate(folder: Path) -> None:
-        tree = ET.parse(folder / URDF)  # noqa: S314
+        tree = ET.parse(folder / URDF)
         root = tree.getroot()
         assert root is not None
         change(root)
@@ -114,7 +114,7 @@ def edit_vertices(pattern: str, change: Callable[[np.ndarray], np.ndarray]) -> M
 
 def shift(pattern: str, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Mutation:
     """Shifts every OBJ that matches (m)."""
-    return edit_vertices(pattern, lambda vertices: vertices + [x, y, z])
+    return edit_vertices(pattern, lambda vertices: vertices + np.array([x, y, z]))
 
 
 def chain(*mutations: Mutation) -> Mutation:

@@ -47,9 +47,8 @@ def table(outcomes: Sequence[Outcome]) -> str:
     for outcome in outcomes:
         said = outcome.meant.message.replace("|", "/")
         caught = "yes" if outcome.caught else "**NO**"
-        rows.append(
-            f"| {outcome.defect.name} | {outcome.defect.check} | {caught} | {said} | {', '.join(outcome.others)} |"
-        )
+        others = ", ".join(outcome.others)
+        rows.append(f"| {outcome.defect.name} | {outcome.defect.check} | {caught} | {said} | {others} |")
     count = sum(outcome.caught for outcome in outcomes)
     return "\n".join(rows) + f"\n\n{count} of {len(outcomes)} defects caught by the check meant for them.\n"
 

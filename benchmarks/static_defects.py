@@ -3,7 +3,6 @@
 import xml.etree.ElementTree as ET  # edits files written by ourselves
 
 import numpy as np
-
 from defects import (
     Defect,
     append,
@@ -27,7 +26,8 @@ from defects import (
     write_hull,
 )
 
-BOMB = '<!DOCTYPE r [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;&a;&a;&a;&a;">]>\n<robot name="sample_cabinet">'
+ROBOT = '<robot name="sample_cabinet">'
+BOMB = '<!DOCTYPE r [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;&a;&a;&a;&a;">]>\n' + ROBOT
 DOOR = "link[@name='link_1']"
 DRAWER_MESH = "link[@name='link_0']/visual/geometry/mesh"
 LIMIT = "joint[@name='{}']/limit"
@@ -86,7 +86,7 @@ FILE_DEFECTS = (
     Defect(
         name="entity bomb",
         check="V001",
-        mutate=replace_text("mobility.urdf", '<robot name="sample_cabinet">', BOMB),
+        mutate=replace_text("mobility.urdf", ROBOT, BOMB),
     ),
     Defect(
         name="two roots",
@@ -202,6 +202,11 @@ SHAPE_DEFECTS = (
         name="flat visual",
         check="V101",
         mutate=edit_vertices("visual/knob_link_2_0.obj", lambda v: v * [0.0, 1.0, 1.0]),
+    ),
+    Defect(
+        name="visual full of slivers",
+        check="V101",
+        mutate=edit_vertices("visual/knob_link_2_0.obj", lambda v: v * [1.0, 4e-5, 1.0]),
     ),
     Defect(
         name="visual of 60,000 faces",

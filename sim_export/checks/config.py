@@ -75,11 +75,18 @@ class CheckConfig:
     sliver_ratio: float = 1e-4
     """V101: smallest height of a triangle over its longest edge; below it the triangle is degenerate."""
 
+    max_sliver_share: float = 0.01
+    """V101: share of a mesh's triangles that may be degenerate (one always may): caps that close a
+    T-junction move the surface by nothing, a mesh full of them comes from a broken mesher."""
+
     convex_volume_ratio: float = 0.999
     """V102: volume of a collision file's surface over the volume of its convex hull."""
 
     max_hull_vertices: int = 64
     """V102: PhysX on a GPU cooks at most 64."""
+
+    max_hull_polygons: int = 64
+    """V102: flat faces, coplanar triangles counted once; PhysX on a GPU cooks at most 64."""
 
     max_aspect: float = 64.0
     """V102: longest over shortest extent; PhysX refuses oblong hulls on a GPU and replaces them by boxes."""
@@ -101,6 +108,12 @@ class CheckConfig:
 
     min_free_kept: float = 0.9
     """V103: share of a cavity's free cells that the collision geometry leaves free."""
+
+    cavity_cube: float = 0.04
+    """V103: edge (m) of the cube that must fit into a cavity for it to count: something can be put in."""
+
+    cavity_cube_ratio: float = 1.0 / 16.0
+    """V103: the same as a share of the longest edge, where that is less: small things hold smaller ones."""
 
     surface_samples: int = 8_000
     """V103: points on the two surfaces; more find smaller bumps and cost time."""

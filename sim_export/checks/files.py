@@ -204,6 +204,8 @@ def _range_faults(subject: Subject, joint: UrdfJoint, cfg: CheckConfig) -> list[
 def check_counts(subject: Subject, cfg: CheckConfig) -> Finding:
     """V006: few enough links and hulls for PhysX."""
     links = subject.urdf.links
+    if not links:
+        return count_problems([(MAIN_URDF, f"{MAIN_URDF}: has no links")], "")
     worst = max(links, key=lambda link: len(link.collisions))
     counts = [
         (len(links), cfg.max_links, "links", MAIN_URDF),

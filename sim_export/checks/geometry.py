@@ -1,4 +1,4 @@
-"""L1, the shapes: closed visuals, convex hulls, nothing detached, feet on the floor (V101, V102, V104, V105)."""
+"""L1, the shapes: closed visuals, convex hulls, nothing detached (V101, V102, V104, V105)."""
 
 import numpy as np
 
@@ -8,9 +8,12 @@ from sim_export.checks.subject import Shape, Subject
 from sim_export.checks.surface import triangle_areas
 from sim_export.contacts import HullSet, signed_distances
 from sim_export.errors import PackageError
-from sim_export.hulls import hull_planes
+from sim_export.hulls import count_polygons, hull_length, hull_width
 from sim_export.obj import face_normals
 from sim_export.package import Hull
+
+_FILE_PRECISION = 2e-6
+"""Coordinates are written in micrometres."""
 
 
 def own_visuals(subject: Subject) -> str:
@@ -47,8 +50,9 @@ def mesh_faults(shape: Shape, cfg: CheckConfig) -> list[str]:
     else:
         faults += _topology_faults(shape, faces)
     slivers = int(_sliver_mask(shape.triangles, cfg.sliver_ratio).sum())
-    if slivers:
-        faults.append(f"has {slivers} degenerate faces")
+    allowed = int(np.ceil(cfg.max_sliver_share * len(shape.faces)))
+    if slivers > allowed:
+        faults.append(f"has {slivers} degenerate faces, allowed are {allowed}")
     return faults
 
 
@@ -133,19 +137,15 @@ def hull_faults(shape: Shape, hull: Hull | None, cfg: CheckConfig) -> list[str]:
         )
     if len(hull.vertices) > cfg.max_hull_vertices:
         faults.append(f"has {len(hull.vertices)} vertices, allowed are {cfg.max_hull_vertices}")
-    thickness, longest = hull_extents(hull)
-    if thickness < cfg.min_thickness:
+    polygons = count_polygons(hull)
+    if polygons > cfg.max_hull_polygons:
+        faults.append(f"has {polygons} flat faces, allowed are {cfg.max_hull_polygons}")
+    thickness, longest = hull_width(hull)[0], hull_length(hull)[0]
+    if thickness < cfg.min_thickness - _FILE_PRECISION:
         faults.append(f"is {1e3 * thickness:.3g} mm thin, allowed is {1e3 * cfg.min_thickness:g} mm")
     elif longest > cfg.max_aspect * thickness * (1.0 + 1e-6):
         faults.append(f"is {longest / thickness:.4g} times as long as thick, allowed is {cfg.max_aspect:g}")
     return faults
-
-
-def hull_extents(hull: Hull) -> tuple[float, float]:
-    """Smallest and largest extent (m) over the directions of the hull's faces and of the axes."""
-    directions = np.concatenate([hull_planes(hull)[:, :3], np.eye(3)])
-    extents = np.ptp(hull.vertices @ directions.T, axis=0)
-    return float(extents.min()), float(extents.max())
 
 
 def _volume(vertices: np.ndarray, faces: np.ndarray) -> float:

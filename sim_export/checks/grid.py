@@ -61,23 +61,49 @@ def mark_surface(triangles: Float[np.ndarray, "F 3 3"], grid: Grid) -> Bool[np.n
     return out
 
 
-def find_cavity(solid: Bool[np.ndarray, "X Y Z"]) -> Bool[np.ndarray, "X Y Z"]:
-    """Free cells that something could be put in: reachable from outside, walled in on most sides.
+def find_cavity(wall: Bool[np.ndarray, "X Y Z"], side: int) -> Bool[np.ndarray, "X Y Z"]:
+    """Free cells that something could be put in: walled in, reachable from outside, and wide enough.
 
-    A cell counts where, along at least two of the three axes, ``solid`` cells lie on both sides: a
-    drawer has four walls, an open compartment four or more, the space under a table none.
+    A cell is walled in where ``wall`` cells lie on both sides of it along at least two of the three
+    axes: a drawer has four walls, an open compartment as many or more, the space under a table none.
+    Of these cells those count that a free cube of ``side`` cells can cover. The outermost cells of
+    the grid must be free.
     """
     from scipy.ndimage import label
 
-    regions, _ = label(~solid)
-    outside = regions[0, 0, 0]
-    reachable = regions == outside
-    walled = np.zeros(solid.shape, dtype=np.int8)
+    regions = np.asarray(label(~wall)[0])  # pyright: ignore[reportIndexIssue]
+    walled = np.zeros(wall.shape, dtype=np.int8)
     for axis in range(3):
-        before = np.logical_or.accumulate(solid, axis=axis)
-        after = np.flip(np.logical_or.accumulate(np.flip(solid, axis), axis=axis), axis)
+        before = np.logical_or.accumulate(wall, axis=axis)
+        after = np.flip(np.logical_or.accumulate(np.flip(wall, axis), axis=axis), axis)
         walled += before & after
-    return reachable & (walled >= 2)
+    return open_with_cube((regions == regions[0, 0, 0]) & (walled >= 2), side)
+
+
+def open_with_cube(cells: Bool[np.ndarray, "X Y Z"], side: int) -> Bool[np.ndarray, "X Y Z"]:
+    """The union of all cubes of ``side`` cells that fit into ``cells``."""
+    corners = cells
+    for axis in range(3):
+        corners = _combine_shifted(corners, side, axis, np.logical_and)
+    out = np.flip(corners)
+    for axis in range(3):
+        out = _combine_shifted(out, side, axis, np.logical_or)
+    return np.flip(out)
+
+
+def _combine_shifted(cells: np.ndarray, side: int, axis: int, combine: np.ufunc) -> np.ndarray:
+    """Each cell combined with the next ``side - 1`` ones along an axis; free cells are outside the grid."""
+    out = cells.copy()
+    done = 1
+    while done < side:
+        step = min(done, side - done)
+        moved = np.zeros_like(out)
+        source, target = [slice(None)] * 3, [slice(None)] * 3
+        source[axis], target[axis] = slice(step, None), slice(None, -step)
+        moved[tuple(target)] = out[tuple(source)]
+        out = combine(out, moved)
+        done += step
+    return out
 
 
 def _plane(axis: int) -> tuple[int, int]:

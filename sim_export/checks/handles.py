@@ -93,8 +93,8 @@ def judge_grip(grip: Grip, name: str, cfg: CheckConfig) -> tuple[float, str]:
     hook = cfg.min_clearance / max(grip.clearance, 1e-9)
     pinch = max(grip.width / cfg.max_grasp_width, cfg.min_protrusion / max(grip.protrusion, 1e-9))
     text = (
-        f"the handle of {name!r} is {1e3 * grip.width:.3g} mm wide, stands out by {1e3 * grip.protrusion:.3g} mm and "
-        f"has {1e3 * min(grip.clearance, 9.999):.3g} mm behind it"
+        f"the handle of {name!r} is {1e3 * grip.width:.3g} mm wide, stands out by "
+        f"{1e3 * grip.protrusion:.3g} mm and has {1e3 * min(grip.clearance, 9.999):.3g} mm behind it"
     )
     return min(hook, pinch), text
 

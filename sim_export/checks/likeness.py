@@ -8,7 +8,7 @@ from sim_export.checks.config import CheckConfig
 from sim_export.checks.grid import Grid, fill_solid, find_cavity, make_grid, mark_surface
 from sim_export.checks.registry import CheckSpec, Finding
 from sim_export.checks.subject import Subject
-from sim_export.checks.surface import inside_hulls, surface_distances, sample_triangles, triangle_areas
+from sim_export.checks.surface import inside_hulls, sample_triangles, surface_distances, triangle_areas
 from sim_export.errors import PackageError
 
 _LEAST_SAMPLES = 64
@@ -18,8 +18,8 @@ _SKIN = 1e-3
 """A collision face covered by another hull of the link at this distance (m) is no outer surface."""
 
 
-_SMALLEST_CAVITY = 512
-"""Cells; below it the cavity is smaller than an eighth of 16^3 and its measure mostly rounding."""
+_LEAST_CUBE = 3
+"""Cells; narrower than this the measure is rounding."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,17 +51,21 @@ def check_likeness(subject: Subject, cfg: CheckConfig) -> Finding:
     measures = _distances(subject, cfg, visual, solid)
     if subject.visual_source == "voxels":
         measures.append(_volume_overlap(cfg, grid, volumes))
-    for name, volume in zip(links, volumes, strict=True):
-        measures += _kept_cavity(cfg, grid, name, volume)
+    cavities = [
+        measure
+        for name, volume in zip(links, volumes, strict=True)
+        for measure in _kept_cavity(cfg, grid, name, volume)
+    ]
+    if cavities:
+        measures.append(max(cavities, key=lambda measure: measure.ratio))
     worst = max(measures, key=lambda measure: measure.ratio)
-    told = [m.text for m in measures if m.ratio > 1.0] or [m.text for m in measures[:3]]
     return Finding(
         passed=worst.ratio <= 1.0,
         value=worst.ratio,
         threshold=1.0,
         unit="of the allowed",
         where=worst.where,
-        message="; ".join(told),
+        message="; ".join(measure.text for measure in measures),
     )
 
 
@@ -149,9 +153,11 @@ def _volume_overlap(cfg: CheckConfig, grid: Grid, volumes: list[Volumes]) -> Mea
 
 def _kept_cavity(cfg: CheckConfig, grid: Grid, name: str, volume: Volumes) -> list[Measure]:
     """How much of what is free inside a link stays free, where there is a cavity worth the name."""
-    cavity = find_cavity(volume.seen)
+    longest = max(grid.shape) * grid.cell
+    side = max(_LEAST_CUBE, round(min(cfg.cavity_cube, cfg.cavity_cube_ratio * longest) / grid.cell))
+    cavity = find_cavity(volume.seen, side)
     cells = int(np.count_nonzero(cavity))
-    if cells < _SMALLEST_CAVITY:
+    if not cells:
         return []
     kept = 1.0 - np.count_nonzero(cavity & volume.felt) / cells
     litres = 1e3 * cells * grid.cell**3

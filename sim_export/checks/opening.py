@@ -17,7 +17,7 @@ _SIGHT_LINES = 400
 _FIRST_TURN = 1.0
 """Rad; a door's corners are followed along the tangent for at most this turn."""
 _PARALLEL = 0.5
-"""Cosine above which an axis counts as perpendicular to a panel: such a lid screws or spins, it has no edge."""
+"""Cosine above which an axis stands upright on a panel: such a lid screws or spins, it has no edge."""
 _TWIN_SIZE = 0.05
 _TWIN_AXIS_DEGREES = 5.0
 

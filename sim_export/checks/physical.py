@@ -106,7 +106,8 @@ def check_size(subject: Subject, cfg: CheckConfig) -> Finding:
         threshold=high if diagonal > high else low,
         unit="m",
         where=category,
-        message=f"a diagonal of {diagonal:.4g} m, {category or 'an object of no category'} has {low:g} to {high:g} m",
+        message=f"a diagonal of {diagonal:.4g} m, "
+        f"expected {low:g} to {high:g} m for {category or 'any object'}",
     )
 
 

@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from time import perf_counter
 
+from artigen.errors import ArtigenError
 from sim_export.checks.config import CheckConfig
 from sim_export.checks.subject import Subject
-from artigen.errors import ArtigenError
 from sim_export.report import CheckResult, Level, Verdict
 
 logger = logging.getLogger(__name__)
@@ -81,7 +81,7 @@ def run_check(spec: CheckSpec, subject: Subject, cfg: CheckConfig) -> CheckResul
         level=spec.level,
         title=spec.title,
         verdict=verdict,
-        value=None if finding is None else float(finding.value),
+        value=None if finding is None or finding.value is None else float(finding.value),
         threshold=None if finding is None else float(finding.threshold),
         unit="" if finding is None else finding.unit,
         where="" if finding is None else finding.where,

@@ -21,7 +21,7 @@ from sim_export.errors import DegeneratePart, PackageError
 from sim_export.hulls import convex_hull
 from sim_export.motion import MOVING_TYPES, link_displacements
 from sim_export.obj import ObjData, ObjGroup, parse_obj
-from sim_export.package import Hull, Link, PackageJoint, Requirement
+from sim_export.package import URDF_JOINT_TYPES, Hull, Link, PackageJoint, Requirement, UrdfJointType
 from sim_export.primitives import primitive_mesh
 
 MAIN_URDF = "mobility.urdf"
@@ -137,7 +137,7 @@ class Subject:
         return tuple(self._joint(joint) for joint in self._parents_first)
 
     def _joint(self, joint: UrdfJoint) -> PackageJoint:
-        type_ = next((known for known in ("fixed", *MOVING_TYPES) if known == joint.type), None)
+        type_: UrdfJointType | None = next((known for known in URDF_JOINT_TYPES if known == joint.type), None)
         if type_ is None:
             raise PackageError(
                 f"{MAIN_URDF}: joint {joint.name!r} has type {joint.type!r}, which cannot be moved"
@@ -279,8 +279,12 @@ class Subject:
         if not path.is_file():
             return {}
         rows = [line.split() for line in path.read_text(errors="replace").splitlines()]
-        known = {row[0]: _label(row[1], row[2]) for row in rows if len(row) >= 3}
-        return {name: label for name, label in sorted(known.items()) if label is not None}
+        known: dict[str, PartLabel] = {}
+        for row in rows:
+            label = _label(row[1], row[2]) if len(row) >= 3 else None
+            if label is not None:
+                known[row[0]] = label
+        return known
 
     @cached_property
     def annotations(self) -> dict:

@@ -125,7 +125,7 @@ def joint_motion(subject: Subject, joint: PackageJoint, cfg: CheckConfig) -> Mot
 
 
 def _joint_poses(subject: Subject, cfg: CheckConfig) -> Motion:
-    """All joints at once; only (link, ancestor) and (link, static link) pairs, since movable neighbours may meet."""
+    """All joints at once; links against ancestors and static links, since movable neighbours may meet."""
     from scipy.stats.qmc import Sobol
 
     lower = np.array([joint.lower for joint in subject.driven])
@@ -206,7 +206,8 @@ def check_rest(subject: Subject, cfg: CheckConfig) -> Finding:
         threshold=allowed,
         unit="m",
         where=where,
-        message=f"{where or 'no two links'} overlap by {1e3 * depth:.3g} mm at rest, allowed is {1e3 * allowed:g} mm",
+        message=f"{where or 'no two links'} overlap by {1e3 * depth:.3g} mm at rest, "
+        f"allowed is {1e3 * allowed:g} mm",
     )
 
 

@@ -1,0 +1,55 @@
+"""Every seeded defect is caught by the check meant for it; the good packages pass every check."""
+
+import sys
+from pathlib import Path
+
+import pytest
+
+from sim_export.checks.config import CheckConfig
+from sim_export.checks.registry import run_check
+from sim_export.checks.subject import Subject
+from sim_export.checks.suite import CHECKS, run_checks
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "benchmarks"))
+
+from defects import Defect, seed_defect
+from sample_packages import write_samples
+from static_defects import STATIC_DEFECTS
+
+SPECS = {spec.id: spec for spec in CHECKS}
+
+
+@pytest.fixture(scope="session")
+def good_packages(tmp_path_factory) -> dict[str, Path]:
+    return write_samples(tmp_path_factory.mktemp("good"))
+
+
+@pytest.mark.parametrize("base", ["cabinet", "double"])
+def test_good_package_passes_everything(good_packages, base):
+    results = run_checks(good_packages[base])
+    assert [result.id for result in results] == sorted(SPECS)
+    assert {result.id: result.message for result in results if result.verdict == "fail"} == {}
+    skipped = {result.id for result in results if result.verdict == "not_applicable"}
+    assert skipped == ({"V205"} if base == "cabinet" else set())
+
+
+@pytest.mark.parametrize("defect", STATIC_DEFECTS, ids=lambda defect: defect.name.replace(" ", "-"))
+def test_defect_is_caught_by_its_check(good_packages, tmp_path, defect: Defect):
+    folder = seed_defect(defect, good_packages[defect.base], tmp_path / "package")
+    result = run_check(SPECS[defect.check], Subject(folder), CheckConfig())
+    assert result.verdict == "fail", result.message
+    # Caught by what it measured, not by falling over what it could not read.
+    assert result.value is not None or defect.check == "V007", result.message
+    assert "crashed" not in result.message
+
+
+def test_every_check_has_a_defect():
+    assert {defect.check for defect in STATIC_DEFECTS} == set(SPECS)
+
+
+def test_unbroken_copy_is_still_good(good_packages, tmp_path):
+    """Sealing again and copying is not what the checks notice."""
+    idle = Defect(name="nothing", check="V001", mutate=lambda folder: None)
+    folder = seed_defect(idle, good_packages["cabinet"], tmp_path / "elsewhere")
+    before, after = run_checks(good_packages["cabinet"]), run_checks(folder)
+    assert [(r.verdict, r.value, r.where) for r in after] == [(r.verdict, r.value, r.where) for r in before]
