@@ -7,6 +7,7 @@ from sim_export.clearance import ClearanceConfig
 from sim_export.decompose import DecomposeConfig
 from sim_export.meshing import MeshingConfig
 from sim_export.requirements import RequirementConfig
+from sim_export.retention import RetentionConfig
 from sim_export.texture import TextureConfig
 
 
@@ -22,6 +23,8 @@ class ExportConfig:
     """Part meshes to convex collision hulls."""
     requirements: RequirementConfig = field(default_factory=RequirementConfig)
     """Which joint needs which other open."""
+    retention: RetentionConfig = field(default_factory=RetentionConfig)
+    """Drawers that must not fall out."""
     clearance: ClearanceConfig = field(default_factory=ClearanceConfig)
     """Room for moving parts."""
     handles: HandleConfig = field(default_factory=HandleConfig)

@@ -19,6 +19,7 @@ from sim_export.materials import part_material
 from sim_export.meshing import mesh_parts
 from sim_export.package import Mesh, SimPackage, SourceMesh
 from sim_export.requirements import find_requirements
+from sim_export.retention import keep_drawers_held
 from sim_export.texture import bake_parts
 
 MAX_FIXED_HULLS = 6
@@ -92,9 +93,11 @@ def export_asset(
     ]
     tree = build_links(asset, geometry)
     watch.lap("links")
-    needs = find_requirements(tree.links, tree.joints, cfg.requirements)
+    panels = {link.name: meshes[_index(asset, link.parts[0])].vertices for link in tree.links if link.parts}
+    joints, held = keep_drawers_held(tree.links, tree.joints, panels, cfg.retention)
+    needs = find_requirements(tree.links, joints, cfg.requirements)
     watch.lap("requirements")
-    cleared = clear_joints(tree.links, tree.joints, needs, cfg.clearance)
+    cleared = clear_joints(tree.links, joints, needs, cfg.clearance)
     watch.lap("clearance")
     tree = LinkTree(links=cleared.links, joints=cleared.joints, records=tree.records)
     handles = annotate_handles(asset, meshes, tree, cfg.handles)
@@ -107,6 +110,7 @@ def export_asset(
             for said in d.records
         ),
         *tree.records,
+        *held,
         *cleared.records,
     )
     package = SimPackage(
@@ -145,3 +149,8 @@ def share_hulls(asset: Asset, meshes: Sequence[Mesh], max_hulls: int) -> list[in
                 f"{max_hulls} hulls has no room for them; join some of them"
             )
     return shares
+
+
+def _index(asset: Asset, name: str) -> int:
+    """Index of a part by its name."""
+    return next(index for index, part in enumerate(asset.parts) if part.name == name)

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from artigen.types import FULL_TURN, Asset, Joint, Part
+from artigen.types import FULL_TURN, Asset, Joint, Part, PartLabel
 from sim_export.errors import DegeneratePart, InvalidKinematics
 from sim_export.inertia import check_inertial, combine, raise_light_mass
 from sim_export.materials import joint_resistance
@@ -247,7 +247,7 @@ def _with_resistance(
     asset: Asset, links: Sequence[Link], joints: Sequence[PackageJoint]
 ) -> tuple[PackageJoint, ...]:
     """Friction, damping, effort and velocity of every movable joint."""
-    labels = {link.name: link.label for link in links}
+    labels: dict[str, PartLabel | None] = {link.name: link.label for link in links}
     leads = {joint.mimic: joint for joint in joints if joint.mimic is not None}
     out = []
     for joint in joints:
