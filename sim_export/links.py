@@ -12,7 +12,7 @@ import numpy as np
 
 from artigen.types import FULL_TURN, Asset, Joint, Part, PartLabel
 from sim_export.errors import DegeneratePart, InvalidKinematics
-from sim_export.inertia import check_inertial, combine, raise_light_mass
+from sim_export.inertia import check_inertial, combine, inertia_about, raise_light_mass
 from sim_export.materials import joint_resistance
 from sim_export.package import (
     URDF_JOINT_TYPES,
@@ -29,6 +29,8 @@ from sim_export.package import (
 
 BASE = "base"
 MAX_LINKS = 64
+SHORTEST_DECAY = 0.1
+"""Seconds; engines overdo damping that stops a body within a few steps of 1/60 s, so none is stronger."""
 CARRIER_MASS = 0.01
 CARRIER_RADIUS = 0.02
 
@@ -263,11 +265,13 @@ def _with_resistance(
         arm = np.asarray(moved.com) - joint.origin
         lever = float(np.linalg.norm(arm - (arm @ joint.axis) * joint.axis))
         resist = joint_resistance(label, joint.kind, moved.mass, lever)
+        turning = float(joint.axis @ inertia_about(moved, joint.origin) @ joint.axis)
+        moment = moved.mass if joint.type == "prismatic" else turning
         out.append(
             replace(
                 joint,
                 friction=resist.friction,
-                damping=resist.damping,
+                damping=min(resist.damping, moment / SHORTEST_DECAY),
                 effort=resist.effort,
                 velocity=resist.velocity,
             )
