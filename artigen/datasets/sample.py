@@ -1,6 +1,6 @@
 """A small cabinet made of boxes, with exact truth: the embedded input of the demo and the tests.
 
-A drawer above a door; behind the door a sliding tray and a fixed shelf; a bar handle on the
+A drawer above a door; behind the door a tray that slides on two runners and a fixed shelf; a bar handle on the
 drawer, a vertical one on the door, and a lock knob that turns on the door (a chain of two joints).
 Metres, z up, front -x, floor at z = 0.
 """
@@ -66,6 +66,8 @@ SAMPLE_PARTS: tuple[SamplePart, ...] = (
             SampleBox(low=(-0.23, -0.40, 0.0), high=(0.25, 0.40, 0.05)),
             SampleBox(low=(0.23, -0.40, 0.0), high=(0.25, 0.40, 1.0)),
             SampleBox(low=(-0.23, -0.38, 0.70), high=(0.23, 0.38, 0.72)),
+            SampleBox(low=(-0.21, -0.38, 0.09), high=(0.23, -0.30, 0.12)),
+            SampleBox(low=(-0.21, 0.30, 0.09), high=(0.23, 0.38, 0.12)),
         ),
     ),
     SamplePart(
