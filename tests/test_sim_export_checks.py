@@ -252,3 +252,9 @@ def test_original_folders_get_verdicts(real_objects, name):
     for check in ("V007", "V008", "V102"):
         assert results[check].verdict == "fail"
     assert results["V001"].verdict == "pass"
+
+
+def test_documentation_lists_every_check_once():
+    text = (Path(__file__).resolve().parents[1] / "docs" / "checks.md").read_text()
+    rows = [line.split("|")[1].strip() for line in text.splitlines() if line.startswith("| V")]
+    assert [row for row in rows if row < "V300"] == [spec.id for spec in CHECKS]

@@ -1,6 +1,7 @@
 """L0, the files: XML, tree, schema, paths, joints, sizes and the manifest (V001 to V006, V010)."""
 
 import posixpath
+import re
 from pathlib import PurePosixPath
 
 import numpy as np
@@ -27,6 +28,10 @@ SIDECARS = (
     "semantics.txt",
 )
 PARTNET_SIDECARS = ("PROVENANCE.json", "result.json", "result_after_merging.json", "images/info.json")
+_REFERENCES = {
+    ".obj": re.compile(rb"^[ \t]*mtllib[ \t]+([^\r\n]+)", re.MULTILINE),
+    ".mtl": re.compile(rb"^[ \t]*(?:map_\w+|bump|disp|decal|refl|norm)[ \t]+([^\r\n]+)", re.MULTILINE),
+}
 Problems = list[tuple[str, str]]
 
 
@@ -91,14 +96,12 @@ def _follow(subject: Subject, owner: str, reference: str, problems: Problems) ->
     if not file:
         return set()
     found = {file}
-    key = {".obj": b"mtllib", ".mtl": b"map_"}.get(PurePosixPath(file).suffix.lower())
+    key = _REFERENCES.get(PurePosixPath(file).suffix.lower())
     if key is not None:
-        for line in (subject.folder / file).read_bytes().splitlines():
-            words = line.split(maxsplit=1)
-            if len(words) == 2 and words[0].startswith(key):
-                target = words[1].decode(errors="replace").strip()
-                target = target.split()[-1] if target.startswith("-") else target
-                found |= _follow(subject, file, target, problems)
+        for value in key.findall((subject.folder / file).read_bytes()):
+            target = value.decode(errors="replace").strip()
+            target = target.split()[-1] if target.startswith("-") else target
+            found |= _follow(subject, file, target, problems)
     return found
 
 
