@@ -82,6 +82,8 @@ _SAMPLE_NODES: tuple[_SampleNode, ...] = (
             ("bottom_panel", "body", (3,)),
             ("back_panel", "body", (4,)),
             ("frame_horizontal_bar", "body", (5,)),
+            ("drawer_rails", "body", (6,)),
+            ("drawer_rails", "body", (7,)),
             ("shelf", "shelf", (0,)),
         ),
     ),
