@@ -146,7 +146,8 @@ def _best_cut(piece: Solid) -> tuple[Solid, Solid] | None:
 def _concave_planes(vertices: np.ndarray, faces: np.ndarray, most: int = 4) -> tuple[np.ndarray, np.ndarray]:
     """Planes of faces at concave edges ``[K 4]`` and the share of all concavity that each resolves.
 
-    Concavity is edge length times the angle by which the edge bends inwards.
+    Concavity is edge length times one minus the cosine of the angle by which the edge bends inwards,
+    so that real corners outweigh the roughness of a smoothed surface.
     """
     corners = vertices[faces]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -167,7 +168,7 @@ def _concave_planes(vertices: np.ndarray, faces: np.ndarray, most: int = 4) -> t
     bent = angle < -0.02
     if not bent.any():
         return np.zeros((0, 4)), np.zeros(0)
-    concavity = (-angle * length)[bent]
+    concavity = ((1.0 - np.cos(angle)) * length)[bent]
     normal = np.concatenate([normals[left[bent]], normals[right[bent]]])
     offset = np.einsum("ij,ij->i", normal, np.concatenate([start[bent], start[bent]]))
     size = np.ptp(vertices, axis=0).max()

@@ -31,6 +31,10 @@ logger = logging.getLogger(__name__)
 Method = Literal["hull", "boxes", "pieces", "coacd"]
 BOX_DETAILS = (1e-2, 3e-3, 1e-3, 1e-4)
 """Least share of the surface that a plane must hold to bound boxes; tried from coarse to fine."""
+MOST_BOXES = 120
+"""Boxes that joining starts from at most."""
+SMALLEST_MISSING = 2e-3
+"""Pieces below this share of the volume are not worth a hull of their own."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -45,19 +49,26 @@ class DecomposeConfig:
     """Volume error that `auto` accepts; lower it when hulls stray from the visual mesh."""
     join_above: int = 6
     """More boxes than this are joined to fewer hulls while the volume error stays within tolerance."""
+    boxes_tolerance: float = 0.15
+    """Volume error up to which `auto` takes boxes, if none are within ``tolerance``, rather than cutting the
+    mesh, which takes ten times longer."""
     hull_tolerance: float = 0.08
     """Volume error up to which `auto` takes a single hull."""
     reach: float = 0.02
     """Farthest that the mesh may stick out of boxes, over its diagonal, before what does gets hulls of its
     own: volume alone would not miss small legs."""
-    coacd_above: float = 0.5
+    coacd_above: float = 0.6
     """Volume error above which `auto` tries CoACD, which takes seconds to minutes."""
     min_kept_cavity: float = 0.9
     """Least share of the space inside the part's convex hull that must stay free."""
     min_cavity: float = 0.3
     """Space, over the part's convex hull, below which it does not count as a cavity."""
+    min_cavity_volume: float = 1e-4
+    """Nor do cavities below this volume (m^3): a pocket in a knob may be filled."""
     skin: float = 0.015
     """Space nearer to the part than this, over its diagonal, does not count as cavity either."""
+    min_skin: float = 0.008
+    """Nor does space nearer than this (m): no finger fits into it."""
     max_pieces: int = 26
     """Most hulls by `pieces`, fewer than ``max_hulls``, because oblong ones are cut again afterwards."""
     simplify: float = 0.0015
@@ -66,7 +77,7 @@ class DecomposeConfig:
     """What to do where no method works: raise, or take one convex hull and record it."""
     limits: HullLimits = field(default_factory=HullLimits)
     """What each hull must be like."""
-    coacd: CoacdConfig = field(default_factory=CoacdConfig)
+    coacd: CoacdConfig = field(default_factory=lambda: CoacdConfig(timeout=20.0))
     """Parameters of CoACD."""
 
     def __post_init__(self) -> None:
@@ -141,9 +152,9 @@ Choice = tuple[Method, tuple[Hull, ...], Fit]
 
 def _measure_cavity(hulls: Sequence[Hull], solid: Solid, fit: Fit, cfg: DecomposeConfig) -> float:
     """Share of the part's cavity that stays free; 1 where it has none worth the name."""
-    if fit.cavity <= cfg.min_cavity:
+    if fit.cavity <= cfg.min_cavity or fit.cavity * solid.hull().volume() <= cfg.min_cavity_volume:
         return 1.0
-    return measure_kept_cavity(hulls, solid, cfg.skin * _diagonal(solid))
+    return measure_kept_cavity(hulls, solid, max(cfg.skin * _diagonal(solid), cfg.min_skin))
 
 
 def _diagonal(solid: Solid) -> float:
@@ -166,8 +177,8 @@ def _choose(mesh: Mesh, solid: Solid, cfg: DecomposeConfig, cache: Path | None) 
                 f"a mesh of {len(mesh.faces)} faces is no union of {cfg.max_hulls} boxes or fewer; use 'auto'"
             )
         return boxes
-    if boxes is not None and boxes[2].volume_error <= cfg.tolerance:
-        return boxes if len(boxes[1]) <= cfg.join_above else _joined(boxes, solid, cfg)
+    if boxes is not None and boxes[2].volume_error <= cfg.boxes_tolerance:
+        return boxes
     found = [_pieces(solid, cfg)] + ([boxes] if boxes is not None else [])
     if min(choice[2].volume_error for choice in found) > cfg.coacd_above:
         try:
@@ -182,20 +193,18 @@ def _boxes(solid: Solid, cfg: DecomposeConfig) -> Choice | None:
     vertices, faces = solid_arrays(solid)
     best = None
     for detail in BOX_DETAILS:
-        boxes = fit_cuboids(vertices, faces, cfg.max_hulls, detail)
+        boxes = fit_cuboids(vertices, faces, MOST_BOXES, detail)
         if boxes is None or not len(boxes):
             continue
         hulls = [box_hull(low, high) for low, high in boxes]
         if _farthest_outside(boxes, vertices) > cfg.reach * _diagonal(solid):
             hulls += _missing_hulls(solid, boxes, cfg)
-        if len(hulls) > cfg.max_hulls:
-            continue
         choice = _measured("boxes", tuple(hulls), solid)
         if best is None or choice[2].volume_error < best[2].volume_error:
             best = choice
         if best[2].volume_error <= cfg.tolerance:
             break
-    return best
+    return best if best is None or len(best[1]) <= cfg.join_above else _joined(best, solid, cfg)
 
 
 def _missing_hulls(solid: Solid, boxes: Float[np.ndarray, "K 2 3"], cfg: DecomposeConfig) -> list[Hull]:
@@ -205,20 +214,22 @@ def _missing_hulls(solid: Solid, boxes: Float[np.ndarray, "K 2 3"], cfg: Decompo
     )
     hulls = []
     for piece in (solid - covered).decompose():
-        vertices = solid_arrays(piece)[0]
-        if _farthest_outside(boxes, vertices) > cfg.reach * _diagonal(solid):
+        far = _farthest_outside(boxes, solid_arrays(piece)[0]) > cfg.reach * _diagonal(solid)
+        if far and piece.volume() > SMALLEST_MISSING * solid.volume():
             small = PieceConfig(max_hulls=4, max_pieces=8)
             hulls += [solid_hull(part) for part in convex_pieces(piece, small)]
     return hulls
 
 
 def _joined(boxes: Choice, solid: Solid, cfg: DecomposeConfig) -> Choice:
-    """Fewer hulls from many boxes, with what the tolerance leaves."""
-    left = max(cfg.tolerance - boxes[2].volume_error, 0.0)
-    pieces = PieceConfig(max_hulls=cfg.max_hulls, join_excess=0.8 * left)
+    """Fewer hulls from many boxes, with what the tolerance leaves, and in any case few enough."""
+    left = max(cfg.tolerance - boxes[2].volume_error, 0.02)
+    most = min(cfg.max_hulls, cfg.max_pieces)
+    pieces = PieceConfig(max_hulls=most, join_excess=0.8 * left)
     joined = join_pieces([as_solid(hull) for hull in boxes[1]], solid.volume(), pieces)
     choice = _measured("boxes", tuple(solid_hull(piece) for piece in joined), solid)
-    return choice if choice[2].volume_error <= cfg.tolerance else boxes
+    good = choice[2].volume_error <= boxes[2].volume_error + left or len(boxes[1]) > most
+    return choice if good else boxes
 
 
 def _pieces(solid: Solid, cfg: DecomposeConfig) -> Choice:
