@@ -458,7 +458,7 @@ BREAKS = {
     "text face": (in_mesh("f 1 2 4", "f 1 2 x"), "a face holds something that is not an index"),
     "empty mesh": (write("textured_objs/original-9.obj", "v 0 0 0\n"), r"node 2 \(knob\) has no geometry"),
     "no base": (
-        lambda folder: [(folder / "textured_objs" / f"original-{n}.obj").unlink() for n in range(11, 18)],
+        lambda folder: [(folder / "textured_objs" / f"original-{n}.obj").unlink() for n in range(11, 20)],
         r"node 4 \(cabinet_frame\) has no geometry",
     ),
 }
