@@ -9,6 +9,7 @@ import numpy as np
 
 from artigen.types import Asset
 from sim_export.annotations import annotate_handles
+from sim_export.boards import fill_boards
 from sim_export.clearance import clear_joints
 from sim_export.config import ExportConfig
 from sim_export.decompose import Decomposition, decompose_part
@@ -71,6 +72,10 @@ def export_asset(
     """
     cfg = cfg or ExportConfig()
     watch = _Stopwatch()
+    if asset.voxels is None:
+        raise ValueError(f"asset {asset.name!r} has no voxels; voxelize its surface first")
+    voxels, gaps = fill_boards(asset.voxels)
+    asset = replace(asset, voxels=voxels)
     meshes = mesh_parts(asset, cfg.meshing)
     watch.lap("mesh")
     decompositions = tuple(
@@ -104,6 +109,7 @@ def export_asset(
     watch.lap("annotate")
     records = (
         *asset.notes,
+        *([f"{gaps} cells between the faces of boards were filled"] if gaps else []),
         *(
             f"{p.name}: {said}"
             for p, d in zip(asset.parts, decompositions, strict=True)
