@@ -133,7 +133,8 @@ def fit_face_planes(
     plane = coordinate[faces.patch]
     curved = ~flat[faces.patch] & ~at_box[faces.patch]
     if curved.any():
-        shift = _curved_inset(faces, cfg)[curved]
+        outward = _outwardness(level, axis, sign, box)
+        shift = _curved_inset(faces, outward, cfg)[curved]
         plane[curved] = blocky[curved] - sign[curved] * shift
     planes = np.full((6, faces.grid[0].size), np.nan)
     planes[faces.direction, faces.cell] = plane
@@ -144,19 +145,28 @@ def fit_face_planes(
     )
 
 
-def _curved_inset(faces: _Faces, cfg: FacePlanesConfig) -> np.ndarray:
+def _curved_inset(faces: _Faces, outward: np.ndarray, cfg: FacePlanesConfig) -> np.ndarray:
     """Inward shift of every face as if it were on a curved or slanted wall.
 
     A voxelised sheet with normal n has |n|_1 cells and 2 |n|_1 exposed faces per area, whatever n is;
     each cell of thickness adds one cell. Cells per pair of faces, counted around a face, so tell
-    how thick the wall is, and how far both its sides may move in until `min_thickness` is left.
+    how thick the wall is, and how far both its sides may move in until `min_thickness` is left. Of
+    thin walls the outer side goes where the surface is, and the inner side keeps the thickness.
     """
     shape = faces.grid.shape[1:]
     exposed = np.bincount(faces.cell, minlength=faces.grid[0].size).reshape(shape).astype(np.float32)
     solid = faces.solid.astype(np.float32)
     cells, sides = (ndimage.uniform_filter(grid, 5, mode="constant") for grid in (solid, exposed))
     thickness = 2.0 * cells.ravel()[faces.cell] / np.maximum(sides.ravel()[faces.cell], 1e-6)
-    return np.clip((thickness - cfg.min_thickness) / 2.0, 0.0, cfg.inset)
+    even = np.clip((thickness - cfg.min_thickness) / 2.0, 0.0, cfg.inset)
+    return even + outward * (cfg.inset - even)
+
+
+def _outwardness(level: np.ndarray, axis: np.ndarray, sign: np.ndarray, box: np.ndarray) -> np.ndarray:
+    """From 1 for faces at the box that look outward to -1 for those that look inward there."""
+    rows = np.arange(len(level))
+    center, half = box.mean(axis=0), np.maximum(np.ptp(box, axis=0) / 2.0, 1.0)
+    return np.clip(sign * (level[rows, axis] + 0.5 - center[axis]) / half[axis], -1.0, 1.0)
 
 
 def _read_faces(solid: np.ndarray) -> tuple[_Faces, _Steps]:

@@ -17,7 +17,14 @@ from sim_export.errors import DegeneratePart, OpenMesh
 from sim_export.face_planes import DIRECTIONS, FacePlanesConfig, box_in_lattice, fit_face_planes
 from sim_export.occupancy import part_occupancy
 from sim_export.package import Mesh
-from sim_export.smoothing import BlockySurface, SmoothingConfig, smooth_surface, stretch_to_box
+from sim_export.slants import find_slants
+from sim_export.smoothing import (
+    BlockySurface,
+    SmoothingConfig,
+    put_on_slants,
+    smooth_surface,
+    stretch_to_box,
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -83,9 +90,10 @@ def read_surface(
 ) -> BlockySurface:
     """The blocky surface with every vertex moved to the fitted planes of its faces."""
     planes = fit_face_planes(occupancy, box, cfg)
+    slants = find_slants(planes)
     rows = np.argwhere(planes.patch >= 0)
     direction, cell = rows[:, 0], rows[:, 1:]
-    plane, flat = planes.plane[tuple(rows.T)], planes.flat[tuple(rows.T)]
+    plane, flat, slanted = (grid[tuple(rows.T)] for grid in (planes.plane, slants.flat, slants.slant))
     shape = np.array(occupancy.shape) + 1
     corners = cell[:, None] + _QUAD_CORNERS[direction]  # Q 4 3
     flat_corner = np.ravel_multi_index(tuple(np.moveaxis(corners, 2, 0)), tuple(shape))
@@ -95,6 +103,7 @@ def read_surface(
     quads = number[flat_corner]
     vertices = np.stack(np.unravel_index(np.flatnonzero(used), tuple(shape)), axis=1).astype(np.float64)
     locked = np.zeros(vertices.shape, dtype=bool)
+    slant = np.full(vertices.shape, -1)
     for axis in range(3):
         for kind in (~flat, flat):
             chosen = kind & (direction // 2 == axis)
@@ -103,11 +112,16 @@ def read_surface(
             total = np.bincount(ids, weights=np.repeat(plane[chosen], 4), minlength=len(vertices))
             vertices[:, axis] = np.where(hits > 0, total / np.maximum(hits, 1), vertices[:, axis])
         locked[:, axis] = hits > 0
+        leaning = np.flatnonzero((slanted >= 0) & (direction // 2 == axis))
+        slant[quads[leaning], axis] = slanted[leaning, None]
+        slant[locked[:, axis], axis] = -1
     return BlockySurface(
-        vertices=vertices,
+        vertices=put_on_slants(vertices, slant, slants.planes),
         quads=quads,
         flat=flat,
-        locked=locked,
+        locked=locked | (slant >= 0),
+        slant=slant,
+        slants=slants.planes,
         walls=_thin_walls(planes.patch, number, shape),
     )
 

@@ -40,6 +40,8 @@ class BlockySurface:
     """Quads of a blocky solid; vertices in lattice units, already on their fitted planes.
 
     ``locked`` marks the coordinates that a flat patch fixes, ``flat`` the quads of flat patches.
+    ``slant`` numbers, per vertex and axis, the row of ``slants`` that gives the coordinate as
+    ``a u + b v + c`` of the next two axes, -1 where none does; such coordinates are locked too.
     ``walls`` lists (low vertex, high vertex, axis) across walls one cell thick.
     """
 
@@ -48,6 +50,8 @@ class BlockySurface:
     flat: Bool[np.ndarray, "Q"]
     locked: Bool[np.ndarray, "V 3"]
     walls: Int[np.ndarray, "W 3"]
+    slant: Int[np.ndarray, "V 3"]
+    slants: Float[np.ndarray, "S 3"]
 
 
 def smooth_surface(surface: BlockySurface, cfg: SmoothingConfig | None = None) -> Float[np.ndarray, "V 3"]:
@@ -64,7 +68,20 @@ def smooth_surface(surface: BlockySurface, cfg: SmoothingConfig | None = None) -
     ids = np.unique(curved)
     out = surface.vertices.copy()
     out[ids] = _smooth_curved(surface, curved, ids, cfg)
-    return _relax_flat(surface, out, ids)
+    return _relax_flat(surface, put_on_slants(out, surface.slant, surface.slants), ids)
+
+
+def put_on_slants(
+    vertices: Float[np.ndarray, "V 3"], slant: Int[np.ndarray, "V 3"], slants: Float[np.ndarray, "S 3"]
+) -> Float[np.ndarray, "V 3"]:
+    """Moves every vertex along its slanted axes onto the planes; where two meet, onto both."""
+    out = vertices.copy()
+    for _ in range(3):  # the planes' slopes are below one, so their intersection is approached fast
+        for axis in range(3):
+            rows = np.flatnonzero(slant[:, axis] >= 0)
+            a, b, c = slants[slant[rows, axis]].T
+            out[rows, axis] = a * out[rows, (axis + 1) % 3] + b * out[rows, (axis + 2) % 3] + c
+    return out
 
 
 def stretch_to_box(

@@ -9,10 +9,12 @@ from scipy import ndimage
 
 from artigen.types import Asset, VoxelGrid
 from sim_export.errors import DegeneratePart
+from sim_export.face_planes import fit_face_planes
 from sim_export.joining import join_cells
 from sim_export.meshing import MeshingConfig, mesh_occupancy, mesh_parts
 from sim_export.occupancy import part_occupancy
 from sim_export.package import Mesh
+from sim_export.slants import find_slants
 
 
 def grid(size: int = 28) -> np.ndarray:
@@ -226,3 +228,27 @@ def test_single_cells_in_a_foreign_layer_are_shaved():
     )
     assert solid.shaved == 1
     np.testing.assert_array_equal(solid.occupancy, wall)
+
+
+@pytest.mark.parametrize("run", [3, 5, 9, 14])
+def test_gentle_slopes_become_planes(run: int):
+    x = grid(40)
+    rise = np.abs(x[2] - x[0] / run) - 3
+    solid = (rise < 0.5 + 0.5 / run) & (np.abs(x[1]) < 12) & (np.abs(x[0]) < 18)
+    mesh = as_trimesh(*mesh_occupancy(solid, tight_box(solid)))
+    normal = np.array([-1.0, 0.0, run]) / np.hypot(1, run)
+    leaning = np.abs(mesh.face_normals @ normal)
+    level = np.abs(mesh.face_normals[:, 2]) > 0.8
+    assert mesh.area_faces[leaning > 0.9995].sum() > 0.9 * mesh.area_faces[level].sum()
+    middle = mesh.triangles_center[leaning > 0.9995] - 20
+    assert np.abs(np.abs(middle @ normal) - 3 * normal[2]).max() < 0.3
+
+
+def test_a_panel_with_a_step_on_either_side_is_no_slant():
+    door = np.zeros((8, 40, 40), dtype=bool)
+    door[1:3] = True
+    door[3, 8:] = True
+    door[4, 34:] = True
+    planes = fit_face_planes(door, tight_box(door))
+    assert len(find_slants(planes).planes) == 0
+    assert find_slants(planes).flat[1][planes.patch[1] >= 0].all()
