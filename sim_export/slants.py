@@ -14,6 +14,8 @@ from sim_export.face_planes import DIRECTIONS, FacePlanes
 
 _LEAST_PATCHES = 3
 _LEAST_AREA = 36
+_WIDE = 14
+"""Cells; a patch that is wider both ways, and part of no slanted plane, is a panel between steps."""
 _MOST_ERROR = 0.34
 """Root mean square distance of the faces from their plane; an exact digital plane has 0.29."""
 _MOST_SLOPE = 0.4
@@ -29,7 +31,7 @@ class Slants:
     ``slant`` numbers the planes per direction and cell, -1 elsewhere. Row ``s`` of ``planes`` is
     (a, b, c): the coordinate along the face's axis is ``a u + b v + c`` with u and v along the next
     two axes, cyclically; lattice units. ``flat`` is `FacePlanes.flat` without slanted terraces and
-    the risers between them.
+    the risers between them, and with wide terraces that are on no slanted plane.
     """
 
     slant: Int[np.ndarray, "6 X Y Z"]
@@ -66,6 +68,7 @@ def find_slants(planes: FacePlanes) -> Slants:
             plane[2] -= sign * float(np.median(depth))
             slant_of[group] = len(found)
             found.append(plane)
+        flat[:-1] |= (slant_of[:-1] < 0) & (patches.lengths.min(axis=1) >= _WIDE)
         inside = (slant_of[steps[0]] >= 0) & (slant_of[steps[0]] == slant_of[steps[1]])
         np.add.at(riser_hits, risers[inside], 1)
     flat[:-1] &= (slant_of[:-1] < 0) & (riser_hits <= area / 2)
@@ -101,7 +104,7 @@ def _read_patches(
     for place, other in enumerate(in_plane):
         starts = grid[tuple((cells - out[other]).T)] != ids
         runs = np.bincount(ids, weights=starts, minlength=len(area))
-        lengths[:, place] = area / np.maximum(runs, 1)
+        lengths[:, place] = np.where(runs > 0, area / np.maximum(runs, 1), 0.0)
         for toward in (-1, 1):
             upper = cells + toward * out[other] + sign * out[axis]
             target = grid[tuple(upper.T)]
