@@ -13,7 +13,7 @@ import numpy as np
 from artigen.types import FULL_TURN, Asset, Joint, Part, PartLabel
 from sim_export.errors import DegeneratePart, InvalidKinematics
 from sim_export.inertia import check_inertial, combine, inertia_about, raise_light_mass
-from sim_export.materials import joint_resistance
+from sim_export.materials import GRAVITY, joint_resistance
 from sim_export.package import (
     URDF_JOINT_TYPES,
     Hull,
@@ -29,6 +29,7 @@ from sim_export.package import (
 
 BASE = "base"
 MAX_LINKS = 64
+HOLD_SLOPE = 0.1
 SHORTEST_DECAY = 0.1
 """Seconds; engines overdo damping that stops a body within a few steps of 1/60 s, so none is stronger."""
 CARRIER_MASS = 0.01
@@ -245,6 +246,19 @@ def subtree_inertial(links: Sequence[Link], joints: Sequence[PackageJoint], name
     return combine([link.inertial for link in links if link.name in inside and link.inertial is not None])
 
 
+def opening_pull(joint: PackageJoint, moved: Inertial) -> float:
+    """The most with which gravity opens a closed joint on a floor out of level: N, or N m; 0 if it shuts it.
+
+    Catches, seals and runners keep furniture shut where the floor slopes by 5 degrees in any direction;
+    `HOLD_SLOPE` is a little more than that.
+    """
+    weight = moved.mass * GRAVITY
+    arm = np.asarray(moved.com) - joint.origin
+    moving = np.asarray(joint.axis) if joint.type == "prismatic" else np.cross(joint.axis, arm)
+    level = -weight * float(moving[2])
+    return max(0.0, level + HOLD_SLOPE * weight * float(np.hypot(moving[0], moving[1])))
+
+
 def _with_resistance(
     asset: Asset, links: Sequence[Link], joints: Sequence[PackageJoint]
 ) -> tuple[PackageJoint, ...]:
@@ -262,9 +276,7 @@ def _with_resistance(
             out.append(replace(joint, friction=0.0, damping=0.0, effort=100.0, velocity=1.0))
             continue
         moved = subtree_inertial(links, joints, joint.child)
-        arm = np.asarray(moved.com) - joint.origin
-        lever = float(np.linalg.norm(arm - (arm @ joint.axis) * joint.axis))
-        resist = joint_resistance(label, joint.kind, moved.mass, lever)
+        resist = joint_resistance(label, joint.kind, moved.mass, opening_pull(joint, moved))
         turning = float(joint.axis @ inertia_about(moved, joint.origin) @ joint.axis)
         moment = moved.mass if joint.type == "prismatic" else turning
         out.append(

@@ -79,40 +79,31 @@ class Resistance:
     velocity: float
 
 
-HOLD_SLOPE = 0.1
-"""Share of the load (weight, or moment of the weight) that a joint's friction holds at least: catches,
-seals and runners keep furniture shut on a floor that is 5 degrees (slope 0.087) out of level."""
-
-
-def joint_resistance(label: PartLabel, joint: JointType, mass: float, lever: float) -> Resistance:
-    """Friction and damping of a part's joint, from what it is and what it carries.
+def joint_resistance(label: PartLabel, joint: JointType, mass: float, hold: float) -> Resistance:
+    """Friction and damping of a part's joint, from what it is and what it must hold.
 
     Drawers, trays and other sliding panels resist with 1 N of seals and rollers, doors with 0.3 N m of
-    hinges and catch; both with more where that would not hold their load on a slope of `HOLD_SLOPE`.
-    Knobs and lids of bottles turn at 0.04 N m; buttons take 0.5 N; wheels 0.005 N m.
+    hinges and catch, knobs and lids of bottles with 0.04 N m, buttons with 0.5 N, wheels with
+    0.005 N m; all but wheels with more where that would not hold them shut.
 
     Args:
         label: What the moving part is.
         joint: Its joint's type.
         mass: Mass of everything that moves with it (kg).
-        lever: Distance of its centre of mass from the joint's line (m); sliding joints have none.
+        hold: What pulls it open on a floor out of level (N or N m; `sim_export.links.opening_pull`).
     """
     sliding = joint == "prismatic"
-    weight = mass * GRAVITY
     if label == "wheel":
         return Resistance(friction=0.005, damping=0.002, effort=20.0, velocity=20.0)
     if label in ("knob", "handle"):
         if sliding:
-            return Resistance(friction=max(0.5, HOLD_SLOPE * weight), damping=1.0, effort=20.0, velocity=0.5)
-        friction = max(0.04, HOLD_SLOPE * weight * lever)
-        return Resistance(friction=friction, damping=0.01, effort=5.0, velocity=6.0)
+            return Resistance(friction=max(0.5, hold), damping=1.0, effort=20.0, velocity=0.5)
+        return Resistance(friction=max(0.04, hold), damping=0.01, effort=5.0, velocity=6.0)
     if sliding:
-        friction = max(1.0, HOLD_SLOPE * weight)
-        return Resistance(friction=friction, damping=2.0 + 1.0 * mass, effort=100.0, velocity=1.0)
+        return Resistance(friction=max(1.0, hold), damping=2.0 + 1.0 * mass, effort=100.0, velocity=1.0)
     if joint == "screw":
-        return Resistance(friction=0.04, damping=0.01, effort=5.0, velocity=6.0)
-    friction = max(0.3, HOLD_SLOPE * weight * lever)
-    return Resistance(friction=friction, damping=0.1 + 0.05 * mass, effort=50.0, velocity=3.0)
+        return Resistance(friction=max(0.04, hold), damping=0.01, effort=5.0, velocity=6.0)
+    return Resistance(friction=max(0.3, hold), damping=0.1 + 0.05 * mass, effort=50.0, velocity=3.0)
 
 
 def joint_load(joint: PackageJoint, mass: float, lever: float) -> float:

@@ -66,7 +66,7 @@ def bake_texture(
     atlas = make_atlas(mesh, texel_size, cfg.max_size)
     image = np.zeros((*atlas.shape, 3), dtype=np.uint8)
     chosen = _nearest_samples(mesh, atlas, points, normals, texel_size, cfg)
-    image[tuple(atlas.texels.T)] = colors[chosen]
+    image[tuple(atlas.texels.T)] = np.maximum(colors[chosen], 1)  # pure black means: never filled
     covered = np.zeros(atlas.shape, dtype=bool)
     covered[tuple(atlas.texels.T)] = True
     nearest = np.zeros((2, *atlas.shape), dtype=np.int32)

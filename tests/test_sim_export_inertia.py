@@ -19,6 +19,7 @@ from sim_export.inertia import (
     mesh_inertial,
     raise_light_mass,
 )
+from sim_export.links import opening_pull
 from sim_export.materials import (
     GRAVITY,
     MATERIALS,
@@ -174,20 +175,42 @@ def test_every_part_has_a_material_and_every_joint_resists():
             assert 0 < material.sliding_friction <= material.static_friction <= 1
     for label in PART_LABELS:
         for kind in JOINT_TYPES:
-            resist = joint_resistance(label, kind, 5.0, 0.2)
+            resist = joint_resistance(label, kind, 5.0, 0.0)
             assert resist.friction > 0
             assert min(resist.damping, resist.effort, resist.velocity) > 0
-    assert 1 < joint_resistance("drawer", "prismatic", 5.0, 0.1).friction < 8
-    assert 0.3 <= joint_resistance("door", "revolute", 2.0, 0.3).friction <= 1
-    assert 0.02 <= joint_resistance("knob", "continuous", 0.1, 0.01).friction <= 0.1
+    assert 1 <= joint_resistance("drawer", "prismatic", 5.0, 5.0).friction < 8
+    assert 0.3 <= joint_resistance("door", "revolute", 2.0, 0.0).friction <= 1
+    assert 0.02 <= joint_resistance("knob", "continuous", 0.1, 0.0).friction <= 0.1
 
 
-@pytest.mark.parametrize(("label", "kind"), [("drawer", "prismatic"), ("door", "revolute")])
-def test_furniture_stays_shut_on_a_slope_of_five_degrees(label, kind):
-    for mass in (0.5, 5.0, 50.0):
-        lever = 0.4
-        load = mass * GRAVITY * (1.0 if kind == "prismatic" else lever)
-        assert joint_resistance(label, kind, mass, lever).friction > np.sin(np.radians(5.0)) * load
+def closed_joint(kind: str, axis: list[float]) -> PackageJoint:
+    return PackageJoint(
+        name="joint_0", type=kind, kind=kind, parent="link_1", child="link_0",
+        origin=np.zeros(3), axis=np.array(axis), upper=1.0,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("kind", "axis", "com"),
+    [
+        ("prismatic", [-1.0, 0.0, 0.0], [0.1, 0.0, 0.2]),
+        ("revolute", [0.0, 0.0, 1.0], [0.0, 0.4, 0.3]),
+        ("revolute", [0.0, -1.0, 0.0], [-0.05, 0.0, 0.4]),
+    ],
+)
+def test_what_holds_a_joint_shut_holds_it_on_any_slope_of_five_degrees(kind, axis, com):
+    joint = closed_joint(kind, axis)
+    moved = Inertial(mass=7.0, com=np.array(com), inertia=np.eye(3))
+    moving = joint.axis if kind == "prismatic" else np.cross(joint.axis, com)
+    slope = np.radians(5.0)
+    for heading in np.linspace(0, 2 * np.pi, 36):
+        down = [np.sin(slope) * np.cos(heading), np.sin(slope) * np.sin(heading), -np.cos(slope)]
+        assert opening_pull(joint, moved) > 7.0 * GRAVITY * float(moving @ down)
+
+
+def test_a_lid_that_lies_on_its_rim_needs_no_friction():
+    moved = Inertial(mass=0.2, com=np.array([0.0, 0.0, 1.0]), inertia=np.eye(3))
+    assert opening_pull(closed_joint("prismatic", [0.0, 0.0, 1.0]), moved) == 0.0
 
 
 def test_the_physx_coefficient_grows_with_friction_and_shrinks_with_load():
