@@ -14,10 +14,11 @@ import numpy as np
 from jaxtyping import Float
 
 from sim_export.contacts import HullSet, penetration_depths, signed_distances
+from sim_export.hull_limits import HullLimits, trim_hull
 from sim_export.hulls import hull_volume
 from sim_export.motion import driven_joints, link_displacements, moved_links
 from sim_export.package import Hull, Link, PackageJoint, Requirement
-from sim_export.relief import ReliefConfig, relieve_pair
+from sim_export.relief import OverlappingPair, ReliefConfig, relieve_pair
 from sim_export.requirements import required_openings, sweep_coordinates
 
 logger = logging.getLogger(__name__)
@@ -33,7 +34,11 @@ class ClearanceConfig:
     """Depth (m) that is left alone."""
     relief: ReliefConfig = field(default_factory=ReliefConfig)
     """Limits of cutting."""
-    rounds: int = 3
+    limits: HullLimits = field(default_factory=HullLimits)
+    """What hulls must be like after cutting."""
+    max_hulls: int = 32
+    """Most hulls of a link that notches may lead to."""
+    rounds: int = 6
     """Most passes over all joints; cuts for one joint seldom leave anything to do for another."""
     shorten_limits: bool = True
     """Whether a joint that stays blocked may have its upper limit lowered."""
@@ -112,6 +117,8 @@ class _Hulls:
         self.links = links
         self.hulls: list[list[Hull | None]] = [list(link.hulls) for link in links]
         self.volumes = [[hull_volume(hull) for hull in link.hulls] for link in links]
+        self.totals = [sum(volumes) for volumes in self.volumes]
+        self.dropped = [0] * len(links)
         self.cuts = [0] * len(links)
         self.deepest = [0.0] * len(links)
 
@@ -120,6 +127,31 @@ class _Hulls:
         slots = [slot for slot, hull in enumerate(self.hulls[link]) if hull is not None]
         return HullSet(hulls=tuple(hull for hull in self.hulls[link] if hull is not None)), slots
 
+    def put(self, link: int, slot: int, pieces: Sequence[Hull]) -> None:
+        """Replaces a hull by what is left of it; each piece counts its own losses from now on."""
+        if len(pieces) == 1:
+            self.hulls[link][slot] = pieces[0]
+            return
+        self.hulls[link][slot] = None
+        self.dropped[link] += not pieces
+        self.hulls[link] += list(pieces)
+        self.volumes[link] += [hull_volume(piece) for piece in pieces]
+
+    def trimmed(self, link: int, limits: HullLimits) -> tuple[Hull, ...]:
+        """The remaining hulls of a link, those that cuts have made oblong cut again."""
+        untouched = {id(hull) for hull in self.links[link].hulls}
+        out: list[Hull] = []
+        for hull in self.prepared(link)[0].hulls:
+            out += [hull] if id(hull) in untouched else trim_hull(hull, limits)
+        return tuple(out)
+
+    def count(self, link: int) -> int:
+        return sum(hull is not None for hull in self.hulls[link])
+
+    def is_sliver(self, link: int, slot: int, cfg: ClearanceConfig) -> bool:
+        """Whether a hull is so small against its link that it may go entirely."""
+        return self.volumes[link][slot] < cfg.relief.sliver * self.totals[link]
+
     def sets(self) -> list[HullSet]:
         return [self.prepared(link)[0] for link in range(len(self.links))]
 
@@ -127,13 +159,13 @@ class _Hulls:
         out = []
         for index, link in enumerate(self.links):
             if self.cuts[index]:
-                before = sum(self.volumes[index])
+                before = self.totals[index]
                 removed = before - sum(hull_volume(hull) for hull in self.hulls[index] if hull is not None)
                 out.append(
                     LinkRelief(
                         link=link.name,
                         cuts=self.cuts[index],
-                        dropped=self.hulls[index].count(None),
+                        dropped=self.dropped[index],
                         removed_volume=removed,
                         removed_share=removed / before,
                         largest_depth=self.deepest[index],
@@ -171,7 +203,7 @@ def clear_joints(
             break
     final, limits, residuals = _settle_limits(work, joints, requirements, cfg, stuck)
     cleared = tuple(
-        link if not work.cuts[index] else replace(link, hulls=work.prepared(index)[0].hulls)
+        link if not work.cuts[index] else replace(link, hulls=work.trimmed(index, cfg.limits))
         for index, link in enumerate(links)
     )
     out = Clearance(links=cleared, joints=final, reliefs=work.reliefs(), limits=limits, residuals=residuals)
@@ -214,17 +246,17 @@ def _clear_joint(
                 mine, theirs = work.hulls[a][i], work.hulls[b][j]
                 if mine is None or theirs is None or (a, i, b, j) in stuck:
                     continue
-                # Small against its link: such a hull may go entirely.
-                volumes = work.volumes[a][i], work.volumes[b][j]
-                slivers = (
-                    volumes[0] < cfg.relief.sliver * sum(work.volumes[a]),
-                    volumes[1] < cfg.relief.sliver * sum(work.volumes[b]),
+                pair = OverlappingPair(
+                    hulls=(mine, theirs),
+                    poses=(T[poses, a], T[poses, b]),
+                    volumes=(work.volumes[a][i], work.volumes[b][j]),
+                    slivers=(work.is_sliver(a, i, cfg), work.is_sliver(b, j, cfg)),
+                    room=(cfg.max_hulls - work.count(a), cfg.max_hulls - work.count(b)),
+                    axis=joint.axis,
                 )
-                done = relieve_pair(
-                    (mine, theirs), (T[poses, a], T[poses, b]), volumes, slivers, cfg.tolerance, cfg.relief
-                )
-                work.hulls[a][i], work.hulls[b][j] = done.hulls
-                for side, link in enumerate((a, b)):
+                done = relieve_pair(pair, cfg.tolerance, cfg.relief)
+                for side, (link, slot) in enumerate(((a, i), (b, j))):
+                    work.put(link, slot, done.hulls[side])
                     work.cuts[link] += done.cuts[side]
                     work.deepest[link] = max(work.deepest[link], done.depths[side])
                 changes += sum(done.cuts)

@@ -9,7 +9,7 @@ symmetric difference of hulls and mesh over the mesh's volume, measured by exact
 import logging
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
 
@@ -59,11 +59,13 @@ class DecomposeConfig:
     own: volume alone would not miss small legs."""
     coacd_above: float = 0.6
     """Volume error above which `auto` tries CoACD, which takes seconds to minutes."""
+    coacd_faces: int = 3000
+    """Most faces, after leaving out detail, of a mesh that `auto` gives to CoACD; more take minutes."""
     min_kept_cavity: float = 0.9
     """Least share of the space inside the part's convex hull that must stay free."""
     min_cavity: float = 0.3
     """Space, over the part's convex hull, below which it does not count as a cavity."""
-    min_cavity_volume: float = 1e-4
+    min_cavity_volume: float = 5e-4
     """Nor do cavities below this volume (m^3): a pocket in a knob may be filled."""
     skin: float = 0.015
     """Space nearer to the part than this, over its diagonal, does not count as cavity either."""
@@ -147,6 +149,37 @@ def decompose_part(
     )
 
 
+def decompose_parts(
+    meshes: Sequence[Mesh],
+    owners: Sequence[int],
+    cfg: DecomposeConfig | None = None,
+    cache: Path | None = None,
+) -> tuple[Decomposition, ...]:
+    """Hulls of all parts, so that parts with the same owner (one link) keep to ``max_hulls`` together.
+
+    Each part is first decomposed alone; where a link has too many hulls, the parts with most are
+    decomposed again with their share of what is allowed.
+    """
+    cfg = cfg or DecomposeConfig()
+    out = [decompose_part(mesh, cfg, cache) for mesh in meshes]
+    for owner in sorted(set(owners)):
+        parts = [index for index, other in enumerate(owners) if other == owner]
+        for _ in range(3):  # cutting oblong hulls may give a part more than its share
+            counts = {index: len(out[index].hulls) for index in parts}
+            total = sum(counts.values())
+            if total <= cfg.max_hulls:
+                break
+            spread = [index for index in parts if counts[index] > 1]
+            room = cfg.max_hulls - (len(parts) - len(spread))
+            taken = sum(counts[index] for index in spread)
+            for index in spread:
+                share = max(1, counts[index] * room // taken)
+                if share < counts[index]:
+                    fewer = replace(cfg, max_hulls=share, max_pieces=max(1, round(0.8 * share)))
+                    out[index] = decompose_part(meshes[index], fewer, cache)
+    return tuple(out)
+
+
 Choice = tuple[Method, tuple[Hull, ...], Fit]
 
 
@@ -180,7 +213,8 @@ def _choose(mesh: Mesh, solid: Solid, cfg: DecomposeConfig, cache: Path | None) 
     if boxes is not None and boxes[2].volume_error <= cfg.boxes_tolerance:
         return boxes
     found = [_pieces(solid, cfg)] + ([boxes] if boxes is not None else [])
-    if min(choice[2].volume_error for choice in found) > cfg.coacd_above:
+    poor = min(choice[2].volume_error for choice in found) > cfg.coacd_above
+    if poor and _simplified(solid, cfg).num_tri() <= cfg.coacd_faces:
         try:
             found.append(_coacd(solid, cfg, cache))
         except DecompositionFailed as err:

@@ -13,6 +13,7 @@ from sim_export.hulls import (
     hull_volume,
     hull_width,
     reduce_hull,
+    scale_to_volume,
 )
 from sim_export.package import Hull
 
@@ -38,7 +39,7 @@ def limit_hulls(
     hulls: Sequence[Hull], limits: HullLimits, max_hulls: int
 ) -> tuple[tuple[Hull, ...], tuple[str, ...]]:
     """Hulls within the limits, and one sentence for each kind of change."""
-    reduced = [reduce_hull(hull, limits.max_vertices, limits.max_polygons) for hull in hulls]
+    reduced = [_reduce(hull, limits) for hull in hulls]
     fewer = sum(new is not old for new, old in zip(reduced, hulls, strict=True))
     kept = _without_slivers(reduced, limits)
     thick = [_thicken(hull, limits.min_width) for hull in kept]
@@ -55,6 +56,18 @@ def limit_hulls(
         ),
     )
     return tuple(out), tuple(sentence for count, sentence in records if count)
+
+
+def trim_hull(hull: Hull, limits: HullLimits) -> tuple[Hull, ...]:
+    """A hull within the limits without growing anywhere: fewer vertices, and cut where it is oblong."""
+    reduced = reduce_hull(hull, limits.max_vertices, limits.max_polygons)
+    return tuple(_cut_to_aspect(reduced, limits.max_aspect))
+
+
+def _reduce(hull: Hull, limits: HullLimits) -> Hull:
+    """Fewer vertices, if there are too many, and the same volume."""
+    reduced = reduce_hull(hull, limits.max_vertices, limits.max_polygons)
+    return hull if reduced is hull else scale_to_volume(reduced, hull_volume(hull))
 
 
 def hull_aspect(hull: Hull) -> float:

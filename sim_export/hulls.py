@@ -89,6 +89,33 @@ def clip_hull(hull: Hull, normal: Float[np.ndarray, "3"], offset: float) -> Hull
         return None
 
 
+def subtract_hull(hull: Hull, planes: Float[np.ndarray, "F 4"], min_width: float) -> tuple[Hull, ...]:
+    """What is left of a hull outside the convex region ``normal @ x <= offset``, as disjoint hulls.
+
+    Planes that cut off most come first, so that few pieces are needed; pieces thinner than
+    ``min_width`` are left out.
+    """
+    inside: Hull | None = hull
+    pieces = []
+    waiting = list(planes)
+    while waiting and inside is not None:
+        beyond = [float((inside.vertices @ plane[:3]).max() - plane[3]) for plane in waiting]
+        plane = waiting.pop(int(np.argmax(beyond)))
+        if max(beyond) <= 0.0:
+            break
+        piece = clip_hull(inside, -plane[:3], -plane[3])
+        if piece is not None and hull_width(piece)[0] >= min_width:
+            pieces.append(piece)
+        inside = clip_hull(inside, plane[:3], plane[3])
+    return tuple(pieces)
+
+
+def merge_planes(planes: Float[np.ndarray, "F 4"]) -> Float[np.ndarray, "G 4"]:
+    """Planes with those of coplanar triangles given once."""
+    _, first = np.unique(np.round(planes, 5) + 0.0, axis=0, return_index=True)
+    return planes[np.sort(first)]
+
+
 def hull_width(hull: Hull) -> tuple[float, Float[np.ndarray, "3"]]:
     """Least distance between two parallel planes around a hull, one of them on a face, and its direction."""
     planes = hull_planes(hull)
@@ -116,10 +143,9 @@ def count_polygons(hull: Hull) -> int:
 
 
 def reduce_hull(hull: Hull, max_vertices: int = 64, max_polygons: int = 64) -> Hull:
-    """A hull of equal volume within the limits that PhysX sets for its GPU solver.
+    """A hull inside the given one within the limits that PhysX sets for its GPU solver.
 
-    Keeps the farthest vertices in evenly spread directions, as many as the limits allow, and makes
-    up for the volume lost by scaling about the middle.
+    Keeps the farthest vertices in evenly spread directions, as many as the limits allow.
     """
     budget = max_vertices
     reduced = hull
@@ -127,11 +153,14 @@ def reduce_hull(hull: Hull, max_vertices: int = 64, max_polygons: int = 64) -> H
         directions = _spread_directions(budget) / np.maximum(np.ptp(hull.vertices, axis=0), 1e-9)
         reduced = convex_hull(hull.vertices[np.unique((hull.vertices @ directions.T).argmax(axis=0))])
         budget -= 2
-    if reduced is hull:
-        return hull
-    middle = (reduced.vertices.min(axis=0) + reduced.vertices.max(axis=0)) / 2
-    growth = np.cbrt(hull_volume(hull) / hull_volume(reduced))
-    return Hull(vertices=middle + growth * (reduced.vertices - middle), faces=reduced.faces)
+    return reduced
+
+
+def scale_to_volume(hull: Hull, volume: float) -> Hull:
+    """A hull scaled about the middle of its box to the given volume (m^3)."""
+    middle = (hull.vertices.min(axis=0) + hull.vertices.max(axis=0)) / 2
+    growth = np.cbrt(volume / hull_volume(hull))
+    return Hull(vertices=middle + growth * (hull.vertices - middle), faces=hull.faces)
 
 
 def _spread_directions(count: int) -> np.ndarray:
