@@ -24,27 +24,9 @@ GAP = 5e-4
 """Every moving box is this much (m) smaller on all sides, so that nothing touches."""
 
 
-def cabinet_parts() -> tuple[SamplePart, ...]:
-    """The sample with its tray as wide as the cabinet, whose sides then carry it."""
-    tray = next(part for part in SAMPLE_PARTS if part.name == "tray")
-    boxes = tuple(
-        replace(
-            box,
-            low=(box.low[0], _widen(box.low[1]), box.low[2]),
-            high=(box.high[0], _widen(box.high[1]), box.high[2]),
-        )
-        for box in tray.boxes
-    )
-    return tuple(replace(part, boxes=boxes) if part is tray else part for part in SAMPLE_PARTS)
-
-
-def _widen(y: float) -> float:
-    return y + 0.048 * float(np.sign(y))
-
-
 def double_door_parts() -> tuple[SamplePart, ...]:
     """The sample with its door, handle and lock cut in two leaves that open away from each other."""
-    by_name = {part.name: part for part in cabinet_parts()}
+    by_name = {part.name: part for part in SAMPLE_PARTS}
     leaves = []
     for side, sign in (("left", 1.0), ("right", -1.0)):
         leaf = f"{side}_door"
@@ -65,7 +47,7 @@ def double_door_parts() -> tuple[SamplePart, ...]:
             for box in by_name["door_handle"].boxes
         )
         leaves.append(replace(by_name["door_handle"], name=f"{side}_handle", parent=leaf, boxes=boxes))
-    kept = [part for part in cabinet_parts() if part.name not in ("door", "door_handle", "lock")]
+    kept = [part for part in SAMPLE_PARTS if part.name not in ("door", "door_handle", "lock")]
     return (*kept, *leaves)
 
 
@@ -120,7 +102,7 @@ def build_package(parts: Sequence[SamplePart]) -> SimPackage:
 
 def write_samples(folder: Path) -> dict[str, Path]:
     """Writes both cabinets below a folder."""
-    parts = {"cabinet": cabinet_parts(), "double": double_door_parts()}
+    parts = {"cabinet": SAMPLE_PARTS, "double": double_door_parts()}
     return {name: write_package(build_package(chosen), folder / name) for name, chosen in parts.items()}
 
 
