@@ -9,7 +9,7 @@ a board.
 from dataclasses import replace
 
 import numpy as np
-from jaxtyping import Bool
+from jaxtyping import Bool, Int
 from scipy import ndimage
 
 from artigen.types import VoxelGrid
@@ -26,7 +26,7 @@ def fill_boards(voxels: VoxelGrid, max_width: int = MAX_BOARD) -> tuple[VoxelGri
     shape = (voxels.resolution + 2,) * 3
     owner = np.full(shape, -1, dtype=np.int64)
     owner[tuple(voxels.coords.T + 1)] = voxels.part_ids
-    spaces, count = ndimage.label(owner < 0)
+    spaces, count = label_spaces(owner < 0)
     wide = np.unique(spaces[wider_than(owner < 0, max_width)])
     thin = np.setdiff1d(np.arange(1, count + 1), wide)
     gaps = np.isin(spaces, thin)
@@ -43,6 +43,12 @@ def fill_boards(voxels: VoxelGrid, max_width: int = MAX_BOARD) -> tuple[VoxelGri
     coords = np.concatenate([voxels.coords, added - 1])
     part_ids = np.concatenate([voxels.part_ids, votes.argmax(axis=1)[spaces[tuple(added.T)]]])
     return replace(voxels, coords=coords, part_ids=part_ids), len(added)
+
+
+def label_spaces(empty: Bool[np.ndarray, "X Y Z"]) -> tuple[Int[np.ndarray, "X Y Z"], int]:
+    """Numbers the connected spaces from 1; 0 is solid."""
+    spaces = np.zeros(empty.shape, dtype=np.int64)
+    return spaces, int(ndimage.label(empty, output=spaces))
 
 
 def wider_than(empty: Bool[np.ndarray, "X Y Z"], width: int) -> Bool[np.ndarray, "X Y Z"]:

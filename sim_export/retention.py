@@ -68,7 +68,7 @@ def keep_drawers_held(
         if upper < joint.lower + cfg.min_range * (joint.upper - joint.lower):
             out.append(joint)
             records.append(
-                f"{joint.name}: only {held_length(own, carrier, joint.upper) / np.ptp(own):.0%} of the drawer "
+                f"{joint.name}: {held_length(own, carrier, joint.upper) / np.ptp(own):.0%} of the drawer "
                 f"stays inside at {joint.upper:.4g} m, and too little range would be left to hold it"
             )
             continue

@@ -33,7 +33,7 @@ from sim_export.package import Inertial, Mesh, PackageJoint
 def prism(sides: int, radius: float, height: float) -> Mesh:
     angle = 2 * np.pi * np.arange(sides) / sides
     ring = np.stack([radius * np.cos(angle), radius * np.sin(angle), np.zeros(sides)], axis=1)
-    hull = convex_hull(np.concatenate([ring, ring + [0.0, 0.0, height]]))
+    hull = convex_hull(np.concatenate([ring, ring + np.array([0.0, 0.0, height])]))
     return Mesh(vertices=hull.vertices, faces=hull.faces)
 
 
