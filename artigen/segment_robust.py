@@ -15,7 +15,18 @@ from jaxtyping import Bool, Float, Int
 from artigen.fields import VoxelFields
 from artigen.neighbours import connected_groups, neighbour_pairs
 from artigen.partition import Partition, canonical_partition
-from artigen.votes import WIDTH, Votes, collect_votes, merge_scores, placed_votes, summarise, voxel_costs
+from artigen.votes import (
+    WIDTH,
+    Votes,
+    class_costs,
+    collect_votes,
+    merge_scores,
+    overlong_axis,
+    placed_votes,
+    select_groups,
+    summarise,
+    vote_costs,
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,12 +40,21 @@ class RobustConfig:
     """Least noise assumed on axis components and on normalised ranges."""
     split_scatter: float = 1.5
     """A group is split when its votes scatter this many times more than noise alone (variance)."""
+    overlong: float = 1.5
+    """A group is split across an axis when it is longer than its voted box by this many voxels and twice
+    the standard error of that vote."""
     seed_voxels: int = 12
     """Fewer voxels than this are a part of their own only when no larger part explains them."""
-    extent_tolerance: float = 1.0
+    absorb_sigmas: float = 6.0
+    """How improbable, in standard deviations, the votes of a small group may be in the group that
+    absorbs it. Raise it when single stray voxels become parts."""
+    extent_tolerance: float = 0.75
     """Voxels by which a part may fall short of or exceed the box it votes for."""
-    merge_evidence: float = 12.0
+    merge_evidence: float = 8.0
     """Two groups are one part when the evidence against that stays below this."""
+    label_penalty: float = 3.0
+    """Evidence against merging groups of different labels. Raise it when a handle is taken for the
+    knob beside it, lower it when patches of wrong labels become parts."""
     label_error: float = 0.03
     """Share of wrong labels expected among voxels."""
     outside: float = 0.7
@@ -57,11 +77,12 @@ def partition_robust(fields: VoxelFields, cfg: RobustConfig) -> Partition:
     )
     pieces = connected_groups(len(labels), pairs, alike)
     groups = _first_groups(votes, pieces, labels == base, cfg)
+    groups = _absorb(votes, groups, base, cfg, np.inf)
     for _ in range(cfg.rounds):
-        groups = _absorb(votes, groups, base, cfg)
+        groups = _absorb(votes, groups, base, cfg, 2.0)
         groups = _merge(votes, groups, pieces, base, cfg)
         groups = _reassign(votes, groups, pairs, base, cfg)
-    groups = _without_gaps(_absorb(votes, groups, base, cfg))
+    groups = _without_gaps(_absorb(votes, groups, base, cfg, 2.0))
     label = summarise(votes, groups, base).label
     groups[label[groups] == base] = 0
     return canonical_partition(fields, groups, label)
@@ -98,15 +119,19 @@ def _split(votes: Votes, rows: Int[np.ndarray, "n"], cfg: RobustConfig) -> list[
         values -= values.mean(axis=0)
         variances, directions = np.linalg.eigh(values.T @ values / len(piece))
         draws = max(1.0, len(piece) / votes.patch)
-        if variances[-1] <= cfg.split_scatter * (1 + np.sqrt(WIDTH / draws)) ** 2:
-            done.append(piece)
-            continue
-        side = _bisect(values, directions[:, -1])
+        if variances[-1] > cfg.split_scatter * (1 + np.sqrt(WIDTH / draws)) ** 2:
+            side = _bisect(values, directions[:, -1])
+        else:
+            long = overlong_axis(votes, piece, cfg.overlong)
+            if long is None:
+                done.append(piece)
+                continue
+            side = _bisect(values[:, [long]], np.ones(1))
         waiting += [piece[side], piece[~side]]
     return done
 
 
-def _bisect(values: Float[np.ndarray, "n 14"], direction: Float[np.ndarray, "14"]) -> Bool[np.ndarray, "n"]:
+def _bisect(values: Float[np.ndarray, "n D"], direction: Float[np.ndarray, "D"]) -> Bool[np.ndarray, "n"]:
     """Two-means of centred rows, started from the sign along ``direction``; both sides are non-empty."""
     side = values @ direction > 0
     for _ in range(10):
@@ -118,31 +143,32 @@ def _bisect(values: Float[np.ndarray, "n 14"], direction: Float[np.ndarray, "14"
     return side
 
 
-def _absorb(votes: Votes, groups: Int[np.ndarray, "N"], base: int, cfg: RobustConfig) -> Int[np.ndarray, "N"]:
-    """Gives small groups to larger ones that explain them by noise and a wrong label.
+def _absorb(
+    votes: Votes, groups: Int[np.ndarray, "N"], base: int, cfg: RobustConfig, share: float
+) -> Int[np.ndarray, "N"]:
+    """Gives small groups to larger ones that explain them by noise, whatever their classes.
 
-    The mean of n half chi squares of d votes stays below (d + 4.5 sqrt(2 d / n)) / 2; a wrong label
-    costs its logarithm.
+    Larger is what has `seed_voxels`, or ``share`` times the voxels. The mean of n half chi squares of d
+    votes stays below (d + `absorb_sigmas` sqrt(2 d / n)) / 2.
     """
     groups = _without_gaps(groups)
-    counts = np.bincount(groups)
-    is_small = counts < cfg.seed_voxels
+    stats = summarise(votes, groups, base)
+    is_small = stats.count < cfg.seed_voxels
     is_small[0] = False
     if not is_small.any():
         return groups
     rows = np.flatnonzero(is_small[groups])
     rows = rows[np.argsort(groups[rows], kind="stable")]
-    large = np.flatnonzero(~is_small)
-    renumber = np.full(len(counts), -1)
-    renumber[large] = np.arange(len(large))
-    costs = voxel_costs(votes, summarise(votes, renumber[groups], base), rows, cfg.outside)
-    starts = np.flatnonzero(np.diff(groups[rows], prepend=-1))
-    number = np.diff(np.append(starts, len(rows)))
-    limit = (WIDTH + 4.5 * np.sqrt(2 * WIDTH / number)) / 2 - np.log(cfg.label_error / 8)
-    explained = (np.add.reduceat(costs, starts, axis=0) / number[:, None]).min(axis=1) < limit
-    moved = np.repeat(explained, number)
+    number = stats.count[is_small]
+    larger = np.flatnonzero(stats.count >= min(share, cfg.seed_voxels))
+    costs = vote_costs(votes, select_groups(stats, larger), rows, cfg.outside)
+    least = np.minimum(np.repeat(number, number) * share, cfg.seed_voxels)
+    costs[least[:, None] > stats.count[larger]] = np.inf
+    mean = np.add.reduceat(costs, np.cumsum(number) - number, axis=0) / number[:, None]
+    limit = (WIDTH + cfg.absorb_sigmas * np.sqrt(2 * WIDTH / number)) / 2
+    moved = np.repeat(mean.min(axis=1) < limit, number)
     out = groups.copy()
-    out[rows[moved]] = large[costs[moved].argmin(axis=1)]
+    out[rows[moved]] = larger[costs[moved].argmin(axis=1)]
     return out
 
 
@@ -154,8 +180,7 @@ def _merge(
         groups = _without_gaps(groups)
         stats = summarise(votes, groups, base)
         total = len(stats.count)
-        piece = np.zeros(total, dtype=np.int64)
-        piece[groups] = pieces
+        piece = _main_piece(groups, pieces)
         scores = merge_scores(
             votes,
             stats,
@@ -163,7 +188,7 @@ def _merge(
             same_piece=piece[:, None] == piece,
             tolerance=cfg.extent_tolerance,
             outside=cfg.outside,
-            label_penalty=-2 * np.log(cfg.label_error),
+            label_penalty=cfg.label_penalty,
         )
         scores[0, stats.label == base] = scores[stats.label == base, 0] = -np.inf
         np.fill_diagonal(scores, np.inf)
@@ -179,6 +204,15 @@ def _merge(
         groups = into[groups]
 
 
+def _main_piece(groups: Int[np.ndarray, "N"], pieces: Int[np.ndarray, "N"]) -> Int[np.ndarray, "G"]:
+    """The connected piece that most voxels of each group come from."""
+    span = int(pieces.max()) + 1
+    keys, counts = np.unique(groups * span + pieces, return_counts=True)
+    owner, piece = np.divmod(keys, span)
+    order = np.lexsort((-counts, owner))
+    return piece[order][np.flatnonzero(np.diff(owner[order], prepend=-1))]
+
+
 def _without_gaps(groups: Int[np.ndarray, "N"]) -> Int[np.ndarray, "N"]:
     used = np.bincount(groups) > 0
     return (np.cumsum(used) - 1)[groups]
@@ -187,11 +221,22 @@ def _without_gaps(groups: Int[np.ndarray, "N"]) -> Int[np.ndarray, "N"]:
 def _reassign(
     votes: Votes, groups: Int[np.ndarray, "N"], pairs: Int[np.ndarray, "2 E"], base: int, cfg: RobustConfig
 ) -> Int[np.ndarray, "N"]:
-    """Moves every voxel to the group that explains it best, neighbours included."""
+    """Moves every voxel to the group that explains it best, neighbours included.
+
+    Voxels that the base explains within twice the expected chi squared stay there.
+    """
     groups = _without_gaps(groups)
     stats = summarise(votes, groups, base)
     total = len(stats.count)
-    costs = voxel_costs(votes, stats, np.arange(len(groups)), cfg.outside)
-    keys = np.concatenate([pairs[0] * total + groups[pairs[1]], pairs[1] * total + groups[pairs[0]]])
-    touching = np.bincount(keys, minlength=len(groups) * total).reshape(len(groups), total)
-    return (costs - cfg.neighbour_weight * touching).argmin(axis=1)
+    in_base = np.flatnonzero(groups == 0)
+    sure = vote_costs(votes, select_groups(stats, np.array([0])), in_base, cfg.outside)[:, 0] < WIDTH
+    rows = np.setdiff1d(np.arange(len(groups)), in_base[sure], assume_unique=True)
+    costs = vote_costs(votes, stats, rows, cfg.outside) + class_costs(votes, stats, rows)
+    place = np.full(len(groups), -1)
+    place[rows] = np.arange(len(rows))
+    ends = np.concatenate([pairs, pairs[::-1]], axis=1)
+    ends = ends[:, place[ends[0]] >= 0]
+    touching = np.bincount(place[ends[0]] * total + groups[ends[1]], minlength=len(rows) * total)
+    out = groups.copy()
+    out[rows] = (costs - cfg.neighbour_weight * touching.reshape(len(rows), total)).argmin(axis=1)
+    return out

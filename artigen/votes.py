@@ -11,11 +11,13 @@ BOX, PLACE, ORIGIN, MOTION = slice(0, 6), slice(0, 3), slice(6, 9), slice(9, 14)
 WIDTH = 14
 """Columns of a vote: box centre 3, box size 3, joint origin 3, axis 3, normalised ranges 2."""
 FACE_CAP, OUTSIDE_CAP, SEPARATE_JOINTS = 25.0, 24.0, 10.0
-"""Most that one face, and that different joint types, count as evidence for two parts."""
+"""Most that a coordinate of a box, a voxel outside it, and unequal joint types count as evidence."""
 
 
 WITNESSES = 40
 """Voxels that are asked whether their group lies in another group's box."""
+SPLIT_BIAS = 6.0
+"""Variance that splitting a group by its votes puts between the means of the two halves."""
 TRIM = 0.01
 """Share of a group's voxels that may lie beyond the extent it is given, on every side."""
 
@@ -114,6 +116,20 @@ def placed_votes(votes: Votes, rows: Int[np.ndarray, "n"]) -> Float[np.ndarray, 
     return values
 
 
+def overlong_axis(votes: Votes, rows: Int[np.ndarray, "n"], excess: float) -> int | None:
+    """The axis along which voxels reach farthest beyond the size they vote for, if beyond doubt.
+
+    Cells exceed a box by half a voxel on average; ``excess`` voxels and two standard errors more are
+    taken for a row of parts.
+    """
+    size = votes.whitened[rows, 3:6].mean(axis=0) * votes.sigma[3:6]
+    error = votes.sigma[3:6] / np.sqrt(max(1.0, len(rows) / votes.patch))
+    extent = (np.ptp(votes.coords[rows], axis=0) + 0.5) / votes.resolution
+    beyond = extent - size - 2 * error - excess / votes.resolution
+    longest = int(beyond.argmax())
+    return longest if beyond[longest] > 0 else None
+
+
 def summarise(votes: Votes, groups: Int[np.ndarray, "N"], base: int) -> GroupVotes:
     """Counts, mean votes, extents and majority classes of groups numbered from 0 without gaps.
 
@@ -128,35 +144,56 @@ def summarise(votes: Votes, groups: Int[np.ndarray, "N"], base: int) -> GroupVot
     mean[0] = np.median(votes.whitened[order[: count[0]]], axis=0)
     label = np.add.reduceat(votes.log_label[order], starts, axis=0).argmax(axis=1)
     label[0] = base
-    low, high = np.empty((2, len(count), 3))
-    for index, (start, number) in enumerate(zip(starts, count, strict=True)):
-        cut = int(TRIM * number)
-        cells = np.partition(votes.coords[order[start : start + number]], (cut, number - 1 - cut), axis=0)
-        low[index], high[index] = cells[cut], cells[number - 1 - cut]
+    low, high = _trimmed_extents(
+        votes.coords[order], np.repeat(np.arange(len(count)), count), votes.resolution
+    )
     return GroupVotes(
         count=count,
         draws=np.maximum(count / votes.patch, 1.0),
         mean=mean,
         low=low / votes.resolution - 0.5,
-        high=(high + 1) / votes.resolution - 0.5,
+        high=high / votes.resolution - 0.5,
         label=label,
         joint=np.add.reduceat(votes.log_joint[order], starts, axis=0).argmax(axis=1),
     )
 
 
+def _trimmed_extents(
+    coords: Int[np.ndarray, "N 3"], groups: Int[np.ndarray, "N"], resolution: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Lowest and highest corners (in cells) of each group without its outermost `TRIM` of voxels."""
+    total = int(groups[-1]) + 1
+    low, high = np.empty((2, total, 3))
+    for k in range(3):
+        layers = np.bincount(groups * resolution + coords[:, k], minlength=total * resolution)
+        layers = layers.reshape(total, resolution)
+        number = layers.sum(axis=1, keepdims=True)
+        cut = np.floor(TRIM * number)
+        low[:, k] = (np.cumsum(layers, axis=1) > cut).argmax(axis=1)
+        high[:, k] = resolution - (np.cumsum(layers[:, ::-1], axis=1) > cut).argmax(axis=1)
+    return low, high
+
+
+def select_groups(stats: GroupVotes, chosen: Int[np.ndarray, "K"]) -> GroupVotes:
+    """The summaries of some of the groups."""
+    columns = {name: getattr(stats, name)[chosen] for name in stats.__dataclass_fields__}
+    return GroupVotes(**columns)
+
+
 def misfit(
     votes: Votes, mean: np.ndarray, draws: np.ndarray, low: np.ndarray, high: np.ndarray, tolerance: float
 ) -> np.ndarray:
-    """Chi squared of voted box faces against the extent of the voxels (leading shape of ``draws``).
+    """Chi squared of the voted box against the extent of the voxels (leading shape of ``draws``).
 
-    ``tolerance`` is in voxels: the extent is known to about one, because a cell has one owner.
+    The extent of the cells exceeds the box by up to a voxel, half of one on average; ``tolerance`` is
+    the standard deviation of that in voxels (half of it for the centre).
     """
-    size = mean[..., 3:6] * votes.sigma[3:6] / 2
-    center = mean[..., :3] * votes.sigma[:3]
-    noise = (votes.sigma[:3] ** 2 + votes.sigma[3:6] ** 2 / 4) / draws[..., None]
-    noise = noise + (tolerance / votes.resolution) ** 2
-    faces = np.minimum((center - size - low) ** 2 / noise, FACE_CAP)
-    return (faces + np.minimum((center + size - high) ** 2 / noise, FACE_CAP)).sum(axis=-1)
+    cell, free = 1 / votes.resolution, tolerance / votes.resolution
+    center, size = mean[..., :3] * votes.sigma[:3], mean[..., 3:6] * votes.sigma[3:6]
+    noise = 1 / draws[..., None]
+    off = (center - (low + high) / 2) ** 2 / (votes.sigma[:3] ** 2 * noise + (free / 2) ** 2)
+    over = (high - low - size - cell / 2) ** 2 / (votes.sigma[3:6] ** 2 * noise + free**2)
+    return (np.minimum(off, FACE_CAP) + np.minimum(over, FACE_CAP)).sum(axis=-1)
 
 
 def merge_scores(
@@ -199,9 +236,9 @@ def _disagreement(
     """Squared number of standard deviations by which the mean votes differ more than by chance.
 
     The most telling of: centre, centre and origin, all. The split of one piece itself pulls the means
-    apart, by up to 1.6 standard deviations of a vote; that is allowed for.
+    apart, by 1.6 standard deviations of a vote and more after several splits; that is allowed for.
     """
-    spread = 1 / stats.draws[:, None] + 1 / stats.draws + 2.56 * same_piece  # G G
+    spread = 1 / stats.draws[:, None] + 1 / stats.draws + SPLIT_BIAS * same_piece  # G G
     apart = (stats.mean[:, None] - stats.mean) ** 2 / (spread[..., None] + votes.drift)  # G G 14
     place, origin = apart[..., PLACE].sum(axis=-1), apart[..., ORIGIN].sum(axis=-1)
     evidence = np.zeros(place.shape)
@@ -251,18 +288,22 @@ def outside_costs(
     return np.minimum(beyond / 2, OUTSIDE_CAP)
 
 
-def voxel_costs(
+def vote_costs(
     votes: Votes, stats: GroupVotes, rows: Int[np.ndarray, "n"], outside: float
 ) -> Float[np.ndarray, "n G"]:
-    """Cost (half chi squared and negative log probability) of each voxel in each group.
+    """Half chi squared of each voxel's votes and place in each group.
 
     Box, origin and motion votes are capped separately, so that one wild attribute does not outvote
     the others; ``outside`` is the number of voxels beyond the box that make one standard deviation.
     """
-    cost = np.zeros((len(rows), len(stats.count)))
+    cost = outside_costs(votes, stats, rows, outside)
     for columns, cap in ((BOX, 24.0), (ORIGIN, 12.0), (MOTION, 12.0)):
         mine, theirs = votes.whitened[rows, columns], stats.mean[:, columns]
         square = (mine**2).sum(axis=1)[:, None] - 2 * mine @ theirs.T + (theirs**2).sum(axis=1)
         cost += np.minimum(square / 2, cap)
-    cost += outside_costs(votes, stats, rows, outside)
-    return cost - votes.log_label[rows][:, stats.label] - votes.log_joint[rows][:, stats.joint]
+    return cost
+
+
+def class_costs(votes: Votes, stats: GroupVotes, rows: Int[np.ndarray, "n"]) -> Float[np.ndarray, "n G"]:
+    """Negative log probability of each voxel for the label and the joint type of each group."""
+    return -votes.log_label[rows][:, stats.label] - votes.log_joint[rows][:, stats.joint]
