@@ -48,7 +48,8 @@ def fill_boards(voxels: VoxelGrid, max_width: int = MAX_BOARD) -> tuple[VoxelGri
 def label_spaces(empty: Bool[np.ndarray, "X Y Z"]) -> tuple[Int[np.ndarray, "X Y Z"], int]:
     """Numbers the connected spaces from 1; 0 is solid."""
     spaces = np.zeros(empty.shape, dtype=np.int64)
-    return spaces, int(ndimage.label(empty, output=spaces))
+    ndimage.label(empty, output=spaces)
+    return spaces, int(spaces.max())
 
 
 def wider_than(empty: Bool[np.ndarray, "X Y Z"], width: int) -> Bool[np.ndarray, "X Y Z"]:
