@@ -115,30 +115,33 @@ def read_surface(
         leaning = np.flatnonzero((slanted >= 0) & (direction // 2 == axis))
         slant[quads[leaning], axis] = slanted[leaning, None]
         slant[locked[:, axis], axis] = -1
+    locked |= slant >= 0
     return BlockySurface(
         vertices=put_on_slants(vertices, slant, slants.planes),
         quads=quads,
         flat=flat,
-        locked=locked | (slant >= 0),
+        locked=locked,
         slant=slant,
         slants=slants.planes,
-        walls=_thin_walls(planes.patch, number, shape),
+        walls=_thin_walls(planes.patch, number, shape, locked),
     )
 
 
-def _thin_walls(patch: np.ndarray, number: np.ndarray, shape: np.ndarray) -> np.ndarray:
-    """Vertex pairs across cells that are exposed on two opposite sides."""
+def _thin_walls(patch: np.ndarray, number: np.ndarray, shape: np.ndarray, locked: np.ndarray) -> np.ndarray:
+    """Vertex pairs across cells exposed on two opposite sides, where at least one side is free."""
     walls = []
     for axis in range(3):
         cell = np.argwhere((patch[2 * axis] >= 0) & (patch[2 * axis + 1] >= 0))
         low = cell[:, None] + _QUAD_CORNERS[2 * axis]
         step = np.eye(3, dtype=np.int64)[axis]
-        pair = [
+        below, above = (
             number[np.ravel_multi_index(tuple(np.moveaxis(corner, 2, 0)), tuple(shape))].ravel()
             for corner in (low, low + step)
-        ]
-        walls.append(np.stack([*pair, np.full(len(pair[0]), axis)], axis=1))
-    return np.unique(np.concatenate(walls), axis=0)
+        )
+        free = ~(locked[below, axis] & locked[above, axis])
+        below, first = np.unique(below[free], return_index=True)
+        walls.append(np.stack([below, above[free][first], np.full(len(below), axis)], axis=1))
+    return np.concatenate(walls)
 
 
 def _quad_corners() -> np.ndarray:

@@ -32,7 +32,7 @@ class TextureConfig:
     """Texels; beyond this a sample that faces the texel's way gives way to the nearest of any facing."""
     least_facing: float = 0.2
     """Least cosine between a sample's normal and the axis that the texel faces."""
-    max_samples: int = 400_000
+    max_samples: int = 300_000
     """Samples used per object; more cost time and are finer than the texels."""
 
     def __post_init__(self) -> None:
@@ -59,9 +59,10 @@ def bake_texture(
     cfg = cfg or TextureConfig()
     if len(points) == 0:
         raise ValueError("texture: no colour samples, expected at least 1")
-    mean = colors.mean(axis=0) / 255.0
+    columns = np.ascontiguousarray(colors.T)
+    mean = columns.mean(axis=1) / 255.0
     plain = replace(mesh, color=(float(mean[0]), float(mean[1]), float(mean[2])), uv=None, texture=None)
-    if int(np.ptp(colors, axis=0).max()) <= cfg.uniform_range:
+    if int(np.ptp(columns, axis=1).max()) <= cfg.uniform_range:
         return plain
     atlas = make_atlas(mesh, texel_size, cfg.max_size)
     image = np.zeros((*atlas.shape, 3), dtype=np.uint8)
@@ -85,7 +86,7 @@ def bake_parts(asset: Asset, meshes: Sequence[Mesh], cfg: TextureConfig | None =
     """
     cfg = cfg or TextureConfig()
     points, colors, normals, part_ids = _color_samples(asset)
-    stride = max(1, len(points) // cfg.max_samples)
+    stride = max(1, -(-len(points) // cfg.max_samples))
     resolution = 64 if asset.voxels is None else asset.voxels.resolution
     texel_size = asset.scale / resolution / cfg.texels_per_voxel
     out = []
