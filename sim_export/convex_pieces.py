@@ -23,7 +23,7 @@ MINOR_PLANE = 0.1
 class PieceConfig:
     """Where cutting and joining stop."""
 
-    max_pieces: int = 96
+    max_pieces: int = 72
     """Cutting stops at this many pieces; raise it for parts with fine detail that hulls should follow."""
     max_hulls: int = 32
     """Joining goes on until no more hulls than this are left, whatever it costs."""

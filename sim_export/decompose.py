@@ -71,9 +71,9 @@ class DecomposeConfig:
     """Space nearer to the part than this, over its diagonal, does not count as cavity either."""
     min_skin: float = 0.008
     """Nor does space nearer than this (m): no finger fits into it."""
-    max_pieces: int = 26
+    max_pieces: int = 24
     """Most hulls by `pieces`, fewer than ``max_hulls``, because oblong ones are cut again afterwards."""
-    simplify: float = 0.0015
+    simplify: float = 0.0025
     """Detail left out before cutting, over the mesh's diagonal; raise it when curved meshes take long."""
     on_failure: Literal["raise", "hull"] = "raise"
     """What to do where no method works: raise, or take one convex hull and record it."""
@@ -176,8 +176,19 @@ def decompose_parts(
                 share = max(1, counts[index] * room // taken)
                 if share < counts[index]:
                     fewer = replace(cfg, max_hulls=share, max_pieces=max(1, round(0.8 * share)))
-                    out[index] = decompose_part(meshes[index], fewer, cache)
+                    out[index] = _decompose_again(meshes[index], out[index], fewer, cache)
     return tuple(out)
+
+
+def _decompose_again(
+    mesh: Mesh, full: Decomposition, cfg: DecomposeConfig, cache: Path | None
+) -> Decomposition:
+    """A part with fewer hulls, or the same as before, and a record, where so few would fill a cavity."""
+    try:
+        return decompose_part(mesh, cfg, cache)
+    except DecompositionFailed as err:
+        kept = f"kept {len(full.hulls)} hulls, more than its share of {cfg.max_hulls}: {err}"
+        return full if kept in full.records else replace(full, records=(*full.records, kept))
 
 
 Choice = tuple[Method, tuple[Hull, ...], Fit]
@@ -219,7 +230,7 @@ def _choose(mesh: Mesh, solid: Solid, cfg: DecomposeConfig, cache: Path | None) 
             found.append(_coacd(solid, cfg, cache))
         except DecompositionFailed as err:
             logger.warning("CoACD was tried, because volume error is high, and failed: %s", err)
-    return min(found, key=lambda choice: choice[2].volume_error)
+    return min(found, key=_score)
 
 
 def _boxes(solid: Solid, cfg: DecomposeConfig) -> Choice | None:
@@ -234,11 +245,16 @@ def _boxes(solid: Solid, cfg: DecomposeConfig) -> Choice | None:
         if _farthest_outside(boxes, vertices) > cfg.reach * _diagonal(solid):
             hulls += _missing_hulls(solid, boxes, cfg)
         choice = _measured("boxes", tuple(hulls), solid)
-        if best is None or choice[2].volume_error < best[2].volume_error:
+        if best is None or _score(choice) < _score(best):
             best = choice
         if best[2].volume_error <= cfg.tolerance:
             break
     return best if best is None or len(best[1]) <= cfg.join_above else _joined(best, solid, cfg)
+
+
+def _score(choice: Choice) -> float:
+    """Volume error, and a little for every hull: hulls are what simulation time goes into."""
+    return choice[2].volume_error + 0.004 * len(choice[1])
 
 
 def _missing_hulls(solid: Solid, boxes: Float[np.ndarray, "K 2 3"], cfg: DecomposeConfig) -> list[Hull]:
