@@ -43,7 +43,7 @@ class RobustConfig:
     overlong: float = 1.5
     """A group is split across an axis when it is longer than its voted box by this many voxels and twice
     the standard error of that vote."""
-    seed_voxels: int = 12
+    seed_voxels: int = 24
     """Fewer voxels than this are a part of their own only when no larger part explains them."""
     absorb_sigmas: float = 6.0
     """How improbable, in standard deviations, the votes of a small group may be in the group that

@@ -29,7 +29,7 @@ ALLOWED_PARENTS: Mapping[PartLabel, Mapping[PartLabel, float]] = MappingProxyTyp
 )
 """For each label, the labels it may hang from, with the factor on their contact count.
 
-Equal labels (a wheel on the stem of its caster): only from a part that touches the base more.
+Equal labels: a wheel hangs from a wheel only where that one is a caster's stem, see `_is_stem`.
 """
 
 
@@ -63,22 +63,26 @@ def find_parents(
     Parts that touch compete by contact; only where none touches does the nearest within reach win.
     """
     contact = contact_counts(part_ids, pairs, len(parts))
-    is_base = np.array([part.label == "base" for part in parts])
-    support = contact[:, is_base].sum(axis=1)
     parents: list[int | None] = []
     for index, part in enumerate(parts):
         if part.label == "base":
             parents.append(-1)
             continue
         weights = np.array([ALLOWED_PARENTS[part.label].get(other.label, 0.0) for other in parts])
-        rivals = [k for k, other in enumerate(parts) if other.label == part.label]
-        weights[[k for k in rivals if support[k] <= support[index]]] = 0.0
+        for k, other in enumerate(parts):
+            if other.label == part.label and (_is_stem(part) or not _is_stem(other)):
+                weights[k] = 0.0
         scores = contact[index] * weights
         if scores.max(initial=0.0) > 0:
             parents.append(int(scores.argmax()))
         else:
             parents.append(_nearest_parent(index, np.flatnonzero(weights), coords, part_ids, cfg))
     return parents
+
+
+def _is_stem(part: Part) -> bool:
+    """Whether a part swivels about the vertical, as the stem of a caster does (and no rolling wheel)."""
+    return part.joint.type in ("continuous", "revolute") and abs(part.joint.axis[2]) > 0.9
 
 
 def _nearest_parent(index: int, allowed: np.ndarray, coords, part_ids, cfg: TreeConfig) -> int | None:
