@@ -17,6 +17,9 @@ from artigen.types import Asset
 from sim_export.atlas import Atlas, make_atlas
 from sim_export.package import Mesh
 
+DARKEST = 4
+"""Darkest level of a texel: pure black means that nobody coloured it."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class TextureConfig:
@@ -30,6 +33,8 @@ class TextureConfig:
     """A part whose colours span at most this many of 255 levels gets a plain colour, no image."""
     facing_reach: float = 2.5
     """Texels; beyond this a sample that faces the texel's way gives way to the nearest of any facing."""
+    neighbours: int = 6
+    """Samples looked at per texel; more make textures softer and slower."""
     least_facing: float = 0.2
     """Least cosine between a sample's normal and the axis that the texel faces."""
     max_samples: int = 300_000
@@ -66,8 +71,8 @@ def bake_texture(
         return plain
     atlas = make_atlas(mesh, texel_size, cfg.max_size)
     image = np.zeros((*atlas.shape, 3), dtype=np.uint8)
-    chosen = _nearest_samples(mesh, atlas, points, normals, texel_size, cfg)
-    image[tuple(atlas.texels.T)] = np.maximum(colors[chosen], 1)  # pure black means: never filled
+    filled = _texel_colors(mesh, atlas, points, colors, normals, texel_size, cfg)
+    image[tuple(atlas.texels.T)] = np.maximum(filled, DARKEST)
     covered = np.zeros(atlas.shape, dtype=bool)
     covered[tuple(atlas.texels.T)] = True
     nearest = np.zeros((2, *atlas.shape), dtype=np.int32)
@@ -123,43 +128,55 @@ def _color_samples(asset: Asset) -> tuple[np.ndarray, np.ndarray, np.ndarray | N
     raise ValueError(f"asset {asset.name!r} has neither surface samples nor Gaussians to take colours from")
 
 
-def _nearest_samples(
+def _texel_colors(
     mesh: Mesh,
     atlas: Atlas,
     points: np.ndarray,
+    colors: np.ndarray,
     normals: np.ndarray | None,
     texel_size: float,
     cfg: TextureConfig,
 ) -> np.ndarray:
-    """Index of the sample that colours each covered texel.
+    """Colour of each covered texel: the mean of the samples that lie in it.
 
     Texels and samples are looked up by the axis they face, since sources hold coincident sheets of
-    different colour that face opposite ways.
+    different colour that face opposite ways. Of several sheets that face the same way the outermost
+    counts: it is the one that is seen.
     """
     if normals is None:
-        return _nearest(points, atlas.points)[1]
+        return colors[_nearest(points, atlas.points, 1)[1][:, 0]]
     triangles = mesh.vertices[mesh.faces]
     facing = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])[atlas.faces]
     axis = np.abs(facing).argmax(axis=1)
     sign = np.sign(np.take_along_axis(facing, axis[:, None], axis=1)[:, 0])
-    chosen = np.full(len(axis), -1)
+    out = np.zeros((len(axis), 3), dtype=np.uint8)
+    colored = np.zeros(len(axis), dtype=bool)
     for number, side in ((n, s) for n in range(3) for s in (-1.0, 1.0)):
         texels = np.flatnonzero((axis == number) & (sign == side))
         samples = np.flatnonzero(side * normals[:, number] > cfg.least_facing)
         if not len(texels) or not len(samples):
             continue
-        distance, index = _nearest(points[samples], atlas.points[texels])
+        distance, index = _nearest(points[samples], atlas.points[texels], cfg.neighbours)
         near = distance <= cfg.facing_reach * texel_size
-        chosen[texels[near]] = samples[index[near]]
-    rest = np.flatnonzero(chosen < 0)
+        height = np.where(near, side * points[samples[index], number], -np.inf)
+        near &= height >= height.max(axis=1, keepdims=True) - 0.5 * texel_size
+        closest = np.where(near, distance, np.inf).min(axis=1, keepdims=True)
+        near &= distance <= closest + 0.5 * texel_size
+        weight = near / np.maximum(near.sum(axis=1, keepdims=True), 1)
+        mean = np.einsum("tk,tkc->tc", weight, colors[samples[index]].astype(np.float32))
+        found = near.any(axis=1)
+        out[texels[found]] = np.rint(mean[found]).astype(np.uint8)
+        colored[texels[found]] = True
+    rest = np.flatnonzero(~colored)
     if len(rest):
-        chosen[rest] = _nearest(points, atlas.points[rest])[1]
-    return chosen
+        out[rest] = colors[_nearest(points, atlas.points[rest], 1)[1][:, 0]]
+    return out
 
 
-def _nearest(points: np.ndarray, queries: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Distance to and index of the nearest point."""
+def _nearest(points: np.ndarray, queries: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Distances to and indices of the nearest points, ``Q K``."""
     # Splitting in the middle builds several times faster, and box-tight trees gain nothing here.
     tree = KDTree(points, balanced_tree=False, compact_nodes=False, leafsize=16)
-    distance, index = tree.query(queries)
-    return np.asarray(distance), np.asarray(index)
+    shape = (len(queries), min(count, len(points)))
+    distance, index = tree.query(queries, k=shape[1])
+    return np.reshape(distance, shape), np.reshape(index, shape)
