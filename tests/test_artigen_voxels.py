@@ -137,7 +137,7 @@ def test_a_wider_layout_is_a_value(cabinet: Asset):
     "bad", [{"labels": ()}, {"labels": ("base", "base")}, {"rotation_unit": 0.0}, {"extra": -1}]
 )
 def test_a_layout_without_meaning_is_refused(bad):
-    with pytest.raises(ValueError, match="layout|labels"):
+    with pytest.raises(ValueError, match="layout"):
         FieldLayout(**bad)
 
 
