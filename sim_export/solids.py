@@ -66,7 +66,7 @@ def measure_fit(hulls: Sequence[Hull], solid: manifold3d.Manifold) -> Fit:
 
 
 def measure_kept_cavity(
-    hulls: Sequence[Hull], solid: manifold3d.Manifold, skin: float, resolution: int = 48
+    hulls: Sequence[Hull], solid: manifold3d.Manifold, skin: float, resolution: int = 36
 ) -> float:
     """Share of the space that a solid encloses or shelters which its hulls leave free.
 
@@ -86,14 +86,17 @@ def measure_kept_cavity(
     cell = float(np.prod((high - low) / resolution))
     if len(points) * cell < 0.05 * solid.hull().volume():
         return 1.0
-    filled = np.zeros(len(points), dtype=bool)
+    free = points
     for hull in hulls:
-        filled |= _inside_hull(points, hull)
-    return float(1.0 - filled.mean())
+        free = free[~_inside_hull(free, hull)]
+    return len(free) / len(points)
 
 
 def _inside_hull(points: np.ndarray, hull: Hull) -> np.ndarray:
-    near = ((points >= hull.vertices.min(axis=0)) & (points <= hull.vertices.max(axis=0))).all(axis=1)
+    low, high = hull.vertices.min(axis=0), hull.vertices.max(axis=0)
+    near = np.ones(len(points), dtype=bool)
+    for axis in range(3):
+        near &= (points[:, axis] >= low[axis]) & (points[:, axis] <= high[axis])
     planes = hull_planes(hull)
     near[near] = (points[near] @ planes[:, :3].T <= planes[:, 3]).all(axis=1)
     return near
