@@ -157,14 +157,23 @@ def _quad_corners() -> np.ndarray:
 
 
 _QUAD_CORNERS = _quad_corners()
+_SLIVER = 0.02
+"""Twice the area, in square cells, below which a triangle is split off another way if possible."""
 
 
 def _split_quads(vertices: np.ndarray, quads: np.ndarray) -> np.ndarray:
-    """Two triangles per quad, along its shorter diagonal."""
+    """Two triangles per quad, along its shorter diagonal unless that leaves one without area."""
     at = vertices[quads]
     first = ((at[:, 0] - at[:, 2]) ** 2).sum(axis=1)
     second = ((at[:, 1] - at[:, 3]) ** 2).sum(axis=1)
-    turned = np.where((second < first - 1e-9)[:, None], np.roll(quads, -1, axis=1), quads)
+    corner = [
+        np.linalg.norm(np.cross(at[:, n - 1] - at[:, n], at[:, n - 3] - at[:, n]), axis=1) for n in range(4)
+    ]
+    # The diagonal from corner 0 cuts off the triangles at corners 1 and 3, the other those at 0 and 2.
+    least_first, least_second = np.minimum(corner[1], corner[3]), np.minimum(corner[0], corner[2])
+    turn = np.where(least_first < _SLIVER, least_second > least_first, second < first - 1e-9)
+    turn &= least_second >= np.minimum(_SLIVER, least_first)
+    turned = np.where(turn[:, None], np.roll(quads, -1, axis=1), quads)
     return np.concatenate([turned[:, [0, 1, 2]], turned[:, [0, 2, 3]]])
 
 
@@ -177,7 +186,8 @@ def _merge_coplanar(
     )
     if solid.status() != manifold3d.Error.NoError:
         raise OpenMesh(f"blocky surface of {len(faces)} triangles is no manifold: {solid.status().name}")
-    merged = solid.simplify(tolerance).to_mesh64()
+    # The first pass rids the second of collinear triangles, which it would keep.
+    merged = solid.simplify(tolerance / 6).simplify(tolerance).to_mesh64()
     return np.array(merged.vert_properties[:, :3]), np.array(merged.tri_verts, dtype=np.int64)
 
 
