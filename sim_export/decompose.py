@@ -136,7 +136,10 @@ def decompose_parts(
             for index in spread:
                 share = max(1, counts[index] * room // taken)
                 if share < counts[index]:
-                    fewer = replace(cfg, max_hulls=share, max_pieces=max(1, round(0.8 * share)))
+                    # Few hulls are poor for certain; CoACD would not change that.
+                    fewer = replace(
+                        cfg, max_hulls=share, max_pieces=max(1, round(0.8 * share)), coacd_faces=0
+                    )
                     out[index] = _decompose_again(meshes[index], out[index], fewer, cache)
     return tuple(out)
 

@@ -29,6 +29,8 @@ logger = logging.getLogger(__name__)
 Method = Literal["hull", "boxes", "pieces", "coacd"]
 BOX_DETAILS = (1e-2, 3e-3, 1e-3, 1e-4)
 """Least share of the surface that a plane must hold to bound boxes; tried from coarse to fine."""
+EXACT = 0.01
+"""Volume error below which finer boxes are not looked for."""
 MOST_BOXES = 256
 """Boxes that joining starts from at most."""
 SMALLEST_MISSING = 2e-3
@@ -45,7 +47,7 @@ class DecomposeConfig:
     """Most hulls per part; physics engines slow down with every one."""
     tolerance: float = 0.08
     """Volume error that `auto` accepts; lower it when hulls stray from the visual mesh."""
-    join_above: int = 6
+    join_above: int = 8
     """More boxes than this are joined to fewer hulls while the volume error stays within tolerance."""
     boxes_tolerance: float = 0.15
     """Volume error up to which `auto` takes boxes, if none are within ``tolerance``, rather than cutting the
@@ -150,20 +152,20 @@ def _auto(solid: Solid, cfg: DecomposeConfig, cache: Path | None) -> Iterator[Ca
 
 
 def _boxes(solid: Solid, cfg: DecomposeConfig) -> Candidate | None:
-    """The coarsest boxes within tolerance, else the best there are; what they miss gets hulls of its own."""
+    """Boxes from coarse to fine until within tolerance and one step on; the best of them, joined."""
     vertices, faces = solid_arrays(solid)
     best = None
     for detail in BOX_DETAILS:
+        enough = best is not None and best.error <= cfg.tolerance
         boxes = fit_cuboids(vertices, faces, MOST_BOXES, detail)
-        if boxes is None or not len(boxes):
-            continue
-        hulls = [box_hull(low, high) for low, high in boxes]
-        if _farthest_outside(boxes, vertices) > cfg.reach * diagonal_of(solid):
-            hulls += _missing_hulls(solid, boxes, cfg)
-        choice = _measured("boxes", hulls, solid)
-        if best is None or choice.score < best.score:
-            best = choice
-        if best.error <= cfg.tolerance:
+        if boxes is not None and len(boxes):
+            hulls = [box_hull(low, high) for low, high in boxes]
+            if _farthest_outside(boxes, vertices) > cfg.reach * diagonal_of(solid):
+                hulls += _missing_hulls(solid, boxes, cfg)
+            found = _measured("boxes", tuple(hulls), solid)
+            if best is None or found.score < best.score:
+                best = found
+        if enough or (best is not None and best.error <= EXACT):
             break
     return best if best is None or len(best.hulls) <= cfg.join_above else _joined(best, solid, cfg)
 

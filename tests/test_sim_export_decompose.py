@@ -1,0 +1,289 @@
+"""Hulls stand for their mesh: convex, within the limits of engines, true in volume, cavities open."""
+
+import os
+import stat
+import sys
+from dataclasses import replace
+
+import manifold3d
+import numpy as np
+import pytest
+from scipy.spatial import ConvexHull
+
+from artigen.datasets.sample import SAMPLE_PARTS, sample_box_arrays
+from sim_export import coacd_process
+from sim_export.coacd_process import CoacdConfig, run_coacd
+from sim_export.convex_pieces import PieceConfig, convex_pieces
+from sim_export.cuboids import cover_with_cuboids
+from sim_export.decompose import DecomposeConfig, decompose_part, decompose_parts
+from sim_export.errors import DecompositionFailed, OpenMesh
+from sim_export.hull_limits import HullLimits, hull_aspect, limit_hulls
+from sim_export.hulls import (
+    box_hull,
+    convex_hull,
+    count_polygons,
+    hull_planes,
+    hull_volume,
+    hull_width,
+    merge_planes,
+    subtract_hull,
+)
+from sim_export.package import Mesh
+from sim_export.solids import as_solid, inside_grid, measure_fit, solid_arrays
+
+Solid = manifold3d.Manifold
+
+
+def as_mesh(solid: Solid) -> Mesh:
+    vertices, faces = solid_arrays(solid)
+    return Mesh(vertices=vertices, faces=faces)
+
+
+def block(low, high) -> Solid:
+    return Solid.cube(tuple(np.subtract(high, low).tolist())).translate(
+        tuple(np.asarray(low, float).tolist())
+    )
+
+
+def sample_mesh(name: str) -> Mesh:
+    boxes = sample_box_arrays(next(part for part in SAMPLE_PARTS if part.name == name))
+    return as_mesh(Solid.batch_boolean([block(low, high) for low, high in boxes], manifold3d.OpType.Add))
+
+
+SHAPES = {
+    "body": sample_mesh("body"),
+    "drawer": sample_mesh("drawer"),
+    "handle": sample_mesh("drawer_handle"),
+    "pot": as_mesh(
+        Solid.cylinder(0.3, 0.2, 0.2, 48) - Solid.cylinder(0.3, 0.185, 0.185, 48).translate((0, 0, 0.015))
+    ),
+    "slanted tray": as_mesh(
+        (block((-0.3, -0.2, 0), (0.3, 0.2, 0.1)) - block((-0.28, -0.18, 0.02), (0.28, 0.18, 0.2))).rotate(
+            (20, 10, 30)
+        )
+    ),
+    "table": as_mesh(
+        Solid.batch_boolean(
+            [
+                block((-0.4, -0.5, 0.5), (0.4, 0.5, 0.53)),
+                *(
+                    Solid.cylinder(0.51, 0.02, 0.03, 20)
+                    .rotate((6 * y, 6 * x, 0))
+                    .translate((0.3 * x, 0.4 * y, 0))
+                    for x in (-1, 1)
+                    for y in (-1, 1)
+                ),
+            ],
+            manifold3d.OpType.Add,
+        )
+    ),
+}
+
+
+def assert_within_limits(hulls, limits: HullLimits) -> None:
+    for hull in hulls:
+        independent = ConvexHull(hull.vertices)
+        assert hull_volume(hull) / independent.volume >= 0.999
+        assert 4 <= len(hull.vertices) <= limits.max_vertices
+        assert count_polygons(hull) <= limits.max_polygons
+        assert hull_width(hull)[0] >= 0.999 * limits.min_width
+        assert hull_aspect(hull) <= 1.001 * limits.max_aspect
+
+
+@pytest.fixture(scope="module")
+def decomposed():
+    return {name: decompose_part(mesh) for name, mesh in SHAPES.items()}
+
+
+@pytest.mark.parametrize("name", sorted(SHAPES))
+def test_hulls_are_true_to_the_mesh_and_leave_it_open(decomposed, name):
+    result, solid = decomposed[name], as_solid(SHAPES[name])
+    assert 1 <= len(result.hulls) <= 32
+    assert_within_limits(result.hulls, HullLimits())
+    assert result.volume_error <= (0.2 if name == "pot" else 0.08)
+    assert result.kept_cavity >= 0.95
+    # The reported error is the real one: points drawn in the bounding box disagree as often.
+    low, high = np.array(solid.bounding_box()).reshape(2, 3)
+    axes = tuple(low[a] + (high - low)[a] * (np.arange(50) + 0.37) / 50 for a in range(3))
+    true = inside_grid(SHAPES[name].vertices, SHAPES[name].faces, axes)
+    covered = np.zeros_like(true)
+    for hull in result.hulls:
+        covered |= inside_grid(hull.vertices, hull.faces, axes)
+    cell = np.prod((high - low) / 50)
+    assert (true != covered).sum() * cell / solid.volume() == pytest.approx(result.volume_error, abs=0.06)
+
+
+def test_blocky_parts_become_exactly_their_boxes(decomposed):
+    for name, most in (("body", 8), ("drawer", 6), ("handle", 3)):
+        assert decomposed[name].method == "boxes"
+        assert len(decomposed[name].hulls) <= most
+        assert decomposed[name].volume_error < 0.005
+
+
+def test_decomposition_repeats_and_follows_a_rigid_motion(decomposed):
+    again = decompose_part(SHAPES["pot"])
+    assert len(again.hulls) == len(decomposed["pot"].hulls)
+    for one, two in zip(again.hulls, decomposed["pot"].hulls, strict=True):
+        np.testing.assert_array_equal(one.vertices, two.vertices)
+    shift = np.array([0.7, -0.2, 1.1])
+    moved = replace(SHAPES["body"], vertices=SHAPES["body"].vertices + shift)
+    assert decompose_part(moved).volume_error == pytest.approx(0.0, abs=1e-6)
+
+
+def test_a_convex_part_is_one_hull_and_small_feet_are_not_lost():
+    assert decompose_part(as_mesh(Solid.sphere(0.1, 16))).method == "hull"
+    feet = [
+        Solid.cylinder(0.1, 0.015, 0.015, 16).translate((x, y, -0.1)) for x in (0.1, 0.5) for y in (0.1, 0.3)
+    ]
+    top = block((0, 0, 0), (0.6, 0.4, 0.05)) - block((0.1, 0.1, 0.02), (0.5, 0.3, 0.06))
+    result = decompose_part(as_mesh(Solid.batch_boolean([top, *feet], manifold3d.OpType.Add)))
+    assert min(hull.vertices[:, 2].min() for hull in result.hulls) == pytest.approx(-0.1, abs=0.002)
+
+
+def test_parts_of_one_link_share_its_hulls():
+    meshes = [SHAPES["pot"], SHAPES["slanted tray"], SHAPES["pot"]]
+    cfg = DecomposeConfig(max_hulls=24, min_kept_cavity=0.0)
+    alone = [decompose_part(mesh, cfg) for mesh in meshes]
+    assert sum(len(part.hulls) for part in alone) > 24
+    together = decompose_parts(meshes, [0, 0, 0], cfg)
+    assert sum(len(part.hulls) for part in together) <= 24
+    apart = decompose_parts(meshes, [0, 1, 2], cfg)
+    assert [len(part.hulls) for part in apart] == [len(part.hulls) for part in alone]
+
+
+def test_hulls_that_fill_a_cavity_are_refused_unless_asked_for():
+    few = DecomposeConfig(max_hulls=1, max_pieces=1, coacd_faces=0)
+    with pytest.raises(DecompositionFailed, match="of the cavity free"):
+        decompose_part(SHAPES["body"], few)
+    result = decompose_part(SHAPES["body"], replace(few, on_failure="hull"))
+    assert (result.method, len(result.hulls)) == ("hull", 1)
+    assert result.kept_cavity < 0.1
+    assert any("one convex hull" in record for record in result.records)
+
+
+def test_an_open_mesh_is_refused():
+    cube = as_mesh(block((0, 0, 0), (1, 1, 1)))
+    with pytest.raises(OpenMesh, match="11 faces"):
+        decompose_part(replace(cube, faces=cube.faces[:-1]))
+
+
+def test_enclosed_voids_are_filled():
+    shell = as_mesh(block((0, 0, 0), (1, 1, 1)) - block((0.1, 0.1, 0.1), (0.9, 0.9, 0.9)))
+    assert as_solid(shell).volume() == pytest.approx(1.0)
+    assert decompose_part(shell).method == "hull"
+
+
+def test_cuboids_cover_exactly_and_few():
+    rng = np.random.default_rng(0)
+    for _ in range(20):
+        boxes = rng.integers(0, 12, size=(5, 2, 3))
+        grid = np.zeros((12, 12, 12), dtype=bool)
+        for a, b in boxes:
+            low, high = np.minimum(a, b), np.maximum(a, b) + 1
+            grid[low[0] : high[0], low[1] : high[1], low[2] : high[2]] = True
+        covered = np.zeros_like(grid)
+        found = cover_with_cuboids(grid)
+        assert found is not None
+        for low, high in found:
+            covered[low[0] : high[0], low[1] : high[1], low[2] : high[2]] = True
+        np.testing.assert_array_equal(covered, grid)
+        assert len(found) <= 30
+    assert cover_with_cuboids(rng.random((9, 9, 9)) < 0.5, max_count=10) is None
+
+
+def test_pieces_cover_the_solid():
+    solid = as_solid(SHAPES["slanted tray"])
+    pieces = convex_pieces(solid, PieceConfig())
+    union = Solid.batch_boolean(pieces, manifold3d.OpType.Add)
+    assert (solid - union).volume() < 1e-3 * solid.volume()
+    assert union.volume() <= 1.06 * solid.volume()
+
+
+def test_inside_grid_counts_the_volume():
+    mesh = SHAPES["slanted tray"]
+    low, high = mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)
+    axes = tuple(low[a] + (high - low)[a] * (np.arange(80) + 0.4871) / 80 for a in range(3))
+    inside = inside_grid(mesh.vertices, mesh.faces, axes)
+    volume = inside.sum() * np.prod((high - low) / 80)
+    assert volume == pytest.approx(as_solid(mesh).volume(), rel=0.02)
+
+
+def test_subtracting_leaves_the_rest():
+    box = box_hull(np.zeros(3), np.ones(3))
+    other = convex_hull(np.random.default_rng(1).uniform(0.3, 1.4, size=(20, 3)))
+    rest = subtract_hull(box, merge_planes(hull_planes(other)), 0.0)
+    common = (as_solid(box) ^ as_solid(other)).volume()
+    assert common > 0.05
+    assert sum(map(hull_volume, rest)) == pytest.approx(1.0 - common, abs=1e-6)
+
+
+def test_limits_are_met_by_cutting_thickening_and_fewer_vertices():
+    limits = HullLimits()
+    plate = box_hull(np.zeros(3), np.array([1.0, 0.5, 0.006]))
+    cut, records = limit_hulls([plate], limits, 32)
+    assert_within_limits(cut, limits)
+    assert len(cut) == 6
+    assert sum(map(hull_volume, cut)) == pytest.approx(hull_volume(plate))
+    assert "cut 5 times" in records[0]
+    few, records = limit_hulls([plate] * 3, limits, 8)
+    assert_within_limits(few, limits)
+    assert len(few) <= 8
+    assert any("thickened" in record for record in records)
+    thin, _ = limit_hulls([box_hull(np.zeros(3), np.array([0.03, 0.03, 0.0004]))], limits, 32)
+    assert_within_limits(thin, limits)
+    rng = np.random.default_rng(0)
+    points = rng.normal(size=(500, 3))
+    ball = convex_hull(points / np.linalg.norm(points, axis=1, keepdims=True))
+    (round_,), _ = limit_hulls([ball], limits, 32)
+    assert_within_limits([round_], limits)
+    assert hull_volume(round_) == pytest.approx(hull_volume(ball))
+    assert measure_fit([round_], as_solid(ball)).volume_error < 0.12
+
+
+@pytest.fixture
+def fake_python(tmp_path, monkeypatch):
+    """Lets the child process be a shell script."""
+
+    def install(script: str) -> None:
+        path = tmp_path / "python"
+        path.write_text(f"#!/bin/sh\n{script}\n")
+        path.chmod(path.stat().st_mode | stat.S_IXUSR)
+        monkeypatch.setattr(coacd_process.sys, "executable", os.fspath(path))
+
+    return install
+
+
+def test_coacd_that_aborts_or_hangs_is_an_error_not_a_crash(fake_python):
+    mesh = SHAPES["handle"]
+    fake_python("echo 'assertion failed' >&2; kill -ABRT $$")
+    with pytest.raises(DecompositionFailed, match="assertion failed"):
+        run_coacd(mesh)
+    fake_python("sleep 5")
+    with pytest.raises(DecompositionFailed, match=r"longer than 0\.2 s on a mesh of"):
+        run_coacd(mesh, CoacdConfig(timeout=0.2))
+    result = decompose_part(
+        mesh, DecomposeConfig(method="coacd", on_failure="hull", coacd=CoacdConfig(timeout=0.2))
+    )
+    assert result.method == "hull"
+    assert "longer than 0.2 s" in result.records[0]
+
+
+def test_coacd_runs_in_its_own_process_and_is_cached(tmp_path, fake_python):
+    mesh, cfg = SHAPES["handle"], CoacdConfig(mcts_iterations=20, mcts_nodes=5, resolution=500)
+    first = run_coacd(mesh, cfg, tmp_path)
+    assert len(first) >= 2
+    assert_within_limits(first, replace(HullLimits(), max_polygons=200, min_width=0, max_aspect=1e9))
+    assert measure_fit(first, as_solid(mesh)).volume_error < 0.4
+    assert "coacd" not in sys.modules
+    fake_python("exit 1")
+    for one, two in zip(run_coacd(mesh, cfg, tmp_path), first, strict=True):
+        np.testing.assert_array_equal(one.vertices, two.vertices)
+    with pytest.raises(DecompositionFailed):
+        run_coacd(mesh, replace(cfg, seed=1), tmp_path)
+
+
+def test_configs_reject_nonsense():
+    with pytest.raises(ValueError, match="tolerance is -1"):
+        DecomposeConfig(tolerance=-1.0)
+    with pytest.raises(ValueError, match="max_hulls is 0"):
+        DecomposeConfig(max_hulls=0)
