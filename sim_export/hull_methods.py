@@ -167,7 +167,9 @@ def _boxes(solid: Solid, cfg: DecomposeConfig) -> Candidate | None:
                 best = found
         if enough or (best is not None and best.error <= EXACT):
             break
-    return best if best is None or len(best.hulls) <= cfg.join_above else _joined(best, solid, cfg)
+    if best is None or len(best.hulls) <= min(cfg.join_above, cfg.max_hulls):
+        return best
+    return _joined(best, solid, cfg)
 
 
 def _missing_hulls(solid: Solid, boxes: Float[np.ndarray, "K 2 3"], cfg: DecomposeConfig) -> list[Hull]:

@@ -1,0 +1,292 @@
+"""Joints sweep freely after clearance, little is cut for it, and what cannot be cut is said."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from artigen.datasets.sample import SAMPLE_PARTS, SamplePart, sample_box_arrays
+from artigen.kinematics import displacements, movable_parts
+from sim_export.clearance import Clearance, ClearanceConfig, clear_joints
+from sim_export.contacts import HullSet, penetration_depths
+from sim_export.errors import InvalidKinematics
+from sim_export.hull_limits import HullLimits, hull_aspect
+from sim_export.hulls import box_hull, convex_hull, hull_volume
+from sim_export.motion import driven_joints, link_displacements, moved_links
+from sim_export.package import Hull, Link, PackageJoint, Requirement
+from sim_export.requirements import find_requirements, required_openings, sweep_coordinates
+
+BY_NAME = {part.name: part for part in SAMPLE_PARTS}
+
+
+def owner_of(part: SamplePart) -> str:
+    while part.joint == "fixed" and part.parent is not None:
+        part = BY_NAME[part.parent]
+    return part.name
+
+
+def make_link(name: str, *hulls: Hull) -> Link:
+    return Link(name=name, label=None, parts=(name,), visuals=(), hulls=hulls, inertial=None)
+
+
+def make_joint(child: str, joint_type, axis, origin, upper, parent="body") -> PackageJoint:
+    return PackageJoint(
+        name=f"joint_{child}", type=joint_type, kind=joint_type, parent=parent, child=child,
+        origin=np.array(origin, float), axis=np.array(axis, float), upper=upper,
+    )  # fmt: skip
+
+
+def box(low, high) -> Hull:
+    return box_hull(np.array(low, float), np.array(high, float))
+
+
+def sample_package(grow: float = 0.0) -> tuple[list[Link], list[PackageJoint]]:
+    """The sample cabinet's exact boxes as links; ``grow`` (m) swells everything that moves."""
+    links, joints = [make_link("base")], []
+    for part in SAMPLE_PARTS:
+        if owner_of(part) != part.name:
+            continue
+        hulls = []
+        for other in SAMPLE_PARTS:
+            if owner_of(other) == part.name:
+                swell = 0.0 if part.name == "body" else grow
+                hulls += [box(low - swell, high + swell) for low, high in sample_box_arrays(other)]
+        links.append(make_link(part.name, *hulls))
+        parent = "base" if part.parent is None else owner_of(BY_NAME[part.parent])
+        joints.append(make_joint(part.name, part.joint, part.axis, part.origin, part.upper, parent))
+    return links, joints
+
+
+def deepest(links, joints, requirements, poses: int = 21) -> dict[str, float]:
+    """Deepest penetration along every joint's sweep, measured anew."""
+    sets = [HullSet(hulls=link.hulls) for link in links]
+    out = {}
+    for joint in driven_joints(joints):
+        qpos = required_openings(joint, joints, requirements)
+        T = link_displacements(links, joints, {**qpos, joint.name: sweep_coordinates(joint, poses)})
+        moving = moved_links(links, joints, joint)
+        out[joint.name] = max(
+            float(penetration_depths(sets[a], sets[b], T[:, a], T[:, b]).max())
+            for a in moving
+            for b in range(len(links))
+            if b not in moving
+        )
+    return out
+
+
+def total_volume(links) -> float:
+    return sum(hull_volume(hull) for link in links for hull in link.hulls)
+
+
+@pytest.fixture(scope="module")
+def swollen() -> tuple[list[Link], list[PackageJoint], tuple[Requirement, ...], Clearance]:
+    links, joints = sample_package(grow=0.004)
+    requirements = find_requirements(links, joints)
+    return links, joints, requirements, clear_joints(links, joints, requirements)
+
+
+def test_links_move_as_parts_do(cabinet):
+    links, joints = sample_package()
+    rng = np.random.default_rng(0)
+    qpos = rng.uniform(0, 0.3, size=(5, len(movable_parts(cabinet))))
+    names = [cabinet.parts[index].name for index in movable_parts(cabinet)]
+    expected = displacements(cabinet, qpos)
+    per_unit = {name: cabinet.scale if BY_NAME[name].joint == "prismatic" else 1.0 for name in names}
+    found = link_displacements(
+        links, joints, {f"joint_{name}": per_unit[name] * qpos[:, k] for k, name in enumerate(names)}
+    )
+    for slot, link in enumerate(links[1:], start=1):
+        part = next(index for index, other in enumerate(cabinet.parts) if other.name == link.name)
+        np.testing.assert_allclose(found[:, slot, :3, :3], expected[:, part, :3, :3], atol=1e-12)
+    # Translations differ by the origin of the frame and the scale, so that distances agree.
+    tray = [link.name for link in links].index("tray")
+    np.testing.assert_allclose(found[:, tray, 0, 3], -per_unit["tray"] * qpos[:, names.index("tray")])
+
+
+def test_mimicking_joints_follow_and_unknown_names_are_refused():
+    links = [make_link("base"), make_link("body"), make_link("carrier"), make_link("screw")]
+    joints = [
+        make_joint("body", "fixed", (0, 0, 1), (0, 0, 0), 0.0, parent="base"),
+        make_joint("carrier", "revolute", (0, 0, 1), (0.1, 0, 0), 3.0),
+        replace(
+            make_joint("screw", "prismatic", (0, 0, 1), (0.1, 0, 0), 0.3, parent="carrier"),
+            mimic="joint_carrier", mimic_multiplier=0.1,
+        ),
+    ]  # fmt: skip
+    T = link_displacements(links, joints, {"joint_carrier": np.array([0.0, 2.0])})
+    np.testing.assert_allclose(T[1, 3] @ [0.2, 0, 0, 1], [0.1 + 0.1 * np.cos(2), 0.1 * np.sin(2), 0.2, 1])
+    assert [joint.name for joint in driven_joints(joints)] == ["joint_carrier"]
+    assert moved_links(links, joints, joints[1]) == (2, 3)
+    with pytest.raises(ValueError, match="joint_screw"):
+        link_displacements(links, joints, {"joint_screw": 0.1})
+    with pytest.raises(InvalidKinematics, match="cycle"):
+        link_displacements(links, [replace(joints[0], parent="screw"), *joints[1:]], {})
+    with pytest.raises(InvalidKinematics, match="ghost"):
+        link_displacements(links, [*joints[:-1], replace(joints[2], child="ghost")], {})
+
+
+def test_the_tray_requires_the_door_and_nothing_else_anything():
+    links, joints = sample_package()
+    found = find_requirements(links, joints)
+    assert [(item.joint, item.needs) for item in found] == [("joint_tray", "joint_door")]
+    assert found[0].fraction in (0.25, 0.5, 0.75, 1.0)
+    depths = deepest(links, joints, found)
+    assert max(depths.values()) < 1e-6
+    assert deepest(links, joints, ())["joint_tray"] > 0.05
+
+
+def test_least_sufficient_opening_is_required():
+    # A lid slides aside from over a lift that is as wide as a quarter of its way.
+    links = [
+        make_link("base"), make_link("body", box((0, 0, -0.1), (0.4, 0.4, 0))),
+        make_link("lid", box((0, 0, 0.2), (0.4, 0.4, 0.22))),
+        make_link("lift", box((0.01, 0.1, 0.01), (0.18, 0.3, 0.19))),
+    ]  # fmt: skip
+    joints = [
+        make_joint("body", "fixed", (0, 0, 1), (0, 0, 0), 0.0, parent="base"),
+        make_joint("lid", "prismatic", (1, 0, 0), (0, 0, 0), 0.4),
+        make_joint("lift", "prismatic", (0, 0, 1), (0, 0, 0), 0.3),
+    ]
+    (found,) = find_requirements(links, joints)
+    assert (found.joint, found.needs, found.fraction) == ("joint_lift", "joint_lid", 0.5)
+    assert required_openings(joints[2], joints, [found]) == {"joint_lid": pytest.approx(0.2)}
+
+
+def test_doors_that_block_each_other_give_no_cycle():
+    # Both doors reach 2 cm into the other's way, so that neither can go first.
+    links = [
+        make_link("base"), make_link("body", box((0, -0.4, -0.1), (0.3, 0.4, -0.05))),
+        make_link("left", box((0, 0.0, 0), (0.02, 0.4, 1)), box((-0.02, -0.05, 0), (0, 0.4, 0.5))),
+        make_link("right", box((0, -0.4, 0), (0.02, 0.0, 1)), box((-0.02, -0.4, 0.5), (0, 0.05, 1))),
+    ]  # fmt: skip
+    joints = [
+        make_joint("body", "fixed", (0, 0, 1), (0, 0, 0), 0.0, parent="base"),
+        make_joint("left", "revolute", (0, 0, -1), (-0.02, 0.4, 0), 1.5),
+        make_joint("right", "revolute", (0, 0, 1), (-0.02, -0.4, 0), 1.5),
+    ]
+    found = find_requirements(links, joints)
+    needs = {(item.joint, item.needs) for item in found}
+    assert all((b, a) not in needs for a, b in needs)
+    for joint in driven_joints(joints):
+        assert joint.name not in required_openings(joint, joints, found)
+
+
+def test_after_clearance_everything_sweeps_freely(swollen):
+    links, joints, requirements, cleared = swollen
+    before = deepest(links, joints, requirements)
+    assert max(before.values()) > 0.003
+    after = deepest(cleared.links, cleared.joints, requirements)
+    assert max(after.values()) <= 0.0005
+    assert cleared.residuals == ()
+    assert cleared.limits == ()
+    # Also between the sampled poses, a margin is left.
+    assert max(deepest(cleared.links, cleared.joints, requirements, poses=101).values()) <= 0.001
+
+
+def test_clearance_takes_little_and_says_how_much(swollen):
+    links, _, _, cleared = swollen
+    assert total_volume(cleared.links) >= 0.95 * total_volume(links)
+    removed = sum(item.removed_volume for item in cleared.reliefs)
+    assert removed == pytest.approx(total_volume(links) - total_volume(cleared.links), rel=0.01)
+    assert removed > 0
+    for item in cleared.reliefs:
+        assert item.cuts > 0
+        assert 0 < item.largest_depth <= 0.03
+    changed = {item.link for item in cleared.reliefs}
+    for old, new in zip(links, cleared.links, strict=True):
+        assert (old is new) == (old.name not in changed)
+        for hull in new.hulls:
+            assert hull_aspect(hull) <= HullLimits().max_aspect * 1.001 or hull in old.hulls
+    assert len(cleared.records) == len(cleared.reliefs)
+
+
+def test_a_free_package_is_left_alone():
+    links, joints = sample_package()
+    cleared = clear_joints(links, joints, find_requirements(links, joints))
+    assert all(old is new for old, new in zip(links, cleared.links, strict=True))
+    assert cleared.records == ()
+
+
+def hinge(corner: float) -> tuple[list[Link], list[PackageJoint]]:
+    """A door between two posts, hinged at the middle of its edge: its corners sweep into the post."""
+    links = [
+        make_link("base"),
+        make_link("body", box((0, 0.401, 0), (0.1, 0.45, 1)), box((0, -0.45, 0), (0.1, -0.401, 1))),
+        make_link("door", box((0, -0.4, 0), (0.02, 0.4, 1))),
+    ]
+    joints = [
+        make_joint("body", "fixed", (0, 0, 1), (0, 0, 0), 0.0, parent="base"),
+        make_joint("door", "revolute", (0, 0, -1), (0.01, 0.4 - corner, 0), np.pi / 2),
+    ]
+    return links, joints
+
+
+def test_a_hinge_edge_gets_a_chamfer():
+    links, joints = hinge(0.003)
+    assert deepest(links, joints, ())["joint_door"] > 0.003
+    cleared = clear_joints(links, joints)
+    assert deepest(cleared.links, cleared.joints, ())["joint_door"] <= 0.0005
+    assert total_volume(cleared.links) > 0.98 * total_volume(links)
+    # Still closed: the door fills its opening but for a little at the hinge.
+    assert max(hull.vertices[:, 1].max() for hull in cleared.links[2].hulls) > 0.39
+
+
+def test_a_knob_sunk_into_a_door_is_cut_once_along_its_axis():
+    hexagon = np.array([[np.cos(a), np.sin(a)] for a in np.arange(6) * np.pi / 3]) * 0.02
+    knob = convex_hull(np.array([[x, y, z] for x in (-0.035, 0.005) for y, z in hexagon]))
+    links = [
+        make_link("base"),
+        make_link("body", box((0, -0.4, -0.4), (0.02, 0.4, 0.4))),
+        make_link("knob", knob),
+    ]
+    joints = [
+        make_joint("body", "fixed", (0, 0, 1), (0, 0, 0), 0.0, parent="base"),
+        make_joint("knob", "continuous", (-1, 0, 0), (0, 0, 0), 2 * np.pi),
+    ]
+    cleared = clear_joints(links, joints)
+    assert deepest(cleared.links, cleared.joints, ())["joint_knob"] == 0.0
+    (relief,) = cleared.reliefs
+    assert (relief.link, relief.cuts) == ("knob", 1)
+    assert relief.removed_share == pytest.approx(0.0053 / 0.04, abs=0.002)
+
+
+def test_a_deep_overlap_is_reported_not_hidden():
+    links, joints = sample_package()
+    drawer = [link.name for link in links].index("drawer")
+    shift = np.array([0.0, 0.05 + 0.035, 0.0])  # 5 cm into the side wall of the body, all the way
+    hulls = tuple(Hull(vertices=hull.vertices + shift, faces=hull.faces) for hull in links[drawer].hulls)
+    links[drawer] = replace(links[drawer], hulls=hulls)
+    cleared = clear_joints(links, joints, find_requirements(links, joints))
+    assert any(item.joint == "joint_drawer" and item.links[0] == "drawer" for item in cleared.residuals)
+    worst = max(item.depth for item in cleared.residuals)
+    assert worst == pytest.approx(deepest(cleared.links, cleared.joints, ())["joint_drawer"], rel=0.05)
+    assert worst > 0.02
+    assert any("penetrates" in record for record in cleared.records)
+
+
+def stopper() -> tuple[list[Link], list[PackageJoint]]:
+    """A slider that runs into a wall after 20 of 30 cm."""
+    links = [
+        make_link("base"), make_link("body", box((0, 0, -0.02), (1, 1, 0)), box((0.5, 0, 0), (0.9, 1, 0.5))),
+        make_link("slider", box((0.1, 0.1, 0.001), (0.3, 0.9, 0.3))),
+    ]  # fmt: skip
+    joints = [
+        make_joint("body", "fixed", (0, 0, 1), (0, 0, 0), 0.0, parent="base"),
+        make_joint("slider", "prismatic", (1, 0, 0), (0, 0, 0), 0.3),
+    ]
+    return links, joints
+
+
+def test_limits_are_lowered_where_most_of_the_range_is_free():
+    links, joints = stopper()
+    cleared = clear_joints(links, joints)
+    (change,) = cleared.limits
+    assert (change.joint, change.before) == ("joint_slider", 0.3)
+    assert 0.185 <= change.after <= 0.2 + 0.03
+    assert cleared.joints[1].upper == change.after
+    assert set(change.links) == {"slider", "body"}
+    assert deepest(cleared.links, cleared.joints, ())["joint_slider"] <= 0.0005
+    kept = clear_joints(links, joints, cfg=ClearanceConfig(shorten_limits=False))
+    assert kept.joints[1].upper == 0.3
+    assert len(kept.residuals) == 1
+    assert kept.residuals[0].depth > 0.05
