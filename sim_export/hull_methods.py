@@ -52,7 +52,7 @@ class DecomposeConfig:
     boxes_tolerance: float = 0.15
     """Volume error up to which `auto` takes boxes, if none are within ``tolerance``, rather than cutting the
     mesh, which takes ten times longer."""
-    hull_tolerance: float = 0.08
+    hull_tolerance: float = 0.1
     """Volume error up to which `auto` takes a single hull."""
     reach: float = 0.02
     """Farthest that the mesh may stick out of boxes, over its diagonal, before what does gets hulls of its
@@ -130,13 +130,14 @@ def hull_candidates(solid: Solid, cfg: DecomposeConfig, cache: Path | None) -> I
 
 
 def _auto(solid: Solid, cfg: DecomposeConfig, cache: Path | None) -> Iterator[Candidate]:
-    if solid.hull().volume() <= (1.0 + cfg.hull_tolerance) * solid.volume():
-        yield _measured("hull", [solid_hull(solid)], solid)
+    whole = _measured("hull", [solid_hull(solid)], solid)
+    if whole.error <= cfg.hull_tolerance:
+        yield whole
     boxes = _boxes(solid, cfg)
     early = boxes is not None and boxes.error <= cfg.boxes_tolerance
     if boxes is not None and early:
         yield boxes
-    found = [_pieces(solid, cfg)] + ([boxes] if boxes is not None and not early else [])
+    found = [_pieces(solid, cfg), whole] + ([boxes] if boxes is not None and not early else [])
     found.sort(key=lambda candidate: candidate.score)
     if found[0].error <= cfg.coacd_above or solid.num_tri() > cfg.coacd_faces:
         yield from found
