@@ -5,7 +5,8 @@ and costs nothing: mass comes from the part's own volume, and no simulator colli
 one link with each other.
 """
 
-from itertools import permutations
+from collections.abc import Iterator
+from itertools import islice, permutations
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -27,19 +28,30 @@ def cover_with_cuboids(
 ) -> Int[np.ndarray, "K 2 3"] | None:
     """Covers every occupied cell, and no other, with few boxes; each box is as large as can be.
 
-    Greedy: of the maximal boxes around some uncovered cells, the one that covers the most new
-    cells comes next. Deterministic. Returns lowest corner and one past the highest, in cells, in
-    the order found; ``None`` as soon as more than ``max_count`` boxes would be needed.
+    Returns lowest corner and one past the highest, in cells, in the order found; ``None`` as soon as
+    more than ``max_count`` boxes would be needed.
     """
+    boxes: list[np.ndarray] = []
+    for box in _greedy_cuboids(occupancy):
+        if max_count is not None and len(boxes) >= max_count:
+            return None
+        boxes.append(box)
+    return np.array(boxes, dtype=np.int64).reshape(-1, 2, 3)
+
+
+def largest_cuboids(occupancy: Bool[np.ndarray, "X Y Z"], count: int) -> Int[np.ndarray, "K 2 3"]:
+    """The first ``count`` boxes of the cover: they leave out detail, and cover nothing that is empty."""
+    return np.array([*islice(_greedy_cuboids(occupancy), count)], dtype=np.int64).reshape(-1, 2, 3)
+
+
+def _greedy_cuboids(occupancy: np.ndarray) -> Iterator[np.ndarray]:
+    """Of the maximal boxes around some uncovered cells, the one that covers the most new cells comes next."""
     compressed, edges = _compress(occupancy)
     sizes = [np.diff(edge) for edge in edges]
     weights = sizes[0][:, None, None] * sizes[1][:, None] * sizes[2]
     filled = _integral(compressed)
     missing = compressed.copy()
-    boxes: list[np.ndarray] = []
     while missing.any():
-        if max_count is not None and len(boxes) >= max_count:
-            return None
         # The heaviest uncovered cells lie in the largest boxes; strides keep the choice spread out.
         cells = np.argwhere(missing)
         cells = cells[np.argsort(-weights[tuple(cells.T)], kind="stable")]
@@ -47,10 +59,8 @@ def cover_with_cuboids(
         candidates = _grow(filled, cells)
         gains = _box_sums(_integral(missing * weights), candidates)
         best = candidates[gains.argmax()]
-        boxes.append(best)
         missing[tuple(slice(low, high) for low, high in best.T)] = False
-    lattice = [[[edges[axis][box[end, axis]] for axis in range(3)] for end in range(2)] for box in boxes]
-    return np.array(lattice, dtype=np.int64).reshape(-1, 2, 3)
+        yield np.array([[edges[axis][best[end, axis]] for axis in range(3)] for end in range(2)])
 
 
 def fit_cuboids(

@@ -5,15 +5,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-import numpy as np
-
 from artigen.types import Asset
 from sim_export.annotations import annotate_handles
 from sim_export.boards import fill_boards
 from sim_export.clearance import clear_joints
 from sim_export.config import ExportConfig
-from sim_export.decompose import Decomposition, decompose_part
-from sim_export.errors import DegeneratePart
+from sim_export.decompose import Decomposition, decompose_parts
 from sim_export.links import LinkTree, PartGeometry, build_links, link_owners
 from sim_export.masses import weigh_part
 from sim_export.materials import part_material
@@ -22,9 +19,6 @@ from sim_export.package import Mesh, SimPackage, SourceMesh
 from sim_export.requirements import find_requirements
 from sim_export.retention import keep_drawers_held
 from sim_export.texture import bake_parts
-
-MAX_FIXED_HULLS = 6
-"""Most hulls of a handle or shelf: it is simple, and its link needs hulls for itself."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -78,10 +72,7 @@ def export_asset(
     asset = replace(asset, voxels=voxels)
     meshes = mesh_parts(asset, cfg.meshing)
     watch.lap("mesh")
-    decompositions = tuple(
-        decompose_part(mesh, replace(cfg.decompose, max_hulls=share), cache)
-        for mesh, share in zip(meshes, share_hulls(asset, meshes, cfg.decompose.max_hulls), strict=True)
-    )
+    decompositions = decompose_parts(meshes, link_owners(asset), cfg.decompose, cache)
     watch.lap("decompose")
     inertials = [weigh_part(asset, index, mesh) for index, mesh in enumerate(meshes)]
     watch.lap("mass")
@@ -132,29 +123,6 @@ def export_asset(
         records=records,
     )
     return Exported(package=package, decompositions=decompositions, seconds=tuple(watch.laps))
-
-
-def share_hulls(asset: Asset, meshes: Sequence[Mesh], max_hulls: int) -> list[int]:
-    """How many hulls each part may have, so that its whole link has no more than ``max_hulls``.
-
-    Parts fixed to a link are small beside it (handles, shelves): each gets a share by the size of its
-    box, at least one, and the leading part what they leave.
-    """
-    owners = link_owners(asset)
-    reach = [float(np.linalg.norm(np.ptp(mesh.vertices, axis=0))) for mesh in meshes]
-    shares = [0] * len(meshes)
-    for leader in sorted(set(owners)):
-        others = [index for index, owner in enumerate(owners) if owner == leader and index != leader]
-        total = reach[leader] + sum(reach[index] for index in others)
-        for index in others:
-            shares[index] = int(np.clip(max_hulls * reach[index] / total, 1, MAX_FIXED_HULLS))
-        shares[leader] = max_hulls - sum(shares[index] for index in others)
-        if shares[leader] < 1:
-            raise DegeneratePart(
-                f"part {asset.parts[leader].name!r} carries {len(others)} fixed parts, a link of at most "
-                f"{max_hulls} hulls has no room for them; join some of them"
-            )
-    return shares
 
 
 def _index(asset: Asset, name: str) -> int:

@@ -24,7 +24,7 @@ class HullLimits:
 
     max_vertices: int = 64
     """Most vertices of a hull."""
-    max_polygons: int = 64
+    max_polygons: int = 54
     """Most faces of a hull, coplanar triangles counted once."""
     min_width: float = 0.001
     """Least thickness (m); thinner hulls are thickened to it."""

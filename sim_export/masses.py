@@ -11,6 +11,7 @@ from scipy.ndimage import binary_erosion
 
 from artigen.types import Asset
 from sim_export.errors import DegeneratePart
+from sim_export.face_planes import box_in_lattice
 from sim_export.inertia import inertia_about, mesh_inertial
 from sim_export.materials import MATERIALS, part_material
 from sim_export.occupancy import part_occupancy
@@ -30,7 +31,7 @@ def weigh_part(asset: Asset, part_id: int, mesh: Mesh) -> Inertial:
     part = asset.parts[part_id]
     density = MATERIALS[part_material(part.label, asset.category)].density
     solid = mesh_inertial(mesh, density)
-    occupancy = part_occupancy(asset.voxels, part_id).occupancy
+    occupancy = part_occupancy(asset.voxels, part_id, box_in_lattice(part, asset.voxels.resolution)).occupancy
     cavity = binary_erosion(occupancy)  # the outermost cells are wall, and so is any part's surface
     cavity[tuple(asset.voxels.coords.T)] = False
     if not cavity.any():

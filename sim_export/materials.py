@@ -28,7 +28,7 @@ class Material:
 
 MATERIALS: dict[MaterialName, Material] = {
     "wood_board": Material(density=650.0, static_friction=0.5, sliding_friction=0.4),
-    "steel_sheet": Material(density=900.0, static_friction=0.4, sliding_friction=0.3),
+    "steel_sheet": Material(density=350.0, static_friction=0.4, sliding_friction=0.3),
     "steel": Material(density=2700.0, static_friction=0.4, sliding_friction=0.3),
     "glass": Material(density=2500.0, static_friction=0.5, sliding_friction=0.4),
     "plastic": Material(density=1050.0, static_friction=0.4, sliding_friction=0.3),

@@ -8,8 +8,9 @@ from sim_export.checks.config import CheckConfig
 from sim_export.checks.grid import Grid, fill_solid, find_cavity, make_grid, mark_surface
 from sim_export.checks.registry import CheckSpec, Finding
 from sim_export.checks.subject import Subject
-from sim_export.checks.surface import inside_hulls, sample_triangles, surface_distances, triangle_areas
+from sim_export.checks.surface import inside_hulls, surface_distances
 from sim_export.errors import PackageError
+from sim_export.sampling import sample_triangles, triangle_areas
 
 _LEAST_SAMPLES = 64
 _DENSER = 4

@@ -1,41 +1,13 @@
-"""Points on surfaces and how far apart two surfaces are."""
+"""How far apart two surfaces are."""
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Bool, Float
 
 from sim_export.hulls import hull_planes
 from sim_export.package import Hull
+from sim_export.sampling import sample_triangles
 
-_STEP = np.array([0.7548776662466927, 0.5698402909980532])
-"""The plastic number's two-dimensional low-discrepancy sequence."""
 _NEAREST = 8
-
-
-def triangle_areas(triangles: Float[np.ndarray, "F 3 3"]) -> Float[np.ndarray, "F"]:
-    """Area of each triangle."""
-    edges = triangles[:, 1:] - triangles[:, :1]
-    return np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1) / 2.0
-
-
-def sample_triangles(
-    triangles: Float[np.ndarray, "F 3 3"], count: int
-) -> tuple[Float[np.ndarray, "N 3"], Int[np.ndarray, "N"]]:
-    """Evenly spread points on a surface, always the same ones, and the triangle each lies on."""
-    total = np.cumsum(triangle_areas(triangles))
-    if not len(total) or total[-1] <= 0.0 or count == 0:
-        return np.zeros((0, 3)), np.zeros(0, dtype=np.int64)
-    at = (np.arange(count) + 0.5) / count * total[-1]
-    chosen = np.minimum(np.searchsorted(total, at), len(total) - 1)
-    u, v = np.modf(np.arange(1, count + 1)[:, None] * _STEP)[0].T
-    over = u + v > 1.0
-    u, v = np.where(over, 1.0 - u, u), np.where(over, 1.0 - v, v)
-    corners = triangles[chosen]
-    points = (
-        corners[:, 0]
-        + u[:, None] * (corners[:, 1] - corners[:, 0])
-        + v[:, None] * (corners[:, 2] - corners[:, 0])
-    )
-    return points, chosen
 
 
 def inside_hulls(
