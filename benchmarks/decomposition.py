@@ -13,6 +13,7 @@ import logging
 import statistics
 import time
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -27,7 +28,7 @@ from artigen.voxels import voxelize
 from sim_export.boards import fill_boards
 from sim_export.coacd_process import CoacdConfig, run_coacd
 from sim_export.decompose import DecomposeConfig, decompose_part
-from sim_export.errors import DecompositionFailed
+from sim_export.errors import DecompositionFailed, DegeneratePart
 from sim_export.hulls import convex_hull
 from sim_export.meshing import mesh_parts
 from sim_export.package import Hull, Mesh
@@ -94,8 +95,11 @@ def _decompose(method: str, mesh: Mesh, timeout: float) -> tuple[Hull, ...]:
         return decompose_part(mesh, DecomposeConfig()).hulls
     if method == "CoACD":
         return run_coacd(mesh, CoacdConfig(timeout=timeout))
-    pieces = vhacdx.compute_vhacd(mesh.vertices, mesh.faces.astype("uint32"), maxConvexHulls=32)
-    return tuple(convex_hull(vertices) for vertices, _ in pieces)
+    hulls = []
+    for vertices, _ in vhacdx.compute_vhacd(mesh.vertices, mesh.faces.astype("uint32"), maxConvexHulls=32):
+        with suppress(DegeneratePart):  # some of its hulls are flat
+            hulls.append(convex_hull(vertices))
+    return tuple(hulls)
 
 
 def measure_start_up() -> float:

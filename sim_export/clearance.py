@@ -16,7 +16,7 @@ from jaxtyping import Float
 from sim_export.contacts import HullSet, penetration_depths, signed_distances
 from sim_export.hull_limits import HullLimits, trim_hull
 from sim_export.hulls import hull_volume
-from sim_export.motion import driven_joints, link_displacements, moved_links
+from sim_export.motion import driven_joints, link_displacements, longest_side, moved_links
 from sim_export.package import Hull, Link, PackageJoint, Requirement
 from sim_export.relief import OverlappingPair, ReliefConfig, relieve_pair
 from sim_export.requirements import required_openings, sweep_coordinates
@@ -30,8 +30,8 @@ class ClearanceConfig:
 
     poses: int = 21
     """Samples of each joint's range."""
-    tolerance: float = 0.0005
-    """Depth (m) that is left alone."""
+    tolerance: float = 2e-5
+    """Depth (m) that is left alone; engines push apart what overlaps at rest, however little."""
     relief: ReliefConfig = field(default_factory=ReliefConfig)
     """Limits of cutting."""
     limits: HullLimits = field(default_factory=HullLimits)
@@ -148,6 +148,10 @@ class _Hulls:
     def count(self, link: int) -> int:
         return sum(hull is not None for hull in self.hulls[link])
 
+    def allowance(self, link: int, slot: int, cfg: ClearanceConfig) -> float:
+        """Volume (m^3) that cuts may take from a hull: much of it, or little of its link."""
+        return max(cfg.relief.max_removed * self.volumes[link][slot], cfg.relief.sliver * self.totals[link])
+
     def is_sliver(self, link: int, slot: int, cfg: ClearanceConfig) -> bool:
         """Whether a hull is so small against its link that it may go entirely."""
         return self.volumes[link][slot] < cfg.relief.sliver * self.totals[link]
@@ -250,8 +254,10 @@ def _clear_joint(
                     hulls=(mine, theirs),
                     poses=(T[poses, a], T[poses, b]),
                     volumes=(work.volumes[a][i], work.volumes[b][j]),
+                    allowances=(work.allowance(a, i, cfg), work.allowance(b, j, cfg)),
                     slivers=(work.is_sliver(a, i, cfg), work.is_sliver(b, j, cfg)),
                     room=(cfg.max_hulls - work.count(a), cfg.max_hulls - work.count(b)),
+                    max_depth=cfg.relief.max_depth * longest_side(work.links),
                     axis=joint.axis,
                 )
                 done = relieve_pair(pair, cfg.tolerance, cfg.relief)

@@ -21,6 +21,12 @@ def driven_joints(joints: Sequence[PackageJoint]) -> tuple[PackageJoint, ...]:
     return tuple(joint for joint in joints if joint.type in MOVING_TYPES and joint.mimic is None)
 
 
+def longest_side(links: Sequence[Link]) -> float:
+    """Longest side (m) of the box around all hulls at rest; 0 without hulls."""
+    chunks = [hull.vertices for link in links for hull in link.hulls]
+    return float(np.ptp(np.concatenate(chunks), axis=0).max()) if chunks else 0.0
+
+
 def package_joint_motion(joint: PackageJoint, q: Float[np.ndarray, "*B"]) -> Float[np.ndarray, "*B 4 4"]:
     """Displacement by one joint at its own coordinate ``q`` (rad or m)."""
     still = np.zeros_like(np.asarray(q, dtype=np.float64))

@@ -12,6 +12,7 @@ from jaxtyping import Float
 
 from artigen.transforms import inverse, transform_points
 from sim_export.contacts import HullSet, signed_distances
+from sim_export.hull_limits import hull_aspect
 from sim_export.hulls import (
     clip_hull,
     hull_planes,
@@ -22,6 +23,9 @@ from sim_export.hulls import (
 )
 from sim_export.package import Hull
 
+OBLONG = 60.0
+"""Length over thickness above which hulls are cut to several later."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class ReliefConfig:
@@ -29,12 +33,14 @@ class ReliefConfig:
 
     margin: float = 0.0003
     """Gap (m) that a cut leaves, so that poses between the sampled ones are free too."""
-    max_depth: float = 0.03
-    """Deepest cut (m), about two voxels; deeper overlaps are errors of the object, not of its hulls."""
+    max_depth: float = 0.032
+    """Deepest cut, over the object's longest side: about two voxels. Deeper overlaps are errors of the
+    object, not of its hulls."""
     max_removed: float = 0.5
     """Greatest share of a hull's volume that all its cuts together may remove."""
-    sliver: float = 0.005
-    """A hull below this share of its link's volume may be dropped where it cannot be cut."""
+    sliver: float = 0.02
+    """This share of its link's volume may be cut off a hull in any case; a hull below it may be dropped
+    where cuts do not help."""
     min_width: float = 0.001
     """Least thickness (m) that a cut may leave."""
     notch_above: float = 0.1
@@ -47,16 +53,19 @@ class ReliefConfig:
 class OverlappingPair:
     """Two hulls in their links' rest frames that overlap at some poses, and what may be done to each.
 
-    ``volumes`` are those before any cut, ``slivers`` tells which may be dropped, ``room`` how many
-    hulls each link may still gain, and ``axis`` is the moving joint's direction in the frame of the
-    first hull's link, along which one cut may free all poses.
+    ``volumes`` are those before any cut, of which cuts may take ``allowances`` (m^3), no deeper than
+    ``max_depth`` (m); ``slivers`` tells which may be dropped, ``room`` how many hulls each link may
+    still gain. ``axis`` is the moving joint's direction in the frame of the first hull's link: one cut
+    along it may free all poses.
     """
 
     hulls: tuple[Hull, Hull]
     poses: tuple[Float[np.ndarray, "P 4 4"], Float[np.ndarray, "P 4 4"]]
     volumes: tuple[float, float]
+    allowances: tuple[float, float]
     slivers: tuple[bool, bool]
     room: tuple[int, int]
+    max_depth: float
     axis: Float[np.ndarray, "3"]
 
 
@@ -88,11 +97,15 @@ def relieve_pair(pair: OverlappingPair, tolerance: float, cfg: ReliefConfig) -> 
 
 
 def _cost(plan: Relief, pair: OverlappingPair) -> float:
-    """Volume lost (m^3); every hull more counts like a tenth of what its side had."""
-    return sum(
-        hull_volume(hull) * (1.0 + 0.1 * (len(left) - 1)) - sum(map(hull_volume, left))
-        for hull, left in zip(pair.hulls, plan.hulls, strict=True)
-    )
+    """Volume lost (m^3); every hull more, oblong ones counted as the several they will be cut to, is as
+    bad as the loss of a tenth of its side."""
+    cost = 0.0
+    for hull, left in zip(pair.hulls, plan.hulls, strict=True):
+        if left == (hull,):
+            continue
+        more = sum(np.ceil(hull_aspect(piece) / OBLONG) for piece in left) - 1.0
+        cost += hull_volume(hull) * (1.0 + 0.1 * max(more, 0.0)) - sum(map(hull_volume, left))
+    return cost
 
 
 def _lost_share(plan: Relief, pair: OverlappingPair) -> float:
@@ -116,15 +129,15 @@ def _cut_by_pose(pair: OverlappingPair, tolerance: float, cfg: ReliefConfig) -> 
             break
         at = int(found.distance.argmin())
         depth, pose = -float(found.distance[at]), int(found.pose[at])
-        if depth > cfg.max_depth:
-            reason = f"a cut of {1000 * depth:.1f} mm is deeper than {1000 * cfg.max_depth:.0f} mm"
+        if depth > pair.max_depth:
+            reason = f"a cut of {1000 * depth:.1f} mm is deeper than {1000 * pair.max_depth:.0f} mm"
             break
         options = []
         for side, outward in enumerate((found.normal[at], -found.normal[at])):
             own, other = pair.poses[side][pose], pair.poses[1 - side][pose]
             points = transform_points(inverse(own) @ other, current[1 - side].vertices)
             cut = _cut(current[side], own[:3, :3].T @ outward, points, cfg)
-            if cut is not None and hull_volume(cut) >= (1.0 - cfg.max_removed) * pair.volumes[side]:
+            if cut is not None and pair.volumes[side] - hull_volume(cut) <= pair.allowances[side]:
                 options.append((hull_volume(current[side]) - hull_volume(cut), side, cut))
         if not options:
             reason = f"a cut would take more than {cfg.max_removed:.0%} of a hull"
@@ -157,10 +170,10 @@ def _cut_for_all(pair: OverlappingPair, tolerance: float, cfg: ReliefConfig) -> 
         )
         for normal in (axis, -axis, *contact):
             cut = _cut(pair.hulls[side], normal, points, cfg)
-            if cut is None or hull_volume(cut) < (1.0 - cfg.max_removed) * pair.volumes[side]:
+            if cut is None or pair.volumes[side] - hull_volume(cut) > pair.allowances[side]:
                 continue
             depth = float((pair.hulls[side].vertices @ normal).max() - (cut.vertices @ normal).max())
-            if depth <= cfg.max_depth:
+            if depth <= pair.max_depth:
                 plans.append(_one_sided(pair, side, (cut,), depth))
     return plans
 
@@ -169,7 +182,7 @@ def _notch(pair: OverlappingPair, tolerance: float, cfg: ReliefConfig) -> list[R
     """Takes the other hull's shape, at the deepest pose, out of one hull."""
     found = signed_distances(HullSet(hulls=pair.hulls[:1]), HullSet(hulls=pair.hulls[1:]), *pair.poses)
     at = int(found.distance.argmin()) if len(found.distance) else -1
-    if at < 0 or not tolerance < -found.distance[at] <= cfg.max_depth:
+    if at < 0 or not tolerance < -found.distance[at] <= pair.max_depth:
         return []
     pose, plans = int(found.pose[at]), []
     for side in range(2):
@@ -180,7 +193,7 @@ def _notch(pair: OverlappingPair, tolerance: float, cfg: ReliefConfig) -> list[R
         planes[:, 3] += cfg.margin
         pieces = subtract_hull(pair.hulls[side], planes, cfg.min_width)
         left = sum(map(hull_volume, pieces))
-        enough = left >= (1.0 - cfg.max_removed) * pair.volumes[side]
+        enough = pair.volumes[side] - left <= pair.allowances[side]
         if pieces and len(pieces) - 1 <= pair.room[side] and enough:
             plans.append(_one_sided(pair, side, pieces, -float(found.distance[at])))
     return plans

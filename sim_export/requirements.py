@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Float
 
 from sim_export.contacts import HullSet, penetration_depths
-from sim_export.motion import driven_joints, link_displacements, moved_links
+from sim_export.motion import driven_joints, link_displacements, longest_side, moved_links
 from sim_export.package import Link, PackageJoint, Requirement
 
 
@@ -22,11 +22,11 @@ class RequirementConfig:
 
     poses: int = 21
     """Samples of each joint's range."""
-    min_depth: float = 0.01
-    """Depth (m) beyond the depth at rest from which a link counts as blocked; lower it when a tray
-    pushes through a door that should have been required open."""
-    free_depth: float = 0.005
-    """Depth (m) beyond the depth at rest up to which the way counts as free."""
+    min_depth: float = 0.025
+    """Depth beyond the depth at rest, over the object's longest side, from which a link counts as blocked;
+    lower it when a tray pushes through a door that should have been required open."""
+    free_depth: float = 0.01
+    """Depth beyond the depth at rest, over the object's longest side, up to which the way counts as free."""
     fractions: tuple[float, ...] = (0.25, 0.5, 0.75, 1.0)
     """Openings of the other joint that are tried, least first."""
 
@@ -65,6 +65,7 @@ def find_requirements(
     """
     cfg = cfg or RequirementConfig()
     sets = [HullSet(hulls=link.hulls) for link in links]
+    size = longest_side(links)
     driven = driven_joints(joints)
     moved = {joint.name: moved_links(links, joints, joint) for joint in driven}
     blocked = []
@@ -75,7 +76,7 @@ def find_requirements(
             if other is joint or not apart or set(moved[joint.name]) <= set(moved[other.name]):
                 continue
             depth = _depth(links, joints, sets, {joint.name: poses}, (moved[joint.name], apart))
-            if depth > cfg.min_depth:
+            if depth > cfg.min_depth * size:
                 blocked.append((depth, joint, other, apart))
     found: list[Requirement] = []
     for _, joint, other, apart in sorted(blocked, key=lambda row: (-row[0], row[1].name, row[2].name)):
@@ -84,7 +85,7 @@ def find_requirements(
             continue
         for fraction in cfg.fractions:
             opened = {joint.name: poses, other.name: other.lower + fraction * (other.upper - other.lower)}
-            if _depth(links, joints, sets, opened, (moved[joint.name], apart)) <= cfg.free_depth:
+            if _depth(links, joints, sets, opened, (moved[joint.name], apart)) <= cfg.free_depth * size:
                 found.append(Requirement(joint=joint.name, needs=other.name, fraction=fraction))
                 break
     order = {joint.name: index for index, joint in enumerate(joints)}
