@@ -4,7 +4,7 @@ Semantics and connectivity give a first grouping; a group whose votes scatter mo
 the field is split; groups are merged when their votes agree and the box they vote for is filled by
 both together better than by each alone; at last every voxel goes to the part that explains it best:
 its votes, its label, its joint type, its place in the part's box, and its neighbours.
-The noise is measured on the field itself, from the differences between neighbouring voxels.
+The noise is measured on the field itself: the base is one part, whatever its votes scatter is noise.
 """
 
 from dataclasses import dataclass
@@ -17,6 +17,7 @@ from artigen.neighbours import connected_groups, neighbour_pairs
 from artigen.partition import Partition, canonical_partition
 from artigen.votes import (
     WIDTH,
+    GroupVotes,
     Votes,
     class_costs,
     collect_votes,
@@ -45,7 +46,7 @@ class RobustConfig:
     the standard error of that vote."""
     seed_voxels: int = 24
     """Fewer voxels than this are a part of their own only when no larger part explains them."""
-    absorb_sigmas: float = 6.0
+    absorb_sigmas: float = 8.0
     """How improbable, in standard deviations, the votes of a small group may be in the group that
     absorbs it. Raise it when single stray voxels become parts."""
     extent_tolerance: float = 0.75
@@ -148,11 +149,14 @@ def _absorb(
 ) -> Int[np.ndarray, "N"]:
     """Gives small groups to larger ones that explain them by noise, whatever their classes.
 
-    Larger is what has `seed_voxels`, or ``share`` times the voxels. The mean of n half chi squares of d
-    votes stays below (d + `absorb_sigmas` sqrt(2 d / n)) / 2.
+    Larger is what has `seed_voxels`, or ``share`` times the voxels. See `_explained_below` for the limit.
     """
     groups = _without_gaps(groups)
     stats = summarise(votes, groups, base)
+    returned = _return_to_base(votes, stats, groups, cfg)
+    if (returned != groups).any():
+        groups = _without_gaps(returned)
+        stats = summarise(votes, groups, base)
     is_small = stats.count < cfg.seed_voxels
     is_small[0] = False
     if not is_small.any():
@@ -165,11 +169,34 @@ def _absorb(
     least = np.minimum(np.repeat(number, number) * share, cfg.seed_voxels)
     costs[least[:, None] > stats.count[larger]] = np.inf
     mean = np.add.reduceat(costs, np.cumsum(number) - number, axis=0) / number[:, None]
-    limit = (WIDTH + cfg.absorb_sigmas * np.sqrt(2 * WIDTH / number)) / 2
+    limit = _explained_below(number, cfg)
     moved = np.repeat(mean.min(axis=1) < limit, number)
     out = groups.copy()
     out[rows[moved]] = larger[costs[moved].argmin(axis=1)]
     return out
+
+
+def _explained_below(number: Int[np.ndarray, "K"], cfg: RobustConfig) -> Float[np.ndarray, "K"]:
+    """Mean cost below which ``number`` voxels may be in a group by noise alone.
+
+    A half chi squared of d votes has mean d / 2 and standard deviation sqrt(2 d) / 2. Allowance falls faster
+    with the number than that of a mean does, because chi squared has its long tail for single voxels.
+    """
+    return (WIDTH + cfg.absorb_sigmas * np.sqrt(2 * WIDTH) / number**0.75) / 2
+
+
+def _return_to_base(
+    votes: Votes, stats: GroupVotes, groups: Int[np.ndarray, "N"], cfg: RobustConfig
+) -> Int[np.ndarray, "N"]:
+    """Gives groups of any size to the base where its votes explain them: patches of wrong labels.
+
+    No real part votes for the box of the base.
+    """
+    rows = np.flatnonzero(groups > 0)
+    costs = vote_costs(votes, select_groups(stats, np.array([0])), rows, cfg.outside)[:, 0]
+    mean = np.bincount(groups[rows], weights=costs, minlength=len(stats.count)) / stats.count
+    limit = np.maximum(_explained_below(stats.count, cfg), 0.75 * WIDTH)
+    return np.where((groups > 0) & (mean < limit)[groups], 0, groups)
 
 
 def _merge(

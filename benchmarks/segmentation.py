@@ -89,12 +89,12 @@ def run_trial(asset: Asset, fields: VoxelFields, *, noise: str, recipe: str, sev
     """Segments one field; parts without a parent in reach count against the tree, not the parts."""
     cfg = SegmentConfig(recipe="paper" if recipe == "paper" else "robust", detached="note")
     common = {"key": asset.name, "category": asset.category, "seven": seven, "noise": noise, "recipe": recipe}
-    start = time.perf_counter()
+    start = time.process_time()
     try:
         found = segment(fields, cfg, name=asset.name, scale=asset.scale, category=asset.category)
     except ArtigenError as err:
         return Trial(**common, problem=str(err))
-    seconds = time.perf_counter() - start
+    seconds = time.process_time() - start
     score = score_segmentation(asset, found)
     return Trial(
         **common,
@@ -134,15 +134,18 @@ def describe(trials: list[Trial]) -> list[str]:
     ]
 
 
+def spell_sizes(sizes: list[int]) -> str:
+    """One size, or the span of several."""
+    return str(min(sizes)) if min(sizes) == max(sizes) else f"{min(sizes)} to {max(sizes)}"
+
+
 def lost_parts(trial: Trial) -> str:
     """The parts that were not found, by label, with their sizes in voxels."""
     lost: dict[str, list[int]] = {}
     for part in trial.parts:
         if not part.found:
             lost.setdefault(part.label, []).append(part.voxels)
-    said = [
-        f"{len(sizes)} {label} ({min(sizes)} to {max(sizes)} voxels)" for label, sizes in sorted(lost.items())
-    ]
+    said = [f"{len(sizes)} {label} ({spell_sizes(sizes)} voxels)" for label, sizes in sorted(lost.items())]
     return "lost: " + (", ".join(said) or "none, but one or more too many")
 
 
@@ -159,7 +162,7 @@ def write_tables(trials: list[Trial], path: Path) -> None:
     """The Markdown tables."""
     names = (
         "fields", "recipe", "objects", "whole", "parts", "joint type", "axis, degrees", "line, voxels",
-        "range, %", "parent", "box, voxels", "seconds",
+        "range, %", "parent", "box, voxels", "CPU seconds",
     )  # fmt: skip
     head = "| " + " | ".join(names) + " |"
     lines = []
