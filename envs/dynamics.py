@@ -242,7 +242,9 @@ def check_mujoco(folder: Path) -> CheckResult:
             return _result("V308", fails=True, where=result.file, message=f"MuJoCo: {result.error}")
     worst = max(results, key=lambda result: result.force)
     said = [warning for result in results for warning in result.warnings]
-    message = f"{len(results)} files compiled" + (f", {len(said)} warnings: {said[0]}" if said else "")
+    message = f"constraints push with {worst.force:.3g} at rest, allowed is {MUJOCO_FORCE:g}" + (
+        f"; {len(said)} warnings: {said[0]}" if said else ""
+    )
     return _result(
         "V308", fails=not worst.force < MUJOCO_FORCE, value=worst.force, threshold=MUJOCO_FORCE,
         unit="N and N m", where=worst.file, message=message,

@@ -11,10 +11,12 @@ from sim_export.boards import fill_boards
 from sim_export.clearance import clear_joints
 from sim_export.config import ExportConfig
 from sim_export.decompose import Decomposition, decompose_parts
+from sim_export.face_planes import box_in_lattice
 from sim_export.links import LinkTree, PartGeometry, build_links, link_owners
 from sim_export.masses import weigh_part
 from sim_export.materials import part_material
 from sim_export.meshing import mesh_parts
+from sim_export.occupancy import part_occupancy
 from sim_export.package import Mesh, SimPackage, SourceMesh
 from sim_export.requirements import find_requirements
 from sim_export.retention import keep_drawers_held
@@ -74,7 +76,11 @@ def export_asset(
     watch.lap("mesh")
     decompositions = decompose_parts(meshes, link_owners(asset), cfg.decompose, cache)
     watch.lap("decompose")
-    inertials = [weigh_part(asset, index, mesh) for index, mesh in enumerate(meshes)]
+    cells = [
+        part_occupancy(voxels, index, box_in_lattice(part, voxels.resolution))
+        for index, part in enumerate(asset.parts)
+    ]
+    inertials = [weigh_part(asset, index, mesh, cells[index]) for index, mesh in enumerate(meshes)]
     watch.lap("mass")
     if source_meshes is None:
         colored = asset.surface is not None or asset.gaussians is not None
@@ -106,6 +112,7 @@ def export_asset(
             for p, d in zip(asset.parts, decompositions, strict=True)
             for said in d.records
         ),
+        *(f"{p.name}: {said}" for p, solid in zip(asset.parts, cells, strict=True) for said in solid.records),
         *tree.records,
         *held,
         *cleared.records,

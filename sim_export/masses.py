@@ -11,28 +11,27 @@ from scipy.ndimage import binary_erosion
 
 from artigen.types import Asset
 from sim_export.errors import DegeneratePart
-from sim_export.face_planes import box_in_lattice
 from sim_export.inertia import inertia_about, mesh_inertial
 from sim_export.materials import MATERIALS, part_material
-from sim_export.occupancy import part_occupancy
+from sim_export.occupancy import PartOccupancy
 from sim_export.package import Inertial, Mesh
 
 
-def weigh_part(asset: Asset, part_id: int, mesh: Mesh) -> Inertial:
+def weigh_part(asset: Asset, part_id: int, mesh: Mesh, occupancy: PartOccupancy) -> Inertial:
     """Mass properties of the walls of a part, of the material that its label and category imply.
 
     Args:
         asset: parts and voxels; unit-cube lengths.
         part_id: which part.
         mesh: its closed mesh, metres.
+        occupancy: the cells that the mesh was made of.
     """
     if asset.voxels is None:
         raise ValueError(f"asset {asset.name!r} has no voxels; voxelize its surface first")
     part = asset.parts[part_id]
     density = MATERIALS[part_material(part.label, asset.category)].density
     solid = mesh_inertial(mesh, density)
-    occupancy = part_occupancy(asset.voxels, part_id, box_in_lattice(part, asset.voxels.resolution)).occupancy
-    cavity = binary_erosion(occupancy)  # the outermost cells are wall, and so is any part's surface
+    cavity = binary_erosion(occupancy.occupancy)  # the outermost cells are wall, and so is any part's surface
     cavity[tuple(asset.voxels.coords.T)] = False
     if not cavity.any():
         return solid

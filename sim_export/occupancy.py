@@ -37,6 +37,17 @@ class PartOccupancy:
     enclosed: int
     joined: int
 
+    @property
+    def records(self) -> tuple[str, ...]:
+        """One sentence for each kind of change."""
+        kinds = (
+            (self.shared, "cells shared with a neighbour completed its surface"),
+            (self.shaved, "specks of cells were left out"),
+            (self.enclosed, "cells of a cavity without a way out became solid"),
+            (self.joined, "cells joined others that touched along an edge only"),
+        )
+        return tuple(f"{count} {what}" for count, what in kinds if count)
+
 
 def part_occupancy(
     voxels: VoxelGrid, part_id: int, box: Float[np.ndarray, "2 3"] | None = None

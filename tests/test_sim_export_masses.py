@@ -10,6 +10,7 @@ from sim_export.inertia import check_inertial, combine
 from sim_export.masses import cells_inertial, subtract, weigh_part
 from sim_export.materials import MATERIALS
 from sim_export.meshing import mesh_parts
+from sim_export.occupancy import part_occupancy
 
 
 def hollow_box(shape=(20, 24, 30), resolution=32) -> Asset:
@@ -30,7 +31,7 @@ def hollow_box(shape=(20, 24, 30), resolution=32) -> Asset:
 def test_a_closed_shell_weighs_its_walls():
     asset = hollow_box()
     (mesh,) = mesh_parts(asset)
-    walls = weigh_part(asset, 0, mesh)
+    walls = weigh_part(asset, 0, mesh, part_occupancy(asset.voxels, 0))
     size = np.array([20, 24, 30]) / 32
     volume = np.prod(size) - np.prod(size - 2 / 32)
     assert walls.mass == pytest.approx(MATERIALS["wood_board"].density * volume, rel=1e-6)
@@ -62,4 +63,4 @@ def test_an_asset_without_voxels_cannot_be_weighed():
     asset = hollow_box()
     (mesh,) = mesh_parts(asset)
     with pytest.raises(ValueError, match="no voxels"):
-        weigh_part(replace(asset, voxels=None), 0, mesh)
+        weigh_part(replace(asset, voxels=None), 0, mesh, part_occupancy(asset.voxels, 0))
