@@ -19,6 +19,10 @@ MIN_ALIGNED_AREA = 0.5
 """Share of the surface that must be axis-aligned before boxes are tried."""
 SNAP = 5e-4
 """Planes closer together than this share of the diagonal are one."""
+UNEVEN = 0.012
+"""Nearly aligned faces within this share of the diagonal make one plane."""
+LEAST_UNEVEN = 0.005
+"""Least share of the surface of such a plane."""
 MAX_PLANES = 64
 """Planes per axis, largest first."""
 
@@ -93,31 +97,55 @@ def fit_cuboids(
 def _face_coordinates(
     vertices: np.ndarray, faces: np.ndarray, detail: float
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
-    """Coordinates of the axis-aligned faces along each axis, the mesh's bounds included."""
-    snap = SNAP * np.linalg.norm(np.ptp(vertices, axis=0))
+    """Coordinates of the axis-aligned faces along each axis, the mesh's bounds included.
+
+    Faces that are aligned but for a few degrees or bumps count as well, at their mean coordinate,
+    where no other plane is near: else a whole board would have no face to end at.
+    """
+    diagonal = float(np.linalg.norm(np.ptp(vertices, axis=0)))
     corners = vertices[faces]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     area = np.linalg.norm(normals, axis=1)
+    least = detail * area.sum()
     aligned = np.abs(normals) > 0.999 * area[:, None]
-    if area[aligned.any(axis=1)].sum() < MIN_ALIGNED_AREA * area.sum():
+    nearly = np.abs(normals) > 0.94 * area[:, None]
+    if area[nearly.any(axis=1)].sum() < MIN_ALIGNED_AREA * area.sum():
         return None
     out = []
     for axis in range(3):
-        chosen = aligned[:, axis]
-        at, weight = corners[chosen, :, axis].mean(axis=1), area[chosen]
-        low, high = vertices[:, axis].min(), vertices[:, axis].max()
-        kept = [low, high]
-        # Large faces choose their plane first; small ones near them follow.
-        _, slot = np.unique(np.round(at / (0.1 * snap)).astype(np.int64), return_inverse=True)
-        weights = np.bincount(slot, weights=weight)
-        centers = np.bincount(slot, weights=weight * at) / np.maximum(weights, 1e-300)
-        for index in np.argsort(-weights, kind="stable"):
-            if len(kept) > MAX_PLANES or weights[index] < detail * area.sum():
-                break
-            if np.abs(np.array(kept) - centers[index]).min() >= snap:
-                kept.append(centers[index])
+        kept = [vertices[:, axis].min(), vertices[:, axis].max()]
+        at = corners[:, :, axis].mean(axis=1)
+        for chosen, gap, enough in (
+            (aligned[:, axis], SNAP * diagonal, least),
+            (nearly[:, axis], UNEVEN * diagonal, max(least, LEAST_UNEVEN * area.sum())),
+        ):
+            kept += _new_planes(kept, at[chosen], area[chosen], gap, enough)
         out.append(np.sort(kept))
     return out[0], out[1], out[2]
+
+
+def _new_planes(
+    kept: list[float], at: np.ndarray, weight: np.ndarray, gap: float, enough: float
+) -> list[float]:
+    """Coordinates where faces of total area ``enough`` lie, largest first, none within ``gap`` of another."""
+    new: list[float] = []
+    left = np.abs(at[:, None] - np.array(kept)).min(axis=1) >= gap
+    at, weight = at[left], weight[left]
+    order = np.argsort(at, kind="stable")
+    at, weight = at[order], weight[order]
+    while len(at) and len(kept) + len(new) < MAX_PLANES:
+        # Area within a gap of each face, from running sums over the sorted coordinates.
+        sums = np.concatenate([[0.0], np.cumsum(weight)])
+        low, high = np.searchsorted(at, at - gap / 2), np.searchsorted(at, at + gap / 2, side="right")
+        near = sums[high] - sums[low]
+        best = int(near.argmax())
+        if near[best] < enough:
+            break
+        members = slice(low[best], high[best])
+        new.append(float(np.average(at[members], weights=weight[members])))
+        left = np.abs(at - new[-1]) >= gap
+        at, weight = at[left], weight[left]
+    return new
 
 
 def _compress(occupancy: np.ndarray) -> tuple[np.ndarray, list[np.ndarray]]:

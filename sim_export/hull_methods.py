@@ -49,6 +49,8 @@ FARTHEST = 0.022
 """No point should be farther away than this."""
 SMALLEST_MISSING = 2e-3
 """Pieces below this share of the volume are not worth a hull of their own."""
+LARGE_MISSING = 0.02
+"""Pieces above this share of the volume always are."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -201,9 +203,10 @@ def _boxes(solid: Solid, cfg: DecomposeConfig) -> Candidate | None:
         boxes = fit_cuboids(vertices, faces, MOST_BOXES, detail)
         if boxes is not None and len(boxes):
             hulls = [box_hull(low, high) for low, high in boxes]
-            if _farthest_outside(boxes, vertices) > cfg.reach * diagonal_of(solid):
-                hulls += _missing_hulls(solid, boxes, cfg)
-            found = _measured("boxes", tuple(hulls), solid)
+            found = _measured("boxes", hulls, solid)
+            missing = [] if found.error <= EXACT / 5 else _missing_hulls(solid, boxes, cfg)
+            if missing:
+                found = _measured("boxes", hulls + missing, solid)
             if best is None or found.score < best.score:
                 best = found
         if enough or (best is not None and best.error <= EXACT):
@@ -214,7 +217,7 @@ def _boxes(solid: Solid, cfg: DecomposeConfig) -> Candidate | None:
 
 
 def _missing_hulls(solid: Solid, boxes: Float[np.ndarray, "K 2 3"], cfg: DecomposeConfig) -> list[Hull]:
-    """Hulls of those pieces of the solid that stick far out of the boxes: feet, knobs, rims.
+    """Hulls of what boxes miss: pieces that stick far out of them, like feet, and whole boards.
 
     Pieces that their hulls would more than double are left to finer boxes.
     """
@@ -225,7 +228,8 @@ def _missing_hulls(solid: Solid, boxes: Float[np.ndarray, "K 2 3"], cfg: Decompo
     for piece in (solid - covered).decompose():
         if piece.volume() < SMALLEST_MISSING * solid.volume():
             continue
-        if _farthest_outside(boxes, solid_arrays(piece)[0]) > cfg.reach * diagonal_of(solid):
+        far = _farthest_outside(boxes, solid_arrays(piece)[0]) > cfg.reach * diagonal_of(solid)
+        if far or piece.volume() > LARGE_MISSING * solid.volume():
             small = PieceConfig(max_hulls=4, max_pieces=8, cut_excess=0.2, join_excess=0.3)
             parts = convex_pieces(piece, small)
             if sum(part.volume() for part in parts) <= 2.0 * piece.volume():
