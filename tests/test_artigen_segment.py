@@ -22,6 +22,7 @@ from artigen.types import (
     Joint,
     JointType,
     Part,
+    PartLabel,
     SurfaceSamples,
     VoxelGrid,
 )
@@ -36,9 +37,9 @@ class Drawing:
     """Collects boxes with a label and a joint, and turns them into a voxelised asset."""
 
     def __init__(self) -> None:
-        self.bodies: list[tuple[str, list[Box], int, Joint]] = []
+        self.bodies: list[tuple[PartLabel, list[Box], int, Joint]] = []
 
-    def add(self, label: str, boxes: list[Box], parent: int = 0, joint: Joint = FIXED) -> int:
+    def add(self, label: PartLabel, boxes: list[Box], parent: int = 0, joint: Joint = FIXED) -> int:
         self.bodies.append((label, boxes, parent, joint))
         return len(self.bodies) - 1
 
