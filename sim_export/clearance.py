@@ -15,7 +15,7 @@ from jaxtyping import Float
 
 from sim_export.contacts import HullSet, penetration_depths, signed_distances
 from sim_export.hull_limits import HullLimits, trim_hull
-from sim_export.hulls import hull_volume
+from sim_export.hulls import hull_volume, hull_width
 from sim_export.motion import driven_joints, link_displacements, longest_side, moved_links
 from sim_export.package import Hull, Link, PackageJoint, Requirement
 from sim_export.relief import OverlappingPair, ReliefConfig, relieve_pair
@@ -137,13 +137,22 @@ class _Hulls:
         self.hulls[link] += list(pieces)
         self.volumes[link] += [hull_volume(piece) for piece in pieces]
 
-    def trimmed(self, link: int, limits: HullLimits) -> tuple[Hull, ...]:
-        """The remaining hulls of a link, those that cuts have made oblong cut again."""
+    def trim(self, link: int, limits: HullLimits, most: int) -> None:
+        """Brings what cuts have left of a link's hulls within the limits of physics engines.
+
+        Oblong pieces are cut again, pieces thinner than allowed go, and where there are too many hulls
+        the smallest go; counted with those that were dropped for clearance.
+        """
         untouched = {id(hull) for hull in self.links[link].hulls}
         out: list[Hull] = []
         for hull in self.prepared(link)[0].hulls:
             out += [hull] if id(hull) in untouched else trim_hull(hull, limits)
-        return tuple(out)
+        thick = [h for h in out if id(h) in untouched or hull_width(h)[0] >= limits.min_width]
+        sizes = np.array([hull_volume(hull) for hull in thick])
+        largest = set(np.argsort(-sizes, kind="stable")[:most].tolist())
+        kept = [hull for index, hull in enumerate(thick) if index in largest]
+        self.dropped[link] += len(out) - len(kept)
+        self.hulls[link] = list(kept)
 
     def count(self, link: int) -> int:
         return sum(hull is not None for hull in self.hulls[link])
@@ -206,8 +215,11 @@ def clear_joints(
         if not any(changes):
             break
     final, limits, residuals = _settle_limits(work, joints, requirements, cfg, stuck)
+    for index in range(len(links)):
+        if work.cuts[index]:
+            work.trim(index, cfg.limits, cfg.max_hulls)
     cleared = tuple(
-        link if not work.cuts[index] else replace(link, hulls=work.trimmed(index, cfg.limits))
+        link if not work.cuts[index] else replace(link, hulls=work.prepared(index)[0].hulls)
         for index, link in enumerate(links)
     )
     out = Clearance(links=cleared, joints=final, reliefs=work.reliefs(), limits=limits, residuals=residuals)

@@ -11,6 +11,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+import numpy as np
+
 from sim_export.convex_pieces import Solid
 from sim_export.errors import DecompositionFailed
 from sim_export.hull_limits import limit_hulls
@@ -122,6 +124,9 @@ def decompose_parts(
     decomposed again with their share of what is allowed.
     """
     cfg = cfg or DecomposeConfig()
+    if cfg.size == 0.0 and meshes:
+        corners = np.concatenate([mesh.vertices for mesh in meshes])
+        cfg = replace(cfg, size=float(np.linalg.norm(np.ptp(corners, axis=0))))
     out = [decompose_part(mesh, cfg, cache) for mesh in meshes]
     for owner in sorted(set(owners)):
         parts = [index for index, other in enumerate(owners) if other == owner]

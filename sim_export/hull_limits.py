@@ -22,11 +22,11 @@ from sim_export.package import Hull
 class HullLimits:
     """Limits of PhysX's GPU solver, with a little room, and a least thickness."""
 
-    max_vertices: int = 64
-    """Most vertices of a hull."""
+    max_vertices: int = 32
+    """Most vertices of a hull; 32 have at most 60 faces, whichever of them count as flat."""
     max_polygons: int = 54
     """Most faces of a hull, coplanar triangles counted once."""
-    min_width: float = 0.001
+    min_width: float = 0.0011
     """Least thickness (m); thinner hulls are thickened to it."""
     max_aspect: float = 60.0
     """Greatest length over thickness; longer hulls are cut and, where that would make too many, first

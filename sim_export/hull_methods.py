@@ -23,9 +23,9 @@ from sim_export.hull_limits import HullLimits
 from sim_export.hulls import box_hull
 from sim_export.package import Hull, Mesh
 from sim_export.solids import (
-    STRAY_SAMPLES,
     as_solid,
     inside_grid,
+    measure_bulge,
     measure_fit,
     measure_stray,
     solid_arrays,
@@ -44,7 +44,7 @@ INNER_CELLS = 72
 MOST_BOXES = 256
 """Boxes that joining starts from at most."""
 MISSED = 0.012
-"""A point of the surface that is farther than this from all hulls, over the diagonal, is missed."""
+"""A point farther than this from the other surface, over the object's diagonal, is missed."""
 FARTHEST = 0.022
 """No point should be farther away than this."""
 SMALLEST_MISSING = 2e-3
@@ -59,14 +59,14 @@ class DecomposeConfig:
 
     method: Literal["auto", "boxes", "pieces", "coacd"] = "auto"
     """One method, or the cheapest that is good enough."""
-    max_hulls: int = 30
-    """Most hulls per part, and per link; two fewer than checked, for what clearance may have to
+    max_hulls: int = 27
+    """Most hulls per part, and per link; a few less than checked, for what clearance may have to
     split; physics engines slow down with every one."""
     tolerance: float = 0.08
     """Volume error that `auto` accepts; lower it when hulls stray from the visual mesh."""
     join_above: int = 8
     """More boxes than this are joined to fewer hulls while the volume error stays within tolerance."""
-    boxes_tolerance: float = 0.15
+    boxes_tolerance: float = 0.3
     """Volume error up to which `auto` takes boxes, if none are within ``tolerance``, rather than cutting the
     mesh, which takes ten times longer."""
     hull_tolerance: float = 0.1
@@ -76,8 +76,9 @@ class DecomposeConfig:
     own: volume alone would not miss small legs."""
     coacd_above: float = 0.6
     """Volume error above which `auto` tries CoACD, which takes seconds to minutes."""
-    coacd_faces: int = 3000
-    """Most faces, after leaving out detail, of a mesh that `auto` gives to CoACD; more take minutes."""
+    coacd_faces: int = 0
+    """Most faces, after leaving out detail, of a mesh that `auto` gives to CoACD; none by default, because
+    it takes seconds to minutes and its hulls fill more of thin-walled parts than pieces and boxes do."""
     min_kept_cavity: float = 0.9
     """Least share of the space inside the part's convex hull that must stay free."""
     min_cavity: float = 0.3
@@ -94,6 +95,8 @@ class DecomposeConfig:
     """Detail left out before cutting, over the mesh's diagonal; raise it when curved meshes take long."""
     on_failure: Literal["raise", "hull"] = "raise"
     """What to do where no method works: raise, or take one convex hull and record it."""
+    size: float = 0.0
+    """Diagonal (m) of the whole object, by which distances are judged; 0 takes the part's own."""
     limits: HullLimits = field(default_factory=HullLimits)
     """What each hull must be like."""
     coacd: CoacdConfig = field(default_factory=lambda: CoacdConfig(timeout=20.0))
@@ -151,7 +154,7 @@ def hull_candidates(solid: Solid, cfg: DecomposeConfig, cache: Path | None) -> I
 
 
 def _auto(solid: Solid, cfg: DecomposeConfig, cache: Path | None) -> Iterator[Candidate]:
-    whole = _measured("hull", [solid_hull(solid)], solid)
+    whole = _measured("hull", [solid_hull(solid)], solid, cfg)
     if whole.error <= cfg.hull_tolerance:
         yield whole
     boxes = _boxes(solid, cfg)
@@ -183,7 +186,7 @@ def _inner_boxes(solid: Solid, cfg: DecomposeConfig, note: str) -> Candidate:
     counts = np.maximum(np.rint((high - low) / cell).astype(int), 1)
     edges = [np.linspace(low[axis], high[axis], counts[axis] + 1) for axis in range(3)]
     x, y, z = ((edge[:-1] + edge[1:]) / 2 for edge in edges)
-    boxes = largest_cuboids(inside_grid(vertices, faces, (x, y, z)), cfg.max_hulls)
+    boxes = largest_cuboids(inside_grid(vertices, faces, (x, y, z)), max(1, cfg.max_hulls // 2))
     hulls = [
         box_hull(*(np.array([edges[axis][box[end, axis]] for axis in range(3)]) for end in range(2)))
         for box in boxes
@@ -191,7 +194,7 @@ def _inner_boxes(solid: Solid, cfg: DecomposeConfig, note: str) -> Candidate:
     if not hulls:
         raise DecompositionFailed(f"no cell of a grid of {INNER_CELLS} along the longest edge lies inside")
     said = f"the {len(hulls)} largest boxes inside of it are taken, detail is left out"
-    return replace(_measured("boxes", hulls, solid), note=f"{note}; {said}" if note else said)
+    return replace(_measured("boxes", hulls, solid, cfg), note=f"{note}; {said}" if note else said)
 
 
 def _boxes(solid: Solid, cfg: DecomposeConfig) -> Candidate | None:
@@ -203,10 +206,10 @@ def _boxes(solid: Solid, cfg: DecomposeConfig) -> Candidate | None:
         boxes = fit_cuboids(vertices, faces, MOST_BOXES, detail)
         if boxes is not None and len(boxes):
             hulls = [box_hull(low, high) for low, high in boxes]
-            found = _measured("boxes", hulls, solid)
+            found = _measured("boxes", hulls, solid, cfg)
             missing = [] if found.error <= EXACT / 5 else _missing_hulls(solid, boxes, cfg)
             if missing:
-                found = _measured("boxes", hulls + missing, solid)
+                found = _measured("boxes", hulls + missing, solid, cfg)
             if best is None or found.score < best.score:
                 best = found
         if enough or (best is not None and best.error <= EXACT):
@@ -243,7 +246,7 @@ def _joined(boxes: Candidate, solid: Solid, cfg: DecomposeConfig) -> Candidate:
     most = min(cfg.max_hulls, cfg.max_pieces)
     pieces = PieceConfig(max_hulls=most, join_excess=0.8 * left)
     joined = join_pieces([as_solid(hull) for hull in boxes.hulls], solid.volume(), pieces)
-    choice = _measured("boxes", [solid_hull(piece) for piece in joined], solid)
+    choice = _measured("boxes", [solid_hull(piece) for piece in joined], solid, cfg)
     good = choice.error <= boxes.error + left or len(boxes.hulls) > most
     return choice if good else boxes
 
@@ -260,7 +263,7 @@ def _pieces(solid: Solid, cfg: DecomposeConfig) -> Candidate:
             hulls.append(solid_hull(piece))
         except DegeneratePart:
             logger.debug("a piece of %.3g m^3 is flat: left out", piece.volume())
-    return _measured("pieces", hulls, solid)
+    return _measured("pieces", hulls, solid, cfg)
 
 
 def _simplified(solid: Solid, cfg: DecomposeConfig) -> Solid:
@@ -271,14 +274,16 @@ def _simplified(solid: Solid, cfg: DecomposeConfig) -> Solid:
 
 def _coacd(solid: Solid, cfg: DecomposeConfig, cache: Path | None) -> Candidate:
     vertices, faces = solid_arrays(solid)
-    return _measured("coacd", run_coacd(Mesh(vertices=vertices, faces=faces), cfg.coacd, cache), solid)
+    return _measured("coacd", run_coacd(Mesh(vertices=vertices, faces=faces), cfg.coacd, cache), solid, cfg)
 
 
-def _measured(method: Method, hulls: Sequence[Hull], solid: Solid) -> Candidate:
-    stray = measure_stray(hulls, solid)
-    missed = float((stray[:STRAY_SAMPLES] > MISSED).mean())
-    too_far = max(0.0, float(stray.max()) - FARTHEST)
-    error = measure_fit(hulls, solid).volume_error + 10.0 * missed + 20.0 * too_far
+def _measured(method: Method, hulls: Sequence[Hull], solid: Solid, cfg: DecomposeConfig) -> Candidate:
+    size = cfg.size or diagonal_of(solid)
+    error = measure_fit(hulls, solid).volume_error
+    for distances in (measure_stray(hulls, solid), measure_bulge(hulls, solid)):
+        missed = float((distances > MISSED * size).mean())
+        too_far = max(0.0, float(distances.max(initial=0.0)) / size - FARTHEST)
+        error += 10.0 * missed + 20.0 * too_far
     return Candidate(method=method, hulls=tuple(hulls), error=error)
 
 

@@ -255,6 +255,8 @@ def opening_pull(joint: PackageJoint, moved: Inertial) -> float:
     weight = moved.mass * GRAVITY
     arm = np.asarray(moved.com) - joint.origin
     moving = np.asarray(joint.axis) if joint.type == "prismatic" else np.cross(joint.axis, arm)
+    if joint.type == "continuous":  # any position may be the one it starts from
+        return weight * float(np.linalg.norm(moving)) * (1.0 + HOLD_SLOPE)
     level = -weight * float(moving[2])
     return max(0.0, level + HOLD_SLOPE * weight * float(np.hypot(moving[0], moving[1])))
 

@@ -84,7 +84,7 @@ def joint_resistance(label: PartLabel, joint: JointType, mass: float, hold: floa
 
     Drawers, trays and other sliding panels resist with 1 N of seals and rollers, doors with 0.3 N m of
     hinges and catch, knobs and lids of bottles with 0.04 N m, buttons with 0.5 N, wheels with
-    0.005 N m; all but wheels with more where that would not hold them shut.
+    0.005 N m; all with more where that would not hold them.
 
     Args:
         label: What the moving part is.
@@ -94,7 +94,7 @@ def joint_resistance(label: PartLabel, joint: JointType, mass: float, hold: floa
     """
     sliding = joint == "prismatic"
     if label == "wheel":
-        return Resistance(friction=0.005, damping=0.002, effort=20.0, velocity=20.0)
+        return Resistance(friction=max(0.005, hold), damping=0.002, effort=20.0, velocity=20.0)
     if label in ("knob", "handle"):
         if sliding:
             return Resistance(friction=max(0.5, hold), damping=1.0, effort=20.0, velocity=0.5)

@@ -21,6 +21,10 @@ _RAGGED_SHARE = 0.15
 """A layer at the part's box face is completed where the part already owns this share of it."""
 
 
+MIN_LODGER = 8
+"""Cells of other parts inside a cavity that keep it free; fewer are where surfaces touch."""
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PartOccupancy:
     """The solid cells of one part, on the asset's whole grid, and how many were added or removed.
@@ -56,8 +60,8 @@ def part_occupancy(
 
     ``box`` (lowest and highest corner in lattice units) tells how far the part reaches into layers
     it contests with others; without it such layers stay ragged. The result is well-composed: its
-    boundary is a 2-manifold. Cavities that are open, like a drawer's, stay open; disconnected pieces
-    stay apart. Raises `DegeneratePart` for a part without cells.
+    boundary is a 2-manifold. Cavities that are open, like a drawer's, or that hold other parts stay free;
+    disconnected pieces stay apart. Raises `DegeneratePart` for a part without cells.
     """
     mine = voxels.part_ids == part_id
     if not mine.any():
@@ -74,9 +78,9 @@ def part_occupancy(
     if box is not None:
         shared |= _ragged_layers(shared, others, box - low + 2)
     shaved = _shave_specks(shared, others & ~shared)
-    filled = _fill_cavities(shaved)
+    filled = _fill_cavities(shaved, others)
     joined = join_cells(filled, others)
-    solid = _fill_cavities(joined)
+    solid = _fill_cavities(joined, others)
     inside = tuple(slice(2, -2) for _ in range(3))
     out = np.zeros(whole.shape[1:], dtype=bool)
     out[window] = solid[inside]
@@ -170,6 +174,15 @@ def _in_plane(normal: int) -> np.ndarray:
     return structure
 
 
-def _fill_cavities(grid: np.ndarray) -> np.ndarray:
-    """Fills empty cells from which no way of cells sharing faces leads out."""
-    return np.asarray(ndimage.binary_fill_holes(grid), dtype=bool)
+def _fill_cavities(grid: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """Fills empty cells from which no way of cells sharing faces leads out.
+
+    A cavity in which another part lies (the rack of a closed oven) stays free for it.
+    """
+    holes = np.asarray(ndimage.binary_fill_holes(grid), dtype=bool) & ~grid
+    if not (holes & others).any():
+        return grid | holes
+    spaces = np.zeros(grid.shape, dtype=np.int64)
+    ndimage.label(holes, output=spaces)
+    lodgers = np.bincount(spaces[others & holes], minlength=int(spaces.max()) + 1)
+    return grid | (holes & (lodgers[spaces] < MIN_LODGER))

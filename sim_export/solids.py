@@ -7,8 +7,7 @@ import manifold3d
 import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy import ndimage
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
+from scipy.spatial import KDTree
 
 from sim_export.errors import OpenMesh
 from sim_export.hulls import convex_hull, hull_planes
@@ -29,12 +28,12 @@ class Fit:
 
 
 def as_solid(mesh: Mesh | Hull) -> manifold3d.Manifold:
-    """The enclosed volume of a closed mesh, inner voids filled.
+    """The enclosed volume of a closed mesh; inner voids, where the mesh has any, stay free.
 
     Raises:
         OpenMesh: if the mesh does not enclose a volume.
     """
-    solid = _manifold(mesh.vertices, _without_voids(mesh.vertices, mesh.faces))
+    solid = _manifold(mesh.vertices, mesh.faces)
     if solid.status() != manifold3d.Error.NoError or solid.is_empty() or solid.volume() <= 0.0:
         raise OpenMesh(
             f"a mesh of {len(mesh.faces)} faces encloses {solid.volume():.3g} m^3 "
@@ -66,22 +65,44 @@ def measure_fit(hulls: Sequence[Hull], solid: manifold3d.Manifold) -> Fit:
     )
 
 
-STRAY_SAMPLES = 1500
-
-
 def measure_stray(hulls: Sequence[Hull], solid: manifold3d.Manifold) -> Float[np.ndarray, "N"]:
-    """How far points of the solid's surface lie outside of all hulls, over the solid's diagonal.
+    """How far (m) points of the solid's surface lie outside of all hulls; 0 inside.
 
-    Evenly spread points first, then the solid's vertices; a lower bound of the distance, 0 inside.
-    Volume alone would not miss feet, thin panels and rims.
+    A lower bound. Volume alone would not miss feet, thin panels and rims.
     """
     vertices, faces = solid_arrays(solid)
-    points = np.concatenate([sample_triangles(vertices[faces], STRAY_SAMPLES)[0], vertices])
+    points = sample_triangles(vertices[faces], 2000)[0]
     outside = np.full(len(points), np.inf)
     for hull in hulls:
         planes = hull_planes(hull)
         outside = np.minimum(outside, (points @ planes[:, :3].T - planes[:, 3]).max(axis=1))
-    return np.maximum(outside, 0.0) / np.linalg.norm(np.ptp(vertices, axis=0))
+    return np.maximum(outside, 0.0)
+
+
+SURFACE_SAMPLES = 30_000
+
+
+def measure_bulge(hulls: Sequence[Hull], solid: manifold3d.Manifold) -> Float[np.ndarray, "N"]:
+    """How far (m) points on the outside of the hulls lie from the solid's surface.
+
+    Less what the spacing of the sampled surface adds; what other hulls cover is not outside.
+    """
+    vertices, faces = solid_arrays(solid)
+    surface = sample_triangles(vertices[faces], SURFACE_SAMPLES)[0]
+    gap = 0.7 * float(np.sqrt(solid.surface_area() / SURFACE_SAMPLES))
+    triangles = np.concatenate([hull.vertices[hull.faces] for hull in hulls])
+    owner = np.repeat(np.arange(len(hulls)), [len(hull.faces) for hull in hulls])
+    points, face = sample_triangles(triangles, 2000)
+    touching = 1e-4 * float(np.linalg.norm(np.ptp(vertices, axis=0)))
+    covered = np.zeros(len(points), dtype=bool)
+    for index, hull in enumerate(hulls):
+        planes = hull_planes(hull)
+        within = (points @ planes[:, :3].T - planes[:, 3]).max(axis=1) <= touching
+        covered |= within & (owner[face] != index)
+    free = points[~covered]
+    if not len(free):
+        return np.zeros(0)
+    return np.maximum(np.asarray(KDTree(surface).query(free)[0]) - gap, 0.0)
 
 
 def measure_kept_cavity(
@@ -173,14 +194,3 @@ def _manifold(vertices: np.ndarray, faces: np.ndarray) -> manifold3d.Manifold:
         tri_verts=np.array(faces, dtype=np.uint64, order="C"),
     )
     return manifold3d.Manifold(mesh)
-
-
-def _without_voids(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Faces without the shells that face inwards: nothing ever touches a closed void from inside."""
-    edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]]])
-    graph = coo_matrix((np.ones(len(edges)), edges.T), shape=(len(vertices),) * 2)
-    count, shell = connected_components(graph, directed=False)
-    corners = vertices[faces] - vertices.mean(axis=0)
-    signed = np.einsum("ij,ij->i", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))
-    volumes = np.bincount(shell[faces[:, 0]], weights=signed, minlength=count)
-    return faces[volumes[shell[faces[:, 0]]] >= 0.0]
