@@ -30,6 +30,10 @@ class FacePlanesConfig:
     """Inward shift of a patch backed by two or more cells: voxelising dilates by half a cell."""
     thin_inset: float = 0.1
     """Inward shift of a patch backed by one cell; raise it when thin walls come out too thick."""
+    contact_inset: float = 0.1
+    """Inward shift of a patch that another part touches; raise it when moving parts jam."""
+    contact_share: float = 0.1
+    """Share of a patch's faces that other parts must touch for it to count as touched."""
     min_thickness: float = 0.8
     """Thinnest wall that may remain between two opposite patches; furniture board is about a cell."""
     min_box_thickness: float = 0.4
@@ -70,13 +74,13 @@ class FacePlanes:
     patch: Int[np.ndarray, "6 X Y Z"]
 
 
-_PAD = 3
+MARGIN = 3
 """Empty cells around the grid, as many as the farthest cell looked at from an exposed face."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Faces:
-    """Every exposed face as one row; cells are flat indices into a grid padded by `_PAD`.
+    """Every exposed face as one row; cells are flat indices into a grid padded by `MARGIN`.
 
     ``edges``, ``double_up`` and ``double_down`` count the sides of a face where its patch ends, and
     those where the surface goes on exactly two cells higher or lower.
@@ -114,20 +118,28 @@ def fit_face_planes(
     occupancy: Bool[np.ndarray, "X Y Z"],
     box: Float[np.ndarray, "2 3"],
     cfg: FacePlanesConfig | None = None,
+    others: Bool[np.ndarray, "X2 Y2 Z2"] | None = None,
 ) -> FacePlanes:
     """Fits a plane to every exposed face of a part; ``box`` is its lowest and highest corner.
 
+    ``others``, three cells larger on every side, tells where the cells of other parts are: a surface
+    that another part touches lies at the border between their cells.
     Lattice units, measured from the corner of ``occupancy``. Patches are in-plane connected, and
     all faces of a flat patch share one coordinate. Raises `ValueError` when no cell is occupied.
     """
     cfg = cfg or FacePlanesConfig()
     if not occupancy.any():
         raise ValueError("face planes: no occupied cell")
-    faces, steps = _read_faces(np.pad(occupancy, _PAD))
-    level = np.stack(np.unravel_index(faces.cell, faces.grid.shape[1:]), axis=1) - _PAD
+    faces, steps = _read_faces(np.pad(occupancy, MARGIN))
+    level = np.stack(np.unravel_index(faces.cell, faces.grid.shape[1:]), axis=1) - MARGIN
     axis, sign = np.array(DIRECTIONS)[faces.direction].T
     blocky = level[np.arange(len(level)), axis] + (sign > 0)
-    coordinate, at_box = _place_patches(faces, blocky, box, cfg)
+    touched = np.zeros(len(level), dtype=bool)
+    if others is not None:
+        beside = level + MARGIN
+        beside[np.arange(len(level)), axis] += sign
+        touched = others[tuple(beside.T)]
+    coordinate, at_box = _place_patches(faces, blocky, box, touched, cfg)
     coordinate = _keep_thickness(faces, coordinate, at_box, cfg)
     flat = _find_flat(faces, steps, cfg)
     plane = coordinate[faces.patch]
@@ -138,7 +150,7 @@ def fit_face_planes(
         plane[curved] = blocky[curved] - sign[curved] * shift
     planes = np.full((6, faces.grid[0].size), np.nan)
     planes[faces.direction, faces.cell] = plane
-    inside = (slice(None), *(slice(_PAD, -_PAD),) * 3)
+    inside = (slice(None), *(slice(MARGIN, -MARGIN),) * 3)
     patch = faces.grid[inside]
     return FacePlanes(
         plane=planes.reshape(faces.grid.shape)[inside], flat=np.append(flat, False)[patch], patch=patch
@@ -234,7 +246,7 @@ def _connected(links: np.ndarray, count: int) -> np.ndarray:
 
 
 def _place_patches(
-    faces: _Faces, blocky: np.ndarray, box: np.ndarray, cfg: FacePlanesConfig
+    faces: _Faces, blocky: np.ndarray, box: np.ndarray, touched: np.ndarray, cfg: FacePlanesConfig
 ) -> tuple[np.ndarray, np.ndarray]:
     """Fitted coordinate of every patch, and whether it was put on the box."""
     area = np.bincount(faces.patch)
@@ -246,7 +258,8 @@ def _place_patches(
     np.maximum.at(extreme, direction, sign * level)
     side = box[(sign > 0).astype(int), axis]
     at_box = (sign * level == extreme[direction]) & (np.abs(side - level) <= cfg.box_reach)
-    inset = np.where(thick, cfg.inset, cfg.thin_inset)
+    contact = np.bincount(faces.patch, weights=touched) > cfg.contact_share * area
+    inset = np.where(contact, cfg.contact_inset, np.where(thick, cfg.inset, cfg.thin_inset))
     return np.where(at_box, side, level - sign * inset), at_box
 
 

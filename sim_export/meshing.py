@@ -14,7 +14,7 @@ from jaxtyping import Bool, Float, Int
 
 from artigen.types import Asset, Part
 from sim_export.errors import DegeneratePart, OpenMesh
-from sim_export.face_planes import DIRECTIONS, FacePlanesConfig, box_in_lattice, fit_face_planes
+from sim_export.face_planes import DIRECTIONS, MARGIN, FacePlanesConfig, box_in_lattice, fit_face_planes
 from sim_export.occupancy import part_occupancy
 from sim_export.package import Mesh
 from sim_export.slants import find_slants
@@ -61,7 +61,9 @@ def mesh_parts(asset: Asset, cfg: MeshingConfig | None = None) -> tuple[Mesh, ..
             )
         box = box_in_lattice(part, asset.voxels.resolution)
         occupancy = part_occupancy(asset.voxels, index, box).occupancy
-        vertices, faces = mesh_occupancy(occupancy, box, cfg)
+        others = np.zeros_like(occupancy)
+        others[tuple(asset.voxels.coords[asset.voxels.part_ids != index].T)] = True
+        vertices, faces = mesh_occupancy(occupancy, box, cfg, others & ~occupancy)
         _check_closed(asset.name, part, vertices, faces)
         metres = (vertices / asset.voxels.resolution - 0.5) * asset.scale
         meshes.append(Mesh(vertices=metres, faces=faces))
@@ -72,13 +74,18 @@ def mesh_occupancy(
     occupancy: Bool[np.ndarray, "X Y Z"],
     box: Float[np.ndarray, "2 3"],
     cfg: MeshingConfig | None = None,
+    others: Bool[np.ndarray, "X Y Z"] | None = None,
 ) -> tuple[Float[np.ndarray, "V 3"], Int[np.ndarray, "F 3"]]:
-    """Closed mesh of a well-composed solid that fits ``box``; lattice units."""
+    """Closed mesh of a well-composed solid that fits ``box``, beside ``others``; lattice units."""
     cfg = cfg or MeshingConfig()
     cells = np.nonzero(occupancy)
     low = np.array([axis.min() for axis in cells])
     window = tuple(slice(axis.min(), axis.max() + 1) for axis in cells)
-    surface = read_surface(occupancy[window], box - low, cfg.planes)
+    around = None
+    if others is not None:
+        wide = tuple(slice(axis.min(), axis.max() + 1 + 2 * MARGIN) for axis in cells)
+        around = np.pad(others, MARGIN)[wide]
+    surface = read_surface(occupancy[window], box - low, cfg.planes, around)
     vertices = smooth_surface(surface, cfg.smoothing)
     vertices = stretch_to_box(vertices, ~surface.locked, box - low, cfg.planes.box_reach)
     faces = _split_quads(vertices, surface.quads)
@@ -86,10 +93,13 @@ def mesh_occupancy(
 
 
 def read_surface(
-    occupancy: Bool[np.ndarray, "X Y Z"], box: Float[np.ndarray, "2 3"], cfg: FacePlanesConfig
+    occupancy: Bool[np.ndarray, "X Y Z"],
+    box: Float[np.ndarray, "2 3"],
+    cfg: FacePlanesConfig,
+    others: Bool[np.ndarray, "X2 Y2 Z2"] | None = None,
 ) -> BlockySurface:
     """The blocky surface with every vertex moved to the fitted planes of its faces."""
-    planes = fit_face_planes(occupancy, box, cfg)
+    planes = fit_face_planes(occupancy, box, cfg, others)
     slants = find_slants(planes)
     rows = np.argwhere(planes.patch >= 0)
     direction, cell = rows[:, 0], rows[:, 1:]
