@@ -150,8 +150,15 @@ def open_end(joint: PackageJoint) -> float:
 
 
 def open_qpos(package: SimPackage, fraction: float) -> dict[str, float]:
-    """Coordinates of all driven joints, opened to ``fraction`` of the way."""
-    return {joint.name: fraction * open_end(joint) for joint in driven_joints(package.joints)}
+    """Coordinates of all driven joints, opened to ``fraction`` of the way.
+
+    A joint that requires another to be open further than that (a tray behind a door) stays closed.
+    """
+    shut = {need.joint for need in package.requires_open if need.fraction > fraction}
+    return {
+        joint.name: 0.0 if joint.name in shut else fraction * open_end(joint)
+        for joint in driven_joints(package.joints)
+    }
 
 
 def open_links(package: SimPackage, fraction: float) -> Float[np.ndarray, "L 4 4"]:
