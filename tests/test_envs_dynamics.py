@@ -43,7 +43,7 @@ def sample_package() -> SimPackage:
         "joint_2": (0.04, 1e-4),
         "joint_3": (9.0, 5.0),
     }
-    package = module.build_package(module.cabinet_parts())
+    package = module.build_package(module.SAMPLE_PARTS)
     for name, (friction, damping) in resistance.items():
         package = with_joint(package, name, friction=friction, damping=damping)
     return package

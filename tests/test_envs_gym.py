@@ -30,7 +30,7 @@ def package() -> SimPackage:
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
-    return module.build_package(module.cabinet_parts())
+    return module.build_package(module.SAMPLE_PARTS)
 
 
 @pytest.fixture(scope="module")

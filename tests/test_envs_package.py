@@ -35,7 +35,7 @@ def sample_package() -> SimPackage:
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
-    package = module.build_package(module.cabinet_parts())
+    package = module.build_package(module.SAMPLE_PARTS)
     resistance = {
         "joint_0": (12.0, 8.0),
         "joint_1": (4.0, 0.4),

@@ -29,7 +29,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
-    package = module.build_package(module.cabinet_parts())
+    package = module.build_package(module.SAMPLE_PARTS)
     return write_package(package, tmp_path_factory.mktemp("validate") / "cabinet")
 
 

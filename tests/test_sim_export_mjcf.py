@@ -157,7 +157,7 @@ def test_mujoco_rests_quietly_and_keeps_screws_coupled(case):
     assert np.abs(data.qfrc_constraint).sum() < 1e-3
     travels = [joint for joint in package.joints if joint.mimic is not None]
     for joint in travels:
-        data.qfrc_applied[model.joint(joint.mimic).dofadr[0]] = 0.06
+        data.qfrc_applied[model.joint(joint.mimic).dofadr[0]] = 0.045
     for _ in range(200):
         mujoco.mj_step(model, data)
     assert np.isfinite(data.qpos).all()
