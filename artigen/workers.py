@@ -62,13 +62,13 @@ class Worker:
             timeout: seconds after which the process is stopped.
         """
         connection = self._start()
-        connection.send((function, item))
-        if not connection.poll(timeout):
-            self.close()
-            return Outcome(error=f"took longer than {timeout:g} s and was stopped")
         try:
+            connection.send((function, item))
+            if not connection.poll(timeout):
+                self.close()
+                return Outcome(error=f"took longer than {timeout:g} s and was stopped")
             return connection.recv()
-        except EOFError:
+        except (EOFError, ConnectionError):
             code = self._exit_code()
             self.close()
             return Outcome(error=f"the worker process died: {code}")

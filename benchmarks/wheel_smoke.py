@@ -12,22 +12,14 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 CHECK = """
 import sys
-sys.path.insert(0, sys.argv[1])
 import artigen, sim_export, envs
 for package in (artigen, sim_export, envs):
     assert package.__file__.startswith(sys.argv[1]), package.__file__
-sys.argv[1:] = ["convert", sys.argv[2], "-o", "packages", "--workers", "1"]
-from artigen.cli import main
-if __name__ == "__main__":
-    main()
-"""
-SAMPLE = """
-import sys
-sys.path.insert(0, sys.argv[1])
 from pathlib import Path
 from artigen.datasets.sample import write_sample
 write_sample(Path("sample_cabinet"))
 """
+CONVERT = "from artigen.cli import main; main()"
 
 
 def main() -> None:
@@ -44,10 +36,11 @@ def main() -> None:
             [python, "-m", "pip", "install", "-q", "--no-deps", "--target", site, wheel], check=True
         )
         environment = os.environ | {"PYTHONPATH": str(site)}
-        for script, arguments in ((SAMPLE, []), (CHECK, ["sample_cabinet"])):
-            path = work / "step.py"
-            path.write_text(script)
-            subprocess.run([python, path, str(site), *arguments], check=True, cwd=work, env=environment)
+        for script, arguments in (
+            (CHECK, [str(site)]),
+            (CONVERT, ["convert", "sample_cabinet", "-o", "packages", "--workers", "1"]),
+        ):
+            subprocess.run([python, "-c", script, *arguments], check=True, cwd=work, env=environment)
         urdf = work / "packages" / "sample_cabinet" / "mobility.urdf"
         print(f"{wheel.name}: works elsewhere, {urdf.name} of the sample has {urdf.stat().st_size} bytes")
 
