@@ -17,7 +17,7 @@ def demo(out: Out = Path("out/demo"), workers: int = 2) -> int:
     from artigen.datasets.sample import write_sample
     from sim_export.preview import write_preview
 
-    source = out / "source" / "sample_cabinet"
+    source = out / "object" / "sample_cabinet"
     if not source.is_dir():
         write_sample(source)
     codes = []
@@ -26,7 +26,7 @@ def demo(out: Out = Path("out/demo"), workers: int = 2) -> int:
         codes.append(convert((source,), folder, ConvertSettings(visual=visual), workers=workers))
         write_preview((folder / source.name,), out / f"{visual}.png")
     sys.stdout.write(
-        f"\nsource     {source}\n"
+        f"\nobject     {source}\n"
         f"packages   {out}/voxels/{source.name}  {out}/source/{source.name}\n"
         f"reports    validation.json in each package\n"
         f"pictures   {out}/voxels.png  {out}/source.png\n"
