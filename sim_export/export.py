@@ -11,12 +11,10 @@ from sim_export.boards import fill_boards
 from sim_export.clearance import clear_joints
 from sim_export.config import ExportConfig
 from sim_export.decompose import Decomposition, decompose_parts
-from sim_export.face_planes import box_in_lattice
 from sim_export.links import LinkTree, PartGeometry, build_links, link_owners
 from sim_export.masses import weigh_part
 from sim_export.materials import part_material
-from sim_export.meshing import mesh_parts
-from sim_export.occupancy import part_occupancy
+from sim_export.meshing import mesh_parts, solid_parts
 from sim_export.package import Mesh, SimPackage, SourceMesh
 from sim_export.requirements import find_requirements
 from sim_export.retention import keep_drawers_held
@@ -72,15 +70,12 @@ def export_asset(
         raise ValueError(f"asset {asset.name!r} has no voxels; voxelize its surface first")
     voxels, gaps = fill_boards(asset.voxels)
     asset = replace(asset, voxels=voxels)
-    meshes = mesh_parts(asset, cfg.meshing)
+    solids = solid_parts(asset)
+    meshes = mesh_parts(asset, cfg.meshing, solids)
     watch.lap("mesh")
     decompositions = decompose_parts(meshes, link_owners(asset), cfg.decompose, cache)
     watch.lap("decompose")
-    cells = [
-        part_occupancy(voxels, index, box_in_lattice(part, voxels.resolution))
-        for index, part in enumerate(asset.parts)
-    ]
-    inertials = [weigh_part(asset, index, mesh, cells[index]) for index, mesh in enumerate(meshes)]
+    inertials = [weigh_part(asset, index, mesh, solids[index]) for index, mesh in enumerate(meshes)]
     watch.lap("mass")
     if source_meshes is None:
         colored = asset.surface is not None or asset.gaussians is not None
@@ -95,7 +90,8 @@ def export_asset(
     ]
     tree = build_links(asset, geometry)
     watch.lap("links")
-    panels = {link.name: meshes[_index(asset, link.parts[0])].vertices for link in tree.links if link.parts}
+    vertices = {part.name: mesh.vertices for part, mesh in zip(asset.parts, meshes, strict=True)}
+    panels = {link.name: vertices[link.parts[0]] for link in tree.links if link.parts}
     joints, held = keep_drawers_held(tree.links, tree.joints, panels, cfg.retention)
     needs = find_requirements(tree.links, joints, cfg.requirements)
     watch.lap("requirements")
@@ -112,7 +108,11 @@ def export_asset(
             for p, d in zip(asset.parts, decompositions, strict=True)
             for said in d.records
         ),
-        *(f"{p.name}: {said}" for p, solid in zip(asset.parts, cells, strict=True) for said in solid.records),
+        *(
+            f"{p.name}: {said}"
+            for p, solid in zip(asset.parts, solids, strict=True)
+            for said in solid.records
+        ),
         *tree.records,
         *held,
         *cleared.records,
@@ -130,8 +130,3 @@ def export_asset(
         records=records,
     )
     return Exported(package=package, decompositions=decompositions, seconds=tuple(watch.laps))
-
-
-def _index(asset: Asset, name: str) -> int:
-    """Index of a part by its name."""
-    return next(index for index, part in enumerate(asset.parts) if part.name == name)

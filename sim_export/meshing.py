@@ -6,6 +6,7 @@ triangles are merged. Unlike marching cubes this keeps walls one cell thick, the
 the exact outer size of furniture, and open drawers stay open.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import manifold3d
@@ -15,7 +16,7 @@ from jaxtyping import Bool, Float, Int
 from artigen.types import Asset, Part
 from sim_export.errors import DegeneratePart, OpenMesh
 from sim_export.face_planes import DIRECTIONS, MARGIN, FacePlanesConfig, box_in_lattice, fit_face_planes
-from sim_export.occupancy import part_occupancy
+from sim_export.occupancy import PartOccupancy, part_occupancy
 from sim_export.package import Mesh
 from sim_export.slants import find_slants
 from sim_export.smoothing import (
@@ -43,24 +44,38 @@ class MeshingConfig:
             raise ValueError(f"meshing: tolerance is {self.tolerance} cells, expected 0 to 0.5")
 
 
-def mesh_parts(asset: Asset, cfg: MeshingConfig | None = None) -> tuple[Mesh, ...]:
-    """One closed mesh per part, in the order of the parts; metres, object frame.
+def solid_parts(asset: Asset) -> tuple[PartOccupancy, ...]:
+    """The solid cells of every part, in the order of the parts.
 
     Raises `DegeneratePart` when a part has no voxels, `ValueError` when the asset has none.
+    """
+    if asset.voxels is None:
+        raise ValueError(f"asset {asset.name!r} has no voxels; voxelize its surface first")
+    solids = []
+    for index, part in enumerate(asset.parts):
+        if not (asset.voxels.part_ids == index).any():
+            raise DegeneratePart(
+                f"asset {asset.name!r}: part {part.name!r} owns 0 of {len(asset.voxels.coords)} voxels, "
+                "expected at least 1; give it more samples or leave it out"
+            )
+        solids.append(part_occupancy(asset.voxels, index, box_in_lattice(part, asset.voxels.resolution)))
+    return tuple(solids)
+
+
+def mesh_parts(
+    asset: Asset, cfg: MeshingConfig | None = None, solids: Sequence[PartOccupancy] | None = None
+) -> tuple[Mesh, ...]:
+    """One closed mesh per part, in the order of the parts; metres, object frame.
+
+    ``solids`` are the cells of the parts where they are known already (`solid_parts`). Raises
+    `DegeneratePart` when a part has no voxels, `ValueError` when the asset has none.
     """
     cfg = cfg or MeshingConfig()
     if asset.voxels is None:
         raise ValueError(f"asset {asset.name!r} has no voxels; voxelize its surface first")
     meshes = []
-    for index, part in enumerate(asset.parts):
-        count = int((asset.voxels.part_ids == index).sum())
-        if count == 0:
-            raise DegeneratePart(
-                f"asset {asset.name!r}: part {part.name!r} owns 0 of {len(asset.voxels.coords)} voxels, "
-                "expected at least 1; give it more samples or leave it out"
-            )
-        box = box_in_lattice(part, asset.voxels.resolution)
-        occupancy = part_occupancy(asset.voxels, index, box).occupancy
+    for index, (part, solid) in enumerate(zip(asset.parts, solids or solid_parts(asset), strict=True)):
+        box, occupancy = box_in_lattice(part, asset.voxels.resolution), solid.occupancy
         others = np.zeros_like(occupancy)
         others[tuple(asset.voxels.coords[asset.voxels.part_ids != index].T)] = True
         vertices, faces = mesh_occupancy(occupancy, box, cfg, others & ~occupancy)
