@@ -12,9 +12,15 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGES = ("artigen", "sim_export", "envs")
-SHARED = {"types", "transforms", "kinematics", "io", "errors", "workers"}
+SHARED = {"types", "transforms", "kinematics", "io", "errors", "workers", "shapes"}
 """Modules of artigen that the other two packages may use."""
-MODEL_CODE = ("artigen.models", "artigen.train", "artigen.sampling", "artigen.splatting")
+MODEL_CODE = (
+    "artigen.models",
+    "artigen.train",
+    "artigen.sampling",
+    "artigen.splatting",
+    "artigen.shapes.render",
+)
 """The only places where torch is imported."""
 HEAVY = (
     "torch",

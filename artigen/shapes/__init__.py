@@ -1,0 +1,1 @@
+"""Procedural articulated objects with exact truth: shapes drawn from a grammar, made of convex primitives."""

@@ -1,0 +1,1 @@
+"""One file per category; see `artigen.shapes.draw`."""

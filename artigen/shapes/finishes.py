@@ -1,0 +1,26 @@
+"""Finishes: what a surface is made of, as a value; `artigen.shapes.textures` evaluates it anywhere."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+from artigen.shapes.primitives import Vector
+
+FinishKind = Literal["wood", "lacquer", "steel", "plastic", "glass", "rubber", "stone"]
+Color = tuple[float, float, float]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Finish:
+    """A surface: its material, two colours (sRGB in [0, 1]) and where its pattern lies."""
+
+    kind: FinishKind
+    color: Color
+    """The main colour."""
+    accent: Color
+    """What grain, brushing or speckles are drawn in."""
+    grain: Vector = (0.0, 0.0, 1.0)
+    """Direction (object axes) along which wood grows and steel is brushed."""
+    period: float = 0.05
+    """Length (m) after which the pattern looks new across the grain."""
+    seed: int = 0
+    """Which of all patterns."""

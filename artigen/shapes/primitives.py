@@ -1,0 +1,233 @@
+"""Convex primitives in metres: what every part of a procedural object is made of.
+
+A primitive is a convex solid in its own frame, placed rigidly in the object frame at rest (z up, front
+-x). Its solid is exact: a polytope given by planes, or a cylinder. `primitive_mesh` gives its closed
+surface; for a cylinder that is the inscribed prism of `SEGMENTS` sides.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from artigen.types import frozen_array
+
+PrimitiveKind = Literal["polytope", "cylinder"]
+SEGMENTS = 16
+"""Sides of the prism that stands for a cylinder in meshes and hulls."""
+Vector = tuple[float, float, float]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Primitive:
+    """A convex solid of one finish, possibly lined on one side.
+
+    ``rotation`` has the own axes as columns, in object axes. A cylinder stands along its own z with
+    ``size`` (diameter, diameter, length); a polytope is ``{p : planes @ (p, 1) <= 0}`` in the own
+    frame, rows (unit normal, offset), and ``size`` its extent there. ``finish`` names an entry of
+    `Shape.finishes`. Where the outward normal lies within 60 degrees of ``lined_side`` (object axes
+    at rest) the surface has ``lining`` instead: the white inside of a wooden carcass.
+    """
+
+    kind: PrimitiveKind
+    center: Float[np.ndarray, "3"]
+    rotation: Float[np.ndarray, "3 3"]
+    size: Float[np.ndarray, "3"]
+    planes: Float[np.ndarray, "K 4"]
+    vertices: Float[np.ndarray, "V 3"]
+    faces: Int[np.ndarray, "F 3"]
+    finish: str
+    lining: str | None = None
+    lined_side: Vector | None = None
+
+    def __post_init__(self) -> None:
+        for name, shape in (("center", (3,)), ("rotation", (3, 3)), ("size", (3,))):
+            object.__setattr__(
+                self, name, frozen_array(getattr(self, name), np.float64, shape, f"primitive {name}")
+            )
+        for name, width, dtype in (
+            ("planes", 4, np.float64),
+            ("vertices", 3, np.float64),
+            ("faces", 3, np.int64),
+        ):
+            value = frozen_array(getattr(self, name), dtype, (None, width), f"primitive {name}")
+            object.__setattr__(self, name, value)
+        if not (self.size > 0).all():
+            raise ValueError(f"a {self.kind} has size {self.size.tolist()}, expected positive edges")
+        if (self.lining is None) != (self.lined_side is None):
+            raise ValueError("a primitive has a lining and the side it lines, or neither")
+
+
+def box(low: Vector, high: Vector, finish: str) -> Primitive:
+    """An axis-aligned box from its lowest to its highest corner (m)."""
+    return rounded_box(low, high, 0.0, finish)
+
+
+def rounded_box(low: Vector, high: Vector, bevel: float, finish: str) -> Primitive:
+    """A box whose twelve edges and eight corners are taken off by planes, ``bevel`` (m) wide on each face."""
+    bottom, top = np.array(low, dtype=float), np.array(high, dtype=float)
+    half = (top - bottom) / 2
+    if not (half > bevel).all() or bevel < 0:
+        raise ValueError(f"box from {low} to {high} with bevel {bevel}: edges must be longer than two bevels")
+    like = _unit_box(bevel > 0)
+    solid = _alike(like, _box_corners(half, bevel), finish)
+    return replace(solid, center=(bottom + top) / 2)
+
+
+def cylinder(start: Vector, end: Vector, radius: float, finish: str) -> Primitive:
+    """A round rod from the centre of one end to the centre of the other (m)."""
+    ends = np.array([start, end], dtype=float)
+    length = float(np.linalg.norm(ends[1] - ends[0]))
+    if not (length > 0 and radius > 0):
+        raise ValueError(f"cylinder from {start} to {end} with radius {radius}: both must be positive")
+    size = np.array([2 * radius, 2 * radius, length])
+    return replace(
+        _alike(_unit_cylinder(), _unit_cylinder().vertices * size, finish),
+        kind="cylinder",
+        center=ends.mean(axis=0),
+        rotation=_frame_along((ends[1] - ends[0]) / length),
+        size=size,
+    )
+
+
+def prism(
+    profile: Float[np.ndarray, "K 2"], start: Vector, end: Vector, finish: str, *, taper: float = 1.0
+) -> Primitive:
+    """A convex polygon swept from ``start`` to ``end`` (m), scaled to ``taper`` of its size on the way.
+
+    The polygon's plane is upright to the sweep: for a vertical sweep its axes are the object's x and y, for
+    one along x they are y and z, for one along y they are z and x.
+    """
+    ends = np.array([start, end], dtype=float)
+    length = float(np.linalg.norm(ends[1] - ends[0]))
+    if not (length > 0 and taper > 0):
+        raise ValueError(f"prism from {start} to {end} with taper {taper}: both must be positive")
+    flat = np.asarray(profile, dtype=float)
+    corners = np.concatenate(
+        [
+            np.column_stack([flat, np.full(len(flat), -length / 2)]),
+            np.column_stack([flat * taper, np.full(len(flat), length / 2)]),
+        ]
+    )
+    rotation = _frame_along((ends[1] - ends[0]) / length)
+    solid = polytope(corners, finish)
+    return replace(solid, center=rotation @ solid.center + ends.mean(axis=0), rotation=rotation)
+
+
+def polytope(
+    corners: Float[np.ndarray, "N 3"], finish: str, *, center: Vector = (0.0, 0.0, 0.0)
+) -> Primitive:
+    """The convex hull of points that are given about ``center`` (m); the own frame is centred on its box.
+
+    Raises:
+        ValueError: If the points span no volume.
+    """
+    from scipy.spatial import ConvexHull, QhullError
+
+    points = np.asarray(corners, dtype=float)
+    middle = (points.min(axis=0) + points.max(axis=0)) / 2
+    points = points - middle
+    try:
+        hull = ConvexHull(points)
+    except QhullError as error:
+        raise ValueError(
+            f"{len(points)} points with extent {np.ptp(points, axis=0).tolist()} span no volume"
+        ) from error
+    faces = hull.simplices.copy()
+    a, b, c = (points[faces[:, k]] for k in range(3))
+    inward = np.einsum("fi,fi->f", np.cross(b - a, c - a), hull.equations[:, :3]) < 0
+    faces[inward] = faces[inward][:, ::-1]
+    used, faces = np.unique(faces, return_inverse=True)  # drops points inside, keeps the order
+    planes = np.unique(np.round(hull.equations, 12), axis=0)
+    return Primitive(
+        kind="polytope",
+        center=np.asarray(center, dtype=float) + middle,
+        rotation=np.eye(3),
+        size=np.ptp(points, axis=0),
+        planes=planes,
+        vertices=points[used],
+        faces=faces.reshape(-1, 3),
+        finish=finish,
+    )
+
+
+def line(primitive: Primitive, lining: str, side: Vector) -> Primitive:
+    """The same solid with another finish on the side that faces ``side`` (object axes at rest)."""
+    return replace(primitive, lining=lining, lined_side=side)
+
+
+def move(
+    primitive: Primitive,
+    offset: Vector = (0.0, 0.0, 0.0),
+    *,
+    turn: float = 0.0,
+    about: Vector = (0.0, 0.0, 1.0),
+) -> Primitive:
+    """The solid turned by ``turn`` radians about an axis through the object's origin, then shifted (m)."""
+    from scipy.spatial.transform import Rotation
+
+    axis = np.array(about, dtype=float)
+    spin = Rotation.from_rotvec(turn * axis / np.linalg.norm(axis)).as_matrix()
+    side = (
+        None
+        if primitive.lined_side is None
+        else tuple(float(v) for v in spin @ np.array(primitive.lined_side))
+    )
+    return replace(
+        primitive,
+        center=spin @ primitive.center + np.array(offset),
+        rotation=spin @ primitive.rotation,
+        lined_side=side,
+    )
+
+
+def place_vertices(primitive: Primitive) -> Float[np.ndarray, "V 3"]:
+    """Vertices of the closed surface in the object frame at rest (m)."""
+    return primitive.vertices @ primitive.rotation.T + primitive.center
+
+
+def contains(
+    primitive: Primitive, points: Float[np.ndarray, "N 3"], margin: float = 0.0
+) -> Bool[np.ndarray, "N"]:
+    """Which points (m, object frame) lie inside the exact solid by more than ``margin``."""
+    own = (points - primitive.center) @ primitive.rotation
+    if primitive.kind == "cylinder":
+        radius, half = primitive.size[0] / 2, primitive.size[2] / 2
+        return (np.hypot(own[:, 0], own[:, 1]) < radius - margin) & (np.abs(own[:, 2]) < half - margin)
+    return np.all(own @ primitive.planes[:, :3].T + primitive.planes[:, 3] < -margin, axis=1)
+
+
+def _box_corners(half: Float[np.ndarray, "3"], bevel: float) -> Float[np.ndarray, "V 3"]:
+    signs = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)], dtype=float)
+    if bevel == 0.0:
+        return signs * half
+    return np.concatenate([signs * np.where(np.arange(3) == axis, half, half - bevel) for axis in range(3)])
+
+
+@cache
+def _unit_box(bevelled: bool) -> Primitive:  # noqa: FBT001 - the two topologies a box can have
+    return polytope(_box_corners(np.full(3, 0.5), 0.1 if bevelled else 0.0), "")
+
+
+@cache
+def _unit_cylinder() -> Primitive:
+    angles = (np.arange(SEGMENTS) + 0.5) * 2 * np.pi / SEGMENTS
+    rim = 0.5 * np.column_stack([np.cos(angles), np.sin(angles)])
+    return polytope(np.concatenate([np.column_stack([rim, np.full(SEGMENTS, z)]) for z in (-0.5, 0.5)]), "")
+
+
+def _alike(like: Primitive, vertices: Float[np.ndarray, "V 3"], finish: str) -> Primitive:
+    """A polytope with the faces and plane normals of another one: hulls are slow to find."""
+    normals = like.planes[:, :3]
+    planes = np.column_stack([normals, -(vertices @ normals.T).max(axis=0)])
+    return replace(like, vertices=vertices, planes=planes, size=np.ptp(vertices, axis=0), finish=finish)
+
+
+def _frame_along(direction: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 3"]:
+    """A right-handed frame with z along ``direction``; x is y for a sweep along x, z for one along y."""
+    helper = np.roll(np.eye(3)[int(np.argmax(np.abs(direction)))], 1)
+    x = helper - direction * (helper @ direction)
+    x /= np.linalg.norm(x)
+    return np.column_stack([x, np.cross(direction, x), direction])

@@ -1,0 +1,126 @@
+"""`Shape`: a procedural articulated object as a value, in metres.
+
+Frame: z up, front -x, the floor at z = 0. Joint coordinates follow CONVENTIONS.md: 0 is closed, positive
+opens; a prismatic joint is stated in metres here.
+"""
+
+from collections import Counter
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from artigen.shapes.finishes import Finish
+from artigen.shapes.primitives import Primitive, Vector, place_vertices
+from artigen.types import JOINT_TYPES, PART_LABELS, JointType, PartLabel, check_tree
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Motion:
+    """How a part moves on its parent: a joint in metres and radians, in the object frame at rest."""
+
+    type: JointType
+    axis: Vector
+    origin: Vector = (0.0, 0.0, 0.0)
+    upper: float = 0.0
+    pitch: float = 0.0
+
+    def __post_init__(self) -> None:
+        if self.type not in JOINT_TYPES or self.type == "fixed":
+            raise ValueError(f"motion {self.type!r}, expected one of {', '.join(JOINT_TYPES[1:])}")
+        if abs(np.linalg.norm(self.axis) - 1) > 1e-9 or not self.upper > 0:
+            raise ValueError(f"motion along {self.axis} up to {self.upper}: a unit axis and a range above 0")
+        if (self.pitch != 0.0) != (self.type == "screw"):
+            raise ValueError(f"a {self.type} motion has pitch {self.pitch}; screws and only screws have one")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Need:
+    """Another part that must be open before this one moves, and how far (share of its range)."""
+
+    part: str
+    fraction: float = 0.95
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ShapePart:
+    """A rigid piece with a meaning, as a union of convex primitives; ``motion`` None is a fixed joint."""
+
+    name: str
+    label: PartLabel
+    parent: str | None
+    primitives: tuple[Primitive, ...]
+    motion: Motion | None = None
+    needs: tuple[Need, ...] = ()
+
+    def __post_init__(self) -> None:
+        if self.label not in PART_LABELS:
+            raise ValueError(
+                f"part {self.name!r}: label {self.label!r} is not one of {', '.join(PART_LABELS)}"
+            )
+        if not self.primitives:
+            raise ValueError(f"part {self.name!r} has no primitives")
+
+    def bounds(self) -> Float[np.ndarray, "2 3"]:
+        """Lowest and highest corner at rest (m)."""
+        points = np.concatenate([place_vertices(primitive) for primitive in self.primitives])
+        return np.stack([points.min(axis=0), points.max(axis=0)])
+
+
+@dataclass(frozen=True, kw_only=True)
+class Condition:
+    """What a person would ask for to get this object."""
+
+    category: str
+    counts: tuple[tuple[PartLabel, int], ...]
+    width: float
+    depth: float
+    height: float
+    style: str
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Shape:
+    """A procedural articulated object: a pure function of category, seed and wishes."""
+
+    category: str
+    seed: int
+    style: str
+    parts: tuple[ShapePart, ...]
+    finishes: tuple[tuple[str, Finish], ...]
+
+    def __post_init__(self) -> None:
+        names = [part.name for part in self.parts]
+        unknown = {part.parent for part in self.parts} - {None, *names}
+        unknown |= {need.part for part in self.parts for need in part.needs} - set(names)
+        if unknown:
+            raise ValueError(f"{self.name}: parts {sorted(map(str, unknown))} are named and do not exist")
+        parents = [-1 if part.parent is None else names.index(part.parent) for part in self.parts]
+        check_tree(self.name, names, parents)
+        finishes = {name for name, _ in self.finishes}
+        used = {p.finish for part in self.parts for p in part.primitives}
+        used |= {p.lining for part in self.parts for p in part.primitives if p.lining is not None}
+        if used - finishes:
+            raise ValueError(f"{self.name}: finishes {sorted(used - finishes)} are used and not given")
+
+    @property
+    def name(self) -> str:
+        """Category and seed."""
+        return f"{self.category}_{self.seed}"
+
+    def bounds(self) -> Float[np.ndarray, "2 3"]:
+        """Lowest and highest corner of the closed object (m)."""
+        corners = np.stack([part.bounds() for part in self.parts])
+        return np.stack([corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)])
+
+    @property
+    def condition(self) -> Condition:
+        """The condition that this object meets."""
+        depth, width, height = (float(v) for v in np.diff(self.bounds(), axis=0)[0])
+        held = Counter(part.label for part in self.parts)
+        counts: tuple[tuple[PartLabel, int], ...] = tuple(
+            (label, held[label]) for label in PART_LABELS if held[label]
+        )
+        return Condition(
+            category=self.category, counts=counts, width=width, depth=depth, height=height, style=self.style
+        )
