@@ -24,3 +24,7 @@ class Finish:
     """Length (m) after which the pattern looks new across the grain."""
     seed: int = 0
     """Which of all patterns."""
+    gloss: float = 0.2
+    """Share of light mirrored head-on at full gloss: 0 is chalk, 1 a mirror."""
+    opacity: float = 1.0
+    """Share of what lies behind that is hidden; below 1 only for glass that one sees through."""
