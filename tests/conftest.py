@@ -27,6 +27,12 @@ def cabinet() -> Asset:
 
 
 @pytest.fixture(scope="session")
+def trellis_reference(real_objects: Path) -> Path:
+    """Folder with tiny random TRELLIS networks and what TRELLIS' own classes gave for them."""
+    return real_objects / "trellis_reference"
+
+
+@pytest.fixture(scope="session")
 def real_objects(pytestconfig: pytest.Config) -> Path:
     """Folder with ``partnet_mobility/`` and ``splits.json``; skips where there is none."""
     if not REAL_OBJECTS.is_dir():

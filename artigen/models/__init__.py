@@ -1,0 +1,1 @@
+"""Networks: structure VAE and flow, conditioning, and the layout of public TRELLIS checkpoints."""
