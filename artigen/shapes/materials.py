@@ -78,7 +78,7 @@ def make_metal(name: str, seed: int) -> Finish:
 def make_stone(name: str, seed: int) -> Finish:
     """A stone of `STONES`, honed."""
     color, speckles = STONES[name]
-    period = 0.035 if name == "terrazzo" else 0.015
+    period = 0.016 if name == "terrazzo" else 0.006
     return Finish(kind="stone", color=color, accent=speckles, period=period, seed=seed, gloss=0.3)
 
 
