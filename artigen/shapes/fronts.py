@@ -1,0 +1,157 @@
+"""Doors and the faces of drawers: slabs, frames and panels, glass in frames, planks.
+
+A `FrontDesign` is chosen once for an object; `make_front` fits it to a panel, `make_door` hangs it.
+"""
+
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Literal, get_args
+
+import numpy as np
+
+from artigen.shapes.handles import HandleDesign, make_handle, place_handle
+from artigen.shapes.hardware import Edge, Panel, Space, fill_space, hinge
+from artigen.shapes.primitives import Primitive
+from artigen.shapes.shape import ShapePart
+
+FrontStyle = Literal["flat", "shaker", "framed_glass", "raised", "plank", "louvre"]
+FRONT_STYLES: tuple[FrontStyle, ...] = get_args(FrontStyle)
+PANE = 0.005
+"""Thickness (m) of glass."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class FrontDesign:
+    """How the fronts of an object look, metres."""
+
+    style: FrontStyle
+    frame: float
+    """Width of stiles and rails."""
+    handle: HandleDesign | None
+    """None for fronts without handles."""
+    hand: float = 1.05
+    """Height (m, object frame) of the hand that takes a tall door."""
+    finish: str = "front"
+    glass: str = "glass"
+
+
+def design_front(
+    rng: np.random.Generator,
+    style: FrontStyle | None = None,
+    *,
+    handle: HandleDesign | None = None,
+    finish: str = "front",
+) -> FrontDesign:
+    """Fronts with frames between 45 and 75 mm; the style is drawn unless it is given."""
+    drawn = FRONT_STYLES[int(rng.choice(len(FRONT_STYLES), p=(0.5, 0.2, 0.1, 0.1, 0.06, 0.04)))]
+    return FrontDesign(
+        style=style or drawn, frame=float(rng.uniform(0.045, 0.075)), handle=handle, finish=finish
+    )
+
+
+def make_front(panel: Panel, design: FrontDesign) -> tuple[Primitive, ...]:
+    """The solids of one front; a panel too small for a frame gets a slab."""
+    frame = min(design.frame, 0.3 * panel.height, 0.3 * panel.width)
+    framed = design.style in ("shaker", "framed_glass", "raised", "louvre")
+    if not framed or frame < 0.02 or min(panel.width, panel.height) < 0.11:
+        return (
+            _make_planks(panel, design) if design.style == "plank" else (_fill(panel, design.finish, 0.0015),)
+        )
+    inner = (panel.y[0] + frame, panel.y[1] - frame), (panel.z[0] + frame, panel.z[1] - frame)
+    stiles = [
+        _fill(replace(panel, y=span), design.finish)
+        for span in ((panel.y[0], inner[0][0]), (inner[0][1], panel.y[1]))
+    ]
+    rails = [
+        _fill(replace(panel, y=inner[0], z=span), design.finish)
+        for span in ((panel.z[0], inner[1][0]), (inner[1][1], panel.z[1]))
+    ]
+    field = replace(panel, y=inner[0], z=inner[1])
+    return (*stiles, *rails, *_make_field(field, design))
+
+
+def make_door(
+    panel: Panel, design: FrontDesign, *, name: str, parent: str, edge: Edge, upper: float
+) -> tuple[ShapePart, ...]:
+    """A door hinged along ``edge`` of its panel that opens by ``upper`` radians, and its handle."""
+    door = ShapePart(
+        name=name,
+        label="door",
+        parent=parent,
+        primitives=make_front(panel, design),
+        motion=hinge(panel, edge, upper),
+    )
+    return (door, *fit_handle(panel, design, parent=name, edge=edge))
+
+
+def fit_handle(panel: Panel, design: FrontDesign, *, parent: str, edge: Edge | None) -> tuple[ShapePart, ...]:
+    """The handle of a front where people put it, or nothing; wide drawers have two knobs or cups."""
+    handle = design.handle
+    if handle is None:
+        return ()
+    upright, (y, z) = place_handle(panel, handle, edge, design.hand)
+    pair = edge is None and handle.kind in ("knob", "cup", "arch") and panel.width > 0.62
+    places = [(y - 0.25 * panel.width, z), (y + 0.25 * panel.width, z)] if pair else [(y, z)]
+    return tuple(
+        make_handle(
+            panel,
+            handle,
+            name=f"{parent}_handle" if len(places) == 1 else f"{parent}_handle_{index}",
+            parent=parent,
+            upright=upright,
+            at=at,
+        )
+        for index, at in enumerate(places)
+    )
+
+
+def _fill(panel: Panel, finish: str, bevel: float = 0.0) -> Primitive:
+    space = Space(x=(panel.x, panel.back), y=panel.y, z=panel.z)
+    return fill_space(space, finish, bevel)
+
+
+def _make_field(field: Panel, design: FrontDesign) -> list[Primitive]:
+    """What a frame holds, set back from its face."""
+    if design.style == "framed_glass":
+        middle = replace(field, x=field.x + (field.thickness - PANE) / 2, thickness=PANE)
+        return [_fill(middle, design.glass)]
+    deep = min(0.008, 0.45 * field.thickness)
+    sheet = replace(field, x=field.x + deep, thickness=field.thickness - deep)
+    if design.style == "raised" and min(field.width, field.height) > 0.09:
+        edge = 0.022
+        raised = Panel(
+            x=field.x + 0.002,
+            thickness=deep - 0.002,
+            y=(field.y[0] + edge, field.y[1] - edge),
+            z=(field.z[0] + edge, field.z[1] - edge),
+        )
+        return [_fill(sheet, design.finish), _fill(raised, design.finish, 0.4 * raised.thickness)]
+    if design.style == "louvre" and field.height > 0.12:
+        return _make_louvres(field, sheet, design)
+    return [_fill(sheet, design.finish)]
+
+
+def _make_louvres(field: Panel, sheet: Panel, design: FrontDesign) -> list[Primitive]:
+    """Slats that stand out of a sheet: at most twelve, a hand apart on tall doors."""
+    count = int(np.clip(round(field.height / 0.06), 2, 12))
+    pitch = field.height / count
+    slats = [
+        Panel(
+            x=field.x + 0.001,
+            thickness=sheet.x - field.x - 0.001,
+            y=field.y,
+            z=(field.z[0] + (k + 0.22) * pitch, field.z[0] + (k + 0.78) * pitch),
+        )
+        for k in range(count)
+    ]
+    return [_fill(sheet, design.finish), *(_fill(slat, design.finish) for slat in slats)]
+
+
+def _make_planks(panel: Panel, design: FrontDesign) -> tuple[Primitive, ...]:
+    """Upright boards with bevelled edges, at most eight, side by side."""
+    count = int(np.clip(round(panel.width / 0.1), 1, 8))
+    edges = np.linspace(*panel.y, count + 1)
+    return tuple(
+        _fill(replace(panel, y=(float(low), float(high))), design.finish, min(0.003, 0.2 * panel.thickness))
+        for low, high in pairwise(edges)
+    )
