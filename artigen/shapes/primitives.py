@@ -71,9 +71,7 @@ def rounded_box(low: Vector, high: Vector, bevel: float, finish: str) -> Primiti
     half = (top - bottom) / 2
     if not (half > bevel).all() or bevel < 0:
         raise ValueError(f"box from {low} to {high} with bevel {bevel}: edges must be longer than two bevels")
-    like = _unit_box(bevel > 0)
-    solid = _alike(like, _box_corners(half, bevel), finish)
-    return replace(solid, center=(bottom + top) / 2)
+    return _alike(_unit_box(bevel > 0), _box_corners(half, bevel), finish, (bottom + top) / 2)
 
 
 def cylinder(start: Vector, end: Vector, radius: float, finish: str) -> Primitive:
@@ -83,13 +81,8 @@ def cylinder(start: Vector, end: Vector, radius: float, finish: str) -> Primitiv
     if not (length > 0 and radius > 0):
         raise ValueError(f"cylinder from {start} to {end} with radius {radius}: both must be positive")
     size = np.array([2 * radius, 2 * radius, length])
-    return replace(
-        _alike(_unit_cylinder(), _unit_cylinder().vertices * size, finish),
-        kind="cylinder",
-        center=ends.mean(axis=0),
-        rotation=_frame_along((ends[1] - ends[0]) / length),
-        size=size,
-    )
+    solid = _alike(_unit_cylinder(), _unit_cylinder().vertices * size, finish, ends.mean(axis=0))
+    return replace(solid, kind="cylinder", rotation=_frame_along((ends[1] - ends[0]) / length), size=size)
 
 
 def prism(
@@ -218,11 +211,14 @@ def _unit_cylinder() -> Primitive:
     return polytope(np.concatenate([np.column_stack([rim, np.full(SEGMENTS, z)]) for z in (-0.5, 0.5)]), "")
 
 
-def _alike(like: Primitive, vertices: Float[np.ndarray, "V 3"], finish: str) -> Primitive:
+def _alike(
+    like: Primitive, vertices: Float[np.ndarray, "V 3"], finish: str, center: Float[np.ndarray, "3"]
+) -> Primitive:
     """A polytope with the faces and plane normals of another one: hulls are slow to find."""
     normals = like.planes[:, :3]
     planes = np.column_stack([normals, -(vertices @ normals.T).max(axis=0)])
-    return replace(like, vertices=vertices, planes=planes, size=np.ptp(vertices, axis=0), finish=finish)
+    size = np.ptp(vertices, axis=0)
+    return replace(like, center=center, vertices=vertices, planes=planes, size=size, finish=finish)
 
 
 def _frame_along(direction: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 3"]:
