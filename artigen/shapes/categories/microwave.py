@@ -1,0 +1,238 @@
+"""Microwave ovens: a door beside a control panel or under a strip, a cavity with a turntable, keys and dials."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from artigen.shapes.appliance_doors import build_window_leaf, draw_grip, mount_grip
+from artigen.shapes.cavity import SIDES, build_feet, build_shell, divide_range
+from artigen.shapes.control_panel import build_display, design_dial, make_button, make_dial
+from artigen.shapes.draw import Draft, Wish, choose
+from artigen.shapes.hardware import GAP, Panel, Range, Space, hinge, sweep_gap
+from artigen.shapes.palette import draw_palette
+from artigen.shapes.primitives import Primitive, box, cylinder
+from artigen.shapes.rings import build_ring
+from artigen.shapes.shape import Motion, ShapePart
+
+CATEGORY = "Microwave"
+STYLES = ("steel", "black", "white", "retro")
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Plan:
+    """Where things are, metres."""
+
+    width: float
+    depth: float
+    height: float
+    foot: float
+    door: Panel
+    controls: Panel
+    hollow: Space
+    drops: bool
+
+    @property
+    def front(self) -> float:
+        """Front face of the housing, behind the door."""
+        return self.door.back + GAP
+
+
+def draw(rng: np.random.Generator, wish: Wish) -> Draft:
+    """Draws a microwave oven."""
+    style = wish.style or str(rng.choice(STYLES, p=(0.36, 0.28, 0.24, 0.12)))
+    palette = draw_palette(rng, "appliance", style)
+    plan = _draw_plan(rng, wish)
+    face = "panel" if rng.random() < (0.6 if style != "retro" else 0.15) else "front"
+    controls, extras = _draw_controls(rng, plan)
+    parts = [
+        _build_body(plan, "front" if face == "front" else "panel", extras),
+        *_draw_door(rng, plan, face),
+        *controls,
+    ]
+    if rng.random() < 0.72:
+        parts.append(_draw_turntable(rng, plan))
+    return Draft(style=style, parts=tuple(parts), finishes=tuple(sorted(palette.items())))
+
+
+def _draw_plan(rng: np.random.Generator, wish: Wish) -> _Plan:
+    width = choose(rng, 0.44, 0.62, wish.width)
+    depth = choose(rng, 0.62 * width, 0.85 * width, wish.depth)
+    height = choose(rng, 0.54 * width, 0.68 * width, wish.height)
+    drops = rng.random() < 0.1
+    foot = float(rng.uniform(0.008, 0.018)) if rng.random() < 0.85 else 0.0
+    thick = float(rng.uniform(0.030, 0.042))
+    wall = float(rng.uniform(0.014, 0.026))
+    x = -depth / 2
+    column = float(rng.uniform(0.19, 0.30)) * width
+    strip = float(rng.uniform(0.20, 0.27)) * height
+    if drops:
+        door = Panel(x=x, thickness=thick, y=(-width / 2, width / 2), z=(foot, height - strip))
+        gap = sweep_gap(door.height, thick)
+        controls = Panel(x=x, thickness=thick + GAP, y=door.y, z=(height - strip + gap, height))
+        right, top = wall, strip + gap + 0.005
+    else:
+        edge = -width / 2 + column
+        door = Panel(x=x, thickness=thick, y=(edge, width / 2), z=(foot, height))
+        gap = sweep_gap(door.width, thick)
+        controls = Panel(x=x, thickness=thick + GAP, y=(-width / 2, edge - gap), z=door.z)
+        right, top = column + 0.012, wall
+    hollow = Space(
+        x=(door.back + GAP, depth / 2 - 1.6 * wall),
+        y=(-width / 2 + right, width / 2 - wall - 0.012),
+        z=(foot + wall, height - top),
+    )
+    return _Plan(
+        width=width,
+        depth=depth,
+        height=height,
+        foot=foot,
+        door=door,
+        controls=controls,
+        hollow=hollow,
+        drops=drops,
+    )
+
+
+def _build_body(plan: _Plan, face: str, extras: tuple[Primitive, ...]) -> ShapePart:
+    outer = Space(
+        x=(plan.front, plan.depth / 2), y=(-plan.width / 2, plan.width / 2), z=(plan.foot, plan.height)
+    )
+    panel = plan.controls
+    pieces = [
+        *build_shell(outer, plan.hollow, "body", "inside"),
+        box((panel.x, panel.y[0], panel.z[0]), (panel.back, panel.y[1], panel.z[1]), face),
+        *extras,
+    ]
+    if plan.foot:
+        pieces += build_feet(outer.x, outer.y, plan.foot, "rubber", radius=0.014, inset=0.04)
+    return ShapePart(name="body", label="base", parent=None, primitives=tuple(pieces))
+
+
+def _draw_door(rng: np.random.Generator, plan: _Plan, face: str) -> list[ShapePart]:
+    panel = plan.door
+    margin = float(rng.uniform(0.10, 0.17)) * panel.height
+    rail = float(rng.uniform(0.045, 0.07))
+    free = rail if not plan.drops else margin
+    window = (
+        (panel.y[0] + free, panel.y[1] - margin),
+        (panel.z[0] + margin, panel.z[1] - (margin if not plan.drops else rail)),
+    )
+    leaf = build_window_leaf(panel, window, face, "inside")
+    edge = "bottom" if plan.drops else "left"
+    upper = float(np.radians(90 if plan.drops else rng.uniform(88, 125)))
+    door = ShapePart(
+        name="door", label="door", parent="body", primitives=leaf, motion=hinge(panel, edge, upper)
+    )
+    if rng.random() < 0.4:
+        return [door]
+    span = panel.width if plan.drops else panel.height
+    length = float(rng.uniform(0.6, 0.86)) * span
+    design = draw_grip(rng, ("bar", "pull", "arch", "edge"), length=length, longest=plan.width)
+    inset = max(0.004, (rail - design.thickness) / 2) if design.kind != "edge" else 0.004
+    side = "top" if plan.drops else "right"
+    return [door, mount_grip(panel, design, name="door_handle", parent="door", side=side, inset=inset)]
+
+
+def _draw_controls(
+    rng: np.random.Generator, plan: _Plan
+) -> tuple[list[ShapePart], tuple[Primitive, ...]]:
+    """Controls and what is fixed to the panel between them."""
+    if plan.drops:
+        return _draw_strip(rng, plan)
+    panel = plan.controls
+    parts: list[ShapePart] = []
+    extras: list[Primitive] = []
+    low, high = panel.z[0] + 0.014, panel.z[1] - 0.014
+    y, _ = panel.center
+    inner: Range = (panel.y[0] + 0.012, panel.y[1] - 0.012)
+    if rng.random() < 0.7:
+        tall = float(rng.uniform(0.026, 0.042))
+        extras.append(build_display(panel.x, inner, (high - tall, high)))
+        high -= tall + 0.012
+    if rng.random() < 0.45:  # a button that throws the door open
+        tall = float(rng.uniform(0.024, 0.036))
+        size = (0.8 * (inner[1] - inner[0]), tall, 0.008)
+        at = (panel.x, y, low + tall / 2)
+        parts.append(make_button(at, size, name="door_button", parent="body", finish="handle"))
+        low += tall + 0.012
+    kind = rng.choice(("dials", "keys", "touch", "dial_and_keys"), p=(0.44, 0.24, 0.2, 0.12))
+    if kind == "dial_and_keys":
+        split = low + 0.42 * (high - low)
+        parts += _draw_dials(rng, panel.x, inner, (low, split), 1)
+        parts += _draw_keys(rng, panel.x, inner, (split, high), rows=int(rng.integers(1, 4)))
+    elif kind == "dials":
+        parts += _draw_dials(rng, panel.x, inner, (low, high), int(rng.integers(1, 3)))
+    elif kind == "keys":
+        parts += _draw_keys(rng, panel.x, inner, (low, high), rows=int(rng.integers(4, 7)))
+    return parts, tuple(extras)
+
+
+def _draw_dials(rng: np.random.Generator, x: float, y: Range, z: Range, count: int) -> list[ShapePart]:
+    room = min(y[1] - y[0], (z[1] - z[0]) / count - 0.008)
+    most = min(0.45 * room, 0.032)
+    design = design_dial(rng, (0.72 * most, most), endless=0.65)
+    middle = (y[0] + y[1]) / 2
+    return [
+        make_dial(design, (x, middle, (a + b) / 2), name=f"dial_{k}", parent="body")
+        for k, (a, b) in enumerate(divide_range(z, count, 0.0))
+    ]
+
+
+def _draw_keys(rng: np.random.Generator, x: float, y: Range, z: Range, rows: int) -> list[ShapePart]:
+    columns = 3 if y[1] - y[0] > 0.065 else 2
+    gap = float(rng.uniform(0.005, 0.007))
+    tall = min((z[1] - z[0] - gap * (rows - 1)) / rows, 0.022)
+    rows_z = divide_range((z[1] - rows * tall - gap * (rows - 1), z[1]), rows, gap)
+    columns_y = divide_range(y, columns, gap)
+    wide = columns_y[0][1] - columns_y[0][0]
+    finish = "plastic" if rng.random() < 0.6 else "accent"
+    return [
+        make_button(
+            (x, sum(across) / 2, sum(up) / 2),
+            (wide, tall, 0.006),
+            name=f"key_{row * columns + column}",
+            parent="body",
+            finish=finish,
+        )
+        for row, up in enumerate(reversed(rows_z))
+        for column, across in enumerate(reversed(columns_y))
+    ]
+
+
+def _draw_strip(
+    rng: np.random.Generator, plan: _Plan
+) -> tuple[list[ShapePart], tuple[Primitive, ...]]:
+    """Controls above a door that drops: a display in the middle, dials or keys beside it."""
+    panel = plan.controls
+    y, z = panel.center
+    third = panel.width / 3
+    display = build_display(panel.x, (y - third / 2, y + third / 2), (z - 0.016, z + 0.016))
+    design = design_dial(rng, (0.26 * panel.height, 0.36 * panel.height), endless=0.65)
+    parts = [
+        make_dial(design, (panel.x, y + side * third, z), name=f"dial_{k}", parent="body")
+        for k, side in enumerate((1, -1))
+    ]
+    return parts[: int(rng.integers(1, 3))], (display,)
+
+
+def _draw_turntable(rng: np.random.Generator, plan: _Plan) -> ShapePart:
+    """A glass plate on a coupling that stands `GAP` above the floor of the cavity."""
+    space = plan.hollow
+    radius = min(0.46 * min(space.width, space.depth), float(rng.uniform(0.12, 0.18)))
+    y = (space.y[0] + space.y[1]) / 2
+    x = (space.x[0] + space.x[1]) / 2
+    z = space.z[0]
+    thick, level = 0.0075, z + 0.014
+    pieces = [
+        cylinder((x, y, z + GAP), (x, y, level), 0.022, "plastic"),
+        cylinder((x, y, level), (x, y, level + thick), radius - 0.008, "clear"),
+        *build_ring(
+            (x, y, level),
+            "z",
+            (0.0, thick + 0.008),
+            ((radius - 0.012, radius - 0.0), (radius - 0.008, radius + 0.004)),
+            "clear",
+        ),
+    ]
+    motion = Motion(type="continuous", axis=SIDES["bottom"], origin=(x, y, z), upper=2 * np.pi)
+    return ShapePart(name="turntable", label="tray", parent="body", primitives=tuple(pieces), motion=motion)
