@@ -3,8 +3,10 @@
 from dataclasses import dataclass, field
 
 from sim_export.annotations import HandleConfig
+from sim_export.attachment import AttachmentConfig
 from sim_export.clearance import ClearanceConfig
 from sim_export.decompose import DecomposeConfig
+from sim_export.feet import FeetConfig
 from sim_export.meshing import MeshingConfig
 from sim_export.requirements import RequirementConfig
 from sim_export.retention import RetentionConfig
@@ -27,5 +29,9 @@ class ExportConfig:
     """Drawers that must not fall out."""
     clearance: ClearanceConfig = field(default_factory=ClearanceConfig)
     """Room for moving parts."""
+    feet: FeetConfig = field(default_factory=FeetConfig)
+    """What the object stands on."""
+    attachment: AttachmentConfig = field(default_factory=AttachmentConfig)
+    """Gaps between a link and the one that carries it."""
     handles: HandleConfig = field(default_factory=HandleConfig)
     """How handles are measured."""

@@ -7,10 +7,12 @@ from pathlib import Path
 
 from artigen.types import Asset
 from sim_export.annotations import annotate_handles
+from sim_export.attachment import attach_links
 from sim_export.boards import fill_boards
 from sim_export.clearance import clear_joints
 from sim_export.config import ExportConfig
 from sim_export.decompose import Decomposition, decompose_parts
+from sim_export.feet import add_feet
 from sim_export.links import LinkTree, PartGeometry, build_links, link_owners
 from sim_export.masses import weigh_part
 from sim_export.materials import part_material
@@ -97,7 +99,16 @@ def export_asset(
     watch.lap("requirements")
     cleared = clear_joints(tree.links, joints, needs, cfg.clearance)
     watch.lap("clearance")
-    tree = LinkTree(links=cleared.links, joints=cleared.joints, records=tree.records)
+    standing = add_feet(
+        cleared.links,
+        cleared.joints,
+        needs,
+        {part.name: mesh for part, mesh in zip(asset.parts, meshes, strict=True)},
+        cfg.feet,
+    )
+    attached = attach_links(standing.links, cleared.joints, needs, cfg.attachment)
+    watch.lap("attach")
+    tree = LinkTree(links=attached.links, joints=cleared.joints, records=tree.records)
     handles = annotate_handles(asset, meshes, tree, cfg.handles)
     watch.lap("annotate")
     records = (
@@ -116,6 +127,8 @@ def export_asset(
         *tree.records,
         *held,
         *cleared.records,
+        *standing.records,
+        *attached.records,
     )
     package = SimPackage(
         name=asset.name,

@@ -1,0 +1,128 @@
+"""Laws of pegs: gaps of some millimetres close, sweeps stay free, what cannot be closed is said."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from sim_export.additions import AdditionConfig
+from sim_export.attachment import AttachmentConfig, attach_links
+from sim_export.contacts import HullSet, signed_distances
+from sim_export.hulls import box_hull
+from sim_export.motion import link_displacements
+from sim_export.package import Hull, Link, PackageJoint
+
+
+def box(low: tuple[float, float, float], high: tuple[float, float, float]) -> Hull:
+    return box_hull(np.array(low), np.array(high))
+
+
+def link(name: str, *hulls: Hull) -> Link:
+    return Link(name=name, label=None, parts=(), visuals=(), hulls=hulls, inertial=None)
+
+
+def joint(kind: str, axis: tuple[float, float, float], upper: float, origin=(0.0, 0.0, 0.0)) -> PackageJoint:
+    return PackageJoint(
+        name="joint_0",
+        type=kind,
+        kind=kind,
+        parent="body",
+        child="part",
+        axis=np.array(axis),
+        origin=np.array(origin),
+        lower=0.0,
+        upper=upper,
+    )
+
+
+BODY = box((0.0, -0.3, -0.3), (0.5, 0.3, 0.3))
+KNOB = box((-0.027, -0.02, -0.02), (-0.007, 0.02, 0.02))
+TURN = joint("continuous", (1.0, 0.0, 0.0), 2 * np.pi)
+
+
+def gap(links, pose: np.ndarray | None = None) -> float:
+    still = np.eye(4)
+    body, part = (HullSet(hulls=item.hulls) for item in links)
+    T = still if pose is None else pose
+    return float(signed_distances(part, body, T, still, 1.0).distance.min())
+
+
+def sweep_gap(links, moving: PackageJoint) -> float:
+    T = link_displacements(links, [moving], {moving.name: np.linspace(0.0, moving.upper, 101)})
+    return gap(links, T[:, 1])
+
+
+def test_a_knob_off_its_panel_gets_a_peg_and_still_turns():
+    links = (link("body", BODY), link("part", KNOB))
+    done = attach_links(links, [TURN])
+    assert gap(links) == pytest.approx(0.007)
+    assert 0.0 < gap(done.links) <= 0.0011
+    assert sweep_gap(done.links, TURN) >= 0.0
+    assert len(done.pegs) == len(done.records) == 1
+    assert "7.0 mm" in done.records[0]
+    assert done.pegs[0].left == pytest.approx(gap(done.links))
+
+
+@pytest.mark.parametrize("offset", [0.0, 0.004, 0.05])
+def test_near_and_far_links_are_left_alone(offset: float):
+    knob = box((-0.02 - offset, -0.02, -0.02), (-offset, 0.02, 0.02))
+    links = (link("body", BODY), link("part", knob))
+    done = attach_links(links, [TURN])
+    assert done.links[0] is links[0]
+    assert done.links[1] is links[1]
+    assert not done.pegs
+    assert not done.apart
+
+
+def test_a_button_that_needs_the_gap_gets_a_peg_beside_it():
+    press = joint("prismatic", (1.0, 0.0, 0.0), 0.0069)
+    links = (link("body", BODY), link("part", KNOB))
+    done = attach_links(links, [press])
+    assert [peg.link for peg in done.pegs] == ["body"]
+    assert gap(done.links) <= 0.0011
+    assert sweep_gap(done.links, press) >= 0.0
+    assert done.links[1] is links[1]
+
+
+def test_a_door_keeps_its_swing():
+    door = box((-0.03, -0.3, -0.3), (-0.008, 0.3, 0.3))
+    hinge = joint("revolute", (0.0, 0.0, 1.0), np.pi / 2, (-0.02, -0.3, 0.0))
+    links = (link("body", BODY), link("part", door))
+    before = sweep_gap(links, hinge)
+    done = attach_links(links, [hinge])
+    assert before > -2e-5
+    assert gap(done.links) <= AttachmentConfig().near
+    assert sweep_gap(done.links, hinge) > -2e-5
+
+
+def test_a_gap_that_nothing_may_enter_is_said():
+    cfg = AttachmentConfig(widths=(0.5,), addition=AdditionConfig())
+    blocks = [box((-0.0065, y, -0.3), (-0.0005, y + 0.1, 0.3)) for y in (-0.2, 0.1)]
+    links = (link("body", BODY), link("part", KNOB), link("other", *blocks))
+    slide = replace(joint("prismatic", (0.0, 1.0, 0.0), 0.3), name="joint_1", child="other")
+    done = attach_links(links[:2] + links[2:], [TURN, slide], cfg=cfg)
+    assert [row[:2] for row in done.apart] == [("part", "body")]
+    assert "stays 7.0 mm" in done.records[0]
+    assert done.links[1] is links[1]
+
+
+def test_where_a_link_has_all_its_hulls_one_is_stretched():
+    cfg = AttachmentConfig(addition=AdditionConfig(max_hulls=1))
+    links = (link("body", BODY), link("part", KNOB))
+    done = attach_links(links, [TURN], cfg=cfg)
+    assert [len(item.hulls) for item in done.links] == [1, 1]
+    assert gap(done.links) <= 0.0011
+
+
+def test_it_repeats_itself_and_is_done_once():
+    links = (link("body", BODY), link("part", KNOB))
+    first, second = attach_links(links, [TURN]), attach_links(links, [TURN])
+    for one, two in zip(first.links, second.links, strict=True):
+        for a, b in zip(one.hulls, two.hulls, strict=True):
+            np.testing.assert_array_equal(a.vertices, b.vertices)
+    assert not attach_links(first.links, [TURN]).pegs
+
+
+def test_settings_that_make_no_sense_are_refused():
+    with pytest.raises(ValueError, match="expected to rise"):
+        AttachmentConfig(near=0.001)

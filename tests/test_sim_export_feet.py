@@ -1,0 +1,95 @@
+"""Laws of feet: bodies stand as low as they look, on what the mesh has there, and sweeps stay free."""
+
+import manifold3d
+import numpy as np
+import pytest
+
+from sim_export.additions import AdditionConfig
+from sim_export.feet import FeetConfig, add_feet
+from sim_export.hulls import box_hull
+from sim_export.package import Link, Mesh, PackageJoint
+
+
+def solid(*boxes: tuple[tuple[float, float, float], tuple[float, float, float]]) -> Mesh:
+    whole = manifold3d.Manifold()
+    for low, high in boxes:
+        size = tuple(float(b - a) for a, b in zip(low, high, strict=True))
+        whole += manifold3d.Manifold.cube(size).translate(low)
+    mesh = whole.to_mesh64()
+    return Mesh(
+        vertices=np.array(mesh.vert_properties)[:, :3], faces=np.array(mesh.tri_verts, dtype=np.int64)
+    )
+
+
+PLATE = ((-0.3, -0.4, 0.0), (0.3, 0.4, 0.8))
+FEET = [
+    ((x - 0.02, y - 0.02, -0.012), (x + 0.02, y + 0.02, 0.01)) for x in (-0.25, 0.25) for y in (-0.35, 0.35)
+]
+BODY = box_hull(np.array(PLATE[0]), np.array(PLATE[1]))
+
+
+def link(name: str, *hulls) -> Link:
+    return Link(name=name, label=None, parts=(name,), visuals=(), hulls=hulls, inertial=None)
+
+
+def lowest(links) -> np.ndarray:
+    points = np.concatenate([hull.vertices for item in links for hull in item.hulls])
+    return points[points[:, 2] < points[:, 2].min() + 1e-6]
+
+
+def test_four_feet_that_hulls_lack_are_added():
+    links = (link("body", BODY),)
+    done = add_feet(links, [], [], {"body": solid(PLATE, *FEET)})
+    low = lowest(done.links)
+    np.testing.assert_allclose(
+        [low.min(axis=0), low.max(axis=0)], [[-0.27, -0.37, -0.012], [0.27, 0.37, -0.012]]
+    )
+    assert len(done.links[0].hulls) == 5
+    assert "12.0 mm" in done.records[0]
+    assert "4 of 4" in done.records[0]
+
+
+@pytest.mark.parametrize("depth", [0.0, 0.004, 0.05])
+def test_bodies_that_stand_or_lack_more_than_feet_are_left_alone(depth: float):
+    links = (link("body", BODY),)
+    mesh = solid(PLATE, ((-0.3, -0.4, -depth), (0.3, 0.4, 0.1)))
+    done = add_feet(links, [], [], {"body": mesh})
+    assert done.links[0] is links[0]
+    assert not done.records
+
+
+def test_a_frame_stands_on_its_corners():
+    low, high = -0.012, 0.01
+    frame = [
+        ((-0.3, -0.4, low), (0.3, -0.38, high)),
+        ((-0.3, 0.38, low), (0.3, 0.4, high)),
+        ((-0.3, -0.4, low), (-0.28, 0.4, high)),
+        ((0.28, -0.4, low), (0.3, 0.4, high)),
+    ]
+    done = add_feet((link("body", BODY),), [], [], {"body": solid(PLATE, *frame)})
+    points = lowest(done.links)
+    np.testing.assert_allclose(points.min(axis=0)[:2], [-0.3, -0.4])
+    np.testing.assert_allclose(points.max(axis=0)[:2], [0.3, 0.4])
+    for hull in done.links[0].hulls[1:]:
+        assert np.ptp(hull.vertices, axis=0).max() < 0.2
+
+
+def test_feet_keep_out_of_the_way_of_what_moves():
+    tray = box_hull(np.array([-0.3, -0.4, -0.011]), np.array([-0.2, 0.4, -0.002]))
+    slide = PackageJoint(
+        name="joint_0", type="prismatic", kind="prismatic", parent="body", child="tray", axis=np.array([-1.0, 0.0, 0.0]),
+        origin=np.zeros(3), lower=0.0, upper=0.3,
+    )  # fmt: skip
+    links = (link("body", BODY), link("tray", tray))
+    meshes = {"body": solid(PLATE, *FEET), "tray": solid(((-0.3, -0.4, -0.011), (-0.2, 0.4, -0.002)))}
+    cfg = FeetConfig(near=0.0005, far=0.03)
+    done = add_feet(links, [slide], [], meshes, cfg)
+    assert "2 of 4" in done.records[0]
+    assert lowest(done.links)[:, 0].min() > 0.2
+
+
+def test_where_a_link_has_all_its_hulls_one_is_stretched():
+    cfg = FeetConfig(addition=AdditionConfig(max_hulls=1))
+    done = add_feet((link("body", BODY),), [], [], {"body": solid(PLATE, *FEET)}, cfg)
+    assert len(done.links[0].hulls) == 1
+    assert lowest(done.links)[0, 2] == pytest.approx(-0.012)
