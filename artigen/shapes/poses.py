@@ -1,0 +1,63 @@
+"""Where the parts of a shape are at given joint coordinates, in metres and radians."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from jaxtyping import Float
+
+from artigen.shapes.shape import Motion, Shape
+from artigen.transforms import joint_motion
+from artigen.types import FIXED, Joint
+
+
+def pose_parts(shape: Shape, qpos: Float[np.ndarray, "*B P"]) -> Float[np.ndarray, "*B P 4 4"]:
+    """Displacement of every part from rest: its parent's displacement times its own motion.
+
+    Args:
+        shape: The object.
+        qpos: One coordinate per part, in metres for prismatic joints, in radians else; those of fixed
+            parts have no effect.
+
+    Raises:
+        ValueError: If there is another number of coordinates than of parts.
+    """
+    qpos = np.asarray(qpos, dtype=np.float64)
+    if qpos.shape[-1] != len(shape.parts):
+        raise ValueError(
+            f"{shape.name}: qpos has {qpos.shape[-1]} entries, {len(shape.parts)} parts want one each"
+        )
+    out = np.zeros((*qpos.shape, 4, 4))
+    row = {part.name: index for index, part in enumerate(shape.parts)}
+    waiting: Sequence[int] = range(len(shape.parts))
+    placed: set[str | None] = {None}
+    while waiting:
+        ready = [index for index in waiting if shape.parts[index].parent in placed]
+        for index in ready:
+            part = shape.parts[index]
+            own = joint_motion(_joint(part.motion), qpos[..., index])
+            out[..., index, :, :] = own if part.parent is None else out[..., row[part.parent], :, :] @ own
+            placed.add(part.name)
+        waiting = [index for index in waiting if index not in ready]
+    return out
+
+
+def open_parts(shape: Shape, fraction: float) -> Float[np.ndarray, "P"]:
+    """Coordinates with every limited joint at the same share of its range, others closed."""
+    return np.array(
+        [
+            0.0 if part.motion is None or part.motion.type == "continuous" else fraction * part.motion.upper
+            for part in shape.parts
+        ]
+    )
+
+
+def _joint(motion: Motion | None) -> Joint:
+    if motion is None:
+        return FIXED
+    return Joint(
+        type=motion.type,
+        axis=np.array(motion.axis),
+        origin=np.array(motion.origin),
+        upper=motion.upper,
+        pitch=motion.pitch,
+    )

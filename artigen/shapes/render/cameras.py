@@ -1,0 +1,88 @@
+"""Pinhole cameras in batches: metres, z up, pixel (column, row) covers [column, column + 1] x [row, row + 1].
+
+The image plane has its origin at the upper left; depth is measured along the viewing direction.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+from jaxtyping import Float
+from torch import Tensor
+
+from artigen.shapes.primitives import Vector
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Cameras:
+    """Pinholes at ``position`` (metres) that look at ``target``; z is up in the pictures."""
+
+    position: Float[Tensor, "B 3"]
+    target: Float[Tensor, "B 3"]
+    fov: Float[Tensor, "B"]
+    """Vertical angles of view in degrees."""
+    width: int = 128
+    """Pixels per row."""
+    height: int = 128
+    """Number of rows."""
+
+    def __post_init__(self) -> None:
+        forward = self.target - self.position
+        if (forward[:, :2].norm(dim=1) < 1e-9 * forward.norm(dim=1).clamp(min=1.0)).any():
+            raise ValueError("a camera and its target must differ and not lie above each other")
+        if not ((self.fov > 0) & (self.fov < 180)).all():
+            raise ValueError(f"camera fov is {self.fov.tolist()} degrees, allowed is between 0 and 180")
+        if min(self.width, self.height) < 1:
+            raise ValueError(f"images are {self.width} x {self.height} pixels, expected at least 1 x 1")
+
+
+def camera_axes(cameras: Cameras) -> Float[Tensor, "B 3 3"]:
+    """Rows are the picture's right, down and forward directions in the world (float64)."""
+    forward = torch.nn.functional.normalize(cameras.target.double() - cameras.position.double(), dim=1)
+    up = torch.tensor([0.0, 0.0, 1.0], dtype=torch.float64, device=forward.device).expand_as(forward)
+    right = torch.nn.functional.normalize(torch.linalg.cross(forward, up), dim=1)
+    return torch.stack([right, torch.linalg.cross(forward, right), forward], dim=1)
+
+
+def pixel_sizes(cameras: Cameras) -> Float[Tensor, "B"]:
+    """Edge of a pixel at depth one (float64)."""
+    return 2.0 * torch.tan(torch.deg2rad(cameras.fov.double()) / 2.0) / cameras.height
+
+
+def frame_points(
+    points: Float[np.ndarray, "N 3"],
+    direction: Vector,
+    *,
+    fov: float = 24.0,
+    margin: float = 0.06,
+    width: int = 128,
+    height: int = 128,
+) -> Cameras:
+    """The nearest camera that sees every point, as a batch of one.
+
+    Args:
+        points: What has to be in the picture (m).
+        direction: From the object to the camera.
+        fov: Vertical angle of view in degrees.
+        margin: Free border, as a share of the image on each side.
+        width: Pixels per row.
+        height: Number of rows.
+    """
+    way = torch.tensor([direction], dtype=torch.float64)
+    facing = Cameras(position=way, target=torch.zeros_like(way), fov=torch.tensor([fov]))
+    axes = camera_axes(facing)[0].numpy()
+    local = points @ axes.T
+    # Each border of the picture is a half-space condition that is linear in the camera's position.
+    vertical = np.tan(np.radians(fov) / 2.0) * (1.0 - 2.0 * margin)
+    slopes = np.array([vertical * width / height, vertical])
+    highest = (local[:, :2] - slopes * local[:, 2:]).max(axis=0)
+    lowest = (local[:, :2] + slopes * local[:, 2:]).min(axis=0)
+    depth = float(((lowest - highest) / (2.0 * slopes)).min())
+    position = np.array([*((highest + lowest) / 2.0), depth]) @ axes
+    return Cameras(
+        position=torch.tensor(position[None]),
+        target=torch.tensor((position + axes[2])[None]),
+        fov=torch.tensor([fov], dtype=torch.float64),
+        width=width,
+        height=height,
+    )

@@ -1,0 +1,240 @@
+"""Rays through pixels against primitives: which are hit, nearest first, and the surface there.
+
+In the own frame of a primitive the ray of pixel (column, row) starts at ``o`` and runs along ``d``, which
+is linear in column and row; so is its speed through each slab. Distances are depths, since rays have
+length one along the viewing direction.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import torch
+from jaxtyping import Float, Int
+from torch import Tensor
+
+from artigen.shapes.render.cameras import Cameras, camera_axes, pixel_sizes
+from artigen.shapes.render.scene import CYLINDER, Instances
+from artigen.shapes.render.spans import NEAR, Spans, count_up, find_spans
+
+TOLERANCE = 2e-6
+"""A ray that leaves a solid this little (share of depth) before it enters still hits: no cracks."""
+NOTHING = torch.iinfo(torch.int64).max
+STILL = 1e-9
+"""A ray slower than this through a slab runs along it."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Rays:
+    """What a pixel's ray is in the own frame of each instance: start, and how it runs (float32)."""
+
+    start: Float[Tensor, "I S"]
+    """Place of the camera along each slab's normal."""
+    column: Float[Tensor, "I S"]
+    """Speed through each slab, per column."""
+    row: Float[Tensor, "I S"]
+    middle: Float[Tensor, "I S"]
+    """Speed through each slab of a ray through pixel (0, 0)'s upper left corner."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Hits:
+    """All that rays hit, in no order: ``key`` holds depth above instance, so that the least is nearest."""
+
+    pixel: Int[Tensor, "M"]
+    """Counted through all images of the batch."""
+    key: Int[Tensor, "M"]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Surface:
+    """The surface that some pixels see."""
+
+    pixel: Int[Tensor, "N"]
+    instance: Int[Tensor, "N"]
+    depth: Float[Tensor, "N"]
+    point: Float[Tensor, "N 3"]
+    """In the world (m)."""
+    normal: Float[Tensor, "N 3"]
+    """In the world, towards the camera."""
+    view: Float[Tensor, "N 3"]
+    """Unit direction of the ray."""
+    rest_point: Float[Tensor, "N 3"]
+    """In the object frame at rest."""
+    rest_normal: Float[Tensor, "N 3"]
+
+
+def make_rays(cameras: Cameras, instances: Instances) -> Rays:
+    """Rays of all pixels, in the own frames of the instances."""
+    axes = camera_axes(cameras)[instances.image]
+    start = cameras.position.double()[instances.image] - instances.center
+    own = instances.slab_normal @ instances.rotation.mT  # slab normals in the world
+    right, down, forward = ((own @ axes[:, k, :, None])[..., 0] for k in range(3))
+    pixel = pixel_sizes(cameras)[instances.image][:, None]
+    return Rays(
+        start=(own @ start[:, :, None])[..., 0].float(),
+        column=(right * pixel).float(),
+        row=(down * pixel).float(),
+        middle=(forward - (right * cameras.width / 2 + down * cameras.height / 2) * pixel).float(),
+    )
+
+
+def find_hits(cameras: Cameras, instances: Instances, rays: Rays) -> Hits:
+    """Every instance that every pixel's ray meets in front of the camera."""
+    spans = find_spans(cameras, instances)
+    group = instances.group[spans.instance]
+    pixels, keys = [], []
+    for size in sorted(set(instances.group.tolist())):
+        chosen = (group == size).nonzero()[:, 0]
+        found = _hit_group(cameras, instances, rays, _select(spans, chosen), size)
+        pixels.append(found[0])
+        keys.append(found[1])
+    return Hits(pixel=torch.cat(pixels), key=torch.cat(keys))
+
+
+def find_layers(hits: Hits, pixels: int) -> Iterator[Int[Tensor, "pixels"]]:
+    """The nearest key of each pixel, then the next one behind it, and so on; `NOTHING` where none is left."""
+    last = torch.full((pixels,), -1, dtype=torch.int64, device=hits.key.device)
+    pixel, key = hits.pixel, hits.key
+    while True:
+        layer = torch.full_like(last, NOTHING).scatter_reduce_(0, pixel, key, "amin")
+        yield layer
+        behind = key > layer[pixel]
+        pixel, key = pixel[behind], key[behind]
+
+
+def unpack_keys(key: Int[Tensor, "N"]) -> tuple[Float[Tensor, "N"], Int[Tensor, "N"]]:
+    """Depth and instance of keys."""
+    return (key >> 32).to(torch.int32).view(torch.float32), key & 0xFFFFFFFF
+
+
+def find_surface(
+    cameras: Cameras,
+    instances: Instances,
+    rays: Rays,
+    pixel: Int[Tensor, "N"],
+    key: Int[Tensor, "N"],
+) -> Surface:
+    """The surface at hits: where it is, in the world and at rest, and its normal."""
+    depth, instance = unpack_keys(key)
+    across = pixel % cameras.width + 0.5
+    along = torch.div(pixel, cameras.width, rounding_mode="floor") % cameras.height + 0.5
+    normal = torch.zeros(len(pixel), 3, device=depth.device)
+    group = instances.group[instance]
+    for size in sorted(set(instances.group.tolist())):
+        chosen = (group == size).nonzero()[:, 0]
+        normal[chosen] = _own_normals(
+            instances, rays, instance[chosen], across[chosen], along[chosen], depth[chosen], size
+        )
+    image = instances.image[instance]
+    axes = camera_axes(cameras).float()[image]
+    pixel_size = pixel_sizes(cameras).float()[image]
+    x, y = (across - cameras.width / 2) * pixel_size, (along - cameras.height / 2) * pixel_size
+    view = axes[:, 0] * x[:, None] + axes[:, 1] * y[:, None] + axes[:, 2]
+    point = cameras.position.float()[image] + view * depth[:, None]
+    normal = _rotate(instances.rotation.float()[instance], normal)
+    back = instances.displacement.float().mT[:, :3, :3][instance]
+    shift = instances.displacement.float()[instance, :3, 3]
+    return Surface(
+        pixel=pixel,
+        instance=instance,
+        depth=depth,
+        point=point,
+        normal=normal,
+        view=view / view.norm(dim=1, keepdim=True),
+        rest_point=_rotate(back, point - shift),
+        rest_normal=_rotate(back, normal),
+    )
+
+
+def _rotate(matrices: Float[Tensor, "N 3 3"], vectors: Float[Tensor, "N 3"]) -> Float[Tensor, "N 3"]:
+    return (matrices * vectors[:, None, :]).sum(dim=2)
+
+
+def _select(spans: Spans, chosen: Int[Tensor, "K"]) -> Spans:
+    return Spans(**{name: value[chosen] for name, value in vars(spans).items()})
+
+
+def _hit_group(
+    cameras: Cameras, instances: Instances, rays: Rays, spans: Spans, size: int
+) -> tuple[Int[Tensor, "M"], Int[Tensor, "M"]]:
+    """Pixels and keys of hits on the instances of one group."""
+    line = torch.repeat_interleave(spans.count)
+    column = count_up(spans.count) + spans.column[line]
+    across = column + 0.5
+    slabs = size or 3
+    at = spans.instance
+    fixed = rays.middle[at, :slabs] + rays.row[at, :slabs] * (spans.row + 0.5)[:, None]
+    speed = fixed.T[:, line] + rays.column[at, :slabs].T[:, line] * across
+    start = rays.start[at, :slabs]
+    low = (instances.slab_low[at, :slabs].float() - start).T[:, line]
+    high = (instances.slab_high[at, :slabs].float() - start).T[:, line]
+    if size == CYLINDER:
+        radius = instances.slab_high[at, 0].float()[line]
+        enter, leave = _meet_cylinder(start.T[:, line], speed, radius, low[2], high[2])
+    else:
+        enter, leave = _meet_slabs(speed, low, high)
+    hit = ((enter <= leave + TOLERANCE * leave) & (enter > NEAR)).nonzero()[:, 0]
+    row = (instances.image[at] * cameras.height + spans.row) * cameras.width
+    depth = enter[hit].view(torch.int32).long()
+    return (row[line] + column)[hit], (depth << 32) | at[line][hit]
+
+
+def _meet_slabs(
+    speed: Float[Tensor, "S M"], low: Float[Tensor, "S M"], high: Float[Tensor, "S M"]
+) -> tuple[Float[Tensor, "M"], Float[Tensor, "M"]]:
+    """Where rays enter the last slab and leave the first."""
+    inverse = 1.0 / torch.where(speed.abs() < STILL, STILL, speed)
+    one, other = low * inverse, high * inverse
+    return torch.minimum(one, other).amax(dim=0), torch.maximum(one, other).amin(dim=0)
+
+
+def _meet_cylinder(
+    start: Float[Tensor, "3 M"],
+    speed: Float[Tensor, "3 M"],
+    radius: Float[Tensor, "M"],
+    low: Float[Tensor, "M"],
+    high: Float[Tensor, "M"],
+) -> tuple[Float[Tensor, "M"], Float[Tensor, "M"]]:
+    """Where rays enter and leave a cylinder about its own z; misses leave before they enter."""
+    (ox, oy, _), (dx, dy, dz) = start, speed
+    dx = torch.where(dx.abs() + dy.abs() < 1e-6, 1e-6, dx)
+    square = dx * dx + dy * dy
+    # The distance of the ray from the axis, and not b * b - a * c, which loses all digits for thin rods.
+    reach = square * radius * radius - (ox * dy - oy * dx) ** 2
+    middle, half = -(ox * dx + oy * dy) / square, reach.clamp(min=0.0).sqrt() / square
+    enter, leave = _meet_slabs(dz[None], low[None], high[None])
+    enter, leave = torch.maximum(enter, middle - half), torch.minimum(leave, middle + half)
+    return enter, torch.where(reach < 0, -torch.inf, leave)
+
+
+def _own_normals(
+    instances: Instances,
+    rays: Rays,
+    instance: Int[Tensor, "N"],
+    across: Float[Tensor, "N"],
+    along: Float[Tensor, "N"],
+    depth: Float[Tensor, "N"],
+    size: int,
+) -> Float[Tensor, "N 3"]:
+    """Outward normals in the own frame of instances of one group, at the depths where rays enter."""
+    slabs = size or 3
+    speed = rays.middle[instance, :slabs] + rays.row[instance, :slabs] * along[:, None]
+    speed = speed + rays.column[instance, :slabs] * across[:, None]
+    start = rays.start[instance, :slabs]
+    low = instances.slab_low[instance, :slabs].float() - start
+    high = instances.slab_high[instance, :slabs].float() - start
+    inverse = 1.0 / torch.where(speed.abs() < STILL, STILL, speed)
+    enter = torch.minimum(low * inverse, high * inverse)
+    if size == CYLINDER:
+        at = start + speed * depth[:, None]
+        radius = instances.slab_high[instance, 0].float()
+        on_cap = enter[:, 2] >= depth * (1 - TOLERANCE)
+        side = torch.cat([at[:, :2] / radius[:, None], torch.zeros_like(at[:, :1])], dim=1)
+        side = torch.nn.functional.normalize(side, dim=1)
+        cap = torch.zeros_like(at)
+        cap[:, 2] = -torch.sign(speed[:, 2])
+        return torch.where(on_cap[:, None], cap, side)
+    last = enter.argmax(dim=1)
+    every = torch.arange(len(last), device=last.device)
+    normal = instances.slab_normal[instance, last].float()
+    return -torch.sign(speed[every, last])[:, None] * normal

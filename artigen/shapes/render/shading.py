@@ -1,0 +1,104 @@
+"""Light in a bright room: a sky, a floor that throws light back, and one large lamp."""
+
+from dataclasses import dataclass
+
+import torch
+from jaxtyping import Float, Int
+from torch import Tensor
+
+from artigen.shapes.primitives import Vector
+from artigen.shapes.render.rays import Surface
+from artigen.shapes.textures import KINDS
+
+STEEL = KINDS.index("steel")
+GLASS = KINDS.index("glass")
+
+
+@dataclass(frozen=True, kw_only=True)
+class RenderConfig:
+    """How pictures look and what they cost."""
+
+    shadows: bool = True
+    """Whether the lamp and the sky throw shadows (exact rays)."""
+    openness: bool = True
+    """Whether corners and gaps are darker than open surfaces."""
+    floor: bool = False
+    """Whether a floor at z = 0 carries the object's shadow; the mask is the object alone."""
+    background: Vector = (0.93, 0.93, 0.925)
+    """Colour (sRGB) where nothing is seen."""
+    lamp: Vector = (-0.55, 0.42, 0.72)
+    """Direction towards the lamp; made unit."""
+    lamp_strength: float = 0.62
+    """Light of the lamp on a surface that faces it."""
+    sky_strength: float = 0.30
+    """Light from straight above, shadowed as from one direction."""
+    fill_strength: float = 0.30
+    """Light from all around, from above more than from below."""
+    supersampling: int = 1
+    """Rays per pixel edge for colour; the other maps are always at pixel centres."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Material:
+    """What shading needs of the surface at some points."""
+
+    color: Float[Tensor, "N 3"]
+    """Linear light."""
+    kind: Int[Tensor, "N"]
+    gloss: Float[Tensor, "N"]
+    opacity: Float[Tensor, "N"]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Light:
+    """What reaches some points: 0 none, 1 all."""
+
+    lamp: Float[Tensor, "N"]
+    sky: Float[Tensor, "N"]
+    open: Float[Tensor, "N"]
+
+
+def shade(
+    surface: Surface, material: Material, light: Light, cfg: RenderConfig
+) -> tuple[Float[Tensor, "N 3"], Float[Tensor, "N 3"]]:
+    """Linear light that leaves a surface towards the camera: scattered, and mirrored."""
+    up = surface.normal[:, 2]
+    lamp = torch.nn.functional.normalize(surface.normal.new_tensor(cfg.lamp), dim=0)
+    facing = (surface.normal @ lamp).clamp(min=0.0)
+    fill = (0.66 + 0.34 * up) * light.open
+    diffuse = (
+        cfg.lamp_strength * facing * light.lamp
+        + cfg.sky_strength * (0.15 + 0.85 * (0.5 + 0.5 * up)) * light.sky * (0.4 + 0.6 * light.open)
+        + cfg.fill_strength * 1.25 * fill
+    )
+    cosine = -(surface.normal * surface.view).sum(dim=1)
+    mirrored = surface.view + 2.0 * cosine[:, None] * surface.normal
+    metal = material.kind == STEEL
+    base = torch.where(metal, 0.55 * material.gloss, 0.06 * material.gloss)
+    fresnel = base + (0.5 * material.gloss - base).clamp(min=0.0) * (1.0 - cosine).clamp(0.0, 1.0) ** 5
+    room = _room_light(mirrored, material.gloss) * (0.25 + 0.75 * light.open)
+    glint = (mirrored @ lamp).clamp(min=0.0) ** (12.0 + 120.0 * material.gloss) * light.lamp
+    tint = torch.where(metal[:, None], material.color, 1.0)
+    specular = tint * (fresnel * (room + 1.5 * glint))[:, None]
+    matte = torch.where(metal, 1.0 - 0.55 * material.gloss, 1.0)
+    return material.color * (diffuse * matte)[:, None], specular
+
+
+def _room_light(direction: Float[Tensor, "N 3"], gloss: Float[Tensor, "N"]) -> Float[Tensor, "N"]:
+    """What a mirror sees: a bright ceiling, a band of windows in front, a floor in half-light."""
+    height = direction[:, 2]
+    softness = 0.55 - 0.4 * gloss
+    ceiling = torch.sigmoid((height - 0.25) / (0.25 * softness))
+    window = torch.exp(-(((height - 0.15) / (0.3 + softness)) ** 2)) * torch.sigmoid(-direction[:, 0] * 4.0)
+    return 0.45 + 0.55 * ceiling + 0.35 * window
+
+
+def linear_from_srgb(color: Float[Tensor, "*S 3"]) -> Float[Tensor, "*S 3"]:
+    """Light from what a screen is told."""
+    return torch.where(color <= 0.04045, color / 12.92, ((color + 0.055) / 1.055).clamp(min=0.0) ** 2.4)
+
+
+def srgb_from_linear(light: Float[Tensor, "*S 3"]) -> Float[Tensor, "*S 3"]:
+    """What a screen is told, from light."""
+    light = light.clamp(0.0, 1.0)
+    return torch.where(light <= 0.0031308, 12.92 * light, 1.055 * light.clamp(min=1e-8) ** (1 / 2.4) - 0.055)

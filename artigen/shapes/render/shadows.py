@@ -1,0 +1,217 @@
+"""What light reaches a point: exact shadows of a distant light, and nearness of walls in the picture."""
+
+from dataclasses import dataclass
+from math import cos, pi, sin, sqrt
+
+import torch
+from jaxtyping import Bool, Float, Int
+from torch import Tensor
+
+from artigen.shapes.primitives import Vector
+from artigen.shapes.render.cameras import Cameras, pixel_sizes
+from artigen.shapes.render.scene import CYLINDER, Instances
+from artigen.shapes.render.spans import count_up
+
+TILES = 24
+"""Tiles along each edge of the map that sorts points, as seen from the light."""
+CLEAR = 1e-3
+"""Shadows begin this far (m) off a surface."""
+RINGS = 14
+"""Samples per pixel that look for walls nearby."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Blockers:
+    """Solids as seen from a distant light, which shines along -z of its frame (float32).
+
+    A ray from (u, v, w) to the light enters slab k at ``low - u_slope * u - v_slope * v - w``; the same
+    with ``high`` where it leaves.
+    """
+
+    low: Float[Tensor, "I S"]
+    high: Float[Tensor, "I S"]
+    u_slope: Float[Tensor, "I S"]
+    v_slope: Float[Tensor, "I S"]
+    bounds: Float[Tensor, "I 2 3"]
+    """Least and greatest u, v, w."""
+
+
+def find_lit(
+    instances: Instances,
+    image: Int[Tensor, "N"],
+    points: Float[Tensor, "N 3"],
+    light: Vector,
+) -> Bool[Tensor, "N"]:
+    """Which points of the images see the distant light; ``light`` is the unit direction towards it."""
+    frame = _light_frame(light, points.device)
+    blockers = _find_blockers(instances, frame)
+    local = points @ frame.float().T
+    tile, count = _sort_into_tiles(instances, blockers, image, local)
+    order = tile.argsort()
+    places = local[order].T.contiguous()
+    first = count.cumsum(0) - count
+    instance, cell = _cover_tiles(instances, blockers, count)
+    dark = torch.zeros(len(points), dtype=torch.bool, device=points.device)
+    group = instances.group[instance]
+    for size in sorted(set(instances.group.tolist())):
+        chosen = (group == size).nonzero()[:, 0]
+        line = torch.repeat_interleave(count[cell[chosen]])
+        point = count_up(count[cell[chosen]]) + first[cell[chosen]][line]
+        dark[point[_block(instances, blockers, frame, instance[chosen], line, places[:, point], size)]] = True
+    lit = torch.empty_like(dark)
+    lit[order] = ~dark
+    return lit
+
+
+def find_openness(
+    cameras: Cameras, depth: Float[Tensor, "B H W"], normal: Float[Tensor, "B H W 3"], reach: float
+) -> Float[Tensor, "B H W"]:
+    """1 in the open, less where the picture shows walls within ``reach`` (m) that rise around a point.
+
+    Args:
+        cameras: Of the pictures.
+        depth: Infinite where nothing is seen.
+        normal: In the camera's axes (right, down, forward).
+        reach: How far walls are looked for.
+    """
+    batch, height, width = depth.shape
+    pixel = pixel_sizes(cameras).float()[:, None, None]
+    rows = torch.arange(height, device=depth.device)
+    columns = torch.arange(width, device=depth.device)
+    slope_x = (columns + 0.5 - width / 2)[None, None, :] * pixel
+    slope_y = (rows + 0.5 - height / 2)[None, :, None] * pixel
+    flat = torch.where(depth.isfinite(), depth, 1e3).reshape(batch, -1)
+    here = flat.reshape(depth.shape)
+    radius = reach / (here * pixel)
+    blocked = torch.zeros_like(here)
+    for step in range(RINGS):
+        share, angle = sqrt((step + 0.7) / RINGS), step * pi * (3 - sqrt(5))
+        column = (columns + (radius * (share * cos(angle)))).round().long().clamp(0, width - 1)
+        row = (rows[:, None] + (radius * (share * sin(angle)))).round().long().clamp(0, height - 1)
+        there = flat.gather(1, (row * width + column).reshape(batch, -1)).reshape(depth.shape)
+        dx = (column + 0.5 - width / 2) * pixel * there - slope_x * here
+        dy = (row + 0.5 - height / 2) * pixel * there - slope_y * here
+        dz = there - here
+        square = dx * dx + dy * dy + dz * dz + 1e-8
+        rise = (dx * normal[..., 0] + dy * normal[..., 1] + dz * normal[..., 2]) * square.rsqrt()
+        blocked += (rise - 0.08).clamp(min=0.0) * (1.0 - square / (1.5 * reach) ** 2).clamp(min=0.0)
+    return (1.0 - 1.6 * blocked / RINGS).clamp(min=0.0)
+
+
+def _light_frame(light: Vector, device: torch.device) -> Float[Tensor, "3 3"]:
+    """Rows u, v, w of a frame with w towards the light (float64)."""
+    w = torch.nn.functional.normalize(torch.tensor(light, dtype=torch.float64, device=device), dim=0)
+    helper = torch.tensor([0.0, 1.0, 0.0], dtype=torch.float64, device=device)
+    u = torch.nn.functional.normalize(torch.linalg.cross(helper, w), dim=0)
+    return torch.stack([u, torch.linalg.cross(w, u), w])
+
+
+def _find_blockers(instances: Instances, frame: Float[Tensor, "3 3"]) -> Blockers:
+    own = instances.slab_normal @ instances.rotation.mT
+    offset = (own @ instances.center[:, :, None])[..., 0]
+    slope = own @ frame.T
+    speed = slope[..., 2]
+    speed = torch.where(speed.abs() < 1e-6, 1e-6, speed)
+    one, other = (instances.slab_low + offset) / speed, (instances.slab_high + offset) / speed
+    corners = instances.corners @ frame.T
+    return Blockers(
+        low=torch.minimum(one, other).float(),
+        high=torch.maximum(one, other).float(),
+        u_slope=(slope[..., 0] / speed).float(),
+        v_slope=(slope[..., 1] / speed).float(),
+        bounds=torch.stack([corners.amin(dim=1), corners.amax(dim=1)], dim=1).float(),
+    )
+
+
+def _sort_into_tiles(
+    instances: Instances, blockers: Blockers, image: Int[Tensor, "N"], local: Float[Tensor, "N 3"]
+) -> tuple[Int[Tensor, "N"], Int[Tensor, "T"]]:
+    """The tile of each point, counted through all images, and the number of points in each tile."""
+    low, size = _tile_grid(instances, blockers)
+    cell = ((local[:, :2] - low[image]) / size[image]).long().clamp(0, TILES - 1)
+    tile = (image * TILES + cell[:, 1]) * TILES + cell[:, 0]
+    return tile, torch.bincount(tile, minlength=len(low) * TILES * TILES)
+
+
+def _tile_grid(instances: Instances, blockers: Blockers) -> tuple[Float[Tensor, "B 2"], Float[Tensor, "B 2"]]:
+    """Lowest corner (u, v) and edge lengths of the tiles of each image; blockers fill the map."""
+    images = int(instances.image.max()) + 1
+    place = instances.image[:, None].expand(-1, 2)
+    low = torch.full((images, 2), torch.inf, device=place.device)
+    low = low.scatter_reduce_(0, place, blockers.bounds[:, 0, :2], "amin")
+    high = torch.full((images, 2), -torch.inf, device=place.device)
+    high = high.scatter_reduce_(0, place, blockers.bounds[:, 1, :2], "amax")
+    return low, (high - low) / TILES
+
+
+def _cover_tiles(
+    instances: Instances, blockers: Blockers, count: Int[Tensor, "T"]
+) -> tuple[Int[Tensor, "K"], Int[Tensor, "K"]]:
+    """Pairs of an instance and a tile that it may shade and that has points."""
+    low, size = _tile_grid(instances, blockers)
+    low, size = low[instances.image], size[instances.image]
+    start = ((blockers.bounds[:, 0, :2] - low) / size - 1e-3).long().clamp(0, TILES - 1)
+    stop = ((blockers.bounds[:, 1, :2] - low) / size + 1e-3).long().clamp(0, TILES - 1)
+    extent = stop - start + 1
+    counts = extent.prod(dim=1)
+    instance = torch.repeat_interleave(counts)
+    rank, width = count_up(counts), extent[instance, 0]
+    down = torch.div(rank, width, rounding_mode="floor")
+    tile = (instances.image[instance] * TILES + start[instance, 1] + down) * TILES
+    tile = tile + start[instance, 0] + rank - down * width
+    kept = count[tile] > 0
+    return instance[kept], tile[kept]
+
+
+def _block(
+    instances: Instances,
+    blockers: Blockers,
+    frame: Float[Tensor, "3 3"],
+    instance: Int[Tensor, "K"],
+    line: Int[Tensor, "M"],
+    places: Float[Tensor, "3 M"],
+    size: int,
+) -> Bool[Tensor, "M"]:
+    """Which pairs of an instance (``instance[line]``) and a place in the light's frame are a shadow."""
+    u, v, w = places
+    slabs = slice(2, 3) if size == CYLINDER else slice(0, size)
+    u_slope, v_slope = (
+        blockers.u_slope[instance, slabs].T[:, line],
+        blockers.v_slope[instance, slabs].T[:, line],
+    )
+    shift = u_slope * u + v_slope * v
+    enter = (blockers.low[instance, slabs].T[:, line] - shift).amax(dim=0)
+    leave = (blockers.high[instance, slabs].T[:, line] - shift).amin(dim=0)
+    if size == CYLINDER:
+        enter, leave = _narrow_to_cylinder(instances, frame, instance, line, places, enter, leave)
+    return (enter <= leave) & (leave > w + CLEAR)
+
+
+def _narrow_to_cylinder(
+    instances: Instances,
+    frame: Float[Tensor, "3 3"],
+    instance: Int[Tensor, "K"],
+    line: Int[Tensor, "M"],
+    places: Float[Tensor, "3 M"],
+    enter: Float[Tensor, "M"],
+    leave: Float[Tensor, "M"],
+) -> tuple[Float[Tensor, "M"], Float[Tensor, "M"]]:
+    """The stretch of a ray to the light that is also within the round side; w counts from the origin."""
+    own = (frame @ instances.rotation[instance]).mT.float()  # rows: own axes in the light's frame
+    shift = (instances.rotation[instance].mT @ instances.center[instance][:, :, None])[:, :, 0].float()
+    x_axis, y_axis = own[:, 0], own[:, 1]
+    dx, dy = x_axis[:, 2], y_axis[:, 2]
+    dx = torch.where(dx.abs() + dy.abs() < 1e-3, 1e-3, dx)
+    square = dx * dx + dy * dy
+    along = (x_axis * dx[:, None] + y_axis * dy[:, None]) / square[:, None]
+    aside = (x_axis * dy[:, None] - y_axis * dx[:, None]) / square[:, None]
+    along_shift = (shift[:, 0] * dx + shift[:, 1] * dy) / square
+    aside_shift = (shift[:, 0] * dy - shift[:, 1] * dx) / square
+    reach = instances.slab_high[instance, 0].float() ** 2 / square
+    u, v, _ = places
+    off = aside[line, 0] * u + aside[line, 1] * v - aside_shift[line]
+    middle = along_shift[line] - along[line, 0] * u - along[line, 1] * v
+    room = reach[line] - off * off
+    half = room.clamp(min=0.0).sqrt()
+    leave = torch.where(room < 0, -torch.inf, torch.minimum(leave, middle + half))
+    return torch.maximum(enter, middle - half), leave
