@@ -6,37 +6,57 @@
 from dataclasses import replace
 
 import numpy as np
+from jaxtyping import Float, Int
 
 from artigen.fields import decode, encode
 from artigen.types import Asset, SurfaceSamples, VoxelGrid
 
-__all__ = ["decode", "drop_unresolved", "encode", "voxelize"]
+__all__ = ["assign_cells", "decode", "drop_unresolved", "encode", "voxelize"]
 
 FAIR_SHARE = 0.5
 """A part should own cells that hold this share of its area; below it the part may claim cells."""
 
 
 def voxelize(surface: SurfaceSamples, resolution: int = 64) -> VoxelGrid:
-    """Marks every cell that holds a sample and gives it to one part.
+    """Marks every cell that holds a sample and gives it to one part, as `assign_cells` does.
 
-    The part with the most samples (area) in a cell owns it; ties go to the lower part id. A part
+    Samples count as area. Points on the far faces of the unit cube count to the last cell.
+    """
+    cells = np.floor((surface.points.astype(np.float64) + 0.5) * resolution).astype(np.int64)
+    cells = np.clip(cells, 0, resolution - 1)
+    return assign_cells(cells, surface.part_ids, np.ones(len(cells)), resolution)
+
+
+def assign_cells(
+    cells: Int[np.ndarray, "N 3"],
+    part_ids: Int[np.ndarray, "N"],
+    areas: Float[np.ndarray, "N"],
+    resolution: int,
+) -> VoxelGrid:
+    """Gives every cell that surface passes through to one part.
+
+    The part with the largest area in a cell owns it; ties go to the lower part id. A part
     smaller than a cell would lose every cell to the panel it sits on (the buttons of a microwave), so
     then the parts whose cells hold less than `FAIR_SHARE` of their own area, smallest first, claim
     the cells where they have most area until they reach that share. A claimed cell is not claimed
     again. A part can still end up without a cell when several lie inside one; see `drop_unresolved`.
-    Points on the far faces of the unit cube count to the last cell.
+
+    Args:
+        cells: Cell of every piece of surface.
+        part_ids: Part that the piece belongs to.
+        areas: Its area, in any unit.
+        resolution: Cells along an edge of the grid.
     """
     shape = (resolution,) * 3
-    cells = np.floor((surface.points.astype(np.float64) + 0.5) * resolution).astype(np.int64)
-    cells = np.clip(cells, 0, resolution - 1)
-    parts = int(surface.part_ids.max()) + 1 if len(surface.part_ids) else 1
-    keys = np.ravel_multi_index(tuple(cells.T), shape) * parts + surface.part_ids
-    keys, areas = np.unique(keys, return_counts=True)
+    parts = int(part_ids.max()) + 1 if len(part_ids) else 1
+    pairs = np.ravel_multi_index(tuple(cells.T), shape) * parts + part_ids
+    keys, row = np.unique(pairs, return_inverse=True)
+    held = np.bincount(row.ravel(), weights=areas, minlength=len(keys))
     flat, part = np.divmod(keys, parts)  # one row per (cell, part) that meet, sorted by cell, then part
-    order = np.lexsort((part, -areas, flat))
+    order = np.lexsort((part, -held, flat))
     owned, first = np.unique(flat[order], return_index=True)
     cell = np.searchsorted(owned, flat)
-    owners = _claim(cell, part, areas, part[order][first])
+    owners = _claim(cell, part, held, part[order][first])
     return VoxelGrid(
         resolution=resolution, coords=np.stack(np.unravel_index(owned, shape), axis=1), part_ids=owners
     )

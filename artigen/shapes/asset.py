@@ -1,0 +1,68 @@
+"""`shape_to_asset`: a procedural object as an `Asset`, with exact voxels and coloured surface samples."""
+
+import numpy as np
+from jaxtyping import Float
+
+from artigen.shapes.rasterize import rasterize_shape
+from artigen.shapes.sampling import sample_shape
+from artigen.shapes.shape import Motion, Shape
+from artigen.types import FIXED, Asset, Joint, Part
+from artigen.voxels import assign_cells, drop_unresolved
+
+
+def shape_parts(shape: Shape, center: Float[np.ndarray, "3"], scale: float) -> tuple[Part, ...]:
+    """The parts with joints and boxes, about ``center`` (m) and in lengths of ``scale`` metres."""
+    names = [part.name for part in shape.parts]
+    out = []
+    for part in shape.parts:
+        low, high = part.bounds()
+        out.append(
+            Part(
+                name=part.name,
+                label=part.label,
+                parent=-1 if part.parent is None else names.index(part.parent),
+                joint=FIXED if part.motion is None else _joint(part.motion, center, scale),
+                box=np.stack([((low + high) / 2 - center) / scale, (high - low) / scale]),
+            )
+        )
+    return tuple(out)
+
+
+def frame_shape(shape: Shape) -> tuple[Float[np.ndarray, "3"], float]:
+    """Centre of the closed object (m) and its longest edge (m): the unit cube's origin and scale."""
+    low, high = shape.bounds()
+    return (low + high) / 2, float((high - low).max())
+
+
+def shape_to_asset(shape: Shape, resolution: int | None = 64, spacing: float | None = None) -> Asset:
+    """The asset of a shape; parts too small to own a cell join their parents, and a note says so.
+
+    Args:
+        shape: The object.
+        resolution: Cells along the longest edge; None leaves voxels out.
+        spacing: Mean distance (m) of coloured surface samples; None leaves them out.
+    """
+    center, scale = frame_shape(shape)
+    voxels = None
+    if resolution is not None:
+        found = rasterize_shape(shape, resolution)
+        voxels = assign_cells(found.cells, found.part_ids, found.areas, resolution)
+    asset = Asset(
+        name=shape.name,
+        category=shape.category,
+        scale=scale,
+        parts=shape_parts(shape, center, scale),
+        voxels=voxels,
+        surface=None if spacing is None else sample_shape(shape, spacing),
+    )
+    return asset if voxels is None else drop_unresolved(asset)
+
+
+def _joint(motion: Motion, center: Float[np.ndarray, "3"], scale: float) -> Joint:
+    return Joint(
+        type=motion.type,
+        axis=np.array(motion.axis),
+        origin=(np.array(motion.origin) - center) / scale,
+        upper=motion.upper / scale if motion.type == "prismatic" else motion.upper,
+        pitch=motion.pitch / scale,
+    )
