@@ -1,0 +1,176 @@
+"""Conditions of the generative models: any subset of category, counts, size, style and one picture.
+
+A condition becomes a row of tokens. Whatever is not asked for is a learned token of its own, so that one
+network answers every subset; dropping everything gives the unconditional velocity of guidance.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+from jaxtyping import Bool, Float, Int
+from torch import Tensor, nn
+
+from artigen.types import PAPER_CATEGORIES, PART_LABELS, PartLabel
+
+MAX_COUNT = 24
+"""Counts from here on are one token."""
+FIELDS = 1 + len(PART_LABELS) + 1
+
+
+@dataclass(frozen=True, kw_only=True)
+class StructureCondition:
+    """What is asked of a structure; None is left open. Metres."""
+
+    category: str | None = None
+    counts: tuple[tuple[PartLabel, int], ...] = ()
+    size: tuple[float, float, float] | None = None
+    """Depth, width, height: the extent along x, y and z."""
+    image: Float[np.ndarray, "4 H W"] | None = None
+    """RGB and alpha in [0, 1], premultiplied on black."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ConditionBatch:
+    """Conditions as numbers: -1 where a class is open; ``known`` says which fields are given."""
+
+    category: Int[Tensor, "B"]
+    counts: Int[Tensor, "B L"]
+    size: Float[Tensor, "B 3"]
+    has_size: Bool[Tensor, "B"]
+    image: Float[Tensor, "B 4 H W"]
+    has_image: Bool[Tensor, "B"]
+
+    def to(self, device: torch.device | str) -> "ConditionBatch":
+        """The same batch on another device."""
+        return ConditionBatch(
+            **{name: value.to(device, non_blocking=True) for name, value in vars(self).items()}
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class ConditionConfig:
+    """How a condition is embedded."""
+
+    width: int = 384
+    """Width of a token."""
+    categories: tuple[str, ...] = PAPER_CATEGORIES
+    """Categories that have a token of their own."""
+    image_size: int = 128
+    """Edge of the picture in pixels; 0 leaves pictures out."""
+    image_patch: int = 16
+    """Edge of a picture token in pixels."""
+    image_blocks: int = 4
+    """Transformer blocks of the picture encoder."""
+
+
+def gather_conditions(asked: Sequence[StructureCondition], cfg: ConditionConfig) -> ConditionBatch:
+    """Conditions side by side.
+
+    Raises:
+        ValueError: If a category has no token, a count is negative, or an image has another size.
+    """
+    size = max(cfg.image_size, 1)
+    images = torch.zeros(len(asked), 4, size, size)
+    counts = torch.full((len(asked), len(PART_LABELS)), -1)
+    for row, one in enumerate(asked):
+        if one.category is not None and one.category not in cfg.categories:
+            raise ValueError(f"category {one.category!r} is not one of {', '.join(cfg.categories)}")
+        for label, count in one.counts:
+            if count < 0:
+                raise ValueError(f"{count} parts called {label}, expected 0 or more")
+            counts[row, PART_LABELS.index(label)] = min(count, MAX_COUNT)
+        if one.image is not None:
+            if one.image.shape != (4, size, size):
+                raise ValueError(f"image of shape {one.image.shape}, expected {(4, size, size)}")
+            images[row] = torch.from_numpy(np.ascontiguousarray(one.image))
+    return ConditionBatch(
+        category=torch.tensor(
+            [-1 if c.category is None else cfg.categories.index(c.category) for c in asked]
+        ),
+        counts=counts,
+        size=torch.tensor([c.size or (1.0, 1.0, 1.0) for c in asked]),
+        has_size=torch.tensor([c.size is not None for c in asked]),
+        image=images,
+        has_image=torch.tensor([c.image is not None for c in asked]),
+    )
+
+
+def drop_conditions(batch: ConditionBatch, share: float, generator: torch.Generator) -> ConditionBatch:
+    """Leaves conditions open at random: all of a sample with ``share``, and every field with the same."""
+    count, labels = batch.counts.shape
+
+    def kept(*shape: int) -> Tensor:
+        return torch.rand(shape, generator=generator, device=generator.device).to(batch.size.device) >= share
+
+    all_kept = kept(count)
+    return ConditionBatch(
+        category=torch.where(all_kept & kept(count), batch.category, -1),
+        counts=torch.where(all_kept[:, None] & kept(count, labels), batch.counts, -1),
+        size=batch.size,
+        has_size=batch.has_size & all_kept & kept(count),
+        image=batch.image,
+        has_image=batch.has_image & all_kept & (kept(count) & kept(count)),
+    )
+
+
+class ConditionEncoder(nn.Module):
+    """Conditions to tokens ``[B, fields + picture tokens, width]``."""
+
+    def __init__(self, cfg: ConditionConfig) -> None:
+        super().__init__()
+        self.cfg = cfg
+        self.category = nn.Embedding(len(cfg.categories) + 1, cfg.width)
+        self.counts = nn.Embedding(len(PART_LABELS) * (MAX_COUNT + 2), cfg.width)
+        self.size = nn.Sequential(nn.Linear(6 * 8, cfg.width), nn.SiLU(), nn.Linear(cfg.width, cfg.width))
+        self.no_size = nn.Parameter(torch.zeros(cfg.width))
+        self.places = nn.Parameter(0.02 * torch.randn(FIELDS, cfg.width))
+        self.image = ImageEncoder(cfg) if cfg.image_size else None
+
+    def forward(self, batch: ConditionBatch) -> Float[Tensor, "B M C"]:
+        """One token per field, then the picture's."""
+        row = torch.arange(len(PART_LABELS), device=batch.counts.device) * (MAX_COUNT + 2)
+        size = torch.where(batch.has_size[:, None], self.size(embed_sizes(batch.size)), self.no_size)
+        fields = torch.cat(
+            [self.category(batch.category + 1)[:, None], self.counts(batch.counts + 1 + row), size[:, None]],
+            dim=1,
+        )
+        tokens = fields + self.places
+        if self.image is None:
+            return tokens
+        return torch.cat([tokens, self.image(batch.image, batch.has_image)], dim=1)
+
+
+class ImageEncoder(nn.Module):
+    """A small vision transformer; a missing picture is one learned token, repeated."""
+
+    def __init__(self, cfg: ConditionConfig) -> None:
+        super().__init__()
+        edge = cfg.image_size // cfg.image_patch
+        self.patches = nn.Conv2d(4, cfg.width, cfg.image_patch, stride=cfg.image_patch)
+        self.places = nn.Parameter(0.02 * torch.randn(edge**2, cfg.width))
+        self.missing = nn.Parameter(torch.zeros(cfg.width))
+        layer = nn.TransformerEncoderLayer(
+            cfg.width,
+            cfg.width // 32,
+            4 * cfg.width,
+            dropout=0.0,
+            activation="gelu",
+            batch_first=True,
+            norm_first=True,
+        )
+        self.blocks = nn.TransformerEncoder(
+            layer, cfg.image_blocks, norm=nn.LayerNorm(cfg.width), enable_nested_tensor=False
+        )
+
+    def forward(self, image: Float[Tensor, "B 4 H W"], given: Bool[Tensor, "B"]) -> Float[Tensor, "B M C"]:
+        tokens = self.patches(2.0 * image - 1.0).flatten(2).transpose(1, 2) + self.places
+        return torch.where(given[:, None, None], self.blocks(tokens), self.missing)
+
+
+def embed_sizes(size: Float[Tensor, "B 3"]) -> Float[Tensor, "B W"]:
+    """Waves of the logarithm of lengths (m): equal steps are equal ratios."""
+    rates = 2.0 ** torch.arange(8, device=size.device)
+    angles = torch.log(size.clamp(min=1e-3))[:, :, None] * rates
+    return torch.cat([angles.sin(), angles.cos()], dim=-1).flatten(1)

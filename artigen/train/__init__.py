@@ -1,0 +1,1 @@
+"""Training: data in shards, losses, the loop."""
