@@ -13,29 +13,42 @@ from artigen.shapes.shape import ShapePart
 
 
 def build_leaf(
-    panel: Panel, finish: str, lining: str, *, bevel: float = 0.0, gasket: Range = (0.02, 0.035)
+    panel: Panel,
+    opening: tuple[Range, Range],
+    finish: str,
+    lining: str,
+    *,
+    bevel: float = 0.0,
+    niche: tuple[Range, Range] | None = None,
 ) -> tuple[Primitive, ...]:
-    """A closed leaf that fills its panel: a slab and a gasket around its rear side.
+    """An insulated leaf that fills its panel: outer skin, gasket, and a liner that bulges into the opening.
+
+    Gasket and liner reach through the skin, as thin layers alone would be too oblong for engines.
 
     Args:
         panel: Front, with the gasket in its thickness.
+        opening: Ranges of y and z that are free behind it.
         finish: Outside.
         lining: Rear side.
-        bevel: What is taken off the edges of the slab (m).
-        gasket: Distance of the gasket's outer and inner outline from the edge of the slab (m).
+        bevel: What is taken off the edges of the skin (m).
+        niche: (y, z) ranges of a dispenser: a dark recess with a spout and a drip tray.
     """
-    seal = 0.008
-    slab = rounded_box(
-        (panel.x, panel.y[0], panel.z[0]), (panel.back - seal, panel.y[1], panel.z[1]), bevel, finish
-    )
-    near, far = gasket
-    rubber = build_frame(
-        (panel.back - seal, panel.back),
-        (_shrink(panel.y, near), _shrink(panel.z, near)),
-        (_shrink(panel.y, far), _shrink(panel.z, far)),
-        "rubber",
-    )
-    return (line(slab, lining, SIDES["front"]), *rubber)
+    seal, inset, bulge = 0.009, 0.006, 0.012
+    y, z = _shrink(panel.y, 0.036), _shrink(panel.z, 0.036)
+    free_y, free_z = _shrink(opening[0], 0.014), _shrink(opening[1], 0.014)
+    y, z = (max(y[0], free_y[0]), min(y[1], free_y[1])), (max(z[0], free_z[0]), min(z[1], free_z[1]))
+    core = panel.x + (0.3 if niche is None else 0.68) * panel.thickness
+    gasket = _shrink(panel.y, inset), _shrink(panel.z, inset)
+    liner = box((core, y[0], z[0]), (panel.back + bulge, y[1], z[1]), lining)
+    skin = panel.back - seal
+    if niche is None:
+        rubber = box((core, gasket[0][0], gasket[1][0]), (panel.back, gasket[0][1], gasket[1][1]), "rubber")
+        slab = rounded_box((panel.x, panel.y[0], panel.z[0]), (skin, panel.y[1], panel.z[1]), bevel, finish)
+        return slab, rubber, liner
+    start = panel.x + 0.35 * panel.thickness
+    rubbers = build_frame((start, panel.back), gasket, niche, "rubber")
+    boards = build_frame((panel.x, skin), (panel.y, panel.z), niche, finish)
+    return (*boards, *rubbers, liner, *_build_recess((panel.x, core), *niche))
 
 
 def build_window_leaf(
@@ -86,6 +99,18 @@ def mount_grip(
     y = panel.y[0] + half if side == "right" else panel.y[1] - half
     return make_handle(
         panel, design, name=name, parent=parent, upright=True, at=(y, z if level is None else level)
+    )
+
+
+def _build_recess(x: Range, y: Range, z: Range) -> tuple[Primitive, ...]:
+    """Rear plate, head with a spout, and drip tray of a dispenser that fills a hole."""
+    back = x[1] - 0.002
+    middle, head = (y[0] + y[1]) / 2, z[1] - 0.35 * (z[1] - z[0])
+    return (
+        box((back, y[0], z[0]), (back + 0.008, y[1], z[1]), "panel"),
+        box((x[0] - 0.002, y[0], head), (back, y[1], z[1]), "panel"),
+        box((x[0] + 0.012, middle - 0.02, head - 0.03), (back, middle + 0.02, head), "plastic"),
+        box((x[0] + 0.003, y[0], z[0]), (back, y[1], z[0] + 0.012), "steel"),
     )
 
 

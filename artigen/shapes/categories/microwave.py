@@ -133,9 +133,7 @@ def _draw_door(rng: np.random.Generator, plan: _Plan, face: str) -> list[ShapePa
     return [door, mount_grip(panel, design, name="door_handle", parent="door", side=side, inset=inset)]
 
 
-def _draw_controls(
-    rng: np.random.Generator, plan: _Plan
-) -> tuple[list[ShapePart], tuple[Primitive, ...]]:
+def _draw_controls(rng: np.random.Generator, plan: _Plan) -> tuple[list[ShapePart], tuple[Primitive, ...]]:
     """Controls and what is fixed to the panel between them."""
     if plan.drops:
         return _draw_strip(rng, plan)
@@ -199,9 +197,7 @@ def _draw_keys(rng: np.random.Generator, x: float, y: Range, z: Range, rows: int
     ]
 
 
-def _draw_strip(
-    rng: np.random.Generator, plan: _Plan
-) -> tuple[list[ShapePart], tuple[Primitive, ...]]:
+def _draw_strip(rng: np.random.Generator, plan: _Plan) -> tuple[list[ShapePart], tuple[Primitive, ...]]:
     """Controls above a door that drops: a display in the middle, dials or keys beside it."""
     panel = plan.controls
     y, z = panel.center

@@ -1,0 +1,378 @@
+"""Refrigerators: rows of cold compartments behind doors, pairs of doors, freezer drawers or glass."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from artigen.shapes.appliance_doors import build_window_leaf, draw_grip, mount_grip
+from artigen.shapes.cavity import SIDES, build_feet, build_shell, divide_range
+from artigen.shapes.cold_storage import (
+    build_cold_leaf,
+    build_freezer_drawer,
+    build_shelf,
+    make_crispers,
+    plan_bins,
+    reach_inwards,
+)
+from artigen.shapes.draw import Draft, Wish, choose
+from artigen.shapes.handles import HandleDesign
+from artigen.shapes.hardware import GAP, Edge, Panel, Range, Space, hinge, slide, sweep_gap
+from artigen.shapes.palette import draw_palette
+from artigen.shapes.primitives import Primitive, box, line
+from artigen.shapes.shape import Need, ShapePart
+
+CATEGORY = "Refrigerator"
+STYLES = ("steel", "white", "black", "retro")
+Kind = Literal["single", "mini", "top_freezer", "bottom_freezer", "drawer", "side_by_side", "french", "display"]
+KINDS: dict[Kind, float] = {
+    "single": 0.12,
+    "mini": 0.13,
+    "top_freezer": 0.18,
+    "bottom_freezer": 0.15,
+    "drawer": 0.10,
+    "side_by_side": 0.12,
+    "french": 0.13,
+    "display": 0.07,
+}
+SIZES: dict[Kind, tuple[Range, Range, Range]] = {
+    "single": ((0.54, 0.76), (0.56, 0.74), (1.15, 1.85)),
+    "mini": ((0.44, 0.56), (0.44, 0.56), (0.48, 0.90)),
+    "top_freezer": ((0.54, 0.80), (0.60, 0.80), (1.34, 1.80)),
+    "bottom_freezer": ((0.54, 0.80), (0.60, 0.80), (1.55, 2.00)),
+    "drawer": ((0.60, 0.86), (0.64, 0.82), (1.60, 1.84)),
+    "side_by_side": ((0.83, 0.95), (0.68, 0.86), (1.70, 1.84)),
+    "french": ((0.76, 0.94), (0.70, 0.88), (1.68, 1.84)),
+    "display": ((0.48, 1.60), (0.50, 0.72), (0.85, 2.00)),
+}
+"""Width, depth without handles, height."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Cell:
+    """A compartment: what is behind the front, and the front."""
+
+    frozen: bool
+    front: Literal["door", "pair", "drawer", "glass"]
+    y: Range
+    z: Range
+    """Of the front, gaps included."""
+    space: Space
+    """The free room behind."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Plan:
+    kind: Kind
+    outer: Space
+    """Housing."""
+    floor: float
+    """Lower edge of the fronts."""
+    x: float
+    thickness: float
+    """Front face of the leaves, and their thickness."""
+    wall: float
+    longest: float
+    edge: Edge
+    bevel: float
+    grip: HandleDesign | None
+
+
+def draw(rng: np.random.Generator, wish: Wish) -> Draft:
+    """Draws a refrigerator."""
+    style = wish.style or str(rng.choice(STYLES, p=(0.42, 0.33, 0.13, 0.12)))
+    palette = draw_palette(rng, "appliance", style)
+    plan = _draw_plan(rng, wish)
+    cells = _draw_cells(rng, plan)
+    pieces = _build_housing(plan, cells)
+    parts: list[ShapePart] = []
+    moulded = rng.random() < 0.12  # shelves that are one piece with the cabinet
+    for index, cell in enumerate(cells):
+        fronts, needs, room, bins = _draw_fronts(rng, plan, cell, index)
+        parts += fronts
+        if cell.front == "drawer":
+            continue
+        shelves, inside = _draw_inside(rng, cell, index, needs, (room, bins))
+        parts += inside
+        if moulded:
+            pieces += [piece for shelf in shelves for piece in shelf.primitives]
+        else:
+            parts += shelves
+    body = ShapePart(name="body", label="base", parent=None, primitives=tuple(pieces))
+    return Draft(style=style, parts=(body, *parts), finishes=tuple(sorted(palette.items())))
+
+
+def _draw_plan(rng: np.random.Generator, wish: Wish) -> _Plan:
+    kind = tuple(KINDS)[int(rng.choice(len(KINDS), p=tuple(KINDS.values())))]
+    widths, depths, heights = SIZES[kind]
+    width = choose(rng, *widths, wish.width)
+    depth = choose(rng, *depths, wish.depth)
+    height = choose(rng, *heights, wish.height)
+    thickness = float(rng.uniform(0.045, 0.055) if kind in ("mini", "display") else rng.uniform(0.052, 0.072))
+    foot = float(rng.uniform(0.015, 0.028))
+    floor = foot + (float(rng.uniform(0.0, 0.012)) if kind == "mini" else float(rng.uniform(0.03, 0.08)))
+    x = -depth / 2
+    longest = max(width, depth, height)
+    kinds = ("bar", "bar", "pull", "edge", "arch") if kind != "display" else ("bar", "pull", "edge")
+    grip = draw_grip(rng, kinds, length=float(rng.uniform(0.24, 0.62)) * min(1.0, height), longest=longest)
+    return _Plan(
+        kind=kind,
+        outer=Space(x=(x + thickness + GAP, depth / 2), y=(-width / 2, width / 2), z=(foot, height)),
+        floor=floor,
+        x=x,
+        thickness=thickness,
+        wall=float(rng.uniform(0.032, 0.040) if kind == "mini" else rng.uniform(0.038, 0.055)),
+        longest=longest,
+        edge="left" if rng.random() < 0.35 else "right",
+        bevel=float(rng.uniform(0.002, 0.012)) if rng.random() < 0.6 else 0.0,
+        grip=grip if rng.random() < 0.76 else None,
+    )
+
+
+def _draw_cells(rng: np.random.Generator, plan: _Plan) -> list[_Cell]:
+    """Splits the front into rows and columns, from the top left."""
+    y, z = plan.outer.y, (plan.floor, plan.outer.z[1])
+    share = float(rng.uniform(0.26, 0.40))
+    cut = z[0] + share * (z[1] - z[0])
+    if plan.kind in ("single", "mini"):
+        return [_make_cell(plan, y, z, frozen=False, front="door")]
+    if plan.kind == "display":
+        return [_make_cell(plan, y, z, frozen=False, front="glass")]
+    if plan.kind == "top_freezer":
+        cut = z[1] - share * (z[1] - z[0])
+        return [
+            _make_cell(plan, y, (cut, z[1]), frozen=True, front="door"),
+            _make_cell(plan, y, (z[0], cut), frozen=False, front="door"),
+        ]
+    if plan.kind == "side_by_side":
+        split = y[1] - float(rng.uniform(0.38, 0.5)) * (y[1] - y[0])
+        return [
+            _make_cell(plan, (split, y[1]), z, frozen=True, front="door"),
+            _make_cell(plan, (y[0], split), z, frozen=False, front="door"),
+        ]
+    upper = _make_cell(
+        plan, y, (cut, z[1]), frozen=False, front="pair" if plan.kind == "french" else "door"
+    )
+    if plan.kind == "bottom_freezer":
+        return [upper, _make_cell(plan, y, (z[0], cut), frozen=True, front="door")]
+    if plan.kind == "french" and rng.random() < 0.25:
+        return [upper, _make_cell(plan, y, (z[0], cut), frozen=True, front="pair")]
+    count = 2 if cut - z[0] > 0.5 or rng.random() < 0.3 else 1
+    rows = reversed(divide_range((z[0], cut), count, 0.0))
+    return [upper, *(_make_cell(plan, y, row, frozen=True, front="drawer") for row in rows)]
+
+
+def _make_cell(plan: _Plan, y: Range, z: Range, *, frozen: bool, front: str) -> _Cell:
+    """The room behind a front: walls outside, half a partition where a neighbour begins."""
+    outer, wall, half = plan.outer, plan.wall, 0.021
+    left = wall if y[1] == outer.y[1] else half
+    right = wall if y[0] == outer.y[0] else half
+    top = wall if z[1] == outer.z[1] else half
+    bottom = wall if z[0] == plan.floor else half
+    space = Space(
+        x=(outer.x[0], outer.x[1] - wall - 0.03), y=(y[0] + right, y[1] - left), z=(z[0] + bottom, z[1] - top)
+    )
+    return _Cell(frozen=frozen, front=front, y=y, z=z, space=space)
+
+
+def _build_housing(plan: _Plan, cells: list[_Cell]) -> list[Primitive]:
+    """Walls, partitions between compartments, feet and the grille below the fronts."""
+    outer, spaces = plan.outer, [cell.space for cell in cells]
+    hollow = Space(
+        x=spaces[0].x,
+        y=(min(s.y[0] for s in spaces), max(s.y[1] for s in spaces)),
+        z=(min(s.z[0] for s in spaces), max(s.z[1] for s in spaces)),
+    )
+    pieces = list(build_shell(outer, hollow, "body", "inside", bevel=min(plan.bevel, 0.005)))
+    for one, other in zip(spaces[:-1], spaces[1:], strict=True):
+        if one.y == other.y:
+            pieces.append(box((one.x[0], *one.y[:1], other.z[1]), (one.x[1], one.y[1], one.z[0]), "inside"))
+        else:
+            pieces.append(box((one.x[0], other.y[1], one.z[0]), (one.x[1], one.y[0], one.z[1]), "inside"))
+    if plan.floor - outer.z[0] > 0.025:
+        grille = box(
+            (plan.x + 0.02, outer.y[0] + 0.01, outer.z[0]),
+            (outer.x[0], outer.y[1] - 0.01, plan.floor - 0.006),
+            "plastic" if plan.bevel else "rubber",
+        )
+        pieces.append(grille)
+    return [*pieces, *build_feet(outer.x, outer.y, outer.z[0], "rubber", radius=0.02, inset=0.03)]
+
+
+def _draw_fronts(
+    rng: np.random.Generator, plan: _Plan, cell: _Cell, index: int
+) -> tuple[list[ShapePart], tuple[Need, ...], Range, float]:
+    """Doors or drawer of a compartment.
+
+    Returns:
+        The parts; what must be open before something slides out between the doors; the range of y that is
+        free then at the height of the crispers; the depth of the bins behind the doors.
+    """
+    z = (cell.z[0] + (0.0 if cell.z[0] == plan.floor else 0.003), cell.z[1] - (0.0 if cell.z[1] == plan.outer.z[1] else 0.003))
+    if cell.front == "drawer":
+        panel = Panel(x=plan.x, thickness=plan.thickness, y=cell.y, z=z)
+        return [*_make_drawer(plan, cell, panel, index)], (), cell.space.y, 0.0
+    if cell.front == "glass":
+        return _draw_glass_doors(rng, plan, cell, z)
+    panels = _place_doors(plan, cell, z)
+    upper = float(np.radians(rng.uniform(92, 150)))
+    depth = float(rng.uniform(0.07, 0.11)) if rng.random() < (0.5 if cell.frozen else 0.88) else 0.0
+    crisper_top = cell.space.z[0] + 0.26
+    bins = plan_bins(rng, depth, (crisper_top, cell.space.z[1])) if depth else None
+    parts: list[ShapePart] = []
+    needs: list[Need] = []
+    low, high = cell.space.y[0] + 0.004, cell.space.y[1] - 0.004
+    for k, (panel, edge) in enumerate(panels):
+        name = f"door_{index}_{k}"
+        niche = _draw_niche(rng, plan, panel) if k == 0 and len(panels) + len(parts) > 0 and _dispenses(rng, plan, cell) else None
+        behind = panel if cell.front == "door" else None
+        across = cell.space.y if behind else _half(cell.space.y, panel, edge)
+        opening = (across, cell.space.z)
+        leaf = build_cold_leaf(panel, edge, opening, bins, bevel=plan.bevel, niche=niche)
+        parts.append(
+            ShapePart(name=name, label="door", parent="body", primitives=leaf, motion=hinge(panel, edge, upper))
+        )
+        parts += _mount(plan, panel, edge, name)
+        needs.append(Need(part=name, fraction=1.0))
+        reach = reach_inwards(panel, upper, 0.036, 0.012) + 0.004
+        if edge == "left":
+            high = min(high, panel.y[1] - reach)
+        else:
+            low = max(low, panel.y[0] + reach)
+    return parts, tuple(needs), (low, high), depth if bins else 0.0
+
+
+def _dispenses(rng: np.random.Generator, plan: _Plan, cell: _Cell) -> bool:
+    """Whether the first door has a dispenser."""
+    wanted = rng.random() < 0.55
+    return wanted and (cell.front == "pair" and not cell.frozen or plan.kind == "side_by_side" and cell.frozen)
+
+
+def _draw_niche(rng: np.random.Generator, plan: _Plan, panel: Panel) -> tuple[Range, Range] | None:
+    wide = float(rng.uniform(0.40, 0.55)) * panel.width
+    middle = panel.center[0] + 0.04
+    bottom = float(rng.uniform(0.92, 1.05))
+    top = bottom + float(rng.uniform(0.28, 0.38))
+    if bottom < panel.z[0] + 0.1 or top > panel.z[1] - 0.1:
+        return None
+    return (middle - wide / 2, middle + wide / 2), (bottom, top)
+
+
+def _half(y: Range, panel: Panel, edge: Edge) -> Range:
+    """The part of an opening behind one of two doors."""
+    return (panel.y[0], y[1]) if edge == "left" else (y[0], panel.y[1])
+
+
+def _place_doors(plan: _Plan, cell: _Cell, z: Range) -> list[tuple[Panel, Edge]]:
+    """Panels of the doors of a compartment with the edge where each is hinged, from the left."""
+    if cell.front == "pair":
+        middle = sum(cell.y) / 2
+        gap = sweep_gap((cell.y[1] - cell.y[0]) / 2, plan.thickness)
+        left = Panel(x=plan.x, thickness=plan.thickness, y=(middle + gap / 2, cell.y[1]), z=z)
+        right = Panel(x=plan.x, thickness=plan.thickness, y=(cell.y[0], middle - gap / 2), z=z)
+        return [(left, "left"), (right, "right")]
+    half = sweep_gap(cell.y[1] - cell.y[0], plan.thickness) / 2 + 0.002
+    y = (
+        cell.y[0] + (half if cell.y[0] != plan.outer.y[0] else 0.0),
+        cell.y[1] - (half if cell.y[1] != plan.outer.y[1] else 0.0),
+    )
+    edge = plan.edge
+    if plan.kind == "side_by_side":
+        edge = "left" if cell.frozen else "right"
+    return [(Panel(x=plan.x, thickness=plan.thickness, y=y, z=z), edge)]
+
+
+def _mount(plan: _Plan, panel: Panel, edge: Edge, parent: str) -> list[ShapePart]:
+    """An upright handle near the free edge, at the height of a hand as far as the door has it."""
+    if plan.grip is None:
+        return []
+    half = min(plan.grip.length, 0.86 * panel.height) / 2
+    margin = min(half + 0.04, panel.height / 2)
+    level = float(np.clip(1.05, panel.z[0] + margin, panel.z[1] - margin))
+    side = "right" if edge == "left" else "left"
+    inset = 0.002 if plan.grip.kind == "edge" else 0.03
+    return [
+        mount_grip(
+            panel, plan.grip, name=f"{parent}_handle", parent=parent, side=side, inset=inset, level=level
+        )
+    ]
+
+
+def _make_drawer(plan: _Plan, cell: _Cell, panel: Panel, index: int) -> list[ShapePart]:
+    name = f"drawer_{index}"
+    pieces = build_freezer_drawer(panel, cell.space, bevel=plan.bevel)
+    drawer = ShapePart(
+        name=name, label="drawer", parent="body", primitives=pieces, motion=slide(0.7 * cell.space.depth)
+    )
+    if plan.grip is None:
+        return [drawer]
+    inset = 0.002 if plan.grip.kind == "edge" else min(0.035, panel.height / 5)
+    return [
+        drawer,
+        mount_grip(panel, plan.grip, name=f"{name}_handle", parent=name, side="top", inset=inset),
+    ]
+
+
+def _draw_glass_doors(
+    rng: np.random.Generator, plan: _Plan, cell: _Cell, z: Range
+) -> tuple[list[ShapePart], tuple[Need, ...], Range, float]:
+    """One to three glass doors side by side, hinged on the same edge."""
+    count = int(np.clip(round((cell.y[1] - cell.y[0]) / rng.uniform(0.42, 0.65)), 1, 3))
+    gap = sweep_gap((cell.y[1] - cell.y[0]) / count, plan.thickness)
+    rail = float(rng.uniform(0.035, 0.06))
+    # A door that opens beyond a right angle would meet the handle of its neighbour.
+    upper = float(np.radians(rng.uniform(90, 120) if count == 1 else 90))
+    parts: list[ShapePart] = []
+    for k, y in enumerate(reversed(divide_range(cell.y, count, gap))):
+        panel = Panel(x=plan.x, thickness=plan.thickness, y=y, z=z)
+        window = ((y[0] + rail, y[1] - rail), (z[0] + 1.3 * rail, z[1] - rail))
+        leaf = build_window_leaf(panel, window, "front", "rubber", glass="clear")
+        name = f"door_{k}"
+        motion = hinge(panel, plan.edge, upper)
+        parts.append(ShapePart(name=name, label="door", parent="body", primitives=leaf, motion=motion))
+        parts += _mount(plan, panel, plan.edge, name)
+    return parts, (), cell.space.y, 0.0
+
+
+def _draw_inside(
+    rng: np.random.Generator, cell: _Cell, index: int, needs: tuple[Need, ...], room: tuple[Range, float]
+) -> tuple[list[ShapePart], list[ShapePart]]:
+    """Shelves, and what slides, of a compartment behind doors."""
+    space, (free, bins) = cell.space, room
+    front = space.x[0] + bins + (0.03 if bins else 0.045)
+    levels: list[float] = []
+    sliding: list[ShapePart] = []
+    bottom = space.z[0]
+    if cell.front != "glass" and rng.random() < 0.8 and space.height > 0.36:
+        tall = float(rng.uniform(0.15, 0.22))
+        rows = 1
+        if cell.frozen and space.height > 0.5 and not bins:
+            rows = min(int(space.height / rng.uniform(0.19, 0.26)), 5)
+            tall = (space.height - 0.02) / rows - 0.012 - max(0.007, space.width / 55, space.depth / 55)
+        count = 2 if free[1] - free[0] > 0.5 and rng.random() < 0.6 and rows == 1 else 1
+        label = "drawer" if rng.random() < 0.7 else "tray"
+        finish = "clear" if rng.random() < 0.5 else "plastic"
+        for row in range(rows):
+            tub = Space(x=(space.x[0] + 0.036, space.x[1] - 0.015), y=free, z=(bottom, bottom + tall))
+            sliding += make_crispers(
+                tub, count, stem=f"crisper_{index}_{row}", label=label, finish=finish, needs=needs
+            )
+            bottom += tall + 0.004
+            if row < rows - 1 or rows == 1:
+                bottom += max(0.007, space.width / 55, space.depth / 55) + 0.004
+                levels.append(bottom)
+                bottom += 0.001  # mouldings stand up a little
+    top = space.z[1] - 0.14
+    if top - bottom > 0.08 and (rows_left := int((top - bottom) / rng.uniform(0.20, 0.34))) > 0:
+        count = min(rows_left, 5 if cell.front == "glass" else 4)
+        levels += [b for _, b in divide_range((bottom, top), count, 0.0)]
+    shelves = []
+    for k, level in enumerate(levels):
+        pane = Space(x=(front if level > space.z[0] + 0.26 else space.x[0] + 0.045, space.x[1]), y=space.y, z=space.z)
+        trim = cell.front != "glass" and not (cell.frozen and len(levels) > 3)
+        shelves.append(
+            ShapePart(
+                name=f"shelf_{index}_{k}", label="shelf", parent="body", primitives=build_shelf(pane, level, trim=trim)
+            )
+        )
+    return shelves, sliding
