@@ -37,6 +37,8 @@ class PaintTable:
 
     kind: Int[Any, "R"]
     """Index into `KINDS`."""
+    pattern: Int[Any, "R"]
+    """Index into `PATTERNS`, counted from one; zero is uniform."""
     color: Float[Any, "R 3"]
     accent: Float[Any, "R 3"]
     axes: Float[Any, "R 3 3"]
@@ -139,16 +141,14 @@ def apply_paint(
     xp = array_namespace(points)
     points, normals = xp.astype(points, xp.float32), xp.astype(normals, xp.float32)
     mix, tone = xp.zeros_like(points[:, 0]), xp.ones_like(points[:, 0])
-    kinds = xp.take(table.kind, rows, axis=0)
-    for index, kind in enumerate(KINDS):
-        if kind not in PATTERNS:
-            continue
-        (found,) = xp.nonzero(kinds == index)
+    patterns = xp.take(table.pattern, rows, axis=0)
+    for index, pattern in enumerate(PATTERNS, start=1):
+        (found,) = xp.nonzero(patterns == index)
         if found.shape[0] == 0:
             continue
         coarse = footprint if isinstance(footprint, float) else footprint[found]
         spots = _find_spots(xp, table, rows[found], points[found], normals[found], coarse)
-        mix[found], tone[found] = PATTERNS[kind](spots)
+        mix[found], tone[found] = pattern(spots)
     color, accent = (xp.take(value, rows, axis=0) for value in (table.color, table.accent))
     return xp.clip((color + (accent - color) * mix[:, None]) * tone[:, None], 0.0, 1.0)
 
@@ -204,20 +204,24 @@ def _stone(spots: _Spots) -> tuple[Any, Any]:
 
 def _even(spots: _Spots) -> tuple[Any, Any]:
     """Paint, plastic, rubber: all but uniform."""
-    x, y, z = (spots.points[:, k] / spots.period for k in range(3))
-    cloud = lattice_noise(spots.xp, spots.seed, x, y, z)
+    xp, turn = spots.xp, 6.2831853 / spots.period
+    waves = [xp.sin(spots.points[:, k] * turn + k) for k in range(3)]
+    cloud = 0.5 + (waves[0] + waves[1] + waves[2]) / 6.0
     return cloud, 0.995 + 0.01 * cloud
 
 
-PATTERNS: dict[FinishKind, Callable[[_Spots], tuple[Any, Any]]] = {
-    "wood": _wood,
-    "lacquer": _even,
-    "steel": _steel,
-    "plastic": _even,
-    "rubber": _even,
-    "stone": _stone,
+PATTERNS: tuple[Callable[[_Spots], tuple[Any, Any]], ...] = (_wood, _steel, _stone, _even)
+"""Each gives the share of the accent, and the brightness."""
+PATTERN_OF: dict[FinishKind, int] = {
+    "wood": 1,
+    "steel": 2,
+    "stone": 3,
+    "lacquer": 4,
+    "plastic": 4,
+    "rubber": 4,
+    "glass": 0,
 }
-"""Share of the accent and brightness by kind; a kind without one is uniform."""
+"""Which pattern a kind has, counted from one; glass is uniform."""
 
 
 def _kept(spots: _Spots, wavelength: Any) -> Any:
@@ -267,6 +271,7 @@ def _table(
     seeds = np.array([finish.seed for finish in finishes], np.int64) + np.array(boards, np.int64) * 104729
     return PaintTable(
         kind=np.array([KINDS.index(finish.kind) for finish in finishes], np.int32),
+        pattern=np.array([PATTERN_OF[finish.kind] for finish in finishes], np.int32),
         color=np.array([finish.color for finish in finishes], np.float32),
         accent=np.array([finish.accent for finish in finishes], np.float32),
         axes=_frames(np.array(grains, np.float64)).astype(np.float32),

@@ -2,13 +2,14 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import islice
 
 import numpy as np
 import torch
 from jaxtyping import Bool, Float, Int
 from torch import Tensor
 
-from artigen.shapes.render.cameras import Cameras, camera_axes, pixel_sizes
+from artigen.shapes.render.cameras import Cameras, pixel_sizes
 from artigen.shapes.render.rays import (
     NOTHING,
     Hits,
@@ -92,16 +93,15 @@ def render(
             f"{len(cameras.fov)} cameras, {len(qpos)} joint states and {len(shape_ids)} shapes: "
             "expected one of each per picture, and at least one"
         )
-    instances = place_instances(scene, shape_ids, qpos)
+    instances = place_instances(scene, shape_ids, list(qpos))
     view = _look(scene, cameras, instances)
     first = next(find_layers(view.hits, _pixel_count(cameras)))
     surface = _surface_of(view, first)
     maps = _geometry(view, surface)
-    fine = view
     if cfg.supersampling > 1:
-        many = cfg.supersampling
-        fine = _look(scene, _resize(cameras, many), instances)
-    light = _light_of(fine, cfg)
+        view = _look(scene, _resize(cameras, cfg.supersampling), instances)
+        surface = _surface_of(view, next(find_layers(view.hits, _pixel_count(view.cameras))))
+    light = _light_of(view, surface, cfg)
     return Images(rgb=srgb_from_linear(_average(light, cfg.supersampling)), **maps)
 
 
@@ -131,17 +131,16 @@ def _geometry(view: _View, surface: Surface) -> dict[str, Tensor]:
     }
 
 
-def _light_of(view: _View, cfg: RenderConfig) -> Float[Tensor, "B H W 3"]:
+def _light_of(view: _View, surface: Surface, cfg: RenderConfig) -> Float[Tensor, "B H W 3"]:
     """Linear light of every pixel: layers of glass from the front, then what is behind them."""
     cameras = view.cameras
     count, device = _pixel_count(cameras), view.scene.device
     light = torch.zeros(count, 3, device=device)
     through = torch.ones(count, device=device)
-    for number, key in enumerate(find_layers(view.hits, count)):
+    for number, key in enumerate(islice(find_layers(view.hits, count), LAYERS)):
         if number > 0:
-            key = torch.where(through > 1e-3, key, NOTHING)
-        surface = _surface_of(view, key)
-        if len(surface.pixel) == 0 or number == LAYERS:
+            surface = _surface_of(view, torch.where(through > 1e-3, key, NOTHING))
+        if len(surface.pixel) == 0:
             break
         material = _material_of(view, surface)
         reached = _reaching(view, surface, cfg)
@@ -181,7 +180,7 @@ def _reaching(view: _View, surface: Surface, cfg: RenderConfig) -> Light:
         lamp = _shadow(view, image, surface, cfg.lamp)
         sky = _shadow(view, image, surface, SKY)
     if cfg.openness:
-        openness = _openness(view, surface)
+        openness = find_openness(view.cameras, surface, CORNER)
     return Light(lamp=lamp, sky=sky, open=openness)
 
 
@@ -196,18 +195,6 @@ def _shadow(
     if len(facing):
         out[facing] = find_lit(view.instances, image[facing], points, light).float()
     return out
-
-
-def _openness(view: _View, surface: Surface) -> Float[Tensor, "N"]:
-    cameras = view.cameras
-    size = (len(cameras.fov), cameras.height, cameras.width)
-    depth = torch.full((_pixel_count(cameras),), torch.inf, device=view.scene.device)
-    depth[surface.pixel] = surface.depth
-    normal = torch.zeros(len(depth), 3, device=depth.device)
-    axes = camera_axes(cameras).float()[view.instances.image[surface.instance]]
-    normal[surface.pixel] = (axes @ surface.normal[:, :, None])[:, :, 0]
-    openness = find_openness(cameras, depth.reshape(size), normal.reshape(*size, 3), CORNER)
-    return openness.reshape(-1)[surface.pixel]
 
 
 def _background(view: _View, cfg: RenderConfig) -> Float[Tensor, "N"]:

@@ -29,6 +29,11 @@ class Rays:
 
     start: Float[Tensor, "I S"]
     """Place of the camera along each slab's normal."""
+    low: Float[Tensor, "I S"]
+    """Sides of the slabs, as seen from the camera's place."""
+    high: Float[Tensor, "I S"]
+    radius: Float[Tensor, "I"]
+    """Of cylinders."""
     column: Float[Tensor, "I S"]
     """Speed through each slab, per column."""
     row: Float[Tensor, "I S"]
@@ -70,8 +75,12 @@ def make_rays(cameras: Cameras, instances: Instances) -> Rays:
     own = instances.slab_normal @ instances.rotation.mT  # slab normals in the world
     right, down, forward = ((own @ axes[:, k, :, None])[..., 0] for k in range(3))
     pixel = pixel_sizes(cameras)[instances.image][:, None]
+    place = (own @ start[:, :, None])[..., 0]
     return Rays(
-        start=(own @ start[:, :, None])[..., 0].float(),
+        start=place.float(),
+        low=(instances.slab_low - place).float(),
+        high=(instances.slab_high - place).float(),
+        radius=instances.slab_high[:, 0].float(),
         column=(right * pixel).float(),
         row=(down * pixel).float(),
         middle=(forward - (right * cameras.width / 2 + down * cameras.height / 2) * pixel).float(),
@@ -83,7 +92,7 @@ def find_hits(cameras: Cameras, instances: Instances, rays: Rays) -> Hits:
     spans = find_spans(cameras, instances)
     group = instances.group[spans.instance]
     pixels, keys = [], []
-    for size in sorted(set(instances.group.tolist())):
+    for size in instances.groups:
         chosen = (group == size).nonzero()[:, 0]
         found = _hit_group(cameras, instances, rays, _select(spans, chosen), size)
         pixels.append(found[0])
@@ -120,7 +129,7 @@ def find_surface(
     along = torch.div(pixel, cameras.width, rounding_mode="floor") % cameras.height + 0.5
     normal = torch.zeros(len(pixel), 3, device=depth.device)
     group = instances.group[instance]
-    for size in sorted(set(instances.group.tolist())):
+    for size in instances.groups:
         chosen = (group == size).nonzero()[:, 0]
         normal[chosen] = _own_normals(
             instances, rays, instance[chosen], across[chosen], along[chosen], depth[chosen], size
@@ -132,8 +141,7 @@ def find_surface(
     view = axes[:, 0] * x[:, None] + axes[:, 1] * y[:, None] + axes[:, 2]
     point = cameras.position.float()[image] + view * depth[:, None]
     normal = _rotate(instances.rotation.float()[instance], normal)
-    back = instances.displacement.float().mT[:, :3, :3][instance]
-    shift = instances.displacement.float()[instance, :3, 3]
+    to_rest = instances.to_rest[instance]
     return Surface(
         pixel=pixel,
         instance=instance,
@@ -141,8 +149,8 @@ def find_surface(
         point=point,
         normal=normal,
         view=view / view.norm(dim=1, keepdim=True),
-        rest_point=_rotate(back, point - shift),
-        rest_normal=_rotate(back, normal),
+        rest_point=_rotate(to_rest[:, :, :3], point) + to_rest[:, :, 3],
+        rest_normal=_rotate(to_rest[:, :, :3], normal),
     )
 
 
@@ -165,12 +173,10 @@ def _hit_group(
     at = spans.instance
     fixed = rays.middle[at, :slabs] + rays.row[at, :slabs] * (spans.row + 0.5)[:, None]
     speed = fixed.T[:, line] + rays.column[at, :slabs].T[:, line] * across
-    start = rays.start[at, :slabs]
-    low = (instances.slab_low[at, :slabs].float() - start).T[:, line]
-    high = (instances.slab_high[at, :slabs].float() - start).T[:, line]
+    low, high = rays.low[at, :slabs].T[:, line], rays.high[at, :slabs].T[:, line]
     if size == CYLINDER:
-        radius = instances.slab_high[at, 0].float()[line]
-        enter, leave = _meet_cylinder(start.T[:, line], speed, radius, low[2], high[2])
+        start, radius = rays.start[at, :slabs].T[:, line], rays.radius[at][line]
+        enter, leave = _meet_cylinder(start, speed, radius, low[2], high[2])
     else:
         enter, leave = _meet_slabs(speed, low, high)
     hit = ((enter <= leave + TOLERANCE * leave) & (enter > NEAR)).nonzero()[:, 0]
@@ -220,17 +226,13 @@ def _own_normals(
     slabs = size or 3
     speed = rays.middle[instance, :slabs] + rays.row[instance, :slabs] * along[:, None]
     speed = speed + rays.column[instance, :slabs] * across[:, None]
-    start = rays.start[instance, :slabs]
-    low = instances.slab_low[instance, :slabs].float() - start
-    high = instances.slab_high[instance, :slabs].float() - start
     inverse = 1.0 / torch.where(speed.abs() < STILL, STILL, speed)
-    enter = torch.minimum(low * inverse, high * inverse)
+    enter = torch.minimum(rays.low[instance, :slabs] * inverse, rays.high[instance, :slabs] * inverse)
     if size == CYLINDER:
-        at = start + speed * depth[:, None]
-        radius = instances.slab_high[instance, 0].float()
+        at = rays.start[instance, :slabs] + speed * depth[:, None]
         on_cap = enter[:, 2] >= depth * (1 - TOLERANCE)
-        side = torch.cat([at[:, :2] / radius[:, None], torch.zeros_like(at[:, :1])], dim=1)
-        side = torch.nn.functional.normalize(side, dim=1)
+        side = torch.nn.functional.normalize(at[:, :2], dim=1)
+        side = torch.cat([side, torch.zeros_like(at[:, :1])], dim=1)
         cap = torch.zeros_like(at)
         cap[:, 2] = -torch.sign(speed[:, 2])
         return torch.where(on_cap[:, None], cap, side)

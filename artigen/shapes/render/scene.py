@@ -39,6 +39,8 @@ class Scene:
     half: Float[Tensor, "P 3"]
     """Half the size of the box about the primitive in its own frame."""
     group: Int[Tensor, "P"]
+    groups: tuple[int, ...]
+    """Those that occur, sorted."""
     slab_normal: Float[Tensor, "P S 3"]
     slab_low: Float[Tensor, "P S"]
     slab_high: Float[Tensor, "P S"]
@@ -59,9 +61,10 @@ class Instances:
     rotation: Float[Tensor, "I 3 3"]
     """Own axes as columns, in the world (float64)."""
     center: Float[Tensor, "I 3"]
-    displacement: Float[Tensor, "I 4 4"]
-    """From rest to the pose, of the part."""
+    to_rest: Float[Tensor, "I 3 4"]
+    """From the world to the object frame at rest (float32)."""
     group: Int[Tensor, "I"]
+    groups: tuple[int, ...]
     slab_normal: Float[Tensor, "I S 3"]
     """In the own frame."""
     slab_low: Float[Tensor, "I S"]
@@ -100,6 +103,7 @@ def build_scene(shapes: Sequence[Shape], device: str | torch.device = "cpu") -> 
         rotation=tensor(np.stack([primitive.rotation for primitive in primitives])),
         half=tensor(half),
         group=tensor(group),
+        groups=tuple(sorted(set(group.tolist()))),
         slab_normal=tensor(normal),
         slab_low=tensor(low),
         slab_high=tensor(high),
@@ -130,8 +134,9 @@ def place_instances(
         primitive=primitive,
         rotation=rotation,
         center=center,
-        displacement=displacement,
+        to_rest=torch.cat([turn.mT, -turn.mT @ displacement[:, :3, 3:]], dim=2).float(),
         group=scene.group[primitive],
+        groups=scene.groups,
         slab_normal=scene.slab_normal[primitive],
         slab_low=scene.slab_low[primitive],
         slab_high=scene.slab_high[primitive],

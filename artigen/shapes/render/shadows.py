@@ -1,14 +1,15 @@
 """What light reaches a point: exact shadows of a distant light, and nearness of walls in the picture."""
 
 from dataclasses import dataclass
-from math import cos, pi, sin, sqrt
+from math import pi, sqrt
 
 import torch
 from jaxtyping import Bool, Float, Int
 from torch import Tensor
 
 from artigen.shapes.primitives import Vector
-from artigen.shapes.render.cameras import Cameras, pixel_sizes
+from artigen.shapes.render.cameras import Cameras, camera_axes, pixel_sizes
+from artigen.shapes.render.rays import Surface
 from artigen.shapes.render.scene import CYLINDER, Instances
 from artigen.shapes.render.spans import count_up
 
@@ -16,7 +17,7 @@ TILES = 24
 """Tiles along each edge of the map that sorts points, as seen from the light."""
 CLEAR = 1e-3
 """Shadows begin this far (m) off a surface."""
-RINGS = 14
+RINGS = 10
 """Samples per pixel that look for walls nearby."""
 
 
@@ -50,10 +51,12 @@ def find_lit(
     order = tile.argsort()
     places = local[order].T.contiguous()
     first = count.cumsum(0) - count
-    instance, cell = _cover_tiles(instances, blockers, count)
+    farthest = torch.full(count.shape, torch.inf, device=points.device)
+    farthest = farthest.scatter_reduce_(0, tile, local[:, 2], "amin")
+    instance, cell = _cover_tiles(instances, blockers, farthest)
     dark = torch.zeros(len(points), dtype=torch.bool, device=points.device)
     group = instances.group[instance]
-    for size in sorted(set(instances.group.tolist())):
+    for size in instances.groups:
         chosen = (group == size).nonzero()[:, 0]
         line = torch.repeat_interleave(count[cell[chosen]])
         point = count_up(count[cell[chosen]]) + first[cell[chosen]][line]
@@ -63,39 +66,32 @@ def find_lit(
     return lit
 
 
-def find_openness(
-    cameras: Cameras, depth: Float[Tensor, "B H W"], normal: Float[Tensor, "B H W 3"], reach: float
-) -> Float[Tensor, "B H W"]:
-    """1 in the open, less where the picture shows walls within ``reach`` (m) that rise around a point.
-
-    Args:
-        cameras: Of the pictures.
-        depth: Infinite where nothing is seen.
-        normal: In the camera's axes (right, down, forward).
-        reach: How far walls are looked for.
-    """
-    batch, height, width = depth.shape
-    pixel = pixel_sizes(cameras).float()[:, None, None]
-    rows = torch.arange(height, device=depth.device)
-    columns = torch.arange(width, device=depth.device)
-    slope_x = (columns + 0.5 - width / 2)[None, None, :] * pixel
-    slope_y = (rows + 0.5 - height / 2)[None, :, None] * pixel
-    flat = torch.where(depth.isfinite(), depth, 1e3).reshape(batch, -1)
-    here = flat.reshape(depth.shape)
-    radius = reach / (here * pixel)
-    blocked = torch.zeros_like(here)
-    for step in range(RINGS):
-        share, angle = sqrt((step + 0.7) / RINGS), step * pi * (3 - sqrt(5))
-        column = (columns + (radius * (share * cos(angle)))).round().long().clamp(0, width - 1)
-        row = (rows[:, None] + (radius * (share * sin(angle)))).round().long().clamp(0, height - 1)
-        there = flat.gather(1, (row * width + column).reshape(batch, -1)).reshape(depth.shape)
-        dx = (column + 0.5 - width / 2) * pixel * there - slope_x * here
-        dy = (row + 0.5 - height / 2) * pixel * there - slope_y * here
-        dz = there - here
-        square = dx * dx + dy * dy + dz * dz + 1e-8
-        rise = (dx * normal[..., 0] + dy * normal[..., 1] + dz * normal[..., 2]) * square.rsqrt()
-        blocked += (rise - 0.08).clamp(min=0.0) * (1.0 - square / (1.5 * reach) ** 2).clamp(min=0.0)
-    return (1.0 - 1.6 * blocked / RINGS).clamp(min=0.0)
+def find_openness(cameras: Cameras, surface: Surface, reach: float) -> Float[Tensor, "N"]:
+    """1 in the open, less where the picture shows walls within ``reach`` (m) that rise around a point."""
+    size = cameras.height * cameras.width
+    depths = torch.full((len(cameras.fov) * size,), 1e3, device=surface.depth.device)
+    depths[surface.pixel] = surface.depth
+    image = torch.div(surface.pixel, size, rounding_mode="floor")
+    row = torch.div(surface.pixel - image * size, cameras.width, rounding_mode="floor")
+    column = surface.pixel - image * size - row * cameras.width
+    pixel = pixel_sizes(cameras).float()[image]
+    steps = torch.arange(RINGS, device=depths.device)[:, None]
+    radius = reach / (surface.depth * pixel) * ((steps + 0.7) / RINGS).sqrt()
+    angle = steps * pi * (3 - sqrt(5))
+    columns = (column + radius * angle.cos()).round().long().clamp(0, cameras.width - 1)
+    rows = (row + radius * angle.sin()).round().long().clamp(0, cameras.height - 1)
+    there = depths[image * size + rows * cameras.width + columns]
+    axes = camera_axes(cameras).float()[image]
+    right, down, forward = ((axes[:, k] * surface.normal).sum(dim=1) for k in range(3))
+    middle_x, middle_y = cameras.width / 2 - 0.5, cameras.height / 2 - 0.5
+    dx = pixel * ((columns - middle_x) * there - (column - middle_x) * surface.depth)
+    dy = pixel * ((rows - middle_y) * there - (row - middle_y) * surface.depth)
+    dz = there - surface.depth
+    square = dx * dx + dy * dy + dz * dz + 1e-8
+    rise = (dx * right + dy * down + dz * forward) * square.rsqrt()
+    near = (1.0 - square / (1.5 * reach) ** 2).clamp(min=0.0)
+    blocked = ((rise - 0.08).clamp(min=0.0) * near).mean(dim=0)
+    return (1.0 - 1.6 * blocked).clamp(min=0.0)
 
 
 def _light_frame(light: Vector, device: torch.device) -> Float[Tensor, "3 3"]:
@@ -145,9 +141,9 @@ def _tile_grid(instances: Instances, blockers: Blockers) -> tuple[Float[Tensor, 
 
 
 def _cover_tiles(
-    instances: Instances, blockers: Blockers, count: Int[Tensor, "T"]
+    instances: Instances, blockers: Blockers, farthest: Float[Tensor, "T"]
 ) -> tuple[Int[Tensor, "K"], Int[Tensor, "K"]]:
-    """Pairs of an instance and a tile that it may shade and that has points."""
+    """Pairs of an instance and a tile that it may shade; ``farthest`` is the least w of a tile's points."""
     low, size = _tile_grid(instances, blockers)
     low, size = low[instances.image], size[instances.image]
     start = ((blockers.bounds[:, 0, :2] - low) / size - 1e-3).long().clamp(0, TILES - 1)
@@ -159,7 +155,7 @@ def _cover_tiles(
     down = torch.div(rank, width, rounding_mode="floor")
     tile = (instances.image[instance] * TILES + start[instance, 1] + down) * TILES
     tile = tile + start[instance, 0] + rank - down * width
-    kept = count[tile] > 0
+    kept = blockers.bounds[instance, 1, 2] > farthest[tile] + CLEAR
     return instance[kept], tile[kept]
 
 
