@@ -1,10 +1,10 @@
-"""Joint friction and damping in SI units, for an engine that knows neither.
+"""Joint friction, damping and top speed in SI units, for a loader that knows none of them.
 
-SAPIEN ignores a URDF's ``<dynamics friction>``, and PhysX's own joint friction is a unitless
-coefficient whose holding force depends on the time step and on the number of solver iterations
-(``benchmarks/friction_calibration.py`` measures by how much). Two other constraints do exactly what
-is meant, at any step size: a velocity drive at rest with a force limit is Coulomb friction, and a
-fixed tendon over one joint is a viscous damper beside it.
+SAPIEN ignores a URDF's ``<dynamics friction>`` and ``<limit velocity>``, and PhysX's own joint friction
+is a unitless coefficient whose holding force depends on the time step and on the number of solver
+iterations (``benchmarks/friction_calibration.py`` measures by how much). Two other constraints do
+exactly what is meant, at any step size: a velocity drive at rest with a force limit is Coulomb
+friction, and a fixed tendon over one joint is a viscous damper beside it.
 """
 
 from typing import TYPE_CHECKING
@@ -42,3 +42,14 @@ def apply_damping(articulation: "PhysxArticulation", joint: "PhysxArticulationJo
         articulation.create_fixed_tendon(
             [joint.parent_link, joint.child_link], [0.0, 1.0], [0.0, 1.0], stiffness=0.0, damping=damping
         )
+
+
+def apply_velocity(joint: "PhysxArticulationJoint", velocity: float) -> None:
+    """Keeps a joint below ``velocity`` (m/s or rad/s).
+
+    Fingers can give a knob more than a thousand rad/s^2. Without this it soon turns by more than a radian
+    per step, and contacts that PhysX foresees with its neighbours throw it back and forth.
+    """
+    if not velocity > 0.0:
+        raise ValueError(f"joint {joint.name!r}: velocity {velocity}, expected > 0")
+    joint.set_max_velocity(velocity)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Literal
 from sim_export.errors import PackageError
 from sim_export.package import HandleAnnotation, PackageJoint, SimPackage
 
-from .friction import apply_damping, apply_friction
+from .friction import apply_damping, apply_friction, apply_velocity
 from .loaded import LinkLoad, LoadedJoint, LoadedPackage, Screw
 from .urdf_text import physics_urdf
 
@@ -211,10 +211,12 @@ def _match_joints(articulation: "PhysxArticulation", package: SimPackage) -> tup
 
 
 def _apply_resistance(articulation: "PhysxArticulation", joint: LoadedJoint) -> None:
-    """Friction and damping of the package; a joint that has neither is left to the engine, and the
-    follower of a screw to its drive."""
+    """Friction, damping and top speed of the package; a joint that has neither friction nor damping is
+    left to the engine, and the follower of a screw to its drive."""
     spec = joint.spec
     if spec.mimic is not None or (spec.friction == 0.0 and spec.damping == 0.0):
         return
     apply_friction(joint.engine, spec.friction)
     apply_damping(articulation, joint.engine, spec.damping)
+    if spec.velocity > 0.0:
+        apply_velocity(joint.engine, spec.velocity)

@@ -121,17 +121,22 @@ def _all_needs(loaded: LoadedPackage, name: str) -> tuple[str, ...]:
 
 
 def _swept_box(joint: LoadedJoint, moved: Moved) -> np.ndarray:
-    """Bounds of everything the joint moves, over its whole range."""
+    """Bounds of everything the joint moves, over its whole range and not only at the samples of it."""
     if not len(moved.vertices):
         return np.stack([moved.origin, moved.origin])
     travel = np.linspace(0.0, joint.span, SWEEP_SAMPLES)
+    bulge = 0.0
     if joint.spec.type == "prismatic":
         points = moved.vertices + travel[[0, -1], None, None] * moved.axis
     else:
         turns = rotation_about(moved.axis, travel)
-        points = (moved.vertices - moved.origin) @ np.swapaxes(turns, -1, -2) + moved.origin
+        arms = moved.vertices - moved.origin
+        points = arms @ np.swapaxes(turns, -1, -2) + moved.origin
+        # Between two samples a point leaves their chord by this much: the corner of a square knob.
+        radius = float(np.linalg.norm(np.cross(moved.axis, arms), axis=1).max())
+        bulge = radius * (1.0 - np.cos(joint.span / (SWEEP_SAMPLES - 1) / 2.0))
     points = points.reshape(-1, 3)
-    return np.stack([points.min(axis=0), points.max(axis=0)])
+    return np.stack([points.min(axis=0) - bulge, points.max(axis=0) + bulge])
 
 
 def _group(loaded: LoadedPackage, plans: list[JointPlan], swept: np.ndarray) -> tuple[tuple[int, ...], ...]:

@@ -119,8 +119,8 @@ def seeded(package: SimPackage, defect: str) -> SimPackage:
         assert body.inertial is not None
         bad = Inertial(mass=1.0, com=body.inertial.com, inertia=np.diag([1.0, 0.1, 0.1]))
         return with_link(package, "link_0", inertial=bad)
-    if defect == "stiff knob":  # an overdamped knob of 20 g cm^2 turns at the speed of the time step
-        return with_joint(package, "joint_2", damping=0.02)
+    if defect == "stiff knob":  # an overdamped knob turns at the speed of the time step
+        return with_joint(package, "joint_2", damping=0.04)
     raise ValueError(defect)
 
 
@@ -175,6 +175,45 @@ def test_what_sapien_passes_over_fails_v301(package, tmp_path, damage: Callable[
     damage(folder)
     result = check_dynamics(folder, package, ONE_STEP_SIZE)[0]
     assert (result.id, result.verdict, result.where) == ("V301", "fail", where)
+
+
+def test_joints_that_could_meet_are_tried_apart(package, tmp_path):
+    """Two square knobs side by side that meet only where both are turned by 45 degrees."""
+    from envs.config import HandConfig
+    from envs.package import LoadConfig, load_package
+    from envs.plan import plan_trials
+    from envs.scene import create_scene
+
+    body = next(link for link in package.links if link.label == "base")
+    mount = next(joint for joint in package.joints if joint.child == body.name)
+
+    def knobs(distance: float) -> SimPackage:
+        links, joints = [], []
+        for k in range(2):
+            at = np.array([-0.5, k * distance, 0.5])
+            half = np.array([0.01, 0.02, 0.02])
+            inertial = Inertial(mass=0.05, com=at, inertia=1e-4 * np.eye(3))
+            hull = box_hull(at - half, at + half)
+            links.append(
+                replace(body, name=f"link_{k}", label="knob", parts=(), visuals=(), hulls=(hull,),
+                        inertial=inertial)
+            )  # fmt: skip
+            joints.append(
+                replace(mount, name=f"joint_{k}", type="continuous", kind="continuous", parent=body.name,
+                        child=f"link_{k}", origin=at, axis=np.array([-1.0, 0.0, 0.0]), upper=2 * np.pi,
+                        velocity=6.0, friction=0.04, damping=1e-4)
+            )  # fmt: skip
+        base = next(link for link in package.links if link.name == mount.parent)
+        return replace(
+            package, links=(base, *links, body), joints=(*joints, mount), handles=(), requires_open=()
+        )
+
+    groups = {}
+    for distance in (0.0555, 0.06):  # corners reach 28.3 mm from the axis
+        folder = write_package(knobs(distance), tmp_path / f"{distance}")
+        loaded = load_package(create_scene(0.01), folder, LoadConfig())
+        groups[distance] = len(plan_trials(loaded, HandConfig()).groups)
+    assert groups == {0.0555: 2, 0.06: 1}
 
 
 def test_energy_from_nowhere_fails_v306(trials):

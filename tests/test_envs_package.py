@@ -17,7 +17,7 @@ from sim_export.package import Inertial, Link, PackageJoint, SimPackage
 from sim_export.write import write_package
 
 sapien = pytest.importorskip("sapien")
-from envs.friction import apply_damping, apply_friction  # noqa: E402
+from envs.friction import apply_damping, apply_friction, apply_velocity  # noqa: E402
 from envs.hand import pose_matrix  # noqa: E402
 from envs.loaded import advance, qpos_of, set_open_fraction  # noqa: E402
 from envs.package import LoadConfig, load_package  # noqa: E402
@@ -109,6 +109,24 @@ def test_damping_adds_to_friction(tmp_path, timestep):
     _, speed = push(slider(mass), tmp_path / "s.urdf", timestep, friction, damping, effort, seconds)
     exact = (effort - friction) / damping * (1 - np.exp(-seconds * damping / mass))
     assert speed == pytest.approx(exact, rel=0.08)
+
+
+@pytest.mark.parametrize("timestep", TIMESTEPS)
+@pytest.mark.parametrize("joint", ["prismatic", "revolute"])
+def test_no_push_exceeds_the_top_speed(tmp_path, timestep, joint):
+    path = tmp_path / "s.urdf"
+    path.write_text(slider(0.01, joint))
+    scene = create_scene(timestep)
+    articulation = scene.create_urdf_loader().load(str(path))
+    apply_velocity(articulation.active_joints[0], 2.0)
+    speeds = []
+    for _ in range(round(1.0 / timestep)):
+        articulation.set_qf(np.array([0.1], dtype=np.float32))
+        scene.step()
+        speeds.append(float(articulation.qvel[0]))
+    assert 1.5 < max(speeds) <= 2.0 + 1e-5
+    with pytest.raises(ValueError, match="velocity 0"):
+        apply_velocity(articulation.active_joints[0], 0.0)
 
 
 @pytest.mark.parametrize("friction", [1.0, 3.0, 8.0])
@@ -244,6 +262,7 @@ def screw_package() -> SimPackage:
         origin=np.zeros(3),
         axis=np.array([0.0, 0.0, 1.0]),
         friction=0.02,
+        velocity=6.0,
     )
     travel = replace(
         turn,

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from artigen.types import JOINT_TYPES, PAPER_CATEGORIES, PART_LABELS
+from artigen.types import JOINT_TYPES, PAPER_CATEGORIES, PART_LABELS, Asset, Joint, Part
 from sim_export.errors import DegeneratePart, InvalidInertia, OpenMesh
 from sim_export.hulls import box_hull, convex_hull
 from sim_export.inertia import (
@@ -19,7 +19,7 @@ from sim_export.inertia import (
     mesh_inertial,
     raise_light_mass,
 )
-from sim_export.links import opening_pull
+from sim_export.links import LEAST_TURNING, PartGeometry, build_links, opening_pull
 from sim_export.materials import (
     GRAVITY,
     MATERIALS,
@@ -165,6 +165,35 @@ def test_light_links_are_raised_on_record():
     np.testing.assert_allclose(raised.inertia / raised.mass, light.inertia / light.mass)
     heavy = replace(light, mass=1.0)
     assert raise_light_mass(heavy, "box") == (heavy, None)
+
+
+@pytest.mark.parametrize("half", [0.01, 0.2])
+def test_what_turns_turns_a_shaft_with_it(half):
+    """Small knobs get the least inertia about their axis, on record; what is larger stays as it is."""
+    joint = Joint(type="continuous", axis=np.array([-1.0, 0.0, 0.0]), origin=np.full(3, 0.1), upper=2 * np.pi)
+    still = Joint(type="fixed", axis=joint.axis, origin=np.zeros(3))
+    unit = np.array([np.zeros(3), np.ones(3)])
+    parts = (
+        Part(name="body", label="base", parent=-1, joint=still, box=unit),
+        Part(name="knob", label="knob", parent=0, joint=joint, box=unit * half),
+    )
+    hull = box_hull(joint.origin - half, joint.origin + half)
+    knob = mesh_inertial(hull, 1050.0)
+    tree = build_links(
+        Asset(name="a", category="Oven", scale=1.0, parts=parts),
+        [
+            PartGeometry(hulls=(hull,), inertial=replace(knob, mass=5.0, inertia=np.eye(3))),
+            PartGeometry(hulls=(hull,), inertial=knob),
+        ],
+    )
+    knob = raise_light_mass(knob, "knob")[0]
+    made = next(link.inertial for link in tree.links if link.label == "knob")
+    assert made is not None
+    about = float(joint.axis @ made.inertia @ joint.axis)
+    before = float(joint.axis @ knob.inertia @ joint.axis)
+    assert about == pytest.approx(max(before, LEAST_TURNING))
+    assert sum("shaft" in record for record in tree.records) == (before < LEAST_TURNING)
+    check_inertial(made, "knob")
 
 
 def test_every_part_has_a_material_and_every_joint_resists():
