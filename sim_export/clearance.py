@@ -29,15 +29,26 @@ class ClearanceConfig:
     """How much room there must be, and what may be done for it."""
 
     poses: int = 21
-    """Samples of each joint's range."""
+    """Fewest samples of each joint's range."""
+    step: float = 0.02
+    """Farthest that a point may move from one sample to the next, over the object's longest side; what
+    swings far is sampled more often than ``poses``."""
+    max_poses: int = 81
+    """Most samples of a joint's range."""
+    gap: float = 2e-4
+    """Hulls nearer than this (m) are cut. Engines push apart what touches at rest, however little, and
+    round hulls by some tenths of a millimetre."""
     tolerance: float = 2e-5
-    """Depth (m) that is left alone; engines push apart what overlaps at rest, however little."""
+    """Depth (m) from which an overlap that cannot be cut counts as one."""
     relief: ReliefConfig = field(default_factory=ReliefConfig)
     """Limits of cutting."""
     limits: HullLimits = field(default_factory=HullLimits)
     """What hulls must be like after cutting."""
     max_hulls: int = 32
     """Most hulls of a link that notches may lead to."""
+    max_growth: float = 1.5
+    """Most hulls over those that a link had, but for the first eight; what turns inside of something is
+    cut at every pose, and never free."""
     rounds: int = 6
     """Most passes over all joints; cuts for one joint seldom leave anything to do for another."""
     shorten_limits: bool = True
@@ -157,13 +168,22 @@ class _Hulls:
     def count(self, link: int) -> int:
         return sum(hull is not None for hull in self.hulls[link])
 
+    def room(self, link: int, cfg: ClearanceConfig) -> int:
+        """How many more hulls a link may get."""
+        most = min(cfg.max_hulls, 8 + int(cfg.max_growth * len(self.links[link].hulls)))
+        return max(most - self.count(link), 0)
+
     def allowance(self, link: int, slot: int, cfg: ClearanceConfig) -> float:
         """Volume (m^3) that cuts may take from a hull: much of it, or little of its link."""
-        return max(cfg.relief.max_removed * self.volumes[link][slot], cfg.relief.sliver * self.totals[link])
+        return max(cfg.relief.max_removed * self.volumes[link][slot], self.least(link, cfg))
+
+    def least(self, link: int, cfg: ClearanceConfig) -> float:
+        """Volume (m^3) that cuts may take from a hull of a link however large it is: next to nothing."""
+        return cfg.relief.sliver * self.totals[link]
 
     def is_sliver(self, link: int, slot: int, cfg: ClearanceConfig) -> bool:
         """Whether a hull is so small against its link that it may go entirely."""
-        return self.volumes[link][slot] < cfg.relief.sliver * self.totals[link]
+        return self.volumes[link][slot] < self.least(link, cfg)
 
     def sets(self) -> list[HullSet]:
         return [self.prepared(link)[0] for link in range(len(self.links))]
@@ -230,6 +250,22 @@ def clear_joints(
     return out
 
 
+def _coordinates(
+    work: _Hulls, joint: PackageJoint, joints: Sequence[PackageJoint], cfg: ClearanceConfig
+) -> Float[np.ndarray, "P"]:
+    """Samples of a joint's range, close enough that nothing is jumped over."""
+    chunks = [
+        hull.vertices for link in moved_links(work.links, joints, joint) for hull in work.links[link].hulls
+    ]
+    travel = joint.upper - joint.lower
+    if joint.type != "prismatic" and chunks:
+        arms = np.concatenate(chunks) - joint.origin
+        travel *= float(np.linalg.norm(np.cross(joint.axis, arms), axis=1).max())
+    size = longest_side(work.links)
+    needed = int(np.ceil(travel / (cfg.step * size))) + 1 if size > 0.0 else 0
+    return sweep_coordinates(joint, int(np.clip(needed, cfg.poses, cfg.max_poses)))
+
+
 def _poses(work: _Hulls, joint: PackageJoint, joints: Sequence[PackageJoint],
            requirements: Sequence[Requirement], q: Float[np.ndarray, "P"]) -> np.ndarray:  # fmt: skip
     """Displacements ``P L 4 4`` along a joint's sweep, with what it requires open."""
@@ -246,14 +282,15 @@ def _clear_joint(
     stuck: dict[tuple[int, int, int, int], str],
 ) -> int:
     """Relieves every overlapping pair of hulls along one joint's sweep; returns the number of cuts."""
-    T = _poses(work, joint, joints, requirements, sweep_coordinates(joint, cfg.poses))
+    T = _poses(work, joint, joints, requirements, _coordinates(work, joint, joints, cfg))
     moving = moved_links(work.links, joints, joint)
+    size = longest_side(work.links)
     changes = 0
     for a in moving:
         for b in (index for index in range(len(work.links)) if index not in moving):
             (first, slots_a), (second, slots_b) = work.prepared(a), work.prepared(b)
-            found = signed_distances(first, second, T[:, a], T[:, b])
-            deep = found.distance < -cfg.tolerance
+            found = signed_distances(first, second, T[:, a], T[:, b], cfg.gap)
+            deep = found.distance < cfg.gap
             pairs: dict[tuple[int, int], list[int]] = {}
             order = np.argsort(found.distance[deep], kind="stable")
             for pose, i, j in np.stack([found.pose, found.first, found.second])[:, deep][:, order].T.tolist():
@@ -267,12 +304,14 @@ def _clear_joint(
                     poses=(T[poses, a], T[poses, b]),
                     volumes=(work.volumes[a][i], work.volumes[b][j]),
                     allowances=(work.allowance(a, i, cfg), work.allowance(b, j, cfg)),
+                    least=(work.least(a, cfg), work.least(b, cfg)),
                     slivers=(work.is_sliver(a, i, cfg), work.is_sliver(b, j, cfg)),
-                    room=(cfg.max_hulls - work.count(a), cfg.max_hulls - work.count(b)),
-                    max_depth=cfg.relief.max_depth * longest_side(work.links),
+                    room=(work.room(a, cfg), work.room(b, cfg)),
+                    max_depth=cfg.relief.max_depth * size,
+                    max_sliver_depth=cfg.relief.max_sliver_depth * size,
                     axis=joint.axis,
                 )
-                done = relieve_pair(pair, cfg.tolerance, cfg.relief)
+                done = relieve_pair(pair, cfg.gap, cfg.relief)
                 for side, (link, slot) in enumerate(((a, i), (b, j))):
                     work.put(link, slot, done.hulls[side])
                     work.cuts[link] += done.cuts[side]
@@ -297,7 +336,7 @@ def _settle_limits(
     for slot, joint in enumerate(joints):
         if joint not in driven_joints(joints):
             continue
-        q = sweep_coordinates(joint, cfg.poses)
+        q = _coordinates(work, joint, joints, cfg)
         depths, pairs = _depths(work, sets, joint, joints, requirements, q)
         blocked = np.flatnonzero(depths > cfg.tolerance)
         if not len(blocked):

@@ -113,16 +113,21 @@ def _shave_specks(own: np.ndarray, others: np.ndarray) -> np.ndarray:
 
 
 def _pits(own: np.ndarray, others: np.ndarray) -> np.ndarray:
-    """Cells of others in gaps up to two cells wide, or in small holes, of a layer of this part."""
+    """Cells of others in gaps up to two cells wide, or in small holes, of a layer of this part.
+
+    Only where the surface of the other part lies in that layer: a panel that stands in a slot is other
+    parts' cells in the layers before and behind as well, and the slot stays.
+    """
     pits = np.zeros_like(own)
     for normal in range(3):
+        deep = np.roll(others, 1, normal) & np.roll(others, -1, normal)
         grid = own
         for axis in [a for a in range(3) if a != normal]:
             grid = grid | np.roll(grid, 1, axis) | np.roll(grid, -1, axis)
         for axis in [a for a in range(3) if a != normal]:
             grid = grid & np.roll(grid, 1, axis) & np.roll(grid, -1, axis)
-        pits |= grid & others
-        pits |= _small_holes(own, others, normal)
+        pits |= grid & others & ~deep
+        pits |= _small_holes(own, others, normal) & ~deep
     return pits
 
 
