@@ -16,6 +16,8 @@ from torch import Tensor
 SIGMA_MIN = 1e-5
 Velocity = Callable[[Tensor, Tensor], Tensor]
 """``velocity(x, t)`` with one time per sample, in [0, 1]."""
+VelocityPair = Callable[[Tensor, Tensor], tuple[Tensor, Tensor]]
+"""The same, with and without the condition: one pass of a network can give both."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,7 +76,7 @@ def draw_times(count: int, generator: torch.Generator, mean: float = 1.0, std: f
 def sample_flow(
     noise: Tensor,
     conditional: Velocity,
-    unconditional: Velocity,
+    pair: VelocityPair,
     cfg: SamplerConfig,
     *,
     on_step: Callable[[int, float, Tensor], None] | None = None,
@@ -84,7 +86,7 @@ def sample_flow(
     Args:
         noise: start, one sample per row.
         conditional: velocity under the condition.
-        unconditional: velocity without; asked only where guidance applies.
+        pair: velocities with and without the condition; asked only where guidance applies.
         cfg: steps and guidance.
         on_step: called with step, time and state after each step.
     """
@@ -92,9 +94,11 @@ def sample_flow(
     times = plan_times(cfg)
     for step, (time, following) in enumerate(pairwise(times)):
         at = torch.full((len(x),), float(time), dtype=torch.float32, device=x.device)
-        velocity = conditional(x, at)
         if is_guided(float(time), cfg):
-            velocity = (1.0 + cfg.strength) * velocity - cfg.strength * unconditional(x, at)
+            with_condition, without = pair(x, at)
+            velocity = (1.0 + cfg.strength) * with_condition - cfg.strength * without
+        else:
+            velocity = conditional(x, at)
         x = x - float(time - following) * velocity
         if on_step is not None:
             on_step(step, float(following), x)

@@ -123,7 +123,7 @@ def test_sampler_repeats_the_reference_on_a_velocity_in_closed_form(trellis_refe
     out = sample_flow(
         io["in.noise"],
         velocity(io["in.cond"]),
-        velocity(io["in.neg_cond"]),
+        lambda x, t: (velocity(io["in.cond"])(x, t), velocity(io["in.neg_cond"])(x, t)),
         cfg,
         on_step=lambda _step, _time, x: states.append(x),
     )
@@ -142,7 +142,7 @@ def test_sampler_and_flow_together_repeat_the_reference(trellis_reference: Path)
     out = sample_flow(
         io["in.noise"],
         lambda x, t: flow(x, 1000.0 * t, keys=keys[0]),
-        lambda x, t: flow(x, 1000.0 * t, keys=keys[1]),
+        lambda x, t: (flow(x, 1000.0 * t, keys=keys[0]), flow(x, 1000.0 * t, keys=keys[1])),
         SamplerConfig(steps=12, strength=5.0),
     )
     torch.testing.assert_close(out, io["out.samples"], atol=1e-4, rtol=1e-4)
@@ -154,7 +154,7 @@ def test_euler_is_exact_on_a_straight_path():
     velocity = target_velocity(x_0, noise)
     for steps in (1, 7):
         cfg = SamplerConfig(steps=steps, strength=2.0, rescale=3.0)
-        out = sample_flow(noise, lambda x, t: velocity, lambda x, t: velocity, cfg)
+        out = sample_flow(noise, lambda x, t: velocity, lambda x, t: (velocity, velocity), cfg)
         torch.testing.assert_close(out, x_0, atol=5e-5, rtol=0)
     t = 0.3
     x_t = diffuse(x_0, noise, torch.full((2,), t))

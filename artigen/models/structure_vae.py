@@ -1,0 +1,119 @@
+"""The structure VAE {E, D} as training and generation use it: patches in, occupancy and attributes out.
+
+Two networks behind one interface: the compact one (`artigen.models.patch_vae`), and the paper's
+convolutions over the dense field (`artigen.models.conv_vae`, section 4.1).
+"""
+
+from dataclasses import dataclass
+
+import torch
+from jaxtyping import Float, Int
+from torch import Tensor, nn
+
+from artigen.fields import DEFAULT_LAYOUT, FieldLayout, VoxelFields
+from artigen.models.conv_vae import ConvDecoder, ConvEncoder, ConvVaeConfig
+from artigen.models.patch_vae import PatchDecoder, PatchEncoder, PatchVaeConfig
+from artigen.models.patches import PATCH, PatchBatch, fold, unfold
+from artigen.models.volumes import sample_gaussian
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Reconstruction:
+    """What a pass through the VAE gives: logits of all cells, channels of the occupied patches, posterior."""
+
+    logits: Float[Tensor, "N K"]
+    attributes: Float[Tensor, "P K C"]
+    mean: Float[Tensor, "B D X Y Z"]
+    logvar: Float[Tensor, "B D X Y Z"]
+
+
+class StructureVae(nn.Module):
+    """Articulated voxel fields to latents and back."""
+
+    def __init__(self, cfg: PatchVaeConfig | ConvVaeConfig, layout: FieldLayout = DEFAULT_LAYOUT) -> None:
+        super().__init__()
+        self.layout = layout
+        patched = isinstance(cfg, PatchVaeConfig)
+        self.encoder = PatchEncoder(cfg) if patched else ConvEncoder(cfg)
+        self.decoder = PatchDecoder(cfg) if patched else ConvDecoder(cfg)
+
+    def encode(self, patches: PatchBatch) -> tuple[Float[Tensor, "B D X Y Z"], Float[Tensor, "B D X Y Z"]]:
+        """Mean and log-variance of the latents."""
+        if isinstance(self.encoder, PatchEncoder):
+            return self.encoder(patches)
+        mean, logvar = self.encoder(unfold(patches))
+        return mean.float(), logvar.float()
+
+    def decode(
+        self, z: Float[Tensor, "B D X Y Z"], index: Int[Tensor, "P"] | None = None
+    ) -> tuple[Float[Tensor, "N K"], Float[Tensor, "P K C"], Int[Tensor, "P"]]:
+        """Occupancy logits of every cell, and the channels of the patches ``index``.
+
+        Without ``index``, those of every patch that is found to hold a cell; the index is returned.
+        """
+        if isinstance(self.decoder, PatchDecoder):
+            features = self.decoder(z)
+            logits = self.decoder.occupancy(features)
+            index = _occupied_patches(logits) if index is None else index
+            return logits, self.decoder.attributes(features, index), index
+        dense = fold(self.decoder(z)).float().flatten(0, 1)
+        logits = dense[..., 0]
+        index = _occupied_patches(logits) if index is None else index
+        return logits, dense[index][..., 1:], index
+
+    def forward(self, patches: PatchBatch, noise: Float[Tensor, "B D X Y Z"]) -> Reconstruction:
+        """Reconstructs a batch through a draw from its posterior."""
+        mean, logvar = self.encode(patches)
+        logits, attributes, _ = self.decode(sample_gaussian(mean, logvar, noise), patches.index)
+        return Reconstruction(logits=logits, attributes=attributes, mean=mean, logvar=logvar)
+
+
+@torch.no_grad()
+def decode_fields(vae: StructureVae, z: Float[Tensor, "B D X Y Z"]) -> list[VoxelFields]:
+    """Latents to what their occupied cells say; cells count as occupied from a logit above 0."""
+    logits, attributes, index = vae.decode(z)
+    per_sample = len(logits) // len(z)
+    edge = round(per_sample ** (1 / 3))
+    out = []
+    for sample in range(len(z)):
+        mine = (index >= sample * per_sample) & (index < (sample + 1) * per_sample)
+        patch = index[mine] - sample * per_sample
+        occupied = logits[index[mine]] > 0
+        row, cell = occupied.nonzero(as_tuple=True)
+        coords = PATCH * _unravel(patch[row], edge) + _unravel(cell, PATCH)
+        out.append(_read(coords, attributes[mine][occupied], edge * PATCH, vae.layout))
+    return out
+
+
+def _read(
+    coords: Int[Tensor, "N 3"], values: Float[Tensor, "N C"], resolution: int, layout: FieldLayout
+) -> VoxelFields:
+    """Voxel fields of cells in the order of their flat index, as `artigen.fields.decode` gives them."""
+    flat = (coords[:, 0] * resolution + coords[:, 1]) * resolution + coords[:, 2]
+    order = flat.argsort()
+    values = values[order].float()
+
+    def channels(part: slice) -> Tensor:
+        return values[:, part.start - 1 : part.stop - 1]
+
+    units = torch.tensor([layout.rotation_unit, layout.length_unit], device=values.device)
+    return VoxelFields(
+        resolution=resolution,
+        layout=layout,
+        coords=coords[order].cpu().numpy(),
+        label_probs=channels(layout.label).softmax(dim=1).cpu().numpy(),
+        joint_probs=channels(layout.joint_type).softmax(dim=1).cpu().numpy(),
+        axis=channels(layout.axis).cpu().numpy(),
+        origin=channels(layout.origin).cpu().numpy(),
+        ranges=(channels(layout.range) * units).cpu().numpy(),
+        box=channels(layout.box).cpu().numpy(),
+        category_probs=channels(layout.category).softmax(dim=1).cpu().numpy(),
+    )
+
+
+def _occupied_patches(logits: Float[Tensor, "N K"]) -> Int[Tensor, "P"]:
+    return (logits > 0).any(dim=1).nonzero()[:, 0]
+
+
+def _unravel(flat: Int[Tensor, "N"], edge: int) -> Int[Tensor, "N 3"]:
+    return torch.stack([flat // edge**2, flat // edge % edge, flat % edge], dim=1)

@@ -1,0 +1,148 @@
+"""Examples on disk: shards written by worker processes, each from its own range of seeds.
+
+A shard appears whole or not at all, so a run that was stopped goes on where it was, and training reads
+what is there while the rest is being made.
+"""
+
+import tempfile
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+
+from artigen.errors import SourceError
+from artigen.models.patches import PackedField
+from artigen.train.examples import StructureExample, draw_example
+from artigen.types import PAPER_CATEGORIES
+from artigen.workers import Outcome, Worker, run_supervised
+
+HELD_OUT = 10_000
+"""Seeds below this are never trained on."""
+PARTS_OF_EXAMPLE = ("index", "rows", "table", "counts", "size", "image")
+
+
+@dataclass(frozen=True, kw_only=True)
+class ShardConfig:
+    """What the examples of a folder are."""
+
+    categories: tuple[str, ...] = PAPER_CATEGORIES
+    """Categories, taken in turn."""
+    first_seed: int = HELD_OUT
+    """Seed of the first object of each category."""
+    objects: int = 256
+    """Objects per shard."""
+    resolution: int = 64
+    """Edge of the fields."""
+    image_size: int = 128
+    """Edge of the pictures; 0 takes none."""
+    timeout: float = 600.0
+    """Seconds after which a shard is given up."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ShardJob:
+    """One shard to make."""
+
+    path: Path
+    number: int
+    cfg: ShardConfig
+
+
+def make_shards(
+    folder: Path,
+    count: int,
+    cfg: ShardConfig,
+    *,
+    workers: int,
+    on_done: Callable[[Path], None] | None = None,
+) -> list[Path]:
+    """Makes the shards that are missing and returns all of them, in order.
+
+    Raises:
+        SourceError: If a shard could not be made; names it and why.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    jobs = [
+        ShardJob(path=folder / f"shard_{number:05d}.npz", number=number, cfg=cfg) for number in range(count)
+    ]
+    missing = [job for job in jobs if not job.path.is_file()]
+    handle = partial(_run_job, timeout=cfg.timeout)
+    for job, outcome in run_supervised(handle, missing, workers=workers):
+        if outcome.error is not None:
+            raise SourceError(f"{job.path}: {outcome.error}")
+        if on_done is not None:
+            on_done(job.path)
+    return [job.path for job in jobs]
+
+
+def write_shard(path: Path, examples: Sequence[StructureExample]) -> None:
+    """Writes examples to one npz file, whole or not at all."""
+    arrays: dict[str, np.ndarray] = {
+        "names": np.array([one.name for one in examples]),
+        "categories": np.array([one.category for one in examples]),
+        "resolution": np.array([one.field.resolution for one in examples]),
+        "patches": np.array([len(one.field.index) for one in examples]),
+        "parts": np.array([len(one.field.table) for one in examples]),
+    }
+    for name in ("index", "rows", "table"):
+        arrays[name] = np.concatenate([getattr(one.field, name) for one in examples])
+    for name in ("counts", "size"):
+        arrays[name] = np.stack([getattr(one, name) for one in examples])
+    images = [one.image for one in examples if one.image is not None]
+    if len(images) == len(examples):
+        arrays["image"] = np.stack(images)
+    with tempfile.NamedTemporaryFile(dir=path.parent, prefix=".shard", suffix=".npz", delete=False) as file:
+        np.savez(file, **arrays)  # type: ignore[arg-type]
+    Path(file.name).replace(path)
+
+
+def read_shard(path: Path) -> Iterator[StructureExample]:
+    """The examples of a shard."""
+    with np.load(path) as stored:
+        arrays = {name: stored[name] for name in stored.files}
+    patch_ends, part_ends = np.cumsum(arrays["patches"]), np.cumsum(arrays["parts"])
+    for number, name in enumerate(arrays["names"]):
+        at = slice(patch_ends[number] - arrays["patches"][number], patch_ends[number])
+        of = slice(part_ends[number] - arrays["parts"][number], part_ends[number])
+        yield StructureExample(
+            name=str(name),
+            category=str(arrays["categories"][number]),
+            field=PackedField(
+                resolution=int(arrays["resolution"][number]),
+                index=arrays["index"][at],
+                rows=arrays["rows"][at],
+                table=arrays["table"][of],
+            ),
+            counts=arrays["counts"][number],
+            size=arrays["size"][number],
+            image=arrays["image"][number] if "image" in arrays else None,
+        )
+
+
+def make_shard(job: ShardJob) -> Path:
+    """Draws the objects of one shard and writes it; runs in a worker process."""
+    import torch
+
+    torch.set_num_threads(1)  # there is a process per core already
+    cfg = job.cfg
+    kinds = len(cfg.categories)
+    numbers = range(job.number * cfg.objects, (job.number + 1) * cfg.objects)
+    write_shard(
+        job.path,
+        [
+            draw_example(
+                cfg.categories[number % kinds],
+                cfg.first_seed + number // kinds,
+                resolution=cfg.resolution,
+                image_size=cfg.image_size,
+            )
+            for number in numbers
+        ],
+    )
+    return job.path
+
+
+def _run_job(worker: Worker, job: ShardJob, timeout: float) -> tuple[ShardJob, Outcome[Path]]:
+    return job, worker.call(make_shard, job, timeout)
