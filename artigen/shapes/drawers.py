@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from artigen.shapes.fronts import FrontDesign, fit_handle, make_front
+from artigen.shapes.fronts import FrontDesign, fit_handle, make_front, suit_drawer
 from artigen.shapes.hardware import GAP, Panel, Range, Space, fill_space, slide
 from artigen.shapes.primitives import Primitive
 from artigen.shapes.shape import Need, ShapePart
@@ -47,6 +47,7 @@ def make_drawer(
         parent: What it runs in.
         travel: Share of the box's depth that it slides.
     """
+    front = suit_drawer(panel, front)
     depth = space.x[1] - GAP - panel.back
     primitives = (*make_front(panel, front), *make_box(space, box, (panel.back, space.x[1] - GAP)))
     drawer = ShapePart(

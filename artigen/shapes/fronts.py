@@ -49,25 +49,72 @@ def design_front(
     )
 
 
+def suit_drawer(panel: Panel, design: FrontDesign) -> FrontDesign:
+    """The design for a drawer: a slab where a frame would hold glass or slats, or no handle."""
+    field = _find_field(panel, design)
+    if field is None:
+        return design
+    handle = design.handle
+    needed = (0.0, 0.0) if handle is None else (handle.length + 0.02, handle.height + 0.012)
+    small = field.width < needed[0] or field.height < needed[1]
+    return replace(design, style="flat") if small or design.style in ("framed_glass", "louvre") else design
+
+
 def make_front(panel: Panel, design: FrontDesign) -> tuple[Primitive, ...]:
     """The solids of one front; a panel too small for a frame gets a slab."""
+    frame = _frame_width(panel, design)
+    if design.style == "plank":
+        return _make_planks(panel, design)
+    if not frame:
+        return (_fill(panel, design.finish, 0.0015),)
+    field = _inside_frame(panel, frame)
+    spans = (
+        (panel.z, (panel.y[0], field.y[0])),
+        (panel.z, (field.y[1], panel.y[1])),
+        ((panel.z[0], field.z[0]), field.y),
+        ((field.z[1], panel.z[1]), field.y),
+    )
+    stiles_and_rails = [_fill(replace(panel, y=y, z=z), design.finish) for z, y in spans]
+    return (*stiles_and_rails, *_make_field(field, design))
+
+
+def _frame_width(panel: Panel, design: FrontDesign) -> float:
+    """Width of stiles and rails (m); 0 where the front is a slab."""
     frame = min(design.frame, 0.3 * panel.height, 0.3 * panel.width)
     framed = design.style in ("shaker", "framed_glass", "raised", "louvre")
-    if not framed or frame < 0.02 or min(panel.width, panel.height) < 0.11:
-        return (
-            _make_planks(panel, design) if design.style == "plank" else (_fill(panel, design.finish, 0.0015),)
-        )
-    inner = (panel.y[0] + frame, panel.y[1] - frame), (panel.z[0] + frame, panel.z[1] - frame)
-    stiles = [
-        _fill(replace(panel, y=span), design.finish)
-        for span in ((panel.y[0], inner[0][0]), (inner[0][1], panel.y[1]))
-    ]
-    rails = [
-        _fill(replace(panel, y=inner[0], z=span), design.finish)
-        for span in ((panel.z[0], inner[1][0]), (inner[1][1], panel.z[1]))
-    ]
-    field = replace(panel, y=inner[0], z=inner[1])
-    return (*stiles, *rails, *_make_field(field, design))
+    return frame if framed and frame >= 0.02 and min(panel.width, panel.height) >= 0.11 else 0.0
+
+
+def _inside_frame(panel: Panel, frame: float) -> Panel:
+    return replace(
+        panel, y=(panel.y[0] + frame, panel.y[1] - frame), z=(panel.z[0] + frame, panel.z[1] - frame)
+    )
+
+
+def _find_field(panel: Panel, design: FrontDesign) -> Panel | None:
+    """What lies within the frame, from its face on; None for a slab."""
+    frame = _frame_width(panel, design)
+    if not frame:
+        return None
+    field = _inside_frame(panel, frame)
+    if design.style == "framed_glass":
+        return replace(field, x=field.x + (field.thickness - PANE) / 2, thickness=PANE)
+    return _raise_field(field) if design.style == "raised" and _can_rise(field) else _sink_field(field)
+
+
+def _sink_field(field: Panel) -> Panel:
+    deep = min(0.008, 0.45 * field.thickness)
+    return replace(field, x=field.x + deep, thickness=field.thickness - deep)
+
+
+def _can_rise(field: Panel) -> bool:
+    return min(field.width, field.height) > 0.09
+
+
+def _raise_field(field: Panel) -> Panel:
+    """A plate before the sunken field, away from the frame."""
+    raised = _inside_frame(field, 0.022)
+    return replace(raised, x=field.x + 0.002, thickness=_sink_field(field).x - field.x - 0.002)
 
 
 def make_door(
@@ -89,7 +136,24 @@ def fit_handle(panel: Panel, design: FrontDesign, *, parent: str, edge: Edge | N
     handle = design.handle
     if handle is None:
         return ()
+    if edge in ("left", "right") and handle.kind == "cup":  # cups are for drawers; their doors have knobs
+        handle = HandleDesign(
+            kind="knob", length=0.36 * handle.length, thickness=handle.thickness, finish=handle.finish
+        )
     upright, (y, z) = place_handle(panel, handle, edge, design.hand)
+    field = None if handle.kind == "edge" else _find_field(panel, design)
+    if field is not None and edge is None:  # on what the frame holds
+        half = handle.height / 2
+        panel, z = replace(panel, x=field.x), float(np.clip(z, field.z[0] + half, field.z[1] - half))
+    elif field is not None and edge is not None:  # in the middle of the stile or rail
+        half = _frame_width(panel, design) / 2
+        middles: dict[Edge, tuple[float, float]] = {
+            "left": (panel.y[0] + half, z),
+            "right": (panel.y[1] - half, z),
+            "top": (y, panel.z[0] + half),
+            "bottom": (y, panel.z[1] - half),
+        }
+        y, z = middles[edge]
     pair = edge is None and handle.kind in ("knob", "cup", "arch") and panel.width > 0.62
     places = [(y - 0.25 * panel.width, z), (y + 0.25 * panel.width, z)] if pair else [(y, z)]
     return tuple(
@@ -113,18 +177,11 @@ def _fill(panel: Panel, finish: str, bevel: float = 0.0) -> Primitive:
 def _make_field(field: Panel, design: FrontDesign) -> list[Primitive]:
     """What a frame holds, set back from its face."""
     if design.style == "framed_glass":
-        middle = replace(field, x=field.x + (field.thickness - PANE) / 2, thickness=PANE)
-        return [_fill(middle, design.glass)]
-    deep = min(0.008, 0.45 * field.thickness)
-    sheet = replace(field, x=field.x + deep, thickness=field.thickness - deep)
-    if design.style == "raised" and min(field.width, field.height) > 0.09:
-        edge = 0.022
-        raised = Panel(
-            x=field.x + 0.002,
-            thickness=deep - 0.002,
-            y=(field.y[0] + edge, field.y[1] - edge),
-            z=(field.z[0] + edge, field.z[1] - edge),
-        )
+        pane = replace(field, x=field.x + (field.thickness - PANE) / 2, thickness=PANE)
+        return [_fill(pane, design.glass)]
+    sheet = _sink_field(field)
+    if design.style == "raised" and _can_rise(field):
+        raised = _raise_field(field)
         return [_fill(sheet, design.finish), _fill(raised, design.finish, 0.4 * raised.thickness)]
     if design.style == "louvre" and field.height > 0.12:
         return _make_louvres(field, sheet, design)
