@@ -24,7 +24,7 @@ from artigen.shapes.primitives import (
 from artigen.shapes.render import Cameras, Images, RenderConfig, build_scene, frame_points, render
 from artigen.shapes.shape import Motion, Shape, ShapePart
 
-GEOMETRY = RenderConfig(shadows=False, openness=False)
+GEOMETRY = RenderConfig(shadow_rays=0, openness=False)
 
 
 def make_shape(*parts: ShapePart, glass_opacity: float = 0.2) -> Shape:
@@ -301,7 +301,7 @@ def test_shadows_are_the_ones_of_the_light():
     cfg = RenderConfig(openness=False, sky_strength=0.0, lamp=tuple(lamp), background=(0.0, 0.0, 0.0))
     dark, lit = (
         see(shape, cameras, cfg=cfg).rgb[0],
-        see(shape, cameras, cfg=replace(cfg, shadows=False)).rgb[0],
+        see(shape, cameras, cfg=replace(cfg, shadow_rays=0)).rgb[0],
     )
     origin, rays = pixel_rays(cameras)
     at = origin + rays * see(shape, cameras).depth[0].numpy()[..., None]

@@ -10,6 +10,7 @@ from jaxtyping import Bool, Float, Int
 from torch import Tensor
 
 from artigen.shapes.render.cameras import Cameras, pixel_sizes
+from artigen.shapes.render.lighting import light_floor, light_surface
 from artigen.shapes.render.rays import (
     NOTHING,
     Hits,
@@ -22,22 +23,16 @@ from artigen.shapes.render.rays import (
 )
 from artigen.shapes.render.scene import Instances, Scene, place_instances
 from artigen.shapes.render.shading import (
-    Light,
     Material,
     RenderConfig,
     linear_from_srgb,
     shade,
     srgb_from_linear,
 )
-from artigen.shapes.render.shadows import find_lit, find_openness
 from artigen.shapes.textures import apply_paint, find_rows
 
 LAYERS = 8
 """Panes that one looks through at most."""
-CORNER = 0.18
-"""Corners are darker up to this far (m) from the next wall."""
-SKY = (-0.35, 0.12, 0.93)
-"""Where the soft light from above comes from: over the head of who stands in front."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -143,13 +138,14 @@ def _light_of(view: _View, surface: Surface, cfg: RenderConfig) -> Float[Tensor,
         if len(surface.pixel) == 0:
             break
         material = _material_of(view, surface)
-        reached = _reaching(view, surface, cfg)
+        reached = light_surface(cameras, view.instances, surface, cfg)
         scattered, mirrored = shade(surface, material, reached, cfg)
         share = through[surface.pixel][:, None]
         light[surface.pixel] += share * (material.opacity[:, None] * scattered + mirrored)
         through[surface.pixel] *= 1.0 - material.opacity
     ground = linear_from_srgb(torch.tensor(cfg.background, device=device))
-    light += through[:, None] * _background(view, cfg)[:, None] * ground
+    around = light_floor(cameras, view.instances, through < 1e-3, cfg)
+    light += (through * around)[:, None] * ground
     return light.reshape(len(cameras.fov), cameras.height, cameras.width, 3)
 
 
@@ -169,37 +165,6 @@ def _material_of(view: _View, surface: Surface) -> Material:
         gloss=table.gloss[rows],
         opacity=table.opacity[rows],
     )
-
-
-def _reaching(view: _View, surface: Surface, cfg: RenderConfig) -> Light:
-    """How much of each light reaches the surface."""
-    everything = torch.ones_like(surface.depth)
-    lamp, sky, openness = everything, everything, everything
-    if cfg.shadows:
-        image = view.instances.image[surface.instance]
-        lamp = _shadow(view, image, surface, cfg.lamp)
-        sky = _shadow(view, image, surface, SKY)
-    if cfg.openness:
-        openness = find_openness(view.cameras, surface, CORNER)
-    return Light(lamp=lamp, sky=sky, open=openness)
-
-
-def _shadow(
-    view: _View, image: Int[Tensor, "N"], surface: Surface, light: tuple[float, float, float]
-) -> Float[Tensor, "N"]:
-    """1 where the surface sees the light; surfaces that face away do not."""
-    direction = torch.nn.functional.normalize(surface.normal.new_tensor(light), dim=0)
-    facing = (surface.normal @ direction > 0).nonzero()[:, 0]
-    out = torch.zeros_like(surface.depth)
-    points = surface.point[facing] + 1e-3 * surface.normal[facing]
-    if len(facing):
-        out[facing] = find_lit(view.instances, image[facing], points, light).float()
-    return out
-
-
-def _background(view: _View, cfg: RenderConfig) -> Float[Tensor, "N"]:
-    """Brightness of the surroundings per pixel: one, or less where the object shades the floor."""
-    return torch.ones(_pixel_count(view.cameras), device=view.scene.device)
 
 
 def _pixel_count(cameras: Cameras) -> int:

@@ -18,8 +18,9 @@ GLASS = KINDS.index("glass")
 class RenderConfig:
     """How pictures look and what they cost."""
 
-    shadows: bool = True
-    """Whether the lamp and the sky throw shadows (exact rays)."""
+    shadow_rays: int = 1
+    """Rays per pixel towards the lamp, and as many towards the sky; shadows are soft with more than one
+    and there are none with zero. A multiple of the square of ``supersampling``, or one."""
     openness: bool = True
     """Whether corners and gaps are darker than open surfaces."""
     floor: bool = False
@@ -28,14 +29,25 @@ class RenderConfig:
     """Colour (sRGB) where nothing is seen."""
     lamp: Vector = (-0.55, 0.42, 0.72)
     """Direction towards the lamp; made unit."""
-    lamp_strength: float = 0.62
+    lamp_strength: float = 0.56
     """Light of the lamp on a surface that faces it."""
-    sky_strength: float = 0.30
+    sky_strength: float = 0.27
     """Light from straight above, shadowed as from one direction."""
-    fill_strength: float = 0.30
+    fill_strength: float = 0.26
     """Light from all around, from above more than from below."""
     supersampling: int = 1
     """Rays per pixel edge for colour; the other maps are always at pixel centres."""
+
+    def __post_init__(self) -> None:
+        if self.supersampling < 1 or self.shadow_rays < 0:
+            raise ValueError(
+                f"supersampling {self.supersampling} and shadow_rays {self.shadow_rays}: too few"
+            )
+        if self.shadow_rays > 1 and self.shadow_rays % self.supersampling**2:
+            raise ValueError(
+                f"shadow_rays is {self.shadow_rays}, allowed are 0, 1 and multiples of "
+                f"{self.supersampling**2}, the sub-rays of a pixel"
+            )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -1,0 +1,147 @@
+"""How much of the lamp and of the sky reaches surfaces and the floor: shadow rays, few or many.
+
+With one ray per light, shadows are sharp. With more, the rays are spread over the lamp and the sky, and
+shared out among the sub-rays of a supersampled pixel, so that soft light costs little more than sharp.
+"""
+
+from dataclasses import dataclass
+from math import pi, sqrt
+
+import torch
+from jaxtyping import Bool, Float, Int
+from torch import Tensor
+
+from artigen.shapes.primitives import Vector
+from artigen.shapes.render.cameras import Cameras, camera_axes, pixel_sizes
+from artigen.shapes.render.rays import Surface
+from artigen.shapes.render.scene import Instances
+from artigen.shapes.render.shading import Light, RenderConfig
+from artigen.shapes.render.shadows import find_lit, find_openness
+
+CORNER = 0.18
+"""Corners are darker up to this far (m) from the next wall."""
+SKY = (-0.35, 0.12, 0.93)
+"""Where the soft light from above comes from: over the head of who stands in front."""
+LAMP_SIZE = 0.12
+"""Radius of the lamp, at distance one."""
+SKY_SIZE = 1.3
+"""The same for the sky: nearly all of it."""
+CLEARANCE = 1e-3
+"""Shadow rays start this far (m) off the surface."""
+SHADOW_DEPTH = 0.75
+"""Share of the light missing on the floor that is taken off the background."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Spots:
+    """Points that shadow rays start from."""
+
+    image: Int[Tensor, "N"]
+    point: Float[Tensor, "N 3"]
+    normal: Float[Tensor, "N 3"]
+    turn: Int[Tensor, "N"]
+    """Which of a pixel's sub-rays each point belongs to."""
+
+
+def light_surface(cameras: Cameras, instances: Instances, surface: Surface, cfg: RenderConfig) -> Light:
+    """How much of each light reaches the surface."""
+    everything = torch.ones_like(surface.depth)
+    lamp, sky, openness = everything, everything, everything
+    if cfg.shadow_rays:
+        spots = _Spots(
+            image=instances.image[surface.instance],
+            point=surface.point + CLEARANCE * surface.normal,
+            normal=surface.normal,
+            turn=_sub_rays(cameras, surface.pixel, cfg.supersampling),
+        )
+        lamp = _visible_share(instances, spots, cfg.lamp, LAMP_SIZE, cfg)
+        sky = _visible_share(instances, spots, SKY, SKY_SIZE, cfg)
+    if cfg.openness:
+        openness = find_openness(cameras, surface, CORNER)
+    return Light(lamp=lamp, sky=sky, open=openness)
+
+
+def light_floor(
+    cameras: Cameras, instances: Instances, unseen: Bool[Tensor, "N"], cfg: RenderConfig
+) -> Float[Tensor, "N"]:
+    """Brightness of the surroundings per pixel: one, or less where the object shades the floor at z = 0.
+
+    Args:
+        cameras: Of the pictures.
+        instances: What throws shadows.
+        unseen: Pixels whose brightness does not matter, since the object covers them.
+        cfg: Light and quality.
+    """
+    out = torch.ones(len(unseen), device=unseen.device)
+    if not (cfg.floor and cfg.shadow_rays):
+        return out
+    pixel = (~unseen).nonzero()[:, 0]
+    size = cameras.height * cameras.width
+    image = torch.div(pixel, size, rounding_mode="floor")
+    row = torch.div(pixel - image * size, cameras.width, rounding_mode="floor")
+    column = pixel - image * size - row * cameras.width
+    edge = pixel_sizes(cameras).float()[image]
+    axes = camera_axes(cameras).float()[image]
+    x, y = (column + 0.5 - cameras.width / 2) * edge, (row + 0.5 - cameras.height / 2) * edge
+    ray = axes[:, 0] * x[:, None] + axes[:, 1] * y[:, None] + axes[:, 2]
+    eye = cameras.position.float()[image]
+    distance = -eye[:, 2] / ray[:, 2].clamp(max=-1e-6)
+    point = eye + ray * distance[:, None]
+    low, high = instances.corners.amin(dim=(0, 1)).float(), instances.corners.amax(dim=(0, 1)).float()
+    reach = 1.5 * (high - low).norm()
+    near = (ray[:, 2] < -1e-6) & ((point - (low + high) / 2).norm(dim=1) < reach) & (eye[:, 2] > 0)
+    pixel, point = pixel[near], point[near]
+    up = torch.tensor([0.0, 0.0, 1.0], device=point.device).expand_as(point)
+    turn = _sub_rays(cameras, pixel, cfg.supersampling)
+    spots = _Spots(image=image[near], point=point + CLEARANCE * up, normal=up, turn=turn)
+    if len(pixel):
+        lamp = _visible_share(instances, spots, cfg.lamp, LAMP_SIZE, cfg)
+        sky = _visible_share(instances, spots, SKY, SKY_SIZE, cfg)
+        direct, soft = cfg.lamp_strength * _unit(cfg.lamp)[2], cfg.sky_strength + cfg.fill_strength
+        missing = (direct * (1.0 - lamp) + soft * (1.0 - sky)) / (direct + soft)
+        out[pixel] = 1.0 - SHADOW_DEPTH * missing
+    return out
+
+
+def _visible_share(
+    instances: Instances, spots: _Spots, light: Vector, size: float, cfg: RenderConfig
+) -> Float[Tensor, "N"]:
+    """Which share of a light, weighted by how much a spot faces it, is not hidden behind solids."""
+    seen, all_of_it = torch.zeros(len(spots.point), device=spots.point.device), 1e-6
+    for number, direction in enumerate(_spread(light, size, cfg.shadow_rays)):
+        weight = (spots.normal @ spots.normal.new_tensor(direction)).clamp(min=0.0)
+        mine = spots.turn == number % cfg.supersampling**2
+        weight = torch.where(mine | (cfg.shadow_rays == 1), weight, 0.0)
+        chosen = (weight > 0).nonzero()[:, 0]
+        if len(chosen):
+            lit = find_lit(instances, spots.image[chosen], spots.point[chosen], direction)
+            seen[chosen] += weight[chosen] * lit
+        all_of_it = all_of_it + weight
+    return seen / all_of_it
+
+
+def _spread(light: Vector, size: float, count: int) -> list[Vector]:
+    """Unit directions over a disc about a light: the light itself if there is only one."""
+    axis = _unit(light)
+    side = _unit((axis[2], 0.0, -axis[0]))
+    other = tuple(
+        axis[(k + 1) % 3] * side[(k + 2) % 3] - axis[(k + 2) % 3] * side[(k + 1) % 3] for k in range(3)
+    )
+    out = []
+    for number in range(count):
+        radius = size * sqrt(number / max(count - 1, 1)) if count > 1 else 0.0
+        angle = torch.tensor(number * pi * (3 - sqrt(5)))
+        u, v = float(radius * angle.cos()), float(radius * angle.sin())
+        out.append(_unit((*(axis[k] + u * side[k] + v * other[k] for k in range(3)),)))
+    return out
+
+
+def _sub_rays(cameras: Cameras, pixel: Int[Tensor, "N"], factor: int) -> Int[Tensor, "N"]:
+    """The place of fine pixels within their coarse pixel, counted from zero."""
+    row = torch.div(pixel, cameras.width, rounding_mode="floor") % cameras.height
+    return (row % factor) * factor + pixel % cameras.width % factor
+
+
+def _unit(vector: tuple[float, ...]) -> Vector:
+    length = sqrt(sum(v * v for v in vector))
+    return vector[0] / length, vector[1] / length, vector[2] / length

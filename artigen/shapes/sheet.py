@@ -1,0 +1,72 @@
+"""Contact sheets: pictures of shapes side by side, as a catalogue shows them."""
+
+from collections.abc import Sequence
+from math import ceil, hypot, sqrt
+
+import numpy as np
+from jaxtyping import Float, UInt8
+
+from artigen.shapes.poses import open_parts, pose_parts
+from artigen.shapes.primitives import Vector, place_vertices
+from artigen.shapes.shape import Shape
+
+EYES = 1.5
+"""Height (m) of the camera above the floor on which the object stands."""
+AWAY = 3.2
+"""Distance (m) from which an object is looked at, for the slope of the view."""
+ASIDE = 0.52
+"""How far the camera stands to the left of the object, per distance in front of it."""
+
+
+def draw_sheet(
+    shapes: Sequence[Shape], opened: float, size: int = 320, *, columns: int | None = None
+) -> UInt8[np.ndarray, "H W 3"]:
+    """Shapes in rows, each seen from the front left by someone who stands there.
+
+    Args:
+        shapes: At least one.
+        opened: Share of its range by which every limited joint is open, 0 to 1.
+        size: Pixels of a picture's edge.
+        columns: Pictures per row; without it the sheet is about square.
+
+    Raises:
+        ValueError: If there is no shape.
+    """
+    if not shapes:
+        raise ValueError("a sheet has at least one shape")
+    columns = columns or ceil(sqrt(len(shapes)))
+    tiles = [draw_picture(shape, open_parts(shape, opened), size) for shape in shapes]
+    blank = np.full_like(tiles[0], 255)
+    tiles += [blank] * (-len(tiles) % columns)
+    rows = [np.concatenate(tiles[start : start + columns], axis=1) for start in range(0, len(tiles), columns)]
+    return np.concatenate(rows, axis=0)
+
+
+def draw_picture(shape: Shape, qpos: Float[np.ndarray, "Q"], size: int) -> UInt8[np.ndarray, "H W 3"]:
+    """One object at joint coordinates (one per part), on a bright floor in soft light."""
+    from artigen.shapes.render import RenderConfig, build_scene, frame_points, render
+
+    points = _posed_vertices(shape, qpos)
+    cfg = RenderConfig(floor=True, supersampling=2, shadow_rays=12)
+    cameras = frame_points(points, _view_of(points), width=size, height=size)
+    rgb = render(build_scene([shape]), cameras, [qpos], cfg=cfg).rgb[0]
+    return np.round(255.0 * rgb.numpy()).astype(np.uint8)
+
+
+def _posed_vertices(shape: Shape, qpos: Float[np.ndarray, "Q"]) -> Float[np.ndarray, "N 3"]:
+    poses = pose_parts(shape, qpos)
+    return np.concatenate(
+        [
+            place_vertices(primitive) @ pose[:3, :3].T + pose[:3, 3]
+            for part, pose in zip(shape.parts, poses, strict=True)
+            for primitive in part.primitives
+        ]
+    )
+
+
+def _view_of(points: Float[np.ndarray, "N 3"]) -> Vector:
+    """From the object to eyes that look down on its middle, and at least a little on its top."""
+    low, high = points[:, 2].min(), points[:, 2].max()
+    table = low if high - low > 0.6 else low - 0.75  # small things stand on something
+    drop = max(EYES - ((low + high) / 2 - table), 0.25)
+    return (-AWAY / hypot(1.0, ASIDE), AWAY * ASIDE / hypot(1.0, ASIDE), float(drop))
