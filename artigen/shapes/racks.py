@@ -29,15 +29,11 @@ def build_rack(space: Space, finish: str, *, bars: int, lip: float = 0.0) -> tup
         cylinder((x1 - r, y0 + r, z + r), (x1 - r, y1 - r, z + r), r, finish),
     )
     stations = np.linspace(y0 + r, y1 - r, bars + 2)[1:-1]
-    wires = tuple(
-        cylinder((x0 + r, float(y), z + r), (x1 - r, float(y), z + r), r, finish) for y in stations
-    )
+    wires = tuple(cylinder((x0 + r, float(y), z + r), (x1 - r, float(y), z + r), r, finish) for y in stations)
     if not lip:
         return frame + wires
     stop = cylinder((x1 - r, y0 + r, z + lip), (x1 - r, y1 - r, z + lip), r, finish)
-    posts = tuple(
-        cylinder((x1 - r, y, z + r), (x1 - r, y, z + lip), r, finish) for y in (y0 + r, y1 - r)
-    )
+    posts = tuple(cylinder((x1 - r, y, z + r), (x1 - r, y, z + lip), r, finish) for y in (y0 + r, y1 - r))
     return (*frame, *wires, stop, *posts)
 
 
@@ -56,9 +52,7 @@ def build_basket(space: Space, finish: str, *, bars: int, posts: int, tines: int
     ]
     rim = z1 - r
     pieces += [box((x0, y, z1 - gauge), (x1, y + gauge, z1), finish) for y in (y0, y1 - gauge)]
-    pieces += [
-        cylinder((x, y0 + r, rim), (x, y1 - r, rim), r, finish) for x in (x0 + r, x1 - r)
-    ]
+    pieces += [cylinder((x, y0 + r, rim), (x, y1 - r, rim), r, finish) for x in (x0 + r, x1 - r)]
     for x in np.linspace(x0 + r, x1 - r, posts):
         for y in (y0 + r, y1 - r):
             pieces.append(cylinder((float(x), y, z0 + r), (float(x), y, rim), r, finish))

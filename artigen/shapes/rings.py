@@ -36,9 +36,7 @@ def build_ring(
         inward = (0.0, -1.0, 0.0) if axis == "x" else (-1.0, 0.0, 0.0)
         wedge = line(wedge, lining, inward)
     turn = 2 * np.pi / sides
-    return tuple(
-        move(wedge, center, turn=(k + 0.5) * turn, about=AXES[axis]) for k in range(sides)
-    )
+    return tuple(move(wedge, center, turn=(k + 0.5) * turn, about=AXES[axis]) for k in range(sides))
 
 
 def build_pierced_plate(
@@ -83,9 +81,7 @@ def _reach_edge(angle: float, outline: tuple[Range, Range], center: tuple[float,
 
 
 @cache
-def _wedge(
-    axis: str, span: Range, radii: tuple[Range, Range], finish: str, sides: int
-) -> Primitive:
+def _wedge(axis: str, span: Range, radii: tuple[Range, Range], finish: str, sides: int) -> Primitive:
     """One piece of a ring about the object's origin, centred on +y (axis x) or +x (axis z)."""
     half = np.pi / sides
     corners = []

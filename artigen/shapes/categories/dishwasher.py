@@ -1,0 +1,296 @@
+"""Dishwashers: a door that drops in front of a steel tub with racks, or drawers that are tubs themselves."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from artigen.shapes.appliance_doors import draw_grip, mount_grip
+from artigen.shapes.cavity import SIDES, build_feet, build_shell, build_tub, divide_range
+from artigen.shapes.control_panel import design_dial, spread_controls
+from artigen.shapes.draw import Draft, Wish, choose
+from artigen.shapes.handles import HandleDesign, make_handle
+from artigen.shapes.hardware import GAP, Panel, Range, Space, hinge, slide, sweep_gap
+from artigen.shapes.palette import draw_palette
+from artigen.shapes.primitives import Primitive, box, cylinder, line, rounded_box
+from artigen.shapes.racks import build_basket, build_rack
+from artigen.shapes.shape import Need, ShapePart
+
+CATEGORY = "Dishwasher"
+STYLES = ("steel", "white", "black", "retro")
+BULGE = 0.012
+"""How far the liner of the door reaches into the tub (m)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Plan:
+    """Sizes and choices that all parts share; metres."""
+
+    width: float
+    depth: float
+    height: float
+    thickness: float
+    toe: float
+    """Lower edge of housing and fronts."""
+    lid: float
+    """Thickness of a worktop of its own; 0 where it is built in."""
+    wall: float
+    grip: HandleDesign | None
+    paired: bool
+    """Whether two short handles stand side by side, as on fronts that match a kitchen."""
+    drawers: int
+
+    @property
+    def x(self) -> float:
+        return -self.depth / 2
+
+    @property
+    def front(self) -> float:
+        """Front face of the housing."""
+        return self.x + self.thickness + GAP
+
+    @property
+    def y(self) -> Range:
+        return -self.width / 2, self.width / 2
+
+    @property
+    def top(self) -> float:
+        """Upper edge of fronts and housing."""
+        return self.height - self.lid
+
+
+def draw(rng: np.random.Generator, wish: Wish) -> Draft:
+    """Draws a dishwasher."""
+    style = wish.style or str(rng.choice(STYLES, p=(0.46, 0.34, 0.14, 0.06)))
+    palette = draw_palette(rng, "appliance", style)
+    plan = _draw_plan(rng, wish)
+    pieces = _build_base(plan)
+    make = _draw_drawers if plan.drawers else _draw_door_and_racks
+    parts = make(rng, plan, pieces)
+    body = ShapePart(name="body", label="base", parent=None, primitives=tuple(pieces))
+    return Draft(style=style, parts=(body, *parts), finishes=tuple(sorted(palette.items())))
+
+
+def _draw_plan(rng: np.random.Generator, wish: Wish) -> _Plan:
+    low = rng.random() < 0.08  # stands on a worktop
+    width = choose(rng, *((0.50, 0.56) if low else (0.43, 0.66)), wish.width)
+    depth = choose(rng, *((0.48, 0.54) if low else (0.54, 0.68)), wish.depth)
+    height = choose(rng, *((0.43, 0.52) if low else (0.80, 0.90)), wish.height)
+    longest = max(width, depth, height)
+    paired = rng.random() < 0.06
+    length = float(rng.uniform(0.12, 0.16)) if paired else float(rng.uniform(0.55, 0.86)) * width
+    grip = draw_grip(rng, ("bar", "bar", "pull", "arch", "edge"), length=length, longest=longest)
+    return _Plan(
+        width=width,
+        depth=depth,
+        height=height,
+        thickness=float(rng.uniform(0.042, 0.058)),
+        toe=0.018 if low else float(rng.uniform(0.07, 0.12)),
+        lid=float(rng.uniform(0.020, 0.032)) if rng.random() < 0.4 and not low else 0.0,
+        wall=float(rng.uniform(0.020, 0.032)),
+        grip=grip if rng.random() < 0.82 or paired else None,
+        paired=paired,
+        drawers=int(rng.integers(1, 3)) if rng.random() < 0.16 and not low else 0,
+    )
+
+
+def _build_base(plan: _Plan) -> list[Primitive]:
+    """Feet, toe kick and worktop."""
+    outer_x = (plan.front, -plan.x)
+    pieces = list(build_feet(outer_x, plan.y, plan.toe, "leg", radius=0.018, inset=0.03))
+    if plan.toe > 0.05:
+        kick = plan.front + 0.03
+        pieces.append(
+            box((kick, plan.y[0] + 0.002, 0.012), (kick + 0.014, plan.y[1] - 0.002, plan.toe), "leg")
+        )
+    if plan.lid:
+        low = (plan.x, plan.y[0], plan.top)
+        pieces.append(rounded_box(low, (-plan.x, plan.y[1], plan.height), 0.004, "top"))
+    return pieces
+
+
+def _draw_door_and_racks(
+    rng: np.random.Generator, plan: _Plan, pieces: list[Primitive]
+) -> list[ShapePart]:
+    """Tub, door, and one to three racks that slide out over the open door."""
+    outer = Space(x=(plan.front, -plan.x), y=plan.y, z=(plan.toe, plan.top))
+    sill = plan.toe + 0.003
+    # The liner of the open door lies level with the floor of the tub.
+    floor = sill + plan.thickness + BULGE + 0.004
+    tub = Space(
+        x=(plan.front, -plan.x - plan.wall),
+        y=(plan.y[0] + plan.wall, plan.y[1] - plan.wall),
+        z=(floor, plan.top - 0.04),
+    )
+    pieces += build_shell(outer, tub, "body", "steel")
+    middle = (sum(tub.x) / 2, 0.0)
+    pieces.append(cylinder((*middle, tub.z[1] - 0.02), (*middle, tub.z[1]), 0.03, "plastic"))
+    arm = 0.38 * tub.width
+    pieces.append(
+        box((middle[0] - 0.018, -arm, tub.z[1] - 0.032), (middle[0] + 0.018, arm, tub.z[1] - 0.02), "plastic")
+    )
+    parts = _draw_door(rng, plan, sill, tub, pieces)
+    needs = (Need(part="door", fraction=1.0),)
+    parts += _draw_racks(rng, tub, needs, pieces)
+    return parts
+
+
+def _draw_door(
+    rng: np.random.Generator, plan: _Plan, sill: float, tub: Space, pieces: list[Primitive]
+) -> list[ShapePart]:
+    """The door with a control strip on its upper edge, or below a strip of the housing."""
+    strip = float(rng.uniform(0.07, 0.12))
+    fixed = rng.random() < 0.4
+    rear = plan.thickness + BULGE
+    top = plan.top - 0.003
+    if fixed:
+        low = plan.top - strip
+        box_low = (plan.x, plan.y[0], low)
+        finish = "panel" if rng.random() < 0.5 else "front"
+        pieces.append(rounded_box(box_low, (plan.front, plan.y[1], plan.top), 0.003, finish))
+        top = low - sweep_gap(low - sill, rear)
+    panel = Panel(x=plan.x, thickness=plan.thickness, y=plan.y, z=(sill, top))
+    seam = top if fixed else top - strip
+    face = rounded_box((panel.x, panel.y[0], sill), (panel.back, panel.y[1], seam), 0.003, "front")
+    solids = [line(face, "steel", SIDES["front"])]
+    if not fixed:
+        finish = "panel" if rng.random() < 0.6 else "front"
+        band = rounded_box((panel.x, panel.y[0], seam), (panel.back, panel.y[1], top), 0.003, finish)
+        solids.append(line(band, "steel", SIDES["front"]))
+    liner_top = min(seam, tub.z[1]) - 0.04
+    deep = panel.back - 0.02
+    solids += [
+        box((deep, tub.y[0] + 0.03, tub.z[0] + 0.02), (panel.back + BULGE, tub.y[1] - 0.03, liner_top), "steel"),
+        box(
+            (panel.back + BULGE - 0.002, -0.02, 0.55 * (sill + top)),
+            (panel.back + BULGE + 0.014, 0.12, 0.55 * (sill + top) + 0.10),
+            "plastic",
+        ),
+    ]
+    extras, controls = _draw_controls(
+        rng, panel.x, plan.y, (plan.top - strip, plan.top - 0.003), "body" if fixed else "door"
+    )
+    (pieces if fixed else solids).extend(extras)
+    upper = float(np.pi / 2)
+    door = ShapePart(
+        name="door", label="door", parent="body", primitives=tuple(solids), motion=hinge(panel, "bottom", upper)
+    )
+    leaf = Panel(x=panel.x, thickness=panel.thickness, y=panel.y, z=(sill, seam))
+    return [door, *_mount(plan, leaf, "door"), *controls]
+
+
+def _draw_controls(
+    rng: np.random.Generator, x: float, y: Range, z: Range, parent: str
+) -> tuple[list[Primitive], list[ShapePart]]:
+    dial = design_dial(rng, (0.019, 0.027), endless=0.7)
+    counts = (
+        int(rng.choice((0, 1, 2), p=(0.74, 0.22, 0.04))),
+        int(rng.choice((0, 1, 3, 4, 5, 6), p=(0.5, 0.1, 0.1, 0.13, 0.1, 0.07))),
+    )
+    across = (y[0] + 0.03, y[1] - 0.03)
+    return spread_controls(rng, dial, x, across, z, counts=counts, parent=parent)
+
+
+def _mount(plan: _Plan, panel: Panel, parent: str) -> list[ShapePart]:
+    """The handle along the upper edge, a pair of short ones, or none."""
+    if plan.grip is None:
+        return []
+    inset = 0.002 if plan.grip.kind == "edge" else 0.028
+    if not plan.paired:
+        return [mount_grip(panel, plan.grip, name=f"{parent}_handle", parent=parent, side="top", inset=inset)]
+    z = panel.z[1] - inset - plan.grip.thickness / 2
+    return [
+        make_handle(
+            panel,
+            plan.grip,
+            name=f"{parent}_handle_{k}",
+            parent=parent,
+            upright=False,
+            at=(side * 0.26 * panel.width, z),
+        )
+        for k, side in enumerate((1, -1))
+    ]
+
+
+def _draw_racks(
+    rng: np.random.Generator, tub: Space, needs: tuple[Need, ...], pieces: list[Primitive]
+) -> list[ShapePart]:
+    """Baskets from below, the topmost perhaps a flat tray for cutlery, on rails of the tub."""
+    most = 3 if tub.height > 0.6 else (2 if tub.height > 0.42 else 1)
+    count = min(most, int(rng.choice((0, 1, 2, 3), p=(0.1, 0.14, 0.5, 0.26))))
+    parts = []
+    y = (tub.y[0] + GAP, tub.y[1] - GAP)
+    x = (tub.x[0] + 0.035, tub.x[1] - 0.012)
+    ceiling = tub.z[1] - 0.05
+    for k in range(count):
+        if k == 0:
+            z = (tub.z[0] + GAP, tub.z[0] + GAP + min(float(rng.uniform(0.15, 0.22)), 0.7 * tub.height))
+        elif k == 1:
+            start = max(tub.z[0] + float(rng.uniform(0.46, 0.52)) * tub.height, parts[0].bounds()[1, 2] + 0.03)
+            z = (start, min(start + float(rng.uniform(0.10, 0.14)), ceiling - (0.05 if count == 3 else 0.0)))
+        else:
+            z = (ceiling - 0.04, ceiling)
+        space = Space(x=x, y=y, z=z)
+        if k == 2:
+            solids = build_rack(space, "steel", bars=int(rng.integers(12, 18)), lip=0.03)
+        else:
+            solids = build_basket(space, "steel", bars=7, posts=5 - k, tines=6)
+        if k:
+            rail = z[0] - 0.0015
+            for a, b in ((tub.y[0], tub.y[0] + 0.02), (tub.y[1] - 0.02, tub.y[1])):
+                pieces.append(box((x[0], a, rail - 0.012), (tub.x[1], b, rail), "plastic"))
+        parts.append(
+            ShapePart(
+                name=f"rack_{k}",
+                label="tray",
+                parent="body",
+                primitives=solids,
+                motion=slide(float(rng.uniform(0.6, 0.78)) * space.depth),
+                needs=needs,
+            )
+        )
+    return parts
+
+
+def _draw_drawers(rng: np.random.Generator, plan: _Plan, pieces: list[Primitive]) -> list[ShapePart]:
+    """One or two drawers, each a tub with a front."""
+    outer = Space(x=(plan.front, -plan.x), y=plan.y, z=(plan.toe, plan.top))
+    wall = plan.wall
+    hollow = Space(
+        x=(plan.front, -plan.x - wall),
+        y=(plan.y[0] + wall, plan.y[1] - wall),
+        z=(plan.toe + wall, plan.top - wall),
+    )
+    pieces += build_shell(outer, hollow, "body", "inside")
+    parts = []
+    for k, z in enumerate(reversed(divide_range((plan.toe, plan.top - 0.003), plan.drawers, 0.004))):
+        low = max(z[0] + 0.012, hollow.z[0] + GAP)
+        high = min(z[1] - 0.03, hollow.z[1] - 0.02)
+        if k == 0 and plan.drawers == 2:
+            shelf = (hollow.x[0], hollow.y[0], low - GAP - 0.012)
+            pieces.append(box(shelf, (hollow.x[1], hollow.y[1], low - GAP), "inside"))
+        panel = Panel(x=plan.x, thickness=plan.thickness, y=plan.y, z=z)
+        tub = Space(
+            x=(panel.back, hollow.x[1] - 0.02), y=(hollow.y[0] + GAP, hollow.y[1] - GAP), z=(low, high)
+        )
+        name = f"drawer_{k}"
+        front = rounded_box((panel.x, panel.y[0], z[0]), (panel.back, panel.y[1], z[1]), 0.003, "front")
+        solids = (front, *build_tub(tub, max(0.012, tub.width / 50), "steel"), *_build_tines(tub))
+        parts.append(
+            ShapePart(
+                name=name, label="drawer", parent="body", primitives=solids, motion=slide(0.72 * tub.depth)
+            )
+        )
+        parts += _mount(plan, panel, name)
+    return parts
+
+
+def _build_tines(tub: Space) -> tuple[Primitive, ...]:
+    """Two rows of tines on a bar in the floor of a drawer."""
+    wall = max(0.012, tub.width / 50)
+    floor, height = tub.z[0] + wall, 0.35 * tub.height
+    out = []
+    for x in (tub.x[0] + tub.depth * share for share in (0.36, 0.68)):
+        out.append(box((x - 0.006, tub.y[0] + wall, floor), (x + 0.006, tub.y[1] - wall, floor + 0.012), "plastic"))
+        for y in np.linspace(tub.y[0] + 0.07, tub.y[1] - 0.07, 7):
+            out.append(cylinder((x, float(y), floor), (x, float(y), floor + height), 0.004, "plastic"))
+    return tuple(out)
