@@ -29,7 +29,7 @@ from sim_export.package import (
 
 BASE = "base"
 MAX_LINKS = 64
-HOLD_SLOPE = 0.1
+HOLD_SLOPE = 0.09
 SHORTEST_DECAY = 0.1
 """Seconds; engines overdo damping that stops a body within a few steps of 1/60 s, so none is stronger."""
 LEAST_TURNING = 1e-4

@@ -34,7 +34,7 @@ NEARLY = 1e-5
 class ReliefConfig:
     """How far hulls may be cut back."""
 
-    margin: float = 0.001
+    margin: float = 0.0015
     """Gap (m) that a cut leaves, so that poses between the sampled ones are free too, and hulls that an
     engine rounds (PhysX takes faces for one that differ by 0.7 mm per metre) do not touch."""
     max_depth: float = 0.032

@@ -247,7 +247,7 @@ def test_a_knob_sunk_into_a_door_is_cut_once_along_its_axis():
     assert deepest(cleared.links, cleared.joints, ())["joint_knob"] == 0.0
     (relief,) = cleared.reliefs
     assert (relief.link, relief.cuts) == ("knob", 1)
-    assert relief.removed_share == pytest.approx(0.006 / 0.04, abs=0.002)
+    assert relief.removed_share == pytest.approx((0.005 + ClearanceConfig().relief.margin) / 0.04, abs=0.001)
 
 
 def test_a_deep_overlap_is_reported_not_hidden():
@@ -333,10 +333,10 @@ def test_a_slot_for_what_slides_is_cut_in_one_piece():
 
 
 def test_far_swings_are_sampled_closely():
-    """A thin post that 21 samples of a wide door would jump over."""
+    """A post at the tip of a wide door's way, which 21 samples would jump over."""
     links = [
         make_link("base"),
-        make_link("body", box((0, -1, 0), (0.02, 0, 1)), box((-0.75, -0.6, 0), (-0.746, -0.596, 1))),
+        make_link("body", box((0, -1, 0), (0.02, 0, 1)), box((-0.62, -0.79, 0), (-0.6, -0.77, 1))),
         make_link("door", box((-0.02, -1, 0), (-0.001, 0, 1))),
     ]
     joints = [
