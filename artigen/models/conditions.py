@@ -102,7 +102,7 @@ def drop_conditions(batch: ConditionBatch, share: float, generator: torch.Genera
     count, labels = batch.counts.shape
 
     def kept(*shape: int) -> Tensor:
-        return torch.rand(shape, generator=generator, device=generator.device).to(batch.size.device) >= share
+        return torch.rand(shape, generator=generator, device=generator.device) >= share
 
     all_kept = kept(count)
     return ConditionBatch(

@@ -33,6 +33,7 @@ class StructureVae(nn.Module):
     def __init__(self, cfg: PatchVaeConfig | ConvVaeConfig, layout: FieldLayout = DEFAULT_LAYOUT) -> None:
         super().__init__()
         self.layout = layout
+        self.latent_channels = cfg.latent_channels
         patched = isinstance(cfg, PatchVaeConfig)
         self.encoder = PatchEncoder(cfg) if patched else ConvEncoder(cfg)
         self.decoder = PatchDecoder(cfg) if patched else ConvDecoder(cfg)

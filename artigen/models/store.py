@@ -1,0 +1,82 @@
+"""Trained models as folders: ``model.json`` and the weights in half precision, in files of limited size."""
+
+import json
+import shutil
+from collections.abc import Mapping
+from pathlib import Path
+
+import torch
+from torch import Tensor, nn
+
+from artigen.errors import SourceError
+from artigen.models.trellis import load_strictly, read_tensors
+
+DESCRIPTION = "model.json"
+FILE_LIMIT = 16 * 2**20
+
+
+def save_model(network: nn.Module, folder: Path, described: Mapping[str, object], name: str) -> list[Path]:
+    """Writes the weights of a network beside a description of the model they belong to.
+
+    Args:
+        network: its floating-point tensors are stored in float16.
+        folder: of the model; other networks may live there too.
+        described: what `model.json` says under ``name``: preset, training, data.
+        name: of the network; its files are called ``name-<number>.safetensors``.
+    """
+    from safetensors.torch import save_file
+
+    folder.mkdir(parents=True, exist_ok=True)
+    files: list[dict[str, Tensor]] = [{}]
+    filled = 0
+    for key, value in network.state_dict().items():
+        stored = (value.half() if value.is_floating_point() else value).contiguous().cpu()
+        size = stored.numel() * stored.element_size()
+        if filled + size > FILE_LIMIT - 65536 and files[-1]:
+            files.append({})
+            filled = 0
+        files[-1][key] = stored
+        filled += size
+    for old in folder.glob(f"{name}-*.safetensors"):
+        old.unlink()
+    paths = [folder / f"{name}-{number}.safetensors" for number in range(len(files))]
+    for path, tensors in zip(paths, files, strict=True):
+        save_file(tensors, path)
+    known = read_description(folder) if (folder / DESCRIPTION).is_file() else {}
+    scratch = folder / f".{DESCRIPTION}"
+    scratch.write_text(json.dumps({**known, name: dict(described)}, indent=1, sort_keys=True) + "\n")
+    shutil.move(scratch, folder / DESCRIPTION)
+    return paths
+
+
+def read_description(folder: Path) -> dict[str, dict[str, object]]:
+    """What a model folder says about its networks.
+
+    Raises:
+        SourceError: If there is no such folder, or its description is no JSON.
+    """
+    path = folder / DESCRIPTION
+    try:
+        return json.loads(path.read_text())
+    except FileNotFoundError as error:
+        raise SourceError(f"{path}: there is no such model; train one, or give the folder of one") from error
+    except json.JSONDecodeError as error:
+        raise SourceError(f"{path}: is no JSON ({error})") from error
+
+
+def load_model(network: nn.Module, folder: Path, name: str) -> nn.Module:
+    """Loads the weights of a network, in float32, and returns it ready for use.
+
+    Raises:
+        SourceError: If files are missing or truncated, or tensors differ in name or shape.
+    """
+    paths = sorted(folder.glob(f"{name}-*.safetensors"))
+    if not paths:
+        raise SourceError(f"{folder}: holds no {name}-*.safetensors")
+    tensors = {key: value for path in paths for key, value in read_tensors(path).items()}
+    load_strictly(
+        network,
+        {key: value.float() if value.is_floating_point() else value for key, value in tensors.items()},
+        str(folder / name),
+    )
+    return network.to(torch.float32).eval()

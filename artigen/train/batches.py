@@ -1,0 +1,93 @@
+"""Examples in memory and endless random batches of them, prepared ahead in a thread."""
+
+import queue
+import threading
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import TypeVar
+
+import numpy as np
+import torch
+from torch import Tensor
+
+from artigen.models.conditions import ConditionBatch, ConditionConfig
+from artigen.models.patches import PatchBatch, collate
+from artigen.train.examples import StructureExample
+
+Batch = TypeVar("Batch")
+Example = TypeVar("Example")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class LatentBatch:
+    """Posterior means and deviations of objects with the conditions they answer."""
+
+    mean: Tensor
+    std: Tensor
+    conditions: ConditionBatch
+
+    def to(self, device: torch.device | str) -> "LatentBatch":
+        """The same batch on another device."""
+        return LatentBatch(
+            mean=self.mean.to(device), std=self.std.to(device), conditions=self.conditions.to(device)
+        )
+
+
+def patch_batch(examples: Sequence[StructureExample]) -> PatchBatch:
+    """The fields of examples side by side."""
+    return collate([example.field for example in examples])
+
+
+def condition_batch(examples: Sequence[StructureExample], cfg: ConditionConfig) -> ConditionBatch:
+    """Everything that the examples say about themselves, as conditions.
+
+    A category without a token, or an example without picture, leaves that field open.
+    """
+    size = max(cfg.image_size, 1)
+    pictured = [example.image is not None and cfg.image_size > 0 for example in examples]
+    blank = np.zeros((size, size, 4), dtype=np.uint8)
+    images = np.stack([e.image if e.image is not None and cfg.image_size > 0 else blank for e in examples])
+    known = {name: index for index, name in enumerate(cfg.categories)}
+    return ConditionBatch(
+        category=torch.tensor([known.get(example.category, -1) for example in examples]),
+        counts=torch.from_numpy(np.stack([example.counts for example in examples]).astype(np.int64)),
+        size=torch.from_numpy(np.stack([example.size for example in examples])),
+        has_size=torch.ones(len(examples), dtype=torch.bool),
+        image=torch.from_numpy(images).permute(0, 3, 1, 2).float() / 255.0,
+        has_image=torch.tensor(pictured),
+    )
+
+
+def draw_batches(
+    examples: Sequence[Example],
+    make: Callable[[Sequence[Example]], Batch],
+    size: int,
+    seed: int,
+) -> Iterator[Batch]:
+    """Endless batches; every epoch is a new order."""
+    rng = np.random.default_rng(seed)
+    waiting: list[int] = []
+    while True:
+        while len(waiting) < size:
+            waiting += rng.permutation(len(examples)).tolist()
+        chosen, waiting = waiting[:size], waiting[size:]
+        yield make([examples[index] for index in chosen])
+
+
+def prefetch(batches: Iterator[Batch], depth: int = 4) -> Iterator[Batch]:
+    """The same batches, up to ``depth`` of them made ahead in a thread that ends with the program."""
+    ready: queue.Queue[Batch | BaseException] = queue.Queue(maxsize=depth)
+
+    def fill() -> None:
+        try:
+            for batch in batches:
+                ready.put(batch)
+        except BaseException as error:  # raised again where the batches are read
+            ready.put(error)
+
+    threading.Thread(target=fill, daemon=True).start()
+    while True:
+        batch = ready.get()
+        if isinstance(batch, BaseException):
+            raise batch
+        yield batch

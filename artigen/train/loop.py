@@ -1,0 +1,197 @@
+"""The training loop: budgets in minutes or steps, EMA, checkpoints that resume, metrics on disk.
+
+A run is a folder: ``config.json``, ``metrics.jsonl``, ``checkpoint.pt`` (everything needed to go on) and
+``weights.safetensors`` (the EMA weights, written at the end and with every checkpoint).
+"""
+
+import json
+import math
+import time
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import torch
+from torch import Tensor, nn
+
+from artigen.models.precision import autocast_type
+
+
+@dataclass(frozen=True, kw_only=True)
+class LoopConfig:
+    """How long and how fast."""
+
+    minutes: float | None = None
+    """Wall time of the run over all its sessions; the learning rate ends at zero with it."""
+    steps: int | None = None
+    """Steps of the run; give minutes or steps."""
+    learning_rate: float = 1e-3
+    """Peak learning rate."""
+    warmup: int = 100
+    """Steps over which it rises."""
+    decay: float = 1.0
+    """Share of the run, at its end, over which it falls as a cosine."""
+    weight_decay: float = 0.0
+    """AdamW's."""
+    ema: float = 0.999
+    """Decay of the averaged weights."""
+    clip: float = 1.0
+    """Largest norm of the gradient."""
+    report_every: int = 20
+    """Steps between lines of metrics."""
+    checkpoint_minutes: float = 3.0
+    """Wall time between checkpoints."""
+    seed: int = 0
+    """Seed of everything that is drawn on the way."""
+
+    def __post_init__(self) -> None:
+        if (self.minutes is None) == (self.steps is None):
+            raise ValueError(f"minutes {self.minutes} and steps {self.steps}: give one of them")
+
+
+LossFunction = Callable[[nn.Module, Any, torch.Generator], dict[str, Tensor]]
+"""Named, weighted terms of the loss of one batch; whatever is drawn comes from the generator."""
+
+
+@dataclass(kw_only=True)
+class _Progress:
+    step: int = 0
+    elapsed: float = 0.0
+
+    def share(self, cfg: LoopConfig) -> float:
+        if cfg.minutes is not None:
+            return self.elapsed / (60.0 * cfg.minutes)
+        return self.step / max(cfg.steps or 1, 1)
+
+
+def train(
+    network: nn.Module,
+    losses: LossFunction,
+    batches: Iterator[Any],
+    folder: Path,
+    cfg: LoopConfig,
+    *,
+    on_report: Callable[[Mapping[str, float]], None] | None = None,
+) -> nn.Module:
+    """Trains until the budget is used and returns the network with its averaged weights.
+
+    A folder with a checkpoint is gone on with. Several GPUs are used when started by ``accelerate launch``.
+
+    Args:
+        network: on the CPU; it is moved.
+        losses: the terms of a batch.
+        batches: endless.
+        folder: the run.
+        cfg: budget and rates.
+        on_report: called with every line of metrics.
+    """
+    from accelerate import Accelerator
+
+    accelerator = Accelerator(mixed_precision="no")
+    device = accelerator.device
+    network.to(device)
+    optimizer = torch.optim.AdamW(
+        network.parameters(), lr=cfg.learning_rate, weight_decay=cfg.weight_decay, betas=(0.9, 0.99)
+    )
+    average = {name: value.detach().clone().float() for name, value in network.state_dict().items()}
+    generator = torch.Generator(device).manual_seed(cfg.seed + accelerator.process_index)
+    progress = _Progress()
+    checkpoint = folder / "checkpoint.pt"
+    if checkpoint.is_file():
+        stored = torch.load(checkpoint, map_location=device, weights_only=True)
+        network.load_state_dict(stored["network"])
+        optimizer.load_state_dict(stored["optimizer"])
+        average = stored["average"]
+        generator.set_state(stored["generator"].cpu())
+        progress = _Progress(step=stored["step"], elapsed=stored["elapsed"])
+    wrapped, optimizer = accelerator.prepare(network, optimizer)
+    folder.mkdir(parents=True, exist_ok=True)
+    number_type = autocast_type(device)
+    started, saved = time.monotonic() - progress.elapsed, time.monotonic()
+    sums: dict[str, float] = {}
+    since = time.monotonic()
+    while progress.share(cfg) < 1.0:
+        rate = cfg.learning_rate * _rate(progress, cfg)
+        for group in optimizer.param_groups:
+            group["lr"] = rate
+        batch = next(batches).to(device)
+        with torch.autocast(device.type, number_type or torch.bfloat16, enabled=number_type is not None):
+            terms = losses(wrapped, batch, generator)
+        total = torch.stack(list(terms.values())).sum()
+        optimizer.zero_grad()
+        accelerator.backward(total)
+        norm = nn.utils.clip_grad_norm_(network.parameters(), cfg.clip)
+        optimizer.step()
+        _average(average, network, min(cfg.ema, (1 + progress.step) / (10 + progress.step)))
+        progress.step += 1
+        progress.elapsed = time.monotonic() - started
+        if progress.step % cfg.report_every == 0:
+            sums = {name: float(term.detach()) for name, term in terms.items()}
+            line = {
+                "step": progress.step,
+                "minutes": progress.elapsed / 60.0,
+                "rate": rate,
+                "seconds_per_step": (time.monotonic() - since) / cfg.report_every,
+                "loss": float(total.detach()),
+                "gradient": float(norm),
+                **sums,
+            }
+            since = time.monotonic()
+            if not math.isfinite(line["loss"]):
+                raise FloatingPointError(f"{folder}: loss is {line['loss']} at step {progress.step}")
+            if accelerator.is_main_process:
+                with (folder / "metrics.jsonl").open("a") as file:
+                    file.write(json.dumps(line) + "\n")
+                if on_report is not None:
+                    on_report(line)
+        if accelerator.is_main_process and time.monotonic() - saved > 60.0 * cfg.checkpoint_minutes:
+            _save(folder, network, optimizer, average, generator, progress)
+            saved = time.monotonic()
+    if accelerator.is_main_process:
+        _save(folder, network, optimizer, average, generator, progress)
+    network.load_state_dict(average)
+    return network.eval()
+
+
+def _rate(progress: _Progress, cfg: LoopConfig) -> float:
+    """Share of the peak learning rate: a linear rise, a plateau, a cosine to zero."""
+    rise = min(1.0, (progress.step + 1) / max(cfg.warmup, 1))
+    into = (progress.share(cfg) - (1.0 - cfg.decay)) / max(cfg.decay, 1e-9)
+    return rise * 0.5 * (1.0 + math.cos(math.pi * min(1.0, max(0.0, into))))
+
+
+@torch.no_grad()
+def _average(average: dict[str, Tensor], network: nn.Module, decay: float) -> None:
+    for name, value in network.state_dict().items():
+        if value.is_floating_point():
+            average[name].lerp_(value.float(), 1.0 - decay)
+        else:
+            average[name] = value.clone()
+
+
+def _save(
+    folder: Path,
+    network: nn.Module,
+    optimizer: torch.optim.Optimizer,
+    average: dict[str, Tensor],
+    generator: torch.Generator,
+    progress: _Progress,
+) -> None:
+    """Writes checkpoint and averaged weights, each whole or not at all."""
+    from safetensors.torch import save_file
+
+    stored = {
+        "network": network.state_dict(),
+        "optimizer": optimizer.state_dict(),
+        "average": average,
+        "generator": generator.get_state(),
+        "step": progress.step,
+        "elapsed": progress.elapsed,
+    }
+    scratch = folder / ".checkpoint.pt"
+    torch.save(stored, scratch)
+    scratch.replace(folder / "checkpoint.pt")
+    scratch = folder / ".weights.safetensors"
+    save_file({name: value.contiguous().cpu() for name, value in average.items()}, scratch)
+    scratch.replace(folder / "weights.safetensors")

@@ -1,0 +1,116 @@
+"""Training of the structure models: the VAE, then the flow on its latents."""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
+from pathlib import Path
+
+import torch
+from torch import Tensor, nn
+
+from artigen.models.conditions import ConditionConfig, drop_conditions
+from artigen.models.conv_vae import kl_divergence
+from artigen.models.patches import PatchBatch
+from artigen.models.structure_flow import StructureFlow
+from artigen.models.structure_vae import StructureVae
+from artigen.sampling import diffuse, draw_times, target_velocity
+from artigen.train.batches import LatentBatch, condition_batch, draw_batches, patch_batch, prefetch
+from artigen.train.examples import StructureExample
+from artigen.train.loop import LoopConfig, train
+from artigen.train.structure_losses import StructureLossConfig, structure_losses
+
+Report = Callable[[Mapping[str, float]], None]
+DROPOUT = 0.1
+"""Share of samples without condition, and of fields left open in the others."""
+
+
+def train_structure_vae(
+    vae: StructureVae,
+    examples: Sequence[StructureExample],
+    folder: Path,
+    cfg: LoopConfig,
+    *,
+    batch: int,
+    losses: StructureLossConfig,
+    on_report: Report | None = None,
+) -> StructureVae:
+    """Trains {E, D} on fields (paper section 4.1)."""
+
+    def terms(network: nn.Module, patches: PatchBatch, generator: torch.Generator) -> dict[str, Tensor]:
+        edge = patches.edge
+        shape = (patches.samples, vae.latent_channels, edge, edge, edge)
+        noise = torch.randn(shape, generator=generator, device=generator.device)
+        made = network(patches, noise)
+        out = structure_losses(made.logits, made.attributes, patches, losses, vae.layout)
+        return {**out, "kl": losses.kl * kl_divergence(made.mean, made.logvar)}
+
+    batches = prefetch(draw_batches(examples, patch_batch, batch, cfg.seed))
+    train(vae, terms, batches, folder, cfg, on_report=on_report)
+    return vae
+
+
+@torch.no_grad()
+def encode_examples(
+    vae: StructureVae, examples: Sequence[StructureExample], *, batch: int = 32
+) -> tuple[Tensor, Tensor]:
+    """Posterior means and standard deviations of all examples, in half precision on the VAE's device."""
+    device = next(vae.parameters()).device
+    means, stds = [], []
+    for start in range(0, len(examples), batch):
+        mean, logvar = vae.encode(patch_batch(examples[start : start + batch]).to(device))
+        means.append(mean.half())
+        stds.append(torch.exp(0.5 * logvar).half())
+    return torch.cat(means), torch.cat(stds)
+
+
+def measure_latents(means: Tensor, stds: Tensor) -> tuple[Tensor, Tensor]:
+    """Mean and standard deviation per channel of draws from the posteriors."""
+    axes = (0, 2, 3, 4)
+    center = means.float().mean(dim=axes)
+    spread = means.float().var(dim=axes) + (stds.float() ** 2).mean(dim=axes)
+    return center, spread.sqrt()
+
+
+def train_structure_flow(
+    flow: StructureFlow,
+    latents: tuple[Tensor, Tensor],
+    examples: Sequence[StructureExample],
+    folder: Path,
+    cfg: LoopConfig,
+    *,
+    batch: int,
+    conditions: ConditionConfig,
+    on_report: Report | None = None,
+) -> StructureFlow:
+    """Trains the conditional rectified flow on latents (paper section 4.3)."""
+    center, spread = measure_latents(*latents)
+    flow.latent_mean.copy_(center)
+    flow.latent_std.copy_(spread)
+
+    def terms(network: nn.Module, drawn: LatentBatch, generator: torch.Generator) -> dict[str, Tensor]:
+        noise, jitter = (
+            torch.randn(drawn.mean.shape, generator=generator, device=generator.device) for _ in range(2)
+        )
+        x_0 = flow.normalise(drawn.mean.float() + drawn.std.float() * jitter)
+        times = draw_times(len(x_0), generator)
+        asked = drop_conditions(drawn.conditions, DROPOUT, generator)
+        said = network(diffuse(x_0, noise, times), times, asked)
+        return {"velocity": torch.mean((said.float() - target_velocity(x_0, noise)) ** 2)}
+
+    make = partial(_latent_batch, latents=latents, conditions=conditions)
+    numbered = list(enumerate(examples))
+    batches: Iterator[LatentBatch] = prefetch(draw_batches(numbered, make, batch, cfg.seed))
+    train(flow, terms, batches, folder, cfg, on_report=on_report)
+    return flow
+
+
+def _latent_batch(
+    chosen: Sequence[tuple[int, StructureExample]],
+    latents: tuple[Tensor, Tensor],
+    conditions: ConditionConfig,
+) -> LatentBatch:
+    rows = torch.tensor([number for number, _ in chosen], device=latents[0].device)
+    return LatentBatch(
+        mean=latents[0][rows],
+        std=latents[1][rows],
+        conditions=condition_batch([example for _, example in chosen], conditions),
+    )

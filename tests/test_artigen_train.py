@@ -1,0 +1,125 @@
+"""Training: shards, batches, and a loop that can be stopped anywhere."""
+
+import itertools
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+
+from artigen.train.batches import draw_batches, prefetch
+from artigen.train.examples import StructureExample, draw_example
+from artigen.train.loop import LoopConfig, train
+from artigen.train.shards import read_shard, write_shard
+from artigen.train.structure import measure_latents
+
+
+@pytest.fixture(scope="module")
+def examples() -> list[StructureExample]:
+    return [draw_example("Microwave", seed, resolution=32, image_size=32) for seed in (0, 1)]
+
+
+def test_examples_follow_from_their_seed(examples: list[StructureExample]):
+    again = draw_example("Microwave", 1, resolution=32, image_size=32)
+    assert np.array_equal(again.field.rows, examples[1].field.rows)
+    assert np.array_equal(again.image, examples[1].image)
+    assert not np.array_equal(examples[0].image, examples[1].image)
+
+
+def test_a_picture_shows_the_object_in_full(examples: list[StructureExample]):
+    for example in examples:
+        assert example.image is not None
+        alpha = example.image[..., 3] > 0
+        border = np.concatenate([alpha[0], alpha[-1], alpha[:, 0], alpha[:, -1]])
+        assert alpha.mean() > 0.2
+        assert not border.any()
+        assert not example.image[~alpha].any()
+
+
+def test_shards_give_back_what_was_written(tmp_path: Path, examples: list[StructureExample]):
+    path = tmp_path / "shard.npz"
+    write_shard(path, examples)
+    for one, two in zip(read_shard(path), examples, strict=True):
+        assert (one.name, one.category) == (two.name, two.category)
+        for name in ("counts", "size", "image"):
+            assert np.array_equal(getattr(one, name), getattr(two, name))
+        for name in ("resolution", "index", "rows", "table"):
+            assert np.array_equal(getattr(one.field, name), getattr(two.field, name))
+    write_shard(path, [replace(example, image=None) for example in examples])
+    assert all(example.image is None for example in read_shard(path))
+    assert [file.name for file in tmp_path.iterdir()] == ["shard.npz"]
+
+
+def test_every_epoch_holds_every_example_once():
+    batches = draw_batches(range(7), tuple, 3, seed=0)
+    drawn = list(itertools.chain.from_iterable(itertools.islice(batches, 7)))
+    assert [sorted(drawn[start : start + 7]) for start in (0, 7, 14)] == [list(range(7))] * 3
+    assert drawn[:7] != drawn[7:14]
+
+
+def test_prefetching_keeps_order_and_errors():
+    def batches():
+        yield from range(5)
+        raise KeyError("sixth")
+
+    ahead = prefetch(batches(), depth=2)
+    assert list(itertools.islice(ahead, 5)) == list(range(5))
+    with pytest.raises(KeyError, match="sixth"):
+        next(ahead)
+
+
+@dataclass(frozen=True)
+class Points:
+    """A batch that can be moved."""
+
+    x: torch.Tensor
+
+    def to(self, device: torch.device) -> "Points":
+        return Points(self.x.to(device))
+
+
+def fit(folder: Path, steps: int, total: int) -> torch.nn.Module:
+    """Learns y = 2 x for ``steps`` of ``total``, always with the same batches."""
+    torch.manual_seed(0)
+    network = torch.nn.Linear(1, 1)
+    cfg = LoopConfig(steps=total, learning_rate=0.2, warmup=2, ema=0.5, report_every=10)
+    done = 0
+
+    def losses(wrapped: torch.nn.Module, batch: Points, generator: torch.Generator) -> dict:
+        nonlocal done
+        done += 1
+        if done > steps:
+            raise KeyboardInterrupt
+        jitter = 0.01 * torch.randn(1, generator=generator)
+        return {"square": ((wrapped(batch.x) - 2.0 * batch.x + jitter) ** 2).mean()}
+
+    cfg = replace(cfg, checkpoint_minutes=0.0)
+    return train(network, losses, itertools.repeat(Points(torch.linspace(-1, 1, 8)[:, None])), folder, cfg)
+
+
+def test_a_run_that_is_stopped_ends_like_one_that_is_not(tmp_path: Path):
+    whole = fit(tmp_path / "whole", 80, 80)
+    with pytest.raises(KeyboardInterrupt):
+        fit(tmp_path / "parts", 30, 80)
+    resumed = fit(tmp_path / "parts", 80, 80)
+    for one, two in zip(whole.parameters(), resumed.parameters(), strict=True):
+        torch.testing.assert_close(one, two)
+    assert float(whole.weight.detach()) == pytest.approx(2.0, abs=0.1)
+    assert (tmp_path / "parts" / "weights.safetensors").is_file()
+
+
+def test_nothing_that_is_not_a_number_is_trained_on(tmp_path: Path):
+    network = torch.nn.Linear(1, 1)
+    cfg = LoopConfig(steps=3, report_every=1)
+    batches = itertools.repeat(Points(torch.tensor([[float("nan")]])))
+    with pytest.raises(FloatingPointError, match="loss is nan at step 1"):
+        train(network, lambda n, b, g: {"square": n(b.x).mean()}, batches, tmp_path, cfg)
+
+
+def test_latents_are_measured_with_their_spread():
+    generator = torch.Generator().manual_seed(0)
+    means = 3.0 + 2.0 * torch.randn(400, 2, 4, 4, 4, generator=generator)
+    center, spread = measure_latents(means, torch.full_like(means, 1.5))
+    torch.testing.assert_close(center, torch.full((2,), 3.0), atol=0.05, rtol=0)
+    torch.testing.assert_close(spread, torch.full((2,), 2.5), atol=0.05, rtol=0)
