@@ -126,7 +126,8 @@ class Scene:
             for hull in self.hulls[part]:
                 moved = hull
                 if T is not None and not np.array_equal(T[part], np.eye(4)):
-                    moved = Hull(vertices=hull.vertices @ T[part, :3, :3].T + T[part, :3, 3], faces=hull.faces)
+                    vertices = hull.vertices @ T[part, :3, :3].T + T[part, :3, 3]
+                    moved = Hull(vertices=vertices, faces=hull.faces)
                 hulls.append(moved)
                 owners.append(part)
         return HullSet(hulls=tuple(hulls)), np.array(owners, dtype=np.int64)
@@ -182,7 +183,7 @@ def judge_pieces(scene: Scene) -> Iterator[tuple[str, str]]:
         count, group = connected_components(links, directed=False)
         if count > 1:
             loose = np.flatnonzero(group != np.bincount(group).argmax())
-            yield "detached", f"{scene.names[part]} is in {count} pieces; primitives {loose.tolist()} are loose"
+            yield "detached", f"{scene.names[part]} is in {count} pieces; {loose.tolist()} are loose"
 
 
 def judge_carriers(scene: Scene) -> Iterator[tuple[str, str]]:
@@ -244,11 +245,12 @@ def judge_sweep(scene: Scene, part: int) -> Iterator[tuple[str, str]]:
         if len(found.distance):
             worst = int(found.distance.argmin())
             first, second = int(found.first[worst]), int(near[found.second[worst]])
+            mover = f"{scene.names[owners[first]]}[{piece_number(owners, first)}]"
+            other = f"{scene.names[other_owners[second]]}[{piece_number(other_owners, second)}]"
             yield (
                 "sweep",
-                f"{scene.names[part]} opening: {scene.names[owners[first]]}[{piece_number(owners, first)}] goes "
-                f"{-1e3 * found.distance[worst]:.2f} mm into {scene.names[other_owners[second]]}"
-                f"[{piece_number(other_owners, second)}] at {found.pose[worst] / (POSES - 1):.2f} of its range",
+                f"{scene.names[part]} opening: {mover} goes {-1e3 * found.distance[worst]:.2f} mm into "
+                f"{other} at {found.pose[worst] / (POSES - 1):.2f} of its range",
             )
 
 

@@ -10,10 +10,13 @@ from typing import Literal
 
 import numpy as np
 
+from artigen.shapes.finishes import FinishKind
 from artigen.types import JointType, PartLabel
 from sim_export.package import PackageJoint
 
-MaterialName = Literal["wood_board", "steel_sheet", "steel", "glass", "plastic", "rubber"]
+MaterialName = Literal[
+    "wood_board", "steel_sheet", "steel", "glass", "plastic", "rubber", "stone", "foam_panel"
+]
 GRAVITY = 9.81
 
 
@@ -33,14 +36,20 @@ MATERIALS: dict[MaterialName, Material] = {
     "glass": Material(density=2500.0, static_friction=0.5, sliding_friction=0.4),
     "plastic": Material(density=1050.0, static_friction=0.4, sliding_friction=0.3),
     "rubber": Material(density=1150.0, static_friction=0.9, sliding_friction=0.8),
+    "foam_panel": Material(density=150.0, static_friction=0.4, sliding_friction=0.3),
+    "stone": Material(density=2700.0, static_friction=0.6, sliding_friction=0.5),
 }
 """``steel_sheet`` is a folded or foamed panel: its density is the mean over the panel's thickness, as
-`artigen` walls are panels one voxel thick and not solid sheets (7850). ``steel`` is a hollow bar or rack."""
+`artigen` walls are panels one voxel thick and not solid sheets (7850). ``steel`` is a hollow bar or rack.
+``foam_panel`` is the insulation of a refrigerator, five centimetres or more, and its skins: 10 kg a door."""
 
 APPLIANCES: frozenset[str] = frozenset(
     {"Refrigerator", "Dishwasher", "Oven", "WashingMachine", "Microwave", "Safe", "CoffeeMachine", "Toaster"}
 )
 """Categories whose carcass and moving parts are sheet metal; every other category is wood board."""
+
+INSULATED: frozenset[str] = frozenset({"Refrigerator"})
+"""Appliances whose walls are thick and nearly all foam."""
 
 PLASTIC_CATEGORIES: frozenset[str] = frozenset(
     {"Bottle", "Box", "Laptop", "Printer", "Phone", "Remote", "Suitcase", "Switch", "TrashCan", "Dispenser"}
@@ -57,12 +66,30 @@ def part_material(label: PartLabel, category: str) -> MaterialName:
     if label == "handle":
         return "steel"
     if category in APPLIANCES:
-        return "steel" if label in ("tray", "shelf") else "steel_sheet"
+        walls: MaterialName = "foam_panel" if category in INSULATED else "steel_sheet"
+        return "steel" if label in ("tray", "shelf") else walls
     if category in PLASTIC_CATEGORIES:
         return "plastic"
     if category in METAL_CATEGORIES:
         return "steel"
     return "wood_board"
+
+
+def finish_material(kind: FinishKind, label: PartLabel, category: str) -> MaterialName:
+    """The material of a piece whose finish is known; lacquer is on board, or on sheet in an appliance.
+
+    Walls of appliances are panels whatever they are covered with; other large pieces of steel are sheet.
+    """
+    hardware = label in ("handle", "knob", "wheel", "tray", "shelf")
+    if kind == "wood":
+        return "wood_board"
+    if category in APPLIANCES and not hardware and kind in ("lacquer", "steel", "plastic"):
+        return part_material(label, category)
+    if kind == "lacquer":
+        return "steel" if hardware else part_material(label, category)
+    if kind == "steel":
+        return "steel" if hardware else "steel_sheet"
+    return kind
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -70,9 +70,13 @@ def bake_texture(
     if int(np.ptp(columns, axis=1).max()) <= cfg.uniform_range:
         return plain
     atlas = make_atlas(mesh, texel_size, cfg.max_size)
+    return color_atlas(plain, atlas, _texel_colors(mesh, atlas, points, colors, normals, texel_size, cfg))
+
+
+def color_atlas(mesh: Mesh, atlas: Atlas, colors: UInt8[np.ndarray, "T 3"]) -> Mesh:
+    """The mesh with an image in which every covered texel has its colour, and others that of the nearest."""
     image = np.zeros((*atlas.shape, 3), dtype=np.uint8)
-    filled = _texel_colors(mesh, atlas, points, colors, normals, texel_size, cfg)
-    image[tuple(atlas.texels.T)] = np.maximum(filled, DARKEST)
+    image[tuple(atlas.texels.T)] = np.maximum(colors, DARKEST)
     covered = np.zeros(atlas.shape, dtype=bool)
     covered[tuple(atlas.texels.T)] = True
     nearest = np.zeros((2, *atlas.shape), dtype=np.int32)
@@ -80,7 +84,7 @@ def bake_texture(
     height, width = atlas.shape
     uv = (atlas.corners + 0.5) / (width, height)
     uv[:, :, 1] = 1.0 - uv[:, :, 1]
-    return replace(plain, uv=uv, texture=image[tuple(nearest)])
+    return replace(mesh, uv=uv, texture=image[tuple(nearest)])
 
 
 def bake_parts(asset: Asset, meshes: Sequence[Mesh], cfg: TextureConfig | None = None) -> tuple[Mesh, ...]:

@@ -1,0 +1,169 @@
+"""`build_reference`: a package straight from a procedural object, the best that any exporter could make.
+
+Collision is the object's own convex primitives, visuals are the exact unions of each part's primitives
+with textures evaluated at every texel, joints and what must be open first are what the object says.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import manifold3d
+import numpy as np
+from jaxtyping import Float, Int
+
+from artigen.shapes.asset import frame_shape, shape_to_asset
+from artigen.shapes.finishes import FinishKind
+from artigen.shapes.primitives import Primitive, place_vertices
+from artigen.shapes.shape import Shape, ShapePart
+from artigen.shapes.textures import PaintTable, apply_paint, find_rows, make_paint
+from sim_export.annotations import annotate_handles
+from sim_export.atlas import make_atlas
+from sim_export.hull_limits import HullLimits, trim_hull
+from sim_export.inertia import combine, mesh_inertial
+from sim_export.links import LinkTree, PartGeometry, build_links
+from sim_export.masses import subtract
+from sim_export.materials import MATERIALS, MaterialName, finish_material
+from sim_export.needles import find_needles, flip_needles
+from sim_export.package import Hull, Inertial, Mesh, Requirement, SimPackage
+from sim_export.solids import as_solid
+from sim_export.texture import color_atlas
+
+EDGES = (0.6, 0.4, 0.3, 0.2, 0.15, 0.1)
+"""Lengths (m) to which edges are divided, one after the other, while a union has too many needles."""
+NEEDLES = 0.008
+"""Share of needles from which a union is divided; checks allow a hundredth."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReferenceConfig:
+    """How exactly a reference package looks like its object."""
+
+    texel: float = 0.005
+    """Edge of a texel (m)."""
+    max_size: int = 1024
+    """Longest side of a part's image, texels; larger parts get larger texels."""
+    limits: HullLimits = field(default_factory=HullLimits)
+    """What collision hulls must comply with; a longer primitive is cut, none grows."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Union:
+    """The closed surface of a part, and which primitive each face comes from."""
+
+    mesh: Mesh
+    owners: Int[np.ndarray, "F"]
+
+
+def build_reference(
+    shape: Shape, cfg: ReferenceConfig | None = None, *, provenance: Mapping[str, str] | None = None
+) -> SimPackage:
+    """The simulation package of a procedural object, in metres about the centre of the closed object.
+
+    Args:
+        shape: The object.
+        cfg: How fine its textures are, and what its hulls must comply with.
+        provenance: Where the object comes from, for ``provenance.json``.
+
+    Raises:
+        ExportError: If parts cannot be links or have no mass; names the part.
+    """
+    cfg = cfg or ReferenceConfig()
+    center, _ = frame_shape(shape)
+    asset = shape_to_asset(shape, resolution=None)
+    table = make_paint(shape)
+    first = np.cumsum([0, *(len(part.primitives) for part in shape.parts)])
+    kinds = {name: finish.kind for name, finish in shape.finishes}
+    geometry, meshes, records = [], [], []
+    materials: list[tuple[str, str]] = []
+    for part, start in zip(shape.parts, first, strict=False):
+        solids = [_primitive_hull(primitive, center) for primitive in part.primitives]
+        union = _unite(solids)
+        meshes.append(_paint_part(union, table, int(start), center, cfg))
+        hulls = tuple(piece for solid in solids for piece in trim_hull(solid, cfg.limits))
+        if len(hulls) > len(solids):
+            records.append(f"{part.name}: {len(solids)} primitives cut to {len(hulls)} hulls, being oblong")
+        made_of = [_material(part, primitive, kinds, shape.category) for primitive in part.primitives]
+        materials.append((part.name, max(sorted(set(made_of)), key=made_of.count)))
+        geometry.append(
+            PartGeometry(visuals=(meshes[-1],), hulls=hulls, inertial=_weigh(solids, made_of, union.mesh))
+        )
+    tree = build_links(asset, geometry)
+    return SimPackage(
+        name=asset.name,
+        category=asset.category,
+        visual="voxels",
+        links=tree.links,
+        joints=tree.joints,
+        handles=annotate_handles(asset, meshes, tree),
+        requires_open=_requirements(shape, tree),
+        materials=tuple(materials),
+        provenance=tuple(sorted((provenance or {}).items())),
+        records=(*records, *tree.records),
+    )
+
+
+def _primitive_hull(primitive: Primitive, center: Float[np.ndarray, "3"]) -> Hull:
+    return Hull(vertices=place_vertices(primitive) - center, faces=primitive.faces)
+
+
+def _unite(solids: Sequence[Hull]) -> _Union:
+    """The union of convex solids as one closed mesh; long faces are divided where they leave needles."""
+    parts = [as_solid(solid).as_original() for solid in solids]
+    number = {part.original_id(): index for index, part in enumerate(parts)}
+    whole = manifold3d.Manifold.batch_boolean(parts, manifold3d.OpType.Add)
+    for length in (None, *EDGES):  # not simplify(): it loses volume where bevelled boards meet
+        mesh = (whole if length is None else whole.refine_to_length(length)).to_mesh64()
+        runs = np.diff(np.asarray(mesh.run_index).astype(np.int64)) // 3
+        owners = np.repeat([number[int(original)] for original in mesh.run_original_id], runs)
+        vertices = np.asarray(mesh.vert_properties)[:, :3]
+        faces = flip_needles(vertices, np.asarray(mesh.tri_verts).astype(np.int64), owners)
+        if find_needles(vertices[faces], 1.1e-4).mean() < NEEDLES:
+            break
+    return _Union(mesh=Mesh(vertices=vertices, faces=faces), owners=owners)
+
+
+def _paint_part(
+    union: _Union, table: PaintTable, start: int, center: Float[np.ndarray, "3"], cfg: ReferenceConfig
+) -> Mesh:
+    """The mesh with an image, every texel of it coloured as the object is at that place."""
+    mesh = union.mesh
+    corners = mesh.vertices[mesh.faces]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
+    atlas = make_atlas(mesh, cfg.texel, cfg.max_size)
+    facing = normals[atlas.faces]
+    rows = find_rows(table, start + union.owners[atlas.faces], facing)
+    colors = apply_paint(table, rows, atlas.points + center, facing, footprint=cfg.texel)
+    return color_atlas(mesh, atlas, np.rint(255 * np.asarray(colors)).astype(np.uint8))
+
+
+def _material(
+    part: ShapePart, primitive: Primitive, kinds: Mapping[str, FinishKind], category: str
+) -> MaterialName:
+    return finish_material(kinds[primitive.finish], part.label, category)
+
+
+def _weigh(solids: Sequence[Hull], made_of: Sequence[MaterialName], whole: Mesh) -> Inertial:
+    """Mass of the union; what two materials share belongs to the one that comes first by name."""
+    names = sorted(set(made_of))
+    inertials: list[Inertial] = []
+    before: Mesh | None = None
+    for count, name in enumerate(names, start=1):
+        density = MATERIALS[name].density
+        chosen = [solid for solid, made in zip(solids, made_of, strict=True) if made in names[:count]]
+        mesh = whole if count == len(names) else _unite(chosen).mesh
+        added = mesh_inertial(mesh, density)
+        inertials.append(added if before is None else subtract(added, mesh_inertial(before, density)))
+        before = mesh
+    return combine([inertial for inertial in inertials if inertial.mass > 0])
+
+
+def _requirements(shape: Shape, tree: LinkTree) -> tuple[Requirement, ...]:
+    """What must be open first, by joint."""
+    driving = {link.parts[0]: link.name.replace("link", "joint") for link in tree.links if link.parts}
+    return tuple(
+        Requirement(joint=driving[part.name], needs=driving[need.part], fraction=need.fraction)
+        for part in shape.parts
+        for need in part.needs
+        if part.motion is not None
+    )
