@@ -35,6 +35,8 @@ class ClearanceConfig:
     swings far is sampled more often than ``poses``."""
     max_poses: int = 81
     """Most samples of a joint's range."""
+    finer: int = 3
+    """So many times more samples of a turn are taken where the first pass had to cut."""
     gap: float = 2e-4
     """Hulls nearer than this (m) are cut. Engines push apart what touches at rest, however little, and
     round hulls by some tenths of a millimetre."""
@@ -228,12 +230,13 @@ def clear_joints(
     cfg = cfg or ClearanceConfig()
     work = _Hulls(links)
     stuck: dict[tuple[int, int, int, int], str] = {}
+    waiting, finer = driven_joints(joints), 1
     for _ in range(cfg.rounds):
-        changes = [
-            _clear_joint(work, joint, joints, requirements, cfg, stuck) for joint in driven_joints(joints)
-        ]
-        if not any(changes):
-            break
+        # Cuts only take away, so that a joint that has been found free stays free.
+        waiting = tuple(
+            joint for joint in waiting if _clear_joint(work, joint, joints, requirements, cfg, (stuck, finer))
+        )
+        finer = cfg.finer
     final, limits, residuals = _settle_limits(work, joints, requirements, cfg, stuck)
     for index in range(len(links)):
         if work.cuts[index]:
@@ -279,10 +282,17 @@ def _clear_joint(
     joints: Sequence[PackageJoint],
     requirements: Sequence[Requirement],
     cfg: ClearanceConfig,
-    stuck: dict[tuple[int, int, int, int], str],
+    progress: tuple[dict[tuple[int, int, int, int], str], int],
 ) -> int:
-    """Relieves every overlapping pair of hulls along one joint's sweep; returns the number of cuts."""
-    T = _poses(work, joint, joints, requirements, _coordinates(work, joint, joints, cfg))
+    """Relieves every overlapping pair of hulls along one joint's sweep; returns the number of cuts.
+
+    ``progress`` is what could not be freed before, which grows, and how many times finer to sample.
+    """
+    stuck, finer = progress
+    q = _coordinates(work, joint, joints, cfg)
+    if finer > 1 and joint.type != "prismatic":
+        q = sweep_coordinates(joint, finer * (len(q) - 1) + 1)
+    T = _poses(work, joint, joints, requirements, q)
     moving = moved_links(work.links, joints, joint)
     size = longest_side(work.links)
     changes = 0
