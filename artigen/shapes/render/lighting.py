@@ -28,6 +28,8 @@ SKY_SIZE = 1.3
 """The same for the sky: nearly all of it."""
 CLEARANCE = 1e-3
 """Shadow rays start this far (m) off the surface."""
+SMOOTH = 3
+"""Times as many rays go from the floor to the sky: nothing hides steps there."""
 SHADOW_DEPTH = 0.75
 """Share of the light missing on the floor that is taken off the background."""
 
@@ -41,23 +43,29 @@ class _Spots:
     normal: Float[Tensor, "N 3"]
     turn: Int[Tensor, "N"]
     """Which of a pixel's sub-rays each point belongs to."""
+    turns: int
+    """Sub-rays of a pixel."""
 
 
 def light_surface(cameras: Cameras, instances: Instances, surface: Surface, cfg: RenderConfig) -> Light:
     """How much of each light reaches the surface."""
     everything = torch.ones_like(surface.depth)
     lamp, sky, openness = everything, everything, everything
+    turn = _sub_rays(cameras, surface.pixel, cfg.supersampling)
     if cfg.shadow_rays:
         spots = _Spots(
             image=instances.image[surface.instance],
             point=surface.point + CLEARANCE * surface.normal,
             normal=surface.normal,
-            turn=_sub_rays(cameras, surface.pixel, cfg.supersampling),
+            turn=turn,
+            turns=cfg.supersampling**2,
         )
-        lamp = _visible_share(instances, spots, cfg.lamp, LAMP_SIZE, cfg)
-        sky = _visible_share(instances, spots, SKY, SKY_SIZE, cfg)
+        lamp = _visible_share(instances, spots, cfg.lamp, LAMP_SIZE, cfg.shadow_rays)
+        sky = _visible_share(instances, spots, SKY, SKY_SIZE, cfg.shadow_rays)
     if cfg.openness:
-        openness = find_openness(cameras, surface, CORNER)
+        openness = find_openness(
+            cameras, surface, turn, reach=CORNER, samples=max(4, 10 // cfg.supersampling)
+        )
     return Light(lamp=lamp, sky=sky, open=openness)
 
 
@@ -93,10 +101,12 @@ def light_floor(
     pixel, point = pixel[near], point[near]
     up = torch.tensor([0.0, 0.0, 1.0], device=point.device).expand_as(point)
     turn = _sub_rays(cameras, pixel, cfg.supersampling)
-    spots = _Spots(image=image[near], point=point + CLEARANCE * up, normal=up, turn=turn)
+    spots = _Spots(
+        image=image[near], point=point + CLEARANCE * up, normal=up, turn=turn, turns=cfg.supersampling**2
+    )
     if len(pixel):
-        lamp = _visible_share(instances, spots, cfg.lamp, LAMP_SIZE, cfg)
-        sky = _visible_share(instances, spots, SKY, SKY_SIZE, cfg)
+        lamp = _visible_share(instances, spots, cfg.lamp, LAMP_SIZE, cfg.shadow_rays)
+        sky = _visible_share(instances, spots, SKY, SKY_SIZE, SMOOTH * cfg.shadow_rays)
         direct, soft = cfg.lamp_strength * _unit(cfg.lamp)[2], cfg.sky_strength + cfg.fill_strength
         missing = (direct * (1.0 - lamp) + soft * (1.0 - sky)) / (direct + soft)
         out[pixel] = 1.0 - SHADOW_DEPTH * missing
@@ -104,14 +114,14 @@ def light_floor(
 
 
 def _visible_share(
-    instances: Instances, spots: _Spots, light: Vector, size: float, cfg: RenderConfig
+    instances: Instances, spots: _Spots, light: Vector, size: float, rays: int
 ) -> Float[Tensor, "N"]:
     """Which share of a light, weighted by how much a spot faces it, is not hidden behind solids."""
     seen, all_of_it = torch.zeros(len(spots.point), device=spots.point.device), 1e-6
-    for number, direction in enumerate(_spread(light, size, cfg.shadow_rays)):
+    for number, direction in enumerate(_spread(light, size, rays)):
         weight = (spots.normal @ spots.normal.new_tensor(direction)).clamp(min=0.0)
-        mine = spots.turn == number % cfg.supersampling**2
-        weight = torch.where(mine | (cfg.shadow_rays == 1), weight, 0.0)
+        if rays >= spots.turns:
+            weight = torch.where(spots.turn == number % spots.turns, weight, 0.0)
         chosen = (weight > 0).nonzero()[:, 0]
         if len(chosen):
             lit = find_lit(instances, spots.image[chosen], spots.point[chosen], direction)

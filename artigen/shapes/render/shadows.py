@@ -13,12 +13,10 @@ from artigen.shapes.render.rays import Surface
 from artigen.shapes.render.scene import CYLINDER, Instances
 from artigen.shapes.render.spans import count_up
 
-TILES = 24
-"""Tiles along each edge of the map that sorts points, as seen from the light."""
+POINTS_PER_TILE = 16
+"""Tiles are as many as gives this many points to each, were they even."""
 CLEAR = 1e-3
 """Shadows begin this far (m) off a surface."""
-RINGS = 10
-"""Samples per pixel that look for walls nearby."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -37,6 +35,17 @@ class Blockers:
     """Least and greatest u, v, w."""
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Tiles:
+    """A square grid of each image, as seen from the light."""
+
+    low: Float[Tensor, "B 2"]
+    size: Float[Tensor, "B 2"]
+    """Of one tile."""
+    edge: int
+    """Tiles per edge."""
+
+
 def find_lit(
     instances: Instances,
     image: Int[Tensor, "N"],
@@ -47,27 +56,56 @@ def find_lit(
     frame = _light_frame(light, points.device)
     blockers = _find_blockers(instances, frame)
     local = points @ frame.float().T
-    tile, count = _sort_into_tiles(instances, blockers, image, local)
-    order = tile.argsort()
-    places = local[order].T.contiguous()
-    first = count.cumsum(0) - count
-    farthest = torch.full(count.shape, torch.inf, device=points.device)
-    farthest = farthest.scatter_reduce_(0, tile, local[:, 2], "amin")
-    instance, cell = _cover_tiles(instances, blockers, farthest)
-    dark = torch.zeros(len(points), dtype=torch.bool, device=points.device)
-    group = instances.group[instance]
-    for size in instances.groups:
-        chosen = (group == size).nonzero()[:, 0]
-        line = torch.repeat_interleave(count[cell[chosen]])
-        point = count_up(count[cell[chosen]]) + first[cell[chosen]][line]
-        dark[point[_block(instances, blockers, frame, instance[chosen], line, places[:, point], size)]] = True
-    lit = torch.empty_like(dark)
-    lit[order] = ~dark
+    tiles = _lay_tiles(instances, blockers, len(points))
+    lit = torch.ones(len(points), dtype=torch.bool, device=points.device)
+    place = (local[:, :2] - tiles.low[image]) / tiles.size[image]
+    shaded = ((place >= 0) & (place <= tiles.edge)).all(dim=1).nonzero()[:, 0]
+    cell = place[shaded].long().clamp(max=tiles.edge - 1)
+    tile, order = ((image[shaded] * tiles.edge + cell[:, 1]) * tiles.edge + cell[:, 0]).sort()
+    shaded = shaded[order]
+    lit[shaded] = _find_lit_in_tiles(instances, blockers, frame, tiles, tile, local[shaded])
     return lit
 
 
-def find_openness(cameras: Cameras, surface: Surface, reach: float) -> Float[Tensor, "N"]:
-    """1 in the open, less where the picture shows walls within ``reach`` (m) that rise around a point."""
+def _find_lit_in_tiles(
+    instances: Instances,
+    blockers: Blockers,
+    frame: Float[Tensor, "3 3"],
+    tiles: Tiles,
+    tile: Int[Tensor, "N"],
+    local: Float[Tensor, "N 3"],
+) -> Bool[Tensor, "N"]:
+    """`find_lit` for points sorted by tile, in the light's frame."""
+    count = torch.bincount(tile, minlength=len(tiles.low) * tiles.edge**2)
+    first = count.cumsum(0) - count
+    lowest = torch.full(count.shape, torch.inf, device=local.device)
+    lowest = lowest.scatter_reduce_(0, tile, local[:, 2], "amin")
+    instance, cell = _cover_tiles(instances, blockers, tiles, lowest)
+    places = local.T.contiguous()
+    lit = torch.ones(len(local), dtype=torch.bool, device=local.device)
+    for size in instances.groups:
+        chosen = (instances.group[instance] == size).nonzero()[:, 0]
+        for piece in chosen.split(_lines_at_once(count[cell[chosen]])):
+            line = torch.repeat_interleave(count[cell[piece]])
+            point = count_up(count[cell[piece]]) + first[cell[piece]][line]
+            block = _block(instances, blockers, frame, instance[piece], line, places[:, point], size)
+            lit[point[block]] = False
+    return lit
+
+
+def _lines_at_once(counts: Int[Tensor, "K"]) -> int:
+    """How many runs of pairs are looked at together: on a CPU what its cache holds, else a great many."""
+    pairs = 2**16 if counts.device.type == "cpu" else 2**24
+    return max(1, int(pairs * len(counts) / max(1, int(counts.sum()))))
+
+
+def find_openness(
+    cameras: Cameras, surface: Surface, turn: Int[Tensor, "N"], *, reach: float, samples: int
+) -> Float[Tensor, "N"]:
+    """1 in the open, less where the picture shows walls within ``reach`` (m) that rise around a point.
+
+    Points of another ``turn`` look in other directions, so that sub-rays of a pixel complete each other.
+    """
     size = cameras.height * cameras.width
     depths = torch.full((len(cameras.fov) * size,), 1e3, device=surface.depth.device)
     depths[surface.pixel] = surface.depth
@@ -75,9 +113,9 @@ def find_openness(cameras: Cameras, surface: Surface, reach: float) -> Float[Ten
     row = torch.div(surface.pixel - image * size, cameras.width, rounding_mode="floor")
     column = surface.pixel - image * size - row * cameras.width
     pixel = pixel_sizes(cameras).float()[image]
-    steps = torch.arange(RINGS, device=depths.device)[:, None]
-    radius = reach / (surface.depth * pixel) * ((steps + 0.7) / RINGS).sqrt()
-    angle = steps * pi * (3 - sqrt(5))
+    steps = torch.arange(samples, device=depths.device)[:, None]
+    radius = reach / (surface.depth * pixel) * ((steps + 0.7) / samples).sqrt()
+    angle = steps * pi * (3 - sqrt(5)) + turn
     columns = (column + radius * angle.cos()).round().long().clamp(0, cameras.width - 1)
     rows = (row + radius * angle.sin()).round().long().clamp(0, cameras.height - 1)
     there = depths[image * size + rows * cameras.width + columns]
@@ -119,43 +157,33 @@ def _find_blockers(instances: Instances, frame: Float[Tensor, "3 3"]) -> Blocker
     )
 
 
-def _sort_into_tiles(
-    instances: Instances, blockers: Blockers, image: Int[Tensor, "N"], local: Float[Tensor, "N 3"]
-) -> tuple[Int[Tensor, "N"], Int[Tensor, "T"]]:
-    """The tile of each point, counted through all images, and the number of points in each tile."""
-    low, size = _tile_grid(instances, blockers)
-    cell = ((local[:, :2] - low[image]) / size[image]).long().clamp(0, TILES - 1)
-    tile = (image * TILES + cell[:, 1]) * TILES + cell[:, 0]
-    return tile, torch.bincount(tile, minlength=len(low) * TILES * TILES)
-
-
-def _tile_grid(instances: Instances, blockers: Blockers) -> tuple[Float[Tensor, "B 2"], Float[Tensor, "B 2"]]:
-    """Lowest corner (u, v) and edge lengths of the tiles of each image; blockers fill the map."""
-    images = int(instances.image.max()) + 1
+def _lay_tiles(instances: Instances, blockers: Blockers, points: int) -> Tiles:
+    """A grid over the blockers of each image; beyond it nothing is in the shadow."""
+    images = int(instances.image[-1]) + 1
     place = instances.image[:, None].expand(-1, 2)
     low = torch.full((images, 2), torch.inf, device=place.device)
     low = low.scatter_reduce_(0, place, blockers.bounds[:, 0, :2], "amin")
     high = torch.full((images, 2), -torch.inf, device=place.device)
     high = high.scatter_reduce_(0, place, blockers.bounds[:, 1, :2], "amax")
-    return low, (high - low) / TILES
+    edge = min(max(int(sqrt(points / images / POINTS_PER_TILE)), 8), 64)
+    return Tiles(low=low, size=(high - low) / edge, edge=edge)
 
 
 def _cover_tiles(
-    instances: Instances, blockers: Blockers, farthest: Float[Tensor, "T"]
+    instances: Instances, blockers: Blockers, tiles: Tiles, lowest: Float[Tensor, "T"]
 ) -> tuple[Int[Tensor, "K"], Int[Tensor, "K"]]:
-    """Pairs of an instance and a tile that it may shade; ``farthest`` is the least w of a tile's points."""
-    low, size = _tile_grid(instances, blockers)
-    low, size = low[instances.image], size[instances.image]
-    start = ((blockers.bounds[:, 0, :2] - low) / size - 1e-3).long().clamp(0, TILES - 1)
-    stop = ((blockers.bounds[:, 1, :2] - low) / size + 1e-3).long().clamp(0, TILES - 1)
+    """Pairs of an instance and a tile that it may shade; ``lowest`` is the least w of a tile's points."""
+    low, size, edge = tiles.low[instances.image], tiles.size[instances.image], tiles.edge
+    start = ((blockers.bounds[:, 0, :2] - low) / size - 1e-3).long().clamp(0, edge - 1)
+    stop = ((blockers.bounds[:, 1, :2] - low) / size + 1e-3).long().clamp(0, edge - 1)
     extent = stop - start + 1
     counts = extent.prod(dim=1)
     instance = torch.repeat_interleave(counts)
     rank, width = count_up(counts), extent[instance, 0]
     down = torch.div(rank, width, rounding_mode="floor")
-    tile = (instances.image[instance] * TILES + start[instance, 1] + down) * TILES
+    tile = (instances.image[instance] * edge + start[instance, 1] + down) * edge
     tile = tile + start[instance, 0] + rank - down * width
-    kept = blockers.bounds[instance, 1, 2] > farthest[tile] + CLEAR
+    kept = blockers.bounds[instance, 1, 2] > lowest[tile] + CLEAR
     return instance[kept], tile[kept]
 
 
