@@ -19,8 +19,10 @@ class AdditionConfig:
 
     poses: int = 41
     """Samples of each joint's range that an added hull must not disturb."""
+    gap: float = 2e-4
+    """What stays free (m) around it; engines push apart what touches, however little."""
     tolerance: float = 2e-5
-    """Depth (m) to which it may enter another link along a sweep."""
+    """Depth (m) to which a stretched hull may enter another link; it may have touched that before."""
     max_hulls: int = 32
     """Most hulls of a link; where there would be one more, a hull is stretched instead."""
     max_vertices: int = 32
@@ -61,19 +63,17 @@ def add_hull(
 
     ``stand`` is the hull that is stretched over ``addition`` where the link has as many as it may.
     """
-    hulls = [*sets[slot].hulls, addition]
+    hulls, least = [*sets[slot].hulls, addition], cfg.gap
     if len(hulls) > cfg.max_hulls:
         addition = convex_hull(np.concatenate([stand.vertices, addition.vertices]))
-        hulls = [addition if hull is stand else hull for hull in sets[slot].hulls]
-    if len(addition.vertices) > cfg.max_vertices or not _is_free(addition, slot, sets, sweeps, cfg.tolerance):
+        hulls, least = [addition if hull is stand else hull for hull in sets[slot].hulls], -cfg.tolerance
+    if len(addition.vertices) > cfg.max_vertices or not _is_free(addition, slot, sets, sweeps, least):
         return None
     return HullSet(hulls=tuple(hulls))
 
 
-def _is_free(
-    hull: Hull, slot: int, sets: Sequence[HullSet], sweeps: Sequence[Sweep], tolerance: float
-) -> bool:
-    """Whether a hull of link ``slot`` enters no other link at rest or along any sweep."""
+def _is_free(hull: Hull, slot: int, sets: Sequence[HullSet], sweeps: Sequence[Sweep], least: float) -> bool:
+    """Whether a hull of link ``slot`` stays ``least`` (m) from all others, at rest and in every sweep."""
     alone, still = HullSet(hulls=(hull,)), np.eye(4)
     others = [index for index in range(len(sets)) if index != slot and sets[index].hulls]
     poses = [(other, still, still) for other in others]
@@ -81,7 +81,7 @@ def _is_free(
         apart = [other for other in others if (slot in sweep.moved) != (other in sweep.moved)]
         poses += [(other, sweep.T[:, slot], sweep.T[:, other]) for other in apart]
     for other, T_hull, T_other in poses:
-        found = signed_distances(alone, sets[other], T_hull, T_other)
-        if len(found.distance) and found.distance.min() < -tolerance:
+        found = signed_distances(alone, sets[other], T_hull, T_other, max(least, 0.0))
+        if len(found.distance) and found.distance.min() < least:
             return False
     return True

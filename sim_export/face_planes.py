@@ -17,9 +17,7 @@ from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import connected_components
 
 from artigen.types import Part
-
-DIRECTIONS: tuple[tuple[int, int], ...] = ((0, -1), (0, 1), (1, -1), (1, 1), (2, -1), (2, 1))
-"""(axis, sign) of the six face normals, in the order of the first dimension of `FacePlanes`."""
+from sim_export.neighbours import DIRECTIONS, NeighbourFaces
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,6 +30,10 @@ class FacePlanesConfig:
     """Inward shift of a patch backed by one cell; raise it when thin walls come out too thick."""
     contact_inset: float = 0.1
     """Inward shift of a patch that another part touches; raise it when moving parts jam."""
+    joint_room: float = 0.03
+    """What stays free before the plane at which a neighbour's box ends; raise it when parts jam."""
+    joint_inset: float = 0.6
+    """Farthest inward that such a plane is followed; beyond, the neighbour is sunk into the part."""
     contact_share: float = 0.1
     """Share of a patch's faces that other parts must touch for it to count as touched."""
     min_thickness: float = 0.8
@@ -119,6 +121,7 @@ def fit_face_planes(
     box: Float[np.ndarray, "2 3"],
     cfg: FacePlanesConfig | None = None,
     others: Bool[np.ndarray, "X2 Y2 Z2"] | None = None,
+    neighbours: NeighbourFaces | None = None,
 ) -> FacePlanes:
     """Fits a plane to every exposed face of a part; ``box`` is its lowest and highest corner.
 
@@ -140,10 +143,15 @@ def fit_face_planes(
         beside[np.arange(len(level)), axis] += sign
         touched = others[tuple(beside.T)]
     coordinate, at_box = _place_patches(faces, blocky, box, touched, cfg)
+    known = at_box
+    if neighbours is not None:
+        met = _meet_neighbours(faces, blocky, neighbours, cfg)
+        coordinate = np.where(at_box | np.isnan(met), coordinate, met)
+        known = at_box | ~np.isnan(met)
     coordinate = _keep_thickness(faces, coordinate, at_box, cfg)
     flat = _find_flat(faces, steps, cfg)
     plane = coordinate[faces.patch]
-    curved = ~flat[faces.patch] & ~at_box[faces.patch]
+    curved = ~flat[faces.patch] & ~known[faces.patch]
     if curved.any():
         outward = _outwardness(level, axis, sign, box)
         shift = _curved_inset(faces, outward, cfg)[curved]
@@ -261,6 +269,35 @@ def _place_patches(
     contact = np.bincount(faces.patch, weights=touched) > cfg.contact_share * area
     inset = np.where(contact, cfg.contact_inset, np.where(thick, cfg.inset, cfg.thin_inset))
     return np.where(at_box, side, level - sign * inset), at_box
+
+
+def _meet_neighbours(
+    faces: _Faces, blocky: np.ndarray, neighbours: NeighbourFaces, cfg: FacePlanesConfig
+) -> np.ndarray:
+    """Coordinate of each patch just before the plane at which neighbours end, NaN where there are none.
+
+    Of several neighbours that end at one patch the median counts.
+    """
+    shape = np.array(faces.grid.shape[1:])
+    at = neighbours.cell + MARGIN
+    inside = ((at >= 0) & (at < shape)).all(axis=1)
+    patch = np.full(len(at), -1)
+    patch[inside] = faces.grid[(neighbours.direction[inside], *at[inside].T)]
+    met, end = patch[patch >= 0], neighbours.coordinate[patch >= 0]
+    out = np.full(int(faces.patch.max()) + 1, np.nan)
+    if not len(met):
+        return out
+    level, sign = np.zeros(len(out)), np.zeros(len(out))
+    level[faces.patch] = blocky
+    sign[faces.patch] = np.array(DIRECTIONS)[faces.direction, 1]
+    order = np.lexsort((end, met))
+    met, end = met[order], end[order]
+    found, first, count = np.unique(met, return_index=True, return_counts=True)
+    depth = sign[found] * (level[found] - end[first + count // 2]) + cfg.joint_room
+    follow = (depth <= cfg.joint_inset) & (depth >= -cfg.box_reach)
+    found, depth = found[follow], np.maximum(depth[follow], 0.0)
+    out[found] = level[found] - sign[found] * depth
+    return out
 
 
 def _keep_thickness(

@@ -15,7 +15,8 @@ from jaxtyping import Bool, Float, Int
 
 from artigen.types import Asset, Part
 from sim_export.errors import DegeneratePart, OpenMesh
-from sim_export.face_planes import DIRECTIONS, MARGIN, FacePlanesConfig, box_in_lattice, fit_face_planes
+from sim_export.face_planes import MARGIN, FacePlanesConfig, box_in_lattice, fit_face_planes
+from sim_export.neighbours import DIRECTIONS, NeighbourFaces, find_neighbour_faces
 from sim_export.occupancy import PartOccupancy, part_occupancy
 from sim_export.package import Mesh
 from sim_export.slants import find_slants
@@ -74,11 +75,13 @@ def mesh_parts(
     if asset.voxels is None:
         raise ValueError(f"asset {asset.name!r} has no voxels; voxelize its surface first")
     meshes = []
+    boxes = [box_in_lattice(part, asset.voxels.resolution) for part in asset.parts]
     for index, (part, solid) in enumerate(zip(asset.parts, solids or solid_parts(asset), strict=True)):
-        box, occupancy = box_in_lattice(part, asset.voxels.resolution), solid.occupancy
+        occupancy = solid.occupancy
         others = np.zeros_like(occupancy)
         others[tuple(asset.voxels.coords[asset.voxels.part_ids != index].T)] = True
-        vertices, faces = mesh_occupancy(occupancy, box, cfg, others & ~occupancy)
+        neighbours = find_neighbour_faces(asset.voxels, boxes, index)
+        vertices, faces = mesh_occupancy(occupancy, boxes[index], cfg, others & ~occupancy, neighbours)
         _check_closed(asset.name, part, vertices, faces)
         metres = (vertices / asset.voxels.resolution - 0.5) * asset.scale
         meshes.append(Mesh(vertices=metres, faces=faces))
@@ -90,8 +93,12 @@ def mesh_occupancy(
     box: Float[np.ndarray, "2 3"],
     cfg: MeshingConfig | None = None,
     others: Bool[np.ndarray, "X Y Z"] | None = None,
+    neighbours: NeighbourFaces | None = None,
 ) -> tuple[Float[np.ndarray, "V 3"], Int[np.ndarray, "F 3"]]:
-    """Closed mesh of a well-composed solid that fits ``box``, beside ``others``; lattice units."""
+    """Closed mesh of a well-composed solid that fits ``box``, beside ``others``, which end at ``neighbours``.
+
+    Lattice units.
+    """
     cfg = cfg or MeshingConfig()
     cells = np.nonzero(occupancy)
     low = np.array([axis.min() for axis in cells])
@@ -100,7 +107,14 @@ def mesh_occupancy(
     if others is not None:
         wide = tuple(slice(axis.min(), axis.max() + 1 + 2 * MARGIN) for axis in cells)
         around = np.pad(others, MARGIN)[wide]
-    surface = read_surface(occupancy[window], box - low, cfg.planes, around)
+    if neighbours is not None:
+        axis = np.array(DIRECTIONS)[neighbours.direction, 0]
+        neighbours = NeighbourFaces(
+            direction=neighbours.direction,
+            cell=neighbours.cell - low,
+            coordinate=neighbours.coordinate - low[axis],
+        )
+    surface = read_surface(occupancy[window], box - low, cfg.planes, around, neighbours)
     vertices = smooth_surface(surface, cfg.smoothing)
     vertices = stretch_to_box(vertices, ~surface.locked, box - low, cfg.planes.box_reach)
     faces = _split_quads(vertices, surface.quads)
@@ -112,9 +126,10 @@ def read_surface(
     box: Float[np.ndarray, "2 3"],
     cfg: FacePlanesConfig,
     others: Bool[np.ndarray, "X2 Y2 Z2"] | None = None,
+    neighbours: NeighbourFaces | None = None,
 ) -> BlockySurface:
     """The blocky surface with every vertex moved to the fitted planes of its faces."""
-    planes = fit_face_planes(occupancy, box, cfg, others)
+    planes = fit_face_planes(occupancy, box, cfg, others, neighbours)
     slants = find_slants(planes)
     rows = np.argwhere(planes.patch >= 0)
     direction, cell = rows[:, 0], rows[:, 1:]
