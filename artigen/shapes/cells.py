@@ -57,9 +57,9 @@ class Furnished:
     parts: tuple[ShapePart, ...] = ()
 
 
-def furnish_cells(placed: tuple[Placed, ...], fitting: Fitting) -> Furnished:
-    """All cells, named by their place in the layout."""
-    done = [furnish_cell(cell, fitting, str(index)) for index, cell in enumerate(placed)]
+def furnish_cells(placed: tuple[Placed, ...], fitting: Fitting, prefix: str = "") -> Furnished:
+    """All cells, named by a prefix and their place in the layout."""
+    done = [furnish_cell(cell, fitting, f"{prefix}{index}") for index, cell in enumerate(placed)]
     return Furnished(
         primitives=tuple(primitive for cell in done for primitive in cell.primitives),
         parts=tuple(part for cell in done for part in cell.parts),

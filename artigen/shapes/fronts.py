@@ -42,11 +42,11 @@ def design_front(
     handle: HandleDesign | None = None,
     finish: str = "front",
 ) -> FrontDesign:
-    """Fronts with frames between 45 and 75 mm; the style is drawn unless it is given."""
+    """Fronts with frames of 45 to 75 mm that handles fit on; the style is drawn unless it is given."""
     drawn = FRONT_STYLES[int(rng.choice(len(FRONT_STYLES), p=(0.5, 0.2, 0.1, 0.1, 0.06, 0.04)))]
-    return FrontDesign(
-        style=style or drawn, frame=float(rng.uniform(0.045, 0.075)), handle=handle, finish=finish
-    )
+    stile = 0.0 if handle is None else min(handle.height, 0.05) + 0.012
+    frame = max(float(rng.uniform(0.045, 0.075)), stile)
+    return FrontDesign(style=style or drawn, frame=frame, handle=handle, finish=finish)
 
 
 def suit_drawer(panel: Panel, design: FrontDesign) -> FrontDesign:

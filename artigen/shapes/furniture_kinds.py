@@ -19,6 +19,8 @@ class Style:
     handles: tuple[HandleKind, ...]
     inset: float
     """Chance of fronts that lie within the body."""
+    closed: bool = False
+    """Whether it takes a door to show it."""
 
 
 STYLES: dict[str, Style] = {
@@ -45,6 +47,7 @@ STYLES: dict[str, Style] = {
         drawers=("flat", "shaker"),
         handles=("knob", "bar", "pull"),
         inset=0.2,
+        closed=True,
     ),
     "classic": Style(
         weight=1.6, doors=("raised",), drawers=("raised", "flat"), handles=("knob", "arch", "cup"), inset=0.4
@@ -52,7 +55,9 @@ STYLES: dict[str, Style] = {
     "country": Style(
         weight=0.8, doors=("plank",), drawers=("flat", "plank"), handles=("knob", "block", "pull"), inset=0.4
     ),
-    "louvre": Style(weight=0.7, doors=("louvre",), drawers=("flat",), handles=("knob", "pull"), inset=0.3),
+    "louvre": Style(
+        weight=0.7, doors=("louvre",), drawers=("flat",), handles=("knob", "pull"), inset=0.3, closed=True
+    ),
     "industrial": Style(weight=0.8, doors=("flat",), drawers=("flat",), handles=("bar", "pull"), inset=0.3),
 }
 

@@ -4,8 +4,11 @@ Metres, z up, front -x. Seen from the front, left is +y. A front is hinged at th
 edge: up to 90 degrees the leaf then stays within its own outline, and it never enters what lies behind it.
 """
 
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 from typing import Literal
+
+import numpy as np
 
 from artigen.shapes.primitives import Primitive, Vector, rounded_box
 from artigen.shapes.shape import Motion
@@ -73,6 +76,12 @@ def fill_space(space: Space, finish: str, bevel: float = 0.0) -> Primitive:
     low: Vector = (space.x[0], space.y[0], space.z[0])
     high: Vector = (space.x[1], space.y[1], space.z[1])
     return rounded_box(low, high, bevel, finish)
+
+
+def lift(primitives: Iterable[Primitive], height: float) -> tuple[Primitive, ...]:
+    """The solids raised by ``height`` metres."""
+    up = np.array([0.0, 0.0, height])
+    return tuple(replace(primitive, center=primitive.center + up) for primitive in primitives)
 
 
 def hinge(panel: Panel, edge: Edge, upper: float) -> Motion:

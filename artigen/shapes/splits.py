@@ -118,6 +118,13 @@ def mirror(node: Node) -> Node:
     return replace(node, children=children)
 
 
+def turn_doors(node: Node, edge: Edge) -> Node:
+    """The node with all its single doors hinged on one side."""
+    if isinstance(node, Cell):
+        return replace(node, edge=edge)
+    return replace(node, children=tuple(turn_doors(child, edge) for child in node.children))
+
+
 def lay_out(
     node: Node, y: Range, z: Range, *, board: float, reach: dict[Edge, float], inset: bool
 ) -> tuple[tuple[Placed, ...], tuple[tuple[Range, Range], ...]]:
@@ -203,11 +210,19 @@ def _draw_columns(rng: np.random.Generator, room: Room, taste: Taste) -> Node:
             children.append(children[0])
         else:
             children.append(draw_node(rng, inner, taste))
+    if rng.random() < 0.92:  # doors open away from the middle, not against each other
+        half = (len(children) - 1) / 2
+        children = [
+            turn_doors(child, "left" if index < half else "right") if index != half else child
+            for index, child in enumerate(children)
+        ]
     return Split(along="columns", shares=tuple(float(s) for s in shares), children=tuple(children))
 
 
 def _stack_fits(room: Room, taste: Taste) -> float:
-    if not (0.2 <= room.width <= 1.25 and taste.drawer[0] * 1.6 <= room.height <= 1.45):
+    if not (0.2 <= room.width <= 1.25 and taste.drawer[0] * 1.6 <= room.height):
+        return 0.0
+    if room.bottom + room.height > 1.45:  # nobody looks into a drawer above
         return 0.0
     return 1.0 if room.height > 0.3 else 0.4
 
@@ -235,7 +250,7 @@ def stack_drawers(shares: tuple[float, ...]) -> Node:
 
 
 def _row_fits(room: Room, taste: Taste) -> float:
-    return 1.0 if 0.42 <= room.height <= 1.3 else 0.0
+    return 1.0 if 0.42 <= room.height <= 1.3 and room.bottom + room.height <= 1.45 else 0.0
 
 
 def _draw_drawer_row(rng: np.random.Generator, room: Room, taste: Taste) -> Node:

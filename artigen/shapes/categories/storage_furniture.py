@@ -5,42 +5,33 @@ is divided comes from the grammar of `artigen.shapes.splits`.
 """
 
 from dataclasses import dataclass, replace
-from math import radians
 
 import numpy as np
 
-from artigen.shapes.carcass import CarcassDesign, fits_engines, make_carcass, open_carcass
-from artigen.shapes.cells import Fitting, furnish_cells
+from artigen.shapes.cabinet import Looks, draw_layout, draw_looks, has_fronts, make_cabinet
+from artigen.shapes.carcass import fits_engines
 from artigen.shapes.draw import Draft, ShapeError, Wish, choose
-from artigen.shapes.drawers import BoxDesign
 from artigen.shapes.feet import StandDesign, design_stand, make_stand
-from artigen.shapes.fronts import FrontDesign, design_front
 from artigen.shapes.furniture_kinds import KINDS, STYLES, Kind, Style
-from artigen.shapes.handles import design_handle
-from artigen.shapes.hardware import GAP, Edge, Range, Space
+from artigen.shapes.hardware import Space
 from artigen.shapes.palette import draw_palette
 from artigen.shapes.primitives import rounded_box
 from artigen.shapes.shape import ShapePart
-from artigen.shapes.splits import FRONT_GAP, Placed, Room, draw_node, lay_out, pick
+from artigen.shapes.splits import pick
 
 CATEGORY = "StorageFurniture"
-MAX_LAYOUTS = 60
+MAX_LAYOUTS = 100
 BODY = "body"
-FACED = ("drawer", "door", "double", "drop", "lift", "fold")
-"""Fills whose fronts lie before the body, not within it."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class _Plan:
     """All choices of one object but its layout; lengths in metres."""
 
-    doors: FrontDesign
-    drawers: FrontDesign
-    carcass: CarcassDesign
+    looks: Looks
     stand: StandDesign
-    thickness: float
-    inset: bool
     worktop: float
+    """Thickness; 0 without one."""
     overhang: tuple[float, float]
     """Of the worktop, in front and at each side."""
 
@@ -50,7 +41,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     style = wish.style or pick(rng, {name: look.weight for name, look in STYLES.items()})
     if style not in STYLES:
         raise ShapeError(f"{CATEGORY}: style {style!r} is not known, expected one of {', '.join(STYLES)}")
-    kind = _choose_kind(rng, wish)
+    kind = _choose_kind(rng, wish, STYLES[style])
     finishes = tuple(sorted(draw_palette(rng, "furniture", style).items()))
     size = (
         choose(rng, *kind.width, wish.width),
@@ -59,7 +50,8 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     )
     for _ in range(MAX_LAYOUTS):
         parts = _build(rng, kind, _draw_plan(rng, kind, STYLES[style], size), size)
-        if fits_engines(parts):
+        shown = not STYLES[style].closed or any(part.label == "door" for part in parts)
+        if shown and fits_engines(parts):
             return Draft(style=style, parts=parts, finishes=finishes)
     raise ShapeError(
         f"{CATEGORY}: none of {MAX_LAYOUTS} layouts of {size} m (width, depth, height) keeps within what "
@@ -67,11 +59,16 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     )
 
 
-def _choose_kind(rng: np.random.Generator, wish: Wish) -> Kind:
+def _choose_kind(rng: np.random.Generator, wish: Wish, style: Style) -> Kind:
     """A kind whose sizes include those wished for, or come nearest."""
-    misses = {name: _miss(kind, wish) for name, kind in KINDS.items()}
+    shown = [
+        name
+        for name, kind in KINDS.items()
+        if not style.closed or dict(kind.taste.rules).get("closed", 0) > 0.5
+    ]
+    misses = {name: _miss(KINDS[name], wish) for name in shown}
     least = min(misses.values())
-    return KINDS[pick(rng, {name: kind.weight for name, kind in KINDS.items() if misses[name] <= least})]
+    return KINDS[pick(rng, {name: KINDS[name].weight for name in shown if misses[name] <= least})]
 
 
 def _miss(kind: Kind, wish: Wish) -> float:
@@ -80,26 +77,13 @@ def _miss(kind: Kind, wish: Wish) -> float:
     return sum(max(low - want, want - high, 0.0) for want, (low, high) in pairs if want is not None)
 
 
-def _draw_plan(rng: np.random.Generator, kind: Kind, look: Style, size: tuple[float, float, float]) -> _Plan:
-    longest = max(size)
-    handle = design_handle(rng, look.handles[int(rng.integers(len(look.handles)))], longest=longest)
-    front = look.doors[int(rng.integers(len(look.doors)))]
-    doors = replace(design_front(rng, front, handle=handle), hand=kind.hand)
+def _draw_plan(rng: np.random.Generator, kind: Kind, style: Style, size: tuple[float, float, float]) -> _Plan:
+    looks = draw_looks(rng, style, max(size), kind.hand)
     covered = bool(rng.random() < kind.worktop)
-    carcass = CarcassDesign(
-        board=float(rng.uniform(0.016, 0.022)),
-        inner=float(rng.uniform(0.015, 0.019)),
-        back=0.010 if longest > 1.4 else float(rng.uniform(0.006, 0.008)),
-        lid=not covered,
-    )
     overhang = (float(rng.uniform(0.0, 0.02)), float(rng.choice((0.0, 0.012))))
     return _Plan(
-        doors=doors,
-        drawers=replace(doors, style=look.drawers[int(rng.integers(len(look.drawers)))]),
-        carcass=carcass,
+        looks=replace(looks, carcass=replace(looks.carcass, lid=not covered)),
         stand=design_stand(rng, pick(rng, dict(kind.stands)), size[2]),
-        thickness=float(rng.uniform(0.017, 0.021)),
-        inset=bool(rng.random() < look.inset),
         worktop=float(rng.uniform(0.018, 0.04)) if covered else 0.0,
         overhang=overhang if covered else (0.0, 0.0),
     )
@@ -110,59 +94,21 @@ def _build(
 ) -> tuple[ShapePart, ...]:
     """One layout of a plan in a size (width, depth, height)."""
     width, depth, height = size
-    y = (plan.overhang[1] - width / 2, width / 2 - plan.overhang[1])
-    z = (plan.stand.height, height - plan.worktop)
-    opening = open_carcass(Space(x=(0.0, depth), y=y, z=z), plan.carcass)
-    room = Room(
-        width=opening[0][1] - opening[0][0], height=opening[1][1] - opening[1][0], bottom=opening[1][0]
+    ahead, aside = plan.overhang
+    box = Space(
+        x=(ahead - depth / 2, depth / 2),
+        y=(aside - width / 2, width / 2 - aside),
+        z=(plan.stand.height, height - plan.worktop),
     )
-    node = draw_node(rng, room, kind.taste)
-    placed, boards = lay_out(
-        node, *opening, board=plan.carcass.inner, reach=_reach(plan.carcass, plan.inset), inset=plan.inset
-    )
-    faced = any(cell.cell.fill in FACED for cell in placed)
-    handle = plan.doors.handle
-    ahead = handle.reach if faced and handle else 0.0
-    front_x = max(ahead, plan.overhang[0]) - depth / 2
-    body_x = front_x + plan.thickness + GAP if faced and not plan.inset else front_x
-    outer = Space(x=(body_x, depth / 2), y=y, z=z)
-
-    stand = make_stand(plan.stand, outer.x, outer.y, parent=BODY)
-    solids = [*make_carcass(outer, plan.carcass, boards), *stand.primitives]
+    node = draw_layout(rng, box, plan.looks, kind.taste)
+    if has_fronts(node):
+        box = replace(box, x=(max(ahead, plan.looks.reach) - depth / 2, depth / 2))
+    cabinet = make_cabinet(node, box, plan.looks, parent=BODY)
+    shell = cabinet.primitives[0].center[0] - cabinet.primitives[0].size[0] / 2  # where the sides begin
+    stand = make_stand(plan.stand, (float(shell), box.x[1]), box.y, parent=BODY)
+    solids = [*cabinet.primitives, *stand.primitives]
     if plan.worktop:
-        low = (front_x - plan.overhang[0], -width / 2, z[1])
+        low = (box.x[0] - ahead, -width / 2, box.z[1])
         solids.append(rounded_box(low, (depth / 2, width / 2, height), 0.002, "top"))
-    furnished = furnish_cells(placed, _draw_fitting(rng, plan, placed, front_x, outer))
-    body = ShapePart(name=BODY, label="base", parent=None, primitives=(*solids, *furnished.primitives))
-    return (body, *furnished.parts, *stand.parts)
-
-
-def _reach(carcass: CarcassDesign, inset: bool) -> dict[Edge, float]:  # noqa: FBT001
-    """How far fronts extend beyond the opening at the body's edges."""
-    if inset:
-        return {"left": -GAP, "right": -GAP, "top": -GAP, "bottom": -GAP}
-    side = carcass.board - 0.0005
-    return {"left": side, "right": side, "top": side if carcass.lid else -FRONT_GAP, "bottom": side}
-
-
-def _draw_fitting(
-    rng: np.random.Generator, plan: _Plan, placed: tuple[Placed, ...], front_x: float, outer: Space
-) -> Fitting:
-    body: Range = (outer.x[0], outer.x[1] - plan.carcass.back)
-    drawers = sum(cell.cell.fill == "drawer" for cell in placed)
-    # A door that opens further would meet the lip at the edge of its neighbour.
-    at_edge = plan.doors.handle is not None and plan.doors.handle.kind == "edge"
-    return Fitting(
-        front_x=front_x,
-        thickness=plan.thickness,
-        body=body,
-        doors=plan.doors,
-        drawers=plan.drawers,
-        box=BoxDesign(rim=float(rng.uniform(0.55, 0.82))),
-        parent=BODY,
-        swing=radians(95.0 if at_edge else float(rng.choice((95.0, 100.0, 105.0, 110.0)))),
-        wide_swing=radians(float(rng.choice((95.0, 105.0, 110.0, 125.0, 155.0, 165.0)))),
-        travel=float(rng.uniform(0.62, 0.84)),
-        runners=bool(rng.random() < 0.4 and drawers <= 5),
-        lock=bool(rng.random() < 0.08),
-    )
+    body = ShapePart(name=BODY, label="base", parent=None, primitives=tuple(solids))
+    return (body, *cabinet.parts, *stand.parts)
