@@ -36,6 +36,8 @@ class Looks:
     travel: float
     runners: bool
     lock: bool
+    margin: float = 0.0005
+    """How far fronts stay within the outline of the carcass."""
 
     @property
     def reach(self) -> float:
@@ -134,5 +136,5 @@ def _reach_of_fronts(looks: Looks) -> dict[Edge, float]:
     """How far fronts extend beyond the opening at the carcass' edges."""
     if looks.inset:
         return {"left": -GAP, "right": -GAP, "top": -GAP, "bottom": -GAP}
-    side = looks.carcass.board - 0.0005
+    side = looks.carcass.board - looks.margin
     return {"left": side, "right": side, "top": side if looks.carcass.lid else -FRONT_GAP, "bottom": side}

@@ -129,7 +129,8 @@ def make_legs(
 def _make_leg(sides: int, low: float, high: float, height: float, lean: tuple[float, float]) -> Primitive:
     """A leg that widens from the floor to its top at x = y = 0, and leans by (x, y)."""
     turns = (np.arange(sides) + 0.5) * 2 * np.pi / sides
-    ring = np.column_stack([np.cos(turns), np.sin(turns)]) / (2 * np.cos(np.pi / sides))
+    ring = np.column_stack([np.cos(turns), np.sin(turns)])
+    ring /= 2 * np.abs(ring).max()
     foot = np.column_stack([ring * low + np.array(lean), np.zeros(sides)])
     head = np.column_stack([ring * high, np.full(sides, height)])
     return polytope(np.concatenate([foot, head]), "leg")

@@ -1,0 +1,330 @@
+"""Table: dining and side tables, desks, coffee tables, consoles, kitchen islands with a sink, screw tables.
+
+A table is a top on supports: a frame of legs with drawers hung in it, pedestals and panels side by side, a
+cabinet with a basin, or a column on which a round top is screwed up.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from artigen.shapes.cabinet import Looks, draw_layout, draw_looks, make_cabinet
+from artigen.shapes.carcass import fits_engines
+from artigen.shapes.categories.storage_furniture import STYLES
+from artigen.shapes.draw import Draft, ShapeError, Wish, choose
+from artigen.shapes.feet import LEG_KINDS, LegKind, make_castors, make_legs
+from artigen.shapes.hardware import GAP, Range, Space, fill_space, lift
+from artigen.shapes.palette import draw_palette
+from artigen.shapes.primitives import Primitive, box, cylinder, place_vertices, rounded_box
+from artigen.shapes.shape import Motion, ShapePart
+from artigen.shapes.sinks import make_sink
+from artigen.shapes.splits import Cell, Node, Split, Taste, pick
+
+CATEGORY = "Table"
+BODY = "body"
+MAX_LAYOUTS = 60
+PEDESTAL = Taste(
+    module=(0.3, 0.7),
+    drawer=(0.1, 0.3),
+    rules=(("stack", 3.0), ("drawer_row", 1.5), ("closed", 1.2), ("open_row", 0.5)),
+    fills=(("door", 3.0), ("double", 1.0)),
+    trays=0.05,
+)
+UNDER_SINK = Taste(
+    module=(0.3, 0.6),
+    rules=(("columns", 1.0), ("closed", 1.0)),
+    fills=(("door", 3.0), ("double", 3.0), ("drop", 0.3)),
+    shelf_pitch=(2.0, 3.0),
+    trays=0.0,
+    levels=1,
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Plan:
+    """What every kind of table is built from, metres."""
+
+    size: tuple[float, float, float]
+    """Width, depth, height."""
+    looks: Looks
+    top: float
+    """Thickness of the top."""
+    leg: LegKind
+    leg_width: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Built:
+    """Solids of the body, and parts that hang from it."""
+
+    primitives: tuple[Primitive, ...]
+    parts: tuple[ShapePart, ...] = ()
+
+
+def draw(rng: np.random.Generator, wish: Wish) -> Draft:
+    """A table that meets the wish."""
+    style = wish.style or pick(rng, {name: look.weight for name, look in STYLES.items() if not look.closed})
+    if style not in STYLES:
+        raise ShapeError(f"{CATEGORY}: style {style!r} is not known, expected one of {', '.join(STYLES)}")
+    kind = _choose_kind(rng, wish)
+    finishes = tuple(sorted(draw_palette(rng, "furniture", style).items()))
+    width = choose(rng, *kind.width, wish.width)
+    depth = choose(rng, *kind.depth, wish.depth)
+    size = (
+        width,
+        width if kind.round and wish.depth is None else depth,
+        choose(rng, *kind.height, wish.height),
+    )
+    for _ in range(MAX_LAYOUTS):
+        built = kind.build(rng, _draw_plan(rng, style, size))
+        body = ShapePart(name=BODY, label="base", parent=None, primitives=built.primitives)
+        parts = (body, *built.parts)
+        if fits_engines(parts):
+            return Draft(style=style, parts=parts, finishes=finishes)
+    raise ShapeError(
+        f"{CATEGORY}: no table of {size} m keeps within what engines hold; wish for a smaller one"
+    )
+
+
+def _draw_plan(rng: np.random.Generator, style: str, size: tuple[float, float, float]) -> _Plan:
+    looks = draw_looks(rng, STYLES[style], max(size))
+    return _Plan(
+        size=size,
+        looks=replace(looks, carcass=replace(looks.carcass, lid=False), lock=False, margin=GAP),
+        top=float(rng.uniform(0.02, 0.04)),
+        leg=LEG_KINDS[int(rng.integers(3))],
+        leg_width=float(rng.uniform(0.04, 0.065)) * float(np.clip(0.55 + 0.4 * max(size), 0.7, 1.25)),
+    )
+
+
+def _make_top(plan: _Plan) -> Primitive:
+    width, depth, height = plan.size
+    low = (-depth / 2, -width / 2, height - plan.top)
+    return rounded_box(low, (depth / 2, width / 2, height), 0.003, "top")
+
+
+def _build_frame(rng: np.random.Generator, plan: _Plan) -> _Built:
+    """Four legs under a top: with drawers between them, with rails, with a shelf below, on castors."""
+    width, depth, height = plan.size
+    low, high = 0.0, height - plan.top
+    edge = float(rng.uniform(0.0, 0.03)) + plan.looks.reach
+    x, y = (edge - depth / 2, depth / 2 - min(edge, 0.02)), (0.02 - width / 2, width / 2 - 0.02)
+    parts: list[ShapePart] = []
+    solids: list[Primitive] = [_make_top(plan)]
+    if high < 0.55 and rng.random() < 0.2:
+        stand = make_castors(
+            x, y, float(rng.uniform(0.022, 0.03)), parent=BODY, swivel=bool(rng.random() < 0.3)
+        )
+        low, parts = stand.height, [*parts, *stand.parts]
+        solids += stand.primitives
+    leg = plan.leg_width
+    legs = lift(make_legs(x, y, high - low, kind=plan.leg, width=leg, finish="leg"), low)
+    solids += legs
+    inner = (y[0] + leg, y[1] - leg)
+    drawers = int(rng.choice(5, p=(0.3, 0.34, 0.2, 0.12, 0.04))) if width > 0.4 else int(rng.integers(2))
+    drawers = min(drawers, int((inner[1] - inner[0]) / 0.24))
+    deep = float(rng.uniform(0.1, min(0.18, 0.35 * (high - low) + 0.02)))
+    if drawers:
+        hung = _hang_drawers(drawers, Space(x=x, y=inner, z=(high - deep, high)), plan.looks, rng)
+        solids, parts = [*solids, *hung.primitives], [*parts, *hung.parts]
+    elif rng.random() < 0.75:
+        solids += _make_rails(x, y, (high - 0.6 * deep, high), leg)
+    if rng.random() < (0.65 if high < 0.6 else 0.12):
+        at = low + float(rng.uniform(0.25, 0.4)) * (high - low)
+        parts.append(_make_shelf(legs, at))
+    return _Built(primitives=tuple(solids), parts=tuple(parts))
+
+
+def _hang_drawers(count: int, space: Space, looks: Looks, rng: np.random.Generator) -> _Built:
+    """A row of drawers in a low carcass, at times two rows."""
+    drawer: Node = Cell(fill="drawer")
+    if space.height > 0.17 and rng.random() < 0.3:
+        drawer = Split(along="rows", shares=(1.0, 1.0), children=(drawer, drawer), board=False)
+    node = drawer
+    if count > 1:
+        shares = (1.0,) * count if count != 3 or rng.random() < 0.6 else (1.0, 1.6, 1.0)
+        node = Split(along="columns", shares=shares, children=(drawer,) * count)
+    built = make_cabinet(node, space, looks, parent=BODY)
+    return _Built(primitives=built.primitives, parts=built.parts)
+
+
+def _make_rails(x: Range, y: Range, z: Range, leg: float) -> tuple[Primitive, ...]:
+    """Boards between the legs, under the top."""
+    wall, back = 0.02, 0.25 * leg
+    return tuple(
+        fill_space(Space(x=span_x, y=span_y, z=z), "leg")
+        for span_x, span_y in (
+            ((x[0] + back, x[0] + back + wall), (y[0] + leg, y[1] - leg)),
+            ((x[1] - back - wall, x[1] - back), (y[0] + leg, y[1] - leg)),
+            ((x[0] + leg, x[1] - leg), (y[0] + back, y[0] + back + wall)),
+            ((x[0] + leg, x[1] - leg), (y[1] - back - wall, y[1] - back)),
+        )
+    )
+
+
+def _make_shelf(legs: Sequence[Primitive], z: float) -> ShapePart:
+    """A board between four legs, held by their inner sides at the height of its upper face."""
+    top = z + 0.02
+    centers = np.array([leg.center for leg in legs])
+    inner = []
+    for leg in legs:
+        low, high = place_vertices(leg)[leg.vertices[:, 2] < 0], place_vertices(leg)[leg.vertices[:, 2] > 0]
+        share = (top - low[0, 2]) / (high[0, 2] - low[0, 2])
+        inner.append((1 - share) * np.ptp(low[:, 1]) / 2 + share * np.ptp(high[:, 1]) / 2)
+    edge = float(np.abs(centers[:, 1]).max() - inner[0])
+    x = (float(centers[:, 0].min()) - 0.004, float(centers[:, 0].max()) + 0.004)
+    shelf = fill_space(Space(x=x, y=(-edge, edge), z=(z, top)), "top")
+    return ShapePart(name="shelf", label="shelf", parent=BODY, primitives=(shelf,))
+
+
+def _build_desk(rng: np.random.Generator, plan: _Plan) -> _Built:
+    """A top on pedestals, side panels or legs, with a modesty board, and at times drawers between them."""
+    width, depth, height = plan.size
+    high = height - plan.top
+    reach = plan.looks.reach
+    x, y = (reach - depth / 2, depth / 2), (0.015 - width / 2, width / 2 - 0.015)
+    wide = float(rng.uniform(0.32, 0.46)) * float(np.clip(width / 1.3, 0.85, 1.1))
+    both = width > 1.25 and rng.random() < 0.5
+    solids: list[Primitive] = [_make_top(plan)]
+    parts: list[ShapePart] = []
+    lifted = float(rng.choice((0.0, 0.06, 0.12)))
+    spans = [(y[1] - wide, y[1]), (y[0], y[0] + wide)] if both else [(y[1] - wide, y[1])]
+    first: Node | None = None
+    for index, span in enumerate(spans):
+        space = Space(x=x, y=span, z=(lifted, high))
+        looks = replace(plan.looks, carcass=replace(plan.looks.carcass, lid=lifted > 0))
+        node = first if first is not None and rng.random() < 0.6 else draw_layout(rng, space, looks, PEDESTAL)
+        first = node
+        built = make_cabinet(node, space, looks, parent=BODY, prefix=f"{'ab'[index]}")
+        solids, parts = [*solids, *built.primitives], [*parts, *built.parts]
+        if lifted:
+            back = replace(space, x=(x[0] + 0.03, x[1]))
+            solids += make_legs(back.x, span, lifted, kind=plan.leg, width=0.04, finish="leg")
+    free = (y[0] + wide if both else y[0], y[1] - wide)
+    if not both:
+        board = 0.03 if rng.random() < 0.5 else plan.leg_width
+        end = (y[0], y[0] + board)
+        if board == 0.03:
+            solids.append(fill_space(Space(x=(x[0] + 0.02, x[1]), y=end, z=(0.0, high)), "body"))
+        else:
+            solids += make_legs(
+                (x[0] + 0.02, x[1]), (y[0], y[0] + 3 * board), high, kind="square", width=board, finish="leg"
+            )[::2]
+        free = (end[1], free[1])
+    if rng.random() < 0.7:
+        low = high - float(rng.uniform(0.2, 0.4))
+        board = Space(x=(x[1] - 0.06, x[1] - 0.042), y=free, z=(low, high))
+        solids.append(fill_space(board, "body"))
+    if rng.random() < 0.45 and free[1] - free[0] > 0.35:
+        space = Space(x=(x[0], x[1] - 0.1), y=free, z=(high - float(rng.uniform(0.09, 0.12)), high))
+        looks = replace(plan.looks, runners=False)
+        hung = _hang_drawers(2 if free[1] - free[0] > 0.9 and rng.random() < 0.6 else 1, space, looks, rng)
+        solids, parts = [*solids, *hung.primitives], [*parts, *(_rename(part, "c") for part in hung.parts)]
+    return _Built(primitives=tuple(solids), parts=tuple(parts))
+
+
+def _rename(part: ShapePart, tag: str) -> ShapePart:
+    parent = part.parent if part.parent in (None, BODY) else f"{tag}_{part.parent}"
+    return replace(part, name=f"{tag}_{part.name}", parent=parent)
+
+
+def _build_sink(rng: np.random.Generator, plan: _Plan) -> _Built:
+    """A worktop with a basin, over a cabinet or an open frame."""
+    width, depth, height = plan.size
+    high = height - plan.top
+    reach = plan.looks.reach
+    x, y = (reach - depth / 2 + 0.005, depth / 2), (-width / 2, width / 2)
+    sink = make_sink(rng, plan.size, plan.top, parent=BODY)
+    if rng.random() < 0.25:
+        legs = make_legs(x, y, high, kind="square", width=0.04, finish="leg")
+        at = float(rng.uniform(0.15, 0.3))
+        shelf = _make_shelf(legs, at)
+        return _Built(primitives=(*sink.primitives, *legs), parts=(*sink.parts, shelf))
+    foot = float(rng.uniform(0.08, 0.12))
+    space = Space(x=x, y=y, z=(foot, high))
+    node = draw_layout(rng, space, plan.looks, UNDER_SINK)
+    cabinet = make_cabinet(node, space, plan.looks, parent=BODY)
+    kick = (
+        box((x[0] + 0.06, y[0] + 0.02, 0.0), (x[0] + 0.078, y[1] - 0.02, foot), "body"),
+        box((x[1] - 0.03, y[0] + 0.02, 0.0), (x[1] - 0.012, y[1] - 0.02, foot), "body"),
+    )
+    return _Built(
+        primitives=(*sink.primitives, *cabinet.primitives, *kick), parts=(*cabinet.parts, *sink.parts)
+    )
+
+
+def _build_screw(rng: np.random.Generator, plan: _Plan) -> _Built:
+    """A round top on a threaded spindle that turns up out of a column on a foot."""
+    width, depth, height = plan.size
+    radius = min(width, depth) / 2
+    rise = float(rng.uniform(0.08, 0.16))
+    spindle, gap, wall = 0.022, 0.0025, 0.014
+    foot = float(rng.uniform(0.02, 0.035))
+    under = height - plan.top
+    plate = under - 0.012  # a flange under the top carries the spindle
+    mouth = plate - gap
+    start = mouth - rise - 0.12
+    inner, outer = spindle + gap, spindle + gap + wall
+    column = [box((-outer, side, start), (outer, side + wall, mouth), "leg") for side in (-outer, inner)] + [
+        box((side, -inner, start), (side + wall, inner, mouth), "leg") for side in (-outer, inner)
+    ]
+    if rng.random() < 0.5:
+        base = [cylinder((0.0, 0.0, 0.0), (0.0, 0.0, foot), 0.62 * radius, "leg")]
+    else:
+        arm, half = 0.8 * radius, 0.03
+        base = [
+            box((-arm, -half, 0.0), (arm, half, foot), "leg"),
+            box((-half, -arm, 0.0), (half, -half, foot), "leg"),
+            box((-half, half, 0.0), (half, arm, foot), "leg"),
+        ]
+    post = box((-outer, -outer, foot), (outer, outer, start), "leg")
+    turns = rise / float(rng.uniform(0.010, 0.016)) * 2 * np.pi
+    top = (
+        cylinder((0.0, 0.0, under), (0.0, 0.0, height), radius, "top"),
+        cylinder((0.0, 0.0, plate), (0.0, 0.0, under), min(0.09, 0.4 * radius), "steel"),
+        cylinder((0.0, 0.0, start + gap), (0.0, 0.0, plate), spindle, "steel"),
+    )
+    thread = Motion(type="screw", axis=(0.0, 0.0, 1.0), upper=turns, pitch=rise / turns)
+    part = ShapePart(name="top", label="shelf", parent=BODY, primitives=top, motion=thread)
+    return _Built(primitives=(*base, post, *column), parts=(part,))
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Kind:
+    """A kind of table: chance, ranges of its size (m), and what builds it."""
+
+    weight: float
+    width: Range
+    depth: Range
+    height: Range
+    build: Callable[[np.random.Generator, _Plan], _Built]
+    round: bool = False
+
+
+KINDS: dict[str, _Kind] = {
+    "dining": _Kind(weight=2.0, width=(0.8, 2.0), depth=(0.65, 1.0), height=(0.7, 0.78), build=_build_frame),
+    "side": _Kind(weight=2.2, width=(0.35, 0.65), depth=(0.32, 0.5), height=(0.42, 0.68), build=_build_frame),
+    "coffee": _Kind(weight=2.0, width=(0.7, 1.3), depth=(0.45, 0.75), height=(0.32, 0.5), build=_build_frame),
+    "console": _Kind(weight=1.4, width=(0.8, 1.6), depth=(0.3, 0.45), height=(0.7, 0.9), build=_build_frame),
+    "desk": _Kind(weight=3.4, width=(0.95, 1.8), depth=(0.5, 0.8), height=(0.7, 0.78), build=_build_desk),
+    "sink": _Kind(weight=1.0, width=(0.55, 1.3), depth=(0.52, 0.66), height=(0.82, 0.95), build=_build_sink),
+    "screw": _Kind(
+        weight=0.7, width=(0.45, 0.9), depth=(0.45, 0.9), height=(0.45, 0.78), build=_build_screw, round=True
+    ),
+}
+
+
+def _choose_kind(rng: np.random.Generator, wish: Wish) -> _Kind:
+    """A kind whose sizes include those wished for, or come nearest."""
+    wanted = (wish.width, wish.depth, wish.height)
+    misses = {
+        name: sum(
+            max(low - want, want - high, 0.0)
+            for want, (low, high) in zip(wanted, (kind.width, kind.depth, kind.height), strict=True)
+            if want is not None
+        )
+        for name, kind in KINDS.items()
+    }
+    least = min(misses.values())
+    return KINDS[pick(rng, {name: kind.weight for name, kind in KINDS.items() if misses[name] <= least})]
