@@ -7,8 +7,9 @@ finishes. A rerun with the same settings does only what is missing or failed bef
 import hashlib
 import json
 import os
+import time
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Protocol, TypeVar
 
@@ -29,6 +30,11 @@ class Job(Protocol):
     @property
     def settings(self) -> str:
         """Everything besides the source that decides the result, as text."""
+        ...
+
+    @property
+    def out(self) -> Path:
+        """Folder of all packages."""
         ...
 
 
@@ -52,6 +58,15 @@ class Finished:
     def good(self) -> bool:
         """Written, and not failed by validation."""
         return self.error is None and self.passed is not False
+
+
+@dataclass(frozen=True, kw_only=True)
+class Made:
+    """What making one package took and noted."""
+
+    seconds: tuple[tuple[str, float], ...]
+    peak_mib: float
+    notes: tuple[str, ...]
 
 
 def digest_settings(text: str) -> str:
@@ -78,6 +93,36 @@ def read_journal(out: Path) -> dict[str, Finished]:
         value["notes"] = tuple(value["notes"])
         done[value["key"]] = Finished(**value)
     return done
+
+
+def make_and_validate(
+    worker: Worker, job: JobType, make: Callable[[JobType], Made], *, timeout: float, validation: bool
+) -> Finished:
+    """Makes one package and tries it (L0 to L3), both in a supervised process."""
+    from envs.config import ValidateConfig
+    from envs.validate import validate
+
+    settings = digest_settings(job.settings)
+    outcome = worker.call(make, job, timeout)
+    if outcome.value is None:
+        return Finished(key=job.key, settings=settings, error=outcome.error)
+    made = Finished(
+        key=job.key,
+        settings=settings,
+        seconds=outcome.value.seconds,
+        peak_mib=outcome.value.peak_mib,
+        notes=outcome.value.notes,
+    )
+    if not validation:
+        return made
+    before = time.perf_counter()
+    report = validate(job.out / job.key, ValidateConfig(), worker)
+    return replace(
+        made,
+        passed=report.passed,
+        failures=tuple(f"{check.id} {check.where}: {check.message}" for check in report.failures),
+        seconds=(*made.seconds, ("validate", time.perf_counter() - before)),
+    )
 
 
 def run_batch(

@@ -13,7 +13,7 @@ import tyro
 from tqdm import tqdm
 
 from artigen.cli.arguments import Out, Workers
-from artigen.cli.batch import Finished, digest_settings, run_batch
+from artigen.cli.batch import Finished, Made, make_and_validate, run_batch
 from artigen.workers import Worker
 
 if TYPE_CHECKING:
@@ -58,16 +58,7 @@ class ConvertJob:
         return f"{self.source.resolve()} {self.cfg}"
 
 
-@dataclass(frozen=True, kw_only=True)
-class Converted:
-    """What one conversion took and noted."""
-
-    seconds: tuple[tuple[str, float], ...]
-    peak_mib: float
-    notes: tuple[str, ...]
-
-
-def convert_object(job: ConvertJob) -> Converted:
+def convert_object(job: ConvertJob) -> Made:
     """Reads one object, exports it and writes the package; runs in a worker process."""
     from artigen import __version__
     from artigen.datasets.partnet_mobility import ReaderConfig, read_object
@@ -95,7 +86,7 @@ def convert_object(job: ConvertJob) -> Converted:
     written = time.perf_counter()
     write_package(exported.package, job.out / job.key, "replace")
     laps = [(name, now - before) for (_, before), (name, now) in pairwise(watch)]
-    return Converted(
+    return Made(
         seconds=(*laps, *exported.seconds, ("write", time.perf_counter() - written)),
         peak_mib=resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
         notes=exported.package.records,
@@ -149,32 +140,8 @@ def place_source_meshes(source, asset: "Asset"):
 
 def convert_and_validate(worker: Worker, job: ConvertJob, timeout: float) -> Finished:
     """One object the whole way, in a supervised process."""
-    from envs.config import ValidateConfig
-    from envs.validate import validate
-
-    settings = digest_settings(job.settings)
-    outcome = worker.call(convert_object, job, timeout)
-    if outcome.value is None:
-        return Finished(key=job.key, settings=settings, error=outcome.error)
-    converted = outcome.value
-    if job.cfg.validation == "none":
-        return Finished(
-            key=job.key,
-            settings=settings,
-            seconds=converted.seconds,
-            peak_mib=converted.peak_mib,
-            notes=converted.notes,
-        )
-    before = time.perf_counter()
-    report = validate(job.out / job.key, ValidateConfig(), worker)
-    return Finished(
-        key=job.key,
-        settings=settings,
-        passed=report.passed,
-        failures=tuple(f"{check.id} {check.where}: {check.message}" for check in report.failures),
-        seconds=(*converted.seconds, ("validate", time.perf_counter() - before)),
-        peak_mib=converted.peak_mib,
-        notes=converted.notes,
+    return make_and_validate(
+        worker, job, convert_object, timeout=timeout, validation=job.cfg.validation == "full"
     )
 
 

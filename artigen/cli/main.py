@@ -7,6 +7,7 @@ from artigen.cli.convert import convert
 from artigen.cli.demo import demo
 from artigen.cli.export import export
 from artigen.cli.preview import preview
+from artigen.cli.shape import shape
 from artigen.cli.validate import validate
 from artigen.cli.view import view
 from artigen.errors import ArtigenError
@@ -19,6 +20,7 @@ def main() -> None:
     logging.basicConfig(level=logging.WARNING, format="%(levelname)s %(name)s: %(message)s")
     commands = {
         "convert": convert,
+        "shape": shape,
         "export": export,
         "validate": validate,
         "preview": preview,

@@ -1,0 +1,207 @@
+"""`artigen shape`: procedural objects to proven packages, as many as wanted."""
+
+import resource
+import sys
+import time
+from dataclasses import dataclass, field
+from itertools import pairwise
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal, get_args
+
+import tyro
+from tqdm import tqdm
+
+from artigen.cli.arguments import Count, Out, Workers
+from artigen.cli.batch import Finished, Made, make_and_validate, run_batch
+from artigen.errors import ArtigenError
+from artigen.types import PartLabel
+from artigen.workers import Worker
+
+if TYPE_CHECKING:
+    from artigen.shapes.draw import Wish
+    from artigen.shapes.shape import Shape
+    from sim_export.package import SimPackage
+
+TIMEOUT = 300.0
+"""Seconds that one stage of one object may take."""
+SPACING = 1 / 192
+"""Mean distance of the coloured samples that textures are baked from, over the longest edge."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ShapeSettings:
+    """What the objects should be like (what is not said is left to the seed), and how they are exported."""
+
+    width: float | None = None
+    """Metres, as seen from the front."""
+    depth: float | None = None
+    """Metres, with fronts and without handles where the category can tell them apart."""
+    height: float | None = None
+    """Metres."""
+    style: str | None = None
+    """A word of the category, as its objects state it."""
+    counts: tuple[str, ...] = ()
+    """Parts wanted, such as drawer=3 door=0."""
+    source: Literal["reference", "voxels"] = "reference"
+    """``reference`` takes the object's own primitives as collision; ``voxels`` rebuilds the object from
+    its 64^3 articulated voxels, as for a generated one."""
+    validation: Literal["full", "none"] = "full"
+    """Whether every package is tried (L0 to L3) as soon as it is written."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ShapeJob:
+    """One procedural object on its way to its package folder."""
+
+    category: str
+    seed: int
+    out: Path
+    cfg: ShapeSettings = field(default_factory=ShapeSettings)
+
+    @property
+    def key(self) -> str:
+        """Name of the package."""
+        return f"{self.category}_{self.seed}"
+
+    @property
+    def settings(self) -> str:
+        """Object and settings as text."""
+        return f"{self.key} {self.cfg}"
+
+
+def draw_wished(job: ShapeJob) -> "Shape":
+    """Draws the object of a job."""
+    from artigen.shapes.draw import draw_shape
+
+    return draw_shape(job.category, job.seed, read_wish(job.cfg))
+
+
+def read_wish(cfg: ShapeSettings) -> "Wish":
+    """The wish among the settings, its counts read.
+
+    Raises:
+        ArtigenError: If a count is not of the form label=number.
+    """
+    from artigen.shapes.draw import Wish
+
+    labels: dict[str, PartLabel] = {label: label for label in get_args(PartLabel)}
+    counts: dict[PartLabel, int] = {}
+    for text in cfg.counts:
+        label, _, number = text.partition("=")
+        if label not in labels or not number.isdecimal():
+            raise ArtigenError(
+                f"count {text!r} is not of the form label=number; labels are {', '.join(labels)}"
+            )
+        counts[labels[label]] = int(number)
+    return Wish(
+        width=cfg.width,
+        depth=cfg.depth,
+        height=cfg.height,
+        style=cfg.style,
+        counts=tuple(sorted(counts.items())),
+    )
+
+
+def export_shape(job: ShapeJob) -> Made:
+    """Draws one object, exports it and writes the package; runs in a worker process."""
+    from sim_export.write import write_package
+
+    watch = [("start", time.perf_counter())]
+    drawn = draw_wished(job)
+    watch.append(("draw", time.perf_counter()))
+    package = make_package(drawn, job.cfg.source)
+    watch.append(("export", time.perf_counter()))
+    write_package(package, job.out / job.key, "replace")
+    watch.append(("write", time.perf_counter()))
+    return Made(
+        seconds=tuple((name, now - before) for (_, before), (name, now) in pairwise(watch)),
+        peak_mib=resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
+        notes=package.records,
+    )
+
+
+def make_package(drawn: "Shape", source: Literal["reference", "voxels"]) -> "SimPackage":
+    """The package of an object: exact, or rebuilt from its voxels as that of a generated one would be."""
+    from artigen import __version__
+
+    provenance = {
+        "generator": f"artigen {__version__} shape",
+        "source": f"procedural {drawn.category}, seed {drawn.seed}, style {drawn.style}",
+        "made_from": source,
+    }
+    if source == "reference":
+        from sim_export.reference import build_reference
+
+        return build_reference(drawn, provenance=provenance)
+    from artigen.cli.convert import rebuild_from_voxels
+    from artigen.shapes.asset import frame_shape, shape_to_asset
+    from sim_export.export import export_asset
+
+    asset = shape_to_asset(drawn, spacing=SPACING * frame_shape(drawn)[1])
+    return export_asset(rebuild_from_voxels(asset), provenance=provenance).package
+
+
+def export_and_validate(worker: Worker, job: ShapeJob) -> Finished:
+    """One object the whole way, in a supervised process."""
+    full = job.cfg.validation == "full"
+    return make_and_validate(worker, job, export_shape, timeout=TIMEOUT, validation=full)
+
+
+def shape(
+    category: tyro.conf.Positional[str],
+    out: Out,
+    seed: int = 0,
+    count: Count = 1,
+    cfg: tyro.conf.OmitArgPrefixes[ShapeSettings] = ShapeSettings(),
+    sheet: Path | None = None,
+    workers: Workers = 2,
+) -> int:
+    """Draws procedural objects and writes their simulation packages, proven.
+
+    A killed or failed run is finished by running the same command again.
+
+    Args:
+        category: What to draw, such as StorageFurniture.
+        out: Folder for the packages and the journal run.jsonl.
+        seed: Seed of the first object.
+        count: Number of objects; seeds follow each other.
+        cfg: What the objects should be like, and how they are exported.
+        sheet: PNG of all objects, closed above and open below.
+        workers: Processes side by side.
+    """
+    if count < 1 or seed < 0:
+        raise ArtigenError(f"{count} objects from seed {seed}: at least one object, and no seed below 0")
+    jobs = [
+        ShapeJob(category=category, seed=number, out=out, cfg=cfg) for number in range(seed, seed + count)
+    ]
+    drawn = [draw_wished(job) for job in jobs[: None if sheet else 1]]  # says at once what cannot be
+    with tqdm(total=len(jobs), unit="object", disable=not sys.stderr.isatty() and len(jobs) > 1) as bar:
+
+        def on_done(finished: Finished) -> None:
+            bar.update()
+            if not finished.good:
+                bar.write(
+                    f"{finished.key}: {finished.error or '; '.join(finished.failures)}", file=sys.stderr
+                )
+
+        results = run_batch(export_and_validate, jobs, out, workers=min(workers, len(jobs)), on_done=on_done)
+    if sheet is not None:
+        write_sheet(drawn, sheet)
+    passed = sum(bool(finished.passed) for finished in results)
+    written = sum(finished.error is None for finished in results)
+    sys.stdout.write(
+        f"{len(results)} objects: {written} packages in {out}, {passed} of them passed every check\n"
+    )
+    return 0 if all(finished.good for finished in results) else 1
+
+
+def write_sheet(drawn: "list[Shape]", path: Path) -> None:
+    """All objects closed, and below them open, as one PNG."""
+    import numpy as np
+    from PIL import Image
+
+    from artigen.shapes.sheet import draw_sheet
+
+    rows = [draw_sheet(drawn, opened) for opened in (0.0, 0.8)]
+    path.parent.mkdir(parents=True, exist_ok=True)
+    Image.fromarray(np.concatenate(rows, axis=0)).save(path)
