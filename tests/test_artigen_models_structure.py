@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 import torch
 
-from artigen.config import PRESETS
 from artigen.errors import SourceError
 from artigen.fields import DEFAULT_LAYOUT, encode
 from artigen.models.conditions import (
@@ -20,6 +19,7 @@ from artigen.models.conditions import (
 from artigen.models.conv_vae import ConvVaeConfig
 from artigen.models.latent_dit import EARLIEST, velocity_of
 from artigen.models.patches import PackedField, PatchBatch, collate, fold, pack_asset, patch_centers, unfold
+from artigen.models.presets import PRESETS
 from artigen.models.store import load_model, save_model
 from artigen.models.structure_flow import StructureFlow, sample_latents
 from artigen.models.structure_vae import StructureVae, decode_fields

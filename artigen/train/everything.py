@@ -14,13 +14,14 @@ from pathlib import Path
 
 import torch
 
-from artigen.config import PRESETS, PresetName, StageConfig, StructurePreset
 from artigen.metrics.structure import score_reconstruction
+from artigen.models.presets import PRESETS, PresetName, StructurePreset
 from artigen.models.store import save_model
 from artigen.models.structure_flow import StructureFlow
 from artigen.models.structure_vae import StructureVae
 from artigen.train.examples import StructureExample
 from artigen.train.loop import LoopConfig
+from artigen.train.presets import TRAINING, StageConfig
 from artigen.train.shards import HELD_OUT, ShardConfig, make_shards, read_shard
 from artigen.train.structure import encode_examples, train_structure_flow, train_structure_vae
 
@@ -49,7 +50,7 @@ class RunConfig:
 
 def train_everything(cfg: RunConfig) -> dict[str, float]:
     """Runs what is missing and returns the scores of the held-out objects."""
-    preset = PRESETS[cfg.preset]
+    preset, training = PRESETS[cfg.preset], TRAINING[cfg.preset]
     trained, held_out = (
         _examples(cfg, preset, "train", cfg.shards, HELD_OUT),
         _examples(cfg, preset, "held_out", cfg.held_out, 0),
@@ -61,9 +62,9 @@ def train_everything(cfg: RunConfig) -> dict[str, float]:
         vae,
         trained,
         cfg.folder / "vae",
-        _loop(preset.vae_stage, cfg.minutes),
-        batch=preset.vae_stage.batch,
-        losses=preset.losses,
+        _loop(training.vae, cfg.minutes),
+        batch=training.vae.batch,
+        losses=training.losses,
         on_report=_say,
     )
     described = {"preset": cfg.preset, "objects": len(trained), "minutes": cfg.minutes}
@@ -78,8 +79,8 @@ def train_everything(cfg: RunConfig) -> dict[str, float]:
         encode_examples(vae, trained),
         trained,
         cfg.folder / "flow",
-        _loop(preset.flow_stage, cfg.minutes),
-        batch=preset.flow_stage.batch,
+        _loop(training.flow, cfg.minutes),
+        batch=training.flow.batch,
         conditions=preset.conditions,
         on_report=_say,
     )

@@ -1,0 +1,53 @@
+"""How the presets of `artigen.models.presets` are trained."""
+
+from dataclasses import dataclass, field
+
+from artigen.models.presets import PresetName
+from artigen.train.structure_losses import PAPER_LOSS, StructureLossConfig
+
+
+@dataclass(frozen=True, kw_only=True)
+class StageConfig:
+    """How one network is trained: batch, rates, and the share of a budget that it gets."""
+
+    batch: int
+    """Objects per step and process."""
+    learning_rate: float
+    """Peak learning rate."""
+    warmup: int
+    """Steps over which it rises."""
+    decay: float
+    """Share of the run, at its end, over which it falls."""
+    ema: float
+    """Decay of the averaged weights."""
+    share: float
+    """Share of the whole budget."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class TrainingPreset:
+    """How the networks of a structure model are trained."""
+
+    vae: StageConfig
+    """Training of the VAE."""
+    flow: StageConfig
+    """Training of the flow."""
+    losses: StructureLossConfig = field(default_factory=StructureLossConfig)
+    """Weights of the VAE's loss terms."""
+
+
+TRAINING: dict[PresetName, TrainingPreset] = {
+    "tiny": TrainingPreset(
+        vae=StageConfig(batch=4, learning_rate=2e-3, warmup=5, decay=1.0, ema=0.9, share=0.5),
+        flow=StageConfig(batch=8, learning_rate=1e-3, warmup=5, decay=0.5, ema=0.9, share=0.5),
+    ),
+    "compact": TrainingPreset(
+        vae=StageConfig(batch=64, learning_rate=1e-3, warmup=200, decay=1.0, ema=0.999, share=0.4),
+        flow=StageConfig(batch=256, learning_rate=4e-4, warmup=300, decay=0.3, ema=0.999, share=0.6),
+    ),
+    "paper": TrainingPreset(
+        vae=StageConfig(batch=4, learning_rate=1e-4, warmup=0, decay=0.0, ema=0.9999, share=0.5),
+        flow=StageConfig(batch=4, learning_rate=1e-4, warmup=0, decay=0.0, ema=0.9999, share=0.5),
+        losses=PAPER_LOSS,
+    ),
+}
