@@ -10,12 +10,14 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from jaxtyping import Float
 
 from sim_export.additions import AdditionConfig, Sweep, add_hull, read_sweeps
 from sim_export.contacts import HullSet, signed_distances
 from sim_export.hulls import box_hull, hull_planes
 from sim_export.package import Hull, Link, PackageJoint, Requirement
+
+_LEVEL = 1e-3
+"""Metres by which buttons in a row may end at different depths."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,13 +28,13 @@ class AttachmentConfig:
     """A gap up to this is left alone: links that are nearer count as attached."""
     far: float = 0.02
     """A gap beyond this is left alone too: the two do not touch in the source either."""
-    rooms: tuple[float, ...] = (0.0003, 0.001, 0.0025, 0.0045)
+    rooms: tuple[float, ...] = (0.0003, 0.001, 0.004)
     """What stays free between a peg and the link it reaches for, tried in this order."""
     root: float = 1e-3
     """How deep a peg stands in its own link."""
     widths: tuple[float, ...] = (0.012, 0.006, 0.003, 0.0015)
     """Edges of a peg's square cross-section, tried in this order."""
-    pairs: int = 6
+    pairs: int = 4
     """Nearest pairs of hulls between which a peg is tried."""
     addition: AdditionConfig = field(default_factory=AdditionConfig)
     """What pegs must keep to."""
@@ -93,12 +95,16 @@ class _Facing:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Spot:
-    """Where a peg could be: the hull it stands on, and the middle of its two ends."""
+    """Where a peg could be: the hull it stands on and the middle of its two ends.
+
+    ``bar`` is the long side of one that several buttons share; other pegs are square.
+    """
 
     on_child: bool
     stand: Hull
     start: np.ndarray
     end: np.ndarray
+    bar: np.ndarray | None = None
 
 
 def attach_links(
@@ -122,12 +128,15 @@ def attach_links(
     sets = [HullSet(hulls=link.hulls) for link in links]
     sweeps = read_sweeps(links, joints, requirements, cfg.addition.poses)
     pegs, apart = [], []
-    for child, parent, joint in _carried_links(links, joints):
+    carried = list(_carried_links(links, joints))
+    for child, parent, joint in carried:
         facing = _find_facing(sets[child], sets[parent], cfg)
         if not facing or facing[0].gap <= cfg.near:
             continue
         names = {"child": links[child].name, "parent": links[parent].name}
-        found = _fit_peg(sets, sweeps, (child, parent), facing, joint, cfg)
+        peers = [sets[c].vertices for c, p, other in carried if p == parent and other.type == "prismatic"]
+        boxes = np.array([[points.min(axis=0), points.max(axis=0)] for points in peers])
+        found = _fit_peg(sets, sweeps, (child, parent), facing, joint, boxes, cfg)
         if found is None:
             apart.append((*names.values(), facing[0].gap))
             continue
@@ -187,14 +196,21 @@ def _fit_peg(
     pair: tuple[int, int],
     facing: Sequence[_Facing],
     joint: PackageJoint,
+    peers: np.ndarray,
     cfg: AttachmentConfig,
 ) -> tuple[int, HullSet, float] | None:
-    """The first peg that is free along every sweep: its link, that link's hulls with it, and its width."""
+    """The first peg that is free along every sweep: its link, that link's hulls with it, and its width.
+
+    ``peers`` are the boxes of all links that slide on the same one; they may share a peg.
+    """
     for room, width in ((room, width) for room in cfg.rooms for width in cfg.widths):
-        spots = (*_straight_spots(facing, joint, room, cfg), *_side_spots(facing, joint, room, width, cfg))
+        spots = (
+            *_straight_spots(facing, joint, room, cfg),
+            *_side_spots(facing, joint, peers, room, width, cfg),
+        )
         for spot in spots:
             slot = pair[0] if spot.on_child else pair[1]
-            peg = _peg_hull(spot.start, spot.end, width)
+            peg = _peg_hull(spot, width)
             hulls = add_hull(sets, sweeps, slot, peg, spot.stand, cfg.addition)
             if hulls is not None:
                 return slot, hulls, width
@@ -231,24 +247,57 @@ def _places(pair: _Facing, joint: PackageJoint) -> list[np.ndarray]:
 
 
 def _side_spots(
-    facing: Sequence[_Facing], joint: PackageJoint, room: float, width: float, cfg: AttachmentConfig
+    facing: Sequence[_Facing],
+    joint: PackageJoint,
+    peers: np.ndarray,
+    room: float,
+    width: float,
+    cfg: AttachmentConfig,
 ) -> Iterator[_Spot]:
-    """Pegs that stand on the parent beside a button, which itself moves across the gap."""
+    """Pegs that stand on the parent beside a button, which itself moves across the gap; bars first."""
+    if joint.type != "prismatic":
+        return
     for pair in facing:
         along = np.asarray(joint.axis) * np.sign(joint.axis @ pair.normal)
         planes = hull_planes(pair.parent)
         planes = planes[planes[:, :3] @ along < -0.5]
-        if joint.type != "prismatic" or along @ pair.normal < 0.9 or not len(planes):
+        if along @ pair.normal < 0.9 or not len(planes):
             continue
         corners = pair.child.vertices
-        middle = (corners.min(axis=0) + corners.max(axis=0)) / 2
-        middle = middle + ((corners @ along).max() - middle @ along) * along
-        for aside in _frame(along)[1:]:
-            for side in (aside, -aside):
-                at = middle + ((corners @ side).max() - middle @ side + room + width / 2) * side
-                depth = float(((planes[:, 3] - planes[:, :3] @ at) / (planes[:, :3] @ along)).max())
-                start, end = at + (depth + cfg.root) * along, at - cfg.root * along
-                yield _Spot(on_child=False, stand=pair.parent, start=start, end=end)
+        back = float((corners @ along).max())
+        for bar, (aside, across) in ((b, axes) for b in (True, False) for axes in _sides(along)):
+            row = _row(corners, peers, along, aside) if bar else corners
+            low, high = (row @ across).min(), (row @ across).max()
+            if bar and high - low <= np.ptp(corners @ across):
+                continue
+            at = (low + high) / 2 * across + ((row @ aside).max() + room + width / 2) * aside + back * along
+            depth = float(((planes[:, 3] - planes[:, :3] @ at) / (planes[:, :3] @ along)).max())
+            yield _Spot(
+                on_child=False,
+                stand=pair.parent,
+                start=at + (depth + cfg.root) * along,
+                end=at - cfg.root * along,
+                bar=(high - low) * across if bar else None,
+            )
+
+
+def _sides(along: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+    """The four directions across ``along``, each with the one across both."""
+    first, second = _frame(along)[1:]
+    return [(first, second), (-first, second), (second, first), (-second, first)]
+
+
+def _row(corners: np.ndarray, peers: np.ndarray, along: np.ndarray, aside: np.ndarray) -> np.ndarray:
+    """Corners of a button and of its peers that end as deep and lie in a row across ``aside``."""
+    low, high = (corners @ aside).min(), (corners @ aside).max()
+    row = [corners]
+    for box in peers:
+        points = np.array([[box[i, 0], box[j, 1], box[k, 2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
+        level = abs((points @ along).max() - (corners @ along).max()) < _LEVEL
+        overlap = min((points @ aside).max(), high) - max((points @ aside).min(), low)
+        if level and overlap > 0.5 * (high - low) and np.ptp(points @ aside) < 1.5 * (high - low):
+            row.append(points)
+    return np.concatenate(row)
 
 
 def _frame(direction: np.ndarray) -> np.ndarray:
@@ -260,9 +309,14 @@ def _frame(direction: np.ndarray) -> np.ndarray:
     return np.stack([first, second, np.cross(first, second)])
 
 
-def _peg_hull(start: Float[np.ndarray, "3"], end: Float[np.ndarray, "3"], width: float) -> Hull:
-    """A box from ``start`` to ``end`` with a square cross-section."""
-    half = np.array([np.linalg.norm(end - start), width, width]) / 2
-    frame = _frame(end - start)
+def _peg_hull(spot: _Spot, width: float) -> Hull:
+    """The box of a peg: square, or a bar that is ``width`` wide."""
+    frame = _frame(spot.end - spot.start)
+    sides = [np.linalg.norm(spot.end - spot.start), width, width]
+    if spot.bar is not None:
+        sides[1] = np.linalg.norm(spot.bar)
+        frame[1] = spot.bar / sides[1]
+        frame[2] = np.cross(frame[0], frame[1])
+    half = np.array(sides) / 2
     box = box_hull(-half, half)
-    return Hull(vertices=(start + end) / 2 + box.vertices @ frame, faces=box.faces)
+    return Hull(vertices=(spot.start + spot.end) / 2 + box.vertices @ frame, faces=box.faces)

@@ -126,3 +126,19 @@ def test_it_repeats_itself_and_is_done_once():
 def test_settings_that_make_no_sense_are_refused():
     with pytest.raises(ValueError, match="expected to rise"):
         AttachmentConfig(near=0.001)
+
+
+def test_buttons_in_a_row_share_a_bar():
+    knobs = [box((-0.027, y - 0.01, -0.01), (-0.007, y + 0.01, 0.01)) for y in (-0.06, -0.03, 0.0, 0.03)]
+    names = [f"button_{index}" for index in range(len(knobs))]
+    press = joint("prismatic", (1.0, 0.0, 0.0), 0.0069)
+    presses = [replace(press, name=f"joint_{name}", child=name) for name in names]
+    links = (link("body", BODY), *(link(name, knob) for name, knob in zip(names, knobs, strict=True)))
+    done = attach_links(links, presses)
+    assert len(done.pegs) == 1
+    assert np.ptp(done.links[0].hulls[-1].vertices[:, 1]) == pytest.approx(0.11)
+    for name, moving in zip(names, presses, strict=True):
+        index = names.index(name) + 1
+        pair = (done.links[0], done.links[index])
+        assert gap(pair) <= AttachmentConfig().near
+        assert sweep_gap(pair, replace(moving, child=name)) >= 0.0
