@@ -3,9 +3,11 @@
 Voxels hold surfaces only. A board three cells thick is two sheets with a gap, and where its edge
 touches another part (a shelf behind a door) the gap is open towards that part and no cavity of its
 own. So the gap is found in the whole object at rest: a space without a way out and nowhere wider than
-a board.
+a board. The room between two bodies that move against each other (a flat drawer under a table top) is
+such a space too; it is told by how much of its walls belongs to each.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -16,12 +18,17 @@ from artigen.types import VoxelGrid
 
 MAX_BOARD = 3
 """Cells; wider spaces are compartments."""
+MAX_FOREIGN = 0.25
+"""A space of whose walls this share or more belongs to other links than most of them is no board's inside."""
 
 
-def fill_boards(voxels: VoxelGrid, max_width: int = MAX_BOARD) -> tuple[VoxelGrid, int]:
+def fill_boards(
+    voxels: VoxelGrid, owners: Sequence[int] | None = None, max_width: int = MAX_BOARD
+) -> tuple[VoxelGrid, int]:
     """Adds the gaps inside of boards to the parts around them; also returns how many cells those are.
 
-    A gap goes as a whole to the part that owns most of the cells around it.
+    A gap goes as a whole to the part that owns most of the cells around it. ``owners`` tells for every
+    part which part leads its link (`sim_export.links.link_owners`); without it all parts are one link.
     """
     shape = (voxels.resolution + 2,) * 3
     owner = np.full(shape, -1, dtype=np.int64)
@@ -39,6 +46,12 @@ def fill_boards(voxels: VoxelGrid, max_width: int = MAX_BOARD) -> tuple[VoxelGri
             beside = np.roll(owner, step, axis)
             touching = gaps & (beside >= 0)
             np.add.at(votes, (spaces[touching], beside[touching]), 1)
+    if owners is not None:
+        links = np.zeros((count + 1, max(owners) + 1), dtype=np.int64)
+        np.add.at(links.T, np.asarray(owners[:parts]), votes.T)
+        total = links.sum(axis=1)
+        between = total - links.max(axis=1) >= MAX_FOREIGN * np.maximum(total, 1)
+        gaps &= ~between[spaces]
     added = np.argwhere(gaps)
     coords = np.concatenate([voxels.coords, added - 1])
     part_ids = np.concatenate([voxels.part_ids, votes.argmax(axis=1)[spaces[tuple(added.T)]]])

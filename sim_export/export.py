@@ -70,7 +70,7 @@ def export_asset(
     watch = _Stopwatch()
     if asset.voxels is None:
         raise ValueError(f"asset {asset.name!r} has no voxels; voxelize its surface first")
-    voxels, gaps = fill_boards(asset.voxels)
+    voxels, gaps = fill_boards(asset.voxels, link_owners(asset))
     asset = replace(asset, voxels=voxels)
     solids = solid_parts(asset)
     meshes = mesh_parts(asset, cfg.meshing, solids)

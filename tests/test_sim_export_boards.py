@@ -45,3 +45,19 @@ def test_a_closed_compartment_stays_free():
 def test_an_open_slot_stays_free():
     left, right = shell([4, 4, 4], [20, 6, 20]), shell([4, 8, 4], [20, 10, 20])
     assert fill_boards(grid_of(left | right))[1] == 0
+
+
+def test_the_room_in_a_flat_drawer_is_no_board():
+    """A tray three cells high right under a table top: a closed flat space, but between two links."""
+    top = shell([2, 2, 14], [26, 26, 17])
+    drawer = {
+        (x, y, z)
+        for x in range(6, 20) for y in range(8, 22) for z in range(11, 14)
+        if z == 11 or x in (6, 19) or y in (8, 21)
+    }  # fmt: skip
+    grid = grid_of(top, drawer)
+    board = 22 * 22  # the middle layer of the top itself
+    filled, count = fill_boards(grid, owners=[0, 1])
+    assert count == board
+    assert not ((filled.coords[:, 2] < 14) & (filled.part_ids == 0)).any()
+    assert fill_boards(grid, owners=[0, 0])[1] == fill_boards(grid)[1] == board + 12 * 12 * 2
