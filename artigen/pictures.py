@@ -1,0 +1,129 @@
+"""Photos as conditions: any picture file to a small premultiplied RGBA square, the object filling it."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from artigen.errors import SourceError
+
+if TYPE_CHECKING:
+    from PIL import Image
+
+MIN_EDGE = 16
+MAX_PIXELS = 64_000_000
+BACKGROUND_TOLERANCE = 0.12
+"""How far (in RGB, 0 to 1) a colour may be from the border's to count as background."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Picture:
+    """RGB and alpha in [0, 1], premultiplied on black; ``notes`` says what was done to get there."""
+
+    rgba: Float[np.ndarray, "4 S S"]
+    notes: tuple[str, ...]
+
+
+def read_picture(path: Path, size: int, *, margin: float = 0.06) -> Picture:
+    """Reads a picture, cuts out its object and scales it into a square.
+
+    With an alpha channel, that is the object. Without, what differs from a plain background along the
+    border is; a picture without a plain background is used whole, and a note says so.
+
+    Args:
+        path: PNG, JPEG or anything that Pillow reads: grey, palette, 16 bit and CMYK too.
+        size: edge of the result in pixels.
+        margin: free border on each side, as a share of the edge.
+
+    Raises:
+        SourceError: If the file is missing, no picture, truncated, too small or too large, or its object is
+            empty.
+    """
+    from PIL import Image, UnidentifiedImageError
+
+    try:
+        with Image.open(path) as opened:
+            _check_extent(path, opened.size)
+            image = _to_rgba(opened)
+    except FileNotFoundError as error:
+        raise SourceError(f"{path}: there is no such picture") from error
+    except (UnidentifiedImageError, Image.DecompressionBombError) as error:
+        raise SourceError(f"{path}: is no picture that can be read ({error})") from error
+    except (OSError, SyntaxError) as error:
+        raise SourceError(f"{path}: is damaged ({error})") from error
+    values = np.asarray(image, dtype=np.float32) / 255.0
+    notes: list[str] = []
+    object_mask = values[..., 3] > 0.5
+    if object_mask.all():
+        object_mask, said = find_object(values[..., :3])
+        notes.append(said)
+    if not object_mask.any():
+        raise SourceError(f"{path}: is transparent everywhere, expected an object")
+    square = _fit(values, object_mask, size, margin)
+    return Picture(rgba=square, notes=tuple(notes))
+
+
+def find_object(rgb: Float[np.ndarray, "H W 3"]) -> tuple[Bool[np.ndarray, "H W"], str]:
+    """What differs from a plain background, and a sentence about it; everything when there is none."""
+    border = np.concatenate([rgb[0], rgb[-1], rgb[:, 0], rgb[:, -1]])
+    background = np.median(border, axis=0)
+    plain = np.abs(border - background).max(axis=1) < BACKGROUND_TOLERANCE
+    if plain.mean() < 0.75:
+        return np.ones(rgb.shape[:2], dtype=bool), "the background is not plain; the whole picture is used"
+    differs = np.abs(rgb - background).max(axis=2) >= BACKGROUND_TOLERANCE
+    if not differs.any():
+        return np.ones(rgb.shape[:2], dtype=bool), "nothing differs from the background; all of it is used"
+    from scipy.ndimage import binary_fill_holes, label
+
+    filled = np.asarray(binary_fill_holes(differs))
+    pieces, count = label(filled)  # type: ignore[misc]
+    largest = np.bincount(pieces.ravel())[1:].argmax() + 1 if count else 0
+    return pieces == largest, "the object was told from its plain background"
+
+
+def _check_extent(path: Path, extent: tuple[int, int]) -> None:
+    width, height = extent
+    if min(extent) < MIN_EDGE:
+        raise SourceError(f"{path}: is {width} x {height} pixels, expected at least {MIN_EDGE} each way")
+    if width * height > MAX_PIXELS:
+        raise SourceError(
+            f"{path}: is {width} x {height} pixels, expected at most {MAX_PIXELS // 10**6} million; "
+            "scale it down"
+        )
+
+
+def _to_rgba(image: "Image.Image") -> "Image.Image":
+    """Any mode to 8-bit RGBA; 16-bit grey is scaled, not cut off."""
+    if image.mode.startswith("I") or image.mode == "F":
+        from PIL import Image as PillowImage
+
+        values = np.asarray(image, dtype=np.float64)
+        top = 65535.0 if image.mode.startswith("I") else max(values.max(), 1e-9)
+        scaled = np.clip(255.0 * values / top, 0, 255).astype(np.uint8)
+        return PillowImage.fromarray(scaled).convert("RGBA")
+    return image.convert("RGB" if image.mode == "CMYK" else "RGBA").convert("RGBA")
+
+
+def _fit(
+    values: Float[np.ndarray, "H W 4"], mask: Bool[np.ndarray, "H W"], size: int, margin: float
+) -> Float[np.ndarray, "4 S S"]:
+    """The mask's box in the middle of a square, background black."""
+    from PIL import Image
+
+    rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
+    box = (slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1))
+    alpha = values[..., 3] * mask
+    cut = np.concatenate([values[..., :3] * alpha[..., None], alpha[..., None]], axis=2)[box]
+    inner = max(1, round(size * (1.0 - 2.0 * margin)))
+    scale = inner / max(cut.shape[:2])
+    height, width = (max(1, round(edge * scale)) for edge in cut.shape[:2])
+    small = [
+        np.asarray(Image.fromarray(cut[..., channel]).resize((width, height), Image.Resampling.BOX))
+        for channel in range(4)
+    ]
+    square = np.zeros((4, size, size), dtype=np.float32)
+    top, left = (size - height) // 2, (size - width) // 2
+    square[:, top : top + height, left : left + width] = np.stack(small)
+    return np.clip(square, 0.0, 1.0)

@@ -1,0 +1,222 @@
+"""English words to a condition: category, part counts, sizes; no model, no guessing.
+
+"A tall white cabinet with three drawers and two doors, 80 cm wide" says category StorageFurniture, three
+drawers, two doors, a width of 0.8 m and that it is tall. Words that say nothing about structure (colours,
+materials, "a", "with") are listed as unused; a sentence that names nothing we know is an error.
+"""
+
+import re
+from dataclasses import dataclass, replace
+
+from artigen.errors import ArtigenError
+from artigen.types import PartLabel
+
+CATEGORY_WORDS: dict[str, str] = {
+    "cabinet": "StorageFurniture",
+    "cupboard": "StorageFurniture",
+    "dresser": "StorageFurniture",
+    "wardrobe": "StorageFurniture",
+    "sideboard": "StorageFurniture",
+    "nightstand": "StorageFurniture",
+    "bookcase": "StorageFurniture",
+    "storage furniture": "StorageFurniture",
+    "chest of drawers": "StorageFurniture",
+    "tv stand": "StorageFurniture",
+    "table": "Table",
+    "desk": "Table",
+    "refrigerator": "Refrigerator",
+    "fridge": "Refrigerator",
+    "freezer": "Refrigerator",
+    "dishwasher": "Dishwasher",
+    "oven": "Oven",
+    "stove": "Oven",
+    "range": "Oven",
+    "washing machine": "WashingMachine",
+    "washer": "WashingMachine",
+    "microwave": "Microwave",
+    "microwave oven": "Microwave",
+}
+"""Singular nouns, and the category each one names."""
+
+PART_WORDS: dict[str, PartLabel] = {
+    "drawer": "drawer",
+    "door": "door",
+    "handle": "handle",
+    "knob": "knob",
+    "button": "knob",
+    "tray": "tray",
+    "rack": "tray",
+    "shelf": "shelf",
+    "wheel": "wheel",
+    "castor": "wheel",
+    "caster": "wheel",
+}
+NUMBERS: dict[str, int] = {
+    "no": 0,
+    "zero": 0,
+    "without": 0,
+    "a": 1,
+    "an": 1,
+    "one": 1,
+    "single": 1,
+    "two": 2,
+    "double": 2,
+    "three": 3,
+    "four": 4,
+    "five": 5,
+    "six": 6,
+    "seven": 7,
+    "eight": 8,
+    "nine": 9,
+    "ten": 10,
+    "eleven": 11,
+    "twelve": 12,
+}
+LENGTHS: dict[str, float] = {
+    "mm": 0.001,
+    "cm": 0.01,
+    "m": 1.0,
+    "millimetre": 0.001,
+    "centimetre": 0.01,
+    "metre": 1.0,
+    "millimeter": 0.001,
+    "centimeter": 0.01,
+    "meter": 1.0,
+    "inch": 0.0254,
+    "in": 0.0254,
+}
+AXES: dict[str, str] = {
+    "wide": "width",
+    "width": "width",
+    "deep": "depth",
+    "depth": "depth",
+    "tall": "height",
+    "high": "height",
+    "height": "height",
+}
+ADJECTIVES: dict[str, tuple[str, float]] = {
+    "tall": ("height", 1.35),
+    "high": ("height", 1.35),
+    "low": ("height", 0.7),
+    "short": ("height", 0.7),
+    "wide": ("width", 1.35),
+    "narrow": ("width", 0.7),
+    "deep": ("depth", 1.25),
+    "shallow": ("depth", 0.75),
+}
+"""Without a number these stretch the category's usual extent along one axis."""
+
+
+class TextError(ArtigenError):
+    """A sentence names nothing that can be generated, or contradicts itself."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ParsedText:
+    """What a sentence asks for. Metres; ``stretch`` is relative to what is usual."""
+
+    category: str | None = None
+    counts: tuple[tuple[PartLabel, int], ...] = ()
+    width: float | None = None
+    depth: float | None = None
+    height: float | None = None
+    stretch: tuple[tuple[str, float], ...] = ()
+    unused: tuple[str, ...] = ()
+
+
+def parse_text(text: str) -> ParsedText:
+    """Reads a sentence.
+
+    Raises:
+        TextError: If no word is understood, or category, a count or a length is given twice and differs.
+    """
+    words = [_singular(word) for word in re.findall(r"\d+(?:\.\d+)?|[a-z]+", text.lower().replace("-", " "))]
+    found = ParsedText()
+    at = 0
+    while at < len(words):
+        for read in (_read_length, _read_category, _read_count, _read_adjective):
+            found, used = read(words[at:], found)
+            if used:
+                break
+        else:
+            found = replace(found, unused=(*found.unused, words[at]))
+            used = 1
+        at += used
+    if found == ParsedText(unused=found.unused):
+        raise TextError(
+            f"{text!r}: no word names a category ({', '.join(sorted(CATEGORY_WORDS))}), a part "
+            f"({', '.join(sorted(PART_WORDS))}) or a size; for example 'a cabinet with three drawers'"
+        )
+    return found
+
+
+def _read_length(words: list[str], found: ParsedText) -> tuple[ParsedText, int]:
+    """A number, a unit, and what it measures: "80 cm wide"."""
+    if len(words) < 3 or not _is_number(words[0]) or words[1] not in LENGTHS:
+        return found, 0
+    used = 4 if words[2] == "in" and len(words) > 3 else 3
+    axis = AXES.get(words[used - 1])
+    if axis is None:
+        return found, 0
+    length = float(words[0]) * LENGTHS[words[1]]
+    known = getattr(found, axis)
+    if known is not None and known != length:
+        raise TextError(f"{axis} is {known:g} m and {length:g} m; give it once")
+    if length <= 0:
+        raise TextError(f"{axis} is {length:g} m, expected more than 0")
+    return replace(found, **{axis: length}), used
+
+
+def _read_category(words: list[str], found: ParsedText) -> tuple[ParsedText, int]:
+    """The longest noun phrase that names a category."""
+    phrases = {tuple(map(_singular, phrase.split())): named for phrase, named in CATEGORY_WORDS.items()}
+    for size in (3, 2, 1):
+        category = phrases.get(tuple(words[:size])) if len(words) >= size else None
+        if category is None:
+            continue
+        if found.category not in (None, category):
+            raise TextError(f"{found.category} and {category} are asked for at once; name one category")
+        return replace(found, category=category), size
+    return found, 0
+
+
+def _read_count(words: list[str], found: ParsedText) -> tuple[ParsedText, int]:
+    """A number and a part, with at most two words between: "three wide oak drawers"."""
+    number = int(float(words[0])) if _is_number(words[0]) else NUMBERS.get(words[0])
+    if number is None:
+        return found, 0
+    for used in range(2, min(5, len(words) + 1)):
+        label = PART_WORDS.get(words[used - 1])
+        if label is not None:
+            known = dict(found.counts)
+            if known.get(label, number) != number:
+                raise TextError(
+                    f"{known[label]} and {number} parts called {label} are asked for; give one number"
+                )
+            return replace(found, counts=tuple(sorted({**known, label: number}.items()))), used
+        if words[used - 1] in NUMBERS or _is_number(words[used - 1]):
+            break
+    return found, 0
+
+
+def _read_adjective(words: list[str], found: ParsedText) -> tuple[ParsedText, int]:
+    if words[0] not in ADJECTIVES:
+        return found, 0
+    axis, factor = ADJECTIVES[words[0]]
+    known = dict(found.stretch)
+    if known.get(axis, factor) != factor:
+        raise TextError(f"{words[0]!r} contradicts an earlier word about the {axis}")
+    return replace(found, stretch=tuple(sorted({**known, axis: factor}.items()))), 1
+
+
+def _singular(word: str) -> str:
+    if word == "shelves":
+        return "shelf"
+    if word == "inches":
+        return "inch"
+    known = {*PART_WORDS, *LENGTHS, *(part for phrase in CATEGORY_WORDS for part in phrase.split())}
+    return word[:-1] if word.endswith("s") and word[:-1] in known else word
+
+
+def _is_number(word: str) -> bool:
+    return word[0].isdigit()
