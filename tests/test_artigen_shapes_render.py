@@ -387,6 +387,38 @@ def test_a_camera_inside_a_room_sees_its_walls():
     assert np.abs(seen.depth[0].numpy()[hit] - nearest[hit]).max() < 1e-5
 
 
+@pytest.mark.parametrize("cfg", [RenderConfig(), RenderConfig(floor=True, supersampling=2, shadow_rays=4)])
+def test_an_object_out_of_sight_leaves_the_background(cfg: RenderConfig):
+    away = replace(front_camera(), target=torch.tensor([[-6.0, 0.0, 0.0]], dtype=torch.float64))
+    seen = see(make_shape(one_part(box((0, 0, 0), (1, 1, 1), "glass"))), away, cfg=cfg)
+    assert not seen.mask.any()
+    assert (seen.part_ids == -1).all()
+    assert (seen.rgb - torch.tensor(cfg.background)).abs().max() < 1e-3
+
+
+def test_the_floor_is_dark_beneath_the_object_and_bright_far_from_it():
+    shape = make_shape(one_part(box((-0.2, -0.3, 0.3), (0.2, 0.3, 0.5), "plain")))
+    cameras = Cameras(
+        position=torch.tensor([[-3.0, 0.0, 1.2]], dtype=torch.float64),
+        target=torch.tensor([[0.0, 0.0, 0.2]], dtype=torch.float64),
+        fov=torch.tensor([45.0]),
+        width=80,
+        height=80,
+    )
+    cfg = RenderConfig(floor=True, shadow_rays=8)
+    seen = see(shape, cameras, cfg=cfg)
+    origin, rays = pixel_rays(cameras)
+    floor = origin + rays * (-origin[2] / rays[..., 2])[..., None]
+    visible = ~seen.mask[0].numpy() & (rays[..., 2] < -1e-3)
+    beneath = visible & (np.abs(floor[..., :2] - [0.05, 0.0]) < [0.1, 0.15]).all(axis=-1)
+    far = visible & (np.linalg.norm(floor[..., :2], axis=-1) > 1.2)
+    bright = seen.rgb[0].mean(dim=-1).numpy()
+    assert beneath.sum() > 10
+    assert far.sum() > 50
+    assert bright[beneath].max() < bright[far].min() - 0.1
+    assert np.allclose(bright[visible & (floor[..., 0] < -1.5)], np.mean(cfg.background), atol=0.01)
+
+
 def test_poses_and_arguments_are_checked():
     shape = make_shape(one_part(box((0, 0, 0), (1, 1, 1), "plain")))
     with pytest.raises(ValueError, match="1 parts want one each"):
@@ -397,3 +429,5 @@ def test_poses_and_arguments_are_checked():
         replace(front_camera(), target=torch.tensor([[-3.0, 0.0, 5.0]], dtype=torch.float64))
     with pytest.raises(ValueError, match="at least one shape"):
         build_scene([])
+    with pytest.raises(ValueError, match="multiples of 4"):
+        RenderConfig(supersampling=2, shadow_rays=6)

@@ -30,12 +30,12 @@ LACQUERS: dict[str, Color] = {
     "black": (0.085, 0.085, 0.09),
 }
 METALS: dict[str, tuple[Color, Color]] = {
-    "steel": ((0.72, 0.72, 0.71), (0.58, 0.58, 0.57)),
-    "chrome": ((0.80, 0.80, 0.81), (0.74, 0.74, 0.75)),
+    "steel": ((0.81, 0.81, 0.80), (0.70, 0.70, 0.69)),
+    "chrome": ((0.86, 0.86, 0.87), (0.80, 0.80, 0.81)),
     "brass": ((0.78, 0.63, 0.38), (0.66, 0.50, 0.27)),
     "bronze": ((0.36, 0.28, 0.21), (0.26, 0.20, 0.15)),
     "black": (((0.07, 0.07, 0.072)), (0.10, 0.10, 0.10)),
-    "dark": ((0.30, 0.30, 0.31), (0.22, 0.22, 0.23)),
+    "dark": ((0.38, 0.38, 0.39), (0.30, 0.30, 0.31)),
 }
 """Colour and brushing; black is powder-coated, dark is the stainless sold as black."""
 STONES: dict[str, tuple[Color, Color]] = {

@@ -185,7 +185,7 @@ def _steel(spots: _Spots) -> tuple[Any, Any]:
         xp, spots.seed, (spots.across + spots.depth) / (0.06 * period), spots.along / (8 * period)
     )
     bundle = lattice_noise(xp, spots.seed + 1, spots.across / (0.5 * period), spots.along / (25 * period))
-    return 0.5 + 0.6 * (fine - 0.5) * _kept(spots, 0.12 * period) + 0.3 * (bundle - 0.5), 1.0 + 0.0 * fine
+    return 0.5 + 0.6 * (fine - 0.5) * _kept(spots, 0.12 * period) + 0.15 * (bundle - 0.5), 1.0 + 0.0 * fine
 
 
 def _stone(spots: _Spots) -> tuple[Any, Any]:

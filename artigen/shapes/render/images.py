@@ -14,12 +14,12 @@ from artigen.shapes.render.lighting import light_floor, light_surface
 from artigen.shapes.render.rays import (
     NOTHING,
     Hits,
-    Rays,
     Surface,
     find_hits,
     find_layers,
     find_surface,
     make_rays,
+    unpack_keys,
 )
 from artigen.shapes.render.scene import Instances, Scene, place_instances
 from artigen.shapes.render.shading import (
@@ -52,13 +52,15 @@ class Images:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _View:
-    """One batch of images with everything that rays need."""
+    """What the cameras of a batch see."""
 
     scene: Scene
     cameras: Cameras
     instances: Instances
-    rays: Rays
-    hits: Hits
+    surface: Surface
+    """Of all layers: the nearest of every pixel, then what is behind glass."""
+    layers: tuple[int, ...]
+    """Number of points in each layer."""
 
 
 def render(
@@ -90,34 +92,62 @@ def render(
         )
     instances = place_instances(scene, shape_ids, list(qpos))
     view = _look(scene, cameras, instances)
-    first = next(find_layers(view.hits, _pixel_count(cameras)))
-    surface = _surface_of(view, first)
-    maps = _geometry(view, surface)
+    maps = _geometry(view)
     if cfg.supersampling > 1:
         view = _look(scene, _resize(cameras, cfg.supersampling), instances)
-        surface = _surface_of(view, next(find_layers(view.hits, _pixel_count(view.cameras))))
-    light = _light_of(view, surface, cfg)
+    light = _light_of(view, cfg)
     return Images(rgb=srgb_from_linear(_average(light, cfg.supersampling)), **maps)
 
 
 def _look(scene: Scene, cameras: Cameras, instances: Instances) -> _View:
+    """Casts the rays and finds the surfaces that they see, all layers at once: few operations on much."""
     rays = make_rays(cameras, instances)
     hits = find_hits(cameras, instances, rays)
-    return _View(scene=scene, cameras=cameras, instances=instances, rays=rays, hits=hits)
+    glassy = (scene.paint.opacity.reshape(-1, 2).amin(dim=1) < 1)[instances.primitive]
+    count = _pixel_count(cameras)
+    layers = _peel(hits, count, glassy)
+    key = torch.cat(layers)
+    found = (key != NOTHING).nonzero()[:, 0]
+    return _View(
+        scene=scene,
+        cameras=cameras,
+        instances=instances,
+        surface=find_surface(cameras, instances, rays, found % count, key[found]),
+        layers=tuple(int((layer != NOTHING).sum()) for layer in layers),
+    )
 
 
-def _geometry(view: _View, surface: Surface) -> dict[str, Tensor]:
+def _peel(hits: Hits, count: int, glassy: Bool[Tensor, "I"]) -> list[Int[Tensor, "N"]]:
+    """Keys of the nearest surface of each pixel, then of the next behind where that is glass, and so on."""
+    layers: list[Tensor] = []
+    for key in islice(find_layers(hits, count), LAYERS):
+        if layers:
+            key = torch.where(_is_glass(layers[-1], glassy), key, NOTHING)
+        layers.append(key)
+        if not bool(_is_glass(key, glassy).any()):
+            break
+    return layers
+
+
+def _is_glass(key: Int[Tensor, "N"], glassy: Bool[Tensor, "I"]) -> Bool[Tensor, "N"]:
+    instance = unpack_keys(key)[1].clamp(max=len(glassy) - 1)
+    return (key != NOTHING) & glassy[instance]
+
+
+def _geometry(view: _View) -> dict[str, Tensor]:
     """Mask, depth, normals and part ids of the nearest surfaces."""
+    surface, first = view.surface, slice(0, view.layers[0])
+    pixel = surface.pixel[first]
     size = (len(view.cameras.fov), view.cameras.height, view.cameras.width)
     count, device = _pixel_count(view.cameras), view.scene.device
     mask = torch.zeros(count, dtype=torch.bool, device=device)
     depth = torch.full((count,), torch.inf, device=device)
     normals = torch.zeros(count, 3, device=device)
     part_ids = torch.full((count,), -1, dtype=torch.int64, device=device)
-    mask[surface.pixel] = True
-    depth[surface.pixel] = surface.depth
-    normals[surface.pixel] = surface.normal
-    part_ids[surface.pixel] = view.scene.part[view.instances.primitive[surface.instance]]
+    mask[pixel] = True
+    depth[pixel] = surface.depth[first]
+    normals[pixel] = surface.normal[first]
+    part_ids[pixel] = view.scene.part[view.instances.primitive[surface.instance[first]]]
     return {
         "mask": mask.reshape(size),
         "depth": depth.reshape(size),
@@ -126,36 +156,29 @@ def _geometry(view: _View, surface: Surface) -> dict[str, Tensor]:
     }
 
 
-def _light_of(view: _View, surface: Surface, cfg: RenderConfig) -> Float[Tensor, "B H W 3"]:
+def _light_of(view: _View, cfg: RenderConfig) -> Float[Tensor, "B H W 3"]:
     """Linear light of every pixel: layers of glass from the front, then what is behind them."""
     cameras = view.cameras
     count, device = _pixel_count(cameras), view.scene.device
     light = torch.zeros(count, 3, device=device)
     through = torch.ones(count, device=device)
-    for number, key in enumerate(islice(find_layers(view.hits, count), LAYERS)):
-        if number > 0:
-            surface = _surface_of(view, torch.where(through > 1e-3, key, NOTHING))
-        if len(surface.pixel) == 0:
-            break
-        material = _material_of(view, surface)
-        reached = light_surface(cameras, view.instances, surface, cfg)
-        scattered, mirrored = shade(surface, material, reached, cfg)
-        share = through[surface.pixel][:, None]
-        light[surface.pixel] += share * (material.opacity[:, None] * scattered + mirrored)
-        through[surface.pixel] *= 1.0 - material.opacity
+    surface, material = view.surface, _material_of(view)
+    reached = light_surface(cameras, view.instances, surface, cfg)
+    scattered, mirrored = shade(surface, material, reached, cfg)
+    start = 0
+    for seen in view.layers:
+        layer = slice(start, start + seen)
+        start, pixel, opacity = layer.stop, surface.pixel[layer], material.opacity[layer]
+        light[pixel] += through[pixel, None] * (opacity[:, None] * scattered[layer] + mirrored[layer])
+        through[pixel] *= 1.0 - opacity
     ground = linear_from_srgb(torch.tensor(cfg.background, device=device))
     around = light_floor(cameras, view.instances, through < 1e-3, cfg)
     light += (through * around)[:, None] * ground
     return light.reshape(len(cameras.fov), cameras.height, cameras.width, 3)
 
 
-def _surface_of(view: _View, key: Int[Tensor, "N"]) -> Surface:
-    pixel = (key != NOTHING).nonzero()[:, 0]
-    return find_surface(view.cameras, view.instances, view.rays, pixel, key[pixel])
-
-
-def _material_of(view: _View, surface: Surface) -> Material:
-    table = view.scene.paint
+def _material_of(view: _View) -> Material:
+    table, surface = view.scene.paint, view.surface
     rows = find_rows(table, view.instances.primitive[surface.instance], surface.rest_normal)
     pixel = pixel_sizes(view.cameras).float()[view.instances.image[surface.instance]]
     color = apply_paint(table, rows, surface.rest_point, surface.rest_normal, footprint=surface.depth * pixel)

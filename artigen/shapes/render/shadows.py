@@ -107,8 +107,9 @@ def find_openness(
     Points of another ``turn`` look in other directions, so that sub-rays of a pixel complete each other.
     """
     size = cameras.height * cameras.width
-    depths = torch.full((len(cameras.fov) * size,), 1e3, device=surface.depth.device)
-    depths[surface.pixel] = surface.depth
+    depths = torch.zeros(len(cameras.fov) * size, device=surface.depth.device)
+    depths.scatter_reduce_(0, surface.pixel, surface.depth, "amax")  # what is behind glass
+    depths = torch.where(depths > 0, depths, 1e3)
     image = torch.div(surface.pixel, size, rounding_mode="floor")
     row = torch.div(surface.pixel - image * size, cameras.width, rounding_mode="floor")
     column = surface.pixel - image * size - row * cameras.width
