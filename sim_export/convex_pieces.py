@@ -21,20 +21,12 @@ MINOR_PLANE = 0.1
 
 @dataclass(frozen=True, kw_only=True)
 class PieceConfig:
-    """Where cutting and joining stop."""
+    """Where cutting stops."""
 
     max_pieces: int = 72
     """Cutting stops at this many pieces; raise it for parts with fine detail that hulls should follow."""
-    max_hulls: int = 32
-    """Joining goes on until no more hulls than this are left, whatever it costs."""
     cut_excess: float = 0.03
     """Cutting stops when the pieces' hulls together exceed the solid by this share of its volume."""
-    join_excess: float = 0.04
-    """Joining goes on while the hulls together exceed the solid by less than this share of its volume."""
-    smallest: float = 1e-4
-    """Pieces below this share of the solid's volume are joined to a neighbour or, alone, left out."""
-    small: float = 5e-3
-    """Pieces below this share are joined to a neighbour if that adds no more than their own volume."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -46,29 +38,47 @@ class _Piece:
     outer: float
     bounds: np.ndarray
 
-    @property
-    def excess(self) -> float:
-        return self.outer - self.volume
 
+def join_steps(
+    hulls: Sequence[Solid], volumes: Sequence[float], most_added: float, *, overlap: bool
+) -> list[Solid]:
+    """Every hull that joining convex solids pair by pair passes through, those first that add least.
 
-def join_pieces(pieces: Sequence[Solid], total: float, cfg: PieceConfig) -> list[Solid]:
-    """Joins convex solids, which may overlap, into fewer: those pairs first that add least volume.
-
-    ``total`` is the volume of what the pieces stand for, and the measure of ``cfg.join_excess``,
-    which here bounds what joining adds. Largest first.
+    Args:
+        hulls: The convex solids.
+        volumes: What of the part each stands for (m^3).
+        most_added: Volume (m^3) that no pair may add.
+        overlap: Whether the solids may share volume.
     """
-    joined = _join([_piece(piece, piece.volume()) for piece in pieces], total, cfg, overlap=True)
-    return [piece.hull for piece in _largest_first(joined)]
+    alive = {
+        index: _piece(hull, volume) for index, (hull, volume) in enumerate(zip(hulls, volumes, strict=True))
+    }
+    if len(alive) < 2:
+        return []
+    reach = 1e-3 * np.ptp(np.concatenate([piece.bounds for piece in alive.values()]), axis=0).max()
+    queue: list[tuple[float, int, int, _Piece]] = []
 
+    def offer(index: int, others: list[int]) -> None:
+        for other in others:
+            if _touch(alive[index], alive[other], reach):
+                candidate = _candidate(alive, index, other, overlap=overlap)
+                if candidate[0] <= most_added:
+                    heapq.heappush(queue, candidate)
 
-def convex_pieces(solid: Solid, cfg: PieceConfig) -> list[Solid]:
-    """Few convex solids that together cover ``solid`` and exceed it little, largest first."""
-    total = solid.volume()
-    leaves = _cut(solid, cfg)
-    pieces = _join([_piece(leaf.hull(), leaf.volume()) for leaf in leaves], total, cfg, overlap=False)
-    return [piece.hull for piece in _largest_first(pieces) if piece.volume >= cfg.smallest * total] or [
-        solid.hull()
-    ]
+    for index in alive:
+        offer(index, [other for other in alive if other < index])
+    out = []
+    serial = len(alive)
+    while queue:
+        _, i, j, both = heapq.heappop(queue)
+        if i not in alive or j not in alive:
+            continue
+        del alive[i], alive[j]
+        alive[serial] = both
+        out.append(both.hull)
+        offer(serial, [other for other in alive if other != serial])
+        serial += 1
+    return out
 
 
 def _piece(hull: Solid, volume: float) -> _Piece:
@@ -76,12 +86,8 @@ def _piece(hull: Solid, volume: float) -> _Piece:
     return _Piece(hull=hull, volume=volume, outer=hull.volume(), bounds=bounds)
 
 
-def _largest_first(pieces: list[_Piece]) -> list[_Piece]:
-    return sorted(pieces, key=lambda piece: (-piece.outer, *piece.bounds.ravel()))
-
-
-def _cut(solid: Solid, cfg: PieceConfig) -> list[Solid]:
-    """Cuts the least convex piece, again and again."""
+def cut_pieces(solid: Solid, cfg: PieceConfig) -> list[Solid]:
+    """Cuts the least convex piece, again and again; what is left is nearly convex and shares no volume."""
     total = solid.volume()
     queue: list[tuple[float, int, Solid]] = []
     done: list[Solid] = []
@@ -94,7 +100,7 @@ def _cut(solid: Solid, cfg: PieceConfig) -> list[Solid]:
         serial += 1
         return over
 
-    for component in solid.decompose():
+    for component in _components(solid):
         excess += push(component)
     while queue and len(queue) + len(done) < cfg.max_pieces and excess > cfg.cut_excess * total:
         over, _, piece = heapq.heappop(queue)
@@ -107,10 +113,16 @@ def _cut(solid: Solid, cfg: PieceConfig) -> list[Solid]:
             continue
         excess += over
         for half in halves:
-            for component in half.decompose():
+            for component in _components(half):
                 if component.volume() > 1e-9 * total:
                     excess += push(component)
     return done + [piece for _, _, piece in queue]
+
+
+def _components(solid: Solid) -> list[Solid]:
+    """Pieces of a solid that are apart; all as one where some enclose a void, which would be one more."""
+    found = solid.decompose()
+    return found if all(piece.volume() >= 0.0 for piece in found) else [solid]
 
 
 def _best_cut(piece: Solid) -> tuple[Solid, Solid] | None:
@@ -127,10 +139,18 @@ def _best_cut(piece: Solid) -> tuple[Solid, Solid] | None:
         if min(half.volume() for half in halves) > least:
             return halves
     low, high = vertices.min(axis=0), vertices.max(axis=0)
+    middle = np.column_stack([np.eye(3), (low + high) / 2]), MINOR_PLANE * (high - low) / (high - low).max()
     if not len(weights) or weights[0] < MINOR_PLANE:
         # Curved: no plane stands out, so halving the longest side makes compact pieces.
-        planes = np.concatenate([planes, np.column_stack([np.eye(3), (low + high) / 2])])
-        weights = np.concatenate([weights, MINOR_PLANE * (high - low) / (high - low).max()])
+        planes, weights = np.concatenate([planes, middle[0]]), np.concatenate([weights, middle[1]])
+    best = _best_of(piece, planes, weights)
+    # Planes of concave edges may touch a piece only along its surface.
+    return _best_of(piece, *middle) if best is None else best
+
+
+def _best_of(piece: Solid, planes: np.ndarray, weights: np.ndarray) -> tuple[Solid, Solid] | None:
+    """The cut that scores highest in hull volume saved and weight; None where all leave one side empty."""
+    least = 1e-9 * piece.volume()
     before = piece.hull().volume()
     best, best_score = None, -np.inf
     for plane, weight in zip(planes, weights, strict=True):
@@ -180,45 +200,6 @@ def _concave_planes(vertices: np.ndarray, faces: np.ndarray, most: int = 4) -> t
     resolved = np.bincount(slot.ravel(), weights=np.tile(concavity, 2))
     top = np.argsort(-resolved, kind="stable")[:most]
     return planes[first[top]], resolved[top] / concavity.sum()
-
-
-def _join(pieces: list[_Piece], total: float, cfg: PieceConfig, *, overlap: bool) -> list[_Piece]:
-    """Joins the pair that adds least volume until the budget is used and few enough are left."""
-    alive = dict(enumerate(pieces))
-    excess = sum(piece.excess for piece in pieces)
-    reach = 1e-3 * np.ptp(np.concatenate([piece.bounds for piece in pieces]), axis=0).max()
-    queue = [
-        _candidate(alive, i, j, overlap=overlap)
-        for i in alive
-        for j in range(i)
-        if _touch(alive[i], alive[j], reach)
-    ]
-    heapq.heapify(queue)
-    serial = len(pieces)
-    while len(alive) > 1:
-        if not queue:
-            if len(alive) <= cfg.max_hulls:
-                break
-            # Only pieces apart from each other are left, and still too many of them.
-            queue = [_candidate(alive, i, j, overlap=overlap) for i in alive for j in alive if j < i]
-            heapq.heapify(queue)
-        cost, i, j, both = heapq.heappop(queue)
-        if i not in alive or j not in alive:
-            continue
-        lesser = min(alive[i].volume, alive[j].volume)
-        tiny = lesser < cfg.small * total and cost <= max(lesser, cfg.smallest * total)
-        if len(alive) <= cfg.max_hulls and excess + cost > cfg.join_excess * total and not tiny:
-            if cost > cfg.small * total:
-                break
-            continue
-        excess += cost
-        del alive[i], alive[j]
-        near = [other for other in alive if _touch(both, alive[other], reach)]
-        alive[serial] = both
-        for other in near:
-            heapq.heappush(queue, _candidate(alive, serial, other, overlap=overlap))
-        serial += 1
-    return list(alive.values())
 
 
 def _candidate(alive: dict[int, _Piece], i: int, j: int, *, overlap: bool) -> tuple[float, int, int, _Piece]:

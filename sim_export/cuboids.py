@@ -13,8 +13,10 @@ from jaxtyping import Bool, Float, Int
 
 from sim_export.solids import inside_grid
 
-SEEDS_PER_BOX = 48
-"""Uncovered cells tried as the start of the next box."""
+FIRST_SEEDS = 48
+"""Uncovered cells tried as the start of the first box."""
+MORE_SEEDS = 12
+"""Uncovered cells tried for every further box; what grew from earlier ones is still at hand."""
 MIN_ALIGNED_AREA = 0.5
 """Share of the surface that must be axis-aligned before boxes are tried."""
 SNAP = 5e-4
@@ -27,41 +29,39 @@ MAX_PLANES = 64
 """Planes per axis, largest first."""
 
 
-def cover_with_cuboids(
-    occupancy: Bool[np.ndarray, "X Y Z"], max_count: int | None = None
-) -> Int[np.ndarray, "K 2 3"] | None:
-    """Covers every occupied cell, and no other, with few boxes; each box is as large as can be.
+def largest_cuboids(
+    occupancy: Bool[np.ndarray, "X Y Z"],
+    count: int | None = None,
+    edges: tuple[Float[np.ndarray, "A"], Float[np.ndarray, "B"], Float[np.ndarray, "C"]] | None = None,
+) -> Int[np.ndarray, "K 2 3"]:
+    """Few boxes that cover every occupied cell and no other, each as large as can be.
 
-    Returns lowest corner and one past the highest, in cells, in the order found; ``None`` as soon as
-    more than ``max_count`` boxes would be needed.
+    Returns lowest corner and one past the highest, in cells, in the order found: the first ``count``
+    of them, which leave out detail, or all. ``edges`` bound the cells along each axis where they
+    differ in size.
     """
-    boxes: list[np.ndarray] = []
-    for box in _greedy_cuboids(occupancy):
-        if max_count is not None and len(boxes) >= max_count:
-            return None
-        boxes.append(box)
-    return np.array(boxes, dtype=np.int64).reshape(-1, 2, 3)
+    ends = edges or tuple(np.arange(count + 1) for count in occupancy.shape)
+    return np.array([*islice(_greedy_cuboids(occupancy, ends), count)], dtype=np.int64).reshape(-1, 2, 3)
 
 
-def largest_cuboids(occupancy: Bool[np.ndarray, "X Y Z"], count: int) -> Int[np.ndarray, "K 2 3"]:
-    """The first ``count`` boxes of the cover: they leave out detail, and cover nothing that is empty."""
-    return np.array([*islice(_greedy_cuboids(occupancy), count)], dtype=np.int64).reshape(-1, 2, 3)
-
-
-def _greedy_cuboids(occupancy: np.ndarray) -> Iterator[np.ndarray]:
-    """Of the maximal boxes around some uncovered cells, the one that covers the most new cells comes next."""
+def _greedy_cuboids(occupancy: np.ndarray, ends: tuple[np.ndarray, ...]) -> Iterator[np.ndarray]:
+    """Of the maximal boxes around some uncovered cells, the one that covers most that is new comes next."""
     compressed, edges = _compress(occupancy)
-    sizes = [np.diff(edge) for edge in edges]
+    sizes = [np.diff(end[edge]) for end, edge in zip(ends, edges, strict=True)]
     weights = sizes[0][:, None, None] * sizes[1][:, None] * sizes[2]
     filled = _integral(compressed)
     missing = compressed.copy()
+    candidates = np.zeros((0, 2, 3), dtype=np.int64)
+    seeds = FIRST_SEEDS
     while missing.any():
         # The heaviest uncovered cells lie in the largest boxes; strides keep the choice spread out.
         cells = np.argwhere(missing)
         cells = cells[np.argsort(-weights[tuple(cells.T)], kind="stable")]
-        cells = cells[:: max(1, len(cells) // SEEDS_PER_BOX)]
-        candidates = _grow(filled, cells)
+        cells = cells[:: max(1, len(cells) // seeds)][: 2 * seeds]
+        candidates = np.concatenate([candidates, _grow(filled, cells)])
         gains = _box_sums(_integral(missing * weights), candidates)
+        candidates, gains = candidates[gains > 0], gains[gains > 0]
+        seeds = MORE_SEEDS
         best = candidates[gains.argmax()]
         missing[tuple(slice(low, high) for low, high in best.T)] = False
         yield np.array([[edges[axis][best[end, axis]] for axis in range(3)] for end in range(2)])
@@ -77,10 +77,10 @@ def fit_cuboids(
 
     The planes of those faces divide space into cells of unequal size; a cell belongs to the solid
     if most of it lies inside. Planes that hold less than the share ``detail`` of the surface divide
-    nothing. ``None`` where more than ``max_count`` boxes are needed or hardly any face is
-    axis-aligned.
+    nothing. The largest come first; where more than ``max_count`` are needed, the rest is left out.
+    ``None`` where hardly any face is axis-aligned.
     """
-    planes = _face_coordinates(vertices, faces, detail)
+    planes = face_coordinates(vertices, faces, detail)
     if planes is None:
         return None
     fractions = (np.arange(3) + 0.4871) / 3.0  # off centre: no sample on a plane of symmetry
@@ -88,15 +88,13 @@ def fit_cuboids(
     inside = inside_grid(vertices, faces, (x, y, z))
     cells = [len(plane) - 1 for plane in planes]
     share = inside.reshape(cells[0], 3, cells[1], 3, cells[2], 3).mean(axis=(1, 3, 5))
-    boxes = cover_with_cuboids(share > 0.5, max_count)
-    if boxes is None:
-        return None
+    boxes = largest_cuboids(share > 0.5, max_count, planes)
     return np.stack([planes[axis][boxes[..., axis]] for axis in range(3)], axis=-1)
 
 
-def _face_coordinates(
-    vertices: np.ndarray, faces: np.ndarray, detail: float
-) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
+def face_coordinates(
+    vertices: Float[np.ndarray, "V 3"], faces: Int[np.ndarray, "F 3"], detail: float
+) -> tuple[Float[np.ndarray, "X"], Float[np.ndarray, "Y"], Float[np.ndarray, "Z"]] | None:
     """Coordinates of the axis-aligned faces along each axis, the mesh's bounds included.
 
     Faces that are aligned but for a few degrees or bumps count as well, at their mean coordinate,
@@ -160,7 +158,7 @@ def _compress(occupancy: np.ndarray) -> tuple[np.ndarray, list[np.ndarray]]:
 
 def _integral(values: np.ndarray) -> np.ndarray:
     """Sums over all boxes from the origin, padded by one."""
-    sums = np.pad(values.astype(np.int64), ((1, 0),) * 3)
+    sums = np.pad(values.astype(np.int64 if values.dtype == bool else values.dtype), ((1, 0),) * 3)
     for axis in range(3):
         np.cumsum(sums, axis=axis, out=sums)
     return sums

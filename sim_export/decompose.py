@@ -13,10 +13,9 @@ from pathlib import Path
 
 import numpy as np
 
-from sim_export.convex_pieces import Solid
 from sim_export.errors import DecompositionFailed
 from sim_export.hull_limits import limit_hulls
-from sim_export.hull_methods import DecomposeConfig, Method, diagonal_of, hull_candidates
+from sim_export.hull_methods import DecomposeConfig, Method, Part, diagonal_of, hull_candidates
 from sim_export.package import Hull, Mesh
 from sim_export.solids import as_solid, measure_fit, measure_kept_cavity, solid_hull
 
@@ -57,14 +56,17 @@ def decompose_part(
             ``cfg.on_failure`` asks for one hull.
     """
     cfg = cfg or DecomposeConfig()
+    return _decompose(Part(solid=as_solid(mesh), cfg=cfg), cfg.max_hulls, cache)
+
+
+def _decompose(part: Part, max_hulls: int, cache: Path | None) -> Decomposition:
     started = time.perf_counter()
-    solid = as_solid(mesh)
     problems: list[str] = []
-    result = _first_good(solid, cfg, cache, problems)
+    result = _first_good(part, max_hulls, cache, problems)
     if result is None:
-        if cfg.on_failure == "raise":
+        if part.cfg.on_failure == "raise":
             raise DecompositionFailed(f"{'; '.join(problems)}; raise max_hulls, or ask for on_failure='hull'")
-        result = _comply("hull", (solid_hull(solid),), solid, cfg)
+        result = _comply("hull", (solid_hull(part.solid),), part, max_hulls)
         problems.append("one convex hull taken instead")
     seconds = time.perf_counter() - started
     logger.info(
@@ -74,20 +76,16 @@ def decompose_part(
     return replace(result, seconds=seconds, records=(*problems, *result.records))
 
 
-def _first_good(
-    solid: Solid, cfg: DecomposeConfig, cache: Path | None, problems: list[str]
-) -> Decomposition | None:
+def _first_good(part: Part, max_hulls: int, cache: Path | None, problems: list[str]) -> Decomposition | None:
     """The first candidate that leaves cavities free; says in ``problems`` why others did not do."""
     try:
-        for candidate in hull_candidates(solid, cfg, cache):
-            result = _comply(candidate.method, candidate.hulls, solid, cfg)
-            if candidate.note and candidate.note not in problems:
-                problems.append(candidate.note)
-            if result.kept_cavity >= cfg.min_kept_cavity:
+        for candidate in hull_candidates(part, max_hulls, cache):
+            result = _comply(candidate.method, candidate.hulls, part, max_hulls)
+            if result.kept_cavity >= part.cfg.min_kept_cavity:
                 return result
             problem = (
                 f"{len(result.hulls)} hulls by {candidate.method} leave {result.kept_cavity:.0%} of the "
-                f"cavity free, at least {cfg.min_kept_cavity:.0%} allowed"
+                f"cavity free, at least {part.cfg.min_kept_cavity:.0%} allowed"
             )
             if problem not in problems:
                 problems.append(problem)
@@ -96,9 +94,10 @@ def _first_good(
     return None
 
 
-def _comply(method: Method, hulls: Sequence[Hull], solid: Solid, cfg: DecomposeConfig) -> Decomposition:
+def _comply(method: Method, hulls: Sequence[Hull], part: Part, max_hulls: int) -> Decomposition:
     """Hulls within the limits of physics engines, measured against the solid."""
-    limited, changes = limit_hulls(hulls, cfg.limits, cfg.max_hulls)
+    cfg, solid = part.cfg, part.solid
+    limited, changes = limit_hulls(hulls, cfg.limits, max_hulls)
     fit = measure_fit(limited, solid)
     hollow = fit.cavity > cfg.min_cavity and fit.cavity * solid.hull().volume() > cfg.min_cavity_volume
     skin = max(cfg.skin * diagonal_of(solid), cfg.min_skin)
@@ -127,34 +126,29 @@ def decompose_parts(
     if cfg.size == 0.0 and meshes:
         corners = np.concatenate([mesh.vertices for mesh in meshes])
         cfg = replace(cfg, size=float(np.linalg.norm(np.ptp(corners, axis=0))))
-    out = [decompose_part(mesh, cfg, cache) for mesh in meshes]
+    parts = [Part(solid=as_solid(mesh), cfg=cfg) for mesh in meshes]
+    out = [_decompose(part, cfg.max_hulls, cache) for part in parts]
     for owner in sorted(set(owners)):
-        parts = [index for index, other in enumerate(owners) if other == owner]
+        mine = [index for index, other in enumerate(owners) if other == owner]
         for _ in range(3):  # cutting oblong hulls may give a part more than its share
-            counts = {index: len(out[index].hulls) for index in parts}
+            counts = {index: len(out[index].hulls) for index in mine}
             total = sum(counts.values())
             if total <= cfg.max_hulls:
                 break
-            spread = [index for index in parts if counts[index] > 1]
-            room = cfg.max_hulls - (len(parts) - len(spread))
+            spread = [index for index in mine if counts[index] > 1]
+            room = cfg.max_hulls - (len(mine) - len(spread))
             taken = sum(counts[index] for index in spread)
             for index in spread:
                 share = max(1, counts[index] * room // taken)
                 if share < counts[index]:
-                    # Few hulls are poor for certain; CoACD would not change that.
-                    fewer = replace(
-                        cfg, max_hulls=share, max_pieces=max(1, round(0.8 * share)), coacd_faces=0
-                    )
-                    out[index] = _decompose_again(meshes[index], out[index], fewer, cache)
+                    out[index] = _decompose_again(parts[index], out[index], share, cache)
     return tuple(out)
 
 
-def _decompose_again(
-    mesh: Mesh, full: Decomposition, cfg: DecomposeConfig, cache: Path | None
-) -> Decomposition:
+def _decompose_again(part: Part, full: Decomposition, max_hulls: int, cache: Path | None) -> Decomposition:
     """A part with fewer hulls, or the same as before, and a record, where so few would fill a cavity."""
     try:
-        return decompose_part(mesh, cfg, cache)
+        return _decompose(part, max_hulls, cache)
     except DecompositionFailed as err:
-        kept = f"kept {len(full.hulls)} hulls, more than its share of {cfg.max_hulls}: {err}"
+        kept = f"kept {len(full.hulls)} hulls, more than its share of {max_hulls}: {err}"
         return full if kept in full.records else replace(full, records=(*full.records, kept))

@@ -17,6 +17,9 @@ from sim_export.hulls import (
 )
 from sim_export.package import Hull
 
+MAX_CUTS = 3
+"""Times that a hull is cut, and its pieces again; a board needs two."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class HullLimits:
@@ -26,8 +29,9 @@ class HullLimits:
     """Most vertices of a hull; 32 have at most 60 faces, whichever of them count as flat."""
     max_polygons: int = 54
     """Most faces of a hull, coplanar triangles counted once."""
-    min_width: float = 0.0011
-    """Least thickness (m); thinner hulls are thickened to it."""
+    min_width: float = 0.0015
+    """Least thickness (m); thinner hulls are thickened to it. More than is checked, because files hold
+    micrometres: rounding bends a face of a hull of 1 mm by a thousandth of its thickness."""
     max_aspect: float = 60.0
     """Greatest length over thickness; longer hulls are cut and, where that would make too many, first
     thickened a little. PhysX handles oblong hulls badly from 64 on."""
@@ -42,9 +46,10 @@ def limit_hulls(
     reduced = [_reduce(hull, limits) for hull in hulls]
     fewer = sum(new is not old for new, old in zip(reduced, hulls, strict=True))
     kept = _without_slivers(reduced, limits)
-    thick = [_thicken(hull, limits.min_width) for hull in kept]
+    thick = [comply_hull(hull, limits) for hull in kept]
     thickened = sum(new is not old for new, old in zip(thick, kept, strict=True))
-    out, cuts, least = _limit_aspect(thick, limits, max_hulls)
+    cut, cuts, least = _limit_aspect(thick, limits, max_hulls)
+    out = [comply_hull(hull, limits) for hull in cut]  # slanted ends of cut hulls are thin again
     records = (
         (fewer, f"{fewer} hulls reduced to {limits.max_vertices} vertices and {limits.max_polygons} faces"),
         (len(reduced) - len(kept), f"{len(reduced) - len(kept)} slivers left out"),
@@ -56,6 +61,28 @@ def limit_hulls(
         ),
     )
     return tuple(out), tuple(sentence for count, sentence in records if count)
+
+
+def comply_hull(hull: Hull, limits: HullLimits) -> Hull:
+    """A hull with few enough vertices and faces and thick enough, whatever its length: itself if it is so."""
+    for _ in range(4):  # either change may undo a little of the other
+        changed = thicken_hull(_reduce(hull, limits), limits.min_width)
+        if changed is hull:
+            break
+        hull = changed
+    return hull
+
+
+def tile_hull(hull: Hull, limits: HullLimits, most: int) -> tuple[Hull, ...]:
+    """An oblong hull cut to the length that its thickness allows; none where that takes more than ``most``
+    hulls, or cannot be done without leaving some of it out, like the tip of a wedge."""
+    compact = limits.max_aspect * hull_width(hull)[0]
+    count = int(np.prod(np.ceil(np.array(_side_lengths(hull)) / compact - 1e-9).clip(1)))
+    if count > most:
+        return ()
+    tiles = tuple(comply_hull(tile, limits) for tile in _cut_to_aspect(hull, limits.max_aspect))
+    whole = sum(map(hull_volume, tiles)) >= (1.0 - limits.sliver) * hull_volume(hull)
+    return tiles if len(tiles) <= most and whole else ()
 
 
 def trim_hull(hull: Hull, limits: HullLimits) -> tuple[Hull, ...]:
@@ -88,7 +115,7 @@ def _without_slivers(hulls: Sequence[Hull], limits: HullLimits) -> list[Hull]:
     return [hull for hull in hulls if any(hull is other for other in kept)]
 
 
-def _thicken(hull: Hull, width: float) -> Hull:
+def thicken_hull(hull: Hull, width: float) -> Hull:
     """Stretches a hull along its thinnest direction to ``width``, about its middle."""
     for _ in range(3):  # a needle is thin in two directions
         measured, normal = hull_width(hull)
@@ -116,7 +143,7 @@ def _limit_aspect(hulls: Sequence[Hull], limits: HullLimits, max_hulls: int) -> 
         if least >= enough or np.prod(np.ceil(sides / compact[:, None]), axis=1).sum() <= max_hulls:
             for hull, width, side in zip(hulls, widths, sides, strict=True):
                 oblong = side.max() > limits.max_aspect * width
-                out += _cut_to_aspect(_thicken(hull, least) if oblong else hull, limits.max_aspect)
+                out += _cut_to_aspect(thicken_hull(hull, least) if oblong else hull, limits.max_aspect)
             if least >= enough or len(out) <= max_hulls:
                 return out, len(out) - len(hulls), least
         least = max(1.05 * least, widths.min())
@@ -129,13 +156,18 @@ def _side_lengths(hull: Hull) -> tuple[float, float]:
     return length, float(np.ptp(hull.vertices @ across) / max(np.linalg.norm(across), 1e-9))
 
 
-def _cut_to_aspect(hull: Hull, max_aspect: float) -> list[Hull]:
-    """Cuts a hull across its length until every piece is compact enough."""
+def _cut_to_aspect(hull: Hull, max_aspect: float, depth: int = MAX_CUTS) -> list[Hull]:
+    """Cuts a hull across its length until every piece is compact enough.
+
+    Tips of wedges, which never are, are left out.
+    """
     length, direction = hull_length(hull)
     width, _ = hull_width(hull)
     count = int(np.ceil(length / width / max_aspect - 1e-9))
     if count <= 1:
         return [hull]
+    if depth == 0:
+        return []
     heights = hull.vertices @ direction
     steps = np.linspace(heights.min(), heights.max(), count + 1)
     out: list[Hull] = []
@@ -143,5 +175,5 @@ def _cut_to_aspect(hull: Hull, max_aspect: float) -> list[Hull]:
         piece = clip_hull(hull, direction, high)
         piece = None if piece is None else clip_hull(piece, -direction, -low)
         if piece is not None and hull_width(piece)[0] > 0.5 * width:
-            out += _cut_to_aspect(piece, max_aspect)
+            out += _cut_to_aspect(piece, max_aspect, depth - 1)
     return out

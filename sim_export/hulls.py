@@ -149,7 +149,9 @@ def reduce_hull(hull: Hull, max_vertices: int = 64, max_polygons: int = 64) -> H
     """
     budget = max_vertices
     reduced = hull
-    while len(reduced.vertices) > max_vertices or count_polygons(reduced) > max_polygons:
+    while len(reduced.vertices) > max_vertices or (
+        len(reduced.faces) > max_polygons and count_polygons(reduced) > max_polygons
+    ):
         directions = _spread_directions(budget) / np.maximum(np.ptp(hull.vertices, axis=0), 1e-9)
         reduced = convex_hull(hull.vertices[np.unique((hull.vertices @ directions.T).argmax(axis=0))])
         budget -= 2

@@ -10,7 +10,7 @@ from scipy import ndimage
 from scipy.spatial import KDTree
 
 from sim_export.errors import OpenMesh
-from sim_export.hulls import convex_hull, hull_planes
+from sim_export.hulls import convex_hull, hull_planes, merge_planes
 from sim_export.package import Hull, Mesh
 from sim_export.sampling import sample_triangles
 
@@ -137,8 +137,8 @@ def _inside_hull(points: np.ndarray, hull: Hull) -> np.ndarray:
     near = np.ones(len(points), dtype=bool)
     for axis in range(3):
         near &= (points[:, axis] >= low[axis]) & (points[:, axis] <= high[axis])
-    planes = hull_planes(hull)
-    near[near] = (points[near] @ planes[:, :3].T <= planes[:, 3]).all(axis=1)
+    for plane in merge_planes(hull_planes(hull)):
+        near[near] = points[near] @ plane[:3] <= plane[3] + 1e-9
     return near
 
 
