@@ -7,7 +7,7 @@ from typing import Literal, get_args
 import numpy as np
 
 from artigen.shapes.hardware import GAP, Range, Space, fill_space
-from artigen.shapes.primitives import Primitive, Vector, box, cylinder, polytope
+from artigen.shapes.primitives import SEGMENTS, Primitive, Vector, box, cylinder, polytope
 from artigen.shapes.shape import Motion, ShapePart
 
 LegKind = Literal["square", "tapered", "round", "splayed"]
@@ -186,7 +186,9 @@ def make_castors(
             parts.append(ShapePart(name=carrier, label="wheel", parent=parent, primitives=fork, motion=axle))
         else:
             fixed += fork
-        parts.append(_make_wheel(f"wheel_{index}", carrier, (at_x, at_y, radius), width))
+        parts.append(
+            _make_wheel(f"wheel_{index}", carrier, (at_x, at_y, radius * np.cos(np.pi / SEGMENTS)), width)
+        )
     return Stand(height=height, primitives=tuple(fixed), parts=tuple(parts))
 
 
@@ -208,11 +210,15 @@ def _make_fork(
 
 
 def _make_wheel(name: str, parent: str, center: Vector, width: float) -> ShapePart:
-    """A tyre with a hub that stands out a little on both sides, turning about y."""
-    x, y, radius = center
-    tyre = cylinder((x, y - width / 2, radius), (x, y + width / 2, radius), radius, "rubber")
+    """A tyre with a hub that stands out a little on both sides, turning about y.
+
+    The prism that stands for it in simulators rests on the floor with a flat side, the tyre gives way.
+    """
+    x, y, z = center
+    radius = z / np.cos(np.pi / SEGMENTS)
+    tyre = cylinder((x, y - width / 2, z), (x, y + width / 2, z), radius, "rubber")
     hub = width / 2 + 0.001
-    core = cylinder((x, y - hub, radius), (x, y + hub, radius), 0.55 * radius, "steel")
+    core = cylinder((x, y - hub, z), (x, y + hub, z), 0.55 * radius, "steel")
     axle = Motion(type="continuous", axis=(0.0, -1.0, 0.0), origin=center, upper=2 * np.pi)
     return ShapePart(name=name, label="wheel", parent=parent, primitives=(tyre, core), motion=axle)
 

@@ -4,9 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from artigen.shapes.hardware import Space, fill_space
+from artigen.shapes.hardware import Range, Space, fill_space
 from artigen.shapes.primitives import Primitive, cylinder
 from artigen.shapes.shape import Motion, ShapePart
+
+TAP_HEIGHT = 0.27
+"""How far (m) the tap stands above the worktop."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -17,20 +20,18 @@ class Sink:
     parts: tuple[ShapePart, ...]
 
 
-def make_sink(
-    rng: np.random.Generator, size: tuple[float, float, float], thickness: float, *, parent: str
-) -> Sink:
-    """A top of ``size`` (width, depth, height of its upper face; m): four boards around a steel basin."""
-    width, depth, height = size
-    under = height - thickness
-    long = min(float(rng.uniform(0.36, 0.6)), width - 0.16)
+def make_sink(rng: np.random.Generator, top: Space, span: Range, *, parent: str) -> Sink:
+    """A worktop in a box: four boards around a steel basin that keeps within the ``span`` of y."""
+    width, depth = top.width, top.depth
+    under, height = top.z
+    long = min(float(rng.uniform(0.36, 0.6)), span[1] - span[0] - 0.1)
     wide = min(float(rng.uniform(0.32, 0.4)), depth - 0.2)
     deep = float(rng.uniform(0.14, 0.2))
-    middle = float(rng.uniform(-1.0, 1.0)) * (width - long - 0.16) / 2 if rng.random() < 0.6 else 0.0
+    middle = (span[0] + span[1]) / 2
     x = (0.075 - depth / 2, 0.075 - depth / 2 + wide)
     y = (middle - long / 2, middle + long / 2)
     z = (under, height)
-    top = [
+    boards = [
         Space(x=(-depth / 2, x[0]), y=(-width / 2, width / 2), z=z),
         Space(x=(x[1], depth / 2), y=(-width / 2, width / 2), z=z),
         Space(x=x, y=(-width / 2, y[0]), z=z),
@@ -47,7 +48,7 @@ def make_sink(
         Space(x=(x[0] + wall, x[1] - wall), y=(y[1] - wall, y[1]), z=sides),
     ]
     tap, lever = _make_tap((x[1] + 0.055, middle, height), wide, parent)
-    solids = [fill_space(board, "top") for board in top] + [fill_space(sheet, "steel") for sheet in basin]
+    solids = [fill_space(board, "top") for board in boards] + [fill_space(sheet, "steel") for sheet in basin]
     return Sink(primitives=(*solids, *tap), parts=(lever,))
 
 
@@ -56,7 +57,7 @@ def _make_tap(
 ) -> tuple[tuple[Primitive, ...], ShapePart]:
     """A column with a spout over the basin, and a lever on its side that turns up."""
     x, y, z = foot
-    tall, reach, radius = 0.26, 0.55 * wide + 0.05, 0.013
+    tall, reach, radius = TAP_HEIGHT - 0.013, 0.55 * wide + 0.05, 0.013
     spout = (
         cylinder((x, y, z), (x, y, z + 0.012), 0.026, "steel"),
         cylinder((x, y, z + 0.012), (x, y, z + tall), radius, "steel"),

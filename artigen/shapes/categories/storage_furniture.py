@@ -37,7 +37,10 @@ class _Plan:
 
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
-    """A piece of storage furniture that meets the wish, drawn again while engines could not hold it."""
+    """A piece of storage furniture that meets the wish.
+
+    It is drawn again while engines could not hold it, and while nothing moves unless counts are wished for.
+    """
     style = wish.style or pick(rng, {name: look.weight for name, look in STYLES.items()})
     if style not in STYLES:
         raise ShapeError(f"{CATEGORY}: style {style!r} is not known, expected one of {', '.join(STYLES)}")
@@ -51,7 +54,8 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     for _ in range(MAX_LAYOUTS):
         parts = _build(rng, kind, _draw_plan(rng, kind, STYLES[style], size), size)
         shown = not STYLES[style].closed or any(part.label == "door" for part in parts)
-        if shown and fits_engines(parts):
+        moves = wish.counts or any(part.motion for part in parts)
+        if shown and moves and fits_engines(parts):
             return Draft(style=style, parts=parts, finishes=finishes)
     raise ShapeError(
         f"{CATEGORY}: none of {MAX_LAYOUTS} layouts of {size} m (width, depth, height) keeps within what "

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from artigen.shapes.cabinet import Looks, draw_layout, draw_looks, make_cabinet
-from artigen.shapes.carcass import fits_engines
+from artigen.shapes.carcass import fits_engines, open_carcass
 from artigen.shapes.categories.storage_furniture import STYLES
 from artigen.shapes.draw import Draft, ShapeError, Wish, choose
 from artigen.shapes.feet import LEG_KINDS, LegKind, make_castors, make_legs
@@ -18,8 +18,8 @@ from artigen.shapes.hardware import GAP, Range, Space, fill_space, lift
 from artigen.shapes.palette import draw_palette
 from artigen.shapes.primitives import Primitive, box, cylinder, place_vertices, rounded_box
 from artigen.shapes.shape import Motion, ShapePart
-from artigen.shapes.sinks import make_sink
-from artigen.shapes.splits import Cell, Node, Split, Taste, pick
+from artigen.shapes.sinks import TAP_HEIGHT, make_sink
+from artigen.shapes.splits import Cell, Node, Split, Taste, lay_out, pick
 
 CATEGORY = "Table"
 BODY = "body"
@@ -32,8 +32,8 @@ PEDESTAL = Taste(
     trays=0.05,
 )
 UNDER_SINK = Taste(
-    module=(0.3, 0.6),
-    rules=(("columns", 1.0), ("closed", 1.0)),
+    module=(0.42, 0.9),
+    rules=(("columns", 1.0), ("closed", 1.5)),
     fills=(("door", 3.0), ("double", 3.0), ("drop", 0.3)),
     shelf_pitch=(2.0, 3.0),
     trays=0.0,
@@ -80,7 +80,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
         built = kind.build(rng, _draw_plan(rng, style, size))
         body = ShapePart(name=BODY, label="base", parent=None, primitives=built.primitives)
         parts = (body, *built.parts)
-        if fits_engines(parts):
+        if fits_engines(parts) and (wish.counts or any(part.motion for part in parts)):
             return Draft(style=style, parts=parts, finishes=finishes)
     raise ShapeError(
         f"{CATEGORY}: no table of {size} m keeps within what engines hold; wish for a smaller one"
@@ -122,8 +122,9 @@ def _build_frame(rng: np.random.Generator, plan: _Plan) -> _Built:
     legs = lift(make_legs(x, y, high - low, kind=plan.leg, width=leg, finish="leg"), low)
     solids += legs
     inner = (y[0] + leg, y[1] - leg)
-    drawers = int(rng.choice(5, p=(0.3, 0.34, 0.2, 0.12, 0.04))) if width > 0.4 else int(rng.integers(2))
-    drawers = min(drawers, int((inner[1] - inner[0]) / 0.24))
+    drawers = int(rng.choice(5, p=(0.12, 0.44, 0.25, 0.14, 0.05))) if width > 0.4 else 1
+    room = inner[1] - inner[0]
+    drawers = min(max(drawers, int(np.ceil(room / 1.05))) if drawers else 0, int(room / 0.24))
     deep = float(rng.uniform(0.1, min(0.18, 0.35 * (high - low) + 0.02)))
     if drawers:
         hung = _hang_drawers(drawers, Space(x=x, y=inner, z=(high - deep, high)), plan.looks, rng)
@@ -230,21 +231,21 @@ def _rename(part: ShapePart, tag: str) -> ShapePart:
 
 
 def _build_sink(rng: np.random.Generator, plan: _Plan) -> _Built:
-    """A worktop with a basin, over a cabinet or an open frame."""
-    width, depth, height = plan.size
-    high = height - plan.top
-    reach = plan.looks.reach
-    x, y = (reach - depth / 2 + 0.005, depth / 2), (-width / 2, width / 2)
-    sink = make_sink(rng, plan.size, plan.top, parent=BODY)
+    """A worktop with a basin, over a cabinet or an open frame; the tap is as high as the table."""
+    width, depth, total = plan.size
+    high = total - TAP_HEIGHT - plan.top
+    x, y = (plan.looks.reach - depth / 2 + 0.005, depth / 2), (-width / 2, width / 2)
+    top = Space(x=(-depth / 2, depth / 2), y=y, z=(high, high + plan.top))
     if rng.random() < 0.25:
         legs = make_legs(x, y, high, kind="square", width=0.04, finish="leg")
-        at = float(rng.uniform(0.15, 0.3))
-        shelf = _make_shelf(legs, at)
+        shelf = _make_shelf(legs, float(rng.uniform(0.15, 0.3)))
+        sink = make_sink(rng, top, y, parent=BODY)
         return _Built(primitives=(*sink.primitives, *legs), parts=(*sink.parts, shelf))
     foot = float(rng.uniform(0.08, 0.12))
     space = Space(x=x, y=y, z=(foot, high))
     node = draw_layout(rng, space, plan.looks, UNDER_SINK)
     cabinet = make_cabinet(node, space, plan.looks, parent=BODY)
+    sink = make_sink(rng, top, _widest_column(node, space, plan.looks), parent=BODY)
     kick = (
         box((x[0] + 0.06, y[0] + 0.02, 0.0), (x[0] + 0.078, y[1] - 0.02, foot), "body"),
         box((x[1] - 0.03, y[0] + 0.02, 0.0), (x[1] - 0.012, y[1] - 0.02, foot), "body"),
@@ -252,6 +253,14 @@ def _build_sink(rng: np.random.Generator, plan: _Plan) -> _Built:
     return _Built(
         primitives=(*sink.primitives, *cabinet.primitives, *kick), parts=(*cabinet.parts, *sink.parts)
     )
+
+
+def _widest_column(node: Node, space: Space, looks: Looks) -> Range:
+    """The span of y in which a basin hangs free of boards."""
+    edges = dict.fromkeys(("left", "right", "top", "bottom"), 0.0)
+    y, z = open_carcass(space, looks.carcass)
+    cells, _ = lay_out(node, y, z, board=looks.carcass.inner, reach=edges, inset=looks.inset)
+    return max((cell.y for cell in cells), key=lambda span: round(span[1] - span[0], 6))
 
 
 def _build_screw(rng: np.random.Generator, plan: _Plan) -> _Built:
@@ -308,7 +317,7 @@ KINDS: dict[str, _Kind] = {
     "coffee": _Kind(weight=2.0, width=(0.7, 1.3), depth=(0.45, 0.75), height=(0.32, 0.5), build=_build_frame),
     "console": _Kind(weight=1.4, width=(0.8, 1.6), depth=(0.3, 0.45), height=(0.7, 0.9), build=_build_frame),
     "desk": _Kind(weight=3.4, width=(0.95, 1.8), depth=(0.5, 0.8), height=(0.7, 0.78), build=_build_desk),
-    "sink": _Kind(weight=1.0, width=(0.55, 1.3), depth=(0.52, 0.66), height=(0.82, 0.95), build=_build_sink),
+    "sink": _Kind(weight=1.0, width=(0.55, 1.3), depth=(0.52, 0.66), height=(1.09, 1.21), build=_build_sink),
     "screw": _Kind(
         weight=0.7, width=(0.45, 0.9), depth=(0.45, 0.9), height=(0.45, 0.78), build=_build_screw, round=True
     ),

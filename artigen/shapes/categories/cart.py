@@ -1,0 +1,277 @@
+"""Cart: kitchen trolleys, service carts and tool carts on four castors, with a bar to push them.
+
+A cart is a stack of tiers between four posts, drawn one by one: boards, baskets, trays that pull out, rows of
+drawers, cabinets. Tool carts are one cabinet of drawers under a rimmed top.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from artigen.shapes.cabinet import Looks, draw_layout, draw_looks, make_cabinet
+from artigen.shapes.carcass import fits_engines
+from artigen.shapes.draw import Draft, ShapeError, Wish, choose
+from artigen.shapes.drawers import BoxDesign, make_tray
+from artigen.shapes.feet import make_castors
+from artigen.shapes.furniture_kinds import STYLES
+from artigen.shapes.hardware import GAP, Range, Space, fill_space
+from artigen.shapes.palette import draw_palette
+from artigen.shapes.primitives import Primitive, box, cylinder, rounded_box
+from artigen.shapes.shape import ShapePart
+from artigen.shapes.splits import Cell, Node, Split, Taste, pick
+
+CATEGORY = "Cart"
+BODY = "body"
+MAX_LAYOUTS = 60
+Tier = Literal["board", "basket", "pull_out", "drawers", "cabinet"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Kind:
+    """A style of cart: chance, sizes (m), palettes, posts and what its tiers are."""
+
+    weight: float
+    width: Range
+    depth: Range
+    height: Range
+    palettes: tuple[str, ...]
+    looks: tuple[str, ...]
+    post: Range
+    tiers: tuple[tuple[Tier, float], ...]
+    """Chances of tiers; none for a cart that is one cabinet."""
+    wheel: Range
+
+
+KINDS: dict[str, _Kind] = {
+    "kitchen": _Kind(
+        weight=3.0,
+        width=(0.5, 1.15),
+        depth=(0.36, 0.55),
+        height=(0.8, 0.95),
+        palettes=("oak", "birch", "pine", "white", "sage", "black"),
+        looks=("flat", "shaker", "country"),
+        post=(0.034, 0.05),
+        tiers=(("board", 3), ("basket", 0.8), ("pull_out", 0.8), ("drawers", 1.5), ("cabinet", 1.2)),
+        wheel=(0.03, 0.045),
+    ),
+    "service": _Kind(
+        weight=2.0,
+        width=(0.55, 1.0),
+        depth=(0.4, 0.55),
+        height=(0.78, 1.0),
+        palettes=("industrial", "steel", "metal"),
+        looks=("industrial",),
+        post=(0.026, 0.034),
+        tiers=(("board", 1.0), ("basket", 3.0), ("pull_out", 0.4)),
+        wheel=(0.045, 0.065),
+    ),
+    "tool": _Kind(
+        weight=1.5,
+        width=(0.5, 0.85),
+        depth=(0.4, 0.52),
+        height=(0.75, 1.0),
+        palettes=("black", "anthracite", "navy", "blue", "terracotta", "grey"),
+        looks=("handleless", "flat"),
+        post=(0.03, 0.03),
+        tiers=(),
+        wheel=(0.045, 0.06),
+    ),
+}
+CABINET = Taste(
+    module=(0.28, 0.7),
+    drawer=(0.07, 0.2),
+    rules=(("stack", 1.2), ("columns", 0.6), ("closed", 2.0)),
+    fills=(("door", 2.0), ("double", 2.0)),
+    trays=0.1,
+    levels=1,
+)
+TOOLS = Taste(
+    module=(0.4, 0.9),
+    drawer=(0.055, 0.2),
+    rules=(("stack", 4.0), ("drawer_row", 1.0)),
+    fills=(("double", 1.0),),
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Frame:
+    """Where a cart's tiers go: the box over its castors, posts included, metres."""
+
+    x: Range
+    y: Range
+    z: Range
+    post: float
+    looks: Looks
+
+    @property
+    def inner(self) -> Range:
+        """Between the posts (y)."""
+        return self.y[0] + self.post, self.y[1] - self.post
+
+
+def draw(rng: np.random.Generator, wish: Wish) -> Draft:
+    """A cart that meets the wish."""
+    style = wish.style or pick(rng, {name: kind.weight for name, kind in KINDS.items()})
+    if style not in KINDS:
+        raise ShapeError(f"{CATEGORY}: style {style!r} is not known, expected one of {', '.join(KINDS)}")
+    kind = KINDS[style]
+    palette = kind.palettes[int(rng.integers(len(kind.palettes)))]
+    finishes = tuple(sorted(draw_palette(rng, "furniture", palette).items()))
+    size = (
+        choose(rng, *kind.width, wish.width),
+        choose(rng, *kind.depth, wish.depth),
+        choose(rng, *kind.height, wish.height),
+    )
+    for _ in range(MAX_LAYOUTS):
+        parts = _build(rng, kind, size)
+        if fits_engines(parts):
+            return Draft(style=style, parts=parts, finishes=finishes)
+    raise ShapeError(
+        f"{CATEGORY}: no cart of {size} m keeps within what engines hold; wish for a smaller one"
+    )
+
+
+def _build(rng: np.random.Generator, kind: _Kind, size: tuple[float, float, float]) -> tuple[ShapePart, ...]:
+    width, depth, height = size
+    looks = draw_looks(rng, STYLES[kind.looks[int(rng.integers(len(kind.looks)))]], max(size))
+    looks = replace(looks, margin=GAP, lock=False)
+    bar = float(rng.uniform(0.045, 0.065))  # the push bar stands out on the left
+    x = (looks.reach - depth / 2, depth / 2)
+    y = (-width / 2, width / 2 - bar)
+    stand = make_castors(x, y, float(rng.uniform(*kind.wheel)), parent=BODY, swivel=bool(rng.random() < 0.45))
+    frame = _Frame(x=x, y=y, z=(stand.height, height), post=float(rng.uniform(*kind.post)), looks=looks)
+    solids, parts = _stack_tiers(rng, frame, kind) if kind.tiers else _build_chest(rng, frame)
+    body = ShapePart(name=BODY, label="base", parent=None, primitives=(*solids, *stand.primitives))
+    return (body, *parts, _make_push_bar(frame, bar), *stand.parts)
+
+
+def _stack_tiers(
+    rng: np.random.Generator, frame: _Frame, kind: _Kind
+) -> tuple[list[Primitive], list[ShapePart]]:
+    """Posts, a top, and two or three tiers below it; the lowest begins at the castors."""
+    top = float(rng.uniform(0.02, 0.035))
+    high = frame.z[1] - top
+    over = 0.0 if kind.post[0] < 0.03 else float(rng.uniform(0.0, 0.02))
+    solids = [
+        fill_space(Space(x=(px, px + frame.post), y=(py, py + frame.post), z=(frame.z[0], high)), "leg")
+        for px in (frame.x[0], frame.x[1] - frame.post)
+        for py in (frame.y[0], frame.y[1] - frame.post)
+    ]
+    solids.append(
+        rounded_box(
+            (frame.x[0] - min(over, frame.looks.reach), frame.y[0], high),
+            (frame.x[1], frame.y[1], frame.z[1]),
+            0.003,
+            "top",
+        )
+    )
+    parts: list[ShapePart] = []
+    count = int(rng.integers(2, 4))
+    shares = rng.dirichlet(np.full(count, 12.0))
+    edges = frame.z[0] + (high - frame.z[0]) * np.concatenate([[0.0], np.cumsum(shares)])
+    repeated: Tier = pick(rng, dict(kind.tiers))
+    for index in range(count):
+        tier: Tier = repeated if rng.random() < 0.45 else pick(rng, dict(kind.tiers))
+        span = (float(edges[index]), float(edges[index + 1]))
+        own, hung = _build_tier(rng, frame, tier, span, f"{'abc'[index]}")
+        solids, parts = [*solids, *own], [*parts, *hung]
+    return solids, parts
+
+
+def _build_tier(
+    rng: np.random.Generator, frame: _Frame, tier: Tier, z: Range, tag: str
+) -> tuple[tuple[Primitive, ...], tuple[ShapePart, ...]]:
+    """One tier between the posts: what joins the body, and parts."""
+    tall = z[1] - z[0]
+    wall = max(0.010, (frame.inner[1] - frame.inner[0]) / 60)
+    if tier == "drawers" and tall > 0.14:
+        low = z[1] - min(tall, float(rng.uniform(0.12, 0.2)))
+        drawer: Node = Cell(fill="drawer")
+        wide = frame.inner[1] - frame.inner[0] > 0.6 and rng.random() < 0.6
+        node = Split(along="columns", shares=(1.0, 1.0), children=(drawer, drawer)) if wide else drawer
+        return _hang_cabinet(node, frame, (low, z[1]), tag)
+    if tier == "cabinet" and tall > 0.3:
+        space = Space(x=frame.x, y=frame.inner, z=z)
+        return _hang_cabinet(draw_layout(rng, space, frame.looks, CABINET), frame, z, tag)
+    if tier == "pull_out":
+        rim = min(0.12, 0.5 * tall)
+        space = Space(x=(frame.x[0] + 0.004, frame.x[1]), y=frame.inner, z=(z[0] + 0.004, z[0] + 0.004 + rim))
+        rails = tuple(
+            fill_space(
+                Space(
+                    x=(frame.x[0] + frame.post, frame.x[1] - frame.post), y=y, z=(z[0] + 0.01, z[0] + 0.04)
+                ),
+                "leg",
+            )
+            for y in ((frame.y[0], frame.inner[0]), (frame.inner[1], frame.y[1]))
+        )
+        design = BoxDesign(wall=wall, rim=1.0, finish="front")
+        return rails, (make_tray(space, design, name=f"tray_{tag}", parent=BODY),)
+    rim = 0.0 if tier != "basket" else min(float(rng.uniform(0.04, 0.1)), 0.4 * tall)
+    shelf = ShapePart(
+        name=f"shelf_{tag}",
+        label="shelf",
+        parent=BODY,
+        primitives=_make_basket(frame.x, frame.inner, (z[0], z[0] + rim), wall),
+    )
+    return (), (shelf,)
+
+
+def _make_basket(x: Range, y: Range, z: Range, wall: float) -> tuple[Primitive, ...]:
+    """A board, with a rim up to the end of ``z`` if that is higher than the board."""
+    floor = fill_space(Space(x=x, y=y, z=(z[0], z[0] + 1.3 * wall)), "inside" if z[1] > z[0] else "top")
+    up = (z[0] + 1.3 * wall, z[1])
+    if up[1] - up[0] < 0.01:
+        return (floor,)
+    return (
+        floor,
+        *(
+            fill_space(Space(x=span_x, y=span_y, z=up), "front")
+            for span_x, span_y in (
+                ((x[0], x[0] + wall), y),
+                ((x[1] - wall, x[1]), y),
+                ((x[0] + wall, x[1] - wall), (y[0], y[0] + wall)),
+                ((x[0] + wall, x[1] - wall), (y[1] - wall, y[1])),
+            )
+        ),
+    )
+
+
+def _hang_cabinet(
+    node: Node, frame: _Frame, z: Range, tag: str
+) -> tuple[tuple[Primitive, ...], tuple[ShapePart, ...]]:
+    built = make_cabinet(node, Space(x=frame.x, y=frame.inner, z=z), frame.looks, parent=BODY, prefix=tag)
+    return built.primitives, built.parts
+
+
+def _build_chest(rng: np.random.Generator, frame: _Frame) -> tuple[list[Primitive], list[ShapePart]]:
+    """A cabinet of drawers under a top with a rim."""
+    rim, wall = float(rng.uniform(0.02, 0.05)), 0.012
+    high = frame.z[1] - rim
+    space = Space(x=frame.x, y=frame.y, z=(frame.z[0], high))
+    built = make_cabinet(draw_layout(rng, space, frame.looks, TOOLS), space, frame.looks, parent=BODY)
+    x, y, z = frame.x, frame.y, (high, frame.z[1])
+    back = built.primitives[0].center[0] - built.primitives[0].size[0] / 2
+    edges = (
+        ((back, back + wall), y),
+        ((x[1] - wall, x[1]), y),
+        ((back + wall, x[1] - wall), (y[0], y[0] + wall)),
+        ((back + wall, x[1] - wall), (y[1] - wall, y[1])),
+    )
+    rims = [fill_space(Space(x=(float(a[0]), float(a[1])), y=b, z=z), "accent") for a, b in edges]
+    return [*built.primitives, *rims], list(built.parts)
+
+
+def _make_push_bar(frame: _Frame, reach: float) -> ShapePart:
+    """A rod along the left end on two arms, below the top."""
+    radius = 0.011 + 0.06 * (reach - 0.045)
+    z, y = frame.z[1] - 0.09, frame.y[1] + reach - radius
+    first, last = frame.x[0] + frame.post, frame.x[1] - frame.post
+    inset = frame.post / 2
+    arms = [
+        box((x - 0.009, frame.y[1], z - 0.009), (x + 0.009, y, z + 0.009), "handle")
+        for x in (first - inset, last + inset)
+    ]
+    rod = cylinder((first - inset - 0.03, y, z), (last + inset + 0.03, y, z), radius, "handle")
+    return ShapePart(name="push_bar", label="handle", parent=BODY, primitives=(rod, *arms))

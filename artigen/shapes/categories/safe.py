@@ -1,0 +1,144 @@
+"""Safe: a steel box with thick walls, a heavy door, a dial or handwheel that turns on it, and shelves.
+
+What a new category takes: sizes, a look for each style, and the parts.
+"""
+
+from math import radians
+
+import numpy as np
+
+from artigen.shapes.draw import Draft, ShapeError, Wish, choose
+from artigen.shapes.fronts import FrontDesign, make_door
+from artigen.shapes.hardware import GAP, Panel, Space, fill_space, sweep_gap
+from artigen.shapes.materials import LACQUERS, make_lacquer
+from artigen.shapes.palette import draw_palette
+from artigen.shapes.primitives import Primitive, box, cylinder, line
+from artigen.shapes.shape import Motion, ShapePart
+
+CATEGORY = "Safe"
+STYLES = ("dial", "handwheel", "keypad")
+COLORS = ("anthracite", "black", "grey", "forest", "navy", "white")
+BODY, DOOR = "body", "door"
+
+
+def draw(rng: np.random.Generator, wish: Wish) -> Draft:
+    """A safe that meets the wish."""
+    style = wish.style or STYLES[int(rng.integers(len(STYLES)))]
+    if style not in STYLES:
+        raise ShapeError(f"{CATEGORY}: style {style!r} is not known, expected one of {', '.join(STYLES)}")
+    color = make_lacquer(LACQUERS[COLORS[int(rng.integers(len(COLORS)))]], gloss=float(rng.uniform(0.2, 0.5)))
+    finishes = draw_palette(rng, "appliance", "steel") | {"body": color, "front": color}
+    width = choose(rng, 0.32, 0.7, wish.width)
+    depth = choose(rng, 0.3, 0.6, wish.depth)
+    height = choose(rng, 0.3, 1.4, wish.height)
+    wall = float(rng.uniform(0.03, 0.06))
+    reach = 0.06  # of what turns on the door
+    foot = float(rng.choice((0.0, 0.025)))
+    outer = Space(x=(reach - depth / 2, depth / 2), y=(-width / 2, width / 2), z=(foot, height))
+    thick = float(rng.uniform(0.7, 1.0)) * wall
+    left = bool(rng.random() < 0.25)
+    swing = sweep_gap(width - 2 * wall, thick)
+    panel = Panel(
+        x=outer.x[0],
+        thickness=thick,
+        y=(outer.y[0] + wall + (swing if left else GAP), outer.y[1] - wall - (GAP if left else swing)),
+        z=(foot + wall + GAP, height - wall - GAP),
+    )
+    plain = FrontDesign(style="flat", frame=0.0, handle=None)
+    upper = radians(float(rng.choice((95.0, 110.0, 135.0, 165.0))))
+    door = make_door(panel, plain, name=DOOR, parent=BODY, edge="left" if left else "right", upper=upper)[0]
+    body = ShapePart(name=BODY, label="base", parent=None, primitives=_make_body(outer, wall, foot))
+    lock = _make_lock(rng, panel, style, toward=1.0 if left else -1.0)
+    shelves = _make_shelves(rng, outer, wall, panel.back + 0.01)
+    return Draft(style=style, parts=(body, door, *lock, *shelves), finishes=tuple(sorted(finishes.items())))
+
+
+def _make_body(outer: Space, wall: float, foot: float) -> tuple[Primitive, ...]:
+    """Six walls but the front, lined on their inner sides, on four pads where there is a ``foot``."""
+    x, y, z = outer.x, outer.y, outer.z
+    inner_y, back = (y[0] + wall, y[1] - wall), x[1] - wall
+    walls = (
+        line(fill_space(Space(x=x, y=(y[0], inner_y[0]), z=z), "body"), "inside", (0.0, 1.0, 0.0)),
+        line(fill_space(Space(x=x, y=(inner_y[1], y[1]), z=z), "body"), "inside", (0.0, -1.0, 0.0)),
+        line(fill_space(Space(x=x, y=inner_y, z=(z[0], z[0] + wall)), "body"), "inside", (0.0, 0.0, 1.0)),
+        line(fill_space(Space(x=x, y=inner_y, z=(z[1] - wall, z[1])), "body"), "inside", (0.0, 0.0, -1.0)),
+        line(
+            fill_space(Space(x=(back, x[1]), y=inner_y, z=(z[0] + wall, z[1] - wall)), "body"),
+            "inside",
+            (-1.0, 0.0, 0.0),
+        ),
+    )
+    pads = [(a, b) for a in (x[0] + 0.05, x[1] - 0.05) for b in (y[0] + 0.05, y[1] - 0.05)] if foot else []
+    return (*walls, *(cylinder((a, b, 0.0), (a, b, foot), 0.024, "rubber") for a, b in pads))
+
+
+def _make_lock(rng: np.random.Generator, panel: Panel, style: str, toward: float) -> tuple[ShapePart, ...]:
+    """A dial or keypad above, and a lever or handwheel that turns, towards the free edge of the door."""
+    y, z = panel.center
+    room = min(panel.width, panel.height)
+    y += toward * 0.12 * panel.width * -1.0
+    size = float(np.clip(0.16 * room, 0.03, 0.055))
+    apart = min(0.3 * panel.height, 2.6 * size) / 2 + 0.012
+    upper, lower = (y, z + apart), (y, z - apart)
+    if style == "handwheel":
+        return (_make_dial("dial", panel, upper, 0.7 * size), _make_spokes(panel, lower, size, count=4))
+    if style == "dial":
+        return (_make_dial("dial", panel, upper, size), _make_spokes(panel, lower, size, count=2))
+    plate = box(
+        (panel.x - 0.008, upper[0] - size, upper[1] - 0.8 * size),
+        (panel.x, upper[0] + size, upper[1] + 0.8 * size),
+        "panel",
+    )
+    keys = ShapePart(name="keypad", label="handle", parent=DOOR, primitives=(plate,))
+    return (keys, _make_spokes(panel, lower, size, count=2))
+
+
+def _make_dial(name: str, panel: Panel, at: tuple[float, float], radius: float) -> ShapePart:
+    """A combination dial: a flange, a knob, and a mark that shows how far it is turned."""
+    x = panel.x - 0.0015
+    solids = (
+        cylinder((x, *at), (x - 0.008, *at), radius, "panel"),
+        cylinder((x - 0.008, *at), (x - 0.028, *at), 0.6 * radius, "steel"),
+        box(
+            (x - 0.011, at[0] - 0.003, at[1] + 0.62 * radius),
+            (x - 0.008, at[0] + 0.003, at[1] + radius),
+            "inside",
+        ),
+    )
+    return ShapePart(name=name, label="knob", parent=DOOR, primitives=solids, motion=_turn(x, at, 2 * np.pi))
+
+
+def _make_spokes(panel: Panel, at: tuple[float, float], radius: float, count: int) -> ShapePart:
+    """A hub with arms; two arms are a lever that turns a quarter, four a handwheel that spins."""
+    x, arm = panel.x - 0.0015, 0.0085
+    solids = [cylinder((x, *at), (x - 0.035, *at), 0.4 * radius, "steel")]
+    for k in range(count):
+        turn = 2 * np.pi * k / count
+        tip = (at[0] + radius * 1.25 * np.cos(turn), at[1] + radius * 1.25 * np.sin(turn))
+        solids.append(
+            cylinder((x - 0.035 + arm, *at), (x - 0.035 + arm, float(tip[0]), float(tip[1])), arm, "steel")
+        )
+    motion = _turn(x, at, 2 * np.pi if count > 2 else np.pi / 2)
+    return ShapePart(name="lever", label="knob", parent=DOOR, primitives=tuple(solids), motion=motion)
+
+
+def _turn(x: float, at: tuple[float, float], upper: float) -> Motion:
+    kind = "continuous" if upper > 6 else "revolute"
+    return Motion(type=kind, axis=(-1.0, 0.0, 0.0), origin=(x, *at), upper=upper)
+
+
+def _make_shelves(rng: np.random.Generator, outer: Space, wall: float, front: float) -> list[ShapePart]:
+    """Loose shelves a hand apart or further."""
+    low, high = outer.z[0] + wall, outer.z[1] - wall
+    count = int((high - low) / float(rng.uniform(0.18, 0.3)))
+    levels = [low + (k + 1) * (high - low) / (count + 1) for k in range(count)]
+    y = (outer.y[0] + wall, outer.y[1] - wall)
+    return [
+        ShapePart(
+            name=f"shelf_{k}",
+            label="shelf",
+            parent=BODY,
+            primitives=(fill_space(Space(x=(front, outer.x[1] - wall), y=y, z=(z, z + 0.012)), "steel"),),
+        )
+        for k, z in enumerate(levels)
+    ]
