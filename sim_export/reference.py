@@ -28,10 +28,8 @@ from sim_export.package import Hull, Inertial, Mesh, Requirement, SimPackage
 from sim_export.solids import as_solid
 from sim_export.texture import color_atlas
 
-EDGES = (0.6, 0.4, 0.3, 0.2, 0.15, 0.1)
-"""Lengths (m) to which edges are divided, one after the other, while a union has too many needles."""
 NEEDLES = 0.008
-"""Share of needles from which a union is divided; checks allow a hundredth."""
+"""Share of needles from which a union is not shown; checks allow a hundredth."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -77,16 +75,14 @@ def build_reference(
     materials: list[tuple[str, str]] = []
     for part, start in zip(shape.parts, first, strict=False):
         solids = [_primitive_hull(primitive, center) for primitive in part.primitives]
-        union = _unite(solids)
+        union = _show(solids, [primitive.kind == "cylinder" for primitive in part.primitives])
         meshes.append(_paint_part(union, table, int(start), center, cfg))
         hulls = tuple(piece for solid in solids for piece in trim_hull(solid, cfg.limits))
         if len(hulls) > len(solids):
             records.append(f"{part.name}: {len(solids)} primitives cut to {len(hulls)} hulls, being oblong")
         made_of = [_material(part, primitive, kinds, shape.category) for primitive in part.primitives]
         materials.append((part.name, max(sorted(set(made_of)), key=made_of.count)))
-        geometry.append(
-            PartGeometry(visuals=(meshes[-1],), hulls=hulls, inertial=_weigh(solids, made_of, union.mesh))
-        )
+        geometry.append(PartGeometry(visuals=(meshes[-1],), hulls=hulls, inertial=_weigh(solids, made_of)))
     tree = build_links(asset, geometry)
     return SimPackage(
         name=asset.name,
@@ -106,20 +102,55 @@ def _primitive_hull(primitive: Primitive, center: Float[np.ndarray, "3"]) -> Hul
     return Hull(vertices=place_vertices(primitive) - center, faces=primitive.faces)
 
 
+def _show(solids: Sequence[Hull], round_ones: Sequence[bool]) -> _Union:
+    """The surface of a part: its exact union where that is a clean mesh, else closed pieces that overlap.
+
+    Unions of crossing wires and of boards that nearly align hold needles and points a hair apart, which
+    files cannot tell from each other. Then round pieces stay by themselves, and if need be all do.
+    """
+    level = [Hull(vertices=np.round(solid.vertices, 6), faces=solid.faces) for solid in solids]
+    boards = [index for index, is_round in enumerate(round_ones) if not is_round]
+    alone = [[index] for index, is_round in enumerate(round_ones) if is_round]
+    every = [[index] for index in range(len(solids))]
+    for groups in ([list(range(len(solids)))], [boards, *alone], every):
+        union = _join([(_unite([level[k] for k in group]), group) for group in groups if group])
+        if _is_clean(union.mesh):
+            break
+    return union
+
+
 def _unite(solids: Sequence[Hull]) -> _Union:
-    """The union of convex solids as one closed mesh; long faces are divided where they leave needles."""
+    """The union of convex solids as one closed mesh."""
     parts = [as_solid(solid).as_original() for solid in solids]
     number = {part.original_id(): index for index, part in enumerate(parts)}
-    whole = manifold3d.Manifold.batch_boolean(parts, manifold3d.OpType.Add)
-    for length in (None, *EDGES):  # not simplify(): it loses volume where bevelled boards meet
-        mesh = (whole if length is None else whole.refine_to_length(length)).to_mesh64()
-        runs = np.diff(np.asarray(mesh.run_index).astype(np.int64)) // 3
-        owners = np.repeat([number[int(original)] for original in mesh.run_original_id], runs)
-        vertices = np.asarray(mesh.vert_properties)[:, :3]
-        faces = flip_needles(vertices, np.asarray(mesh.tri_verts).astype(np.int64), owners)
-        if find_needles(vertices[faces], 1.1e-4).mean() < NEEDLES:
-            break
+    # simplify() of a union is not to be had: it loses volume where bevelled boards meet.
+    mesh = manifold3d.Manifold.batch_boolean(parts, manifold3d.OpType.Add).to_mesh64()
+    runs = np.diff(np.asarray(mesh.run_index).astype(np.int64)) // 3
+    owners = np.repeat([number[int(original)] for original in mesh.run_original_id], runs)
+    vertices = np.asarray(mesh.vert_properties)[:, :3]
+    faces = flip_needles(vertices, np.asarray(mesh.tri_verts).astype(np.int64), owners)
     return _Union(mesh=Mesh(vertices=vertices, faces=faces), owners=owners)
+
+
+def _join(pieces: Sequence[tuple[_Union, list[int]]]) -> _Union:
+    """Several surfaces as one; ``owners`` of each become the numbers beside it."""
+    starts = np.cumsum([0, *(len(union.mesh.vertices) for union, _ in pieces)])
+    return _Union(
+        mesh=Mesh(
+            vertices=np.concatenate([union.mesh.vertices for union, _ in pieces]),
+            faces=np.concatenate(
+                [union.mesh.faces + start for (union, _), start in zip(pieces, starts, strict=False)]
+            ),
+        ),
+        owners=np.concatenate([np.array(group)[union.owners] for union, group in pieces]),
+    )
+
+
+def _is_clean(mesh: Mesh) -> bool:
+    """Hardly a needle, and no edge that files with micrometres lose."""
+    triangles = mesh.vertices[mesh.faces]
+    shortest = np.abs(triangles - np.roll(triangles, -1, axis=1)).max(axis=2).min()
+    return bool(shortest > 2e-6 and find_needles(triangles, 1.1e-4).mean() < NEEDLES)
 
 
 def _paint_part(
@@ -143,7 +174,7 @@ def _material(
     return finish_material(kinds[primitive.finish], part.label, category)
 
 
-def _weigh(solids: Sequence[Hull], made_of: Sequence[MaterialName], whole: Mesh) -> Inertial:
+def _weigh(solids: Sequence[Hull], made_of: Sequence[MaterialName]) -> Inertial:
     """Mass of the union; what two materials share belongs to the one that comes first by name."""
     names = sorted(set(made_of))
     inertials: list[Inertial] = []
@@ -151,7 +182,7 @@ def _weigh(solids: Sequence[Hull], made_of: Sequence[MaterialName], whole: Mesh)
     for count, name in enumerate(names, start=1):
         density = MATERIALS[name].density
         chosen = [solid for solid, made in zip(solids, made_of, strict=True) if made in names[:count]]
-        mesh = whole if count == len(names) else _unite(chosen).mesh
+        mesh = _unite(chosen).mesh
         added = mesh_inertial(mesh, density)
         inertials.append(added if before is None else subtract(added, mesh_inertial(before, density)))
         before = mesh
