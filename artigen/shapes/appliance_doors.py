@@ -1,12 +1,10 @@
 """Doors of appliances: insulated leaves and leaves with a window, and the handles that suit them."""
 
-from typing import Literal
-
 import numpy as np
 
 from artigen.shapes.cavity import SIDES, build_frame
 from artigen.shapes.handles import HandleDesign, HandleKind, make_handle
-from artigen.shapes.hardware import Panel, Range
+from artigen.shapes.hardware import Edge, Panel, Range
 from artigen.shapes.primitives import Primitive, box, line, rounded_box
 from artigen.shapes.racks import SLENDER
 from artigen.shapes.shape import ShapePart
@@ -87,19 +85,22 @@ def mount_grip(
     *,
     name: str,
     parent: str,
-    side: Literal["left", "right", "top"],
+    edge: Edge | None,
     inset: float,
     level: float | None = None,
 ) -> ShapePart:
-    """A handle along one side of a panel, ``inset`` metres from it, centred there or at height ``level``."""
+    """A handle opposite to the ``edge`` where a panel is hinged, along the top of one that slides (None).
+
+    It lies ``inset`` metres from the rim, and is centred there or at height ``level``.
+    """
     y, z = panel.center
     half = design.thickness / 2 + inset
-    if side == "top":
-        return make_handle(panel, design, name=name, parent=parent, upright=False, at=(y, panel.z[1] - half))
-    y = panel.y[0] + half if side == "right" else panel.y[1] - half
-    return make_handle(
-        panel, design, name=name, parent=parent, upright=True, at=(y, z if level is None else level)
-    )
+    upright = edge in ("left", "right")
+    if upright:
+        at = (panel.y[0] + half if edge == "left" else panel.y[1] - half, z if level is None else level)
+    else:
+        at = (y, panel.z[1] - half)
+    return make_handle(panel, design, name=name, parent=parent, upright=upright, at=at)
 
 
 def _build_recess(x: Range, y: Range, z: Range) -> tuple[Primitive, ...]:

@@ -13,6 +13,9 @@ from artigen.shapes.racks import SLENDER
 from artigen.shapes.shape import Need, ShapePart
 from artigen.types import PartLabel
 
+LOW = 0.26
+"""Height above the floor of a compartment (m) up to which tubs stand and doors carry no bins."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class BinPlan:
@@ -42,7 +45,9 @@ def plan_bins(rng: np.random.Generator, depth: float, z: Range) -> BinPlan | Non
     if count < 1:
         return None
     rows = divide_range((z[0] + 0.02, z[1] - 0.02), count, 0.0)
-    levels = tuple(low + float(rng.uniform(0.0, 0.25)) * (high - low) * (k > 0) for k, (low, high) in enumerate(rows))
+    levels = tuple(
+        low + float(rng.uniform(0.0, 0.25)) * (high - low) * (k > 0) for k, (low, high) in enumerate(rows)
+    )
     return BinPlan(depth=depth, z=(z[0] + 0.015, z[1] - 0.015), levels=levels)
 
 
@@ -138,4 +143,66 @@ def build_freezer_drawer(panel: Panel, space: Space, *, bevel: float) -> tuple[P
         y=(space.y[0] + 0.006, space.y[1] - 0.006),
         z=(low, low + 0.72 * (space.z[1] - low)),
     )
-    return (*build_leaf(panel, (space.y, space.z), "front", "inside", bevel=bevel), *build_tub(tub, wall, "plastic"))
+    return (
+        *build_leaf(panel, (space.y, space.z), "front", "inside", bevel=bevel),
+        *build_tub(tub, wall, "plastic"),
+    )
+
+
+def draw_shelves_and_crispers(
+    rng: np.random.Generator,
+    space: Space,
+    *,
+    stem: str,
+    bins: float,
+    crispers: Range | None,
+    needs: tuple[Need, ...],
+    full: bool,
+) -> tuple[list[ShapePart], list[ShapePart]]:
+    """What a compartment holds: shelves at uneven heights, tubs at its bottom.
+
+    Args:
+        rng: Source of every choice.
+        space: The free room.
+        stem: What distinguishes the names of its parts.
+        bins: How far the bins of the doors reach in (m).
+        crispers: Range of y in which tubs pass the open doors; None for no tubs.
+        needs: What must be open before a tub slides.
+        full: Tubs up to the top, as in freezers.
+
+    Returns:
+        The shelves, and what slides.
+    """
+    front = space.x[0] + bins + (0.03 if bins else 0.045)
+    pane = max(0.007, space.width / SLENDER, space.depth / SLENDER)
+    levels: list[float] = []
+    sliding: list[ShapePart] = []
+    bottom = space.z[0]
+    if crispers is not None and rng.random() < 0.8 and space.height > 0.36:
+        rows, tall = 1, float(rng.uniform(0.15, 0.22))
+        if full and space.height > 0.5:
+            rows = min(int(space.height / rng.uniform(0.19, 0.26)), 5)
+            tall = (space.height - 0.02) / rows - 0.012 - pane
+        count = 2 if crispers[1] - crispers[0] > 0.5 and rng.random() < 0.6 and rows == 1 else 1
+        label: PartLabel = "drawer" if rng.random() < 0.7 else "tray"
+        finish = "clear" if rng.random() < 0.5 else "plastic"
+        for row in range(rows):
+            tub = Space(x=(space.x[0] + 0.036, space.x[1] - 0.015), y=crispers, z=(bottom, bottom + tall))
+            sliding += make_crispers(
+                tub, count, stem=f"crisper_{stem}_{row}", label=label, finish=finish, needs=needs
+            )
+            if row < rows - 1 or rows == 1:
+                levels.append(bottom + tall + 0.008 + pane)
+            bottom += tall + 0.009 + pane  # mouldings stand up by a millimetre
+    room = space.z[1] - 0.14 - bottom
+    wanted = min(int(room / rng.uniform(0.20, 0.34)), 5 if crispers is None else 4)
+    if room > 0.08 and wanted > 0:
+        levels += [top for _, top in divide_range((bottom, bottom + room), wanted, 0.0)]
+    trim = crispers is not None and not (full and len(levels) > 3)
+    shelves = []
+    for k, level in enumerate(levels):
+        # Low shelves lie below the bins and reach further forward.
+        x = (front if level > space.z[0] + LOW else space.x[0] + 0.045, space.x[1])
+        pieces = build_shelf(Space(x=x, y=space.y, z=space.z), level, trim=trim)
+        shelves.append(ShapePart(name=f"shelf_{stem}_{k}", label="shelf", parent="body", primitives=pieces))
+    return shelves, sliding

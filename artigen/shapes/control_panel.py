@@ -147,7 +147,9 @@ def spread_controls(
         if shows:
             low = middle - (0.006 if keys else 0.016)
             pieces.append(build_display(x, frame, (low, low + 0.032)))
-        parts += _make_keys(frame, (x, middle - (0.022 if shows else 0.0)), min(keys, int(window / 0.03)), parent)
+        parts += _make_keys(
+            frame, (x, middle - (0.022 if shows else 0.0)), min(keys, int(window / 0.03)), parent
+        )
         spans = ((y[1] - left * pitch - spare, y[1], left), (y[0], center - window / 2, dials - left))
     else:
         spans = ((y[0], y[1], dials),)
@@ -204,8 +206,8 @@ class _Placing:
         corners = np.array([self.point(a, b, c) for a in out for b in across for c in up])
         axes = np.abs(self.out) > 1 - 1e-9
         if axes.any():
-            low, high = corners.min(axis=0), corners.max(axis=0)
-            return box(tuple(map(float, low)), tuple(map(float, high)), finish)
+            (x0, y0, z0), (x1, y1, z1) = corners.min(axis=0).tolist(), corners.max(axis=0).tolist()
+            return box((x0, y0, z0), (x1, y1, z1), finish)
         return polytope(corners, finish)
 
 

@@ -47,7 +47,7 @@ def build_burners(
 
 
 def build_grate(x: Range, y: Range, z: float, *, cheeks: int) -> tuple[Primitive, ...]:
-    """Cast iron over one column of burners: cheeks, or one spine, that stand on the hob, and two bars across."""
+    """Cast iron over a column of burners: cheeks, or one spine, that stand on the hob, and two cross bars."""
     bar = max(0.009, (x[1] - x[0]) / 50)
     top = z + 0.034
     low, high = y[0] + 0.012, y[1] - 0.012

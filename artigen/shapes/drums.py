@@ -20,7 +20,7 @@ def make_drum(
     """
     closed = span[1] if axis == "x" else span[0]
     inwards = -SHEET if axis == "x" else SHEET
-    radii = (radius, outer_radius(radius))
+    radii = (radius, (radius + SHEET) / float(np.cos(np.pi / 16)))
     pieces = list(build_ring(center, axis, span, (radii, radii), finish))
 
     def point(along: float) -> Vector:
@@ -41,9 +41,9 @@ def make_drum(
     return ShapePart(name="drum", label="tray", parent="body", primitives=tuple(pieces), motion=motion)
 
 
-def outer_radius(radius: float) -> float:
-    """What a drum takes up, to the corners of its wedges (m)."""
-    return float((radius + SHEET) / np.cos(np.pi / 16))
+def fit_radius(room: float) -> float:
+    """Inner radius of the drum that turns within ``room`` metres of its axis."""
+    return float(room * np.cos(np.pi / 16)) - SHEET
 
 
 def build_bearing(drum_end: float, wall: float, center: Vector, axis: str) -> Primitive:

@@ -1,6 +1,7 @@
 """Round things from convex pieces: rings and drums of wedges, plates with a round hole."""
 
 from functools import cache
+from itertools import pairwise
 
 import numpy as np
 
@@ -58,12 +59,12 @@ def build_pierced_plate(
     corners = np.array([(a - y, b - z) for a in outline[0] for b in outline[1]])
     corner_angles = np.arctan2(corners[:, 1], corners[:, 0]) % (2 * np.pi)
     pieces = []
-    for start, end in zip(angles[:-1], angles[1:], strict=True):
+    for start, end in pairwise(angles):
         between = (corner_angles - start) % (2 * np.pi) < end - start
         near = rim * np.array([(np.cos(a), np.sin(a)) for a in (start, end)])
         far = np.array([_reach_edge(a, outline, (y, z)) for a in (start, end)])
         profile = np.concatenate([near, far, corners[between]])
-        piece = prism(profile + (y, z), (x[0], 0.0, 0.0), (x[1], 0.0, 0.0), finish)
+        piece = prism(profile + np.array([y, z]), (x[0], 0.0, 0.0), (x[1], 0.0, 0.0), finish)
         if lining is not None:
             middle = (start + end) / 2
             piece = line(piece, lining, (0.0, -float(np.cos(middle)), -float(np.sin(middle))))

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from artigen.shapes.appliance_doors import draw_grip, mount_grip
+from artigen.shapes.assembly import Assembly
 from artigen.shapes.cavity import SIDES, build_feet, build_shell, build_tub, divide_range
 from artigen.shapes.control_panel import design_dial, spread_controls
 from artigen.shapes.draw import Draft, Wish, choose
@@ -63,11 +64,9 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     style = wish.style or str(rng.choice(STYLES, p=(0.46, 0.34, 0.14, 0.06)))
     palette = draw_palette(rng, "appliance", style)
     plan = _draw_plan(rng, wish)
-    pieces = _build_base(plan)
-    make = _draw_drawers if plan.drawers else _draw_door_and_racks
-    parts = make(rng, plan, pieces)
-    body = ShapePart(name="body", label="base", parent=None, primitives=tuple(pieces))
-    return Draft(style=style, parts=(body, *parts), finishes=tuple(sorted(palette.items())))
+    draw_fronts = _draw_drawers if plan.drawers else _draw_door_and_racks
+    built = Assembly(pieces=tuple(_build_base(plan))) + draw_fronts(rng, plan)
+    return Draft(style=style, parts=built.close(), finishes=tuple(sorted(palette.items())))
 
 
 def _draw_plan(rng: np.random.Generator, wish: Wish) -> _Plan:
@@ -108,10 +107,8 @@ def _build_base(plan: _Plan) -> list[Primitive]:
     return pieces
 
 
-def _draw_door_and_racks(
-    rng: np.random.Generator, plan: _Plan, pieces: list[Primitive]
-) -> list[ShapePart]:
-    """Tub, door, and one to three racks that slide out over the open door."""
+def _draw_door_and_racks(rng: np.random.Generator, plan: _Plan) -> Assembly:
+    """Tub, door, and racks that slide out over the open door."""
     outer = Space(x=(plan.front, -plan.x), y=plan.y, z=(plan.toe, plan.top))
     sill = plan.toe + 0.003
     # The liner of the open door lies level with the floor of the tub.
@@ -121,61 +118,56 @@ def _draw_door_and_racks(
         y=(plan.y[0] + plan.wall, plan.y[1] - plan.wall),
         z=(floor, plan.top - 0.04),
     )
-    pieces += build_shell(outer, tub, "body", "steel")
-    middle = (sum(tub.x) / 2, 0.0)
-    pieces.append(cylinder((*middle, tub.z[1] - 0.02), (*middle, tub.z[1]), 0.03, "plastic"))
-    arm = 0.38 * tub.width
-    pieces.append(
-        box((middle[0] - 0.018, -arm, tub.z[1] - 0.032), (middle[0] + 0.018, arm, tub.z[1] - 0.02), "plastic")
+    shell = build_shell(outer, tub, "body", "steel")
+    built = Assembly(pieces=(*shell, *_build_spray_arm(tub)))
+    return built + _draw_door(rng, plan, sill, tub) + _draw_racks(rng, tub)
+
+
+def _build_spray_arm(tub: Space) -> tuple[Primitive, ...]:
+    """A hub under the ceiling of the tub with an arm."""
+    x, top, reach = sum(tub.x) / 2, tub.z[1], 0.38 * tub.width
+    return (
+        cylinder((x, 0.0, top - 0.02), (x, 0.0, top), 0.03, "plastic"),
+        box((x - 0.018, -reach, top - 0.032), (x + 0.018, reach, top - 0.02), "plastic"),
     )
-    parts = _draw_door(rng, plan, sill, tub, pieces)
-    needs = (Need(part="door", fraction=1.0),)
-    parts += _draw_racks(rng, tub, needs, pieces)
-    return parts
 
 
-def _draw_door(
-    rng: np.random.Generator, plan: _Plan, sill: float, tub: Space, pieces: list[Primitive]
-) -> list[ShapePart]:
+def _draw_door(rng: np.random.Generator, plan: _Plan, sill: float, tub: Space) -> Assembly:
     """The door with a control strip on its upper edge, or below a strip of the housing."""
     strip = float(rng.uniform(0.07, 0.12))
     fixed = rng.random() < 0.4
-    rear = plan.thickness + BULGE
     top = plan.top - 0.003
+    low = plan.top - strip
     if fixed:
-        low = plan.top - strip
-        box_low = (plan.x, plan.y[0], low)
-        finish = "panel" if rng.random() < 0.5 else "front"
-        pieces.append(rounded_box(box_low, (plan.front, plan.y[1], plan.top), 0.003, finish))
-        top = low - sweep_gap(low - sill, rear)
+        top = low - sweep_gap(low - sill, plan.thickness + BULGE)
     panel = Panel(x=plan.x, thickness=plan.thickness, y=plan.y, z=(sill, top))
     seam = top if fixed else top - strip
-    face = rounded_box((panel.x, panel.y[0], sill), (panel.back, panel.y[1], seam), 0.003, "front")
-    solids = [line(face, "steel", SIDES["front"])]
-    if not fixed:
-        finish = "panel" if rng.random() < 0.6 else "front"
+    leaf = Panel(x=panel.x, thickness=panel.thickness, y=panel.y, z=(sill, seam))
+    face = rounded_box((leaf.x, leaf.y[0], sill), (leaf.back, leaf.y[1], seam), 0.003, "front")
+    finish = "panel" if rng.random() < 0.55 else "front"
+    if fixed:
+        band = rounded_box((panel.x, panel.y[0], low), (plan.front, panel.y[1], plan.top), 0.003, finish)
+    else:
         band = rounded_box((panel.x, panel.y[0], seam), (panel.back, panel.y[1], top), 0.003, finish)
-        solids.append(line(band, "steel", SIDES["front"]))
-    liner_top = min(seam, tub.z[1]) - 0.04
-    deep = panel.back - 0.02
-    solids += [
-        box((deep, tub.y[0] + 0.03, tub.z[0] + 0.02), (panel.back + BULGE, tub.y[1] - 0.03, liner_top), "steel"),
-        box(
-            (panel.back + BULGE - 0.002, -0.02, 0.55 * (sill + top)),
-            (panel.back + BULGE + 0.014, 0.12, 0.55 * (sill + top) + 0.10),
-            "plastic",
-        ),
-    ]
+    band = line(band, "steel", SIDES["front"])
     extras, controls = _draw_controls(
         rng, panel.x, plan.y, (plan.top - strip, plan.top - 0.003), "body" if fixed else "door"
     )
-    (pieces if fixed else solids).extend(extras)
-    upper = float(np.pi / 2)
-    door = ShapePart(
-        name="door", label="door", parent="body", primitives=tuple(solids), motion=hinge(panel, "bottom", upper)
+    housed = (band, *extras)
+    solids = (line(face, "steel", SIDES["front"]), *_build_liner(leaf, tub), *(() if fixed else housed))
+    motion = hinge(panel, "bottom", float(np.pi / 2))
+    door = ShapePart(name="door", label="door", parent="body", primitives=solids, motion=motion)
+    return Assembly(pieces=housed if fixed else (), parts=(door, *_mount(plan, leaf, "door"), *controls))
+
+
+def _build_liner(leaf: Panel, tub: Space) -> tuple[Primitive, ...]:
+    """What bulges from the rear side of the door into the tub, with the box for detergent."""
+    y, z = (tub.y[0] + 0.03, tub.y[1] - 0.03), (tub.z[0] + 0.02, min(leaf.z[1], tub.z[1]) - 0.04)
+    rear, level = leaf.back + BULGE, z[0] + 0.5 * (z[1] - z[0])
+    return (
+        box((leaf.back - 0.02, y[0], z[0]), (rear, y[1], z[1]), "steel"),
+        box((rear - 0.002, -0.02, level), (rear + 0.014, 0.12, level + 0.10), "plastic"),
     )
-    leaf = Panel(x=panel.x, thickness=panel.thickness, y=panel.y, z=(sill, seam))
-    return [door, *_mount(plan, leaf, "door"), *controls]
 
 
 def _draw_controls(
@@ -196,7 +188,7 @@ def _mount(plan: _Plan, panel: Panel, parent: str) -> list[ShapePart]:
         return []
     inset = 0.002 if plan.grip.kind == "edge" else 0.028
     if not plan.paired:
-        return [mount_grip(panel, plan.grip, name=f"{parent}_handle", parent=parent, side="top", inset=inset)]
+        return [mount_grip(panel, plan.grip, name=f"{parent}_handle", parent=parent, edge=None, inset=inset)]
     z = panel.z[1] - inset - plan.grip.thickness / 2
     return [
         make_handle(
@@ -211,13 +203,12 @@ def _mount(plan: _Plan, panel: Panel, parent: str) -> list[ShapePart]:
     ]
 
 
-def _draw_racks(
-    rng: np.random.Generator, tub: Space, needs: tuple[Need, ...], pieces: list[Primitive]
-) -> list[ShapePart]:
+def _draw_racks(rng: np.random.Generator, tub: Space) -> Assembly:
     """Baskets from below, the topmost perhaps a flat tray for cutlery, on rails of the tub."""
     most = 3 if tub.height > 0.6 else (2 if tub.height > 0.42 else 1)
     count = min(most, int(rng.choice((0, 1, 2, 3), p=(0.1, 0.14, 0.5, 0.26))))
-    parts = []
+    rails: list[Primitive] = []
+    parts: list[ShapePart] = []
     y = (tub.y[0] + GAP, tub.y[1] - GAP)
     x = (tub.x[0] + 0.035, tub.x[1] - 0.012)
     ceiling = tub.z[1] - 0.05
@@ -225,7 +216,9 @@ def _draw_racks(
         if k == 0:
             z = (tub.z[0] + GAP, tub.z[0] + GAP + min(float(rng.uniform(0.15, 0.22)), 0.7 * tub.height))
         elif k == 1:
-            start = max(tub.z[0] + float(rng.uniform(0.46, 0.52)) * tub.height, parts[0].bounds()[1, 2] + 0.03)
+            start = max(
+                tub.z[0] + float(rng.uniform(0.46, 0.52)) * tub.height, parts[0].bounds()[1, 2] + 0.03
+            )
             z = (start, min(start + float(rng.uniform(0.10, 0.14)), ceiling - (0.05 if count == 3 else 0.0)))
         else:
             z = (ceiling - 0.04, ceiling)
@@ -237,7 +230,7 @@ def _draw_racks(
         if k:
             rail = z[0] - 0.0015
             for a, b in ((tub.y[0], tub.y[0] + 0.02), (tub.y[1] - 0.02, tub.y[1])):
-                pieces.append(box((x[0], a, rail - 0.012), (tub.x[1], b, rail), "plastic"))
+                rails.append(box((x[0], a, rail - 0.012), (tub.x[1], b, rail), "plastic"))
         parts.append(
             ShapePart(
                 name=f"rack_{k}",
@@ -245,13 +238,13 @@ def _draw_racks(
                 parent="body",
                 primitives=solids,
                 motion=slide(float(rng.uniform(0.6, 0.78)) * space.depth),
-                needs=needs,
+                needs=(Need(part="door", fraction=1.0),),
             )
         )
-    return parts
+    return Assembly(pieces=tuple(rails), parts=tuple(parts))
 
 
-def _draw_drawers(rng: np.random.Generator, plan: _Plan, pieces: list[Primitive]) -> list[ShapePart]:
+def _draw_drawers(rng: np.random.Generator, plan: _Plan) -> Assembly:
     """One or two drawers, each a tub with a front."""
     outer = Space(x=(plan.front, -plan.x), y=plan.y, z=(plan.toe, plan.top))
     wall = plan.wall
@@ -260,8 +253,8 @@ def _draw_drawers(rng: np.random.Generator, plan: _Plan, pieces: list[Primitive]
         y=(plan.y[0] + wall, plan.y[1] - wall),
         z=(plan.toe + wall, plan.top - wall),
     )
-    pieces += build_shell(outer, hollow, "body", "inside")
-    parts = []
+    pieces = list(build_shell(outer, hollow, "body", "inside"))
+    parts: list[ShapePart] = []
     for k, z in enumerate(reversed(divide_range((plan.toe, plan.top - 0.003), plan.drawers, 0.004))):
         low = max(z[0] + 0.012, hollow.z[0] + GAP)
         high = min(z[1] - 0.03, hollow.z[1] - 0.02)
@@ -277,11 +270,11 @@ def _draw_drawers(rng: np.random.Generator, plan: _Plan, pieces: list[Primitive]
         solids = (front, *build_tub(tub, max(0.012, tub.width / 50), "steel"), *_build_tines(tub))
         parts.append(
             ShapePart(
-                name=name, label="drawer", parent="body", primitives=solids, motion=slide(0.72 * tub.depth)
+                name=name, label="drawer", parent="body", primitives=solids, motion=slide(0.62 * tub.depth)
             )
         )
         parts += _mount(plan, panel, name)
-    return parts
+    return Assembly(pieces=tuple(pieces), parts=tuple(parts))
 
 
 def _build_tines(tub: Space) -> tuple[Primitive, ...]:
@@ -290,7 +283,9 @@ def _build_tines(tub: Space) -> tuple[Primitive, ...]:
     floor, height = tub.z[0] + wall, 0.35 * tub.height
     out = []
     for x in (tub.x[0] + tub.depth * share for share in (0.36, 0.68)):
-        out.append(box((x - 0.006, tub.y[0] + wall, floor), (x + 0.006, tub.y[1] - wall, floor + 0.012), "plastic"))
+        out.append(
+            box((x - 0.006, tub.y[0] + wall, floor), (x + 0.006, tub.y[1] - wall, floor + 0.012), "plastic")
+        )
         for y in np.linspace(tub.y[0] + 0.07, tub.y[1] - 0.07, 7):
             out.append(cylinder((x, float(y), floor), (x, float(y), floor + height), 0.004, "plastic"))
     return tuple(out)

@@ -1,4 +1,4 @@
-"""Microwave ovens: a door beside a control panel or under a strip, a cavity with a turntable, keys and dials."""
+"""Microwave ovens: a door beside a control panel or below one, a cavity with a turntable, keys and dials."""
 
 from dataclasses import dataclass
 
@@ -129,8 +129,7 @@ def _draw_door(rng: np.random.Generator, plan: _Plan, face: str) -> list[ShapePa
     length = float(rng.uniform(0.6, 0.86)) * span
     design = draw_grip(rng, ("bar", "pull", "arch", "edge"), length=length, longest=plan.width)
     inset = max(0.004, (rail - design.thickness) / 2) if design.kind != "edge" else 0.004
-    side = "top" if plan.drops else "right"
-    return [door, mount_grip(panel, design, name="door_handle", parent="door", side=side, inset=inset)]
+    return [door, mount_grip(panel, design, name="door_handle", parent="door", edge=edge, inset=inset)]
 
 
 def _draw_controls(rng: np.random.Generator, plan: _Plan) -> tuple[list[ShapePart], tuple[Primitive, ...]]:

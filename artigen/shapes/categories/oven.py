@@ -5,25 +5,17 @@ from typing import Literal
 
 import numpy as np
 
-from artigen.shapes.appliance_doors import build_window_leaf, draw_grip, mount_grip
-from artigen.shapes.cavity import SIDES, build_feet, build_tub, share_range
-from artigen.shapes.control_panel import (
-    FRONT,
-    DialDesign,
-    build_display,
-    design_dial,
-    make_button,
-    make_dial,
-    spread_controls,
-)
-from artigen.shapes.cooktop import COOKTOP_KINDS, CooktopKind, build_burners
+from artigen.shapes.appliance_doors import draw_grip
+from artigen.shapes.assembly import Assembly
+from artigen.shapes.cavity import SIDES, build_feet, share_range
+from artigen.shapes.control_panel import DialDesign, design_dial, make_dial, spread_controls
+from artigen.shapes.cooktop import CooktopKind, build_burners
 from artigen.shapes.draw import Draft, Wish, choose
-from artigen.shapes.handles import HandleDesign
-from artigen.shapes.hardware import GAP, Panel, Range, Space, hinge, slide, sweep_gap
+from artigen.shapes.hardware import GAP, Edge, Panel, Range, Space
 from artigen.shapes.oven_cavity import build_rails, choose_levels, make_racks
+from artigen.shapes.oven_front import FrontLook, make_oven_door, make_warming_drawer
 from artigen.shapes.palette import draw_palette
-from artigen.shapes.primitives import Primitive, Vector, box, line, rounded_box
-from artigen.shapes.shape import ShapePart
+from artigen.shapes.primitives import Primitive, box, line, rounded_box
 
 CATEGORY = "Oven"
 STYLES = ("steel", "black", "white", "retro")
@@ -64,16 +56,14 @@ class _Plan:
     thickness: float
     """Of the doors."""
     wall: float
+    """Between a cavity and what is above, below and beside it."""
     foot: float
-    face: str
-    """Finish of doors and controls."""
+    look: FrontLook
     cooktop: CooktopKind
     burners: int
     upstand: float
     rear_controls: bool
     dial: DialDesign
-    grip: HandleDesign | None
-    longest: float
 
     @property
     def x(self) -> float:
@@ -95,18 +85,19 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     style = wish.style or str(rng.choice(STYLES, p=(0.42, 0.24, 0.22, 0.12)))
     palette = draw_palette(rng, "appliance", style)
     plan = _draw_plan(rng, wish, style)
-    pieces: list[Primitive] = []
-    parts: list[ShapePart] = []
     if plan.kind == "hob":
-        pieces, parts = _draw_hob(rng, plan)
+        built = _draw_hob(rng, plan)
     else:
-        top = _draw_top(rng, plan, pieces)
-        lower = _draw_controls(rng, plan, top, pieces, parts)
-        _draw_bands(rng, plan, (plan.foot, lower), pieces, parts)
+        top, under = _draw_top(rng, plan)
+        controls, lower = _draw_controls(rng, plan, under)
+        built = top + controls
+        if plan.kind != "rangetop":
+            room = MAX_PIECES - len(built.pieces)
+            built += _draw_bands(rng, plan, (plan.foot, lower), room)
         if plan.foot:
-            pieces += build_feet((plan.front, -plan.x), plan.y, plan.foot, "leg", inset=0.04)
-    body = ShapePart(name="body", label="base", parent=None, primitives=tuple(pieces))
-    return Draft(style=style, parts=(body, *parts), finishes=tuple(sorted(palette.items())))
+            feet = build_feet((plan.front, -plan.x), plan.y, plan.foot, "leg", inset=0.04)
+            built += Assembly(pieces=feet)
+    return Draft(style=style, parts=built.close(), finishes=tuple(sorted(palette.items())))
 
 
 def _draw_plan(rng: np.random.Generator, wish: Wish, style: str) -> _Plan:
@@ -121,16 +112,18 @@ def _draw_plan(rng: np.random.Generator, wish: Wish, style: str) -> _Plan:
         upstand = float(rng.uniform(0.13, 0.24) if rear else rng.uniform(0.05, 0.10))
     height = choose(rng, *heights, None if wish.height is None else wish.height - upstand)
     longest = max(width, depth, height + upstand)
-    if kind in ("hob", "wall", "double_wall"):
-        foot = 0.0
-    else:
-        foot = float(rng.uniform(0.02, 0.05) if rng.random() < 0.7 else rng.uniform(0.07, 0.13))
-    if kind == "rangetop":
-        foot = 0.02
-    grip = draw_grip(
-        rng, ("bar", "bar", "pull", "arch"), length=float(rng.uniform(0.62, 0.86)) * width, longest=longest
+    foot = float(rng.uniform(0.02, 0.05) if rng.random() < 0.7 else rng.uniform(0.07, 0.13))
+    if built_in:
+        foot = 0.02 if kind == "rangetop" else 0.0
+    length = float(rng.uniform(0.62, 0.86)) * width
+    grip = draw_grip(rng, ("bar", "bar", "pull", "arch"), length=length, longest=longest)
+    heat: tuple[CooktopKind, ...] = ("gas", "glass", "coil")
+    drawn = heat[int(rng.choice(3, p=(0.55, 0.35, 0.10)))]
+    look = FrontLook(
+        face="panel" if style in ("black", "steel") and rng.random() < 0.4 else "front",
+        grip=grip if rng.random() < 0.62 else None,
+        longest=longest,
     )
-    gas = ("gas", "glass", "coil")[int(rng.choice(3, p=(0.55, 0.35, 0.10)))]
     return _Plan(
         kind=kind,
         width=width,
@@ -139,17 +132,19 @@ def _draw_plan(rng: np.random.Generator, wish: Wish, style: str) -> _Plan:
         thickness=float(rng.uniform(0.036, 0.05)),
         wall=float(rng.uniform(0.045, 0.065)),
         foot=foot,
-        face="panel" if style in ("black", "steel") and rng.random() < 0.4 else "front",
-        cooktop=COOKTOP_KINDS[0] if kind in ("pro", "rangetop") else gas,
+        look=look,
+        cooktop="gas" if kind in ("pro", "rangetop") else drawn,
         burners=_draw_burners(rng, kind, width),
         upstand=upstand,
         rear_controls=rear,
-        dial=design_dial(
-            rng, (0.017, 0.026), endless=0.72, finish="handle" if rng.random() < 0.6 else "rubber"
-        ),
-        grip=grip if rng.random() < 0.66 else None,
-        longest=longest,
+        dial=_draw_dial(rng, look.face),
     )
+
+
+def _draw_dial(rng: np.random.Generator, face: str) -> DialDesign:
+    """Dials that stand out from what they stand on."""
+    dark = rng.random() < 0.4 and face != "panel"
+    return design_dial(rng, (0.017, 0.026), endless=0.72, finish="rubber" if dark else "handle")
 
 
 def _draw_burners(rng: np.random.Generator, kind: Kind, width: float) -> int:
@@ -160,57 +155,49 @@ def _draw_burners(rng: np.random.Generator, kind: Kind, width: float) -> int:
     return int(rng.choice((4, 5), p=(0.7, 0.3)))
 
 
-def _draw_top(rng: np.random.Generator, plan: _Plan, pieces: list[Primitive]) -> float:
-    """Worktop with its burners and upstand; returns the height of its underside."""
+def _draw_top(rng: np.random.Generator, plan: _Plan) -> tuple[Assembly, float]:
+    """Worktop with its burners and upstand, and the height of its underside."""
     if plan.kind in ("wall", "double_wall"):
-        return plan.height
+        return Assembly(), plan.height
     under = plan.height - float(rng.uniform(0.026, 0.04))
     finish = "panel" if plan.cooktop == "glass" else "top"
-    pieces.append(rounded_box((plan.x, *plan.y[:1], under), (-plan.x, plan.y[1], plan.height), 0.004, finish))
+    slab = rounded_box((plan.x, plan.y[0], under), (-plan.x, plan.y[1], plan.height), 0.004, finish)
     rear = -plan.x - (0.065 if plan.upstand else 0.03)
     area = ((plan.x + 0.05, rear - 0.015), (plan.y[0] + 0.03, plan.y[1] - 0.03))
-    pieces += build_burners(rng, plan.cooktop, area, plan.height, count=plan.burners)
+    pieces = (slab, *build_burners(rng, plan.cooktop, area, plan.height, count=plan.burners))
     if plan.upstand:
         low = (-plan.x - 0.06, plan.y[0], plan.height)
-        pieces.append(rounded_box(low, (-plan.x, plan.y[1], plan.height + plan.upstand), 0.005, plan.face))
-    return under
+        high = (-plan.x, plan.y[1], plan.height + plan.upstand)
+        pieces += (rounded_box(low, high, 0.005, plan.look.face),)
+    return Assembly(pieces=pieces), under
 
 
-def _draw_controls(
-    rng: np.random.Generator, plan: _Plan, top: float, pieces: list[Primitive], parts: list[ShapePart]
-) -> float:
-    """Dials, keys and a display on a band below the worktop or on the upstand; returns the band's lower edge."""
+def _draw_controls(rng: np.random.Generator, plan: _Plan, top: float) -> tuple[Assembly, float]:
+    """Dials, keys and a display on a band under the worktop or on the upstand; the band's lower edge."""
+    bands: tuple[Primitive, ...] = ()
     if plan.rear_controls:
-        x, z = -plan.x - 0.06, (plan.height + 0.04, plan.height + plan.upstand)
         lower = top
+        x, z = -plan.x - 0.06, (plan.height + 0.04, plan.height + plan.upstand)
     else:
-        low, high = (0.10, 0.14) if plan.kind != "rangetop" else (0.3, 0.3)
-        tall = float(rng.uniform(low, high))
-        lower = plan.foot if plan.kind == "rangetop" else top - tall
+        lower = plan.foot if plan.kind == "rangetop" else top - float(rng.uniform(0.10, 0.14))
         x, z = plan.x, (max(lower, top - 0.15), top)
-        pieces.append(_build_control_band(rng, plan, (lower, top)))
-        back = box((plan.front, *plan.y[:1], lower), (-plan.x, plan.y[1], top), "body")
-        pieces.append(back)
+        low = (plan.x, plan.y[0], lower)
+        bands = (
+            rounded_box(low, (plan.front, plan.y[1], top), 0.003, plan.look.face),
+            box((plan.front, plan.y[0], lower), (-plan.x, plan.y[1], top), "body"),
+        )
     keys = int(rng.choice((0, 1, 3, 4, 5), p=(0.62, 0.1, 0.1, 0.09, 0.09)))
+    counts = (_count_dials(rng, plan), keys)
     across = (plan.y[0] + 0.03, plan.y[1] - 0.03)
-    pieces_added, controls = spread_controls(
-        rng, plan.dial, x, across, z, counts=(_count_dials(rng, plan), keys)
-    )
-    pieces += pieces_added
-    parts += controls
-    return lower
-
-
-def _build_control_band(rng: np.random.Generator, plan: _Plan, z: Range) -> Primitive:
-    low: Vector = (plan.x, plan.y[0], z[0])
-    return rounded_box(low, (plan.front, plan.y[1], z[1]), 0.003, plan.face)
+    extras, controls = spread_controls(rng, plan.dial, x, across, z, counts=counts)
+    return Assembly(pieces=(*bands, *extras), parts=tuple(controls)), lower
 
 
 def _count_dials(rng: np.random.Generator, plan: _Plan) -> int:
     if plan.kind in ("wall", "double_wall"):
         return int(rng.choice((0, 1, 2, 3), p=(0.3, 0.1, 0.4, 0.2)))
     ovens = 2 if plan.kind in ("double_range", "pro") else 1
-    wanted = plan.burners + int(rng.integers(0, 2 * ovens + 1)) - int(plan.burners > 4 and rng.random() < 0.4)
+    wanted = plan.burners + int(rng.integers(0, 2 * ovens + 1))
     if plan.cooktop == "glass" and rng.random() < 0.25:
         wanted = 0
     if plan.kind == "rangetop":
@@ -218,180 +205,104 @@ def _count_dials(rng: np.random.Generator, plan: _Plan) -> int:
     return min(wanted, int((plan.width - 0.06) / (2.5 * plan.dial.radius)), 10)
 
 
-def _draw_bands(
-    rng: np.random.Generator, plan: _Plan, z: Range, pieces: list[Primitive], parts: list[ShapePart]
-) -> None:
-    """Housing below the controls: one or two rows of ovens, perhaps a drawer under them."""
-    if plan.kind == "rangetop":
-        return
-    rows = [1.0]
+def _draw_bands(rng: np.random.Generator, plan: _Plan, z: Range, room: int) -> Assembly:
+    """Housing below the controls: one or two rows of ovens, perhaps a drawer under them.
+
+    The body has ``room`` for that many pieces more.
+    """
+    rows = (1.0,)
     if plan.kind in ("double_range", "double_wall"):
-        rows = [float(rng.uniform(0.5, 1.0)), 1.0]
-    drawer = 0.0
-    if plan.kind in ("range", "pro") and rng.random() < 0.55 and z[1] - z[0] > 0.5:
-        drawer = float(rng.uniform(0.13, 0.2))
-    wall, back = SKIN, -plan.x
-    for side, (y0, y1) in (("right", (plan.y[0], plan.y[0] + wall)), ("left", (plan.y[1] - wall, plan.y[1]))):
-        board = box((plan.front, y0, z[0]), (back, y1, z[1]), "body")
-        pieces.append(line(board, "cavity", SIDES[side]))
-    inner = (plan.y[0] + wall, plan.y[1] - wall)
-    pieces.append(
-        line(box((back - wall, inner[0], z[0]), (back, inner[1], z[1]), "body"), "cavity", SIDES["back"])
+        rows = (1.0, float(rng.uniform(0.5, 1.0)))
+    has_drawer = plan.kind in ("range", "pro") and rng.random() < 0.55 and z[1] - z[0] > 0.5
+    drawer = float(rng.uniform(0.13, 0.2)) if has_drawer else 0.0
+    racks = 0 if rng.random() < 0.25 else int(rng.integers(1, 4))
+    back, inner = -plan.x, (plan.y[0] + SKIN, plan.y[1] - SKIN)
+    walls = (
+        ("right", box((plan.front, plan.y[0], z[0]), (back, inner[0], z[1]), "body")),
+        ("left", box((plan.front, inner[1], z[0]), (back, plan.y[1], z[1]), "body")),
+        ("back", box((back - SKIN, inner[0], z[0]), (back, inner[1], z[1]), "body")),
     )
-    if drawer:
-        _draw_drawer(rng, plan, (z[0], z[0] + drawer), inner, pieces, parts)
-    stack = share_range((z[0] + drawer, z[1]), list(reversed(rows)), 0.0)
-    for row, span in enumerate(reversed(stack)):
-        _draw_oven_row(rng, plan, row, span, inner, pieces, parts)
+    built = Assembly(pieces=tuple(line(wall, "cavity", SIDES[side]) for side, wall in walls))
+    if has_drawer:
+        built += _draw_drawer(rng, plan, (z[0], z[0] + drawer), inner)
+    for row, span in enumerate(share_range((z[0] + drawer, z[1]), rows, 0.0)):
+        left = room - len(built.pieces) - 2 * (len(rows) - 1 - row)
+        built += _draw_oven_row(rng, plan, f"{row}", span, racks=racks, room=left)
+    return built
 
 
 def _draw_oven_row(
-    rng: np.random.Generator,
-    plan: _Plan,
-    row: int,
-    z: Range,
-    inner: Range,
-    pieces: list[Primitive],
-    parts: list[ShapePart],
-) -> None:
-    """Ovens side by side: floor and ceiling, partitions, doors, racks."""
-    wall, back = plan.wall, -plan.x - SKIN
-    floor, ceiling = z[0] + wall, z[1] - 0.7 * wall
-    pieces.append(
-        line(box((plan.front, inner[0], z[0]), (back, inner[1], floor), "body"), "cavity", SIDES["bottom"])
-    )
-    pieces.append(
-        line(box((plan.front, inner[0], ceiling), (back, inner[1], z[1]), "body"), "cavity", SIDES["top"])
-    )
+    rng: np.random.Generator, plan: _Plan, row: str, z: Range, *, racks: int, room: int
+) -> Assembly:
+    """Ovens side by side: floor and ceiling, what stands between and beside them, doors and racks."""
+    inner, back = (plan.y[0] + SKIN, plan.y[1] - SKIN), -plan.x - SKIN
+    floor, ceiling = z[0] + plan.wall, z[1] - 0.7 * plan.wall
     columns = [plan.y]
     if plan.kind == "pro" and rng.random() < 0.6:
         columns = share_range(plan.y, (float(rng.uniform(0.4, 1.0)), 1.0), 0.004)
-        cut = (columns[0][1] + columns[1][0]) / 2
-        pieces.append(box((plan.front, cut - wall / 2, floor), (back, cut + wall / 2, ceiling), "cavity"))
-    swings = plan.kind == "wall" and rng.random() < 0.3
-    for column, y in enumerate(columns):
-        cheek = SKIN
-        if swings:  # racks must pass the edge of the open leaf
-            cheek = plan.thickness + 0.008
-        low = max(y[0] + cheek, inner[0]) if y[0] == plan.y[0] else y[0] - 0.002 + wall / 2
-        high = min(y[1] - cheek, inner[1]) if y[1] == plan.y[1] else y[1] + 0.002 - wall / 2
-        if swings:
-            for a, b in ((inner[0], low), (high, inner[1])):
-                pieces.append(box((plan.front, a, floor), (back, b, ceiling), "cavity"))
-        space = Space(x=(plan.front, back), y=(low, high), z=(floor, ceiling))
-        name = f"door_{row}_{column}"
-        parts += _draw_oven_door(rng, plan, Panel(x=plan.x, thickness=plan.thickness, y=y, z=z), name, swings)
-        lowest = z[0] + plan.thickness + 0.006
-        count = int(rng.choice((0, 1, 2, 3), p=(0.22, 0.28, 0.32, 0.18)))
-        levels = choose_levels(rng, space, lowest, count)
-        rails = build_rails(space, levels)
-        if len(pieces) + len(rails) + (4 if row or not column else 2) <= MAX_PIECES:
-            pieces += rails
-        parts += make_racks(rng, space, levels, stem=f"rack_{row}_{column}", door=name)
-
-
-def _draw_oven_door(
-    rng: np.random.Generator, plan: _Plan, slot: Panel, name: str, swings: bool
-) -> list[ShapePart]:
-    """A door with a window, hinged below, or at the side where ``swings``."""
-    gap = sweep_gap(slot.height, slot.thickness)
-    panel = Panel(x=slot.x, thickness=slot.thickness, y=slot.y, z=(slot.z[0] + 0.002, slot.z[1] - gap))
-    edge = "bottom"
-    if swings:
+    edge: Edge = "bottom"
+    if plan.kind == "wall" and rng.random() < 0.3:
         edge = "left" if rng.random() < 0.5 else "right"
-        panel = Panel(x=slot.x, thickness=slot.thickness, y=slot.y, z=(slot.z[0], slot.z[1] - 0.003))
-    aside = float(rng.uniform(0.08, 0.17)) * panel.width
-    top = max(float(rng.uniform(0.17, 0.28)) * panel.height, 0.055)
-    bottom = float(rng.uniform(0.10, 0.2)) * panel.height
-    window = ((panel.y[0] + aside, panel.y[1] - aside), (panel.z[0] + bottom, panel.z[1] - top))
-    leaf = list(build_window_leaf(panel, window, plan.face, "cavity"))
-    side = {"bottom": "top", "left": "right", "right": "left"}[edge]
-    upper = float(np.pi / 2 if not swings else np.radians(rng.uniform(90, 120)))
-    handles = []
-    if plan.grip is None:  # a lip that is one piece with the door
-        lip = max(0.018, 0.017 * plan.longest)
-        y, z = (panel.y[0] + aside, panel.y[1] - aside), (panel.z[1] - 0.01 - lip, panel.z[1] - 0.01)
-        if swings:
-            z = window[1]
-            y = (panel.y[0] + 0.01, panel.y[0] + 0.01 + lip) if edge == "left" else (panel.y[1] - 0.01 - lip, panel.y[1] - 0.01)
-        leaf.append(box((panel.x - 0.024, y[0], z[0]), (panel.x, y[1], z[1]), "handle"))
-    else:
-        inset = max(0.012, min(0.03, (top - plan.grip.thickness) / 2))
-        handles.append(
-            mount_grip(panel, plan.grip, name=f"{name}_handle", parent=name, side=side, inset=inset)
-        )
-    door = ShapePart(
-        name=name, label="door", parent="body", primitives=tuple(leaf), motion=hinge(panel, edge, upper)
-    )
-    return [door, *handles]
+    # Racks must pass the edge of a leaf that is hinged at the side.
+    cheek = 0.0 if edge == "bottom" else plan.thickness + 0.008 - SKIN
+    pieces = [
+        line(box((plan.front, inner[0], z[0]), (back, inner[1], floor), "body"), "cavity", SIDES["bottom"]),
+        line(box((plan.front, inner[0], ceiling), (back, inner[1], z[1]), "body"), "cavity", SIDES["top"]),
+    ]
+    free = [inner[0] + cheek, inner[1] - cheek]
+    if cheek:
+        fills = ((inner[0], free[0]), (free[1], inner[1]))
+        pieces += [box((plan.front, a, floor), (back, b, ceiling), "cavity") for a, b in fills]
+    if len(columns) > 1:
+        cut = (columns[0][1] + columns[1][0]) / 2
+        free[1:1] = [cut - plan.wall / 2, cut + plan.wall / 2]
+        pieces.append(box((plan.front, free[1], floor), (back, free[2], ceiling), "cavity"))
+    built = Assembly(pieces=tuple(pieces))
+    for column, y in enumerate(columns):
+        space = Space(x=(plan.front, back), y=(free[2 * column], free[2 * column + 1]), z=(floor, ceiling))
+        slot = Panel(x=plan.x, thickness=plan.thickness, y=y, z=z)
+        door = f"door_{row}_{column}"
+        fronts = make_oven_door(rng, slot, plan.look, name=door, edge=edge)
+        levels = choose_levels(rng, space, z[0] + plan.thickness + 0.006, racks)
+        rails = build_rails(space, levels)
+        if len(built.pieces) + len(rails) > room:
+            rails = ()
+        inside = make_racks(rng, space, levels, stem=f"rack_{row}_{column}", door=door)
+        built += Assembly(pieces=rails, parts=(*fronts, *inside))
+    return built
 
 
-def _draw_drawer(
-    rng: np.random.Generator,
-    plan: _Plan,
-    z: Range,
-    inner: Range,
-    pieces: list[Primitive],
-    parts: list[ShapePart],
-) -> None:
+def _draw_drawer(rng: np.random.Generator, plan: _Plan, z: Range, inner: Range) -> Assembly:
     """A warming drawer, and the floor under it."""
-    floor = z[0] + SKIN
-    back = -plan.x - SKIN
-    pieces.append(
-        line(box((plan.front, inner[0], z[0]), (back, inner[1], floor), "body"), "cavity", SIDES["bottom"])
-    )
+    floor, back = z[0] + SKIN, -plan.x - SKIN
+    board = box((plan.front, inner[0], z[0]), (back, inner[1], floor), "body")
     panel = Panel(x=plan.x, thickness=plan.thickness, y=plan.y, z=(z[0], z[1] - 0.003))
     tub = Space(x=(panel.back, back - 0.02), y=(inner[0] + GAP, inner[1] - GAP), z=(floor + GAP, z[1] - 0.03))
-    wall = max(0.008, max(tub.width, tub.depth) / 55)
-    face = rounded_box(
-        (panel.x, panel.y[0], panel.z[0]),
-        (panel.back, panel.y[1], panel.z[1]),
-        0.003,
-        "front" if plan.face == "front" or rng.random() < 0.5 else plan.face,
+    return Assembly(
+        pieces=(line(board, "cavity", SIDES["bottom"]),),
+        parts=tuple(make_warming_drawer(rng, panel, tub, plan.look)),
     )
-    solids = [face, *build_tub(tub, wall, "steel")]
-    motion = slide(0.68 * tub.depth)
-    handles = []
-    if plan.grip is not None and rng.random() < 0.6:
-        handles.append(
-            mount_grip(panel, plan.grip, name="drawer_handle", parent="drawer", side="top", inset=0.02)
-        )
-    else:
-        lip = max(0.016, 0.016 * plan.longest)
-        solids.append(
-            box(
-                (panel.x - 0.018, -0.2 * plan.width, panel.z[1] - lip),
-                (panel.x, 0.2 * plan.width, panel.z[1]),
-                "handle",
-            )
-        )
-    parts.append(
-        ShapePart(name="drawer", label="drawer", parent="body", primitives=tuple(solids), motion=motion)
-    )
-    parts += handles
 
 
-def _draw_hob(rng: np.random.Generator, plan: _Plan) -> tuple[list[Primitive], list[ShapePart]]:
+def _draw_hob(rng: np.random.Generator, plan: _Plan) -> Assembly:
     """A hob to be let into a worktop, dials along its front or right side."""
     lid = plan.height - max(0.012, plan.width / 55)
     finish = "panel" if plan.cooktop == "glass" else "top"
-    pieces = [
-        box((plan.x + 0.02, plan.y[0] + 0.02, 0.0), (-plan.x - 0.02, plan.y[1] - 0.02, lid), "body"),
-        box((plan.x, plan.y[0], lid), (-plan.x, plan.y[1], plan.height), finish),
-    ]
     margin = 2.6 * plan.dial.radius + 0.02
     aside = rng.random() < 0.4
     x = (plan.x + (0.02 if aside else margin), -plan.x - 0.02)
     y = (plan.y[0] + (margin if aside else 0.02), plan.y[1] - 0.02)
-    pieces += build_burners(rng, plan.cooktop, (x, y), plan.height, count=plan.burners)
+    pieces = (
+        box((plan.x + 0.02, plan.y[0] + 0.02, 0.0), (-plan.x - 0.02, plan.y[1] - 0.02, lid), "body"),
+        box((plan.x, plan.y[0], lid), (-plan.x, plan.y[1], plan.height), finish),
+        *build_burners(rng, plan.cooktop, (x, y), plan.height, count=plan.burners),
+    )
     count = plan.burners + int(rng.integers(0, 2))
+    span = 0.72 * plan.width
     parts = []
-    for k in range(count):
-        share = (k + 0.5) / count
+    for k, share in enumerate((np.arange(count) + 0.5) / count):
+        at = (plan.x + margin / 2, span / 2 - float(share) * span, plan.height)
         if aside:
-            at = (x[0] + share * (x[1] - x[0]), plan.y[0] + margin / 2, plan.height)
-        else:
-            span = 0.72 * plan.width
-            at = (plan.x + margin / 2, span / 2 - share * span, plan.height)
+            at = (x[0] + float(share) * (x[1] - x[0]), plan.y[0] + margin / 2, plan.height)
         parts.append(make_dial(plan.dial, at, name=f"dial_{k}", parent="body", out=(0.0, 0.0, 1.0)))
-    return pieces, parts
+    return Assembly(pieces=pieces, parts=tuple(parts))

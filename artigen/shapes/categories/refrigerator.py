@@ -1,17 +1,19 @@
 """Refrigerators: rows of cold compartments behind doors, pairs of doors, freezer drawers or glass."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Literal
 
 import numpy as np
 
 from artigen.shapes.appliance_doors import build_window_leaf, draw_grip, mount_grip
-from artigen.shapes.cavity import SIDES, build_feet, build_shell, divide_range
+from artigen.shapes.assembly import Assembly
+from artigen.shapes.cavity import build_feet, build_shell, divide_range
 from artigen.shapes.cold_storage import (
+    LOW,
     build_cold_leaf,
     build_freezer_drawer,
-    build_shelf,
-    make_crispers,
+    draw_shelves_and_crispers,
     plan_bins,
     reach_inwards,
 )
@@ -19,12 +21,15 @@ from artigen.shapes.draw import Draft, Wish, choose
 from artigen.shapes.handles import HandleDesign
 from artigen.shapes.hardware import GAP, Edge, Panel, Range, Space, hinge, slide, sweep_gap
 from artigen.shapes.palette import draw_palette
-from artigen.shapes.primitives import Primitive, box, line
+from artigen.shapes.primitives import Primitive, box
 from artigen.shapes.shape import Need, ShapePart
 
 CATEGORY = "Refrigerator"
 STYLES = ("steel", "white", "black", "retro")
-Kind = Literal["single", "mini", "top_freezer", "bottom_freezer", "drawer", "side_by_side", "french", "display"]
+Kind = Literal[
+    "single", "mini", "top_freezer", "bottom_freezer", "drawer", "side_by_side", "french", "display"
+]
+FrontKind = Literal["door", "pair", "drawer", "glass"]
 KINDS: dict[Kind, float] = {
     "single": 0.12,
     "mini": 0.13,
@@ -53,7 +58,7 @@ class _Cell:
     """A compartment: what is behind the front, and the front."""
 
     frozen: bool
-    front: Literal["door", "pair", "drawer", "glass"]
+    front: FrontKind
     y: Range
     z: Range
     """Of the front, gaps included."""
@@ -84,22 +89,11 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     palette = draw_palette(rng, "appliance", style)
     plan = _draw_plan(rng, wish)
     cells = _draw_cells(rng, plan)
-    pieces = _build_housing(plan, cells)
-    parts: list[ShapePart] = []
+    built = Assembly(pieces=tuple(_build_housing(plan, cells)))
     moulded = rng.random() < 0.12  # shelves that are one piece with the cabinet
     for index, cell in enumerate(cells):
-        fronts, needs, room, bins = _draw_fronts(rng, plan, cell, index)
-        parts += fronts
-        if cell.front == "drawer":
-            continue
-        shelves, inside = _draw_inside(rng, cell, index, needs, (room, bins))
-        parts += inside
-        if moulded:
-            pieces += [piece for shelf in shelves for piece in shelf.primitives]
-        else:
-            parts += shelves
-    body = ShapePart(name="body", label="base", parent=None, primitives=tuple(pieces))
-    return Draft(style=style, parts=(body, *parts), finishes=tuple(sorted(palette.items())))
+        built += _draw_compartment(rng, plan, cell, f"{index}", moulded=moulded)
+    return Draft(style=style, parts=built.close(), finishes=tuple(sorted(palette.items())))
 
 
 def _draw_plan(rng: np.random.Generator, wish: Wish) -> _Plan:
@@ -150,9 +144,7 @@ def _draw_cells(rng: np.random.Generator, plan: _Plan) -> list[_Cell]:
             _make_cell(plan, (split, y[1]), z, frozen=True, front="door"),
             _make_cell(plan, (y[0], split), z, frozen=False, front="door"),
         ]
-    upper = _make_cell(
-        plan, y, (cut, z[1]), frozen=False, front="pair" if plan.kind == "french" else "door"
-    )
+    upper = _make_cell(plan, y, (cut, z[1]), frozen=False, front="pair" if plan.kind == "french" else "door")
     if plan.kind == "bottom_freezer":
         return [upper, _make_cell(plan, y, (z[0], cut), frozen=True, front="door")]
     if plan.kind == "french" and rng.random() < 0.25:
@@ -162,7 +154,7 @@ def _draw_cells(rng: np.random.Generator, plan: _Plan) -> list[_Cell]:
     return [upper, *(_make_cell(plan, y, row, frozen=True, front="drawer") for row in rows)]
 
 
-def _make_cell(plan: _Plan, y: Range, z: Range, *, frozen: bool, front: str) -> _Cell:
+def _make_cell(plan: _Plan, y: Range, z: Range, *, frozen: bool, front: FrontKind) -> _Cell:
     """The room behind a front: walls outside, half a partition where a neighbour begins."""
     outer, wall, half = plan.outer, plan.wall, 0.021
     left = wall if y[1] == outer.y[1] else half
@@ -170,7 +162,7 @@ def _make_cell(plan: _Plan, y: Range, z: Range, *, frozen: bool, front: str) -> 
     top = wall if z[1] == outer.z[1] else half
     bottom = wall if z[0] == plan.floor else half
     space = Space(
-        x=(outer.x[0], outer.x[1] - wall - 0.03), y=(y[0] + right, y[1] - left), z=(z[0] + bottom, z[1] - top)
+        x=(outer.x[0], outer.x[1] - wall - 0.04), y=(y[0] + right, y[1] - left), z=(z[0] + bottom, z[1] - top)
     )
     return _Cell(frozen=frozen, front=front, y=y, z=z, space=space)
 
@@ -184,7 +176,7 @@ def _build_housing(plan: _Plan, cells: list[_Cell]) -> list[Primitive]:
         z=(min(s.z[0] for s in spaces), max(s.z[1] for s in spaces)),
     )
     pieces = list(build_shell(outer, hollow, "body", "inside", bevel=min(plan.bevel, 0.005)))
-    for one, other in zip(spaces[:-1], spaces[1:], strict=True):
+    for one, other in pairwise(spaces):
         if one.y == other.y:
             pieces.append(box((one.x[0], *one.y[:1], other.z[1]), (one.x[1], one.y[1], one.z[0]), "inside"))
         else:
@@ -199,39 +191,53 @@ def _build_housing(plan: _Plan, cells: list[_Cell]) -> list[Primitive]:
     return [*pieces, *build_feet(outer.x, outer.y, outer.z[0], "rubber", radius=0.02, inset=0.03)]
 
 
-def _draw_fronts(
-    rng: np.random.Generator, plan: _Plan, cell: _Cell, index: int
+def _draw_compartment(
+    rng: np.random.Generator, plan: _Plan, cell: _Cell, stem: str, *, moulded: bool
+) -> Assembly:
+    """The fronts of a compartment and what is behind them."""
+    seam = 0.003
+    low = cell.z[0] + (0.0 if cell.z[0] == plan.floor else seam)
+    high = cell.z[1] - (0.0 if cell.z[1] == plan.outer.z[1] else seam)
+    if cell.front == "drawer":
+        panel = Panel(x=plan.x, thickness=plan.thickness, y=cell.y, z=(low, high))
+        return Assembly(parts=tuple(_make_drawer(plan, cell, panel, stem)))
+    if cell.front == "glass":
+        fronts, needs, free, bins = _draw_glass_doors(rng, plan, cell, (low, high)), (), None, 0.0
+    else:
+        fronts, needs, free, bins = _draw_doors(rng, plan, cell, (low, high), stem)
+    full = cell.frozen and not bins
+    shelves, sliding = draw_shelves_and_crispers(
+        rng, cell.space, stem=stem, bins=bins, crispers=free, needs=needs, full=full
+    )
+    if moulded:
+        pieces = tuple(piece for shelf in shelves for piece in shelf.primitives)
+        return Assembly(pieces=pieces, parts=(*fronts, *sliding))
+    return Assembly(parts=(*fronts, *sliding, *shelves))
+
+
+def _draw_doors(
+    rng: np.random.Generator, plan: _Plan, cell: _Cell, z: Range, stem: str
 ) -> tuple[list[ShapePart], tuple[Need, ...], Range, float]:
-    """Doors or drawer of a compartment.
+    """Doors of a compartment.
 
     Returns:
         The parts; what must be open before something slides out between the doors; the range of y that is
         free then at the height of the crispers; the depth of the bins behind the doors.
     """
-    z = (cell.z[0] + (0.0 if cell.z[0] == plan.floor else 0.003), cell.z[1] - (0.0 if cell.z[1] == plan.outer.z[1] else 0.003))
-    if cell.front == "drawer":
-        panel = Panel(x=plan.x, thickness=plan.thickness, y=cell.y, z=z)
-        return [*_make_drawer(plan, cell, panel, index)], (), cell.space.y, 0.0
-    if cell.front == "glass":
-        return _draw_glass_doors(rng, plan, cell, z)
-    panels = _place_doors(plan, cell, z)
     upper = float(np.radians(rng.uniform(92, 150)))
     depth = float(rng.uniform(0.07, 0.11)) if rng.random() < (0.5 if cell.frozen else 0.88) else 0.0
-    crisper_top = cell.space.z[0] + 0.26
-    bins = plan_bins(rng, depth, (crisper_top, cell.space.z[1])) if depth else None
+    bins = plan_bins(rng, depth, (cell.space.z[0] + LOW, cell.space.z[1])) if depth else None
+    dispenses = _dispenses(rng, plan, cell)
     parts: list[ShapePart] = []
     needs: list[Need] = []
     low, high = cell.space.y[0] + 0.004, cell.space.y[1] - 0.004
-    for k, (panel, edge) in enumerate(panels):
-        name = f"door_{index}_{k}"
-        niche = _draw_niche(rng, plan, panel) if k == 0 and len(panels) + len(parts) > 0 and _dispenses(rng, plan, cell) else None
-        behind = panel if cell.front == "door" else None
-        across = cell.space.y if behind else _half(cell.space.y, panel, edge)
-        opening = (across, cell.space.z)
-        leaf = build_cold_leaf(panel, edge, opening, bins, bevel=plan.bevel, niche=niche)
-        parts.append(
-            ShapePart(name=name, label="door", parent="body", primitives=leaf, motion=hinge(panel, edge, upper))
-        )
+    for k, (panel, edge) in enumerate(_place_doors(plan, cell, z)):
+        name = f"door_{stem}_{k}"
+        niche = _draw_niche(rng, panel) if dispenses and k == 0 else None
+        across = cell.space.y if cell.front == "door" else _half(cell.space.y, panel, edge)
+        leaf = build_cold_leaf(panel, edge, (across, cell.space.z), bins, bevel=plan.bevel, niche=niche)
+        motion = hinge(panel, edge, upper)
+        parts.append(ShapePart(name=name, label="door", parent="body", primitives=leaf, motion=motion))
         parts += _mount(plan, panel, edge, name)
         needs.append(Need(part=name, fraction=1.0))
         reach = reach_inwards(panel, upper, 0.036, 0.012) + 0.004
@@ -244,11 +250,12 @@ def _draw_fronts(
 
 def _dispenses(rng: np.random.Generator, plan: _Plan, cell: _Cell) -> bool:
     """Whether the first door has a dispenser."""
-    wanted = rng.random() < 0.55
-    return wanted and (cell.front == "pair" and not cell.frozen or plan.kind == "side_by_side" and cell.frozen)
+    if plan.kind == "side_by_side":
+        return cell.frozen and rng.random() < 0.55
+    return cell.front == "pair" and not cell.frozen and rng.random() < 0.55
 
 
-def _draw_niche(rng: np.random.Generator, plan: _Plan, panel: Panel) -> tuple[Range, Range] | None:
+def _draw_niche(rng: np.random.Generator, panel: Panel) -> tuple[Range, Range] | None:
     wide = float(rng.uniform(0.40, 0.55)) * panel.width
     middle = panel.center[0] + 0.04
     bottom = float(rng.uniform(0.92, 1.05))
@@ -289,17 +296,16 @@ def _mount(plan: _Plan, panel: Panel, edge: Edge, parent: str) -> list[ShapePart
     half = min(plan.grip.length, 0.86 * panel.height) / 2
     margin = min(half + 0.04, panel.height / 2)
     level = float(np.clip(1.05, panel.z[0] + margin, panel.z[1] - margin))
-    side = "right" if edge == "left" else "left"
     inset = 0.002 if plan.grip.kind == "edge" else 0.03
     return [
         mount_grip(
-            panel, plan.grip, name=f"{parent}_handle", parent=parent, side=side, inset=inset, level=level
+            panel, plan.grip, name=f"{parent}_handle", parent=parent, edge=edge, inset=inset, level=level
         )
     ]
 
 
-def _make_drawer(plan: _Plan, cell: _Cell, panel: Panel, index: int) -> list[ShapePart]:
-    name = f"drawer_{index}"
+def _make_drawer(plan: _Plan, cell: _Cell, panel: Panel, stem: str) -> list[ShapePart]:
+    name = f"drawer_{stem}"
     pieces = build_freezer_drawer(panel, cell.space, bevel=plan.bevel)
     drawer = ShapePart(
         name=name, label="drawer", parent="body", primitives=pieces, motion=slide(0.7 * cell.space.depth)
@@ -309,13 +315,11 @@ def _make_drawer(plan: _Plan, cell: _Cell, panel: Panel, index: int) -> list[Sha
     inset = 0.002 if plan.grip.kind == "edge" else min(0.035, panel.height / 5)
     return [
         drawer,
-        mount_grip(panel, plan.grip, name=f"{name}_handle", parent=name, side="top", inset=inset),
+        mount_grip(panel, plan.grip, name=f"{name}_handle", parent=name, edge=None, inset=inset),
     ]
 
 
-def _draw_glass_doors(
-    rng: np.random.Generator, plan: _Plan, cell: _Cell, z: Range
-) -> tuple[list[ShapePart], tuple[Need, ...], Range, float]:
+def _draw_glass_doors(rng: np.random.Generator, plan: _Plan, cell: _Cell, z: Range) -> list[ShapePart]:
     """One to three glass doors side by side, hinged on the same edge."""
     count = int(np.clip(round((cell.y[1] - cell.y[0]) / rng.uniform(0.42, 0.65)), 1, 3))
     gap = sweep_gap((cell.y[1] - cell.y[0]) / count, plan.thickness)
@@ -331,48 +335,4 @@ def _draw_glass_doors(
         motion = hinge(panel, plan.edge, upper)
         parts.append(ShapePart(name=name, label="door", parent="body", primitives=leaf, motion=motion))
         parts += _mount(plan, panel, plan.edge, name)
-    return parts, (), cell.space.y, 0.0
-
-
-def _draw_inside(
-    rng: np.random.Generator, cell: _Cell, index: int, needs: tuple[Need, ...], room: tuple[Range, float]
-) -> tuple[list[ShapePart], list[ShapePart]]:
-    """Shelves, and what slides, of a compartment behind doors."""
-    space, (free, bins) = cell.space, room
-    front = space.x[0] + bins + (0.03 if bins else 0.045)
-    levels: list[float] = []
-    sliding: list[ShapePart] = []
-    bottom = space.z[0]
-    if cell.front != "glass" and rng.random() < 0.8 and space.height > 0.36:
-        tall = float(rng.uniform(0.15, 0.22))
-        rows = 1
-        if cell.frozen and space.height > 0.5 and not bins:
-            rows = min(int(space.height / rng.uniform(0.19, 0.26)), 5)
-            tall = (space.height - 0.02) / rows - 0.012 - max(0.007, space.width / 55, space.depth / 55)
-        count = 2 if free[1] - free[0] > 0.5 and rng.random() < 0.6 and rows == 1 else 1
-        label = "drawer" if rng.random() < 0.7 else "tray"
-        finish = "clear" if rng.random() < 0.5 else "plastic"
-        for row in range(rows):
-            tub = Space(x=(space.x[0] + 0.036, space.x[1] - 0.015), y=free, z=(bottom, bottom + tall))
-            sliding += make_crispers(
-                tub, count, stem=f"crisper_{index}_{row}", label=label, finish=finish, needs=needs
-            )
-            bottom += tall + 0.004
-            if row < rows - 1 or rows == 1:
-                bottom += max(0.007, space.width / 55, space.depth / 55) + 0.004
-                levels.append(bottom)
-                bottom += 0.001  # mouldings stand up a little
-    top = space.z[1] - 0.14
-    if top - bottom > 0.08 and (rows_left := int((top - bottom) / rng.uniform(0.20, 0.34))) > 0:
-        count = min(rows_left, 5 if cell.front == "glass" else 4)
-        levels += [b for _, b in divide_range((bottom, top), count, 0.0)]
-    shelves = []
-    for k, level in enumerate(levels):
-        pane = Space(x=(front if level > space.z[0] + 0.26 else space.x[0] + 0.045, space.x[1]), y=space.y, z=space.z)
-        trim = cell.front != "glass" and not (cell.frozen and len(levels) > 3)
-        shelves.append(
-            ShapePart(
-                name=f"shelf_{index}_{k}", label="shelf", parent="body", primitives=build_shelf(pane, level, trim=trim)
-            )
-        )
-    return shelves, sliding
+    return parts
