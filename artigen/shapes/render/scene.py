@@ -116,21 +116,20 @@ def place_instances(
 ) -> Instances:
     """The primitives of one shape per image, at the image's joint coordinates (one per part)."""
     device = scene.device
-    chosen, images, poses = [], [], []
-    for image, shape_id in enumerate(shape_ids):
-        start, stop = scene.first[shape_id], scene.first[shape_id + 1]
-        chosen.append(torch.arange(start, stop, device=device))
-        images.append(torch.full((stop - start,), image, device=device))
-        placed = torch.as_tensor(pose_parts(scene.shapes[shape_id], qpos[image]), device=device)
-        poses.append(placed[scene.part[start:stop]])
-    primitive, displacement = torch.cat(chosen), torch.cat(poses)
+    starts = [(scene.first[shape_id], scene.first[shape_id + 1]) for shape_id in shape_ids]
+    primitive = torch.as_tensor(np.concatenate([np.arange(*bounds) for bounds in starts]), device=device)
+    counts = [stop - start for start, stop in starts]
+    image = torch.as_tensor(np.repeat(np.arange(len(counts)), counts), device=device)
+    poses = _pose_images(scene, shape_ids, qpos)
+    row = torch.as_tensor(np.cumsum([0, *(len(pose) for pose in poses)])[:-1], device=device)[image]
+    displacement = torch.as_tensor(np.concatenate(poses), device=device)[row + scene.part[primitive]]
     turn = displacement[:, :3, :3]
     rotation = turn @ scene.rotation[primitive]
     center = (turn @ scene.center[primitive][..., None])[..., 0] + displacement[:, :3, 3]
     signs = torch.cartesian_prod(*[torch.tensor([-1.0, 1.0], dtype=torch.float64, device=device)] * 3)
     corners = (signs * scene.half[primitive][:, None]) @ rotation.mT + center[:, None]
     return Instances(
-        image=torch.cat(images),
+        image=image,
         primitive=primitive,
         rotation=rotation,
         center=center,
@@ -142,6 +141,18 @@ def place_instances(
         slab_high=scene.slab_high[primitive],
         corners=corners,
     )
+
+
+def _pose_images(
+    scene: Scene, shape_ids: Sequence[int], qpos: Sequence[Float[np.ndarray, "Q"]]
+) -> list[Float[np.ndarray, "Q 4 4"]]:
+    """Displacements of the parts of each image's shape; images of one shape are posed together."""
+    poses: dict[int, np.ndarray] = {}
+    for shape_id in sorted(set(shape_ids)):
+        images = [image for image, owner in enumerate(shape_ids) if owner == shape_id]
+        posed = pose_parts(scene.shapes[shape_id], np.stack([qpos[image] for image in images]))
+        poses |= dict(zip(images, posed, strict=True))
+    return [poses[image] for image in range(len(shape_ids))]
 
 
 def _find_slabs(primitives: Sequence[Primitive]) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:

@@ -27,9 +27,9 @@ class RenderConfig:
     """Whether a floor at z = 0 carries the object's shadow; the mask is the object alone."""
     background: Vector = (0.93, 0.93, 0.925)
     """Colour (sRGB) where nothing is seen."""
-    lamp: Vector = (-0.55, 0.42, 0.72)
+    lamp: Vector = (-0.68, 0.42, 0.6)
     """Direction towards the lamp; made unit."""
-    lamp_strength: float = 0.56
+    lamp_strength: float = 0.62
     """Light of the lamp on a surface that faces it."""
     sky_strength: float = 0.27
     """Light from straight above, shadowed as from one direction."""
