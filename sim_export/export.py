@@ -20,6 +20,7 @@ from sim_export.meshing import mesh_parts, solid_parts
 from sim_export.package import Mesh, SimPackage, SourceMesh
 from sim_export.requirements import find_requirements
 from sim_export.retention import keep_drawers_held
+from sim_export.separation import separate_solids
 from sim_export.texture import bake_parts
 
 
@@ -72,7 +73,7 @@ def export_asset(
         raise ValueError(f"asset {asset.name!r} has no voxels; voxelize its surface first")
     voxels, gaps = fill_boards(asset.voxels, link_owners(asset))
     asset = replace(asset, voxels=voxels)
-    solids = solid_parts(asset)
+    solids, given_up = separate_solids(asset, solid_parts(asset), link_owners(asset))
     meshes = mesh_parts(asset, cfg.meshing, solids)
     watch.lap("mesh")
     decompositions = decompose_parts(meshes, link_owners(asset), cfg.decompose, cache)
@@ -124,6 +125,7 @@ def export_asset(
             for p, solid in zip(asset.parts, solids, strict=True)
             for said in solid.records
         ),
+        *given_up,
         *tree.records,
         *held,
         *cleared.records,
