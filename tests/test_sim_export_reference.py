@@ -1,0 +1,184 @@
+"""Packages straight from procedural objects: exact volumes, masses, joints, needs, and static checks."""
+
+import numpy as np
+import pytest
+
+from artigen.shapes.finishes import Finish
+from artigen.shapes.primitives import box, cylinder, line, place_vertices, rounded_box
+from artigen.shapes.shape import Motion, Need, Shape, ShapePart
+from sim_export.checks.suite import run_checks
+from sim_export.inertia import is_closed, mesh_inertial
+from sim_export.materials import MATERIALS
+from sim_export.needles import find_needles, flip_needles
+from sim_export.reference import build_reference
+from sim_export.write import write_package
+
+FINISHES = (
+    ("rubber", Finish(kind="rubber", color=(0.1, 0.1, 0.1), accent=(0.1, 0.1, 0.1))),
+    ("steel", Finish(kind="steel", color=(0.7, 0.7, 0.7), accent=(0.6, 0.6, 0.6))),
+    ("white", Finish(kind="lacquer", color=(0.9, 0.9, 0.9), accent=(0.9, 0.9, 0.9))),
+    ("wood", Finish(kind="wood", color=(0.6, 0.4, 0.2), accent=(0.4, 0.2, 0.1))),
+)
+
+
+def boards(*ends: tuple) -> tuple:
+    return tuple(rounded_box(low, high, 0.002, "wood") for low, high in ends)
+
+
+def cupboard() -> Shape:
+    """A carcass with a door, and behind it a tray that needs the door open."""
+    walls = boards(
+        ((-0.2, -0.3, 0.0), (0.2, -0.28, 0.5)),
+        ((-0.2, 0.28, 0.0), (0.2, 0.3, 0.5)),
+        ((0.18, -0.28, 0.0), (0.2, 0.28, 0.5)),
+        ((-0.2, -0.28, 0.48), (0.18, 0.28, 0.5)),
+        ((-0.2, -0.28, 0.0), (0.18, 0.28, 0.02)),
+    )
+    body = ShapePart(
+        name="body",
+        label="base",
+        parent=None,
+        primitives=tuple(line(wall, "white", (-1, 0, 0)) for wall in walls),
+    )
+    door = ShapePart(
+        name="door",
+        label="door",
+        parent="body",
+        primitives=boards(((-0.222, -0.3, 0.0), (-0.202, 0.3, 0.5))),
+        motion=Motion(type="revolute", axis=(0.0, 0.0, -1.0), origin=(-0.222, 0.3, 0.0), upper=1.6),
+    )
+    grip = ShapePart(
+        name="grip",
+        label="handle",
+        parent="door",
+        primitives=(
+            cylinder((-0.27, -0.25, 0.2), (-0.27, -0.25, 0.34), 0.008, "steel"),
+            cylinder((-0.222, -0.25, 0.22), (-0.27, -0.25, 0.22), 0.006, "steel"),
+            cylinder((-0.222, -0.25, 0.32), (-0.27, -0.25, 0.32), 0.006, "steel"),
+        ),
+    )
+    tray = ShapePart(
+        name="tray",
+        label="tray",
+        parent="body",
+        primitives=boards(
+            ((-0.18, -0.25, 0.022), (0.16, 0.25, 0.032)),
+            ((-0.18, -0.25, 0.032), (-0.17, 0.25, 0.1)),
+        ),
+        motion=Motion(type="prismatic", axis=(-1.0, 0.0, 0.0), upper=0.25),
+        needs=(Need(part="door"),),
+    )
+    return Shape(
+        category="StorageFurniture",
+        seed=3,
+        style="plain",
+        parts=(body, door, grip, tray),
+        finishes=FINISHES,
+    )
+
+
+@pytest.fixture(scope="module")
+def package():
+    return build_reference(cupboard(), provenance={"generator": "test"})
+
+
+def test_every_static_check_passes(package, tmp_path):
+    write_package(package, tmp_path / "cupboard")
+    results = run_checks(tmp_path / "cupboard")
+    assert [f"{result.id}: {result.message}" for result in results if result.verdict == "fail"] == []
+    assert sum(result.verdict == "pass" for result in results) > 15
+
+
+def test_hulls_are_the_primitives_themselves(package):
+    shape = cupboard()
+    low, high = shape.bounds()
+    for link in package.links[1:]:
+        parts = [part for name in link.parts for part in shape.parts if part.name == name]
+        expected = [place_vertices(p) - (low + high) / 2 for part in parts for p in part.primitives]
+        assert len(link.hulls) == len(expected)
+        for hull, vertices in zip(link.hulls, expected, strict=True):
+            assert np.abs(hull.vertices - vertices).max() < 1e-12
+
+
+def test_joints_are_in_metres_and_the_tray_needs_the_door(package):
+    joints = {joint.child: joint for joint in package.joints}
+    by_part = {link.parts[0]: joints[link.name] for link in package.links if link.parts}
+    assert by_part["tray"].upper == pytest.approx(0.25)
+    assert by_part["door"].upper == pytest.approx(1.6)
+    assert by_part["tray"].friction > 0.0
+    (need,) = package.requires_open
+    assert (need.joint, need.needs, need.fraction) == (by_part["tray"].name, by_part["door"].name, 0.95)
+    (handle,) = package.handles
+    assert handle.part == "grip"
+    assert handle.clearance == pytest.approx(0.04, abs=0.005)
+
+
+def two_pieces(first: str, second: str) -> Shape:
+    """A cube of 20 cm and one beside it that overlaps it by a half."""
+    body = ShapePart(
+        name="body",
+        label="base",
+        parent=None,
+        primitives=(
+            box((0.0, 0.0, 0.0), (0.2, 0.2, 0.2), first),
+            box((0.1, 0.0, 0.0), (0.3, 0.2, 0.2), second),
+        ),
+    )
+    return Shape(category="Thing", seed=0, style="plain", parts=(body,), finishes=FINISHES)
+
+
+def test_mass_is_that_of_the_union():
+    link = build_reference(two_pieces("wood", "wood")).links[-1]
+    assert link.inertial is not None
+    assert link.inertial.mass == pytest.approx(MATERIALS["wood_board"].density * 0.3 * 0.04)
+    assert np.allclose(link.inertial.com, 0.0)
+
+
+def test_two_materials_share_the_volume_and_nothing_twice():
+    link = build_reference(two_pieces("wood", "rubber")).links[-1]
+    rubber, wood = MATERIALS["rubber"].density * 0.2 * 0.04, MATERIALS["wood_board"].density * 0.1 * 0.04
+    assert link.inertial is not None
+    assert link.inertial.mass == pytest.approx(rubber + wood)
+    assert link.inertial.com[0] == pytest.approx((0.05 * rubber - 0.1 * wood) / (rubber + wood))
+
+
+def test_visuals_close_hold_the_volume_and_have_the_colours_of_the_object(package):
+    shape = cupboard()
+    for link in package.links[1:]:
+        for visual in link.visuals:
+            assert is_closed(visual.mesh.faces)
+            assert not find_needles(visual.mesh.vertices[visual.mesh.faces], 1e-4).mean() > 0.01
+            assert visual.mesh.texture is not None
+    body = next(v.mesh for link in package.links for v in link.visuals if v.part == "body")
+    volume = 2 * 0.4 * 0.02 * 0.5 + 0.02 * 0.56 * 0.5 + 2 * 0.38 * 0.56 * 0.02
+    assert mesh_inertial(body, 1.0).mass == pytest.approx(volume, rel=2e-3)  # edges are bevelled
+    assert body.texture is not None
+    colors = body.texture.reshape(-1, 3).astype(float)
+    white = (colors.min(axis=1) > 200).mean()
+    assert 0.02 < white < 0.9, "one side is lined in white, the others are wood"
+    assert shape.parts[0].primitives[0].lining == "white"
+
+
+def test_an_oblong_primitive_is_cut_and_a_record_says_so():
+    rod = ShapePart(
+        name="rod", label="base", parent=None, primitives=(box((0, 0, 0), (0.004, 0.02, 0.5), "steel"),)
+    )
+    package = build_reference(Shape(category="Thing", seed=0, style="plain", parts=(rod,), finishes=FINISHES))
+    hulls = package.links[-1].hulls
+    assert len(hulls) == 3
+    assert sum(np.prod(np.ptp(hull.vertices, axis=0)) for hull in hulls) == pytest.approx(0.004 * 0.02 * 0.5)
+    assert any("oblong" in record for record in package.records)
+
+
+def test_flips_remove_needles_and_keep_points_and_area():
+    """A unit square whose edge holds a point close to a corner, joined to the far one by a needle."""
+    vertices = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [1, 1e-4, 0.0], [0, 1, 0]], dtype=float)
+    faces = np.array([[0, 1, 3], [0, 3, 4], [3, 2, 4]])
+    assert find_needles(vertices[faces]).tolist() == [True, False, False]
+    flipped = flip_needles(vertices, faces, np.zeros(3, dtype=np.int64))
+    corners = vertices[flipped]
+    doubled = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, 2]
+    assert (doubled > 0).all()
+    assert doubled.sum() == pytest.approx(2.0)
+    apart = flip_needles(vertices, faces, np.arange(3))
+    assert np.array_equal(apart, faces), "different regions exchange nothing"
