@@ -17,6 +17,7 @@ SHARED = {"types", "transforms", "kinematics", "io", "errors", "workers", "shape
 MODEL_CODE = (
     "artigen.models",
     "artigen.train",
+    "artigen.generate",
     "artigen.metrics",
     "artigen.sampling",
     "artigen.splatting",

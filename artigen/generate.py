@@ -1,0 +1,118 @@
+"""Condition and seed to an `Asset`: complete the condition, sample, decode, clean, segment; nothing else."""
+
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+import torch
+
+from artigen.clean import CleanConfig, remove_strays
+from artigen.datasets.sizes import estimate_size
+from artigen.errors import SourceError
+from artigen.models.conditions import StructureCondition, gather_conditions
+from artigen.models.presets import PRESETS, StructurePreset
+from artigen.models.store import load_model, read_description
+from artigen.models.structure_flow import StructureFlow, sample_latents
+from artigen.models.structure_vae import StructureVae, decode_fields
+from artigen.sampling import SamplerConfig
+from artigen.segment import SegmentConfig, segment
+from artigen.shapes.draw import Wish, draw_shape
+from artigen.types import Asset
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class StructureModel:
+    """Trained networks, ready to sample."""
+
+    preset: StructurePreset
+    vae: StructureVae
+    flow: StructureFlow
+
+
+@dataclass(frozen=True, kw_only=True)
+class GenerateConfig:
+    """How a structure is drawn from its condition."""
+
+    sampler: SamplerConfig = field(default_factory=SamplerConfig)
+    """Steps and guidance."""
+    clean: CleanConfig = field(default_factory=CleanConfig)
+    """What counts as a stray piece."""
+    segment: SegmentConfig = field(default_factory=SegmentConfig)
+    """How parts are found."""
+
+
+def load_structure_model(folder: Path, device: torch.device | str = "cpu") -> StructureModel:
+    """Loads a model folder that `artigen.train.everything` wrote.
+
+    Raises:
+        SourceError: If the folder holds no whole model, or one of a preset we do not know.
+    """
+    said = read_description(folder)
+    name = said.get("flow", {}).get("preset")
+    preset = next((known for key, known in PRESETS.items() if key == name), None)
+    if preset is None:
+        raise SourceError(f"{folder}: preset {name!r}, expected one of {', '.join(PRESETS)}")
+    vae, flow = StructureVae(preset.vae), StructureFlow(preset.flow, preset.conditions)
+    load_model(vae, folder, "vae")
+    load_model(flow, folder, "flow")
+    return StructureModel(preset=preset, vae=vae.to(device), flow=flow.to(device))
+
+
+def complete_condition(asked: StructureCondition, seed: int) -> StructureCondition:
+    """Draws what was left open from the objects of the procedural grammar that have what was asked for.
+
+    With a picture nothing is added: it says more than a draw could. The grammar knows which sizes and
+    counts go together, so the completed condition is one that exists.
+
+    Raises:
+        ShapeError: If no object of the category has the counts asked for.
+    """
+    if asked.image is not None or asked.category is None:
+        return asked
+    depth, width, height = asked.size or (None, None, None)
+    wish = Wish(width=width, depth=depth, height=height, counts=asked.counts)
+    drawn = draw_shape(asked.category, seed, wish).condition
+    size = asked.size or (drawn.depth, drawn.width, drawn.height)
+    return replace(asked, counts=drawn.counts, size=size)
+
+
+def generate_structure(
+    model: StructureModel, asked: StructureCondition, seed: int, cfg: GenerateConfig | None = None
+) -> Asset:
+    """Draws one articulated object; the same arguments give the same object on one machine.
+
+    Args:
+        model: trained networks.
+        asked: the condition, completed (`complete_condition`) where it should be.
+        seed: of the noise.
+        cfg: sampler, cleaning, segmentation.
+
+    Raises:
+        SegmentationError: If the drawn voxels describe no articulated object; draw again.
+    """
+    cfg = cfg or GenerateConfig()
+    device = next(model.flow.parameters()).device
+    generator = torch.Generator().manual_seed(seed)
+    edge = model.flow.edge
+    noise = torch.randn((1, model.flow.channels, edge, edge, edge), generator=generator).to(device)
+    conditions = model.preset.conditions
+    latent = sample_latents(
+        model.flow,
+        gather_conditions([asked], conditions).to(device),
+        gather_conditions([StructureCondition()], conditions).to(device),
+        noise,
+        cfg.sampler,
+    )
+    fields, notes = remove_strays(decode_fields(model.vae, latent)[0], cfg.clean)
+    asset = segment(
+        fields,
+        cfg.segment,
+        name=f"{asked.category or 'object'}_{seed}",
+        scale=1.0 if asked.size is None else max(asked.size),
+        category=asked.category,
+    )
+    if asked.size is None:
+        longest, _ = estimate_size(asset.category, np.ptp(fields.coords, axis=0) + 1.0)
+        asset = replace(asset, scale=longest)
+        notes = (*notes, f"no size was asked for: {longest:.2f} m along the longest edge is usual")
+    return replace(asset, notes=(*notes, *asset.notes))

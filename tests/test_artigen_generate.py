@@ -1,0 +1,87 @@
+"""Generation: cleaning, completed conditions, and one seed, one object."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+
+from artigen.clean import CleanConfig, remove_strays, select_cells
+from artigen.errors import SegmentationError, SourceError
+from artigen.fields import VoxelFields, decode, encode
+from artigen.generate import complete_condition, generate_structure, load_structure_model
+from artigen.models.conditions import StructureCondition
+from artigen.models.presets import PRESETS
+from artigen.models.store import save_model
+from artigen.models.structure_flow import StructureFlow
+from artigen.models.structure_vae import StructureVae
+from artigen.types import Asset
+
+
+def cells_of(fields: VoxelFields) -> set[tuple[int, ...]]:
+    return set(map(tuple, fields.coords.tolist()))
+
+
+def test_strays_are_removed_and_recorded_and_nothing_else(cabinet: Asset):
+    whole = decode(encode(cabinet))
+    field = encode(cabinet)
+    field[:, 0:3, 0, 0] = field[:, whole.coords[0][0], whole.coords[0][1], whole.coords[0][2]][:, None]
+    spoilt = decode(field)
+    cleaned, notes = remove_strays(spoilt)
+    added = {(0, 0, 0), (1, 0, 0), (2, 0, 0)} - cells_of(whole)
+    assert added
+    assert cells_of(spoilt) - cells_of(cleaned) == added
+    assert notes == (f"{len(added)} cells in 1 of 2 loose pieces were removed",)
+    assert remove_strays(cleaned) == (cleaned, ())
+
+
+def test_the_largest_piece_stays_whatever_is_asked(cabinet: Asset):
+    fields = decode(encode(cabinet))
+    few = select_cells(fields, np.arange(len(fields.coords)) < 4)
+    assert len(remove_strays(few, CleanConfig(min_cells=1000))[0].coords) > 0
+    none = select_cells(fields, np.zeros(len(fields.coords), dtype=bool))
+    assert remove_strays(none) == (none, ())
+
+
+def test_a_completed_condition_keeps_what_was_asked():
+    asked = StructureCondition(category="Microwave", counts=(("knob", 1),))
+    one, again, other = (complete_condition(asked, seed) for seed in (3, 3, 4))
+    assert one == again
+    assert one != other
+    assert dict(one.counts)["knob"] == 1
+    assert dict(one.counts)["base"] == 1
+    assert one.size is not None
+    assert min(one.size) > 0.1
+    sized = complete_condition(replace(asked, size=(0.4, 0.5, 0.3)), 3)
+    assert sized.size == (0.4, 0.5, 0.3)
+    assert complete_condition(StructureCondition(), 3) == StructureCondition()
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A model that knows nothing."""
+    torch.manual_seed(0)
+    preset, path = PRESETS["tiny"], tmp_path_factory.mktemp("model")
+    save_model(StructureVae(preset.vae), path, {"preset": "tiny"}, "vae")
+    save_model(StructureFlow(preset.flow, preset.conditions), path, {"preset": "tiny"}, "flow")
+    return path
+
+
+def test_a_model_that_knows_nothing_is_refused_by_the_segmentation_and_not_repaired(folder: Path):
+    model = load_structure_model(folder)
+    asked = complete_condition(StructureCondition(category="Microwave"), 0)
+    said = []
+    for _ in range(2):
+        with pytest.raises(SegmentationError) as caught:
+            generate_structure(model, asked, seed=1)
+        said.append(str(caught.value))
+    assert said[0] == said[1]
+
+
+def test_a_folder_without_a_model_says_so(folder: Path, tmp_path: Path):
+    with pytest.raises(SourceError, match="there is no such model"):
+        load_structure_model(tmp_path)
+    (tmp_path / "model.json").write_text('{"flow": {"preset": "huge"}}')
+    with pytest.raises(SourceError, match="preset 'huge'"):
+        load_structure_model(tmp_path)
