@@ -23,6 +23,7 @@ from artigen.shapes.primitives import (
 )
 from artigen.shapes.render import Cameras, Images, RenderConfig, build_scene, frame_points, render
 from artigen.shapes.shape import Motion, Shape, ShapePart
+from artigen.shapes.sheet import draw_sheet
 
 GEOMETRY = RenderConfig(shadow_rays=0, openness=False)
 
@@ -417,6 +418,25 @@ def test_the_floor_is_dark_beneath_the_object_and_bright_far_from_it():
     assert far.sum() > 50
     assert bright[beneath].max() < bright[far].min() - 0.1
     assert np.allclose(bright[visible & (floor[..., 0] < -1.5)], np.mean(cfg.background), atol=0.01)
+
+
+def test_a_sheet_has_a_picture_per_shape_and_shows_them_open():
+    door = box((-0.2, -0.3, 0.0), (-0.18, 0.3, 0.4), "plain")
+    motion = Motion(type="prismatic", axis=(-1.0, 0.0, 0.0), upper=0.3)
+    body = ShapePart(
+        name="body", label="base", parent=None, primitives=(box((-0.17, -0.3, 0), (0.2, 0.3, 0.5), "body"),)
+    )
+    moving = ShapePart(name="door", label="drawer", parent="body", primitives=(door,), motion=motion)
+    shapes = [make_shape(body, moving), make_shape(body)]
+    closed, opened = (draw_sheet(shapes, fraction, 40, columns=1) for fraction in (0.0, 1.0))
+    assert closed.shape == opened.shape == (80, 40, 3)
+    assert np.array_equal(closed[40:], opened[40:])  # nothing to open
+    assert (closed[:40] != opened[:40]).any(axis=-1).sum() > 50
+    row = draw_sheet(shapes[1:], 0.0, 40, columns=2)
+    assert np.array_equal(row[:, :40], closed[40:])
+    assert (row[:, 40:] == 255).all()
+    with pytest.raises(ValueError, match="at least one"):
+        draw_sheet([], 0.0)
 
 
 def test_poses_and_arguments_are_checked():
