@@ -33,7 +33,14 @@ class TextureConfig:
     """A part whose colours span at most this many of 255 levels gets a plain colour, no image."""
     facing_reach: float = 2.5
     """Texels; beyond this a sample that faces the texel's way gives way to the nearest of any facing."""
-    neighbours: int = 6
+    beside: float = 1.5
+    """Texels; of samples that lie so much further aside than the nearest none hides a lower sheet."""
+    speck: int = 24
+    """Levels by which a texel may differ from those around it before it counts as a speck."""
+    sheet: float = 0.1
+    """Texels; sheets further apart are told apart, and the outer one is shown; raise it when curved
+    surfaces look ragged."""
+    neighbours: int = 8
     """Samples looked at per texel; more make textures softer and slower."""
     least_facing: float = 0.2
     """Least cosine between a sample's normal and the axis that the texel faces."""
@@ -70,7 +77,22 @@ def bake_texture(
     if int(np.ptp(columns, axis=1).max()) <= cfg.uniform_range:
         return plain
     atlas = make_atlas(mesh, texel_size, cfg.max_size)
-    return color_atlas(plain, atlas, _texel_colors(mesh, atlas, points, colors, normals, texel_size, cfg))
+    filled = color_atlas(plain, atlas, _texel_colors(mesh, atlas, points, colors, normals, texel_size, cfg))
+    return (
+        filled
+        if filled.texture is None
+        else replace(filled, texture=_without_specks(filled.texture, cfg.speck))
+    )
+
+
+def _without_specks(image: UInt8[np.ndarray, "H W 3"], least: int) -> UInt8[np.ndarray, "H W 3"]:
+    """Texels that differ from the median of the nine around them by more than ``least`` levels get that.
+
+    Where sheets of different colours lie close together, the odd texel has no sample of the outer one.
+    """
+    median = ndimage.median_filter(image, size=(3, 3, 1), mode="nearest")
+    odd = np.abs(image.astype(np.int16) - median).max(axis=2) > least
+    return np.where(odd[:, :, None], median, image)
 
 
 def color_atlas(mesh: Mesh, atlas: Atlas, colors: UInt8[np.ndarray, "T 3"]) -> Mesh:
@@ -145,7 +167,7 @@ def _texel_colors(
 
     Texels and samples are looked up by the axis they face, since sources hold coincident sheets of
     different colour that face opposite ways. Of several sheets that face the same way the outermost
-    counts: it is the one that is seen.
+    counts: it is the one that is seen, unless its nearest sample lies well aside of the texel.
     """
     if normals is None:
         return colors[_nearest(points, atlas.points, 1)[1][:, 0]]
@@ -162,8 +184,12 @@ def _texel_colors(
             continue
         distance, index = _nearest(points[samples], atlas.points[texels], cfg.neighbours)
         near = distance <= cfg.facing_reach * texel_size
-        height = np.where(near, side * points[samples[index], number], -np.inf)
-        near &= height >= height.max(axis=1, keepdims=True) - 0.5 * texel_size
+        # Above the texel along the sample's own normal: equal for all samples of one sheet, slanted or not.
+        above = points[samples[index]] - atlas.points[texels][:, None]
+        beside = np.linalg.norm(np.delete(above, number, axis=2), axis=2)
+        near &= beside <= beside.min(axis=1, keepdims=True) + cfg.beside * texel_size
+        height = np.where(near, np.einsum("tkc,tkc->tk", above, normals[samples[index]]), -np.inf)
+        near &= height >= height.max(axis=1, keepdims=True) - cfg.sheet * texel_size
         closest = np.where(near, distance, np.inf).min(axis=1, keepdims=True)
         near &= distance <= closest + 0.5 * texel_size
         weight = near / np.maximum(near.sum(axis=1, keepdims=True), 1)

@@ -187,3 +187,27 @@ def test_wrong_settings_and_missing_samples_are_errors():
         TextureConfig(max_size=4)
     with pytest.raises(ValueError, match="no colour samples"):
         bake_texture(box_mesh(1, 1, 1), np.zeros((0, 3)), np.zeros((0, 3), dtype=np.uint8), texel_size=0.1)
+
+
+def test_of_two_sheets_a_hair_apart_only_the_outer_one_shows():
+    """Front of a door: a sheet with a window over another of a different colour, half a texel behind it."""
+    mesh = box_mesh(0.1, 1.0, 1.0)
+    rng = np.random.default_rng(0)
+    texel = 0.02
+    inner = np.column_stack([np.full(9000, -0.05 + 0.4 * texel), rng.uniform(-0.5, 0.5, (9000, 2))])
+    outer = np.column_stack([np.full(9000, -0.05), rng.uniform(-0.5, 0.5, (9000, 2))])
+    outer = outer[(np.abs(outer[:, 1:]) > 0.2).any(axis=1)]
+    points = np.concatenate([inner, outer])
+    colors = np.concatenate([np.tile(RED, (len(inner), 1)), np.tile(BLUE, (len(outer), 1))])
+    normals = np.tile([-1.0, 0.0, 0.0], (len(points), 1))
+    baked = bake_texture(mesh, points, colors, texel_size=texel, normals=normals)
+    corners = mesh.vertices[mesh.faces]
+    front = np.flatnonzero((corners[:, :, 0] < 0).all(axis=1))
+    faces, weights = rng.choice(front, 4000), rng.dirichlet(np.ones(3), 4000)
+    at = np.einsum("nc,ncd->nd", weights, corners[faces])
+    shown = look_up(baked, faces, weights)
+    window = (np.abs(at[:, 1:]) < 0.2 - 2 * texel).all(axis=1)
+    frame = (np.abs(at[:, 1:]) > 0.2 + 2 * texel).any(axis=1)
+    assert window.sum() > 300
+    np.testing.assert_array_equal(shown[window], np.tile(RED, (window.sum(), 1)))
+    np.testing.assert_array_equal(shown[frame], np.tile(BLUE, (frame.sum(), 1)))
