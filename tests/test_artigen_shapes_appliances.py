@@ -1,0 +1,177 @@
+"""Laws of procedural appliances: they hang together, stand, and open without touching what they pass."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from artigen.shapes.draw import Wish, draw_shape
+from artigen.shapes.poses import pose_parts
+from artigen.shapes.primitives import place_vertices
+from artigen.shapes.shape import Shape
+from sim_export.contacts import HullSet, find_penetration
+from sim_export.hulls import hull_length, hull_width
+from sim_export.package import Hull
+
+CATEGORIES = ("Refrigerator", "Dishwasher", "Oven", "WashingMachine", "Microwave")
+SEEDS = range(10)
+POSES = 5
+OVERLAP = 1e-4
+
+
+@cache
+def draw_some(category: str) -> list[Shape]:
+    return [draw_shape(category, seed) for seed in SEEDS]
+
+
+@pytest.fixture(scope="module", params=CATEGORIES)
+def shapes(request: pytest.FixtureRequest) -> list[Shape]:
+    return draw_some(request.param)
+
+
+def leaders(shape: Shape) -> list[int]:
+    """For every part the part whose link it belongs to."""
+    row = {part.name: index for index, part in enumerate(shape.parts)}
+    out = []
+    for start in range(len(shape.parts)):
+        at = start
+        while shape.parts[at].motion is None and shape.parts[at].parent is not None:
+            at = row[str(shape.parts[at].parent)]
+        out.append(at)
+    return out
+
+
+def link_hulls(shape: Shape) -> dict[int, HullSet]:
+    owners = leaders(shape)
+    return {
+        leader: HullSet(
+            hulls=tuple(
+                Hull(vertices=place_vertices(primitive), faces=primitive.faces)
+                for part, owner in zip(shape.parts, owners, strict=True)
+                if owner == leader
+                for primitive in part.primitives
+            )
+        )
+        for leader in sorted(set(owners))
+    }
+
+
+def carried(shape: Shape, leader: int) -> set[int]:
+    """The part and all that hang from it."""
+    names = {shape.parts[leader].name}
+    for _ in shape.parts:
+        names |= {part.name for part in shape.parts if part.parent in names}
+    return {index for index, part in enumerate(shape.parts) if part.name in names}
+
+
+def opening(shape: Shape, leader: int) -> np.ndarray:
+    """Coordinates along one joint's range, what it needs standing open."""
+    row = {part.name: index for index, part in enumerate(shape.parts)}
+    part = shape.parts[leader]
+    assert part.motion is not None
+    qpos = np.zeros((POSES, len(shape.parts)))
+    qpos[:, leader] = np.linspace(0.0, part.motion.upper, POSES)
+    for need in part.needs:
+        other = shape.parts[row[need.part]]
+        assert other.motion is not None
+        qpos[:, row[need.part]] = need.fraction * other.motion.upper
+    return qpos
+
+
+def test_every_joint_sweeps_its_range_without_touching_anything(shapes: list[Shape]) -> None:
+    swept = 0
+    for shape in shapes:
+        hulls = link_hulls(shape)
+        for leader in hulls:
+            if shape.parts[leader].motion is None:
+                continue
+            T = pose_parts(shape, opening(shape, leader))
+            movers = carried(shape, leader) & set(hulls)
+            for mover in movers:
+                for other in set(hulls) - movers:
+                    found = find_penetration(hulls[mover], hulls[other], T[:, mover], T[:, other])
+                    names = shape.parts[mover].name, shape.parts[other].name
+                    assert found.depth < OVERLAP, f"{shape.name}: {names} overlap by {found.depth} m"
+            swept += 1
+    assert swept > len(SEEDS)
+
+
+def test_links_are_few_and_stout_enough_for_engines(shapes: list[Shape]) -> None:
+    for shape in shapes:
+        for leader, body in link_hulls(shape).items():
+            name = f"{shape.name}: {shape.parts[leader].name}"
+            assert len(body.hulls) <= 32, name
+            assert min(hull_width(hull)[0] for hull in body.hulls) >= 0.003 - 1e-9, name
+            assert max(hull_length(hull)[0] / hull_width(hull)[0] for hull in body.hulls) < 60, name
+
+
+def test_appliances_stand_on_the_floor_in_front_of_their_wall(shapes: list[Shape]) -> None:
+    for shape in shapes:
+        low, high = shape.bounds()
+        points = np.concatenate([place_vertices(p) for part in shape.parts for p in part.primitives])
+        feet = points[np.abs(points[:, 2]) < 1e-6, :2]
+        assert low[2] == pytest.approx(0.0, abs=1e-9)
+        assert np.ptp(feet, axis=0).min() > 0.5 * (high - low)[:2].min(), f"{shape.name} stands unsafely"
+        assert abs(low[1] + high[1]) < 0.02, f"{shape.name} is not centred"
+
+
+def test_controls_and_handles_show_in_a_grid_of_64_cells(shapes: list[Shape]) -> None:
+    for shape in shapes:
+        edge = float(np.diff(shape.bounds(), axis=0).max())
+        for part in shape.parts:
+            if part.label in ("knob", "handle"):
+                seen = np.sort(np.diff(part.bounds(), axis=0)[0])[1]
+                assert seen >= 0.0149 * edge, f"{shape.name}: {part.name} is {seen} m, the edge {edge} m"
+
+
+def test_a_tray_behind_a_door_says_that_the_door_must_be_open(shapes: list[Shape]) -> None:
+    for shape in shapes:
+        doors = {part.name for part in shape.parts if part.label == "door"}
+        for part in shape.parts:
+            slides = part.motion is not None and part.motion.type == "prismatic"
+            if part.label == "tray" and slides:
+                assert {need.part for need in part.needs} & doors, f"{shape.name}: {part.name} needs no door"
+
+
+@pytest.mark.parametrize("category", CATEGORIES)
+def test_wishes_are_met(category: str) -> None:
+    for seed in range(4):
+        shape = draw_shape(category, seed, Wish(width=0.6, style="white"))
+        depth, width, height = np.diff(shape.bounds(), axis=0)[0]
+        assert (shape.style, shape.condition.style) == ("white", "white")
+        assert width == pytest.approx(0.6, abs=0.002)
+        assert depth > 0.25
+        assert height > 0.05
+
+
+@pytest.mark.parametrize(
+    ("category", "counts"),
+    [
+        ("Refrigerator", (("door", 2), ("handle", 2), ("shelf", 0))),
+        ("Dishwasher", (("door", 1), ("tray", 2), ("handle", 1))),
+        ("Dishwasher", (("drawer", 1), ("handle", 1))),
+        ("Oven", (("door", 0), ("knob", 6))),
+        ("Oven", (("door", 2), ("handle", 2))),
+        ("WashingMachine", (("door", 1), ("knob", 7))),
+        ("Microwave", (("knob", 2), ("tray", 1), ("handle", 0))),
+    ],
+)
+def test_counts_that_real_objects_have_can_be_wished_for(category: str, counts: tuple) -> None:
+    held = dict(draw_shape(category, 1, Wish(counts=counts)).condition.counts)
+    assert {label: held.get(label, 0) for label, _ in counts} == dict(counts)
+
+
+def test_joint_types_are_those_of_real_appliances() -> None:
+    types = {
+        category: {
+            part.motion.type
+            for shape in draw_some(category)
+            for part in shape.parts
+            if part.motion is not None
+        }
+        for category in CATEGORIES
+    }
+    assert types["Refrigerator"] == {"revolute", "prismatic"}
+    assert types["Dishwasher"] >= {"revolute", "prismatic"}
+    for category in ("Oven", "WashingMachine", "Microwave"):
+        assert types[category] == {"revolute", "prismatic", "continuous"}
