@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from artigen.errors import SegmentationError
 from artigen.fields import VoxelFields
 from artigen.neighbours import connected_groups, neighbour_pairs
 from artigen.partition import Partition, canonical_partition
@@ -64,10 +65,16 @@ class RobustConfig:
     """Evidence for a part per neighbouring voxel that belongs to it."""
     rounds: int = 2
     """Rounds of merging and reassignment."""
+    max_groups: int = 1000
+    """Votes that fall into more groups than this are noise, and are refused: time grows as their square."""
 
 
 def partition_robust(fields: VoxelFields, cfg: RobustConfig) -> Partition:
-    """Divides the voxels among parts by votes, boxes and connectivity; the base is one part."""
+    """Divides the voxels among parts by votes, boxes and connectivity; the base is one part.
+
+    Raises:
+        SegmentationError: If the votes are noise.
+    """
     pairs = neighbour_pairs(fields.coords.astype(np.int64), fields.resolution)
     labels = fields.label_probs.argmax(axis=1)
     base = fields.layout.labels.index("base")
@@ -78,6 +85,11 @@ def partition_robust(fields: VoxelFields, cfg: RobustConfig) -> Partition:
     )
     pieces = connected_groups(len(labels), pairs, alike)
     groups = _first_groups(votes, pieces, labels == base, cfg)
+    if groups.max() > cfg.max_groups:
+        raise SegmentationError(
+            f"the votes of {len(labels)} voxels fall into {groups.max()} groups, expected at most "
+            f"{cfg.max_groups}: neighbouring voxels say too different things to be parts"
+        )
     groups = _absorb(votes, groups, base, cfg, np.inf)
     for _ in range(cfg.rounds):
         groups = _absorb(votes, groups, base, cfg, 2.0)
