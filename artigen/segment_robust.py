@@ -65,7 +65,7 @@ class RobustConfig:
     """Evidence for a part per neighbouring voxel that belongs to it."""
     rounds: int = 2
     """Rounds of merging and reassignment."""
-    max_groups: int = 1000
+    max_groups: int = 2500
     """Votes that fall into more groups than this are noise, and are refused: time grows as their square."""
 
 
