@@ -8,7 +8,7 @@ by triangle. Cylinders are prisms of so many sides that the difference is a smal
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Float, Int
 
 from artigen.shapes.primitives import Primitive
 from artigen.shapes.shape import Shape
@@ -16,8 +16,9 @@ from artigen.shapes.solids import Solids, list_solids, may_be_covered, see_point
 
 _TINY = 1e-6
 """Cells: shorter pieces are none, and a face between two cells belongs to the one behind it."""
-_LOOKS = np.array([[u, v] for u in (0.02, 0.5, 0.98) for v in (0.02, 0.5, 0.98)])
-"""Where a piece that another primitive may cover is looked at; of half a piece, those that lie in it."""
+_LOOKS = np.array([[0.02, 0.02], [0.02, 0.98], [0.98, 0.02], [0.98, 0.98], [0.5, 0.5]])
+_HALF_LOOKS = np.array([[0.02, 0.02], [0.02, 0.96], [0.96, 0.02], [0.33, 0.33]])
+"""Where a piece that another primitive may cover is looked at."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -69,7 +70,8 @@ def rasterize_shape(shape: Shape, resolution: int = 64) -> CellAreas:
     turned = ruled & (axis >= 3)
     sheets = _join([whole.pick(ruled & (axis < 3)), _swap(whole.pick(turned))])
     axis = np.concatenate([axis[ruled & (axis < 3)], axis[turned] - 3])
-    chunks = [(_cut_sheets(sheets, axis), False), (_cut_halves(halves), True)]
+    order = np.argsort(sheets.owners, kind="stable")
+    chunks = [(_cut_sheets(sheets.pick(order), axis[order]), False), (_cut_halves(halves), True)]
     measured = [_measure(pieces, half, solids, corner, cell, resolution) for pieces, half in chunks]
     return CellAreas(
         cells=np.concatenate([chunk.cells for chunk in measured]),
@@ -278,7 +280,8 @@ def _measure(
     resolution: int,
 ) -> CellAreas:
     """Cell, part and visible area of every piece."""
-    pieces = pieces.pick(np.argsort(pieces.owners, kind="stable"))
+    if (np.diff(pieces.owners) < 0).any():
+        pieces = pieces.pick(np.argsort(pieces.owners, kind="stable"))
     cross = pieces.sign[:, None] * np.cross(pieces.first, pieces.second)
     length = np.linalg.norm(cross, axis=1)
     normals = cross / length[:, None]
@@ -300,11 +303,11 @@ def _seen_shares(
     cell: float,
 ) -> Float[np.ndarray, "N"]:
     """How much of each piece is surface of its part, judged at a few points where others are near."""
-    corners = [pieces.origin + u * pieces.first + v * pieces.second for u in (0, 1) for v in (0, 1)]
-    low, high = np.minimum.reduce(corners) * cell + corner, np.maximum.reduce(corners) * cell + corner
-    near: Bool[np.ndarray, "N"] = may_be_covered(solids, low, high, pieces.owners)
+    low = pieces.origin + np.minimum(pieces.first, 0.0) + np.minimum(pieces.second, 0.0)
+    high = pieces.origin + np.maximum(pieces.first, 0.0) + np.maximum(pieces.second, 0.0)
+    near = may_be_covered(solids, low * cell + corner, high * cell + corner, pieces.owners)
     seen = np.ones(len(near))
-    looks = _LOOKS[_LOOKS.sum(axis=1) <= 1.0] if half else _LOOKS
+    looks = _HALF_LOOKS if half else _LOOKS
     some = pieces.pick(near)
     points = some.origin[:, None] + np.einsum("ku,unx->nkx", looks, np.stack([some.first, some.second]))
     flat = points.reshape(-1, 3) * cell + corner
