@@ -77,6 +77,8 @@ def tile_hull(hull: Hull, limits: HullLimits, most: int) -> tuple[Hull, ...]:
     """An oblong hull cut to the length that its thickness allows; none where that takes more than ``most``
     hulls, or cannot be done without leaving some of it out, like the tip of a wedge."""
     compact = limits.max_aspect * hull_width(hull)[0]
+    if hull_length(hull)[0] <= compact:
+        return (hull,)
     count = int(np.prod(np.ceil(np.array(_side_lengths(hull)) / compact - 1e-9).clip(1)))
     if count > most:
         return ()

@@ -45,7 +45,7 @@ FEW_DETAILS = (1e-2, 3e-3, 1e-3)
 """Least share of the surface that a plane must hold to bound boxes; tried from coarse to fine."""
 MISSED = 0.012
 """A point farther than this from the other surface, over the object's diagonal, is missed."""
-FARTHEST = 0.022
+FARTHEST = 0.018
 """No point should be farther away than this."""
 LEAST_REST = 0.005
 """Share of the volume that no hull holds, above which small boxes are sought there."""

@@ -26,7 +26,7 @@ CUT_EXCESS = 0.02
 """Cutting stops when the pieces' hulls together exceed the solid by this share of its volume."""
 MOST_ADDED = 0.1
 """Share of the solid's volume that joining two hulls may add."""
-MANY_TILES = 16
+MANY_TILES = 8
 """Hulls that an oblong one may count as, to be offered as thin as it is."""
 TILES = (1, 2, 4)
 """Oblong hulls are also offered thicker, so that they count as so many hulls."""

@@ -32,7 +32,7 @@ def convex_hull(points: Float[np.ndarray, "N 3"]) -> Hull:
     slot = np.full(len(points), -1)
     slot[used] = np.arange(len(used))
     corners = points[solved.simplices]  # F 3 3
-    outward = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    outward = _cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     inverted = np.einsum("ij,ij->i", outward, solved.equations[:, :3]) < 0
     faces = np.where(inverted[:, None], solved.simplices[:, ::-1], solved.simplices)
     return Hull(vertices=points[used], faces=slot[faces])
@@ -55,17 +55,24 @@ _BOX_FACES = np.array(
 def hull_volume(hull: Hull) -> float:
     """Enclosed volume (m^3)."""
     corners = hull.vertices[hull.faces] - hull.vertices.mean(axis=0)
-    return float(np.einsum("ij,ij->", corners[:, 0], np.cross(corners[:, 1], corners[:, 2])) / 6.0)
+    return float(np.einsum("ij,ij->", corners[:, 0], _cross(corners[:, 1], corners[:, 2])) / 6.0)
 
 
 def hull_planes(hull: Hull) -> Float[np.ndarray, "F 4"]:
     """Outward unit normals and offsets: a point ``x`` is inside where ``n @ x <= d`` for every face."""
     corners = hull.vertices[hull.faces]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals = _cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     lengths = np.linalg.norm(normals, axis=1)
     proper = lengths > 0
     normals = normals[proper] / lengths[proper, None]
     return np.column_stack([normals, np.einsum("ij,ij->i", normals, corners[proper, 0])])
+
+
+def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Row by row; `numpy.cross` takes four times longer on so few rows."""
+    x, y, z = a.T
+    u, v, w = b.T
+    return np.stack([y * w - z * v, z * u - x * w, x * v - y * u], axis=1)
 
 
 def clip_hull(hull: Hull, normal: Float[np.ndarray, "3"], offset: float) -> Hull | None:
