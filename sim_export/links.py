@@ -36,6 +36,9 @@ LEAST_TURNING = 1e-4
 """kg m^2; the least inertia about a joint that turns. A knob turns a shaft and a valve or gears with it,
 which nobody models. A bare one of ten grams has a fiftieth of this, and fingers would give it more speed
 in one step than contacts with its neighbours, which engines foresee a step ahead, can bear."""
+LEAST_ROLLING = 6e-4
+"""kg m^2; the same for wheels. A table rests on four castors of a few hundredths of its mass; without the
+rims and axles that real ones have, contacts with the floor set them jumping at 1/60 s."""
 CARRIER_MASS = 0.01
 CARRIER_RADIUS = 0.02
 
@@ -262,14 +265,15 @@ def _with_shafts(links: Sequence[Link], joints: Sequence[PackageJoint]) -> tuple
         if joint is None or link.inertial is None:
             continue
         about = inertia_about(subtree_inertial(links, joints, link.name), joint.origin)
-        missing = LEAST_TURNING - float(joint.axis @ about @ joint.axis)
+        least = LEAST_ROLLING if link.label == "wheel" else LEAST_TURNING
+        missing = least - float(joint.axis @ about @ joint.axis)
         if missing > 0.0:
             # The same about every axis, so that the triangle inequality holds as before.
             heavier = replace(link.inertial, inertia=link.inertial.inertia + missing * np.eye(3))
             out[index] = replace(link, inertial=heavier)
             records.append(
-                f"{link.name}: inertia about {joint.name} raised from {LEAST_TURNING - missing:.2g} to "
-                f"{LEAST_TURNING:g} kg m^2, for the shaft that turns with it"
+                f"{link.name}: inertia about {joint.name} raised from {least - missing:.2g} to "
+                f"{least:g} kg m^2, for the shaft that turns with it"
             )
     return out, records
 
