@@ -42,10 +42,11 @@ def build_leaf(
     if niche is None:
         rubber = box((core, gasket[0][0], gasket[1][0]), (panel.back, gasket[0][1], gasket[1][1]), "rubber")
         slab = rounded_box((panel.x, panel.y[0], panel.z[0]), (skin, panel.y[1], panel.z[1]), bevel, finish)
-        return slab, rubber, liner
+        return slab, line(rubber, "plastic", SIDES["front"]), liner
     start = panel.x + 0.35 * panel.thickness
     rubbers = build_frame((start, panel.back), gasket, niche, "rubber")
     boards = build_frame((panel.x, skin), (panel.y, panel.z), niche, finish)
+    rubbers = tuple(line(rubber, "plastic", SIDES["front"]) for rubber in rubbers)
     return (*boards, *rubbers, liner, *_build_recess((panel.x, core), *niche))
 
 

@@ -79,7 +79,7 @@ def build_cold_leaf(
     outer = sqrt(free**2 - (panel.thickness + bins.depth) ** 2)
     y0, y1 = sorted((hinge_y + sign * inner, hinge_y + sign * outer))
     x0, x1 = panel.back, panel.back + bins.depth
-    rib = 0.022
+    rib = max(0.022, (bins.z[1] - bins.z[0]) / SLENDER)
     pieces = [
         box((x0, y0, bins.z[0]), (x1, y0 + rib, bins.z[1]), "inside"),
         box((x0, y1 - rib, bins.z[0]), (x1, y1, bins.z[1]), "inside"),

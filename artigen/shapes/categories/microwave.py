@@ -167,7 +167,8 @@ def _draw_controls(rng: np.random.Generator, plan: _Plan) -> tuple[list[ShapePar
 def _draw_dials(rng: np.random.Generator, x: float, y: Range, z: Range, count: int) -> list[ShapePart]:
     room = min(y[1] - y[0], (z[1] - z[0]) / count - 0.008)
     most = min(0.45 * room, 0.032)
-    design = design_dial(rng, (0.72 * most, most), endless=0.65)
+    finish = "accent" if rng.random() < 0.4 else "handle"
+    design = design_dial(rng, (0.72 * most, most), endless=0.65, finish=finish)
     middle = (y[0] + y[1]) / 2
     return [
         make_dial(design, (x, middle, (a + b) / 2), name=f"dial_{k}", parent="body")
