@@ -13,6 +13,7 @@ from artigen.shapes.furniture_kinds import Style
 from artigen.shapes.handles import design_handle
 from artigen.shapes.hardware import GAP, Edge, Space
 from artigen.shapes.splits import FRONT_GAP, Cell, Node, Room, Taste, draw_node, lay_out
+from artigen.types import PartLabel
 
 FACED = ("drawer", "door", "double", "drop", "lift", "fold")
 """Fills whose fronts lie before the body, not within it."""
@@ -84,6 +85,13 @@ def list_cells(node: Node) -> list[Cell]:
     return (
         [node] if isinstance(node, Cell) else [cell for child in node.children for cell in list_cells(child)]
     )
+
+
+def count_fronts(node: Node) -> dict[PartLabel, int]:
+    """Drawers and doors of a layout."""
+    fills = [cell.fill for cell in list_cells(node)]
+    doors = sum({"open": 0, "drawer": 0, "double": 2, "fold": 2, "slide": 2}.get(fill, 1) for fill in fills)
+    return {"drawer": fills.count("drawer"), "door": doors}
 
 
 def has_fronts(node: Node) -> bool:

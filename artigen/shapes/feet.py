@@ -164,9 +164,10 @@ def make_sled(x: Range, y: Range, height: float, width: float, finish: str) -> t
 def make_castors(
     x: Range, y: Range, radius: float, *, parent: str, swivel: bool, finish: str = "steel"
 ) -> Stand:
-    """Four castors within the rectangle x by y; with ``swivel`` the forks turn about upright axles too.
+    """Four castors within the rectangle x by y; with ``swivel`` the left forks turn too.
 
-    A fork is a plate and two cheeks; it belongs to the parent unless it swivels. Wheels roll about y.
+    A fork is a plate and two cheeks; it belongs to the parent unless it turns about its upright axle, as on
+    the end of a cart where people push. Wheels roll about y.
     """
     width, wall = max(0.018, 0.55 * radius), 0.005
     plate = max(0.006, 0.12 * radius)
@@ -176,9 +177,11 @@ def make_castors(
     parts: list[ShapePart] = []
     corners = [(at_x, at_y) for at_x in (x[0] + radius, x[1] - radius) for at_y in (y[0] + half, y[1] - half)]
     for index, (at_x, at_y) in enumerate(corners):
-        fork = _make_fork((at_x, at_y), radius, width, wall, plate, finish)
+        turning = swivel and at_y > sum(y) / 2
+        thick = plate + (GAP if swivel and not turning else 0.0)
+        fork = _make_fork((at_x, at_y), radius, width, wall, thick, finish)
         carrier = parent
-        if swivel:
+        if turning:
             carrier = f"castor_{index}"
             axle = Motion(
                 type="continuous", axis=(0.0, 0.0, 1.0), origin=(at_x, at_y, height), upper=2 * np.pi

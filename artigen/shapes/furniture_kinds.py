@@ -83,13 +83,13 @@ DOORS: tuple[tuple[Fill, float], ...] = (
     ("double", 3.0),
     ("fold", 0.12),
     ("drop", 0.5),
-    ("slide", 0.2),
+    ("slide", 0.6),
 )
 LOW: tuple[tuple[Fill, float], ...] = (
     ("door", 3.0),
     ("double", 2.5),
     ("drop", 1.0),
-    ("slide", 0.5),
+    ("slide", 1.0),
     ("lift", 0.15),
 )
 KINDS: dict[str, Kind] = {
@@ -98,7 +98,7 @@ KINDS: dict[str, Kind] = {
         width=(0.3, 1.25),
         depth=(0.56, 0.66),
         height=(0.78, 0.94),
-        stands=(("toe_kick", 4), ("plinth", 1.5), ("screw_feet", 0.5), ("legs", 0.3)),
+        stands=(("toe_kick", 4), ("plinth", 1.5), ("screw_feet", 0.9), ("legs", 0.3)),
         worktop=0.7,
         taste=Taste(
             module=(0.3, 0.62),
@@ -117,7 +117,7 @@ KINDS: dict[str, Kind] = {
         taste=Taste(
             module=(0.28, 0.6),
             rules=(("columns", 1.0), ("closed", 3.0), ("open_row", 0.3), ("open", 0.1)),
-            fills=(("door", 3.0), ("double", 3.0), ("lift", 2.0), ("fold", 0.15), ("slide", 0.2)),
+            fills=(("door", 3.0), ("double", 3.0), ("lift", 2.0), ("fold", 0.15), ("slide", 0.6)),
             trays=0.0,
         ),
     ),
@@ -146,7 +146,7 @@ KINDS: dict[str, Kind] = {
             module=(0.4, 0.6),
             drawer=(0.15, 0.26),
             rules=(("columns", 0.8), ("rows", 0.9), ("closed", 2.0), ("open", 0.05)),
-            fills=(("door", 3.0), ("double", 3.5), ("fold", 0.25), ("slide", 0.9), ("drawer", 0.2)),
+            fills=(("door", 3.0), ("double", 3.5), ("fold", 0.25), ("slide", 2.2), ("drawer", 0.2)),
             shelf_pitch=(0.3, 0.5),
             rod=0.7,
             trays=0.1,

@@ -3,6 +3,7 @@
 What a new category takes: sizes, a look for each style, and the parts.
 """
 
+from dataclasses import replace
 from math import radians
 
 import numpy as np
@@ -47,8 +48,9 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     plain = FrontDesign(style="flat", frame=0.0, handle=None)
     upper = radians(float(rng.choice((95.0, 110.0, 135.0, 165.0))))
     door = make_door(panel, plain, name=DOOR, parent=BODY, edge="left" if left else "right", upper=upper)[0]
+    pad, lock = _make_lock(panel, style)
+    door = replace(door, primitives=(*door.primitives, *pad))
     body = ShapePart(name=BODY, label="base", parent=None, primitives=_make_body(outer, wall, foot))
-    lock = _make_lock(rng, panel, style, toward=1.0 if left else -1.0)
     shelves = _make_shelves(rng, outer, wall, panel.back + 0.01)
     return Draft(style=style, parts=(body, door, *lock, *shelves), finishes=tuple(sorted(finishes.items())))
 
@@ -72,25 +74,29 @@ def _make_body(outer: Space, wall: float, foot: float) -> tuple[Primitive, ...]:
     return (*walls, *(cylinder((a, b, 0.0), (a, b, foot), 0.024, "rubber") for a, b in pads))
 
 
-def _make_lock(rng: np.random.Generator, panel: Panel, style: str, toward: float) -> tuple[ShapePart, ...]:
-    """A dial or keypad above, and a lever or handwheel that turns, towards the free edge of the door."""
+def _make_lock(panel: Panel, style: str) -> tuple[tuple[Primitive, ...], tuple[ShapePart, ...]]:
+    """A dial or keypad above a lever or handwheel: what joins the door, and what turns on it."""
     y, z = panel.center
     room = min(panel.width, panel.height)
-    y += toward * 0.12 * panel.width * -1.0
-    size = float(np.clip(0.16 * room, 0.03, 0.055))
+    size = float(np.clip(0.17 * room, 0.03, 0.07))
     apart = min(0.3 * panel.height, 2.6 * size) / 2 + 0.012
     upper, lower = (y, z + apart), (y, z - apart)
-    if style == "handwheel":
-        return (_make_dial("dial", panel, upper, 0.7 * size), _make_spokes(panel, lower, size, count=4))
-    if style == "dial":
-        return (_make_dial("dial", panel, upper, size), _make_spokes(panel, lower, size, count=2))
-    plate = box(
-        (panel.x - 0.008, upper[0] - size, upper[1] - 0.8 * size),
-        (panel.x, upper[0] + size, upper[1] + 0.8 * size),
-        "panel",
-    )
-    keys = ShapePart(name="keypad", label="handle", parent=DOOR, primitives=(plate,))
-    return (keys, _make_spokes(panel, lower, size, count=2))
+    spokes = _make_spokes(panel, lower, size, count=4 if style == "handwheel" else 2)
+    if style == "keypad":
+        return _make_keypad(panel, upper, size), (spokes,)
+    return (), (_make_dial("dial", panel, upper, 0.7 * size if style == "handwheel" else size), spokes)
+
+
+def _make_keypad(panel: Panel, at: tuple[float, float], size: float) -> tuple[Primitive, ...]:
+    """A plate with nine keys."""
+    x, pitch, half = panel.x - 0.008, 0.5 * size, 0.17 * size
+    plate = box((x, at[0] - size, at[1] - 0.9 * size), (panel.x, at[0] + size, at[1] + 0.9 * size), "panel")
+    keys = [
+        box((x - 0.004, y - half, z - half), (x, y + half, z + half), "plastic")
+        for y in (at[0] - pitch, at[0], at[0] + pitch)
+        for z in (at[1] - pitch, at[1], at[1] + pitch)
+    ]
+    return (plate, *keys)
 
 
 def _make_dial(name: str, panel: Panel, at: tuple[float, float], radius: float) -> ShapePart:

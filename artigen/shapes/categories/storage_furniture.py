@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from artigen.shapes.cabinet import Looks, draw_layout, draw_looks, has_fronts, make_cabinet
+from artigen.shapes.cabinet import Looks, count_fronts, draw_layout, draw_looks, has_fronts, make_cabinet
 from artigen.shapes.carcass import fits_engines
 from artigen.shapes.draw import Draft, ShapeError, Wish, choose
 from artigen.shapes.feet import StandDesign, design_stand, make_stand
@@ -17,7 +17,8 @@ from artigen.shapes.hardware import Space
 from artigen.shapes.palette import draw_palette
 from artigen.shapes.primitives import rounded_box
 from artigen.shapes.shape import ShapePart
-from artigen.shapes.splits import pick
+from artigen.shapes.splits import Node, pick
+from artigen.types import PartLabel
 
 CATEGORY = "StorageFurniture"
 MAX_LAYOUTS = 100
@@ -52,7 +53,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
         choose(rng, *kind.height, wish.height),
     )
     for _ in range(MAX_LAYOUTS):
-        parts = _build(rng, kind, _draw_plan(rng, kind, STYLES[style], size), size)
+        parts = _build(rng, kind, _draw_plan(rng, kind, STYLES[style], size), size, wish)
         shown = not STYLES[style].closed or any(part.label == "door" for part in parts)
         moves = wish.counts or any(part.motion for part in parts)
         if shown and moves and fits_engines(parts):
@@ -93,8 +94,22 @@ def _draw_plan(rng: np.random.Generator, kind: Kind, style: Style, size: tuple[f
     )
 
 
+def _draw_wanted(rng: np.random.Generator, box: Space, looks: Looks, kind: Kind, wish: Wish) -> Node:
+    """A layout, the first of `MAX_LAYOUTS` that has the drawers and doors wished for, or the last one."""
+    wanted: list[tuple[PartLabel, int]] = [
+        (label, count) for label, count in wish.counts if label in ("drawer", "door")
+    ]
+    node = draw_layout(rng, box, looks, kind.taste)
+    for _ in range(MAX_LAYOUTS):
+        held = count_fronts(node)
+        if all(held[label] == count for label, count in wanted):
+            break
+        node = draw_layout(rng, box, looks, kind.taste)
+    return node
+
+
 def _build(
-    rng: np.random.Generator, kind: Kind, plan: _Plan, size: tuple[float, float, float]
+    rng: np.random.Generator, kind: Kind, plan: _Plan, size: tuple[float, float, float], wish: Wish
 ) -> tuple[ShapePart, ...]:
     """One layout of a plan in a size (width, depth, height)."""
     width, depth, height = size
@@ -104,7 +119,7 @@ def _build(
         y=(aside - width / 2, width / 2 - aside),
         z=(plan.stand.height, height - plan.worktop),
     )
-    node = draw_layout(rng, box, plan.looks, kind.taste)
+    node = _draw_wanted(rng, box, plan.looks, kind, wish)
     if has_fronts(node):
         box = replace(box, x=(max(ahead, plan.looks.reach) - depth / 2, depth / 2))
     cabinet = make_cabinet(node, box, plan.looks, parent=BODY)

@@ -319,7 +319,7 @@ KINDS: dict[str, _Kind] = {
     "desk": _Kind(weight=3.4, width=(0.95, 1.8), depth=(0.5, 0.8), height=(0.7, 0.78), build=_build_desk),
     "sink": _Kind(weight=1.0, width=(0.55, 1.3), depth=(0.52, 0.66), height=(1.09, 1.21), build=_build_sink),
     "screw": _Kind(
-        weight=0.7, width=(0.45, 0.9), depth=(0.45, 0.9), height=(0.45, 0.78), build=_build_screw, round=True
+        weight=1.1, width=(0.45, 0.9), depth=(0.45, 0.9), height=(0.45, 0.78), build=_build_screw, round=True
     ),
 }
 
@@ -332,6 +332,11 @@ def _choose_kind(rng: np.random.Generator, wish: Wish) -> _Kind:
             max(low - want, want - high, 0.0)
             for want, (low, high) in zip(wanted, (kind.width, kind.depth, kind.height), strict=True)
             if want is not None
+        )
+        + (
+            abs((wish.depth or 0.0) - (wish.width or 0.0))
+            if kind.round and wish.depth and wish.width
+            else 0.0
         )
         for name, kind in KINDS.items()
     }

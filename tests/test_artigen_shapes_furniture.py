@@ -1,0 +1,275 @@
+"""Laws of procedural furniture: what hangs together, what moves freely, what meets the wish."""
+
+from collections.abc import Iterable
+from dataclasses import replace
+from typing import get_args
+
+import numpy as np
+import pytest
+
+from artigen.shapes.cabinet import list_cells
+from artigen.shapes.carcass import count_hulls, fits_engines
+from artigen.shapes.draw import ShapeError, Wish, draw_shape
+from artigen.shapes.fronts import FRONT_STYLES, FrontDesign, make_door, make_front
+from artigen.shapes.furniture_kinds import KINDS
+from artigen.shapes.handles import HANDLE_KINDS, design_handle
+from artigen.shapes.hardware import Panel, hinge, sweep_gap
+from artigen.shapes.poses import pose_parts
+from artigen.shapes.primitives import box, contains, place_vertices
+from artigen.shapes.shape import Shape
+from artigen.shapes.splits import Cell, Fill, Inside, Room, Split, Taste, draw_node, lay_out, mirror
+from artigen.transforms import transform_points
+from sim_export.contacts import HullSet, signed_distances
+from sim_export.package import Hull
+
+CATEGORIES = ("StorageFurniture", "Table", "Cart", "Safe")
+SEEDS = range(12)
+OVERLAP, TOUCH = 1e-4, 1e-3
+PANEL = Panel(x=-0.3, thickness=0.018, y=(-0.2, 0.25), z=(0.3, 0.9))
+
+
+def make_hulls(shape: Shape, parts: Iterable[int], T: np.ndarray | None = None) -> HullSet:
+    """The solids of some parts as one set, displaced by ``T`` (one per part of the shape)."""
+    hulls = []
+    for part in parts:
+        for solid in shape.parts[part].primitives:
+            vertices = place_vertices(solid)
+            vertices = vertices if T is None else transform_points(T[part], vertices)
+            hulls.append(Hull(vertices=vertices, faces=solid.faces))
+    return HullSet(hulls=tuple(hulls))
+
+
+def links_of(shape: Shape) -> list[int]:
+    """For each part the part whose motion carries it."""
+    names = [part.name for part in shape.parts]
+    owners: list[int] = []
+    for index, part in enumerate(shape.parts):
+        fixed = part.motion is None and part.parent is not None
+        owners.append(owners[names.index(str(part.parent))] if fixed else index)
+    return owners
+
+
+def find_overlaps(shape: Shape, poses: int) -> list[str]:
+    """Joints that run into something while what they need is open and all else is closed."""
+    names = [part.name for part in shape.parts]
+    found = []
+    for leader, part in enumerate(shape.parts):
+        if part.motion is None:
+            continue
+        qpos = np.zeros((poses, len(names)))
+        for need in part.needs:
+            other = names.index(need.part)
+            motion = shape.parts[other].motion
+            assert motion is not None
+            qpos[:, other] = need.fraction * motion.upper
+        qpos[:, leader] = np.linspace(0.0, part.motion.upper, poses)
+        T = pose_parts(shape, qpos)
+        moved = {leader}
+        for index, child in enumerate(shape.parts):
+            if child.parent is not None and names.index(child.parent) in moved:
+                moved.add(index)
+        still = make_hulls(shape, [k for k in range(len(names)) if k not in moved], T[0])
+        distances = signed_distances(
+            make_hulls(shape, sorted(moved)), still, T[:, leader], np.eye(4), -OVERLAP
+        ).distance
+        if len(distances):
+            found.append(f"{part.name} runs {-distances.min():.5f} m into something")
+    return found
+
+
+@pytest.fixture(scope="module", params=CATEGORIES)
+def shapes(request: pytest.FixtureRequest) -> list[Shape]:
+    return [draw_shape(request.param, seed) for seed in SEEDS]
+
+
+def test_nothing_is_in_the_way_of_a_joint(shapes: list[Shape]) -> None:
+    for shape in shapes:
+        assert find_overlaps(shape, poses=7) == [], shape.name
+
+
+def test_parts_stand_on_the_floor_and_are_in_one_piece(shapes: list[Shape]) -> None:
+    for shape in shapes:
+        assert shape.bounds()[0, 2] == pytest.approx(0.0, abs=1e-6), shape.name
+        for index, part in enumerate(shape.parts):
+            if len(part.primitives) == 1:
+                continue
+            body = make_hulls(shape, [index])
+            near = signed_distances(body, body, np.eye(4), np.eye(4), TOUCH)
+            reached = {0}
+            for _ in part.primitives:
+                reached |= {int(b) for a, b in zip(near.first, near.second, strict=True) if int(a) in reached}
+            assert len(reached) == len(part.primitives), f"{shape.name}: {part.name} is in pieces"
+
+
+def test_moving_parts_are_close_to_what_carries_them_and_clear_of_it(shapes: list[Shape]) -> None:
+    for shape in shapes:
+        names, owners = [part.name for part in shape.parts], links_of(shape)
+        for index, part in enumerate(shape.parts):
+            if part.parent is None:
+                continue
+            carrier = owners[names.index(part.parent)]
+            around = [k for k, owner in enumerate(owners) if owner == carrier]
+            if part.motion is None:
+                around = [names.index(part.parent)]
+            pair = make_hulls(shape, [index]), make_hulls(shape, around)
+            gap = float(signed_distances(*pair, np.eye(4), np.eye(4), 4e-3).distance.min())
+            if part.motion is None:
+                assert -OVERLAP <= gap <= TOUCH, f"{shape.name}: {part.name} is {gap} m from {part.parent}"
+            else:
+                assert 0.9e-3 <= gap <= 4e-3, f"{shape.name}: {part.name} is {gap} m from {part.parent}"
+
+
+def test_engines_can_hold_every_object(shapes: list[Shape]) -> None:
+    for shape in shapes:
+        assert fits_engines(shape.parts), shape.name
+        thinnest = min(solid.size.min() for part in shape.parts for solid in part.primitives)
+        assert thinnest >= 3e-3 - 1e-9, shape.name
+
+
+def test_drawers_stay_held_and_doors_open_as_hardware_does(shapes: list[Shape]) -> None:
+    for shape in shapes:
+        for part in shape.parts:
+            if part.motion is None:
+                continue
+            depth = float(np.ptp(part.bounds(), axis=0) @ np.abs(part.motion.axis))
+            if part.motion.type == "prismatic":
+                assert 0.3 * depth < part.motion.upper < 0.9 * depth, f"{shape.name}: {part.name}"
+            if part.label == "door" and part.motion.type == "revolute":
+                assert np.radians(70) < part.motion.upper < np.radians(171), f"{shape.name}: {part.name}"
+
+
+def test_wishes_are_met(shapes: list[Shape]) -> None:
+    category = shapes[0].category
+    wish = Wish(width=0.62, depth=0.42, height=0.72)
+    for seed in range(4):
+        condition = draw_shape(category, seed, wish).condition
+        assert condition.width == pytest.approx(0.62, abs=0.002)
+        assert condition.depth == pytest.approx(0.42, abs=0.03)  # handles stand out more or less
+        assert condition.height == pytest.approx(0.72, abs=0.002)
+    style = shapes[3].style
+    assert draw_shape(category, 5, Wish(style=style)).style == style
+    with pytest.raises(ShapeError, match="style 'baroque' is not known"):
+        draw_shape(category, 0, Wish(style="baroque"))
+
+
+def test_counts_are_met() -> None:
+    shape = draw_shape("StorageFurniture", 1, Wish(counts=(("drawer", 3), ("door", 2))))
+    assert dict(shape.condition.counts)["drawer"] == 3
+    assert dict(shape.condition.counts)["door"] == 2
+
+
+def test_a_seeded_defect_is_found() -> None:
+    shape = draw_shape("StorageFurniture", 29)
+    drawer = next(index for index, part in enumerate(shape.parts) if part.label == "drawer")
+    broken = list(shape.parts)
+    wide = [box((-0.1, -0.5, 0.3), (0.1, 0.5, 0.4), "drawer")]
+    broken[drawer] = replace(broken[drawer], primitives=(*broken[drawer].primitives, *wide))
+    assert find_overlaps(shape, poses=3) == []
+    assert find_overlaps(replace(shape, parts=tuple(broken)), poses=3) != []
+
+
+def test_mirror_twice_is_the_same_and_lays_out_reflected() -> None:
+    rng = np.random.default_rng(0)
+    edges = dict.fromkeys(("left", "right", "top", "bottom"), 0.0)
+    taste = Taste(rules=KINDS["sideboard"].taste.rules, fills=KINDS["sideboard"].taste.fills)
+    splits = 0
+    for _ in range(30):
+        node = draw_node(rng, Room(width=1.6, height=0.7, bottom=0.1), taste)
+        splits += isinstance(node, Split)
+        assert mirror(mirror(node)) == node
+        cells, _ = lay_out(node, (-0.8, 0.8), (0.1, 0.8), board=0.018, reach=edges, inset=False)
+        turned, _ = lay_out(mirror(node), (-0.8, 0.8), (0.1, 0.8), board=0.018, reach=edges, inset=False)
+        there = sorted((round(c.y[0], 9), round(c.y[1], 9), round(c.z[0], 9)) for c in cells)
+        back = sorted((round(-c.y[1], 9), round(-c.y[0], 9), round(c.z[0], 9)) for c in turned)
+        assert np.allclose(there, back)
+    assert splits > 20
+
+
+def test_cells_fill_the_opening_but_for_boards() -> None:
+    drawer = Cell(fill="drawer")
+    rows = Split(along="rows", shares=(1.0, 2.0), children=(drawer, drawer), board=False)
+    node = Split(along="columns", shares=(1.0, 1.0), children=(rows, Cell(fill="door")))
+    edges = {"left": 0.0175, "right": 0.0175, "top": 0.0175, "bottom": 0.0175}
+    cells, boards = lay_out(node, (-0.5, 0.5), (0.0, 0.9), board=0.02, reach=edges, inset=False)
+    areas = sum((c.y[1] - c.y[0]) * (c.z[1] - c.z[0]) for c in cells)
+    wood = sum((y[1] - y[0]) * (z[1] - z[0]) for y, z in boards)
+    assert areas + wood == pytest.approx(0.9)
+    assert len(boards) == 1
+    upper, lower = cells[0], cells[1]
+    assert upper.y[1] == 0.5, "the first column is on the left"
+    assert upper.z[0] > lower.z[0], "the first row is on top"
+    assert (upper.z[1] - upper.z[0]) * 2 == pytest.approx(lower.z[1] - lower.z[0])
+    assert upper.front_z[0] - lower.front_z[1] == pytest.approx(0.003)
+    assert cells[2].shared == {"left"}
+
+
+@pytest.mark.parametrize("edge", ["left", "right", "top", "bottom"])
+def test_doors_open_towards_the_viewer_within_their_outline(edge: str) -> None:
+    motion = hinge(PANEL, edge, np.pi / 2)
+    solid = make_front(PANEL, FrontDesign(style="flat", frame=0.0, handle=None))[0]
+    shape = draw_shape("Safe", 0)
+    door = replace(shape.parts[1], primitives=(solid,), motion=motion)
+    opened = replace(shape, parts=(shape.parts[0], door))
+    for share in np.linspace(0.0, 1.0, 11):
+        T = pose_parts(opened, np.array([0.0, share * np.pi / 2]))[1]
+        points = transform_points(T, place_vertices(solid))
+        room = sweep_gap(max(PANEL.width, PANEL.height), PANEL.thickness)
+        assert points[:, 0].max() <= PANEL.back + 1e-9
+        assert points[:, 1].min() >= PANEL.y[0] - room
+        assert points[:, 1].max() <= PANEL.y[1] + room
+        assert points[:, 2].min() >= PANEL.z[0] - room
+        assert points[:, 2].max() <= PANEL.z[1] + room
+    assert points[:, 0].min() < PANEL.x - 0.4
+
+
+@pytest.mark.parametrize("kind", HANDLE_KINDS)
+@pytest.mark.parametrize("edge", ["left", "right", "top", "bottom"])
+def test_handles_sit_on_the_free_side_and_touch_the_front(kind: str, edge: str) -> None:
+    rng = np.random.default_rng(1)
+    handle = design_handle(rng, kind, longest=0.9)
+    for style in FRONT_STYLES:
+        design = FrontDesign(style=style, frame=0.06, handle=handle)
+        door, grip = make_door(PANEL, design, name="door", parent="body", edge=edge, upper=1.5)
+        low, high = grip.bounds()
+        center = (low + high)[1:] / 2 - np.array(PANEL.center)
+        away = {"left": -center[0], "right": center[0], "top": -center[1], "bottom": center[1]}[edge]
+        assert away > 0.1, "on the side away from the hinge"
+        assert high[0] == pytest.approx(PANEL.x, abs=1e-9)
+        assert PANEL.x - low[0] <= handle.reach + 0.02
+        behind = np.array([[PANEL.x + 1e-4, *((low + high)[1:] / 2 + 1e-2)]])
+        assert kind in ("arch", "bar", "pull", "cup") or any(
+            contains(solid, behind).any() for solid in door.primitives
+        )
+
+
+def test_every_fill_and_inside_occurs() -> None:
+    rng = np.random.default_rng(3)
+    cells = []
+    for kind in KINDS.values():
+        for _ in range(60):
+            room = Room(
+                width=float(rng.uniform(*kind.width)),
+                height=0.9 * float(rng.uniform(*kind.height)),
+                bottom=0.1,
+            )
+            cells += list_cells(draw_node(rng, room, kind.taste))
+    assert {cell.fill for cell in cells} == set(get_args(Fill))
+    assert {cell.inside for cell in cells} == set(get_args(Inside))
+
+
+def test_every_joint_type_occurs(shapes: list[Shape]) -> None:
+    joints = {part.motion.type for shape in shapes for part in shape.parts if part.motion}
+    assert (
+        joints
+        >= {
+            "StorageFurniture": {"revolute", "prismatic"},
+            "Table": {"revolute", "prismatic", "screw"},
+            "Cart": {"prismatic", "continuous"},
+            "Safe": {"revolute", "continuous"},
+        }[shapes[0].category]
+    )
+
+
+def test_oblong_boards_count_as_several_hulls() -> None:
+    assert count_hulls([box((0, 0, 0), (0.01, 0.64, 0.3), "body")]) == 1
+    assert count_hulls([box((0, 0, 0), (0.01, 0.65, 1.29), "body")]) == 2 * 3
