@@ -7,8 +7,8 @@ import manifold3d
 import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy import ndimage
-from scipy.spatial import KDTree
 
+from sim_export.checks.surface import surface_distances
 from sim_export.errors import OpenMesh
 from sim_export.hulls import convex_hull, hull_planes, merge_planes
 from sim_export.package import Hull, Mesh
@@ -79,17 +79,15 @@ def measure_stray(hulls: Sequence[Hull], solid: manifold3d.Manifold) -> Float[np
     return np.maximum(outside, 0.0)
 
 
-SURFACE_SAMPLES = 30_000
+SURFACE_SAMPLES = 10_000
 
 
 def measure_bulge(hulls: Sequence[Hull], solid: manifold3d.Manifold) -> Float[np.ndarray, "N"]:
     """How far (m) points on the outside of the hulls lie from the solid's surface.
 
-    Less what the spacing of the sampled surface adds; what other hulls cover is not outside.
+    What other hulls cover is not outside.
     """
     vertices, faces = solid_arrays(solid)
-    surface = sample_triangles(vertices[faces], SURFACE_SAMPLES)[0]
-    gap = 0.7 * float(np.sqrt(solid.surface_area() / SURFACE_SAMPLES))
     triangles = np.concatenate([hull.vertices[hull.faces] for hull in hulls])
     owner = np.repeat(np.arange(len(hulls)), [len(hull.faces) for hull in hulls])
     points, face = sample_triangles(triangles, 2000)
@@ -102,7 +100,7 @@ def measure_bulge(hulls: Sequence[Hull], solid: manifold3d.Manifold) -> Float[np
     free = points[~covered]
     if not len(free):
         return np.zeros(0)
-    return np.maximum(np.asarray(KDTree(surface).query(free)[0]) - gap, 0.0)
+    return surface_distances(free, vertices[faces], SURFACE_SAMPLES)
 
 
 def measure_kept_cavity(
