@@ -146,8 +146,9 @@ def apply_paint(
         (found,) = xp.nonzero(patterns == index)
         if found.shape[0] == 0:
             continue
-        coarse = footprint if isinstance(footprint, float) else footprint[found]
-        spots = _find_spots(xp, table, rows[found], points[found], normals[found], coarse)
+        coarse = footprint if isinstance(footprint, float) else xp.take(footprint, found, axis=0)
+        chosen, places, facing = (xp.take(value, found, axis=0) for value in (rows, points, normals))
+        spots = _find_spots(xp, table, chosen, places, facing, coarse)
         mix[found], tone[found] = pattern(spots)
     color, accent = (xp.take(value, rows, axis=0) for value in (table.color, table.accent))
     return xp.clip((color + (accent - color) * mix[:, None]) * tone[:, None], 0.0, 1.0)

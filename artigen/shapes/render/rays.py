@@ -14,7 +14,7 @@ from torch import Tensor
 
 from artigen.shapes.render.cameras import Cameras, camera_axes, pixel_sizes
 from artigen.shapes.render.scene import CYLINDER, Instances
-from artigen.shapes.render.spans import NEAR, Spans, count_up, find_spans
+from artigen.shapes.render.spans import NEAR, Spans, count_up, find_spans, pick
 
 TOLERANCE = 2e-6
 """A ray that leaves a solid this little (share of depth) before it enters still hits: no cracks."""
@@ -135,13 +135,13 @@ def find_surface(
             instances, rays, instance[chosen], across[chosen], along[chosen], depth[chosen], size
         )
     image = instances.image[instance]
-    axes = camera_axes(cameras).float()[image]
-    pixel_size = pixel_sizes(cameras).float()[image]
+    axes = camera_axes(cameras).float().index_select(0, image)
+    pixel_size = pixel_sizes(cameras).float().index_select(0, image)
     x, y = (across - cameras.width / 2) * pixel_size, (along - cameras.height / 2) * pixel_size
     view = axes[:, 0] * x[:, None] + axes[:, 1] * y[:, None] + axes[:, 2]
-    point = cameras.position.float()[image] + view * depth[:, None]
-    normal = _rotate(instances.rotation.float()[instance], normal)
-    to_rest = instances.to_rest[instance]
+    point = cameras.position.float().index_select(0, image) + view * depth[:, None]
+    normal = _rotate(instances.rotation.float().index_select(0, instance), normal)
+    to_rest = instances.to_rest.index_select(0, instance)
     return Surface(
         pixel=pixel,
         instance=instance,
@@ -155,11 +155,11 @@ def find_surface(
 
 
 def _rotate(matrices: Float[Tensor, "N 3 3"], vectors: Float[Tensor, "N 3"]) -> Float[Tensor, "N 3"]:
-    return (matrices * vectors[:, None, :]).sum(dim=2)
+    return torch.bmm(matrices, vectors[:, :, None])[:, :, 0]
 
 
 def _select(spans: Spans, chosen: Int[Tensor, "K"]) -> Spans:
-    return Spans(**{name: value[chosen] for name, value in vars(spans).items()})
+    return Spans(**{name: value.index_select(0, chosen) for name, value in vars(spans).items()})
 
 
 def _hit_group(
@@ -167,22 +167,24 @@ def _hit_group(
 ) -> tuple[Int[Tensor, "M"], Int[Tensor, "M"]]:
     """Pixels and keys of hits on the instances of one group."""
     line = torch.repeat_interleave(spans.count)
-    column = count_up(spans.count) + spans.column[line]
+    column = count_up(spans.count) + spans.column.index_select(0, line)
     across = column + 0.5
     slabs = size or 3
     at = spans.instance
-    fixed = rays.middle[at, :slabs] + rays.row[at, :slabs] * (spans.row + 0.5)[:, None]
-    speed = fixed.T[:, line] + rays.column[at, :slabs].T[:, line] * across
-    low, high = rays.low[at, :slabs].T[:, line], rays.high[at, :slabs].T[:, line]
+    middle, row, low, high = (v[:, :slabs][at] for v in (rays.middle, rays.row, rays.low, rays.high))
+    fixed = middle + row * (spans.row + 0.5)[:, None]
+    speed = pick(fixed, line) + pick(rays.column[at, :slabs], line) * across
+    low, high = pick(low, line), pick(high, line)
     if size == CYLINDER:
-        start, radius = rays.start[at, :slabs].T[:, line], rays.radius[at][line]
+        start, radius = pick(rays.start[at, :slabs], line), rays.radius[at].index_select(0, line)
         enter, leave = _meet_cylinder(start, speed, radius, low[2], high[2])
     else:
         enter, leave = _meet_slabs(speed, low, high)
     hit = ((enter <= leave + TOLERANCE * leave) & (enter > NEAR)).nonzero()[:, 0]
-    row = (instances.image[at] * cameras.height + spans.row) * cameras.width
-    depth = enter[hit].view(torch.int32).long()
-    return (row[line] + column)[hit], (depth << 32) | at[line][hit]
+    first = (instances.image[at] * cameras.height + spans.row) * cameras.width
+    depth, line = enter.index_select(0, hit).view(torch.int32).long(), line.index_select(0, hit)
+    pixel = first.index_select(0, line) + column.index_select(0, hit)
+    return pixel, (depth << 32) | at.index_select(0, line)
 
 
 def _meet_slabs(
@@ -224,19 +226,22 @@ def _own_normals(
 ) -> Float[Tensor, "N 3"]:
     """Outward normals in the own frame of instances of one group, at the depths where rays enter."""
     slabs = size or 3
-    speed = rays.middle[instance, :slabs] + rays.row[instance, :slabs] * along[:, None]
-    speed = speed + rays.column[instance, :slabs] * across[:, None]
+    middle, row, column, low, high = (
+        pick(value[:, :slabs], instance)
+        for value in (rays.middle, rays.row, rays.column, rays.low, rays.high)
+    )
+    speed = middle + row * along + column * across
     inverse = 1.0 / torch.where(speed.abs() < STILL, STILL, speed)
-    enter = torch.minimum(rays.low[instance, :slabs] * inverse, rays.high[instance, :slabs] * inverse)
+    enter = torch.minimum(low * inverse, high * inverse)
     if size == CYLINDER:
-        at = rays.start[instance, :slabs] + speed * depth[:, None]
-        on_cap = enter[:, 2] >= depth * (1 - TOLERANCE)
-        side = torch.nn.functional.normalize(at[:, :2], dim=1)
-        side = torch.cat([side, torch.zeros_like(at[:, :1])], dim=1)
-        cap = torch.zeros_like(at)
-        cap[:, 2] = -torch.sign(speed[:, 2])
-        return torch.where(on_cap[:, None], cap, side)
-    last = enter.argmax(dim=1)
-    every = torch.arange(len(last), device=last.device)
-    normal = instances.slab_normal[instance, last].float()
-    return -torch.sign(speed[every, last])[:, None] * normal
+        at = pick(rays.start[:, :slabs], instance) + speed * depth
+        on_cap = enter[2] >= depth * (1 - TOLERANCE)
+        side = torch.nn.functional.normalize(at[:2], dim=0)
+        flat = torch.zeros_like(depth)
+        normal = torch.where(
+            on_cap, torch.stack([flat, flat, -torch.sign(speed[2])]), torch.cat([side, flat[None]])
+        )
+        return normal.T
+    last = enter.argmax(dim=0)
+    away = -torch.sign(speed.gather(0, last[None]))[0]
+    return away[:, None] * instances.slab_normal[instance, last].float()

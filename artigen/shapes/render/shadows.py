@@ -11,7 +11,7 @@ from artigen.shapes.primitives import Vector
 from artigen.shapes.render.cameras import Cameras, camera_axes, pixel_sizes
 from artigen.shapes.render.rays import Surface
 from artigen.shapes.render.scene import CYLINDER, Instances
-from artigen.shapes.render.spans import count_up
+from artigen.shapes.render.spans import count_up, pick
 
 POINTS_PER_TILE = 16
 """Tiles are as many as gives this many points to each, were they even."""
@@ -58,7 +58,7 @@ def find_lit(
     local = points @ frame.float().T
     tiles = _lay_tiles(instances, blockers, len(points))
     lit = torch.ones(len(points), dtype=torch.bool, device=points.device)
-    place = (local[:, :2] - tiles.low[image]) / tiles.size[image]
+    place = (local[:, :2] - tiles.low.index_select(0, image)) / tiles.size.index_select(0, image)
     shaded = ((place >= 0) & (place <= tiles.edge)).all(dim=1).nonzero()[:, 0]
     cell = place[shaded].long().clamp(max=tiles.edge - 1)
     tile, order = ((image[shaded] * tiles.edge + cell[:, 1]) * tiles.edge + cell[:, 0]).sort()
@@ -87,9 +87,11 @@ def _find_lit_in_tiles(
         chosen = (instances.group[instance] == size).nonzero()[:, 0]
         for piece in chosen.split(_lines_at_once(count[cell[chosen]])):
             line = torch.repeat_interleave(count[cell[piece]])
-            point = count_up(count[cell[piece]]) + first[cell[piece]][line]
-            block = _block(instances, blockers, frame, instance[piece], line, places[:, point], size)
-            lit[point[block]] = False
+            point = count_up(count[cell[piece]]) + first[cell[piece]].index_select(0, line)
+            block = _block(
+                instances, blockers, frame, instance[piece], line, places.index_select(1, point), size
+            )
+            lit[point.index_select(0, block.nonzero()[:, 0])] = False
     return lit
 
 
@@ -113,15 +115,15 @@ def find_openness(
     image = torch.div(surface.pixel, size, rounding_mode="floor")
     row = torch.div(surface.pixel - image * size, cameras.width, rounding_mode="floor")
     column = surface.pixel - image * size - row * cameras.width
-    pixel = pixel_sizes(cameras).float()[image]
+    pixel = pixel_sizes(cameras).float().index_select(0, image)
     steps = torch.arange(samples, device=depths.device)[:, None]
     radius = reach / (surface.depth * pixel) * ((steps + 0.7) / samples).sqrt()
     angle = steps * pi * (3 - sqrt(5)) + turn
     columns = (column + radius * angle.cos()).round().long().clamp(0, cameras.width - 1)
     rows = (row + radius * angle.sin()).round().long().clamp(0, cameras.height - 1)
-    there = depths[image * size + rows * cameras.width + columns]
-    axes = camera_axes(cameras).float()[image]
-    right, down, forward = ((axes[:, k] * surface.normal).sum(dim=1) for k in range(3))
+    there = depths.take(image * size + rows * cameras.width + columns)
+    axes = camera_axes(cameras).float().index_select(0, image)
+    right, down, forward = torch.bmm(axes, surface.normal[:, :, None])[:, :, 0].unbind(dim=1)
     middle_x, middle_y = cameras.width / 2 - 0.5, cameras.height / 2 - 0.5
     dx = pixel * ((columns - middle_x) * there - (column - middle_x) * surface.depth)
     dy = pixel * ((rows - middle_y) * there - (row - middle_y) * surface.depth)
@@ -200,13 +202,13 @@ def _block(
     """Which pairs of an instance (``instance[line]``) and a place in the light's frame are a shadow."""
     u, v, w = places
     slabs = slice(2, 3) if size == CYLINDER else slice(0, size)
-    u_slope, v_slope = (
-        blockers.u_slope[instance, slabs].T[:, line],
-        blockers.v_slope[instance, slabs].T[:, line],
+    low, high, u_slope, v_slope = (
+        pick(value[:, slabs][instance], line)
+        for value in (blockers.low, blockers.high, blockers.u_slope, blockers.v_slope)
     )
     shift = u_slope * u + v_slope * v
-    enter = (blockers.low[instance, slabs].T[:, line] - shift).amax(dim=0)
-    leave = (blockers.high[instance, slabs].T[:, line] - shift).amin(dim=0)
+    enter = (low - shift).amax(dim=0)
+    leave = (high - shift).amin(dim=0)
     if size == CYLINDER:
         enter, leave = _narrow_to_cylinder(instances, frame, instance, line, places, enter, leave)
     return (enter <= leave) & (leave > w + CLEAR)
@@ -234,9 +236,11 @@ def _narrow_to_cylinder(
     aside_shift = (shift[:, 0] * dy - shift[:, 1] * dx) / square
     reach = instances.slab_high[instance, 0].float() ** 2 / square
     u, v, _ = places
-    off = aside[line, 0] * u + aside[line, 1] * v - aside_shift[line]
-    middle = along_shift[line] - along[line, 0] * u - along[line, 1] * v
-    room = reach[line] - off * off
+    forms = torch.stack([aside[:, 0], aside[:, 1], aside_shift, along[:, 0], along[:, 1], along_shift, reach])
+    aside_u, aside_v, aside_shift, along_u, along_v, along_shift, reach = forms.index_select(1, line)
+    off = aside_u * u + aside_v * v - aside_shift
+    middle = along_shift - along_u * u - along_v * v
+    room = reach - off * off
     half = room.clamp(min=0.0).sqrt()
     leave = torch.where(room < 0, -torch.inf, torch.minimum(leave, middle + half))
     return torch.maximum(enter, middle - half), leave

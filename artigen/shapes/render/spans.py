@@ -93,3 +93,8 @@ def count_up(counts: Int[Tensor, "N"]) -> Int[Tensor, "M"]:
     ends = counts.cumsum(0)
     total = int(ends[-1]) if len(counts) else 0
     return torch.arange(total, device=counts.device) - torch.repeat_interleave(ends - counts, counts)
+
+
+def pick(values: Float[Tensor, "N S"], index: Int[Tensor, "M"]) -> Float[Tensor, "S M"]:
+    """``values[index]``, transposed: several times faster than indexing, and in the order that loops like."""
+    return values.T.contiguous().index_select(1, index)
