@@ -3,7 +3,8 @@
     python benchmarks/shapes_statistics.py ../shared/data/partnet_mobility --out out/shapes_statistics
 
 Real objects are PartNet-Mobility folders and not part of this repository. Writes ``statistics.md``,
-histograms as PNG, and ``features.json`` for `shapes_classifier.py`.
+histograms as PNG, and ``features.json`` for `shapes_classifier.py`. Real objects are measured once: remove
+``real.json`` to measure them again.
 """
 
 import json
@@ -38,6 +39,23 @@ class Options:
     """Procedural objects drawn per category to see which counts occur."""
     workers: int = 2
     """Processes side by side."""
+
+
+def measure_real(options: Options) -> list[Features]:
+    """Features of the real objects of all known categories, those that can be read."""
+    stored = options.out / "real.json"
+    if stored.is_file():
+        return [Features(**one) for one in json.loads(stored.read_text())]
+    folders = [
+        path
+        for path in sorted(options.real.iterdir())
+        if (path / "meta.json").is_file()
+        and json.loads((path / "meta.json").read_text())["model_cat"] in categories()
+    ]
+    with ProcessPoolExecutor(options.workers) as pool:
+        real = [one for one in pool.map(describe_real, folders) if one is not None]
+    stored.write_text(json.dumps([asdict(one) for one in real]))
+    return real
 
 
 def draw_counts(category: str, seed: int) -> tuple[int, ...]:
@@ -145,16 +163,10 @@ def plot_histograms(rows: dict[str, tuple[list[float], list[float]]], path: Path
 def main(options: Options) -> int:
     """Measures, compares and writes."""
     options.out.mkdir(parents=True, exist_ok=True)
-    folders = [
-        path
-        for path in sorted(options.real.iterdir())
-        if (path / "meta.json").is_file()
-        and json.loads((path / "meta.json").read_text())["model_cat"] in categories()
-    ]
+    real = measure_real(options)
     lines: list[str] = []
     kept: dict[str, list[dict]] = {"procedural": [], "real": []}
     with ProcessPoolExecutor(options.workers) as pool:
-        real = [one for one in pool.map(describe_real, folders) if one is not None]
         for name in categories():
             theirs = [one for one in real if one.category == name]
             ours = list(pool.map(partial(describe_drawn, name), range(options.count), chunksize=8))
