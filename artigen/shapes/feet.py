@@ -169,7 +169,7 @@ def make_castors(
     A fork is a plate and two cheeks; it belongs to the parent unless it turns about its upright axle, as on
     the end of a cart where people push. Wheels roll about y.
     """
-    width, wall = max(0.018, 0.55 * radius), 0.005
+    width, wall = max(0.024, 0.7 * radius), 0.005
     plate = max(0.006, 0.12 * radius)
     height = 2 * radius + GAP + plate + (GAP if swivel else 0.0)
     half = width / 2 + GAP + wall
