@@ -163,7 +163,7 @@ def spread_controls(
 def _make_keys(y: Range, at: tuple[float, float], count: int, parent: str) -> list[ShapePart]:
     """A row of push buttons from left to right at (x, z)."""
     pitch = (y[1] - y[0]) / max(count, 1)
-    size = (min(0.024, 0.8 * pitch), 0.019, 0.007)
+    size = (min(0.024, 0.8 * pitch), 0.021, 0.007)
     places = [(at[0], y[1] - (k + 0.5) * pitch, at[1]) for k in range(count)]
     return [
         make_button(place, size, name=f"key_{k}", parent=parent, finish="plastic")

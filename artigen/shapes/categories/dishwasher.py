@@ -166,7 +166,7 @@ def _build_liner(leaf: Panel, tub: Space) -> tuple[Primitive, ...]:
     rear, level = leaf.back + BULGE, z[0] + 0.5 * (z[1] - z[0])
     return (
         box((leaf.back - 0.02, y[0], z[0]), (rear, y[1], z[1]), "steel"),
-        box((rear - 0.002, -0.02, level), (rear + 0.014, 0.12, level + 0.10), "plastic"),
+        box((rear - 0.010, -0.02, level), (rear + 0.003, 0.12, level + 0.10), "plastic"),
     )
 
 
@@ -267,7 +267,7 @@ def _draw_drawers(rng: np.random.Generator, plan: _Plan) -> Assembly:
         )
         name = f"drawer_{k}"
         front = rounded_box((panel.x, panel.y[0], z[0]), (panel.back, panel.y[1], z[1]), 0.003, "front")
-        solids = (front, *build_tub(tub, max(0.012, tub.width / 50), "steel"), *_build_tines(tub))
+        solids = (front, *build_tub(tub, _tub_wall(tub), "steel"), *_build_tines(tub))
         parts.append(
             ShapePart(
                 name=name, label="drawer", parent="body", primitives=solids, motion=slide(0.62 * tub.depth)
@@ -277,9 +277,14 @@ def _draw_drawers(rng: np.random.Generator, plan: _Plan) -> Assembly:
     return Assembly(pieces=tuple(pieces), parts=tuple(parts))
 
 
+def _tub_wall(tub: Space) -> float:
+    """Thickness of a drawer's walls (m): engines mishandle thinner ones of this size."""
+    return max(0.012, max(tub.width, tub.depth, tub.height) / 55)
+
+
 def _build_tines(tub: Space) -> tuple[Primitive, ...]:
     """Two rows of tines on a bar in the floor of a drawer."""
-    wall = max(0.012, tub.width / 50)
+    wall = _tub_wall(tub)
     floor, height = tub.z[0] + wall, 0.35 * tub.height
     out = []
     for x in (tub.x[0] + tub.depth * share for share in (0.36, 0.68)):

@@ -204,7 +204,10 @@ def _draw_pedestal(rng: np.random.Generator, plan: _Plan, x: float, foot: float)
         z=(foot + 0.018 + GAP, panel.z[1] - 0.04),
     )
     low, high = (panel.x, panel.y[0], panel.z[0]), (panel.back, panel.y[1], panel.z[1])
-    solids = (rounded_box(low, high, 0.003, "front"), *build_tub(tub, tub.width / 55, "plastic"))
+    solids = (
+        rounded_box(low, high, 0.003, "front"),
+        *build_tub(tub, max(tub.width, tub.depth) / 55, "plastic"),
+    )
     name = "pedestal_drawer"
     drawer = ShapePart(
         name=name, label="drawer", parent="body", primitives=solids, motion=slide(0.7 * tub.depth)
