@@ -81,14 +81,14 @@ class Kind:
 DOORS: tuple[tuple[Fill, float], ...] = (
     ("door", 3.0),
     ("double", 3.0),
-    ("fold", 0.12),
-    ("drop", 0.5),
+    ("fold", 0.5),
+    ("drop", 1.0),
     ("slide", 0.6),
 )
 LOW: tuple[tuple[Fill, float], ...] = (
     ("door", 3.0),
     ("double", 2.5),
-    ("drop", 1.0),
+    ("drop", 1.8),
     ("slide", 1.0),
     ("lift", 0.15),
 )
@@ -117,7 +117,7 @@ KINDS: dict[str, Kind] = {
         taste=Taste(
             module=(0.28, 0.6),
             rules=(("columns", 1.0), ("closed", 3.0), ("open_row", 0.3), ("open", 0.1)),
-            fills=(("door", 3.0), ("double", 3.0), ("lift", 2.0), ("fold", 0.15), ("slide", 0.6)),
+            fills=(("door", 3.0), ("double", 3.0), ("lift", 3.0), ("fold", 0.4), ("slide", 0.6)),
             trays=0.0,
         ),
     ),
@@ -146,7 +146,7 @@ KINDS: dict[str, Kind] = {
             module=(0.4, 0.6),
             drawer=(0.15, 0.26),
             rules=(("columns", 0.8), ("rows", 0.9), ("closed", 2.0), ("open", 0.05)),
-            fills=(("door", 3.0), ("double", 3.5), ("fold", 0.25), ("slide", 2.2), ("drawer", 0.2)),
+            fills=(("door", 3.0), ("double", 3.5), ("fold", 0.6), ("slide", 2.2), ("drawer", 0.2)),
             shelf_pitch=(0.3, 0.5),
             rod=0.7,
             trays=0.1,
@@ -171,7 +171,7 @@ KINDS: dict[str, Kind] = {
         width=(0.34, 0.6),
         depth=(0.32, 0.46),
         height=(0.42, 0.7),
-        stands=(("legs", 3), ("plinth", 0.6), ("floor", 0.6), ("castors", 0.5), ("sled", 0.4)),
+        stands=(("legs", 3), ("plinth", 0.6), ("floor", 0.6), ("castors", 0.8), ("sled", 0.4)),
         worktop=0.45,
         taste=Taste(
             module=(0.3, 0.6),
@@ -199,7 +199,7 @@ KINDS: dict[str, Kind] = {
         width=(1.0, 2.0),
         depth=(0.36, 0.48),
         height=(0.36, 0.62),
-        stands=(("legs", 2), ("plinth", 1), ("sled", 1), ("castors", 0.4), ("floor", 0.5)),
+        stands=(("legs", 2), ("plinth", 1), ("sled", 1), ("castors", 0.7), ("floor", 0.5)),
         worktop=0.35,
         taste=Taste(
             module=(0.36, 0.8),

@@ -112,7 +112,7 @@ def _build_frame(rng: np.random.Generator, plan: _Plan) -> _Built:
     x, y = (edge - depth / 2, depth / 2 - min(edge, 0.02)), (0.02 - width / 2, width / 2 - 0.02)
     parts: list[ShapePart] = []
     solids: list[Primitive] = [_make_top(plan)]
-    if high < 0.55 and rng.random() < 0.2:
+    if high < 0.55 and rng.random() < 0.35:
         stand = make_castors(
             x, y, float(rng.uniform(0.022, 0.03)), parent=BODY, swivel=bool(rng.random() < 0.3)
         )
