@@ -45,7 +45,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     face = "panel" if rng.random() < (0.6 if style != "retro" else 0.15) else "front"
     controls, extras = _draw_controls(rng, plan)
     parts = [
-        _build_body(plan, "front" if face == "front" else "panel", extras),
+        _build_body(plan, face, extras),
         *_draw_door(rng, plan, face),
         *controls,
     ]
