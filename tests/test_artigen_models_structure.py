@@ -191,7 +191,7 @@ def test_a_sample_depends_on_noise_and_condition_and_on_nothing_else():
 
 
 def test_open_fields_do_not_look_at_their_values():
-    cfg = ConditionConfig(width=32, image_size=16, image_patch=8, image_blocks=1)
+    cfg = ConditionConfig(width=32, image_size=16, image_patch=8, image_width=32, image_blocks=1)
     encoder = ConditionEncoder(cfg).eval()
     picture = np.random.default_rng(0).random((4, 16, 16)).astype(np.float32)
     full = StructureCondition(

@@ -53,7 +53,7 @@ class ConditionBatch:
 class ConditionConfig:
     """How a condition is embedded."""
 
-    width: int = 384
+    width: int = 320
     """Width of a token."""
     categories: tuple[str, ...] = PAPER_CATEGORIES
     """Categories that have a token of their own."""
@@ -61,6 +61,8 @@ class ConditionConfig:
     """Edge of the picture in pixels; 0 leaves pictures out."""
     image_patch: int = 16
     """Edge of a picture token in pixels."""
+    image_width: int = 192
+    """Width of the picture encoder."""
     image_blocks: int = 4
     """Transformer blocks of the picture encoder."""
 
@@ -147,26 +149,27 @@ class ImageEncoder(nn.Module):
 
     def __init__(self, cfg: ConditionConfig) -> None:
         super().__init__()
-        edge = cfg.image_size // cfg.image_patch
-        self.patches = nn.Conv2d(4, cfg.width, cfg.image_patch, stride=cfg.image_patch)
-        self.places = nn.Parameter(0.02 * torch.randn(edge**2, cfg.width))
+        edge, width = cfg.image_size // cfg.image_patch, cfg.image_width
+        self.patches = nn.Conv2d(4, width, cfg.image_patch, stride=cfg.image_patch)
+        self.places = nn.Parameter(0.02 * torch.randn(edge**2, width))
         self.missing = nn.Parameter(torch.zeros(cfg.width))
         layer = nn.TransformerEncoderLayer(
-            cfg.width,
-            cfg.width // 32,
-            4 * cfg.width,
+            width,
+            width // 32,
+            4 * width,
             dropout=0.0,
             activation="gelu",
             batch_first=True,
             norm_first=True,
         )
         self.blocks = nn.TransformerEncoder(
-            layer, cfg.image_blocks, norm=nn.LayerNorm(cfg.width), enable_nested_tensor=False
+            layer, cfg.image_blocks, norm=nn.LayerNorm(width), enable_nested_tensor=False
         )
+        self.out_layer = nn.Linear(width, cfg.width)
 
     def forward(self, image: Float[Tensor, "B 4 H W"], given: Bool[Tensor, "B"]) -> Float[Tensor, "B M C"]:
         tokens = self.patches(2.0 * image - 1.0).flatten(2).transpose(1, 2) + self.places
-        return torch.where(given[:, None, None], self.blocks(tokens), self.missing)
+        return torch.where(given[:, None, None], self.out_layer(self.blocks(tokens)), self.missing)
 
 
 def embed_sizes(size: Float[Tensor, "B 3"]) -> Float[Tensor, "B W"]:

@@ -31,11 +31,11 @@ class LatentDitConfig:
     """Channels of the latent."""
     patch: int = 2
     """Latent cells per token along an edge."""
-    width: int = 384
+    width: int = 320
     """Width of a token, also of a condition token."""
     blocks: int = 8
     """Transformer blocks."""
-    heads: int = 6
+    heads: int = 5
     """Attention heads."""
 
 

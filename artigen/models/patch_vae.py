@@ -35,13 +35,13 @@ class PatchVaeConfig:
     """Edge of the field."""
     latent_channels: int = 8
     """Channels of the latent, whose edge is a quarter of the field's."""
-    width: int = 128
+    width: int = 96
     """Channels of the convolutions."""
     encoder_blocks: int = 2
     """Residual blocks of the encoder."""
     decoder_blocks: int = 4
     """Residual blocks of the decoder."""
-    global_width: int = 256
+    global_width: int = 192
     """Width of the tokens that see the whole object."""
     global_blocks: int = 2
     """Transformer blocks over those tokens, in encoder and decoder each."""

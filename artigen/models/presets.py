@@ -36,7 +36,7 @@ PRESETS: dict[PresetName, StructurePreset] = {
             resolution=32, width=32, encoder_blocks=1, decoder_blocks=2, global_width=64, global_blocks=1
         ),
         flow=LatentDitConfig(edge=8, width=64, blocks=2, heads=2),
-        conditions=ConditionConfig(width=64, image_size=32, image_patch=8, image_blocks=1),
+        conditions=ConditionConfig(width=64, image_size=32, image_patch=8, image_width=32, image_blocks=1),
         resolution=32,
     ),
     "compact": StructurePreset(
