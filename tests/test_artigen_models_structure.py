@@ -213,6 +213,13 @@ def test_wrong_conditions_are_refused():
         gather_conditions([StructureCondition(counts=(("door", -1),))], TINY.conditions)
 
 
+def test_the_shipped_size_fits_its_limit():
+    preset = PRESETS["compact"]
+    with torch.device("meta"):
+        networks = StructureVae(preset.vae), StructureFlow(preset.flow, preset.conditions)
+    assert 2 * sum(value.numel() for network in networks for value in network.state_dict().values()) < 40e6
+
+
 def test_models_are_stored_and_loaded(tmp_path: Path):
     flow = make_flow()
     save_model(flow, tmp_path, {"preset": "tiny"}, "flow")

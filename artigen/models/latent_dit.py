@@ -33,7 +33,7 @@ class LatentDitConfig:
     """Latent cells per token along an edge."""
     width: int = 320
     """Width of a token, also of a condition token."""
-    blocks: int = 8
+    blocks: int = 6
     """Transformer blocks."""
     heads: int = 5
     """Attention heads."""
