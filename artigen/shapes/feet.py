@@ -13,7 +13,7 @@ from artigen.shapes.shape import Motion, ShapePart
 LegKind = Literal["square", "tapered", "round", "splayed"]
 LEG_KINDS: tuple[LegKind, ...] = get_args(LegKind)
 StandKind = Literal["floor", "plinth", "toe_kick", "legs", "sled", "castors", "screw_feet"]
-SCREW_TRAVEL = 0.012
+SCREW_TRAVEL = 0.003
 """How far (m) a levelling foot can be screwed in."""
 
 
@@ -227,23 +227,24 @@ def _make_wheel(name: str, parent: str, center: Vector, width: float) -> ShapePa
 
 
 def make_screw_feet(x: Range, y: Range, *, parent: str, radius: float = 0.022) -> Stand:
-    """Four levelling feet: each turns beside its bracket and rises by `SCREW_TRAVEL` in five turns.
+    """Four levelling feet: each turns beside its bracket and rises by `SCREW_TRAVEL` in 1.5 turns.
 
-    A foot is a pad and a stem; brackets and the underside stay clear of the foot screwed all the way in.
+    A foot is a pad and a stem below an underside that stays clear of it screwed in. The brackets reach the
+    floor and bear the load: threads in simulators yield under it.
     """
     pad, stem = 0.012, 0.007
     room = SCREW_TRAVEL + GAP
     bracket = 0.03
     height = pad + room + bracket
-    turns = 5 * 2 * np.pi
+    turns = 1.5 * 2 * np.pi
     fixed: list[Primitive] = []
     parts: list[ShapePart] = []
     for index, (at_x, at_y) in enumerate((a, b) for a in (x[0] + radius, x[1] - radius) for b in y):
         side = 1.0 if at_y < sum(y) / 2 else -1.0
         at_y += side * radius
-        near, far = at_y + side * (stem + GAP), at_y + side * (stem + GAP + 0.016)
+        near, far = at_y + side * (radius + GAP), at_y + side * (radius + GAP + 0.016)
         low, high = sorted((near, far))
-        fixed.append(box((at_x - 0.014, low, pad + room), (at_x + 0.014, high, height), "steel"))
+        fixed.append(box((at_x - 0.02, low, 0.0), (at_x + 0.02, high, height), "steel"))
         solids = (
             cylinder((at_x, at_y, 0.0), (at_x, at_y, pad), radius, "rubber"),
             cylinder((at_x, at_y, pad), (at_x, at_y, height - room), stem, "steel"),

@@ -267,7 +267,7 @@ def _build_screw(rng: np.random.Generator, plan: _Plan) -> _Built:
     """A round top on a threaded spindle that turns up out of a column on a foot."""
     width, depth, height = plan.size
     radius = min(width, depth) / 2
-    rise = float(rng.uniform(0.08, 0.16))
+    rise = float(rng.uniform(0.07, 0.12))
     spindle, gap, wall = 0.022, 0.0025, 0.014
     foot = float(rng.uniform(0.02, 0.035))
     under = height - plan.top
@@ -288,7 +288,7 @@ def _build_screw(rng: np.random.Generator, plan: _Plan) -> _Built:
             box((-half, half, 0.0), (half, arm, foot), "leg"),
         ]
     post = box((-outer, -outer, foot), (outer, outer, start), "leg")
-    turns = rise / float(rng.uniform(0.010, 0.016)) * 2 * np.pi
+    turns = float(rng.uniform(2.5, 4.0)) * 2 * np.pi
     top = (
         cylinder((0.0, 0.0, under), (0.0, 0.0, height), radius, "top"),
         cylinder((0.0, 0.0, plate), (0.0, 0.0, under), min(0.09, 0.4 * radius), "steel"),
