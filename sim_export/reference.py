@@ -4,6 +4,7 @@ Collision is the object's own convex primitives, visuals are the exact unions of
 with textures evaluated at every texel, joints and what must be open first are what the object says.
 """
 
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -70,7 +71,7 @@ def build_reference(
     asset = shape_to_asset(shape, resolution=None)
     table = make_paint(shape)
     first = np.cumsum([0, *(len(part.primitives) for part in shape.parts)])
-    kinds = {name: finish.kind for name, finish in shape.finishes}
+    kinds: dict[str, FinishKind] = {name: finish.kind for name, finish in shape.finishes}
     geometry, meshes, records = [], [], []
     materials: list[tuple[str, str]] = []
     for part, start in zip(shape.parts, first, strict=False):
@@ -80,8 +81,10 @@ def build_reference(
         hulls = tuple(piece for solid in solids for piece in trim_hull(solid, cfg.limits))
         if len(hulls) > len(solids):
             records.append(f"{part.name}: {len(solids)} primitives cut to {len(hulls)} hulls, being oblong")
-        made_of = [_material(part, primitive, kinds, shape.category) for primitive in part.primitives]
-        materials.append((part.name, max(sorted(set(made_of)), key=made_of.count)))
+        made_of: list[MaterialName] = [
+            _material(part, primitive, kinds, shape.category) for primitive in part.primitives
+        ]
+        materials.append((part.name, Counter(sorted(made_of)).most_common(1)[0][0]))
         geometry.append(PartGeometry(visuals=(meshes[-1],), hulls=hulls, inertial=_weigh(solids, made_of)))
     tree = build_links(asset, geometry)
     return SimPackage(
@@ -184,9 +187,13 @@ def _weigh(solids: Sequence[Hull], made_of: Sequence[MaterialName]) -> Inertial:
         chosen = [solid for solid, made in zip(solids, made_of, strict=True) if made in names[:count]]
         mesh = _unite(chosen).mesh
         added = mesh_inertial(mesh, density)
-        inertials.append(added if before is None else subtract(added, mesh_inertial(before, density)))
+        known = None if before is None else mesh_inertial(before, density)
         before = mesh
-    return combine([inertial for inertial in inertials if inertial.mass > 0])
+        if known is None:
+            inertials.append(added)
+        elif added.mass > (1.0 + 1e-6) * known.mass:  # else it lies inside of the others
+            inertials.append(subtract(added, known))
+    return combine(inertials)
 
 
 def _requirements(shape: Shape, tree: LinkTree) -> tuple[Requirement, ...]:
