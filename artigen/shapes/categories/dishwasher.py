@@ -174,8 +174,9 @@ def _draw_controls(
     rng: np.random.Generator, x: float, y: Range, z: Range, parent: str
 ) -> tuple[list[Primitive], list[ShapePart]]:
     dial = design_dial(rng, (0.019, 0.027), endless=0.7)
+    dials = int(rng.choice((0, 1, 2), p=(0.5, 0.42, 0.08)))
     counts = (
-        int(rng.choice((0, 1, 2), p=(0.74, 0.22, 0.04))),
+        dials if parent == "body" else 0,  # doors that drop carry keys; dials are on housings
         int(rng.choice((0, 1, 3, 4, 5, 6), p=(0.5, 0.1, 0.1, 0.13, 0.1, 0.07))),
     )
     across = (y[0] + 0.03, y[1] - 0.03)
