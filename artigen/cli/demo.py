@@ -1,35 +1,46 @@
-"""`artigen demo`: the whole way on an embedded object, with everything to look at afterwards."""
+"""`artigen demo`: the whole way on objects drawn on the spot, with everything to look at afterwards."""
 
 import sys
 from pathlib import Path
+from typing import Literal
 
-from artigen.cli.arguments import Out
+from artigen.cli.arguments import Out, Workers
+from artigen.cli.batch import Finished, run_batch
+
+OBJECTS = (("StorageFurniture", 3), ("Oven", 2), ("Refrigerator", 1), ("Table", 4))
+"""Category and seed of what the demo shows."""
 
 
-def demo(out: Out = Path("out/demo"), workers: int = 2) -> int:
-    """Converts the embedded sample cabinet in both ways, proves the packages and draws them.
+def demo(out: Out = Path("out/demo"), workers: Workers = 2) -> int:
+    """Draws four objects, exports them exactly and rebuilt from voxels, proves and draws the packages.
 
     Args:
-        out: Folder for source, packages, reports and pictures.
+        out: Folder for packages, reports and pictures.
         workers: Processes side by side.
     """
-    from artigen.cli.convert import ConvertSettings, convert
-    from artigen.datasets.sample import write_sample
+    from artigen.cli.shape import ShapeJob, ShapeSettings, export_and_validate, write_sheet
+    from artigen.shapes.draw import draw_shape
     from sim_export.preview import write_preview
 
-    source = out / "object" / "sample_cabinet"
-    if not source.is_dir():
-        write_sample(source)
-    codes = []
-    for visual in ("voxels", "source"):
-        folder = out / visual
-        codes.append(convert((source,), folder, ConvertSettings(visual=visual), workers=workers))
-        write_preview((folder / source.name,), out / f"{visual}.png")
+    shapes = [draw_shape(category, seed) for category, seed in OBJECTS]
+    write_sheet(shapes, out / "shapes.png")
+    ways: tuple[Literal["reference", "voxels"], ...] = ("reference", "voxels")
+    good = True
+    for way in ways:
+        cfg = ShapeSettings(source=way)
+        jobs = [ShapeJob(category=category, seed=seed, out=out / way, cfg=cfg) for category, seed in OBJECTS]
+        results = run_batch(export_and_validate, jobs, out / way, workers=workers, on_done=_say)
+        good &= all(finished.good for finished in results)
+        write_preview(tuple(out / way / shape.name for shape in shapes), out / f"{way}.png")
     sys.stdout.write(
-        f"\nobject     {source}\n"
-        f"packages   {out}/voxels/{source.name}  {out}/source/{source.name}\n"
+        f"\npackages   {out}/reference (exact)  {out}/voxels (rebuilt from 64^3 voxels)\n"
         f"reports    validation.json in each package\n"
-        f"pictures   {out}/voxels.png  {out}/source.png\n"
-        f"look at it artigen view {out}/voxels/{source.name}\n"
+        f"pictures   {out}/shapes.png  {out}/reference.png  {out}/voxels.png\n"
+        f"look at it artigen view {out}/reference/{shapes[0].name}\n"
     )
-    return max(codes)
+    return 0 if good else 1
+
+
+def _say(finished: Finished) -> None:
+    verdict = finished.error or "; ".join(finished.failures) or "passed every check"
+    sys.stdout.write(f"{finished.key}: {verdict}\n")
