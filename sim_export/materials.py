@@ -15,7 +15,15 @@ from artigen.types import JointType, PartLabel
 from sim_export.package import PackageJoint
 
 MaterialName = Literal[
-    "wood_board", "steel_sheet", "steel", "glass", "plastic", "rubber", "stone", "foam_panel"
+    "wood_board",
+    "steel_sheet",
+    "steel",
+    "glass",
+    "insulating_glass",
+    "plastic",
+    "rubber",
+    "stone",
+    "foam_panel",
 ]
 GRAVITY = 9.81
 
@@ -34,6 +42,7 @@ MATERIALS: dict[MaterialName, Material] = {
     "steel_sheet": Material(density=350.0, static_friction=0.4, sliding_friction=0.3),
     "steel": Material(density=2700.0, static_friction=0.4, sliding_friction=0.3),
     "glass": Material(density=2500.0, static_friction=0.5, sliding_friction=0.4),
+    "insulating_glass": Material(density=800.0, static_friction=0.5, sliding_friction=0.4),
     "plastic": Material(density=1050.0, static_friction=0.4, sliding_friction=0.3),
     "rubber": Material(density=1150.0, static_friction=0.9, sliding_friction=0.8),
     "foam_panel": Material(density=150.0, static_friction=0.4, sliding_friction=0.3),
@@ -41,7 +50,13 @@ MATERIALS: dict[MaterialName, Material] = {
 }
 """``steel_sheet`` is a folded or foamed panel: its density is the mean over the panel's thickness, as
 `artigen` walls are panels one voxel thick and not solid sheets (7850). ``steel`` is a hollow bar or rack.
-``foam_panel`` is the insulation of a refrigerator, five centimetres or more, and its skins: 10 kg a door."""
+``foam_panel`` is the insulation of a refrigerator, five centimetres or more, and its skins: 10 kg a door.
+``insulating_glass`` is two panes of four millimetres, and gas between them."""
+
+PLATE_SLENDERNESS = 6.0
+"""A piece that is this many times longer both ways than it is thick is a plate."""
+THICKEST_GLASS = 0.012
+"""Metres; a plate of glass that is thicker has gas in it."""
 
 APPLIANCES: frozenset[str] = frozenset(
     {"Refrigerator", "Dishwasher", "Oven", "WashingMachine", "Microwave", "Safe", "CoffeeMachine", "Toaster"}
@@ -75,11 +90,26 @@ def part_material(label: PartLabel, category: str) -> MaterialName:
     return "wood_board"
 
 
-def finish_material(kind: FinishKind, label: PartLabel, category: str) -> MaterialName:
+def finish_material(
+    kind: FinishKind, label: PartLabel, category: str, size: tuple[float, float, float] | None = None
+) -> MaterialName:
     """The material of a piece whose finish is known; lacquer is on board, or on sheet in an appliance.
 
     Walls of appliances are panels whatever they are covered with; other large pieces of steel are sheet.
+
+    Args:
+        kind: What the finish is.
+        label: What the part is.
+        category: What the object is.
+        size: Edges of the piece (m). Pieces are drawn as thick as collision wants them: plates of pans and
+            tubs are sheet that was folded or enamelled, and thick panes are insulating glass.
     """
+    thickness, middle, _ = sorted(size or (1.0, 1.0, 1.0))
+    plate = middle > PLATE_SLENDERNESS * thickness
+    if plate and kind == "glass" and thickness > THICKEST_GLASS:
+        return "insulating_glass"
+    if plate and label in ("tray", "shelf") and kind in ("steel", "rubber", "lacquer"):
+        return "steel_sheet"
     hardware = label in ("handle", "knob", "wheel", "tray", "shelf")
     if kind == "wood":
         return "wood_board"

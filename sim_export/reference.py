@@ -174,7 +174,8 @@ def _paint_part(
 def _material(
     part: ShapePart, primitive: Primitive, kinds: Mapping[str, FinishKind], category: str
 ) -> MaterialName:
-    return finish_material(kinds[primitive.finish], part.label, category)
+    x, y, z = primitive.size.tolist()
+    return finish_material(kinds[primitive.finish], part.label, category, (x, y, z))
 
 
 def _weigh(solids: Sequence[Hull], made_of: Sequence[MaterialName]) -> Inertial:

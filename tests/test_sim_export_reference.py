@@ -8,7 +8,7 @@ from artigen.shapes.primitives import box, cylinder, line, place_vertices, round
 from artigen.shapes.shape import Motion, Need, Shape, ShapePart
 from sim_export.checks.suite import run_checks
 from sim_export.inertia import is_closed, mesh_inertial
-from sim_export.materials import MATERIALS
+from sim_export.materials import MATERIALS, finish_material
 from sim_export.needles import find_needles, flip_needles
 from sim_export.reference import build_reference
 from sim_export.write import write_package
@@ -140,6 +140,18 @@ def test_two_materials_share_the_volume_and_nothing_twice():
     assert link.inertial is not None
     assert link.inertial.mass == pytest.approx(rubber + wood)
     assert link.inertial.com[0] == pytest.approx((0.05 * rubber - 0.1 * wood) / (rubber + wood))
+
+
+def test_plates_weigh_what_sheet_and_panes_do():
+    sheet, bar = (0.5, 0.6, 0.011), (0.5, 0.011, 0.011)
+    for turned in (sheet, sheet[::-1]):
+        assert finish_material("steel", "tray", "Oven", turned) == "steel_sheet"
+        assert finish_material("rubber", "tray", "Oven", turned) == "steel_sheet"
+        assert finish_material("glass", "door", "Oven", turned) == "glass"
+    assert finish_material("steel", "tray", "Oven", bar) == "steel"
+    assert finish_material("glass", "door", "Refrigerator", (0.031, 0.5, 1.7)) == "insulating_glass"
+    # Two panes of four millimetres weigh 20 kg a square metre.
+    assert 15.0 < MATERIALS["insulating_glass"].density * 0.031 < 30.0
 
 
 def test_visuals_close_hold_the_volume_and_have_the_colours_of_the_object(package):

@@ -17,6 +17,9 @@ Edge = Literal["left", "right", "top", "bottom"]
 Range = tuple[float, float]
 GAP = 0.0025
 """Clearance (m) between a moving part and what it does not belong to."""
+PASSING = 0.003
+"""Least distance (m) at which the inner corner of a leaf swings past what is beside it. At a few centimetres
+in a step engines foresee contacts there that never come about, and some keep them: half of this was too little."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -103,4 +106,4 @@ def slide(upper: float, axis: Vector = (-1.0, 0.0, 0.0)) -> Motion:
 
 def sweep_gap(width: float, thickness: float) -> float:
     """Room (m) that a leaf needs beside its free edge: its inner corner swings wider than the leaf is."""
-    return max(GAP, (width**2 + thickness**2) ** 0.5 - width + 0.0015)
+    return max(GAP, (width**2 + thickness**2) ** 0.5 - width + PASSING)
