@@ -46,7 +46,9 @@ def flip_needles(
                 continue
             far = next(int(v) for v in out[other] if v not in (start, end))
             pair = np.array([[start, far, apex], [far, end, apex]])
-            if far != apex and _is_better(vertices, out[other], pair):
+            # An edge that is there already would be there twice, and the surface pinched.
+            joined = far == apex or bool({(far, int(apex)), (int(apex), far)} & opposite.keys())
+            if not joined and _is_better(vertices, out[other], pair):
                 out[needle], out[other] = pair
                 changed |= {int(needle), other}
         if not changed:

@@ -194,3 +194,11 @@ def test_flips_remove_needles_and_keep_points_and_area():
     assert doubled.sum() == pytest.approx(2.0)
     apart = flip_needles(vertices, faces, np.arange(3))
     assert np.array_equal(apart, faces), "different regions exchange nothing"
+
+
+def test_flips_do_not_pinch_a_surface():
+    """The new edge of a tetrahedron flattened to a sheet is there already, on its other side."""
+    vertices = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, 1e-5, 0.0], [0.5, -1.0, 0.0]])
+    faces = np.array([[0, 1, 2], [1, 0, 3], [1, 3, 2], [3, 0, 2]])
+    assert find_needles(vertices[faces])[0]
+    assert np.array_equal(flip_needles(vertices, faces, np.zeros(4, dtype=np.int64)), faces)

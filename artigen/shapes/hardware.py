@@ -18,8 +18,8 @@ Range = tuple[float, float]
 GAP = 0.0025
 """Clearance (m) between a moving part and what it does not belong to."""
 PASSING = 0.003
-"""Least distance (m) at which the inner corner of a leaf swings past what is beside it. At a few centimetres
-in a step engines foresee contacts there that never come about, and some keep them: half of this was too little."""
+"""Least distance (m) at which the inner corner of a leaf swings past what is beside it. At centimetres per
+step engines foresee contacts there that never come about, and keep some: half of this was too little."""
 
 
 @dataclass(frozen=True, kw_only=True)
