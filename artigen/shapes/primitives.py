@@ -19,6 +19,16 @@ SEGMENTS = 16
 """Sides of the prism that stands for a cylinder in meshes and hulls."""
 Vector = tuple[float, float, float]
 
+_ARRAYS: dict[str, tuple[type, tuple[int | None, ...]]] = {
+    "center": (np.float64, (3,)),
+    "rotation": (np.float64, (3, 3)),
+    "size": (np.float64, (3,)),
+    "planes": (np.float64, (None, 4)),
+    "vertices": (np.float64, (None, 3)),
+    "faces": (np.int64, (None, 3)),
+    "rings": (np.int64, (None, None)),
+}
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Primitive:
@@ -38,22 +48,17 @@ class Primitive:
     planes: Float[np.ndarray, "K 4"]
     vertices: Float[np.ndarray, "V 3"]
     faces: Int[np.ndarray, "F 3"]
+    rings: Int[np.ndarray, "K M"]
+    """Vertices around the face on each plane, counterclockwise from outside; short ones repeat their last."""
     finish: str
     lining: str | None = None
     lined_side: Vector | None = None
 
     def __post_init__(self) -> None:
-        for name, shape in (("center", (3,)), ("rotation", (3, 3)), ("size", (3,))):
-            object.__setattr__(
-                self, name, frozen_array(getattr(self, name), np.float64, shape, f"primitive {name}")
-            )
-        for name, width, dtype in (
-            ("planes", 4, np.float64),
-            ("vertices", 3, np.float64),
-            ("faces", 3, np.int64),
-        ):
-            value = frozen_array(getattr(self, name), dtype, (None, width), f"primitive {name}")
-            object.__setattr__(self, name, value)
+        for name, (dtype, shape) in _ARRAYS.items():
+            value = getattr(self, name)
+            if not _is_frozen(value, dtype):  # what another primitive holds was checked there
+                object.__setattr__(self, name, frozen_array(value, dtype, shape, f"primitive {name}"))
         if not (self.size > 0).all():
             raise ValueError(f"a {self.kind} has size {self.size.tolist()}, expected positive edges")
         if (self.lining is None) != (self.lined_side is None):
@@ -133,7 +138,7 @@ def polytope(
     inward = np.einsum("fi,fi->f", np.cross(b - a, c - a), hull.equations[:, :3]) < 0
     faces[inward] = faces[inward][:, ::-1]
     used, faces = np.unique(faces, return_inverse=True)  # drops points inside, keeps the order
-    planes = np.unique(np.round(hull.equations, 12), axis=0)
+    planes, rings = _find_rings(points[used], hull.equations)
     return Primitive(
         kind="polytope",
         center=np.asarray(center, dtype=float) + middle,
@@ -142,6 +147,7 @@ def polytope(
         planes=planes,
         vertices=points[used],
         faces=faces.reshape(-1, 3),
+        rings=rings,
         finish=finish,
     )
 
@@ -190,6 +196,34 @@ def contains(
         radius, half = primitive.size[0] / 2, primitive.size[2] / 2
         return (np.hypot(own[:, 0], own[:, 1]) < radius - margin) & (np.abs(own[:, 2]) < half - margin)
     return np.all(own @ primitive.planes[:, :3].T + primitive.planes[:, 3] < -margin, axis=1)
+
+
+def _is_frozen(value: object, dtype: type) -> bool:
+    return (
+        isinstance(value, np.ndarray)
+        and value.dtype == dtype
+        and value.base is None
+        and not value.flags.writeable
+    )
+
+
+def _find_rings(
+    vertices: Float[np.ndarray, "V 3"], equations: Float[np.ndarray, "F 4"]
+) -> tuple[Float[np.ndarray, "K 4"], Int[np.ndarray, "K M"]]:
+    """The different planes of a hull, and the vertices around the face on each."""
+    reach = 1e-9 * float(np.ptp(vertices, axis=0).max())
+    on = np.abs(equations[:, :3] @ vertices.T + equations[:, 3:]) < reach
+    first = {row.tobytes(): index for index, row in reversed(list(enumerate(on)))}
+    chosen = sorted(first.values())
+    planes, on = equations[chosen], on[chosen]
+    counts = on.sum(axis=1)
+    spokes = vertices[None] - ((on @ vertices) / counts[:, None])[:, None]
+    start = spokes[np.arange(len(on)), on.argmax(axis=1)]
+    ahead = np.einsum("kvi,ki->kv", spokes, start)
+    aside = np.einsum("kvi,ki->kv", spokes, np.cross(planes[:, :3], start))
+    order = np.argsort(np.where(on, np.arctan2(aside, ahead), np.inf), axis=1)
+    column = np.minimum(np.arange(counts.max()), counts[:, None] - 1)
+    return planes, np.take_along_axis(order, column, axis=1)
 
 
 def _box_corners(half: Float[np.ndarray, "3"], bevel: float) -> Float[np.ndarray, "V 3"]:

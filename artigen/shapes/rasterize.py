@@ -1,24 +1,25 @@
 """The cells of a grid that the surface of a shape crosses, and how much area each part has in each.
 
 No samples: faces are cut along the planes between cells, so that a cell is found if and only if surface
-passes through it. Faces with an edge along an axis (nearly all) are cut in closed form, others triangle
-by triangle. Cylinders are prisms of so many sides that the difference is a small part of a cell.
+passes through it. Parallelograms with an edge along an axis (nearly all) are cut in closed form, other faces
+as polygons. Cylinders are prisms of so many sides that the difference is a small part of a cell.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 
-from artigen.shapes.primitives import Primitive
+from artigen.shapes.polygons import TINY, cut_polygons, polygon_areas, polygon_middles
+from artigen.shapes.primitives import Primitive, place_vertices
 from artigen.shapes.shape import Shape
-from artigen.shapes.solids import Solids, list_solids, may_be_covered, see_points
+from artigen.shapes.solids import Solids, cover_boxes, list_solids, see_points
 
-_TINY = 1e-6
-"""Cells: shorter pieces are none, and a face between two cells belongs to the one behind it."""
 _LOOKS = np.array([[0.02, 0.02], [0.02, 0.98], [0.98, 0.02], [0.98, 0.98], [0.5, 0.5]])
-_HALF_LOOKS = np.array([[0.02, 0.02], [0.02, 0.96], [0.96, 0.02], [0.33, 0.33]])
-"""Where a piece that another primitive may cover is looked at."""
+"""Where a parallelogram that another primitive may cover is looked at."""
+_SHRINK = 0.96
+"""Other polygons are looked at in their middle and so far from it towards each corner."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -31,21 +32,38 @@ class CellAreas:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class _Pieces:
-    """Flat pieces, in cells: parallelograms ``origin + u first + v second``, or their halves with u + v < 1.
-
-    ``first x second`` points outwards where ``sign`` is 1.
-    """
+class _Sheets:
+    """Parallelograms, in cells: ``origin + u first + v second``, outwards along ``first x second``."""
 
     origin: Float[np.ndarray, "N 3"]
     first: Float[np.ndarray, "N 3"]
     second: Float[np.ndarray, "N 3"]
-    sign: Float[np.ndarray, "N"]
+    axis: Int[np.ndarray, "N"]
+    """``first`` runs along it, ``second`` is upright to it."""
     owners: Int[np.ndarray, "N"]
 
-    def pick(self, rows: np.ndarray) -> "_Pieces":
-        """Some of the pieces."""
-        return _Pieces(**{name: value[rows] for name, value in vars(self).items()})
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Polygons:
+    """Faces, in cells, counterclockwise from outside; the last corner is repeated beyond the count."""
+
+    corners: Float[np.ndarray, "N M 3"]
+    counts: Int[np.ndarray, "N"]
+    owners: Int[np.ndarray, "N"]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Pieces:
+    """Flat pieces, each in one cell."""
+
+    middles: Float[np.ndarray, "N 3"]
+    areas: Float[np.ndarray, "N 3"]
+    """As long as the area, along the outward normal."""
+    low: Float[np.ndarray, "N 3"]
+    high: Float[np.ndarray, "N 3"]
+    looks: Callable[[Int[np.ndarray, "K"]], Float[np.ndarray, "K L 3"]]
+    """Points on some of them, to see how much others cover."""
+    owners: Int[np.ndarray, "N"]
 
 
 def rasterize_shape(shape: Shape, resolution: int = 64) -> CellAreas:
@@ -54,158 +72,141 @@ def rasterize_shape(shape: Shape, resolution: int = 64) -> CellAreas:
     cell = float((high - low).max()) / resolution
     corner = (low + high) / 2 - cell * resolution / 2
     solids = list_solids(shape)
-    whole, halves = _list_faces(solids, corner, cell)
-    along = [
-        (np.abs(whole.first[:, [a, b]]).max(axis=1) < _TINY) & (np.abs(whole.second[:, axis]) < _TINY)
-        for axis, a, b in ((0, 1, 2), (1, 2, 0), (2, 0, 1))
-    ]
-    across = [
-        (np.abs(whole.second[:, [a, b]]).max(axis=1) < _TINY) & (np.abs(whole.first[:, axis]) < _TINY)
-        for axis, a, b in ((0, 1, 2), (1, 2, 0), (2, 0, 1))
-    ]
-    axis = np.argmax([*along, *across], axis=0)
-    ruled = np.any([*along, *across], axis=0)
-    slanted = whole.pick(~ruled)
-    halves = _join([halves, slanted, _other_half(slanted)])
-    turned = ruled & (axis >= 3)
-    sheets = _join([whole.pick(ruled & (axis < 3)), _swap(whole.pick(turned))])
-    axis = np.concatenate([axis[ruled & (axis < 3)], axis[turned] - 3])
-    order = np.argsort(sheets.owners, kind="stable")
-    chunks = [(_cut_sheets(sheets.pick(order), axis[order]), False), (_cut_halves(halves), True)]
-    measured = [_measure(pieces, half, solids, corner, cell, resolution) for pieces, half in chunks]
+    sheets, polygons = _list_faces(solids, corner, cell)
+    pieces = [_cut_sheets(sheets), *(_cut_faces(faces) for faces in polygons if len(faces.counts))]
+    sizes = [np.sqrt(np.einsum("ni,ni->n", some.areas, some.areas)) for some in pieces]
+    normals = [some.areas / size[:, None] for some, size in zip(pieces, sizes, strict=True)]
+    owners = np.concatenate([some.owners for some in pieces])
+    inner = np.concatenate(
+        [some.middles - TINY * normal for some, normal in zip(pieces, normals, strict=True)]
+    )
+    seen = _find_shares(pieces, np.concatenate(normals), solids, corner, cell)
+    kept = seen > 0
     return CellAreas(
-        cells=np.concatenate([chunk.cells for chunk in measured]),
-        part_ids=np.concatenate([chunk.part_ids for chunk in measured]),
-        areas=np.concatenate([chunk.areas for chunk in measured]),
+        cells=np.clip(np.floor(inner[kept]).astype(np.int64), 0, resolution - 1),
+        part_ids=solids.part_ids[owners[kept]],
+        areas=(np.concatenate(sizes) * seen)[kept],
     )
 
 
-def _list_faces(solids: Solids, corner: Float[np.ndarray, "3"], cell: float) -> tuple[_Pieces, _Pieces]:
-    """Parallelograms and single triangles of all primitives, in cells."""
-    triangles, owners, whole, halves = [], [], [], []
+def _list_faces(
+    solids: Solids, corner: Float[np.ndarray, "3"], cell: float
+) -> tuple[_Sheets, list[_Polygons]]:
+    """Parallelograms along the axes and all other faces, in cells; polygons of like width together."""
+    found: dict[int, list[tuple[np.ndarray, int]]] = {}
     for index, primitive in enumerate(solids.primitives):
         if primitive.kind == "cylinder":
-            side, ends = _cylinder_faces(primitive, index, cell)
-            whole.append(side)
-            halves.append(ends)
+            faces = _cylinder_faces(primitive, cell)
         else:
-            points = primitive.vertices @ primitive.rotation.T + primitive.center
-            triangles.append(points[primitive.faces])
-            owners.append(np.full(len(primitive.faces), index))
-    if triangles:
-        pairs, single = _pair_triangles(np.concatenate(triangles), np.concatenate(owners))
-        whole.append(pairs)
-        halves.append(single)
-
-    def in_cells(pieces: _Pieces) -> _Pieces:
-        return _Pieces(
-            origin=(pieces.origin - corner) / cell,
-            first=pieces.first / cell,
-            second=pieces.second / cell,
-            sign=pieces.sign,
-            owners=pieces.owners,
-        )
-
-    return in_cells(_join(whole)), in_cells(_join(halves))
+            faces = [place_vertices(primitive)[primitive.rings]]
+        for corners in faces:
+            found.setdefault(corners.shape[1], []).append((corners, index))
+    sheets, polygons = [], []
+    for _, some in sorted(found.items()):
+        corners = (np.concatenate([one for one, _ in some]) - corner) / cell
+        owners = np.repeat([index for _, index in some], [len(one) for one, _ in some])
+        counts = np.argmin(np.abs(corners - corners[:, -1:]).max(axis=2), axis=1) + 1
+        ruled, along = _find_sheets(corners, counts, owners)
+        sheets.append(along)
+        polygons.append(_Polygons(corners=corners[~ruled], counts=counts[~ruled], owners=owners[~ruled]))
+    joined = {name: np.concatenate([vars(some)[name] for some in sheets]) for name in vars(sheets[0])}
+    return _Sheets(**joined), polygons
 
 
-def _cylinder_faces(primitive: Primitive, index: int, cell: float) -> tuple[_Pieces, _Pieces]:
-    """Strips of the side and triangles of the ends; enough of them to err by a fiftieth of a cell."""
+def _find_sheets(
+    corners: Float[np.ndarray, "N M 3"], counts: Int[np.ndarray, "N"], owners: Int[np.ndarray, "N"]
+) -> tuple[Bool[np.ndarray, "N"], _Sheets]:
+    """Which faces are parallelograms with an edge along an axis and another upright to it."""
+    if corners.shape[1] < 4:
+        corners = np.concatenate([corners, corners[:, -1:]], axis=1)
+    a, b, c, d = (corners[:, k] for k in range(4))
+    whole = (counts == 4) & (np.abs(a + c - b - d).max(axis=1) < TINY)
+    ways = np.stack([b - a, c - b])  # the face as given, and turned so that its second edge is the first
+    short = np.abs(ways) < TINY
+    along = short.sum(axis=2) == 2
+    axis = np.argmax(np.abs(ways), axis=2)
+    upright = np.stack([short[1 - k, np.arange(len(a)), axis[k]] for k in (0, 1)])
+    fits = along & upright & whole
+    way, ruled = np.argmax(fits, axis=0), fits.any(axis=0)
+    rows = np.flatnonzero(ruled)
+    way = way[rows]
+    return ruled, _Sheets(
+        origin=np.where(way[:, None] == 0, a[rows], b[rows]),
+        first=ways[way, rows],
+        second=np.where(way[:, None] == 0, (d - a)[rows], (a - b)[rows]),
+        axis=axis[way, rows],
+        owners=owners[rows],
+    )
+
+
+def _cylinder_faces(primitive: Primitive, cell: float) -> list[Float[np.ndarray, "N M 3"]]:
+    """Strips of the side, and the two ends; enough of them to err by a fiftieth of a cell."""
     radius, half = primitive.size[0] / 2, primitive.rotation[:, 2] * primitive.size[2] / 2
     sides = 16 if radius < cell else 32 if radius < 4 * cell else 64
     turn = (np.arange(sides) + 0.5) * 2 * np.pi / sides
-    ring = radius * np.column_stack([np.cos(turn), np.sin(turn)]) @ primitive.rotation[:, :2].T
+    ring = (
+        primitive.center
+        + radius * np.column_stack([np.cos(turn), np.sin(turn)]) @ primitive.rotation[:, :2].T
+    )
     after = np.roll(ring, -1, axis=0)
-    up = np.tile(2 * half, (sides, 1))
-    ones, owners = np.ones(sides), np.full(sides, index)
-    side = _Pieces(
-        origin=primitive.center - half + ring, first=after - ring, second=up, sign=ones, owners=owners
-    )
-    ends = [
-        _Pieces(
-            origin=np.tile(primitive.center + at * half, (sides, 1)),
-            first=ring,
-            second=after,
-            sign=at * ones,
-            owners=owners,
-        )
-        for at in (-1, 1)
-    ]
-    return side, _join(ends)
+    strips = np.stack([ring - half, after - half, after + half, ring + half], axis=1)
+    return [strips, np.stack([ring[::-1] - half, ring + half])]
 
 
-def _pair_triangles(
-    triangles: Float[np.ndarray, "T 3 3"], owners: Int[np.ndarray, "T"]
-) -> tuple[_Pieces, _Pieces]:
-    """Pairs of triangles that share their longest edge and make a parallelogram, and all others."""
-    edges = np.roll(triangles, -1, axis=1) - np.roll(triangles, 1, axis=1)  # opposite of each corner
-    apex = np.argmax(np.einsum("tkx,tkx->tk", edges, edges), axis=1)
-    rows = np.arange(len(triangles))
-    a, b, c = (triangles[rows, (apex + k) % 3] for k in range(3))
-    middle = np.round(np.column_stack([owners[:, None], (b + c) / 2]), 9)
-    order = np.lexsort(middle.T)
-    twins = np.abs(np.diff(middle[order], axis=0)).max(axis=1, initial=0.0) < 1e-8
-    twins &= np.concatenate([[True], ~twins[:-1]])  # the first two of three that agree
-    one, two = order[:-1][twins], order[1:][twins]
-    fits = np.abs(a[one] + a[two] - b[one] - c[one]).max(axis=1, initial=0.0) < 1e-9
-    normal = np.cross(b - a, c - a)
-    fits &= np.einsum("ni,ni->n", normal[one], normal[two]) > 0
-    one, two = one[fits], two[fits]
-    alone = np.ones(len(triangles), dtype=bool)
-    alone[one] = alone[two] = False
-    pieces = _Pieces(origin=a, first=b - a, second=c - a, sign=np.ones(len(a)), owners=owners)
-    return pieces.pick(np.sort(one)), pieces.pick(alone)
-
-
-def _other_half(pieces: _Pieces) -> _Pieces:
-    return _Pieces(
-        origin=pieces.origin + pieces.first + pieces.second,
-        first=-pieces.first,
-        second=-pieces.second,
-        sign=pieces.sign,
-        owners=pieces.owners,
-    )
-
-
-def _swap(pieces: _Pieces) -> _Pieces:
-    return _Pieces(
-        origin=pieces.origin,
-        first=pieces.second,
-        second=pieces.first,
-        sign=-pieces.sign,
-        owners=pieces.owners,
-    )
-
-
-def _join(chunks: list[_Pieces]) -> _Pieces:
-    return _Pieces(
-        **{name: np.concatenate([vars(chunk)[name] for chunk in chunks]) for name in vars(chunks[0])}
-    )
-
-
-def _cut_sheets(sheets: _Pieces, axis: Int[np.ndarray, "N"]) -> _Pieces:
-    """Cuts parallelograms whose ``first`` runs along an axis and whose ``second`` is upright to it."""
+def _cut_sheets(sheets: _Sheets) -> _Pieces:
+    """Cuts along the axis in steps of a cell, and across it at every plane that the edge meets."""
+    axis = sheets.axis
     face, start, end = _cut_segments(sheets.origin, sheets.second)
     at = sheets.origin[face, axis[face]]
     reach = at + sheets.first[face, axis[face]]
     low, high = np.minimum(at, reach), np.maximum(at, reach)
-    first_cell = np.floor(low + _TINY).astype(np.int64)
-    counts = np.maximum(np.ceil(high - _TINY).astype(np.int64) - first_cell, 1)
+    first_cell = np.floor(low + TINY).astype(np.int64)
+    counts = np.maximum(np.ceil(high - TINY).astype(np.int64) - first_cell, 1)
     row = np.repeat(np.arange(len(face)), counts)
     cell = first_cell[row] + np.arange(len(row)) - np.repeat(np.cumsum(counts) - counts, counts)
     bottom, top = np.maximum(low[row], cell), np.minimum(high[row], cell + 1)
-    face, start, end, rows = face[row], start[row], end[row], np.arange(len(row))
     origin = sheets.origin[face] + start[:, None] * sheets.second[face]
+    second = (end - start)[:, None] * sheets.second[face]
+    whole = np.cross(sheets.first[face], second) / (high - low)[:, None]
+    rows = np.arange(len(row))
+    face, origin, second = face[row], origin[row], second[row]
     first = np.zeros_like(origin)
     origin[rows, axis[face]] = bottom
     first[rows, axis[face]] = top - bottom
-    flipped = np.sign(sheets.first[face, axis[face]])
     return _Pieces(
-        origin=origin,
-        first=first,
-        second=(end - start)[:, None] * sheets.second[face],
-        sign=sheets.sign[face] * flipped,
+        middles=origin + (first + second) / 2,
+        areas=whole[row] * (top - bottom)[:, None],
+        low=origin + np.minimum(second, 0.0),
+        high=origin + first + np.maximum(second, 0.0),
+        looks=lambda some: (
+            origin[some, None] + _LOOKS[:, :1] * first[some, None] + _LOOKS[:, 1:] * second[some, None]
+        ),
         owners=sheets.owners[face],
+    )
+
+
+def _cut_faces(faces: _Polygons) -> _Pieces:
+    """Cuts polygons into cells."""
+    rows, corners, counts = cut_polygons(faces.corners, faces.counts)
+    middles, areas = polygon_middles(corners, counts), polygon_areas(corners)
+    proper = (areas**2).sum(axis=1) > TINY**4
+    rows, corners, counts = rows[proper], corners[proper], counts[proper]
+    middles, areas = middles[proper], areas[proper]
+
+    def looks(some: np.ndarray) -> Float[np.ndarray, "K L 3"]:
+        padding = np.arange(corners.shape[1]) >= counts[some, None]
+        out = middles[some, None] + np.where(padding, 0.0, _SHRINK)[..., None] * (
+            corners[some] - middles[some, None]
+        )
+        return np.concatenate([out, middles[some, None]], axis=1)
+
+    return _Pieces(
+        middles=middles,
+        areas=areas,
+        low=corners.min(axis=1),
+        high=corners.max(axis=1),
+        looks=looks,
+        owners=faces.owners[rows],
     )
 
 
@@ -226,92 +227,35 @@ def _cut_segments(
     order = np.lexsort((cut, row))
     row, cut = row[order], np.clip(cut[order], 0.0, 1.0)
     length = np.linalg.norm(edge, axis=1)[row[:-1]] * np.diff(cut)
-    proper = (row[:-1] == row[1:]) & (length > _TINY)
+    proper = (row[:-1] == row[1:]) & (length > TINY)
     return row[:-1][proper], cut[:-1][proper], cut[1:][proper]
 
 
-def _cut_halves(halves: _Pieces) -> _Pieces:
-    """Cuts triangles along the planes between cells until each lies in one cell."""
-    done, waiting = [], halves
-    while len(waiting.origin):
-        corners = np.stack(
-            [waiting.origin, waiting.origin + waiting.first, waiting.origin + waiting.second], axis=1
-        )
-        low = np.floor(corners.min(axis=1) + _TINY)
-        high = np.ceil(corners.max(axis=1) - _TINY)
-        spans = high - low
-        axis = spans.argmax(axis=1)
-        rows = np.arange(len(axis))
-        whole = spans[rows, axis] <= 1
-        done.append(waiting.pick(whole))
-        plane = np.round((low + high)[rows, axis] / 2)
-        cut = ~whole
-        waiting = _cut_at(waiting.pick(cut), corners[cut], axis[cut], plane[cut])
-    return _join(done) if done else halves
-
-
-def _cut_at(
-    pieces: _Pieces, corners: Float[np.ndarray, "N 3 3"], axis: Int[np.ndarray, "N"], plane: np.ndarray
-) -> _Pieces:
-    """Each triangle in three: the corner that is alone on its side of the plane, and the rest in two."""
-    rows = np.arange(len(axis))
-    height = corners[rows, :, axis] - plane[:, None]
-    above = height > 0
-    alone = np.where(above.sum(axis=1) == 1, above.argmax(axis=1), (~above).argmax(axis=1))
-    a, b, c = (corners[rows, (alone + k) % 3] for k in range(3))
-    ha, hb, hc = (height[rows, (alone + k) % 3][:, None] for k in range(3))
-    p, q = a + ha / (ha - hb) * (b - a), a + ha / (ha - hc) * (c - a)
-    out = []
-    for one, two, three in ((a, p, q), (p, b, c), (p, c, q)):
-        area = np.linalg.norm(np.cross(two - one, three - one), axis=1)
-        piece = _Pieces(
-            origin=one, first=two - one, second=three - one, sign=pieces.sign, owners=pieces.owners
-        )
-        out.append(piece.pick(area > _TINY**2))
-    return _join(out)
-
-
-def _measure(
-    pieces: _Pieces,
-    half: bool,  # noqa: FBT001 - what _Pieces says
-    solids: Solids,
-    corner: Float[np.ndarray, "3"],
-    cell: float,
-    resolution: int,
-) -> CellAreas:
-    """Cell, part and visible area of every piece."""
-    if (np.diff(pieces.owners) < 0).any():
-        pieces = pieces.pick(np.argsort(pieces.owners, kind="stable"))
-    cross = pieces.sign[:, None] * np.cross(pieces.first, pieces.second)
-    length = np.linalg.norm(cross, axis=1)
-    normals = cross / length[:, None]
-    share = 1 / 3 if half else 1 / 2
-    middle = pieces.origin + share * (pieces.first + pieces.second)
-    cells = np.clip(np.floor(middle - _TINY * normals).astype(np.int64), 0, resolution - 1)
-    seen = _seen_shares(pieces, normals, half, solids, corner, cell)
-    kept = seen > 0
-    areas = length * (0.5 if half else 1.0) * seen
-    return CellAreas(cells=cells[kept], part_ids=solids.part_ids[pieces.owners[kept]], areas=areas[kept])
-
-
-def _seen_shares(
-    pieces: _Pieces,
+def _find_shares(
+    pieces: list[_Pieces],
     normals: Float[np.ndarray, "N 3"],
-    half: bool,  # noqa: FBT001 - what _Pieces says
     solids: Solids,
     corner: Float[np.ndarray, "3"],
     cell: float,
 ) -> Float[np.ndarray, "N"]:
-    """How much of each piece is surface of its part, judged at a few points where others are near."""
-    low = pieces.origin + np.minimum(pieces.first, 0.0) + np.minimum(pieces.second, 0.0)
-    high = pieces.origin + np.maximum(pieces.first, 0.0) + np.maximum(pieces.second, 0.0)
-    near = may_be_covered(solids, low * cell + corner, high * cell + corner, pieces.owners)
-    seen = np.ones(len(near))
-    looks = _HALF_LOOKS if half else _LOOKS
-    some = pieces.pick(near)
-    points = some.origin[:, None] + np.einsum("ku,unx->nkx", looks, np.stack([some.first, some.second]))
-    flat = points.reshape(-1, 3) * cell + corner
-    count = len(looks)
-    found = see_points(solids, flat, np.repeat(normals[near], count, axis=0), np.repeat(some.owners, count))
-    seen[near] = found.reshape(-1, count).mean(axis=1)
-    return seen
+    """How much of every piece is surface of its part, judged at a few points where others cut it."""
+    owners = np.concatenate([some.owners for some in pieces])
+    order = np.argsort(owners, kind="stable")
+    low = np.concatenate([some.low for some in pieces])[order] * cell + corner
+    high = np.concatenate([some.high for some in pieces])[order] * cell + corner
+    hidden, unsure = np.empty((2, len(owners)), dtype=bool)
+    hidden[order], unsure[order] = cover_boxes(solids, low, high, normals[order], owners[order])
+    points, rows, start = [], [], 0
+    for some in pieces:
+        own = np.flatnonzero(unsure[start : start + len(some.owners)])
+        looks = some.looks(own)
+        points.append(looks.reshape(-1, 3))
+        rows.append(np.repeat(start + own, looks.shape[1]))
+        start += len(some.owners)
+    row = np.concatenate(rows)
+    order = np.argsort(owners[row], kind="stable")
+    row = row[order]
+    found = see_points(solids, np.concatenate(points)[order] * cell + corner, normals[row], owners[row])
+    counts = np.bincount(row, minlength=len(owners))
+    shares = np.bincount(row, found, len(owners)) / np.maximum(counts, 1)
+    return np.where(unsure, shares, ~hidden)

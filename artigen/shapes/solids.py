@@ -91,18 +91,65 @@ def see_points(
     return seen
 
 
-def may_be_covered(
+def cover_boxes(
     solids: Solids,
     low: Float[np.ndarray, "N 3"],
     high: Float[np.ndarray, "N 3"],
+    normals: Float[np.ndarray, "N 3"],
     owners: Int[np.ndarray, "N"],
-) -> Bool[np.ndarray, "N"]:
-    """Which boxes (m, in ascending order of owner) touch the bounds of another primitive of their part."""
-    near = np.zeros(len(low), dtype=bool)
-    columns = np.ascontiguousarray(low.T), np.ascontiguousarray(high.T)
-    for _, close in _close_rows(solids, *columns, owners):
-        near[close] = True
-    return near
+) -> tuple[Bool[np.ndarray, "N"], Bool[np.ndarray, "N"]]:
+    """Which pieces of surface others of their part hide for certain, and of which only points can tell.
+
+    Args:
+        solids: The primitives.
+        low: Lowest corners of the pieces' bounds (m), in ascending order of owner.
+        high: Highest corners.
+        normals: Outward unit normals.
+        owners: Index of the primitive that each piece lies on.
+    """
+    hidden, unsure = np.zeros(len(low), dtype=bool), np.zeros(len(low), dtype=bool)
+    for index, close in _close_rows(
+        solids, np.ascontiguousarray(low.T), np.ascontiguousarray(high.T), owners
+    ):
+        rows = close[~hidden[close]]
+        middle, half, step = (
+            (low[rows] + high[rows]) / 2,
+            (high[rows] - low[rows]) / 2,
+            EPSILON * normals[rows],
+        )
+        within, apart = _judge_boxes(solids, index, middle + step, half)
+        later = np.flatnonzero(owners[rows] > index)
+        behind, clear = _judge_boxes(solids, index, middle[later] - step[later], half[later])
+        within[later] |= behind
+        apart[later] &= clear
+        hidden[rows] = within
+        unsure[rows] |= ~(within | apart)
+    return hidden, unsure & ~hidden
+
+
+def _judge_boxes(
+    solids: Solids, index: int, middle: Float[np.ndarray, "N 3"], half: Float[np.ndarray, "N 3"]
+) -> tuple[Bool[np.ndarray, "N"], Bool[np.ndarray, "N"]]:
+    """Which boxes lie within a primitive, and which surely apart from it."""
+    if solids.upright[index]:
+        center, size = (
+            (solids.low[index] + solids.high[index]) / 2,
+            (solids.high[index] - solids.low[index]) / 2,
+        )
+        away = np.abs(middle - center) - size
+        return (away < -half).all(axis=1), (away >= half).any(axis=1)
+    primitive = solids.primitives[index]
+    own = (middle - primitive.center) @ primitive.rotation
+    if primitive.kind == "cylinder":
+        reach = half @ np.abs(primitive.rotation)
+        round_reach = np.hypot(reach[:, 0], reach[:, 1])
+        aside = np.hypot(own[:, 0], own[:, 1]) - primitive.size[0] / 2
+        along = np.abs(own[:, 2]) - primitive.size[2] / 2
+        within = (aside < -round_reach) & (along < -reach[:, 2])
+        return within, (aside >= round_reach) | (along >= reach[:, 2])
+    normals = primitive.rotation @ primitive.planes[:, :3].T
+    height, reach = own @ primitive.planes[:, :3].T + primitive.planes[:, 3], half @ np.abs(normals)
+    return (height < -reach).all(axis=1), (height >= reach).any(axis=1)
 
 
 def _close_rows(
@@ -111,16 +158,16 @@ def _close_rows(
     high: Float[np.ndarray, "3 N"],
     owners: Int[np.ndarray, "N"],
 ) -> Iterator[tuple[int, Int[np.ndarray, "M"]]]:
-    """For every primitive the rows of its part, not its own, that touch its bounds."""
-    starts = np.searchsorted(solids.part_ids[owners], np.arange(solids.part_ids[-1] + 2))
-    for index in np.flatnonzero(_neighbours(solids).any(axis=1)):
-        part = solids.part_ids[index]
-        rows = slice(starts[part], starts[part + 1])
-        near = owners[rows] != index
+    """For every primitive the rows of others of its part that touch its bounds."""
+    starts = np.searchsorted(owners, np.arange(len(solids.primitives) + 1))
+    bottom, top = solids.low - EPSILON, solids.high + EPSILON
+    for index, others in enumerate(_neighbours(solids)):
+        spans = [np.arange(starts[k], starts[k + 1]) for k in np.flatnonzero(others)]
+        rows = np.concatenate(spans) if spans else starts[:0]
         for axis in range(3):
-            near &= high[axis, rows] >= solids.low[index, axis] - EPSILON
-            near &= low[axis, rows] <= solids.high[index, axis] + EPSILON
-        yield int(index), starts[part] + np.flatnonzero(near)
+            rows = rows[(high[axis, rows] >= bottom[index, axis]) & (low[axis, rows] <= top[index, axis])]
+        if len(rows):
+            yield index, rows
 
 
 def _neighbours(solids: Solids) -> Bool[np.ndarray, "P P"]:

@@ -1,0 +1,97 @@
+"""Convex polygons in space, cut along the planes between cells (lengths in cells)."""
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+TINY = 1e-6
+"""Cells: what is shorter than this is nothing, and what lies this close to a plane lies on it."""
+
+
+def cut_polygons(
+    corners: Float[np.ndarray, "N M 3"], counts: Int[np.ndarray, "N"]
+) -> tuple[Int[np.ndarray, "P"], Float[np.ndarray, "P W 3"], Int[np.ndarray, "P"]]:
+    """Cuts polygons until each piece lies in one cell.
+
+    Args:
+        corners: Corners in order; those beyond a polygon's count repeat its last one.
+        counts: Corners of each polygon.
+
+    Returns:
+        Which polygon each piece is of, its corners (padded alike), and how many they are.
+    """
+    rows = np.arange(len(corners))
+    for axis in range(3):
+        height = corners[:, :, axis]
+        first = np.floor(height.min(axis=1) + TINY).astype(np.int64)
+        last = np.maximum(np.ceil(height.max(axis=1) - TINY).astype(np.int64), first + 1)
+        spans = last - first
+        if (spans == 1).all():
+            continue
+        piece = np.repeat(np.arange(len(corners)), spans)
+        plane = first[piece] + np.arange(len(piece)) - np.repeat(np.cumsum(spans) - spans, spans)
+        rows, corners, counts = rows[piece], corners[piece], counts[piece]
+        above, below = plane > first[piece], plane + 1 < last[piece]
+        corners, counts = _cut_off(corners, counts, above, axis, (plane, 1))
+        corners, counts = _cut_off(corners, counts, below, axis, (plane + 1, -1))
+        proper = counts > 2
+        rows, corners, counts = rows[proper], corners[proper], counts[proper]
+    return rows, corners, counts
+
+
+def polygon_areas(corners: Float[np.ndarray, "N M 3"]) -> Float[np.ndarray, "N 3"]:
+    """Area vectors: as long as the area, along the normal that sees the corners counterclockwise."""
+    spokes = corners[:, 1:] - corners[:, :1]
+    return np.cross(spokes[:, :-1], spokes[:, 1:]).sum(axis=1) / 2
+
+
+def polygon_middles(
+    corners: Float[np.ndarray, "N M 3"], counts: Int[np.ndarray, "N"]
+) -> Float[np.ndarray, "N 3"]:
+    """Means of the corners: points inside."""
+    padding = corners.shape[1] - counts
+    return (corners.sum(axis=1) - padding[:, None] * corners[:, -1]) / counts[:, None]
+
+
+def _cut_off(
+    corners: Float[np.ndarray, "N M 3"],
+    counts: Int[np.ndarray, "N"],
+    chosen: Bool[np.ndarray, "N"],
+    axis: int,
+    at: tuple[Int[np.ndarray, "N"], int],
+) -> tuple[Float[np.ndarray, "N W 3"], Int[np.ndarray, "N"]]:
+    """The chosen polygons without what is beyond their planes; ``at`` says where they are and which way."""
+    if not chosen.any():
+        return corners, counts
+    planes, side = at
+    cut, number = _keep_side(corners[chosen], side * (corners[chosen, :, axis] - planes[chosen, None]))
+    width = max(cut.shape[1], int(counts[~chosen].max(initial=0)))
+    out = np.empty((len(corners), width, 3))
+    out[~chosen] = _pad(corners[~chosen], width)
+    out[chosen] = _pad(cut, width)
+    counts = counts.copy()
+    counts[chosen] = number
+    return out, counts
+
+
+def _keep_side(
+    corners: Float[np.ndarray, "N M 3"], height: Float[np.ndarray, "N M"]
+) -> tuple[Float[np.ndarray, "N W 3"], Int[np.ndarray, "N"]]:
+    """What is left of polygons where their height is not negative, and how many corners each has."""
+    after, next_height = np.roll(corners, -1, axis=1), np.roll(height, -1, axis=1)
+    inside = height >= 0
+    crosses = inside != (next_height >= 0)
+    way = np.divide(height, height - next_height, out=np.zeros_like(height), where=crosses)
+    found = np.stack([corners, corners + way[..., None] * (after - corners)], axis=2)
+    kept = np.stack([inside, crosses], axis=2).reshape(len(corners), -1)
+    counts = kept.sum(axis=1)
+    width = max(int(counts.max()), 1)
+    order = np.argsort(~kept, axis=1, kind="stable")
+    column = np.minimum(np.arange(width), np.maximum(counts - 1, 0)[:, None])
+    order = np.take_along_axis(order, column, axis=1)
+    return found.reshape(len(corners), -1, 3)[np.arange(len(corners))[:, None], order], counts
+
+
+def _pad(corners: Float[np.ndarray, "N M 3"], width: int) -> Float[np.ndarray, "N W 3"]:
+    """The corners in so many columns: the last one again and again, or without such repetitions."""
+    column = np.minimum(np.arange(width), corners.shape[1] - 1)
+    return corners[:, column]
