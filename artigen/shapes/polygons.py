@@ -7,35 +7,52 @@ TINY = 1e-6
 """Cells: what is shorter than this is nothing, and what lies this close to a plane lies on it."""
 
 
-def cut_polygons(
-    corners: Float[np.ndarray, "N M 3"], counts: Int[np.ndarray, "N"]
-) -> tuple[Int[np.ndarray, "P"], Float[np.ndarray, "P W 3"], Int[np.ndarray, "P"]]:
-    """Cuts polygons until each piece lies in one cell.
+WIDTHS = (6, 16)
+"""Polygons with at most so many corners are cut together: padding costs time."""
+Cut = tuple[Int[np.ndarray, "P"], Float[np.ndarray, "P W 3"], Int[np.ndarray, "P"]]
+"""Which polygon each piece is of, its corners (padded as given), and how many they are."""
+
+
+def cut_polygons(corners: Float[np.ndarray, "N M 3"], counts: Int[np.ndarray, "N"]) -> list[Cut]:
+    """Cuts polygons until each piece lies in one cell; pieces of like width come together.
 
     Args:
         corners: Corners in order; those beyond a polygon's count repeat its last one.
         counts: Corners of each polygon.
-
-    Returns:
-        Which polygon each piece is of, its corners (padded alike), and how many they are.
     """
-    rows = np.arange(len(corners))
+    groups = _sort_by_width((np.arange(len(corners)), corners, counts))
     for axis in range(3):
-        height = corners[:, :, axis]
-        first = np.floor(height.min(axis=1) + TINY).astype(np.int64)
-        last = np.maximum(np.ceil(height.max(axis=1) - TINY).astype(np.int64), first + 1)
-        spans = last - first
-        if (spans == 1).all():
-            continue
-        piece = np.repeat(np.arange(len(corners)), spans)
-        plane = first[piece] + np.arange(len(piece)) - np.repeat(np.cumsum(spans) - spans, spans)
-        rows, corners, counts = rows[piece], corners[piece], counts[piece]
-        above, below = plane > first[piece], plane + 1 < last[piece]
-        corners, counts = _cut_off(corners, counts, above, axis, (plane, 1))
-        corners, counts = _cut_off(corners, counts, below, axis, (plane + 1, -1))
-        proper = counts > 2
-        rows, corners, counts = rows[proper], corners[proper], counts[proper]
-    return rows, corners, counts
+        groups = [narrow for group in groups for narrow in _sort_by_width(_cut_along(group, axis))]
+    return groups
+
+
+def _sort_by_width(cut: Cut) -> list[Cut]:
+    rows, corners, counts = cut
+    width = np.searchsorted(WIDTHS, counts)
+    out = []
+    for kind in np.unique(width):
+        own = width == kind
+        out.append((rows[own], corners[own, : counts[own].max()], counts[own]))
+    return out
+
+
+def _cut_along(cut: Cut, axis: int) -> Cut:
+    """Cuts at every plane between cells that is upright to an axis."""
+    rows, corners, counts = cut
+    height = corners[:, :, axis]
+    first = np.floor(height.min(axis=1) + TINY).astype(np.int64)
+    last = np.maximum(np.ceil(height.max(axis=1) - TINY).astype(np.int64), first + 1)
+    spans = last - first
+    if (spans == 1).all():
+        return cut
+    piece = np.repeat(np.arange(len(corners)), spans)
+    plane = first[piece] + np.arange(len(piece)) - np.repeat(np.cumsum(spans) - spans, spans)
+    rows, corners, counts = rows[piece], corners[piece], counts[piece]
+    above, below = plane > first[piece], plane + 1 < last[piece]
+    corners, counts = _cut_off(corners, counts, above, axis, (plane, 1))
+    corners, counts = _cut_off(corners, counts, below, axis, (plane + 1, -1))
+    proper = counts > 2
+    return rows[proper], corners[proper], counts[proper]
 
 
 def polygon_areas(corners: Float[np.ndarray, "N M 3"]) -> Float[np.ndarray, "N 3"]:

@@ -73,7 +73,7 @@ def rasterize_shape(shape: Shape, resolution: int = 64) -> CellAreas:
     corner = (low + high) / 2 - cell * resolution / 2
     solids = list_solids(shape)
     sheets, polygons = _list_faces(solids, corner, cell)
-    pieces = [_cut_sheets(sheets), *(_cut_faces(faces) for faces in polygons if len(faces.counts))]
+    pieces = [_cut_sheets(sheets), *(some for faces in polygons for some in _cut_faces(faces))]
     sizes = [np.sqrt(np.einsum("ni,ni->n", some.areas, some.areas)) for some in pieces]
     normals = [some.areas / size[:, None] for some, size in zip(pieces, sizes, strict=True)]
     owners = np.concatenate([some.owners for some in pieces])
@@ -93,7 +93,7 @@ def _list_faces(
     solids: Solids, corner: Float[np.ndarray, "3"], cell: float
 ) -> tuple[_Sheets, list[_Polygons]]:
     """Parallelograms along the axes and all other faces, in cells; polygons of like width together."""
-    found: dict[int, list[tuple[np.ndarray, int]]] = {}
+    found: dict[int, list[tuple[np.ndarray, int]]] = {}  # by width
     for index, primitive in enumerate(solids.primitives):
         if primitive.kind == "cylinder":
             faces = _cylinder_faces(primitive, cell)
@@ -185,28 +185,35 @@ def _cut_sheets(sheets: _Sheets) -> _Pieces:
     )
 
 
-def _cut_faces(faces: _Polygons) -> _Pieces:
+def _cut_faces(faces: _Polygons) -> list[_Pieces]:
     """Cuts polygons into cells."""
-    rows, corners, counts = cut_polygons(faces.corners, faces.counts)
-    middles, areas = polygon_middles(corners, counts), polygon_areas(corners)
+    return [
+        _list_pieces(corners, counts, faces.owners[rows])
+        for rows, corners, counts in cut_polygons(faces.corners, faces.counts)
+    ]
+
+
+def _list_pieces(
+    corners: Float[np.ndarray, "N M 3"], counts: Int[np.ndarray, "N"], owners: Int[np.ndarray, "N"]
+) -> _Pieces:
+    """Pieces from the corners of polygons that have an area."""
+    areas = polygon_areas(corners)
     proper = (areas**2).sum(axis=1) > TINY**4
-    rows, corners, counts = rows[proper], corners[proper], counts[proper]
-    middles, areas = middles[proper], areas[proper]
+    corners, counts = corners[proper], counts[proper]
+    middles = polygon_middles(corners, counts)
 
     def looks(some: np.ndarray) -> Float[np.ndarray, "K L 3"]:
         padding = np.arange(corners.shape[1]) >= counts[some, None]
-        out = middles[some, None] + np.where(padding, 0.0, _SHRINK)[..., None] * (
-            corners[some] - middles[some, None]
-        )
-        return np.concatenate([out, middles[some, None]], axis=1)
+        spokes = np.where(padding, 0.0, _SHRINK)[..., None] * (corners[some] - middles[some, None])
+        return middles[some, None] + np.concatenate([spokes, np.zeros((len(some), 1, 3))], axis=1)
 
     return _Pieces(
         middles=middles,
-        areas=areas,
+        areas=areas[proper],
         low=corners.min(axis=1),
         high=corners.max(axis=1),
         looks=looks,
-        owners=faces.owners[rows],
+        owners=owners[proper],
     )
 
 
