@@ -110,6 +110,9 @@ def finish_material(
         return "insulating_glass"
     if plate and label in ("tray", "shelf") and kind in ("steel", "rubber", "lacquer"):
         return "steel_sheet"
+    folded = plate or label in ("drawer", "door")
+    if folded and category in METAL_CATEGORIES and label != "wheel" and kind in ("steel", "lacquer"):
+        return "steel_sheet"
     hardware = label in ("handle", "knob", "wheel", "tray", "shelf")
     if kind == "wood":
         return "wood_board"

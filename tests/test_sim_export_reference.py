@@ -149,6 +149,8 @@ def test_plates_weigh_what_sheet_and_panes_do():
         assert finish_material("rubber", "tray", "Oven", turned) == "steel_sheet"
         assert finish_material("glass", "door", "Oven", turned) == "glass"
     assert finish_material("steel", "tray", "Oven", bar) == "steel"
+    assert finish_material("lacquer", "drawer", "Cart", bar) == "steel_sheet"
+    assert finish_material("lacquer", "base", "Cart", bar) == "steel"
     assert finish_material("glass", "door", "Refrigerator", (0.031, 0.5, 1.7)) == "insulating_glass"
     # Two panes of four millimetres weigh 20 kg a square metre.
     assert 15.0 < MATERIALS["insulating_glass"].density * 0.031 < 30.0

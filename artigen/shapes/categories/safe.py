@@ -10,7 +10,7 @@ import numpy as np
 
 from artigen.shapes.draw import Draft, ShapeError, Wish, choose
 from artigen.shapes.fronts import FrontDesign, make_door
-from artigen.shapes.hardware import GAP, Panel, Space, fill_space, sweep_gap
+from artigen.shapes.hardware import GAP, PASSING, Panel, Space, fill_space, sweep_gap
 from artigen.shapes.materials import LACQUERS, make_lacquer
 from artigen.shapes.palette import draw_palette
 from artigen.shapes.primitives import Primitive, box, cylinder, line
@@ -20,6 +20,8 @@ CATEGORY = "Safe"
 STYLES = ("dial", "handwheel", "keypad")
 COLORS = ("anthracite", "black", "grey", "forest", "navy", "white")
 BODY, DOOR = "body", "door"
+ARM = 0.0085
+"""Radius (m) of the spokes of a lever or handwheel."""
 
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
@@ -47,6 +49,8 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     )
     plain = FrontDesign(style="flat", frame=0.0, handle=None)
     upper = radians(float(rng.choice((95.0, 110.0, 135.0, 165.0))))
+    if not _passes_side(panel, upper, wall + GAP):
+        upper = min(upper, radians(135.0))
     door = make_door(panel, plain, name=DOOR, parent=BODY, edge="left" if left else "right", upper=upper)[0]
     pad, lock = _make_lock(panel, style)
     door = replace(door, primitives=(*door.primitives, *pad))
@@ -77,14 +81,24 @@ def _make_body(outer: Space, wall: float, foot: float) -> tuple[Primitive, ...]:
 def _make_lock(panel: Panel, style: str) -> tuple[tuple[Primitive, ...], tuple[ShapePart, ...]]:
     """A dial or keypad above a lever or handwheel: what joins the door, and what turns on it."""
     y, z = panel.center
-    room = min(panel.width, panel.height)
-    size = float(np.clip(0.17 * room, 0.03, 0.07))
+    size = _lock_size(panel)
     apart = min(0.3 * panel.height, 2.6 * size) / 2 + 0.012
     upper, lower = (y, z + apart), (y, z - apart)
     spokes = _make_spokes(panel, lower, size, count=4 if style == "handwheel" else 2)
     if style == "keypad":
         return _make_keypad(panel, upper, size), (spokes,)
     return (), (_make_dial("dial", panel, upper, 0.7 * size if style == "handwheel" else size), spokes)
+
+
+def _lock_size(panel: Panel) -> float:
+    """Radius of the largest dial (m); spokes reach a quarter further."""
+    return float(np.clip(0.17 * min(panel.width, panel.height), 0.03, 0.07))
+
+
+def _passes_side(panel: Panel, upper: float, beside: float) -> bool:
+    """Whether a lock on a door that folds back stays clear of the body, ``beside`` metres from the hinge."""
+    nearest = panel.width / 2 - 1.25 * _lock_size(panel) - ARM
+    return nearest * np.cos(np.pi - upper) > beside + PASSING
 
 
 def _make_keypad(panel: Panel, at: tuple[float, float], size: float) -> tuple[Primitive, ...]:
@@ -116,13 +130,13 @@ def _make_dial(name: str, panel: Panel, at: tuple[float, float], radius: float) 
 
 def _make_spokes(panel: Panel, at: tuple[float, float], radius: float, count: int) -> ShapePart:
     """A hub with arms; two arms are a lever that turns a quarter, four a handwheel that spins."""
-    x, arm = panel.x - 0.0015, 0.0085
+    x = panel.x - 0.0015
     solids = [cylinder((x, *at), (x - 0.035, *at), 0.4 * radius, "steel")]
     for k in range(count):
         turn = 2 * np.pi * k / count
         tip = (at[0] + radius * 1.25 * np.cos(turn), at[1] + radius * 1.25 * np.sin(turn))
         solids.append(
-            cylinder((x - 0.035 + arm, *at), (x - 0.035 + arm, float(tip[0]), float(tip[1])), arm, "steel")
+            cylinder((x - 0.035 + ARM, *at), (x - 0.035 + ARM, float(tip[0]), float(tip[1])), ARM, "steel")
         )
     motion = _turn(x, at, 2 * np.pi if count > 2 else np.pi / 2)
     return ShapePart(name="lever", label="knob", parent=DOOR, primitives=tuple(solids), motion=motion)
