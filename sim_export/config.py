@@ -8,6 +8,7 @@ from sim_export.clearance import ClearanceConfig
 from sim_export.decompose import DecomposeConfig
 from sim_export.feet import FeetConfig
 from sim_export.meshing import MeshingConfig
+from sim_export.recovery import RecoveryConfig
 from sim_export.requirements import RequirementConfig
 from sim_export.retention import RetentionConfig
 from sim_export.texture import TextureConfig
@@ -29,6 +30,8 @@ class ExportConfig:
     """Drawers that must not fall out."""
     clearance: ClearanceConfig = field(default_factory=ClearanceConfig)
     """Room for moving parts."""
+    recovery: RecoveryConfig = field(default_factory=RecoveryConfig)
+    """Surface that no hull stands for."""
     feet: FeetConfig = field(default_factory=FeetConfig)
     """What the object stands on."""
     attachment: AttachmentConfig = field(default_factory=AttachmentConfig)

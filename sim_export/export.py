@@ -18,6 +18,7 @@ from sim_export.masses import weigh_part
 from sim_export.materials import part_material
 from sim_export.meshing import mesh_parts, solid_parts
 from sim_export.package import Mesh, SimPackage, SourceMesh
+from sim_export.recovery import recover_surface
 from sim_export.requirements import find_requirements
 from sim_export.retention import keep_drawers_held
 from sim_export.separation import separate_solids
@@ -100,13 +101,10 @@ def export_asset(
     watch.lap("requirements")
     cleared = clear_joints(tree.links, joints, needs, cfg.clearance)
     watch.lap("clearance")
-    standing = add_feet(
-        cleared.links,
-        cleared.joints,
-        needs,
-        {part.name: mesh for part, mesh in zip(asset.parts, meshes, strict=True)},
-        cfg.feet,
-    )
+    solid = {part.name: mesh for part, mesh in zip(asset.parts, meshes, strict=True)}
+    whole = recover_surface(cleared.links, cleared.joints, needs, solid, cfg.recovery)
+    watch.lap("recover")
+    standing = add_feet(whole.links, cleared.joints, needs, solid, cfg.feet)
     attached = attach_links(standing.links, cleared.joints, needs, cfg.attachment)
     watch.lap("attach")
     tree = LinkTree(links=attached.links, joints=cleared.joints, records=tree.records)
@@ -129,6 +127,7 @@ def export_asset(
         *tree.records,
         *held,
         *cleared.records,
+        *whole.records,
         *standing.records,
         *attached.records,
     )
