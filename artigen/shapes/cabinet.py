@@ -18,6 +18,8 @@ from artigen.types import PartLabel
 FACED = ("drawer", "door", "double", "drop", "lift", "fold")
 """Fills whose fronts lie before the body, not within it."""
 MAX_DRAWERS_ON_RUNNERS = 5
+PUSH_OPEN = 0.04
+"""Chance of fronts without handles, which open when they are pushed."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,6 +57,7 @@ def draw_looks(rng: np.random.Generator, style: Style, longest: float, hand: flo
     margin = 0.0 if handle.kind == "edge" else 0.006
     limit = 90.0 + np.degrees(np.arctan2(margin + 0.0025, handle.reach))
     narrow = [angle for angle in (95.0, 100.0, 105.0, 110.0) if angle < limit]
+    doors = replace(doors, handle=None) if rng.random() < PUSH_OPEN else doors
     return Looks(
         doors=doors,
         drawers=replace(doors, style=style.drawers[int(rng.integers(len(style.drawers)))]),

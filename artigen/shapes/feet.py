@@ -162,9 +162,9 @@ def make_sled(x: Range, y: Range, height: float, width: float, finish: str) -> t
 
 
 def make_castors(
-    x: Range, y: Range, radius: float, *, parent: str, swivel: bool, finish: str = "steel"
+    x: Range, y: Range, radius: float, *, parent: str, swivel: bool, pairs: int = 2, finish: str = "steel"
 ) -> Stand:
-    """Four castors within the rectangle x by y; with ``swivel`` the left forks turn too.
+    """Pairs of castors within the rectangle x by y; with ``swivel`` the left forks turn too (all of three).
 
     A fork is a plate and two cheeks; it belongs to the parent unless it turns about its upright axle, as on
     the end of a cart where people push. Wheels roll about y.
@@ -175,9 +175,10 @@ def make_castors(
     half = width / 2 + GAP + wall
     fixed: list[Primitive] = []
     parts: list[ShapePart] = []
-    corners = [(at_x, at_y) for at_x in (x[0] + radius, x[1] - radius) for at_y in (y[0] + half, y[1] - half)]
+    across = np.linspace(y[0] + half, y[1] - half, pairs).tolist()
+    corners = [(at_x, at_y) for at_x in (x[0] + radius, x[1] - radius) for at_y in across]
     for index, (at_x, at_y) in enumerate(corners):
-        turning = swivel and at_y > sum(y) / 2
+        turning = swivel and (pairs > 2 or at_y > sum(y) / 2)
         thick = plate + (GAP if swivel and not turning else 0.0)
         fork = _make_fork((at_x, at_y), radius, width, wall, thick, finish)
         carrier = parent

@@ -94,7 +94,7 @@ LOW: tuple[tuple[Fill, float], ...] = (
 )
 KINDS: dict[str, Kind] = {
     "base_cabinet": Kind(
-        weight=3.0,
+        weight=4.0,
         width=(0.3, 1.25),
         depth=(0.56, 0.66),
         height=(0.78, 0.94),
@@ -102,13 +102,13 @@ KINDS: dict[str, Kind] = {
         worktop=0.7,
         taste=Taste(
             module=(0.3, 0.62),
-            rules=(("columns", 1.0), ("stack", 0.9), ("drawer_row", 1.1), ("closed", 1.6), ("open_row", 0.1)),
+            rules=(("columns", 0.4), ("stack", 0.6), ("drawer_row", 0.7), ("closed", 2.6), ("open_row", 0.1)),
             fills=DOORS,
             trays=0.3,
         ),
     ),
     "wall_cabinet": Kind(
-        weight=1.6,
+        weight=2.8,
         width=(0.3, 1.2),
         depth=(0.28, 0.42),
         height=(0.34, 0.95),
@@ -116,13 +116,13 @@ KINDS: dict[str, Kind] = {
         hand=-1.0,
         taste=Taste(
             module=(0.28, 0.6),
-            rules=(("columns", 1.0), ("closed", 3.0), ("open_row", 0.3), ("open", 0.1)),
+            rules=(("columns", 0.4), ("closed", 3.0), ("open_row", 0.3), ("open", 0.1)),
             fills=(("door", 3.0), ("double", 3.0), ("lift", 3.0), ("fold", 0.4), ("slide", 0.6)),
             trays=0.0,
         ),
     ),
     "dresser": Kind(
-        weight=2.4,
+        weight=1.4,
         width=(0.4, 1.65),
         depth=(0.38, 0.54),
         height=(0.7, 1.3),
@@ -145,7 +145,7 @@ KINDS: dict[str, Kind] = {
         taste=Taste(
             module=(0.4, 0.6),
             drawer=(0.15, 0.26),
-            rules=(("columns", 0.8), ("rows", 0.9), ("closed", 2.0), ("open", 0.05)),
+            rules=(("columns", 0.5), ("rows", 0.5), ("closed", 2.4), ("open", 0.05)),
             fills=(("door", 3.0), ("double", 3.5), ("fold", 0.6), ("slide", 2.2), ("drawer", 0.2)),
             shelf_pitch=(0.3, 0.5),
             rod=0.7,
@@ -153,7 +153,7 @@ KINDS: dict[str, Kind] = {
         ),
     ),
     "sideboard": Kind(
-        weight=2.0,
+        weight=1.2,
         width=(1.0, 2.0),
         depth=(0.36, 0.5),
         height=(0.6, 0.95),
@@ -167,7 +167,7 @@ KINDS: dict[str, Kind] = {
         ),
     ),
     "nightstand": Kind(
-        weight=1.4,
+        weight=1.8,
         width=(0.34, 0.6),
         depth=(0.32, 0.46),
         height=(0.42, 0.7),
@@ -176,7 +176,7 @@ KINDS: dict[str, Kind] = {
         taste=Taste(
             module=(0.3, 0.6),
             drawer=(0.12, 0.22),
-            rules=(("stack", 1.4), ("drawer_row", 1.0), ("open_row", 1.0), ("closed", 0.8)),
+            rules=(("stack", 0.9), ("drawer_row", 0.8), ("open_row", 0.8), ("closed", 1.6)),
             fills=(("door", 3.0), ("drop", 0.4)),
             trays=0.0,
         ),
@@ -195,7 +195,7 @@ KINDS: dict[str, Kind] = {
         ),
     ),
     "tv_stand": Kind(
-        weight=1.2,
+        weight=0.9,
         width=(1.0, 2.0),
         depth=(0.36, 0.48),
         height=(0.36, 0.62),
@@ -210,7 +210,7 @@ KINDS: dict[str, Kind] = {
         ),
     ),
     "drawer_unit": Kind(
-        weight=0.9,
+        weight=0.5,
         width=(0.3, 0.9),
         depth=(0.4, 0.58),
         height=(0.5, 1.35),

@@ -347,7 +347,7 @@ def _draw_closed(rng: np.random.Generator, room: Room, taste: Taste) -> Node:
         return Cell(fill=fill, edge=edge, inside="rod", count=1)
     if fill in ("door", "double") and 0.3 < room.height < 1.1 and rng.random() < taste.trays:
         return Cell(fill=fill, edge=edge, inside="trays", count=int(rng.integers(1, 4)))
-    shelves = int(room.height / rng.uniform(*taste.shelf_pitch) - 0.3)
+    shelves = int(room.height / rng.uniform(*taste.shelf_pitch) - 0.3) if rng.random() < 0.65 else 0
     return Cell(fill=fill, edge=edge, inside="shelves" if shelves > 0 else "empty", count=max(shelves, 0))
 
 

@@ -207,7 +207,7 @@ def _mount(plan: _Plan, panel: Panel, parent: str) -> list[ShapePart]:
 def _draw_racks(rng: np.random.Generator, tub: Space) -> Assembly:
     """Baskets from below, the topmost perhaps a flat tray for cutlery, on rails of the tub."""
     most = 3 if tub.height > 0.6 else (2 if tub.height > 0.42 else 1)
-    count = min(most, int(rng.choice((0, 1, 2, 3), p=(0.1, 0.14, 0.5, 0.26))))
+    count = min(most, int(rng.choice((0, 1, 2, 3), p=(0.3, 0.2, 0.35, 0.15))))
     rails: list[Primitive] = []
     parts: list[ShapePart] = []
     y = (tub.y[0] + GAP, tub.y[1] - GAP)

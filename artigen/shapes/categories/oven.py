@@ -215,7 +215,7 @@ def _draw_bands(rng: np.random.Generator, plan: _Plan, z: Range, room: int) -> A
         rows = (1.0, float(rng.uniform(0.5, 1.0)))
     has_drawer = plan.kind in ("range", "pro") and rng.random() < 0.55 and z[1] - z[0] > 0.5
     drawer = float(rng.uniform(0.13, 0.2)) if has_drawer else 0.0
-    racks = 0 if rng.random() < 0.25 else int(rng.integers(1, 4))
+    racks = 0 if rng.random() < 0.4 else int(rng.integers(1, 4))
     back, inner = -plan.x, (plan.y[0] + SKIN, plan.y[1] - SKIN)
     walls = (
         ("right", box((plan.front, plan.y[0], z[0]), (back, inner[0], z[1]), "body")),

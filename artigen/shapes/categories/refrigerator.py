@@ -91,8 +91,9 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     cells = _draw_cells(rng, plan)
     built = Assembly(pieces=tuple(_build_housing(plan, cells)))
     moulded = rng.random() < 0.12  # shelves that are one piece with the cabinet
+    bare = rng.random() < 0.3  # nothing behind solid doors, as delivered
     for index, cell in enumerate(cells):
-        built += _draw_compartment(rng, plan, cell, f"{index}", moulded=moulded)
+        built += _draw_compartment(rng, plan, cell, f"{index}", moulded=moulded, bare=bare)
     return Draft(style=style, parts=built.close(), finishes=tuple(sorted(palette.items())))
 
 
@@ -192,7 +193,7 @@ def _build_housing(plan: _Plan, cells: list[_Cell]) -> list[Primitive]:
 
 
 def _draw_compartment(
-    rng: np.random.Generator, plan: _Plan, cell: _Cell, stem: str, *, moulded: bool
+    rng: np.random.Generator, plan: _Plan, cell: _Cell, stem: str, *, moulded: bool, bare: bool
 ) -> Assembly:
     """The fronts of a compartment and what is behind them."""
     seam = 0.003
@@ -205,6 +206,8 @@ def _draw_compartment(
         fronts, needs, free, bins = _draw_glass_doors(rng, plan, cell, (low, high)), (), None, 0.0
     else:
         fronts, needs, free, bins = _draw_doors(rng, plan, cell, (low, high), stem)
+    if bare and cell.front != "glass":
+        return Assembly(parts=tuple(fronts))
     full = cell.frozen and not bins
     shelves, sliding = draw_shelves_and_crispers(
         rng, cell.space, stem=stem, bins=bins, crispers=free, needs=needs, full=full

@@ -88,7 +88,10 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
 
 
 def _draw_plan(rng: np.random.Generator, style: str, size: tuple[float, float, float]) -> _Plan:
-    looks = draw_looks(rng, STYLES[style], max(size))
+    look = STYLES[style]
+    if "knob" in look.handles and rng.random() < 0.45:  # most tables have small handles
+        look = replace(look, handles=("knob",))
+    looks = draw_looks(rng, look, max(size))
     return _Plan(
         size=size,
         looks=replace(looks, carcass=replace(looks.carcass, lid=False), lock=False, margin=GAP),
@@ -112,22 +115,25 @@ def _build_frame(rng: np.random.Generator, plan: _Plan) -> _Built:
     x, y = (edge - depth / 2, depth / 2 - min(edge, 0.02)), (0.02 - width / 2, width / 2 - 0.02)
     parts: list[ShapePart] = []
     solids: list[Primitive] = [_make_top(plan)]
-    if high < 0.55 and rng.random() < 0.35:
-        stand = make_castors(
-            x, y, float(rng.uniform(0.022, 0.03)), parent=BODY, swivel=bool(rng.random() < 0.3)
-        )
+    rolling = high < 0.55 and rng.random() < 0.35
+    long = rolling and width > 0.95 and rng.random() < 0.2  # three pairs of legs, and no drawers between them
+    if rolling:
+        swivel, radius = bool(rng.random() < 0.3) or long, float(rng.uniform(0.022, 0.03))
+        stand = make_castors(x, y, radius, parent=BODY, swivel=swivel, pairs=3 if long else 2)
         low, parts = stand.height, [*parts, *stand.parts]
         solids += stand.primitives
     leg = plan.leg_width
-    legs = lift(make_legs(x, y, high - low, kind=plan.leg, width=leg, finish="leg"), low)
+    upright = make_legs(x, y, high - low, kind=plan.leg, width=leg, finish="leg", middle=long)
+    legs = lift(upright, low)
     solids += legs
     inner = (y[0] + leg, y[1] - leg)
     drawers = int(rng.choice(5, p=(0.12, 0.44, 0.25, 0.14, 0.05))) if width > 0.4 else 1
     room = inner[1] - inner[0]
-    drawers = min(max(drawers, int(np.ceil(room / 1.05))) if drawers else 0, int(room / 0.24))
+    drawers = min(max(drawers, int(np.ceil(room / 1.05))) if drawers and not long else 0, int(room / 0.24))
+    back = x[0] + float(rng.uniform(0.55, 1.0)) * (x[1] - x[0])
     deep = float(rng.uniform(0.1, min(0.18, 0.35 * (high - low) + 0.02)))
     if drawers:
-        hung = _hang_drawers(drawers, Space(x=x, y=inner, z=(high - deep, high)), plan.looks, rng)
+        hung = _hang_drawers(drawers, Space(x=(x[0], back), y=inner, z=(high - deep, high)), plan.looks, rng)
         solids, parts = [*solids, *hung.primitives], [*parts, *hung.parts]
     elif rng.random() < 0.75:
         solids += _make_rails(x, y, (high - 0.6 * deep, high), leg)
