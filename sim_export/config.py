@@ -12,6 +12,7 @@ from sim_export.recovery import RecoveryConfig
 from sim_export.requirements import RequirementConfig
 from sim_export.retention import RetentionConfig
 from sim_export.texture import TextureConfig
+from sim_export.trimming import TrimmingConfig
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,5 +37,7 @@ class ExportConfig:
     """What the object stands on."""
     attachment: AttachmentConfig = field(default_factory=AttachmentConfig)
     """Gaps between a link and the one that carries it."""
+    trimming: TrimmingConfig = field(default_factory=TrimmingConfig)
+    """Visuals inside of other links."""
     handles: HandleConfig = field(default_factory=HandleConfig)
     """How handles are measured."""

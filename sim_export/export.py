@@ -17,12 +17,13 @@ from sim_export.links import LinkTree, PartGeometry, build_links, link_owners
 from sim_export.masses import weigh_part
 from sim_export.materials import part_material
 from sim_export.meshing import mesh_parts, solid_parts
-from sim_export.package import Mesh, SimPackage, SourceMesh
+from sim_export.package import Link, Mesh, SimPackage, SourceMesh
 from sim_export.recovery import recover_surface
 from sim_export.requirements import find_requirements
 from sim_export.retention import keep_drawers_held
 from sim_export.separation import separate_solids
-from sim_export.texture import bake_parts
+from sim_export.texture import TextureConfig, bake_parts
+from sim_export.trimming import Trimmed, trim_meshes
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -81,13 +82,9 @@ def export_asset(
     watch.lap("decompose")
     inertials = [weigh_part(asset, index, mesh, solids[index]) for index, mesh in enumerate(meshes)]
     watch.lap("mass")
-    if source_meshes is None:
-        colored = asset.surface is not None or asset.gaussians is not None
-        painted = bake_parts(asset, meshes, cfg.texture) if colored else meshes
-        shown: list[tuple[Mesh | SourceMesh, ...]] = [(mesh,) for mesh in painted]
-    else:
+    shown: list[tuple[Mesh | SourceMesh, ...]] = [(mesh,) for mesh in meshes]
+    if source_meshes is not None:
         shown = [tuple(source_meshes.get(index, ())) for index in range(len(meshes))]
-    watch.lap("texture")
     geometry = [
         PartGeometry(visuals=visuals, hulls=decomposition.hulls, inertial=inertial)
         for visuals, decomposition, inertial in zip(shown, decompositions, inertials, strict=True)
@@ -110,6 +107,11 @@ def export_asset(
     tree = LinkTree(links=attached.links, joints=cleared.joints, records=tree.records)
     handles = annotate_handles(asset, meshes, tree, cfg.handles)
     watch.lap("annotate")
+    trimmed = Trimmed(meshes=solid)
+    if source_meshes is None:
+        trimmed = trim_meshes(tree.links, solid, cfg.trimming)
+        tree = replace(tree, links=_paint(asset, tree.links, trimmed.meshes, cfg.texture))
+    watch.lap("texture")
     records = (
         *asset.notes,
         *([f"{gaps} cells between the faces of boards were filled"] if gaps else []),
@@ -130,6 +132,7 @@ def export_asset(
         *whole.records,
         *standing.records,
         *attached.records,
+        *trimmed.records,
     )
     package = SimPackage(
         name=asset.name,
@@ -144,3 +147,17 @@ def export_asset(
         records=records,
     )
     return Exported(package=package, decompositions=decompositions, seconds=tuple(watch.laps))
+
+
+def _paint(
+    asset: Asset, links: Sequence[Link], meshes: Mapping[str, Mesh], cfg: TextureConfig
+) -> tuple[Link, ...]:
+    """Links that show these meshes, in the colours of the asset where it has any."""
+    plain = [meshes[part.name] for part in asset.parts]
+    colored = asset.surface is not None or asset.gaussians is not None
+    painted = bake_parts(asset, plain, cfg) if colored else plain
+    by_part = {part.name: mesh for part, mesh in zip(asset.parts, painted, strict=True)}
+    return tuple(
+        replace(link, visuals=tuple(replace(visual, mesh=by_part[visual.part]) for visual in link.visuals))
+        for link in links
+    )

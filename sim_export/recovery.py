@@ -11,7 +11,6 @@ from itertools import combinations
 
 import manifold3d
 import numpy as np
-from jaxtyping import Float
 
 from artigen.transforms import inverse, transform_points
 from sim_export.additions import AdditionConfig, Sweep, add_hull, read_sweeps
@@ -19,15 +18,12 @@ from sim_export.checks.surface import inside_hulls, surface_distances
 from sim_export.contacts import HullSet, signed_distances
 from sim_export.hull_limits import HullLimits, hull_aspect, trim_hull
 from sim_export.hulls import clip_hull, convex_hull, hull_volume, hull_width
+from sim_export.lost_surface import cut_out, find_lost, group_points, stands_out
 from sim_export.package import Hull, Link, Mesh, PackageJoint, Requirement
-from sim_export.sampling import sample_triangles, triangle_areas
-from sim_export.solids import as_solid, solid_arrays, solid_hull
+from sim_export.sampling import triangle_areas
+from sim_export.solids import as_solid, solid_hull
 
 _LEAST_SAMPLES = 200
-_DENSER = 4
-"""The surface measured to has this many times the samples of the points measured from."""
-_SKIN = 1e-3
-"""A face covered by another hull of the link at this distance (m) is no outer surface."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,16 +31,18 @@ class RecoveryConfig:
     """What counts as lost, and what is put back; distances are shares of the object's diagonal."""
 
     missed: float = 0.02
-    """Surface farther than this from that of all hulls is lost: two thirds of what is checked."""
+    """Surface farther than this from that of all hulls is lost; 0.03 is what checks allow."""
     bulge: float = 0.02
     """How far a hull that is put back may stand out of the solid."""
     pad: float = 0.01
     """How far it reaches beyond the points that were found lost."""
     samples: int = 20_000
     """Points on the surfaces of all links together."""
+    groups: int = 12
+    """Most groups of lost points of a link that are looked at, the worst first."""
     rounds: int = 2
     """Most times that a link is looked over again after hulls were put back."""
-    halvings: int = 3
+    halvings: int = 2
     """Times that what does not fit one hull is divided in two."""
     joins: int = 12
     """Pairs of hulls that are tried to be joined to one where a link has as many as it may."""
@@ -124,72 +122,25 @@ def recover_surface(
 def _recover_link(name: str, slot: int, meshes: Sequence[Mesh], scene: _Scene, samples: int) -> list[str]:
     """Puts back what one link has lost, into ``scene.sets``; returns what there is to say."""
     triangles = np.concatenate([mesh.vertices[mesh.faces] for mesh in meshes])
-    solids = [as_solid(mesh) for mesh in meshes]
+    solids = [manifold3d.Manifold.batch_boolean(list(map(as_solid, meshes)), manifold3d.OpType.Add)]
+    least = scene.cfg.missed * scene.diagonal
     before, added = 0.0, 0
     for attempt in range(scene.cfg.rounds):
-        points, distances = _find_lost(triangles, scene.sets[slot].hulls, samples, scene)
+        points, distances = find_lost(triangles, scene.sets[slot].hulls, samples, least)
         if not len(points):
             break
         before = before or float(distances.max())
         gained = 0
-        for cluster in _cluster(points, distances, scene):
+        for cluster in group_points(points, distances, 1.5 * least)[: scene.cfg.groups]:
             gained += _recover_cluster(cluster, slot, solids, scene, scene.cfg.halvings)
         added += gained
         if not gained or attempt + 1 == scene.cfg.rounds:
             break
     if not before:
         return []
-    left = _find_lost(triangles, scene.sets[slot].hulls, samples, scene)[1].max(initial=0.0)
+    left = find_lost(triangles, scene.sets[slot].hulls, samples, least)[1].max(initial=0.0)
     rest = f"; {1000 * left:.0f} mm are left" if left else ""
     return [f"{name}: {added} hulls put back where its surface was {1000 * before:.0f} mm from any{rest}"]
-
-
-def _find_lost(
-    triangles: Float[np.ndarray, "F 3 3"], hulls: tuple[Hull, ...], samples: int, scene: _Scene
-) -> tuple[Float[np.ndarray, "N 3"], Float[np.ndarray, "N"]]:
-    """Points seen but not felt, or felt inside of the solid where nothing is seen; and how far off (m)."""
-    solid = np.concatenate([hull.vertices[hull.faces] for hull in hulls])
-    seen, _ = sample_triangles(triangles, samples)
-    seen = seen[~inside_hulls(seen, hulls)]
-    forth = surface_distances(seen, solid, _DENSER * samples)
-    felt, face = sample_triangles(solid, samples)
-    corners = solid[face]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
-    felt = felt[~inside_hulls(felt + _SKIN * normals, hulls)]
-    back = surface_distances(felt, triangles, _DENSER * samples)
-    least = scene.cfg.missed * scene.diagonal
-    far = np.flatnonzero(back > least)
-    far = far[_winding(felt[far], triangles) > 0.5]
-    lost = forth > least
-    return np.concatenate([seen[lost], felt[far]]), np.concatenate([forth[lost], back[far]])
-
-
-def _winding(
-    points: Float[np.ndarray, "N 3"], triangles: Float[np.ndarray, "F 3 3"]
-) -> Float[np.ndarray, "N"]:
-    """Winding numbers: 1 inside of a closed mesh, 0 outside."""
-    out = np.zeros(len(points))
-    for index, point in enumerate(points):
-        a, b, c = np.moveaxis(triangles - point, 1, 0)
-        x, y, z = (np.linalg.norm(side, axis=1) for side in (a, b, c))
-        above = np.einsum("ij,ij->i", a, np.cross(b, c))
-        dots = [np.einsum("ij,ij->i", p, q) for p, q in ((a, b), (b, c), (c, a))]
-        out[index] = np.arctan2(above, x * y * z + dots[0] * z + dots[1] * x + dots[2] * y).sum()
-    return out / (2.0 * np.pi)
-
-
-def _cluster(points: np.ndarray, distances: np.ndarray, scene: _Scene) -> list[np.ndarray]:
-    """Points that lie near each other, the worst group first."""
-    from scipy.sparse.csgraph import connected_components
-    from scipy.spatial import KDTree
-
-    tree = KDTree(points)
-    near = tree.sparse_distance_matrix(tree, 1.5 * scene.cfg.missed * scene.diagonal)
-    near.setdiag(1.0)
-    groups = connected_components(near, directed=False)[1]
-    order = sorted(range(int(groups.max()) + 1), key=lambda group: -distances[groups == group].max())
-    return [points[groups == group] for group in order]
 
 
 def _recover_cluster(
@@ -199,8 +150,9 @@ def _recover_cluster(
 
     Returns the number of hulls that it took.
     """
-    whole = _rebuild(points, solids, scene)
-    fits = whole and all(_bulge(hull, solids) <= scene.cfg.bulge * scene.diagonal for hull in whole)
+    pad = scene.cfg.pad * scene.diagonal
+    whole = [solid_hull(piece) for solid in solids for piece in cut_out(points, solid, pad)]
+    fits = whole and all(stands_out(hull, solids) <= scene.cfg.bulge * scene.diagonal for hull in whole)
     added = sum(_put_back(hull, slot, points, solids, scene) for hull in whole) if fits else 0
     axis = int(np.ptp(points, axis=0).argmax())
     low = points[:, axis] <= (points[:, axis].min() + points[:, axis].max()) / 2
@@ -209,37 +161,6 @@ def _recover_cluster(
     return sum(
         _recover_cluster(half, slot, solids, scene, halvings - 1) for half in (points[low], points[~low])
     )
-
-
-def _rebuild(points: np.ndarray, solids: Sequence[manifold3d.Manifold], scene: _Scene) -> list[Hull]:
-    """Convex hulls of what the solids have around some points, one for each piece."""
-    pad = scene.cfg.pad * scene.diagonal
-    low, high = points.min(axis=0) - pad, points.max(axis=0) + pad
-    box = manifold3d.Manifold.cube(tuple(high - low)).translate(tuple(low))
-    pieces = [piece for solid in solids for piece in (solid ^ box).decompose()]
-    return [solid_hull(piece) for piece in pieces if piece.volume() > 0.0 and _is_near(piece, points, pad)]
-
-
-def _is_near(piece: manifold3d.Manifold, points: np.ndarray, pad: float) -> bool:
-    """Whether a piece has any of the points in its bounding box, or nearly."""
-    box = np.array(piece.bounding_box())
-    return bool(((points >= box[:3] - 0.1 * pad) & (points <= box[3:] + 0.1 * pad)).all(axis=1).any())
-
-
-def _bulge(hull: Hull, solids: Sequence[manifold3d.Manifold]) -> float:
-    """How far (m) a hull stands out of the solids."""
-    rest = as_solid(hull)
-    for solid in solids:
-        rest = rest - solid
-    if rest.is_empty():
-        return 0.0
-    vertices, _ = solid_arrays(rest)
-    whole = manifold3d.Manifold.batch_boolean(list(solids), manifold3d.OpType.Add)
-    surface, faces = solid_arrays(whole)
-    near = ((surface[faces].max(axis=1) >= vertices.min(axis=0) - 0.1) & (
-        surface[faces].min(axis=1) <= vertices.max(axis=0) + 0.1
-    )).all(axis=1)  # fmt: skip
-    return float(surface_distances(vertices, surface[faces][near], 5000).max())
 
 
 def _put_back(
@@ -273,7 +194,7 @@ def _make_room(slot: int, solids: Sequence[manifold3d.Manifold], scene: _Scene) 
     for _, i, j, joint in sorted(pairs, key=lambda pair: pair[:3])[: scene.cfg.joins]:
         if hull_aspect(joint) > scene.cfg.limits.max_aspect:
             continue
-        if _bulge(joint, solids) > scene.cfg.bulge * scene.diagonal:
+        if stands_out(joint, solids) > scene.cfg.bulge * scene.diagonal:
             continue
         others = HullSet(hulls=tuple(hull for index, hull in enumerate(hulls) if index not in (i, j)))
         sets = [others if index == slot else other for index, other in enumerate(scene.sets)]

@@ -1,0 +1,55 @@
+"""Laws of trimming: only what lies inside of other links is left out, and meshes stay closed."""
+
+import manifold3d
+import numpy as np
+import pytest
+
+from sim_export.hulls import box_hull
+from sim_export.package import Link, Mesh
+from sim_export.solids import as_solid
+from sim_export.trimming import trim_meshes
+
+BODY = ((-0.3, -0.4, 0.0), (0.3, 0.4, 0.8))
+LEDGE = ((-0.3, 0.4, 0.5), (0.3, 0.5, 0.52))
+AROUND = ((-0.4, 0.401, 0.3), (0.4, 0.6, 0.7))
+AWAY = ((-0.4, 0.7, 0.3), (0.4, 0.8, 0.7))
+
+
+def solid(*boxes: tuple[tuple[float, float, float], tuple[float, float, float]]) -> Mesh:
+    whole = manifold3d.Manifold()
+    for low, high in boxes:
+        whole += manifold3d.Manifold.cube(tuple(np.subtract(high, low))).translate(low)
+    mesh = whole.to_mesh64()
+    return Mesh(
+        vertices=np.array(mesh.vert_properties)[:, :3], faces=np.array(mesh.tri_verts, dtype=np.int64)
+    )
+
+
+def link(name: str, item) -> Link:
+    hull = box_hull(np.array(item[0]), np.array(item[1]))
+    return Link(name=f"link_{name}", label=None, parts=(name,), visuals=(), hulls=(hull,), inertial=None)
+
+
+def test_a_ledge_inside_of_another_link_is_left_out():
+    meshes = {"body": solid(BODY, LEDGE), "other": solid(AROUND)}
+    done = trim_meshes((link("body", BODY), link("other", AROUND)), meshes)
+    assert done.changed == ("body",)
+    assert done.meshes["other"] is meshes["other"]
+    left = as_solid(done.meshes["body"]).volume()  # raises unless it is closed
+    assert left == pytest.approx(0.6 * 0.8 * 0.8, rel=0.003)
+    assert "body" in done.records[0]
+
+
+def test_a_ledge_in_free_space_is_shown_whatever_is_felt():
+    meshes = {"body": solid(BODY, LEDGE), "other": solid(AWAY)}
+    done = trim_meshes((link("body", BODY), link("other", AWAY)), meshes)
+    assert done.changed == ()
+    assert done.meshes == meshes
+    assert done.records == ()
+
+
+def test_what_is_felt_is_shown_even_inside_of_another_link():
+    meshes = {"body": solid(BODY), "other": solid(AROUND)}
+    within = ((-0.2, -0.2, 0.2), (0.2, 0.2, 0.4))
+    done = trim_meshes((link("body", BODY), link("other", within)), {**meshes, "other": solid(within)})
+    assert done.changed == ()
