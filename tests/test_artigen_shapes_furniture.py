@@ -159,7 +159,7 @@ def test_counts_are_met() -> None:
 
 
 def test_a_seeded_defect_is_found() -> None:
-    shape = draw_shape("StorageFurniture", 29)
+    shape = draw_shape("StorageFurniture", 29, Wish(counts=(("drawer", 1),)))
     drawer = next(index for index, part in enumerate(shape.parts) if part.label == "drawer")
     broken = list(shape.parts)
     wide = [box((-0.1, -0.5, 0.3), (0.1, 0.5, 0.4), "drawer")]

@@ -178,7 +178,7 @@ def draw_shelves_and_crispers(
     levels: list[float] = []
     sliding: list[ShapePart] = []
     bottom = space.z[0]
-    if crispers is not None and rng.random() < 0.8 and space.height > 0.36:
+    if crispers is not None and rng.random() < 0.6 and space.height > 0.36:
         rows, tall = 1, float(rng.uniform(0.15, 0.22))
         if full and space.height > 0.5:
             rows = min(int(space.height / rng.uniform(0.19, 0.26)), 5)

@@ -102,7 +102,7 @@ KINDS: dict[str, Kind] = {
         worktop=0.7,
         taste=Taste(
             module=(0.3, 0.62),
-            rules=(("columns", 0.4), ("stack", 0.6), ("drawer_row", 0.7), ("closed", 2.6), ("open_row", 0.1)),
+            rules=(("columns", 0.4), ("stack", 0.4), ("drawer_row", 0.5), ("closed", 2.6), ("open_row", 0.1)),
             fills=DOORS,
             trays=0.3,
         ),
@@ -122,7 +122,7 @@ KINDS: dict[str, Kind] = {
         ),
     ),
     "dresser": Kind(
-        weight=1.4,
+        weight=1.0,
         width=(0.4, 1.65),
         depth=(0.38, 0.54),
         height=(0.7, 1.3),
@@ -131,7 +131,7 @@ KINDS: dict[str, Kind] = {
         taste=Taste(
             module=(0.36, 0.9),
             drawer=(0.13, 0.26),
-            rules=(("columns", 0.8), ("stack", 4.0), ("drawer_row", 0.7), ("closed", 0.25)),
+            rules=(("columns", 0.5), ("stack", 4.0), ("drawer_row", 0.7), ("closed", 0.25)),
             fills=DOORS,
             symmetry=0.95,
         ),
@@ -176,7 +176,7 @@ KINDS: dict[str, Kind] = {
         taste=Taste(
             module=(0.3, 0.6),
             drawer=(0.12, 0.22),
-            rules=(("stack", 0.9), ("drawer_row", 0.8), ("open_row", 0.8), ("closed", 1.6)),
+            rules=(("stack", 0.6), ("drawer_row", 0.6), ("open_row", 0.8), ("closed", 1.6)),
             fills=(("door", 3.0), ("drop", 0.4)),
             trays=0.0,
         ),

@@ -149,7 +149,7 @@ def _judge_boxes(
         return within, (aside >= round_reach) | (along >= reach[:, 2])
     normals = primitive.rotation @ primitive.planes[:, :3].T
     height, reach = own @ primitive.planes[:, :3].T + primitive.planes[:, 3], half @ np.abs(normals)
-    return (height < -reach).all(axis=1), (height >= reach).any(axis=1)
+    return np.all(height < -reach, axis=1), np.any(height >= reach, axis=1)
 
 
 def _close_rows(

@@ -91,7 +91,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     cells = _draw_cells(rng, plan)
     built = Assembly(pieces=tuple(_build_housing(plan, cells)))
     moulded = rng.random() < 0.12  # shelves that are one piece with the cabinet
-    bare = rng.random() < 0.3  # nothing behind solid doors, as delivered
+    bare = rng.random() < 0.45  # nothing behind solid doors, as delivered
     for index, cell in enumerate(cells):
         built += _draw_compartment(rng, plan, cell, f"{index}", moulded=moulded, bare=bare)
     return Draft(style=style, parts=built.close(), finishes=tuple(sorted(palette.items())))

@@ -127,11 +127,11 @@ def _build_frame(rng: np.random.Generator, plan: _Plan) -> _Built:
     legs = lift(upright, low)
     solids += legs
     inner = (y[0] + leg, y[1] - leg)
-    drawers = int(rng.choice(5, p=(0.12, 0.44, 0.25, 0.14, 0.05))) if width > 0.4 else 1
+    drawers = int(rng.choice(5, p=(0.15, 0.5, 0.22, 0.1, 0.03))) if width > 0.4 else 1
     room = inner[1] - inner[0]
     drawers = min(max(drawers, int(np.ceil(room / 1.05))) if drawers and not long else 0, int(room / 0.24))
-    back = x[0] + float(rng.uniform(0.55, 1.0)) * (x[1] - x[0])
-    deep = float(rng.uniform(0.1, min(0.18, 0.35 * (high - low) + 0.02)))
+    back = x[0] + float(rng.uniform(0.45, 1.0)) * (x[1] - x[0])
+    deep = float(rng.uniform(0.085, min(0.15, 0.35 * (high - low) + 0.02)))
     if drawers:
         hung = _hang_drawers(drawers, Space(x=(x[0], back), y=inner, z=(high - deep, high)), plan.looks, rng)
         solids, parts = [*solids, *hung.primitives], [*parts, *hung.parts]
