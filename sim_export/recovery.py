@@ -17,10 +17,19 @@ from sim_export.additions import AdditionConfig, Sweep, add_hull, read_sweeps
 from sim_export.checks.surface import inside_hulls, surface_distances
 from sim_export.contacts import HullSet, signed_distances
 from sim_export.hull_limits import HullLimits, hull_aspect, trim_hull
-from sim_export.hulls import clip_hull, convex_hull, hull_volume, hull_width
-from sim_export.lost_surface import cut_out, find_lost, group_points, stands_out
+from sim_export.hulls import (
+    box_hull,
+    clip_hull,
+    convex_hull,
+    hull_planes,
+    hull_volume,
+    hull_width,
+    merge_planes,
+    subtract_hull,
+)
+from sim_export.lost_surface import cut_out, find_lost, group_points, stands_out, winding_numbers
 from sim_export.package import Hull, Link, Mesh, PackageJoint, Requirement
-from sim_export.sampling import triangle_areas
+from sim_export.sampling import sample_triangles, triangle_areas
 from sim_export.solids import as_solid, solid_hull
 
 _LEAST_SAMPLES = 200
@@ -32,6 +41,10 @@ class RecoveryConfig:
 
     missed: float = 0.02
     """Surface farther than this from that of all hulls is lost; 0.03 is what checks allow."""
+    notched: float = 0.024
+    """A hull that stands out of what is shown by more than this gets a notch there."""
+    notch_share: float = 0.1
+    """Greatest share of its volume that a notch may take."""
     bulge: float = 0.02
     """How far a hull that is put back may stand out of the solid."""
     pad: float = 0.01
@@ -42,7 +55,7 @@ class RecoveryConfig:
     """Most groups of lost points of a link that are looked at, the worst first."""
     rounds: int = 2
     """Most times that a link is looked over again after hulls were put back."""
-    halvings: int = 2
+    halvings: int = 3
     """Times that what does not fit one hull is divided in two."""
     joins: int = 12
     """Pairs of hulls that are tried to be joined to one where a link has as many as it may."""
@@ -124,6 +137,8 @@ def _recover_link(name: str, slot: int, meshes: Sequence[Mesh], scene: _Scene, s
     triangles = np.concatenate([mesh.vertices[mesh.faces] for mesh in meshes])
     solids = [manifold3d.Manifold.batch_boolean(list(map(as_solid, meshes)), manifold3d.OpType.Add)]
     least = scene.cfg.missed * scene.diagonal
+    notched = _open_notches(slot, triangles, solids, samples, scene)
+    records = [f"{name}: notches that {notched} of its hulls filled were cut free"] if notched else []
     before, added = 0.0, 0
     for attempt in range(scene.cfg.rounds):
         points, distances = find_lost(triangles, scene.sets[slot].hulls, samples, least)
@@ -137,10 +152,51 @@ def _recover_link(name: str, slot: int, meshes: Sequence[Mesh], scene: _Scene, s
         if not gained or attempt + 1 == scene.cfg.rounds:
             break
     if not before:
-        return []
+        return records
     left = find_lost(triangles, scene.sets[slot].hulls, samples, least)[1].max(initial=0.0)
     rest = f"; {1000 * left:.0f} mm are left" if left else ""
-    return [f"{name}: {added} hulls put back where its surface was {1000 * before:.0f} mm from any{rest}"]
+    put = f"{name}: {added} hulls put back where its surface was {1000 * before:.0f} mm from any{rest}"
+    return [*records, put]
+
+
+def _open_notches(
+    slot: int,
+    triangles: np.ndarray,
+    solids: Sequence[manifold3d.Manifold],
+    samples: int,
+    scene: _Scene,
+) -> int:
+    """Cuts notches into hulls of a link, in ``scene.sets``, where they fill one; returns into how many.
+
+    Cuts only take away, so that nothing that was free is disturbed; where there are too many pieces, other
+    hulls are joined.
+    """
+    hulls = scene.sets[slot].hulls
+    owners = np.repeat(np.arange(len(hulls)), [len(hull.faces) for hull in hulls])
+    points, face = sample_triangles(np.concatenate([h.vertices[h.faces] for h in hulls]), samples)
+    away = surface_distances(points, triangles, 4 * samples) / scene.diagonal
+    away[away > scene.cfg.pad] *= winding_numbers(points[away > scene.cfg.pad], triangles) < 0.5
+    notched = 0
+    for index in np.unique(owners[face[away > scene.cfg.notched]]).tolist():
+        before = scene.sets[slot]
+        others = tuple(other for other in before.hulls if other is not hulls[index])
+        if len(others) == len(before.hulls):  # joined to another one by now
+            continue
+        far = points[(owners[face] == index) & (away > scene.cfg.pad)]
+        notch = merge_planes(hull_planes(box_hull(far.min(axis=0) - 1e-4, far.max(axis=0) + 1e-4)))
+        pieces = subtract_hull(hulls[index], notch, scene.cfg.limits.min_width)
+        kept = tuple(part for piece in pieces for part in trim_hull(piece, scene.cfg.limits))
+        least = (1.0 - scene.cfg.notch_share) * hull_volume(hulls[index])
+        most = scene.cfg.addition.max_hulls - len(kept)
+        scene.sets[slot] = HullSet(hulls=others)
+        while len(scene.sets[slot].hulls) > most and _make_room(slot, solids, scene):
+            continue
+        if len(scene.sets[slot].hulls) <= most and sum(map(hull_volume, kept)) >= least:
+            scene.sets[slot] = HullSet(hulls=(*scene.sets[slot].hulls, *kept))
+            notched += 1
+        else:
+            scene.sets[slot] = before
+    return notched
 
 
 def _recover_cluster(

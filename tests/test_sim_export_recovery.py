@@ -77,3 +77,18 @@ def test_a_full_link_joins_two_hulls_to_make_room():
     np.testing.assert_allclose(
         sum(map(hull_volume, done.links[0].hulls)), 0.6 * 0.8 * 0.8 + 0.6 * 0.1 * 0.02, rtol=1e-3
     )
+
+
+def test_a_notch_that_a_hull_fills_is_free_again():
+    window = manifold3d.Manifold.cube((0.02, 0.3, 0.2)).translate((-0.01, 0.2, 0.3))
+    board = ((-0.01, 0.0, 0.0), (0.01, 0.8, 0.8))
+    whole = manifold3d.Manifold.cube(tuple(np.subtract(board[1], board[0]))).translate(board[0]) - window
+    found = whole.to_mesh64()
+    mesh = Mesh(
+        vertices=np.array(found.vert_properties)[:, :3], faces=np.array(found.tri_verts, dtype=np.int64)
+    )
+    done = recover_surface((link("board", box(board)),), [], [], {"board": mesh})
+    assert len(done.links[0].hulls) == 4
+    volume = sum(map(hull_volume, done.links[0].hulls))
+    assert whole.volume() <= volume < whole.volume() + 0.3 * window.volume()
+    assert "1 of its hulls" in done.records[0]
