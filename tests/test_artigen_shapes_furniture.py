@@ -270,3 +270,27 @@ def test_every_joint_type_occurs(shapes: list[Shape]) -> None:
 def test_oblong_boards_count_as_several_hulls() -> None:
     assert count_hulls([box((0, 0, 0), (0.01, 0.64, 0.3), "body")]) == 1
     assert count_hulls([box((0, 0, 0), (0.01, 0.65, 1.29), "body")]) == 2 * 3
+
+
+def test_locks_of_safes_stay_clear_of_the_body_when_the_door_folds_back():
+    folded = 0
+    for seed in (*range(30), 1032):  # that one has a wide lever on a narrow door
+        shape = draw_shape("Safe", seed)
+        names = [part.name for part in shape.parts]
+        body, door = shape.parts[names.index("body")], shape.parts[names.index("door")]
+        if door.motion.upper < np.radians(100.0):
+            continue
+        walls = np.concatenate([place_vertices(solid) for solid in body.primitives])
+        low, high = walls.min(axis=0), walls.max(axis=0)
+        q = np.zeros(len(shape.parts))
+        q[names.index("door")] = door.motion.upper
+        T = pose_parts(shape, q)
+        for index, part in enumerate(shape.parts):
+            if part.parent != "door":
+                continue
+            points = np.concatenate([place_vertices(solid) for solid in part.primitives])
+            points = transform_points(T[index], points)
+            behind = points[points[:, 0] > low[0]]
+            folded += len(behind)
+            assert (np.maximum(low[1] - behind[:, 1], behind[:, 1] - high[1]) > 0.002).all()
+    assert folded
