@@ -77,8 +77,8 @@ def test_a_frame_stands_on_its_corners():
 def test_feet_keep_out_of_the_way_of_what_moves():
     tray = box_hull(np.array([-0.3, -0.4, -0.011]), np.array([-0.2, 0.4, -0.002]))
     slide = PackageJoint(
-        name="joint_0", type="prismatic", kind="prismatic", parent="body", child="tray", axis=np.array([-1.0, 0.0, 0.0]),
-        origin=np.zeros(3), lower=0.0, upper=0.3,
+        name="joint_0", type="prismatic", kind="prismatic", parent="body", child="tray",
+        axis=np.array([-1.0, 0.0, 0.0]), origin=np.zeros(3), lower=0.0, upper=0.3,
     )  # fmt: skip
     links = (link("body", BODY), link("tray", tray))
     meshes = {"body": solid(PLATE, *FEET), "tray": solid(((-0.3, -0.4, -0.011), (-0.2, 0.4, -0.002)))}
