@@ -6,7 +6,6 @@ from pathlib import Path
 import numpy as np
 import torch
 
-from artigen.clean import CleanConfig, remove_strays
 from artigen.datasets.sizes import estimate_size
 from artigen.errors import SourceError
 from artigen.models.conditions import StructureCondition, gather_conditions
@@ -16,6 +15,7 @@ from artigen.models.structure_flow import StructureFlow, sample_latents
 from artigen.models.structure_vae import StructureVae, decode_fields
 from artigen.sampling import SamplerConfig
 from artigen.segment import SegmentConfig, segment
+from artigen.segmentation.clean import CleanConfig, remove_strays
 from artigen.shapes.draw import Wish, draw_shape
 from artigen.types import Asset
 

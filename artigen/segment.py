@@ -2,7 +2,7 @@
 
 Three steps: a recipe divides the voxels among parts (`partition_paper`, `partition_robust`), every
 part's attributes are aggregated over its voxels, and each part is hung from another one
-(`artigen.tree`). `regularise` is a stage of its own, on by default.
+(`artigen.segmentation.tree`). `regularise` is a stage of its own, on by default.
 """
 
 import logging
@@ -11,15 +11,15 @@ from typing import Literal
 
 import numpy as np
 
-from artigen.aggregate import aggregate_part
 from artigen.errors import SegmentationError
 from artigen.fields import VoxelFields
-from artigen.neighbours import neighbour_pairs
-from artigen.partition import Partition
-from artigen.regularise import RegulariseConfig, regularise
-from artigen.segment_paper import PaperConfig, partition_paper
-from artigen.segment_robust import RobustConfig, partition_robust
-from artigen.tree import TreeConfig, find_parents
+from artigen.segmentation.aggregate import aggregate_part
+from artigen.segmentation.neighbours import neighbour_pairs
+from artigen.segmentation.partition import Partition
+from artigen.segmentation.regularise import RegulariseConfig, regularise
+from artigen.segmentation.segment_paper import PaperConfig, partition_paper
+from artigen.segmentation.segment_robust import RobustConfig, partition_robust
+from artigen.segmentation.tree import TreeConfig, find_parents
 from artigen.types import Asset, Part, VoxelGrid
 
 logger = logging.getLogger(__name__)

@@ -28,14 +28,14 @@ from artigen.datasets.partnet_mobility import read_object
 from artigen.datasets.sample import sample_asset
 from artigen.types import Asset
 from artigen.voxels import voxelize
-from sim_export.boards import fill_boards
-from sim_export.coacd_process import CoacdConfig, run_coacd
-from sim_export.decompose import DecomposeConfig, decompose_part
+from sim_export.collision.coacd_process import CoacdConfig, run_coacd
+from sim_export.collision.decompose import DecomposeConfig, decompose_part
+from sim_export.collision.hulls import convex_hull
 from sim_export.errors import DecompositionFailed, DegeneratePart
-from sim_export.hulls import convex_hull
-from sim_export.meshing import mesh_parts
+from sim_export.geometry.boards import fill_boards
+from sim_export.geometry.meshing import mesh_parts
+from sim_export.geometry.solids import as_solid, measure_fit, solid_arrays
 from sim_export.package import Hull, Mesh
-from sim_export.solids import as_solid, measure_fit, solid_arrays
 
 Solid = manifold3d.Manifold
 METHODS = ("auto", "CoACD", "V-HACD")

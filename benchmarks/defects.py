@@ -14,10 +14,10 @@ from typing import Literal
 
 import numpy as np
 
-from sim_export.hulls import convex_hull
-from sim_export.obj import hull_obj_text, parse_obj, png_bytes
+from sim_export.collision.hulls import convex_hull
+from sim_export.files.obj import hull_obj_text, parse_obj, png_bytes
+from sim_export.files.write import UNHASHED, manifest_text
 from sim_export.package import Hull
-from sim_export.write import UNHASHED, manifest_text
 
 URDF = "mobility.urdf"
 Mutation = Callable[[Path], None]

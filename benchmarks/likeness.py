@@ -15,10 +15,10 @@ from artigen.datasets.partnet_mobility import read_object
 from artigen.kinematics import displacements, movable_parts
 from artigen.types import Asset
 from artigen.voxels import voxelize
-from sim_export.hulls import hull_planes
-from sim_export.motion import driven_joints, link_displacements
+from sim_export.collision.hulls import hull_planes
+from sim_export.collision.motion import driven_joints, link_displacements
+from sim_export.files.read import read_package
 from sim_export.package import Mesh, PackageJoint, SimPackage
-from sim_export.read import read_package
 
 STATES = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)
 SOURCE_POINTS = 400_000

@@ -11,13 +11,13 @@ import numpy as np
 
 from artigen.datasets.sample import SAMPLE_PARTS, SamplePart, sample_box_arrays
 from artigen.types import FIXED, Asset, Joint, Part
-from sim_export.annotations import annotate_handles
-from sim_export.hulls import box_hull
-from sim_export.inertia import combine, mesh_inertial
-from sim_export.links import PartGeometry, build_links
+from sim_export.collision.hulls import box_hull
+from sim_export.collision.requirements import find_requirements
+from sim_export.files.write import write_package
 from sim_export.package import Hull, Mesh, SimPackage
-from sim_export.requirements import find_requirements
-from sim_export.write import write_package
+from sim_export.physics.annotations import annotate_handles
+from sim_export.physics.inertia import combine, mesh_inertial
+from sim_export.physics.links import PartGeometry, build_links
 
 DENSITY = 600.0
 GAP = 5e-4

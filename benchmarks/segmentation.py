@@ -20,10 +20,10 @@ import tyro
 
 from artigen.datasets.partnet_mobility import read_object
 from artigen.errors import ArtigenError, SourceError
-from artigen.field_noise import TABLE_4, TABLES_3_AND_4, FieldNoise, add_noise
 from artigen.fields import VoxelFields, decode, encode
 from artigen.segment import SegmentConfig, segment
-from artigen.segment_score import PartScore, score_segmentation
+from artigen.segmentation.field_noise import TABLE_4, TABLES_3_AND_4, FieldNoise, add_noise
+from artigen.segmentation.segment_score import PartScore, score_segmentation
 from artigen.types import Asset
 from artigen.voxels import drop_unresolved, voxelize
 

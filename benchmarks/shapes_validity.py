@@ -4,7 +4,7 @@
 
 draws objects of every category and judges each: its parts hang together and stand on the floor, nothing
 overlaps at rest nor along 21 poses of any joint (others closed, or open as the object says), every link
-can be a collision body. Distances are those of convex hulls (`sim_export.contacts`). Writes
+can be a collision body. Distances are those of convex hulls (`sim_export.collision.contacts`). Writes
 ``validity.md`` (table), ``failures.txt`` (category, seed, reason).
 """
 
@@ -29,10 +29,10 @@ from artigen.shapes.draw import categories, draw_shape
 from artigen.shapes.primitives import place_vertices
 from artigen.shapes.shape import Shape
 from artigen.types import Asset
-from sim_export.contacts import HullSet, signed_distances
-from sim_export.hulls import hull_width
-from sim_export.links import link_owners
+from sim_export.collision.contacts import HullSet, signed_distances
+from sim_export.collision.hulls import hull_width
 from sim_export.package import Hull
+from sim_export.physics.links import link_owners
 
 POSES = 21
 TOUCH = 1e-3

@@ -7,8 +7,8 @@ import gymnasium as gym
 import numpy as np
 from jaxtyping import Float
 
+from sim_export.files.read import read_package
 from sim_export.package import SimPackage
-from sim_export.read import read_package
 
 from .loaded import LoadedPackage
 from .package import LoadConfig, load_package

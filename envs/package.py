@@ -56,7 +56,7 @@ def load_package(
     Raises:
         PackageError: if the folder cannot be read or the engine refuses it.
     """
-    from sim_export.read import read_package
+    from sim_export.files.read import read_package
 
     if package is None:
         package = read_package(folder)

@@ -39,7 +39,7 @@ def run_static(job: CheckJob) -> tuple[CheckResult, ...]:
 def run_dynamics(job: CheckJob) -> tuple[CheckResult, ...]:
     """Checks L3, in this process."""
     with quiet_libraries():
-        from sim_export.read import read_package
+        from sim_export.files.read import read_package
 
         from .dynamics import check_dynamics
 

@@ -11,7 +11,7 @@ import numpy as np
 from artigen.types import FIXED, Asset, Joint, Part, SurfaceSamples
 from artigen.voxels import voxelize
 from sim_export.export import export_asset
-from sim_export.write import write_package
+from sim_export.files.write import write_package
 
 
 def box_points(low: list[float], high: list[float], count: int, rng: np.random.Generator):

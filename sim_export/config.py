@@ -2,17 +2,17 @@
 
 from dataclasses import dataclass, field
 
-from sim_export.annotations import HandleConfig
-from sim_export.attachment import AttachmentConfig
-from sim_export.clearance import ClearanceConfig
-from sim_export.decompose import DecomposeConfig
-from sim_export.feet import FeetConfig
-from sim_export.meshing import MeshingConfig
-from sim_export.recovery import RecoveryConfig
-from sim_export.requirements import RequirementConfig
-from sim_export.retention import RetentionConfig
-from sim_export.texture import TextureConfig
-from sim_export.trimming import TrimmingConfig
+from sim_export.appearance.texture import TextureConfig
+from sim_export.collision.attachment import AttachmentConfig
+from sim_export.collision.clearance import ClearanceConfig
+from sim_export.collision.decompose import DecomposeConfig
+from sim_export.collision.feet import FeetConfig
+from sim_export.collision.recovery import RecoveryConfig
+from sim_export.collision.requirements import RequirementConfig
+from sim_export.collision.retention import RetentionConfig
+from sim_export.collision.trimming import TrimmingConfig
+from sim_export.geometry.meshing import MeshingConfig
+from sim_export.physics.annotations import HandleConfig
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,24 +6,24 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from artigen.types import Asset
-from sim_export.annotations import annotate_handles
-from sim_export.attachment import attach_links
-from sim_export.boards import fill_boards
-from sim_export.clearance import clear_joints
+from sim_export.appearance.texture import TextureConfig, bake_parts
+from sim_export.collision.attachment import attach_links
+from sim_export.collision.clearance import clear_joints
+from sim_export.collision.decompose import Decomposition, decompose_parts
+from sim_export.collision.feet import add_feet
+from sim_export.collision.recovery import recover_surface
+from sim_export.collision.requirements import find_requirements
+from sim_export.collision.retention import keep_drawers_held
+from sim_export.collision.trimming import Trimmed, trim_meshes
 from sim_export.config import ExportConfig
-from sim_export.decompose import Decomposition, decompose_parts
-from sim_export.feet import add_feet
-from sim_export.links import LinkTree, PartGeometry, build_links, link_owners
-from sim_export.masses import weigh_part
-from sim_export.materials import part_material
-from sim_export.meshing import mesh_parts, solid_parts
+from sim_export.geometry.boards import fill_boards
+from sim_export.geometry.meshing import mesh_parts, solid_parts
+from sim_export.geometry.separation import separate_solids
 from sim_export.package import Link, Mesh, SimPackage, SourceMesh
-from sim_export.recovery import recover_surface
-from sim_export.requirements import find_requirements
-from sim_export.retention import keep_drawers_held
-from sim_export.separation import separate_solids
-from sim_export.texture import TextureConfig, bake_parts
-from sim_export.trimming import Trimmed, trim_meshes
+from sim_export.physics.annotations import annotate_handles
+from sim_export.physics.links import LinkTree, PartGeometry, build_links, link_owners
+from sim_export.physics.masses import weigh_part
+from sim_export.physics.materials import part_material
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

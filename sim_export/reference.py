@@ -13,21 +13,21 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from artigen.shapes.asset import frame_shape, shape_to_asset
-from artigen.shapes.finishes import FinishKind
 from artigen.shapes.primitives import Primitive, place_vertices
 from artigen.shapes.shape import Shape, ShapePart
-from artigen.shapes.textures import PaintTable, apply_paint, find_rows, make_paint
-from sim_export.annotations import annotate_handles
-from sim_export.atlas import make_atlas
-from sim_export.hull_limits import HullLimits, trim_hull
-from sim_export.inertia import combine, mesh_inertial
-from sim_export.links import LinkTree, PartGeometry, build_links
-from sim_export.masses import subtract
-from sim_export.materials import MATERIALS, MaterialName, finish_material
-from sim_export.needles import find_needles, flip_needles
+from artigen.shapes.surfaces.finishes import FinishKind
+from artigen.shapes.surfaces.textures import PaintTable, apply_paint, find_rows, make_paint
+from sim_export.appearance.atlas import make_atlas
+from sim_export.appearance.texture import color_atlas
+from sim_export.collision.hull_limits import HullLimits, trim_hull
+from sim_export.geometry.needles import find_needles, flip_needles
+from sim_export.geometry.solids import as_solid
 from sim_export.package import Hull, Inertial, Mesh, Requirement, SimPackage
-from sim_export.solids import as_solid
-from sim_export.texture import color_atlas
+from sim_export.physics.annotations import annotate_handles
+from sim_export.physics.inertia import combine, mesh_inertial
+from sim_export.physics.links import LinkTree, PartGeometry, build_links
+from sim_export.physics.masses import subtract
+from sim_export.physics.materials import MATERIALS, MaterialName, finish_material
 
 NEEDLES = 0.008
 """Share of needles from which a union is not shown; checks allow a hundredth."""

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 import torch
 
-from artigen.clean import CleanConfig, remove_strays, select_cells
 from artigen.errors import SegmentationError, SourceError
 from artigen.fields import VoxelFields, decode, encode
 from artigen.generate import complete_condition, generate_structure, load_structure_model
@@ -16,6 +15,7 @@ from artigen.models.presets import PRESETS
 from artigen.models.store import save_model
 from artigen.models.structure_flow import StructureFlow
 from artigen.models.structure_vae import StructureVae
+from artigen.segmentation.clean import CleanConfig, remove_strays, select_cells
 from artigen.types import Asset
 
 

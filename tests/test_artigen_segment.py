@@ -5,15 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from artigen.aggregate import aggregate_part, dominant_axis, fuse_box, nearest_point_to_lines
 from artigen.errors import SegmentationError
-from artigen.field_noise import TABLE_4, TABLES_3_AND_4, FieldNoise, add_noise
 from artigen.fields import VoxelFields, decode, encode
-from artigen.neighbours import connected_groups, neighbour_pairs
-from artigen.regularise import RegulariseConfig, regularise
 from artigen.segment import SegmentConfig, segment
-from artigen.segment_score import part_overlaps, score_segmentation
-from artigen.tree import ALLOWED_PARENTS
+from artigen.segmentation.aggregate import aggregate_part, dominant_axis, fuse_box, nearest_point_to_lines
+from artigen.segmentation.field_noise import TABLE_4, TABLES_3_AND_4, FieldNoise, add_noise
+from artigen.segmentation.neighbours import connected_groups, neighbour_pairs
+from artigen.segmentation.regularise import RegulariseConfig, regularise
+from artigen.segmentation.segment_score import part_overlaps, score_segmentation
+from artigen.segmentation.tree import ALLOWED_PARENTS
 from artigen.types import (
     FIXED,
     FULL_TURN,

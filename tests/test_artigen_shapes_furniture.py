@@ -7,19 +7,19 @@ from typing import get_args
 import numpy as np
 import pytest
 
-from artigen.shapes.cabinet import list_cells
-from artigen.shapes.carcass import count_hulls, fits_engines
 from artigen.shapes.draw import ShapeError, Wish, draw_shape
-from artigen.shapes.fronts import FRONT_STYLES, FrontDesign, make_door, make_front
-from artigen.shapes.furniture_kinds import KINDS
-from artigen.shapes.handles import HANDLE_KINDS, design_handle
-from artigen.shapes.hardware import Panel, hinge, sweep_gap
+from artigen.shapes.fittings.fronts import FRONT_STYLES, FrontDesign, make_door, make_front
+from artigen.shapes.fittings.handles import HANDLE_KINDS, design_handle
+from artigen.shapes.fittings.hardware import Panel, hinge, sweep_gap
+from artigen.shapes.furniture.cabinet import list_cells
+from artigen.shapes.furniture.carcass import count_hulls, fits_engines
+from artigen.shapes.furniture.furniture_kinds import KINDS
+from artigen.shapes.furniture.splits import Cell, Fill, Inside, Room, Split, Taste, draw_node, lay_out, mirror
 from artigen.shapes.poses import pose_parts
 from artigen.shapes.primitives import box, contains, place_vertices
 from artigen.shapes.shape import Shape
-from artigen.shapes.splits import Cell, Fill, Inside, Room, Split, Taste, draw_node, lay_out, mirror
 from artigen.transforms import transform_points
-from sim_export.contacts import HullSet, signed_distances
+from sim_export.collision.contacts import HullSet, signed_distances
 from sim_export.package import Hull
 
 CATEGORIES = ("StorageFurniture", "Table", "Cart", "Safe")

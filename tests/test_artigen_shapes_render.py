@@ -7,8 +7,6 @@ import numpy as np
 import pytest
 import torch
 
-from artigen.shapes.materials import LACQUERS, make_glass, make_lacquer
-from artigen.shapes.palette import draw_palette
 from artigen.shapes.poses import open_parts, pose_parts
 from artigen.shapes.primitives import (
     Primitive,
@@ -24,6 +22,8 @@ from artigen.shapes.primitives import (
 from artigen.shapes.render import Cameras, Images, RenderConfig, build_scene, frame_points, render
 from artigen.shapes.shape import Motion, Shape, ShapePart
 from artigen.shapes.sheet import draw_sheet
+from artigen.shapes.surfaces.materials import LACQUERS, make_glass, make_lacquer
+from artigen.shapes.surfaces.palette import draw_palette
 
 GEOMETRY = RenderConfig(shadow_rays=0, openness=False)
 

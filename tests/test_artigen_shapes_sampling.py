@@ -8,9 +8,8 @@ import pytest
 from artigen.fields import decode, encode
 from artigen.kinematics import movable_parts
 from artigen.segment import segment
-from artigen.segment_score import score_segmentation
+from artigen.segmentation.segment_score import score_segmentation
 from artigen.shapes.asset import frame_shape, shape_to_asset
-from artigen.shapes.finishes import Finish
 from artigen.shapes.primitives import (
     Primitive,
     box,
@@ -24,6 +23,7 @@ from artigen.shapes.primitives import (
 from artigen.shapes.rasterize import rasterize_shape
 from artigen.shapes.sampling import place_points, sample_shape
 from artigen.shapes.shape import Motion, Shape, ShapePart
+from artigen.shapes.surfaces.finishes import Finish
 from artigen.voxels import voxelize
 
 WOOD = Finish(kind="wood", color=(0.7, 0.5, 0.3), accent=(0.5, 0.3, 0.2))

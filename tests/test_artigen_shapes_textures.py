@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 import torch
 
-from artigen.shapes.finishes import Finish
-from artigen.shapes.materials import (
+from artigen.shapes.primitives import box, cylinder, line
+from artigen.shapes.shape import Shape, ShapePart
+from artigen.shapes.surfaces.finishes import Finish
+from artigen.shapes.surfaces.materials import (
     LACQUERS,
     WOODS,
     make_glass,
@@ -14,11 +16,9 @@ from artigen.shapes.materials import (
     make_stone,
     make_wood,
 )
-from artigen.shapes.noise import hash_unit, lattice_noise
-from artigen.shapes.palette import ROLES, draw_palette
-from artigen.shapes.primitives import box, cylinder, line
-from artigen.shapes.shape import Shape, ShapePart
-from artigen.shapes.textures import paint, paint_primitives
+from artigen.shapes.surfaces.noise import hash_unit, lattice_noise
+from artigen.shapes.surfaces.palette import ROLES, draw_palette
+from artigen.shapes.surfaces.textures import paint, paint_primitives
 
 FINISHES = {
     "wood": make_wood("oak", 3),

@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from sim_export.hulls import box_hull
+from sim_export.collision.hulls import box_hull
+from sim_export.files.read import read_package
+from sim_export.files.write import write_package
 from sim_export.package import Inertial, SimPackage
-from sim_export.read import read_package
-from sim_export.write import write_package
 
 pytest.importorskip("sapien")
 from envs.config import DynamicsConfig

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
 
+from sim_export.files.write import write_package
 from sim_export.package import SimPackage
-from sim_export.write import write_package
 
 pytest.importorskip("sapien")
 from envs import ENVIRONMENT_IDS

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from artigen.transforms import inverse
+from sim_export.collision.hulls import box_hull
+from sim_export.collision.motion import link_displacements
 from sim_export.errors import PackageError
-from sim_export.hulls import box_hull
-from sim_export.inertia import mesh_inertial
-from sim_export.materials import physx_friction_coefficient
-from sim_export.motion import link_displacements
+from sim_export.files.write import write_package
 from sim_export.package import Inertial, Link, PackageJoint, SimPackage
-from sim_export.write import write_package
+from sim_export.physics.inertia import mesh_inertial
+from sim_export.physics.materials import physx_friction_coefficient
 
 sapien = pytest.importorskip("sapien")
 from envs.friction import apply_damping, apply_friction, apply_velocity  # noqa: E402

@@ -13,8 +13,8 @@ from envs.titles import TITLES
 from envs.validate import REPORT_FILE, validate, validate_here, without_seconds
 from envs.worker import CheckJob, call_dynamics
 from sim_export.errors import PackageError
+from sim_export.files.write import manifest_problems, write_package
 from sim_export.report import report_from_json
-from sim_export.write import manifest_problems, write_package
 
 pytest.importorskip("sapien")
 pytestmark = pytest.mark.sim

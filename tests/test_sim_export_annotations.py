@@ -9,11 +9,11 @@ from artigen.datasets.sample import SAMPLE_PARTS, sample_box_arrays
 from artigen.kinematics import displacements
 from artigen.transforms import rotation_about
 from artigen.types import Asset
-from sim_export.annotations import HandleConfig, annotate_handles, ray_hits
-from sim_export.hulls import box_hull
-from sim_export.inertia import combine, mesh_inertial
-from sim_export.links import LinkTree, PartGeometry, build_links
+from sim_export.collision.hulls import box_hull
 from sim_export.package import HandleAnnotation, Mesh
+from sim_export.physics.annotations import HandleConfig, annotate_handles, ray_hits
+from sim_export.physics.inertia import combine, mesh_inertial
+from sim_export.physics.links import LinkTree, PartGeometry, build_links
 
 SCALE = 0.7
 

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sim_export.additions import AdditionConfig
-from sim_export.attachment import AttachmentConfig, attach_links
-from sim_export.contacts import HullSet, signed_distances
-from sim_export.hulls import box_hull
-from sim_export.motion import link_displacements
+from sim_export.collision.additions import AdditionConfig
+from sim_export.collision.attachment import AttachmentConfig, attach_links
+from sim_export.collision.contacts import HullSet, signed_distances
+from sim_export.collision.hulls import box_hull
+from sim_export.collision.motion import link_displacements
 from sim_export.package import Hull, Link, PackageJoint
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from artigen.types import VoxelGrid
-from sim_export.boards import fill_boards
+from sim_export.geometry.boards import fill_boards
 
 
 def shell(low, high) -> set:

@@ -19,9 +19,9 @@ from sim_export.checks.subject import Subject
 from sim_export.checks.suite import CHECKS, run_checks
 from sim_export.checks.surface import inside_hulls, surface_distances, triangle_distances
 from sim_export.checks.sweep import open_positions, volume_samples
-from sim_export.contacts import HullSet
-from sim_export.hulls import box_hull, convex_hull
-from sim_export.sampling import sample_triangles
+from sim_export.collision.contacts import HullSet
+from sim_export.collision.hulls import box_hull, convex_hull
+from sim_export.geometry.sampling import sample_triangles
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "benchmarks"))
 

@@ -7,14 +7,14 @@ import pytest
 
 from artigen.datasets.sample import SAMPLE_PARTS, SamplePart, sample_box_arrays
 from artigen.kinematics import displacements, movable_parts
-from sim_export.clearance import Clearance, ClearanceConfig, clear_joints
-from sim_export.contacts import HullSet, penetration_depths
+from sim_export.collision.clearance import Clearance, ClearanceConfig, clear_joints
+from sim_export.collision.contacts import HullSet, penetration_depths
+from sim_export.collision.hull_limits import HullLimits, hull_aspect
+from sim_export.collision.hulls import box_hull, convex_hull, hull_volume
+from sim_export.collision.motion import driven_joints, link_displacements, moved_links
+from sim_export.collision.requirements import find_requirements, required_openings, sweep_coordinates
 from sim_export.errors import InvalidKinematics
-from sim_export.hull_limits import HullLimits, hull_aspect
-from sim_export.hulls import box_hull, convex_hull, hull_volume
-from sim_export.motion import driven_joints, link_displacements, moved_links
 from sim_export.package import Hull, Link, PackageJoint, Requirement
-from sim_export.requirements import find_requirements, required_openings, sweep_coordinates
 
 BY_NAME = {part.name: part for part in SAMPLE_PARTS}
 

@@ -11,15 +11,14 @@ import pytest
 from scipy.spatial import ConvexHull
 
 from artigen.datasets.sample import SAMPLE_PARTS, sample_box_arrays
-from sim_export import coacd_process, decompose
-from sim_export.coacd_process import CoacdConfig, run_coacd
-from sim_export.convex_pieces import PieceConfig, cut_pieces
-from sim_export.cuboids import largest_cuboids
-from sim_export.decompose import DecomposeConfig, decompose_part, decompose_parts
-from sim_export.errors import DecompositionFailed, OpenMesh
-from sim_export.hull_limits import HullLimits, hull_aspect, limit_hulls
-from sim_export.hull_methods import Candidate
-from sim_export.hulls import (
+from sim_export.collision import coacd_process, decompose
+from sim_export.collision.coacd_process import CoacdConfig, run_coacd
+from sim_export.collision.convex_pieces import PieceConfig, cut_pieces
+from sim_export.collision.cuboids import largest_cuboids
+from sim_export.collision.decompose import DecomposeConfig, decompose_part, decompose_parts
+from sim_export.collision.hull_limits import HullLimits, hull_aspect, limit_hulls
+from sim_export.collision.hull_methods import Candidate
+from sim_export.collision.hulls import (
     box_hull,
     convex_hull,
     count_polygons,
@@ -29,8 +28,8 @@ from sim_export.hulls import (
     merge_planes,
     subtract_hull,
 )
-from sim_export.package import Mesh
-from sim_export.solids import (
+from sim_export.errors import DecompositionFailed, OpenMesh
+from sim_export.geometry.solids import (
     as_solid,
     inside_grid,
     measure_fit,
@@ -38,6 +37,7 @@ from sim_export.solids import (
     solid_arrays,
     solid_hull,
 )
+from sim_export.package import Mesh
 
 Solid = manifold3d.Manifold
 

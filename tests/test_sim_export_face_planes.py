@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sim_export.face_planes import DIRECTIONS, FacePlanesConfig, fit_face_planes
+from sim_export.geometry.face_planes import DIRECTIONS, FacePlanesConfig, fit_face_planes
 
 
 def grid(size: int = 28) -> np.ndarray:

@@ -4,9 +4,9 @@ import manifold3d
 import numpy as np
 import pytest
 
-from sim_export.additions import AdditionConfig
-from sim_export.feet import FeetConfig, add_feet
-from sim_export.hulls import box_hull
+from sim_export.collision.additions import AdditionConfig
+from sim_export.collision.feet import FeetConfig, add_feet
+from sim_export.collision.hulls import box_hull
 from sim_export.package import Link, Mesh, PackageJoint
 
 

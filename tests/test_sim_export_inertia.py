@@ -9,9 +9,10 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from artigen.types import JOINT_TYPES, PAPER_CATEGORIES, PART_LABELS, Asset, Joint, Part
+from sim_export.collision.hulls import box_hull, convex_hull
 from sim_export.errors import DegeneratePart, InvalidInertia, OpenMesh
-from sim_export.hulls import box_hull, convex_hull
-from sim_export.inertia import (
+from sim_export.package import Inertial, Mesh, PackageJoint
+from sim_export.physics.inertia import (
     MIN_LINK_MASS,
     check_inertial,
     combine,
@@ -19,15 +20,14 @@ from sim_export.inertia import (
     mesh_inertial,
     raise_light_mass,
 )
-from sim_export.links import LEAST_TURNING, PartGeometry, build_links, opening_pull
-from sim_export.materials import (
+from sim_export.physics.links import LEAST_TURNING, PartGeometry, build_links, opening_pull
+from sim_export.physics.materials import (
     GRAVITY,
     MATERIALS,
     joint_resistance,
     part_material,
     physx_friction_coefficient,
 )
-from sim_export.package import Inertial, Mesh, PackageJoint
 
 
 def prism(sides: int, radius: float, height: float) -> Mesh:

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from artigen.types import FIXED, Asset, Part, VoxelGrid
-from sim_export.inertia import check_inertial, combine
-from sim_export.masses import cells_inertial, subtract, weigh_part
-from sim_export.materials import MATERIALS
-from sim_export.meshing import mesh_parts
-from sim_export.occupancy import part_occupancy
+from sim_export.geometry.meshing import mesh_parts
+from sim_export.geometry.occupancy import part_occupancy
+from sim_export.physics.inertia import check_inertial, combine
+from sim_export.physics.masses import cells_inertial, subtract, weigh_part
+from sim_export.physics.materials import MATERIALS
 
 
 def hollow_box(shape=(20, 24, 30), resolution=32) -> Asset:

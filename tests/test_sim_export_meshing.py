@@ -9,12 +9,12 @@ from scipy import ndimage
 
 from artigen.types import Asset, VoxelGrid
 from sim_export.errors import DegeneratePart
-from sim_export.face_planes import fit_face_planes
-from sim_export.joining import join_cells
-from sim_export.meshing import MeshingConfig, mesh_occupancy, mesh_parts
-from sim_export.occupancy import part_occupancy
+from sim_export.geometry.face_planes import fit_face_planes
+from sim_export.geometry.joining import join_cells
+from sim_export.geometry.meshing import MeshingConfig, mesh_occupancy, mesh_parts
+from sim_export.geometry.occupancy import part_occupancy
+from sim_export.geometry.slants import find_slants
 from sim_export.package import Mesh
-from sim_export.slants import find_slants
 
 
 def grid(size: int = 28) -> np.ndarray:

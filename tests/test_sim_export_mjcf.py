@@ -11,14 +11,14 @@ from scipy.spatial.transform import Rotation
 from artigen.datasets.sample import SAMPLE_PARTS, sample_box_arrays
 from artigen.kinematics import displacements, qlimits
 from artigen.types import Asset
-from sim_export.hulls import box_hull
-from sim_export.inertia import combine, mesh_inertial
-from sim_export.links import PartGeometry, build_links
-from sim_export.mjcf import mjcf_text
+from sim_export.collision.hulls import box_hull
+from sim_export.files.mjcf import mjcf_text
+from sim_export.files.srdf import srdf_text, touching_pairs
+from sim_export.files.urdf import link_origins
+from sim_export.files.write import write_package
 from sim_export.package import Mesh, SimPackage
-from sim_export.srdf import srdf_text, touching_pairs
-from sim_export.urdf import link_origins
-from sim_export.write import write_package
+from sim_export.physics.inertia import combine, mesh_inertial
+from sim_export.physics.links import PartGeometry, build_links
 
 SCALE = 0.7
 

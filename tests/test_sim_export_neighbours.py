@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from artigen.types import VoxelGrid
-from sim_export.face_planes import DIRECTIONS, FacePlanesConfig, fit_face_planes
-from sim_export.meshing import mesh_occupancy
-from sim_export.neighbours import NeighbourFaces, find_neighbour_faces
+from sim_export.geometry.face_planes import DIRECTIONS, FacePlanesConfig, fit_face_planes
+from sim_export.geometry.meshing import mesh_occupancy
+from sim_export.geometry.neighbours import NeighbourFaces, find_neighbour_faces
 
 BLOCK = np.array([[6.0, 2.0, 2.0], [18.0, 18.0, 18.0]])
 

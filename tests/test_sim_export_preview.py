@@ -11,8 +11,11 @@ from jaxtyping import Bool, UInt8
 from PIL import Image
 
 from artigen.datasets.sample import SAMPLE_PARTS, SamplePart, sample_box_arrays
-from sim_export.camera import Camera, Viewpoint, project_points
-from sim_export.draw import (
+from sim_export.errors import PackageError
+from sim_export.files.write import write_package
+from sim_export.package import Hull, Link, Mesh, PackageJoint, SimPackage, SourceMesh, Visual
+from sim_export.picture.camera import Camera, Viewpoint, project_points
+from sim_export.picture.draw import (
     LABEL_COLORS,
     distinct_color,
     explode_links,
@@ -23,10 +26,8 @@ from sim_export.draw import (
     pose_surfaces,
     swell_hull,
 )
-from sim_export.errors import PackageError
-from sim_export.lighting import RenderConfig
-from sim_export.package import Hull, Link, Mesh, PackageJoint, SimPackage, SourceMesh, Visual
-from sim_export.preview import (
+from sim_export.picture.lighting import RenderConfig
+from sim_export.picture.preview import (
     PreviewConfig,
     contact_sheet,
     describe_joints,
@@ -35,8 +36,7 @@ from sim_export.preview import (
     preview_package,
     write_preview,
 )
-from sim_export.render import render_ids, surface_points
-from sim_export.write import write_package
+from sim_export.picture.render import render_ids, surface_points
 
 SMALL = PreviewConfig(
     viewpoint=Viewpoint(width=120, height=120),
@@ -299,7 +299,7 @@ def test_previews_of_written_packages(tmp_path: Path, boxes_package: SimPackage)
 @pytest.mark.real
 @pytest.mark.parametrize("name", ["10849"])
 def test_real_objects_open_inside_the_frame(real_objects: Path, name: str):
-    from sim_export.read import read_package
+    from sim_export.files.read import read_package
 
     package = read_package(real_objects / "partnet_mobility" / name)
     cfg = replace(SMALL, panels=("closed", "open"), render=replace(SMALL.render, ground=False))

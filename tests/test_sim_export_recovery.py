@@ -3,10 +3,10 @@
 import manifold3d
 import numpy as np
 
-from sim_export.contacts import HullSet, signed_distances
-from sim_export.hulls import box_hull, hull_volume
+from sim_export.collision.contacts import HullSet, signed_distances
+from sim_export.collision.hulls import box_hull, hull_volume
+from sim_export.collision.recovery import recover_surface
 from sim_export.package import Link, Mesh
-from sim_export.recovery import recover_surface
 
 BODY = ((-0.3, -0.4, 0.0), (0.3, 0.4, 0.8))
 LEDGE = ((-0.3, 0.4, 0.5), (0.3, 0.5, 0.52))

@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
-from artigen.shapes.finishes import Finish
 from artigen.shapes.primitives import box, cylinder, line, place_vertices, rounded_box
 from artigen.shapes.shape import Motion, Need, Shape, ShapePart
+from artigen.shapes.surfaces.finishes import Finish
 from sim_export.checks.suite import run_checks
-from sim_export.inertia import is_closed, mesh_inertial
-from sim_export.materials import MATERIALS, finish_material
-from sim_export.needles import find_needles, flip_needles
+from sim_export.files.write import write_package
+from sim_export.geometry.needles import find_needles, flip_needles
+from sim_export.physics.inertia import is_closed, mesh_inertial
+from sim_export.physics.materials import MATERIALS, finish_material
 from sim_export.reference import build_reference
-from sim_export.write import write_package
 
 FINISHES = (
     ("rubber", Finish(kind="rubber", color=(0.1, 0.1, 0.1), accent=(0.1, 0.1, 0.1))),

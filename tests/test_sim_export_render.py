@@ -8,7 +8,8 @@ import scipy.ndimage
 import trimesh
 
 from artigen.transforms import rotation_about, screw_motion
-from sim_export.camera import (
+from sim_export.package import Mesh
+from sim_export.picture.camera import (
     Camera,
     Viewpoint,
     camera_axes,
@@ -17,10 +18,9 @@ from sim_export.camera import (
     project_points,
     view_direction,
 )
-from sim_export.lighting import RenderConfig
-from sim_export.package import Mesh
-from sim_export.raycast import Surface
-from sim_export.render import (
+from sim_export.picture.lighting import RenderConfig
+from sim_export.picture.raycast import Surface
+from sim_export.picture.render import (
     move_surface,
     render_depth,
     render_ids,
@@ -28,7 +28,7 @@ from sim_export.render import (
     surface_from_mesh,
     surface_points,
 )
-from sim_export.shading import smooth_corner_normals
+from sim_export.picture.shading import smooth_corner_normals
 
 FRONT = Camera(position=np.array([-4.0, 0.0, 0.0]), target=np.zeros(3), fov=30.0, width=200, height=200)
 """Looks along +x from 4 m in front of the origin."""

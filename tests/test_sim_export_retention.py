@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from sim_export.hulls import box_hull
+from sim_export.collision.hulls import box_hull
+from sim_export.collision.retention import RetentionConfig, held_length, keep_drawers_held
 from sim_export.package import Link, PackageJoint
-from sim_export.retention import RetentionConfig, held_length, keep_drawers_held
 
 
 def chest(upper: float) -> tuple[tuple[Link, ...], tuple[PackageJoint, ...], dict]:

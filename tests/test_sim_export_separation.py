@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from artigen.types import FIXED, Asset, Joint, Part
-from sim_export.joining import join_cells
-from sim_export.occupancy import PartOccupancy
-from sim_export.separation import SUNK, separate_solids
+from sim_export.geometry.joining import join_cells
+from sim_export.geometry.occupancy import PartOccupancy
+from sim_export.geometry.separation import SUNK, separate_solids
 
 UNIT = np.array([np.zeros(3), np.ones(3)])
 SLIDE = Joint(type="prismatic", axis=np.array([-1.0, 0.0, 0.0]), origin=np.zeros(3), upper=0.3)

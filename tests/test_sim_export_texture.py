@@ -7,10 +7,10 @@ import pytest
 import trimesh
 
 from artigen.types import Asset, Gaussians
-from sim_export.atlas import make_atlas
-from sim_export.meshing import mesh_parts
+from sim_export.appearance.atlas import make_atlas
+from sim_export.appearance.texture import TextureConfig, bake_parts, bake_texture
+from sim_export.geometry.meshing import mesh_parts
 from sim_export.package import Mesh
-from sim_export.texture import TextureConfig, bake_parts, bake_texture
 
 RED, BLUE = np.array([200, 10, 10], dtype=np.uint8), np.array([10, 10, 200], dtype=np.uint8)
 

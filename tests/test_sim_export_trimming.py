@@ -4,10 +4,10 @@ import manifold3d
 import numpy as np
 import pytest
 
-from sim_export.hulls import box_hull
+from sim_export.collision.hulls import box_hull
+from sim_export.collision.trimming import trim_meshes
+from sim_export.geometry.solids import as_solid
 from sim_export.package import Link, Mesh
-from sim_export.solids import as_solid
-from sim_export.trimming import trim_meshes
 
 BODY = ((-0.3, -0.4, 0.0), (0.3, 0.4, 0.8))
 LEDGE = ((-0.3, 0.4, 0.5), (0.3, 0.5, 0.52))

@@ -10,13 +10,13 @@ import pytest
 from artigen.datasets.sample import SAMPLE_PARTS, sample_box_arrays
 from artigen.kinematics import displacements, qlimits
 from artigen.types import Asset, Part
+from sim_export.collision.hulls import box_hull
 from sim_export.errors import DegeneratePart, InvalidKinematics
-from sim_export.hulls import box_hull
-from sim_export.inertia import combine, mesh_inertial
-from sim_export.links import PartGeometry, build_links, check_kinematics, subtree_inertial
+from sim_export.files.urdf import format_number, link_origins, urdf_text
+from sim_export.files.write import write_package
 from sim_export.package import Mesh, SimPackage
-from sim_export.urdf import format_number, link_origins, urdf_text
-from sim_export.write import write_package
+from sim_export.physics.inertia import combine, mesh_inertial
+from sim_export.physics.links import PartGeometry, build_links, check_kinematics, subtree_inertial
 
 SCALE = 0.7
 

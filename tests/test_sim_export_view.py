@@ -11,9 +11,9 @@ import pytest
 import trimesh
 
 from artigen.transforms import matrix_from_quat
-from sim_export.motion import link_displacements
+from sim_export.collision.motion import link_displacements
 from sim_export.package import HandleAnnotation, Hull, Link, Mesh, PackageJoint, SimPackage, Visual
-from sim_export.view import GROUPS, PackageView, build_view, slider_scale, view_qpos
+from sim_export.picture.view import GROUPS, PackageView, build_view, slider_scale, view_qpos
 
 
 def _link(name: str, center: tuple[float, float, float]) -> Link:

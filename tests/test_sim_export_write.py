@@ -11,14 +11,14 @@ import pytest
 
 from artigen.datasets.sample import SAMPLE_PARTS, sample_box_arrays
 from artigen.types import Asset
+from sim_export.collision.hulls import box_hull
 from sim_export.errors import PackageError
-from sim_export.hulls import box_hull
-from sim_export.inertia import combine, mesh_inertial
-from sim_export.links import PartGeometry, build_links
-from sim_export.obj import corner_normals, obj_text, parse_obj, read_mesh
+from sim_export.files.obj import corner_normals, obj_text, parse_obj, read_mesh
+from sim_export.files.read import read_package
+from sim_export.files.write import manifest_problems, package_files, write_package
 from sim_export.package import HandleAnnotation, Mesh, Requirement, SimPackage, SourceMesh
-from sim_export.read import read_package
-from sim_export.write import manifest_problems, package_files, write_package
+from sim_export.physics.inertia import combine, mesh_inertial
+from sim_export.physics.links import PartGeometry, build_links
 
 SCALE = 0.7
 

@@ -63,7 +63,7 @@ def convert_object(job: ConvertJob) -> Made:
     from artigen import __version__
     from artigen.datasets.partnet_mobility import ReaderConfig, read_object
     from sim_export.export import export_asset
-    from sim_export.write import write_package
+    from sim_export.files.write import write_package
 
     watch = [("start", time.perf_counter())]
     source = read_object(job.source, ReaderConfig(size=job.cfg.size, seed=job.cfg.seed))

@@ -20,7 +20,7 @@ def demo(out: Out = Path("out/demo"), workers: Workers = 2) -> int:
     """
     from artigen.cli.shape import ShapeJob, ShapeSettings, export_and_validate, write_sheet
     from artigen.shapes.draw import draw_shape
-    from sim_export.preview import write_preview
+    from sim_export.picture.preview import write_preview
 
     shapes = [draw_shape(category, seed) for category, seed in OBJECTS]
     write_sheet(shapes, out / "shapes.png")

@@ -22,7 +22,7 @@ def export(
     from artigen import __version__
     from artigen.io import read_asset
     from sim_export.export import export_asset
-    from sim_export.write import write_package
+    from sim_export.files.write import write_package
 
     provenance = {"generator": f"artigen {__version__} export", "source": asset.resolve().name}
     exported = export_asset(read_asset(asset), provenance=provenance)

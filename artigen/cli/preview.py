@@ -12,7 +12,7 @@ def preview(packages: Packages, out: Out = Path("preview.png")) -> int:
         packages: Package folders.
         out: The PNG to write.
     """
-    from sim_export.preview import write_preview
+    from sim_export.picture.preview import write_preview
 
     write_preview(packages, out)
     return 0

@@ -104,7 +104,7 @@ def read_wish(cfg: ShapeSettings) -> "Wish":
 
 def export_shape(job: ShapeJob) -> Made:
     """Draws one object, exports it and writes the package; runs in a worker process."""
-    from sim_export.write import write_package
+    from sim_export.files.write import write_package
 
     watch = [("start", time.perf_counter())]
     drawn = draw_wished(job)

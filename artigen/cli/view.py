@@ -14,7 +14,7 @@ def view(package: tyro.conf.Positional[Path], port: int = 8080) -> int:
         package: A package folder.
         port: TCP port on this machine.
     """
-    from sim_export.view import view_package
+    from sim_export.picture.view import view_package
 
     page = view_package(package, port=port)
     sys.stderr.write(f"{package}: http://localhost:{page.server.get_port()} (Ctrl-C ends it)\n")

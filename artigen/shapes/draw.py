@@ -15,8 +15,8 @@ from zlib import crc32
 import numpy as np
 
 from artigen.errors import ArtigenError
-from artigen.shapes.finishes import Finish
 from artigen.shapes.shape import Shape, ShapePart
+from artigen.shapes.surfaces.finishes import Finish
 from artigen.types import PartLabel
 
 MAX_DRAWS = 1000

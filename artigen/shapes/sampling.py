@@ -66,7 +66,7 @@ def place_points(shape: Shape, spacing: float) -> SurfacePoints:
 
 def sample_shape(shape: Shape, spacing: float) -> SurfaceSamples:
     """Coloured surface samples in the unit cube of the `Asset`, ``spacing`` (m) apart on average."""
-    from artigen.shapes.textures import paint_primitives
+    from artigen.shapes.surfaces.textures import paint_primitives
 
     found = place_points(shape, spacing)
     low, high = shape.bounds()

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from artigen.shapes.finishes import Finish
 from artigen.shapes.primitives import Primitive, Vector, place_vertices
+from artigen.shapes.surfaces.finishes import Finish
 from artigen.types import JOINT_TYPES, PART_LABELS, JointType, PartLabel, check_tree
 
 

@@ -8,8 +8,8 @@ from sim_export.checks.config import CheckConfig
 from sim_export.checks.geometry import own_visuals
 from sim_export.checks.registry import CheckSpec, Finding
 from sim_export.checks.subject import Shape, Subject
-from sim_export.obj import parse_mtl, read_image
-from sim_export.sampling import triangle_areas
+from sim_export.files.obj import parse_mtl, read_image
+from sim_export.geometry.sampling import triangle_areas
 
 _SPOTS = np.array([[1, 1, 1], [4, 1, 1], [1, 4, 1], [1, 1, 4]]) / np.array([[3], [6], [6], [6]])
 """Where each face is looked at: its centre and half-way to the corners (barycentric)."""

@@ -12,8 +12,8 @@ from sim_export.checks.registry import CheckSpec, Finding, always, count_problem
 from sim_export.checks.subject import MAIN_URDF, Subject
 from sim_export.checks.urdf_file import UrdfJoint, tree_problems
 from sim_export.errors import PackageError
+from sim_export.files.write import MANIFEST, manifest_problems
 from sim_export.package import URDF_JOINT_TYPES
-from sim_export.write import MANIFEST, manifest_problems
 
 LATER = ("validation.json",)
 """Written by validation itself, hence in no manifest and used by no file."""

@@ -5,12 +5,12 @@ import numpy as np
 from sim_export.checks.config import CheckConfig
 from sim_export.checks.registry import CheckSpec, Finding, always, count_problems
 from sim_export.checks.subject import Shape, Subject
-from sim_export.contacts import HullSet, signed_distances
+from sim_export.collision.contacts import HullSet, signed_distances
+from sim_export.collision.hulls import count_polygons, hull_length, hull_width
 from sim_export.errors import PackageError
-from sim_export.hulls import count_polygons, hull_length, hull_width
-from sim_export.obj import face_normals
+from sim_export.files.obj import face_normals
+from sim_export.geometry.sampling import triangle_areas
 from sim_export.package import Hull
-from sim_export.sampling import triangle_areas
 
 _FILE_PRECISION = 2e-6
 """Coordinates are written in micrometres."""

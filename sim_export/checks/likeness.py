@@ -10,7 +10,7 @@ from sim_export.checks.registry import CheckSpec, Finding
 from sim_export.checks.subject import Subject
 from sim_export.checks.surface import inside_hulls, surface_distances
 from sim_export.errors import PackageError
-from sim_export.sampling import sample_triangles, triangle_areas
+from sim_export.geometry.sampling import sample_triangles, triangle_areas
 
 _LEAST_SAMPLES = 64
 _DENSER = 4

@@ -6,9 +6,9 @@ from sim_export.checks.config import CheckConfig
 from sim_export.checks.registry import CheckSpec, Finding, always, count_problems
 from sim_export.checks.subject import Subject
 from sim_export.checks.urdf_file import UrdfInertial, UrdfLink
-from sim_export.contacts import HullSet
+from sim_export.collision.contacts import HullSet
+from sim_export.collision.hulls import convex_hull, hull_planes
 from sim_export.errors import DegeneratePart
-from sim_export.hulls import convex_hull, hull_planes
 from sim_export.package import Hull
 
 

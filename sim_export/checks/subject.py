@@ -16,13 +16,13 @@ from jaxtyping import Float, Int
 from artigen.transforms import transform_points
 from artigen.types import PART_LABELS, PartLabel
 from sim_export.checks.urdf_file import UrdfFile, UrdfJoint, UrdfLink, UrdfShape, parse_urdf, tree_problems
-from sim_export.contacts import HullSet
+from sim_export.collision.contacts import HullSet
+from sim_export.collision.hulls import convex_hull
+from sim_export.collision.motion import MOVING_TYPES, link_displacements
 from sim_export.errors import DegeneratePart, PackageError
-from sim_export.hulls import convex_hull
-from sim_export.motion import MOVING_TYPES, link_displacements
-from sim_export.obj import ObjData, ObjGroup, parse_obj
+from sim_export.files.obj import ObjData, ObjGroup, parse_obj
+from sim_export.geometry.primitives import primitive_mesh
 from sim_export.package import URDF_JOINT_TYPES, Hull, Link, PackageJoint, Requirement, UrdfJointType
-from sim_export.primitives import primitive_mesh
 
 MAIN_URDF = "mobility.urdf"
 OWN_SIDECARS = ("annotations.json", "manifest.json", "physics.json", "provenance.json")

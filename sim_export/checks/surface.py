@@ -3,9 +3,9 @@
 import numpy as np
 from jaxtyping import Bool, Float
 
-from sim_export.hulls import hull_planes
+from sim_export.collision.hulls import hull_planes
+from sim_export.geometry.sampling import sample_triangles
 from sim_export.package import Hull
-from sim_export.sampling import sample_triangles
 
 _NEAREST = 8
 

@@ -14,7 +14,7 @@ from sim_export.checks.config import CheckConfig
 from sim_export.checks.registry import CheckSpec, Finding
 from sim_export.checks.subject import Subject
 from sim_export.checks.surface import inside_hulls
-from sim_export.contacts import Distances, HullSet, find_penetration, signed_distances
+from sim_export.collision.contacts import Distances, HullSet, find_penetration, signed_distances
 from sim_export.errors import PackageError
 from sim_export.package import PackageJoint
 

@@ -9,17 +9,17 @@ from typing import Literal
 
 import numpy as np
 
-from artigen.shapes.cabinet import Looks, draw_layout, draw_looks, make_cabinet
-from artigen.shapes.carcass import fits_engines
 from artigen.shapes.draw import Draft, ShapeError, Wish, choose
-from artigen.shapes.drawers import BoxDesign, make_tray
-from artigen.shapes.feet import make_castors
-from artigen.shapes.furniture_kinds import STYLES
-from artigen.shapes.hardware import GAP, Range, Space, fill_space
-from artigen.shapes.palette import draw_palette
+from artigen.shapes.fittings.drawers import BoxDesign, make_tray
+from artigen.shapes.fittings.feet import make_castors
+from artigen.shapes.fittings.hardware import GAP, Range, Space, fill_space
+from artigen.shapes.furniture.cabinet import Looks, draw_layout, draw_looks, make_cabinet
+from artigen.shapes.furniture.carcass import fits_engines
+from artigen.shapes.furniture.furniture_kinds import STYLES
+from artigen.shapes.furniture.splits import Cell, Node, Split, Taste, pick
 from artigen.shapes.primitives import Primitive, box, cylinder, rounded_box
 from artigen.shapes.shape import ShapePart
-from artigen.shapes.splits import Cell, Node, Split, Taste, pick
+from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "Cart"
 BODY = "body"

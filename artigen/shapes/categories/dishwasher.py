@@ -4,17 +4,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from artigen.shapes.appliance_doors import draw_grip, mount_grip
-from artigen.shapes.assembly import Assembly
-from artigen.shapes.cavity import SIDES, build_feet, build_shell, build_tub, divide_range
-from artigen.shapes.control_panel import design_dial, spread_controls
+from artigen.shapes.appliances.appliance_doors import draw_grip, mount_grip
+from artigen.shapes.appliances.assembly import Assembly
+from artigen.shapes.appliances.cavity import SIDES, build_feet, build_shell, build_tub, divide_range
+from artigen.shapes.appliances.control_panel import design_dial, spread_controls
+from artigen.shapes.appliances.racks import build_basket, build_rack
 from artigen.shapes.draw import Draft, Wish, choose
-from artigen.shapes.handles import HandleDesign, make_handle
-from artigen.shapes.hardware import GAP, Panel, Range, Space, hinge, slide, sweep_gap
-from artigen.shapes.palette import draw_palette
+from artigen.shapes.fittings.handles import HandleDesign, make_handle
+from artigen.shapes.fittings.hardware import GAP, Panel, Range, Space, hinge, slide, sweep_gap
 from artigen.shapes.primitives import Primitive, box, cylinder, line, rounded_box
-from artigen.shapes.racks import build_basket, build_rack
 from artigen.shapes.shape import Need, ShapePart
+from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "Dishwasher"
 STYLES = ("steel", "white", "black", "retro")

@@ -4,15 +4,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from artigen.shapes.appliance_doors import build_window_leaf, draw_grip, mount_grip
-from artigen.shapes.cavity import SIDES, build_feet, build_shell, divide_range
-from artigen.shapes.control_panel import build_display, design_dial, make_button, make_dial
+from artigen.shapes.appliances.appliance_doors import build_window_leaf, draw_grip, mount_grip
+from artigen.shapes.appliances.cavity import SIDES, build_feet, build_shell, divide_range
+from artigen.shapes.appliances.control_panel import build_display, design_dial, make_button, make_dial
+from artigen.shapes.appliances.rings import build_ring
 from artigen.shapes.draw import Draft, Wish, choose
-from artigen.shapes.hardware import GAP, Panel, Range, Space, hinge, sweep_gap
-from artigen.shapes.palette import draw_palette
+from artigen.shapes.fittings.hardware import GAP, Panel, Range, Space, hinge, sweep_gap
 from artigen.shapes.primitives import Primitive, box, cylinder
-from artigen.shapes.rings import build_ring
 from artigen.shapes.shape import Motion, ShapePart
+from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "Microwave"
 STYLES = ("steel", "black", "white", "retro")

@@ -5,17 +5,17 @@ from typing import Literal
 
 import numpy as np
 
-from artigen.shapes.appliance_doors import draw_grip
-from artigen.shapes.assembly import Assembly
-from artigen.shapes.cavity import SIDES, build_feet, share_range
-from artigen.shapes.control_panel import DialDesign, design_dial, make_dial, spread_controls
-from artigen.shapes.cooktop import CooktopKind, build_burners
+from artigen.shapes.appliances.appliance_doors import draw_grip
+from artigen.shapes.appliances.assembly import Assembly
+from artigen.shapes.appliances.cavity import SIDES, build_feet, share_range
+from artigen.shapes.appliances.control_panel import DialDesign, design_dial, make_dial, spread_controls
+from artigen.shapes.appliances.cooktop import CooktopKind, build_burners
+from artigen.shapes.appliances.oven_cavity import build_rails, choose_levels, make_racks
+from artigen.shapes.appliances.oven_front import FrontLook, make_oven_door, make_warming_drawer
 from artigen.shapes.draw import Draft, Wish, choose
-from artigen.shapes.hardware import GAP, Edge, Panel, Range, Space
-from artigen.shapes.oven_cavity import build_rails, choose_levels, make_racks
-from artigen.shapes.oven_front import FrontLook, make_oven_door, make_warming_drawer
-from artigen.shapes.palette import draw_palette
+from artigen.shapes.fittings.hardware import GAP, Edge, Panel, Range, Space
 from artigen.shapes.primitives import Primitive, box, line, rounded_box
+from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "Oven"
 STYLES = ("steel", "black", "white", "retro")

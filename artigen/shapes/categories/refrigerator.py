@@ -6,10 +6,10 @@ from typing import Literal
 
 import numpy as np
 
-from artigen.shapes.appliance_doors import build_window_leaf, draw_grip, mount_grip
-from artigen.shapes.assembly import Assembly
-from artigen.shapes.cavity import build_feet, build_shell, divide_range
-from artigen.shapes.cold_storage import (
+from artigen.shapes.appliances.appliance_doors import build_window_leaf, draw_grip, mount_grip
+from artigen.shapes.appliances.assembly import Assembly
+from artigen.shapes.appliances.cavity import build_feet, build_shell, divide_range
+from artigen.shapes.appliances.cold_storage import (
     LOW,
     build_cold_leaf,
     build_freezer_drawer,
@@ -18,11 +18,11 @@ from artigen.shapes.cold_storage import (
     reach_inwards,
 )
 from artigen.shapes.draw import Draft, Wish, choose
-from artigen.shapes.handles import HandleDesign
-from artigen.shapes.hardware import GAP, Edge, Panel, Range, Space, hinge, slide, sweep_gap
-from artigen.shapes.palette import draw_palette
+from artigen.shapes.fittings.handles import HandleDesign
+from artigen.shapes.fittings.hardware import GAP, Edge, Panel, Range, Space, hinge, slide, sweep_gap
 from artigen.shapes.primitives import Primitive, box
 from artigen.shapes.shape import Need, ShapePart
+from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "Refrigerator"
 STYLES = ("steel", "white", "black", "retro")

@@ -9,12 +9,12 @@ from math import radians
 import numpy as np
 
 from artigen.shapes.draw import Draft, ShapeError, Wish, choose
-from artigen.shapes.fronts import FrontDesign, make_door
-from artigen.shapes.hardware import GAP, PASSING, Panel, Space, fill_space, sweep_gap
-from artigen.shapes.materials import LACQUERS, make_lacquer
-from artigen.shapes.palette import draw_palette
+from artigen.shapes.fittings.fronts import FrontDesign, make_door
+from artigen.shapes.fittings.hardware import GAP, PASSING, Panel, Space, fill_space, sweep_gap
 from artigen.shapes.primitives import Primitive, box, cylinder, line
 from artigen.shapes.shape import Motion, ShapePart
+from artigen.shapes.surfaces.materials import LACQUERS, make_lacquer
+from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "Safe"
 STYLES = ("dial", "handwheel", "keypad")

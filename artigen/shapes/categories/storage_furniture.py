@@ -1,23 +1,30 @@
 """StorageFurniture: cabinets, dressers, wardrobes, sideboards, nightstands, bookcases, TV stands.
 
-A kind of furniture is a size, a taste and what it stands on (`artigen.shapes.furniture_kinds`); how its front
-is divided comes from the grammar of `artigen.shapes.splits`.
+A kind of furniture is a size, a taste and what it stands on (`artigen.shapes.furniture.furniture_kinds`);
+how its front is divided comes from the grammar of `artigen.shapes.furniture.splits`.
 """
 
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-from artigen.shapes.cabinet import Looks, count_fronts, draw_layout, draw_looks, has_fronts, make_cabinet
-from artigen.shapes.carcass import fits_engines
 from artigen.shapes.draw import Draft, ShapeError, Wish, choose
-from artigen.shapes.feet import StandDesign, design_stand, make_stand
-from artigen.shapes.furniture_kinds import KINDS, STYLES, Kind, Style
-from artigen.shapes.hardware import Space
-from artigen.shapes.palette import draw_palette
+from artigen.shapes.fittings.feet import StandDesign, design_stand, make_stand
+from artigen.shapes.fittings.hardware import Space
+from artigen.shapes.furniture.cabinet import (
+    Looks,
+    count_fronts,
+    draw_layout,
+    draw_looks,
+    has_fronts,
+    make_cabinet,
+)
+from artigen.shapes.furniture.carcass import fits_engines
+from artigen.shapes.furniture.furniture_kinds import KINDS, STYLES, Kind, Style
+from artigen.shapes.furniture.splits import Node, pick
 from artigen.shapes.primitives import rounded_box
 from artigen.shapes.shape import ShapePart
-from artigen.shapes.splits import Node, pick
+from artigen.shapes.surfaces.palette import draw_palette
 from artigen.types import PartLabel
 
 CATEGORY = "StorageFurniture"

@@ -9,17 +9,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from artigen.shapes.cabinet import Looks, draw_layout, draw_looks, make_cabinet
-from artigen.shapes.carcass import fits_engines, open_carcass
 from artigen.shapes.categories.storage_furniture import STYLES
 from artigen.shapes.draw import Draft, ShapeError, Wish, choose
-from artigen.shapes.feet import LEG_KINDS, LegKind, make_castors, make_legs
-from artigen.shapes.hardware import GAP, Range, Space, fill_space, lift
-from artigen.shapes.palette import draw_palette
+from artigen.shapes.fittings.feet import LEG_KINDS, LegKind, make_castors, make_legs
+from artigen.shapes.fittings.hardware import GAP, Range, Space, fill_space, lift
+from artigen.shapes.furniture.cabinet import Looks, draw_layout, draw_looks, make_cabinet
+from artigen.shapes.furniture.carcass import fits_engines, open_carcass
+from artigen.shapes.furniture.sinks import TAP_HEIGHT, make_sink
+from artigen.shapes.furniture.splits import Cell, Node, Split, Taste, lay_out, pick
 from artigen.shapes.primitives import Primitive, box, cylinder, place_vertices, rounded_box
 from artigen.shapes.shape import Motion, ShapePart
-from artigen.shapes.sinks import TAP_HEIGHT, make_sink
-from artigen.shapes.splits import Cell, Node, Split, Taste, lay_out, pick
+from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "Table"
 BODY = "body"

@@ -4,17 +4,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from artigen.shapes.assembly import Assembly
-from artigen.shapes.cavity import SIDES, build_feet, build_tub
-from artigen.shapes.control_panel import design_dial, spread_controls
+from artigen.shapes.appliances.assembly import Assembly
+from artigen.shapes.appliances.cavity import SIDES, build_feet, build_tub
+from artigen.shapes.appliances.control_panel import design_dial, spread_controls
+from artigen.shapes.appliances.drums import build_bearing, build_porthole, fit_radius, make_drum
+from artigen.shapes.appliances.rings import build_pierced_plate
 from artigen.shapes.draw import Draft, Wish, choose
-from artigen.shapes.drums import build_bearing, build_porthole, fit_radius, make_drum
-from artigen.shapes.handles import HandleDesign, make_handle
-from artigen.shapes.hardware import GAP, Panel, Range, Space, hinge, slide
-from artigen.shapes.palette import draw_palette
+from artigen.shapes.fittings.handles import HandleDesign, make_handle
+from artigen.shapes.fittings.hardware import GAP, Panel, Range, Space, hinge, slide
 from artigen.shapes.primitives import Primitive, box, line, rounded_box
-from artigen.shapes.rings import build_pierced_plate
 from artigen.shapes.shape import Motion, ShapePart
+from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "WashingMachine"
 STYLES = ("white", "steel", "black", "retro")

@@ -29,7 +29,7 @@ from artigen.shapes.render.shading import (
     shade,
     srgb_from_linear,
 )
-from artigen.shapes.textures import apply_paint, find_rows
+from artigen.shapes.surfaces.textures import apply_paint, find_rows
 
 LAYERS = 8
 """Panes that one looks through at most."""

@@ -16,7 +16,7 @@ from torch import Tensor
 from artigen.shapes.poses import pose_parts
 from artigen.shapes.primitives import Primitive
 from artigen.shapes.shape import Shape
-from artigen.shapes.textures import PaintTable, make_paint, place_table
+from artigen.shapes.surfaces.textures import PaintTable, make_paint, place_table
 
 FAR = 1e6
 """Where the missing side of a slab is (m)."""

@@ -8,7 +8,7 @@ from torch import Tensor
 
 from artigen.shapes.primitives import Vector
 from artigen.shapes.render.rays import Surface
-from artigen.shapes.textures import KINDS
+from artigen.shapes.surfaces.textures import KINDS
 
 STEEL = KINDS.index("steel")
 GLASS = KINDS.index("glass")

@@ -1,0 +1,1 @@
+"""Voxel fields back to parts, joints and a tree."""

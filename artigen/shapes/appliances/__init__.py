@@ -1,0 +1,1 @@
+"""What appliances are built of."""

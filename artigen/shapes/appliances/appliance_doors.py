@@ -1,0 +1,120 @@
+"""Doors of appliances: insulated leaves and leaves with a window, and the handles that suit them."""
+
+import numpy as np
+
+from artigen.shapes.appliances.cavity import SIDES, build_frame
+from artigen.shapes.appliances.racks import SLENDER
+from artigen.shapes.fittings.handles import HandleDesign, HandleKind, make_handle
+from artigen.shapes.fittings.hardware import Edge, Panel, Range
+from artigen.shapes.primitives import Primitive, box, line, rounded_box
+from artigen.shapes.shape import ShapePart
+
+
+def build_leaf(
+    panel: Panel,
+    opening: tuple[Range, Range],
+    finish: str,
+    lining: str,
+    *,
+    bevel: float = 0.0,
+    niche: tuple[Range, Range] | None = None,
+) -> tuple[Primitive, ...]:
+    """An insulated leaf that fills its panel: outer skin, gasket, and a liner that bulges into the opening.
+
+    Gasket and liner reach through the skin, as thin layers alone would be too oblong for engines.
+
+    Args:
+        panel: Front, with the gasket in its thickness.
+        opening: Ranges of y and z that are free behind it.
+        finish: Outside.
+        lining: Rear side.
+        bevel: What is taken off the edges of the skin (m).
+        niche: (y, z) ranges of a dispenser: a dark recess with a spout and a drip tray.
+    """
+    seal, inset, bulge = 0.009, 0.006, 0.012
+    y, z = _shrink(panel.y, 0.036), _shrink(panel.z, 0.036)
+    free_y, free_z = _shrink(opening[0], 0.014), _shrink(opening[1], 0.014)
+    y, z = (max(y[0], free_y[0]), min(y[1], free_y[1])), (max(z[0], free_z[0]), min(z[1], free_z[1]))
+    core = panel.x + (0.3 if niche is None else 0.68) * panel.thickness
+    gasket = _shrink(panel.y, inset), _shrink(panel.z, inset)
+    liner = box((core, y[0], z[0]), (panel.back + bulge, y[1], z[1]), lining)
+    skin = panel.back - seal
+    if niche is None:
+        rubber = box((core, gasket[0][0], gasket[1][0]), (panel.back, gasket[0][1], gasket[1][1]), "rubber")
+        slab = rounded_box((panel.x, panel.y[0], panel.z[0]), (skin, panel.y[1], panel.z[1]), bevel, finish)
+        return slab, line(rubber, "plastic", SIDES["front"]), liner
+    start = panel.x + 0.35 * panel.thickness
+    rubbers = build_frame((start, panel.back), gasket, niche, "rubber")
+    boards = build_frame((panel.x, skin), (panel.y, panel.z), niche, finish)
+    rubbers = tuple(line(rubber, "plastic", SIDES["front"]) for rubber in rubbers)
+    return (*boards, *rubbers, liner, *_build_recess((panel.x, core), *niche))
+
+
+def build_window_leaf(
+    panel: Panel, window: tuple[Range, Range], finish: str, lining: str, *, glass: str = "glass"
+) -> tuple[Primitive, ...]:
+    """A leaf with a pane: four boards around the window, the glass a little behind the face."""
+    frame = build_frame((panel.x, panel.back), (panel.y, panel.z), window, finish)
+    size = max(window[0][1] - window[0][0], window[1][1] - window[1][0])
+    thickness = max(0.006, size / SLENDER)
+    depth = min(0.003, (panel.thickness - thickness) / 2)
+    pane = box(
+        (panel.x + depth, window[0][0], window[1][0]),
+        (panel.x + depth + thickness, window[0][1], window[1][1]),
+        glass,
+    )
+    return (*(line(board, lining, SIDES["front"]) for board in frame), pane)
+
+
+def draw_grip(
+    rng: np.random.Generator,
+    kinds: tuple[HandleKind, ...],
+    *,
+    length: float,
+    longest: float,
+    finish: str = "handle",
+) -> HandleDesign:
+    """A handle for an appliance whose longest edge measures ``longest`` metres."""
+    kind = kinds[int(rng.integers(len(kinds)))]
+    thickness = float(np.clip(rng.uniform(0.016, 0.021) * longest, 0.012, 0.032))
+    return HandleDesign(kind=kind, length=max(length, 0.1), thickness=thickness, finish=finish)
+
+
+def mount_grip(
+    panel: Panel,
+    design: HandleDesign,
+    *,
+    name: str,
+    parent: str,
+    edge: Edge | None,
+    inset: float,
+    level: float | None = None,
+) -> ShapePart:
+    """A handle opposite to the ``edge`` where a panel is hinged, along the top of one that slides (None).
+
+    It lies ``inset`` metres from the rim, and is centred there or at height ``level``.
+    """
+    y, z = panel.center
+    half = design.thickness / 2 + inset
+    upright = edge in ("left", "right")
+    if upright:
+        at = (panel.y[0] + half if edge == "left" else panel.y[1] - half, z if level is None else level)
+    else:
+        at = (y, panel.z[1] - half)
+    return make_handle(panel, design, name=name, parent=parent, upright=upright, at=at)
+
+
+def _build_recess(x: Range, y: Range, z: Range) -> tuple[Primitive, ...]:
+    """Rear plate, head with a spout, and drip tray of a dispenser that fills a hole."""
+    back = x[1] - 0.002
+    middle, head = (y[0] + y[1]) / 2, z[1] - 0.35 * (z[1] - z[0])
+    return (
+        box((back, y[0], z[0]), (back + 0.008, y[1], z[1]), "panel"),
+        box((x[0] - 0.002, y[0], head), (back, y[1], z[1]), "panel"),
+        box((x[0] + 0.012, middle - 0.02, head - 0.03), (back, middle + 0.02, head), "plastic"),
+        box((x[0] + 0.003, y[0], z[0]), (back, y[1], z[0] + 0.012), "steel"),
+    )
+
+
+def _shrink(span: Range, by: float) -> Range:
+    return span[0] + by, span[1] - by

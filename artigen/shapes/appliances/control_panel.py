@@ -1,0 +1,219 @@
+"""Dials, push buttons, displays: what people turn and press on appliances.
+
+Controls stand on a face that looks along ``out``: (-1, 0, 0) on a front, (0, 0, 1) on a hob, or slanted in
+the x-z plane. A dial floats `DIAL_GAP` before its face, a button far enough to be pressed by its travel.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import Literal
+
+import numpy as np
+
+from artigen.shapes.fittings.hardware import Range
+from artigen.shapes.primitives import Primitive, Vector, box, cylinder, polytope, prism
+from artigen.shapes.shape import Motion, ShapePart
+
+DialKind = Literal["round", "grip", "collar", "faceted"]
+DIAL_GAP = 0.0015
+PRESS = 0.0022
+"""Travel of a button (m)."""
+FRONT: Vector = (-1.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class DialDesign:
+    """One model of dial, so that all of an appliance match; metres."""
+
+    kind: DialKind
+    radius: float
+    length: float
+    """How far it stands out of its panel."""
+    finish: str
+    mark: str
+    """Finish of pointer or collar."""
+    upper: float
+    """Range (rad); 0 turns without end."""
+
+
+def design_dial(
+    rng: np.random.Generator, radius: Range, *, endless: float, finish: str = "handle"
+) -> DialDesign:
+    """A dial with a radius from a range; ``endless`` is the chance that it turns without end."""
+    kinds: tuple[DialKind, ...] = ("round", "grip", "collar", "faceted")
+    drawn = float(rng.uniform(*radius))
+    return DialDesign(
+        kind=kinds[int(rng.integers(len(kinds)))],
+        radius=drawn,
+        length=float(np.clip(rng.uniform(0.9, 1.5) * drawn, 0.015, 0.035)),
+        finish=finish,
+        mark="accent" if finish != "accent" else "rubber",
+        upper=0.0 if rng.random() < endless else float(np.radians(rng.uniform(180, 300))),
+    )
+
+
+def make_dial(design: DialDesign, at: Vector, *, name: str, parent: str, out: Vector = FRONT) -> ShapePart:
+    """A dial whose axis meets the face at ``at`` and points along ``out`` (unit, in the x-z plane)."""
+    place = _Placing(at=np.array(at), out=np.array(out))
+    low, high, r = DIAL_GAP, DIAL_GAP + design.length, design.radius
+    middle = low + 0.45 * design.length
+    solids = {
+        "round": [
+            place.rod(low, high, r, design.finish),
+            place.bar((high - 0.002, high + 0.002), (-0.12 * r, 0.12 * r), (0.25 * r, 0.95 * r), design.mark),
+        ],
+        "grip": [
+            place.rod(low, middle, r, design.finish),
+            place.bar((middle, high), (-0.22 * r, 0.22 * r), (-0.95 * r, 0.95 * r), design.finish),
+        ],
+        "collar": [
+            place.rod(low, low + 0.22 * design.length, r, design.mark),
+            place.rod(low + 0.22 * design.length, high, 0.78 * r, design.finish),
+        ],
+        "faceted": [place.cone(low, high, r, 0.82, design.finish)],
+    }[design.kind]
+    turns = not design.upper
+    motion = Motion(
+        type="continuous" if turns else "revolute",
+        axis=out,
+        origin=at,
+        upper=2 * np.pi if turns else design.upper,
+    )
+    return ShapePart(name=name, label="knob", parent=parent, primitives=tuple(solids), motion=motion)
+
+
+def make_button(
+    at: Vector,
+    size: tuple[float, float, float],
+    *,
+    name: str,
+    parent: str,
+    finish: str,
+    shape: Literal["round", "square"] = "square",
+    out: Vector = FRONT,
+) -> ShapePart:
+    """A push button, ``size`` (width, height, length) in metres, that yields by `PRESS` into its face."""
+    width, height, length = size
+    place = _Placing(at=np.array(at), out=np.array(out))
+    low = 0.0012 + PRESS
+    solid = (
+        place.rod(low, low + length, min(width, height) / 2, finish)
+        if shape == "round"
+        else place.bar((low, low + length), (-width / 2, width / 2), (-height / 2, height / 2), finish)
+    )
+    inward = (-out[0], -out[1], -out[2])
+    motion = Motion(type="prismatic", axis=inward, upper=PRESS)
+    return ShapePart(name=name, label="knob", parent=parent, primitives=(solid,), motion=motion)
+
+
+def spread_controls(
+    rng: np.random.Generator,
+    design: DialDesign,
+    x: float,
+    y: Range,
+    z: Range,
+    *,
+    counts: tuple[int, int],
+    parent: str = "body",
+) -> tuple[list[Primitive], list[ShapePart]]:
+    """A row of dials on a band at ``x``, with a display, and keys, between its two halves.
+
+    Args:
+        rng: Source of every choice.
+        design: Of the dials.
+        x: Face of the band.
+        y: Its range across.
+        z: Its range upwards.
+        counts: Dials and keys; keys that find no room are left out.
+        parent: What the controls stand on.
+
+    Returns:
+        What is fixed to the band, and the controls.
+    """
+    dials, keys = counts
+    middle = (z[0] + z[1]) / 2
+    pitch = 2.5 * design.radius
+    shows = rng.random() < 0.6 or dials == 0
+    room = y[1] - y[0] - dials * pitch
+    window = min(max(float(rng.uniform(0.10, 0.18)), 0.032 * keys), 0.9 * room)
+    pieces: list[Primitive] = []
+    parts: list[ShapePart] = []
+    left = int(dials * rng.uniform(0.35, 0.65)) if shows or keys else dials
+    center = 0.5 * (y[0] + y[1])
+    if (shows or keys) and window > 0.05:
+        spare = (room - window) / 2
+        center = y[1] - left * pitch - spare - window / 2
+        frame = (center - window / 2 + 0.005, center + window / 2 - 0.005)
+        if shows:
+            low = middle - (0.006 if keys else 0.016)
+            pieces.append(build_display(x, frame, (low, low + 0.032)))
+        parts += _make_keys(
+            frame, (x, middle - (0.022 if shows else 0.0)), min(keys, int(window / 0.03)), parent
+        )
+        spans = ((y[1] - left * pitch - spare, y[1], left), (y[0], center - window / 2, dials - left))
+    else:
+        spans = ((y[0], y[1], dials),)
+    for low, high, count in spans:
+        for k in range(count):
+            at = (x, high - (k + 0.5) * (high - low) / count, middle)
+            parts.append(make_dial(design, at, name=f"dial_{len(parts)}", parent=parent))
+    return pieces, parts
+
+
+def _make_keys(y: Range, at: tuple[float, float], count: int, parent: str) -> list[ShapePart]:
+    """A row of push buttons from left to right at (x, z)."""
+    pitch = (y[1] - y[0]) / max(count, 1)
+    size = (min(0.024, 0.8 * pitch), 0.021, 0.007)
+    places = [(at[0], y[1] - (k + 0.5) * pitch, at[1]) for k in range(count)]
+    return [
+        make_button(place, size, name=f"key_{k}", parent=parent, finish="plastic")
+        for k, place in enumerate(places)
+    ]
+
+
+def build_display(x: float, y: Range, z: Range, finish: str = "panel") -> Primitive:
+    """A dark window that stands 3 to 4 mm out of a front at ``x``."""
+    rise = max(0.003, (y[1] - y[0]) / 50)
+    return box((x - rise, y[0], z[0]), (x, y[1], z[1]), finish)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Placing:
+    """Coordinates of a control: out of its face, across (y), and up along the face."""
+
+    at: np.ndarray
+    out: np.ndarray
+
+    def point(self, out: float, across: float, up: float) -> Vector:
+        rise = np.array([self.out[2], 0.0, -self.out[0]])
+        x, y, z = self.at + out * self.out + up * rise + (0.0, across, 0.0)
+        return float(x), float(y), float(z)
+
+    def rod(self, low: float, high: float, radius: float, finish: str) -> Primitive:
+        return cylinder(self.point(low, 0, 0), self.point(high, 0, 0), radius, finish)
+
+    def cone(self, low: float, high: float, radius: float, taper: float, finish: str) -> Primitive:
+        cone = _cone(high - low, radius, taper, finish)
+        return replace(cone, center=np.array(self.point((low + high) / 2, 0, 0)), rotation=self.frame)
+
+    @property
+    def frame(self) -> np.ndarray:
+        """Rotation whose third column is ``out`` and whose second is y."""
+        across = np.array([0.0, 1.0, 0.0])
+        return np.column_stack([np.cross(across, self.out), across, self.out])
+
+    def bar(self, out: Range, across: Range, up: Range, finish: str) -> Primitive:
+        corners = np.array([self.point(a, b, c) for a in out for b in across for c in up])
+        axes = np.abs(self.out) > 1 - 1e-9
+        if axes.any():
+            (x0, y0, z0), (x1, y1, z1) = corners.min(axis=0).tolist(), corners.max(axis=0).tolist()
+            return box((x0, y0, z0), (x1, y1, z1), finish)
+        return polytope(corners, finish)
+
+
+@cache
+def _cone(length: float, radius: float, taper: float, finish: str) -> Primitive:
+    """A faceted cone about z, centred on the origin."""
+    angles = (np.arange(10) + 0.5) * 2 * np.pi / 10
+    rim = radius * np.column_stack([np.cos(angles), np.sin(angles)])
+    return prism(rim, (0.0, 0.0, -length / 2), (0.0, 0.0, length / 2), finish, taper=taper)

@@ -1,0 +1,91 @@
+"""Drums of washing machines and the round doors in front of them."""
+
+import numpy as np
+
+from artigen.shapes.appliances.rings import build_ring
+from artigen.shapes.fittings.hardware import GAP, Panel, Range
+from artigen.shapes.primitives import Primitive, Vector, box, cylinder, move, prism
+from artigen.shapes.shape import Motion, ShapePart
+
+SHEET = 0.0115
+"""Thickness of a drum's wall (m): engines mishandle thinner ones of this length."""
+
+
+def make_drum(
+    center: Vector, axis: str, span: Range, radius: float, *, paddles: int, finish: str = "steel"
+) -> ShapePart:
+    """A drum about an axis ("x" or "z") through ``center``, open where ``span`` begins (x) or ends (z).
+
+    It floats `GAP` before the bearing that the housing has behind its closed end.
+    """
+    closed = span[1] if axis == "x" else span[0]
+    inwards = -SHEET if axis == "x" else SHEET
+    radii = (radius, (radius + SHEET) / float(np.cos(np.pi / 16)))
+    pieces = list(build_ring(center, axis, span, (radii, radii), finish))
+
+    def point(along: float) -> Vector:
+        x, y, z = center
+        return (x + along, y, z) if axis == "x" else (x, y, z + along)
+
+    pieces.append(cylinder(point(closed), point(closed + inwards), radius + 0.6 * SHEET, finish))
+    low, high = span[0] + 0.12 * (span[1] - span[0]), span[1] - 0.02
+    for k in range(paddles):
+        turn = 2 * np.pi * (k + 0.5) / paddles
+        if axis == "x":
+            paddle = box((low, radius - 0.05, -0.016), (high, radius + 0.004, 0.016), "plastic")
+            pieces.append(move(paddle, center, turn=turn, about=(1.0, 0.0, 0.0)))
+    if axis == "z" and paddles:
+        pieces += _build_agitator(point(span[0] + SHEET), 0.75 * (span[1] - span[0]), paddles)
+    spin = (-1.0, 0.0, 0.0) if axis == "x" else (0.0, 0.0, 1.0)
+    motion = Motion(type="continuous", axis=spin, origin=center, upper=2 * np.pi)
+    return ShapePart(name="drum", label="tray", parent="body", primitives=tuple(pieces), motion=motion)
+
+
+def fit_radius(room: float) -> float:
+    """Inner radius of the drum that turns within ``room`` metres of its axis."""
+    return float(room * np.cos(np.pi / 16)) - SHEET
+
+
+def build_bearing(drum_end: float, wall: float, center: Vector, axis: str) -> Primitive:
+    """What a drum turns on: from the housing's ``wall`` to `GAP` before the drum, along the axis."""
+    x, y, z = center
+    gap = GAP if wall > drum_end else -GAP
+    ends = [(drum_end + gap, y, z), (wall, y, z)] if axis == "x" else [(x, y, drum_end + gap), (x, y, wall)]
+    return cylinder(ends[0], ends[1], 0.06, "rubber")
+
+
+def build_porthole(panel: Panel, glass: float, depth: float, finish: str) -> tuple[Primitive, ...]:
+    """A round door that fills its square panel: a ring that swells towards the glass, and a bowl behind it.
+
+    Args:
+        panel: The square around it.
+        glass: Radius of the bowl's mouth (m).
+        depth: How far the bowl reaches behind the panel (m).
+        finish: Of the glass.
+    """
+    y, z = panel.center
+    center, radius, thickness = (panel.x, y, z), panel.width / 2, panel.thickness
+    rim = build_ring(
+        center, "x", (0.0, thickness), ((glass, radius - 0.022), (glass, radius)), "front", sides=20
+    )
+    pane = cylinder((panel.x + 0.008, y, z), (panel.back, y, z), glass * 1.02, finish)
+    angles = (np.arange(16) + 0.5) * 2 * np.pi / 16
+    mouth = 0.97 * glass * np.column_stack([np.cos(angles), np.sin(angles)])
+    bowl = prism(mouth, (panel.back, y, z), (panel.back + depth, y, z), finish, taper=0.72)
+    return (*rim, pane, bowl)
+
+
+def _build_agitator(foot: Vector, height: float, fins: int) -> list[Primitive]:
+    """A post with fins that stands in a drum."""
+    x, y, z = foot
+    post = cylinder((x, y, z), (x, y, z + height), 0.045, "plastic")
+    cap = cylinder((x, y, z), (x, y, z + 0.03), 0.13, "plastic")
+    blades = [
+        move(
+            box((0.03, -0.008, z + 0.02), (0.11, 0.008, z + 0.6 * height), "plastic"),
+            (x, y, 0.0),
+            turn=2 * np.pi * k / fins,
+        )
+        for k in range(fins)
+    ]
+    return [post, cap, *blades]

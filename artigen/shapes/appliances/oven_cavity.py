@@ -1,0 +1,63 @@
+"""Inside an oven: a hollow with rails at several levels, wire racks and baking sheets that slide on them."""
+
+import numpy as np
+
+from artigen.shapes.appliances.racks import build_pan, build_rack
+from artigen.shapes.fittings.hardware import GAP, Space, slide
+from artigen.shapes.primitives import Primitive, box
+from artigen.shapes.shape import Need, ShapePart
+
+RAIL = 0.016
+"""How far a rail stands out of its wall (m)."""
+
+
+def choose_levels(rng: np.random.Generator, space: Space, floor: float, count: int) -> list[float]:
+    """Heights (m) of at most ``count`` racks, the lowest one above ``floor``, apart enough to cook."""
+    low, high = max(space.z[0] + 0.045, floor), space.z[1] - 0.09
+    count = max(0, min(count, int((high - low) / 0.075) + 1))
+    if count == 0:
+        return []
+    slack = max(0.0, high - low - 0.075 * (count - 1))
+    cuts = np.sort(rng.uniform(0.0, slack, count))
+    return [low + float(cut) + 0.075 * k for k, cut in enumerate(cuts)]
+
+
+def build_rails(space: Space, levels: list[float]) -> tuple[Primitive, ...]:
+    """Two rails under each rack."""
+    x0, x1 = space.x[0] + 0.012, space.x[1]
+    rails = []
+    for level in levels:
+        top = level - 0.0015
+        height = max(0.010, (x1 - x0) / 50)
+        rails += [
+            box((x0, y, top - height), (x1, y + RAIL, top), "steel") for y in (space.y[0], space.y[1] - RAIL)
+        ]
+    return tuple(rails)
+
+
+def make_racks(
+    rng: np.random.Generator, space: Space, levels: list[float], *, stem: str, door: str
+) -> list[ShapePart]:
+    """What lies on the rails: wire racks, now and then a baking sheet; they slide when ``door`` is open."""
+    out = []
+    for k, level in enumerate(levels):
+        lie = Space(
+            x=(space.x[0] + 0.016, space.x[1] - 0.012),
+            y=(space.y[0] + GAP, space.y[1] - GAP),
+            z=(level, level + 0.028),
+        )
+        if rng.random() < 0.25:
+            pieces = build_pan(lie, "rubber" if rng.random() < 0.5 else "steel")
+        else:
+            pieces = build_rack(lie, "steel", bars=int(rng.integers(7, 14)), lip=0.028)
+        out.append(
+            ShapePart(
+                name=f"{stem}_{k}",
+                label="tray",
+                parent="body",
+                primitives=pieces,
+                motion=slide(float(rng.uniform(0.5, 0.7)) * lie.depth),
+                needs=(Need(part=door, fraction=1.0),),
+            )
+        )
+    return out

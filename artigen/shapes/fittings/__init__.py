@@ -1,0 +1,1 @@
+"""Fronts and what hangs on them: hinges, runners, handles, drawers, feet."""

@@ -1,0 +1,263 @@
+"""What furniture stands on: legs, plinths, sleds, castors that roll and feet that are screwed level."""
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Literal, get_args
+
+import numpy as np
+
+from artigen.shapes.fittings.hardware import GAP, Range, Space, fill_space
+from artigen.shapes.primitives import SEGMENTS, Primitive, Vector, box, cylinder, polytope
+from artigen.shapes.shape import Motion, ShapePart
+
+LegKind = Literal["square", "tapered", "round", "splayed"]
+LEG_KINDS: tuple[LegKind, ...] = get_args(LegKind)
+StandKind = Literal["floor", "plinth", "toe_kick", "legs", "sled", "castors", "screw_feet"]
+SCREW_TRAVEL = 0.003
+"""How far (m) a levelling foot can be screwed in."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Stand:
+    """What carries a body whose underside is at ``height``: solids of the body, and parts that move."""
+
+    height: float
+    primitives: tuple[Primitive, ...] = ()
+    parts: tuple[ShapePart, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class StandDesign:
+    """What a body stands on, metres."""
+
+    kind: StandKind
+    height: float
+    leg: LegKind = "square"
+    width: float = 0.04
+    """Of a leg or tube; the radius of a wheel."""
+
+
+def design_stand(rng: np.random.Generator, kind: StandKind, height: float) -> StandDesign:
+    """A stand for an object that is ``height`` metres high in all."""
+    drawn = float(rng.uniform(0.0, 1.0))
+    leg = LEG_KINDS[int(rng.integers(len(LEG_KINDS)))]
+    width = float(rng.uniform(0.03, 0.045))
+    low, high = {
+        "plinth": (0.05, 0.1),
+        "toe_kick": (0.08, 0.12),
+        "legs": (0.1, 0.2),
+        "sled": (0.1, 0.18),
+    }.get(kind, (0.0, 0.0))
+    tall = min(low + drawn * (high - low), 0.32 * height)
+    if kind == "castors":
+        width = 0.022 + 0.01 * drawn
+        tall = make_castors((0.0, 1.0), (0.0, 1.0), width, parent="", swivel=False).height
+    elif kind == "screw_feet":
+        tall = make_screw_feet((0.0, 1.0), (0.0, 1.0), parent="").height
+    elif kind == "sled":
+        width *= 0.7
+    return StandDesign(kind=kind, height=tall, leg=leg, width=width)
+
+
+def make_stand(design: StandDesign, x: Range, y: Range, *, parent: str) -> Stand:
+    """The stand under a body whose underside is the rectangle x by y."""
+    height, edge = design.height, 0.012
+    inner_x, inner_y = (x[0] + edge, x[1] - edge), (y[0] + edge, y[1] - edge)
+    match design.kind:
+        case "floor":
+            return Stand(height=0.0)
+        case "plinth":
+            setback = (x[0] + 0.03, x[1] - 0.01)
+            return Stand(height=height, primitives=make_plinth(setback, inner_y, height, "body"))
+        case "toe_kick":
+            return Stand(height=height, primitives=make_toe_kick(x, y, height))
+        case "legs":
+            legs = make_legs(
+                inner_x,
+                inner_y,
+                height,
+                kind=design.leg,
+                width=design.width,
+                finish="leg",
+                middle=y[1] - y[0] > 1.35,
+            )
+            return Stand(height=height, primitives=legs)
+        case "sled":
+            deep = y[0] + 0.06, y[1] - 0.06
+            return Stand(height=height, primitives=make_sled(inner_x, deep, height, design.width, "leg"))
+        case "castors":
+            return make_castors(inner_x, inner_y, design.width, parent=parent, swivel=False)
+        case "screw_feet":
+            return make_screw_feet(inner_x, inner_y, parent=parent)
+
+
+def make_toe_kick(x: Range, y: Range, height: float) -> tuple[Primitive, ...]:
+    """Sides that run on to the floor, and a board between them that leaves room for toes."""
+    wall, room = 0.018, 0.05
+    return tuple(
+        box(low, high, "body")
+        for low, high in (
+            ((x[0], y[0], 0.0), (x[1], y[0] + wall, height)),
+            ((x[0], y[1] - wall, 0.0), (x[1], y[1], height)),
+            ((x[0] + room, y[0] + wall, 0.0), (x[0] + room + wall, y[1] - wall, height)),
+        )
+    )
+
+
+def make_legs(
+    x: Range, y: Range, height: float, *, kind: LegKind, width: float, finish: str, middle: bool = False
+) -> tuple[Primitive, ...]:
+    """Four legs (six with a ``middle`` pair) within the rectangle x by y, from the floor to ``height``."""
+    low, high = {"square": (1.0, 1.0), "tapered": (0.6, 1.0), "round": (0.62, 1.0), "splayed": (0.6, 1.0)}[
+        kind
+    ]
+    lean = 0.16 * height if kind == "splayed" else 0.0
+    sides = 4 if kind in ("square", "tapered") else 10
+    xs = [x[0] + width / 2 + lean, x[1] - width / 2 - lean]
+    ys = [y[0] + width / 2 + lean, y[1] - width / 2 - lean]
+    ys = [ys[0], (ys[0] + ys[1]) / 2, ys[1]] if middle else ys
+    out = []
+    for at_x in xs:
+        for at_y in ys:
+            spread = (lean * np.sign(at_x - sum(x) / 2), lean * np.sign(round(at_y - sum(y) / 2, 6)))
+            leg = _make_leg(sides, low * width, high * width, height, (float(spread[0]), float(spread[1])))
+            out.append(replace(leg, center=leg.center + np.array([at_x, at_y, 0.0]), finish=finish))
+    return tuple(out)
+
+
+@lru_cache(maxsize=64)
+def _make_leg(sides: int, low: float, high: float, height: float, lean: tuple[float, float]) -> Primitive:
+    """A leg that widens from the floor to its top at x = y = 0, and leans by (x, y)."""
+    turns = (np.arange(sides) + 0.5) * 2 * np.pi / sides
+    ring = np.column_stack([np.cos(turns), np.sin(turns)])
+    ring /= 2 * np.abs(ring).max()
+    foot = np.column_stack([ring * low + np.array(lean), np.zeros(sides)])
+    head = np.column_stack([ring * high, np.full(sides, height)])
+    return polytope(np.concatenate([foot, head]), "leg")
+
+
+def make_plinth(x: Range, y: Range, height: float, finish: str) -> tuple[Primitive, ...]:
+    """A frame of boards on the floor under a body: front, back and two sides."""
+    wall = 0.018
+    return tuple(
+        box(low, high, finish)
+        for low, high in (
+            ((x[0], y[0], 0.0), (x[0] + wall, y[1], height)),
+            ((x[1] - wall, y[0], 0.0), (x[1], y[1], height)),
+            ((x[0] + wall, y[0], 0.0), (x[1] - wall, y[0] + wall, height)),
+            ((x[0] + wall, y[1] - wall, 0.0), (x[1] - wall, y[1], height)),
+        )
+    )
+
+
+def make_sled(x: Range, y: Range, height: float, width: float, finish: str) -> tuple[Primitive, ...]:
+    """Two flat loops of square tube, left and right: a runner on the floor and two posts each."""
+    out = []
+    for low in (y[0], y[1] - width):
+        span = (low, low + width)
+        out.append(fill_space(Space(x=x, y=span, z=(0.0, width)), finish))
+        for post in ((x[0], x[0] + width), (x[1] - width, x[1])):
+            out.append(fill_space(Space(x=post, y=span, z=(width, height)), finish))
+    return tuple(out)
+
+
+def make_castors(
+    x: Range, y: Range, radius: float, *, parent: str, swivel: bool, pairs: int = 2, finish: str = "steel"
+) -> Stand:
+    """Pairs of castors within the rectangle x by y; with ``swivel`` the left forks turn too (all of three).
+
+    A fork is a plate and two cheeks; it belongs to the parent unless it turns about its upright axle, as on
+    the end of a cart where people push. Wheels roll about y.
+    """
+    width, wall = max(0.024, 0.7 * radius), 0.005
+    plate = max(0.006, 0.12 * radius)
+    height = 2 * radius + GAP + plate + (GAP if swivel else 0.0)
+    half = width / 2 + GAP + wall
+    fixed: list[Primitive] = []
+    parts: list[ShapePart] = []
+    across = np.linspace(y[0] + half, y[1] - half, pairs).tolist()
+    corners = [(at_x, at_y) for at_x in (x[0] + radius, x[1] - radius) for at_y in across]
+    for index, (at_x, at_y) in enumerate(corners):
+        turning = swivel and (pairs > 2 or at_y > sum(y) / 2)
+        thick = plate + (GAP if swivel and not turning else 0.0)
+        fork = _make_fork((at_x, at_y), radius, width, wall, thick, finish)
+        carrier = parent
+        if turning:
+            carrier = f"castor_{index}"
+            axle = Motion(
+                type="continuous", axis=(0.0, 0.0, 1.0), origin=(at_x, at_y, height), upper=2 * np.pi
+            )
+            parts.append(ShapePart(name=carrier, label="wheel", parent=parent, primitives=fork, motion=axle))
+        else:
+            fixed += fork
+        parts.append(
+            _make_wheel(f"wheel_{index}", carrier, (at_x, at_y, radius * np.cos(np.pi / SEGMENTS)), width)
+        )
+    return Stand(height=height, primitives=tuple(fixed), parts=tuple(parts))
+
+
+def _make_fork(
+    at: tuple[float, float], radius: float, width: float, wall: float, plate: float, finish: str
+) -> tuple[Primitive, ...]:
+    inner = width / 2 + GAP
+    top = 2 * radius + GAP
+    high = (top, top + plate)
+    run = 0.5 * radius
+    cheeks = [
+        box((at[0] - run, at[1] + low, 0.75 * radius), (at[0] + run, at[1] + low + wall, top), finish)
+        for low in (inner, -inner - wall)
+    ]
+    lid = Space(
+        x=(at[0] - 0.8 * radius, at[0] + 0.8 * radius), y=(at[1] - inner - wall, at[1] + inner + wall), z=high
+    )
+    return (fill_space(lid, finish), *cheeks)
+
+
+def _make_wheel(name: str, parent: str, center: Vector, width: float) -> ShapePart:
+    """A tyre with a hub that stands out a little on both sides, turning about y.
+
+    The prism that stands for it in simulators rests on the floor with a flat side, the tyre gives way.
+    """
+    x, y, z = center
+    radius = z / np.cos(np.pi / SEGMENTS)
+    tyre = cylinder((x, y - width / 2, z), (x, y + width / 2, z), radius, "rubber")
+    hub = width / 2 + 0.001
+    core = cylinder((x, y - hub, z), (x, y + hub, z), 0.55 * radius, "steel")
+    axle = Motion(type="continuous", axis=(0.0, -1.0, 0.0), origin=center, upper=2 * np.pi)
+    return ShapePart(name=name, label="wheel", parent=parent, primitives=(tyre, core), motion=axle)
+
+
+def make_screw_feet(x: Range, y: Range, *, parent: str, radius: float = 0.022) -> Stand:
+    """Four levelling feet: each turns beside its bracket and rises by `SCREW_TRAVEL` in 1.5 turns.
+
+    A foot is a pad and a stem below an underside that stays clear of it screwed in. The brackets reach the
+    floor and bear the load: threads in simulators yield under it.
+    """
+    pad, stem = 0.012, 0.007
+    room = SCREW_TRAVEL + GAP
+    bracket = 0.03
+    height = pad + room + bracket
+    turns = 1.5 * 2 * np.pi
+    fixed: list[Primitive] = []
+    parts: list[ShapePart] = []
+    for index, (at_x, at_y) in enumerate((a, b) for a in (x[0] + radius, x[1] - radius) for b in y):
+        side = 1.0 if at_y < sum(y) / 2 else -1.0
+        at_y += side * radius
+        near, far = at_y + side * (radius + GAP), at_y + side * (radius + GAP + 0.016)
+        low, high = sorted((near, far))
+        fixed.append(box((at_x - 0.02, low, 0.0), (at_x + 0.02, high, height), "steel"))
+        solids = (
+            cylinder((at_x, at_y, 0.0), (at_x, at_y, pad), radius, "rubber"),
+            cylinder((at_x, at_y, pad), (at_x, at_y, height - room), stem, "steel"),
+        )
+        thread = Motion(
+            type="screw",
+            axis=(0.0, 0.0, 1.0),
+            origin=(at_x, at_y, 0.0),
+            upper=turns,
+            pitch=SCREW_TRAVEL / turns,
+        )
+        parts.append(
+            ShapePart(name=f"foot_{index}", label="knob", parent=parent, primitives=solids, motion=thread)
+        )
+    return Stand(height=height, primitives=tuple(fixed), parts=tuple(parts))

@@ -1,0 +1,214 @@
+"""Doors and the faces of drawers: slabs, frames and panels, glass in frames, planks.
+
+A `FrontDesign` is chosen once for an object; `make_front` fits it to a panel, `make_door` hangs it.
+"""
+
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Literal, get_args
+
+import numpy as np
+
+from artigen.shapes.fittings.handles import HandleDesign, make_handle, place_handle
+from artigen.shapes.fittings.hardware import Edge, Panel, Space, fill_space, hinge
+from artigen.shapes.primitives import Primitive
+from artigen.shapes.shape import ShapePart
+
+FrontStyle = Literal["flat", "shaker", "framed_glass", "raised", "plank", "louvre"]
+FRONT_STYLES: tuple[FrontStyle, ...] = get_args(FrontStyle)
+PANE = 0.005
+"""Thickness (m) of glass."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class FrontDesign:
+    """How the fronts of an object look, metres."""
+
+    style: FrontStyle
+    frame: float
+    """Width of stiles and rails."""
+    handle: HandleDesign | None
+    """None for fronts without handles."""
+    hand: float = 1.05
+    """Height (m, object frame) of the hand that takes a tall door."""
+    finish: str = "front"
+    glass: str = "glass"
+
+
+def design_front(
+    rng: np.random.Generator,
+    style: FrontStyle | None = None,
+    *,
+    handle: HandleDesign | None = None,
+    finish: str = "front",
+) -> FrontDesign:
+    """Fronts with frames of 45 to 75 mm that handles fit on; the style is drawn unless it is given."""
+    drawn = FRONT_STYLES[int(rng.choice(len(FRONT_STYLES), p=(0.5, 0.2, 0.1, 0.1, 0.06, 0.04)))]
+    stile = 0.0 if handle is None else min(handle.height, 0.05) + 0.012
+    frame = max(float(rng.uniform(0.045, 0.075)), stile)
+    return FrontDesign(style=style or drawn, frame=frame, handle=handle, finish=finish)
+
+
+def suit_drawer(panel: Panel, design: FrontDesign) -> FrontDesign:
+    """The design for a drawer: a slab where a frame would hold glass or slats, or no handle."""
+    field = _find_field(panel, design)
+    if field is None:
+        return design
+    handle = design.handle
+    needed = (0.0, 0.0) if handle is None else (handle.length + 0.02, handle.height + 0.012)
+    small = field.width < needed[0] or field.height < needed[1]
+    return replace(design, style="flat") if small or design.style in ("framed_glass", "louvre") else design
+
+
+def make_front(panel: Panel, design: FrontDesign) -> tuple[Primitive, ...]:
+    """The solids of one front; a panel too small for a frame gets a slab."""
+    frame = _frame_width(panel, design)
+    if design.style == "plank":
+        return _make_planks(panel, design)
+    if not frame:
+        return (_fill(panel, design.finish, 0.0015),)
+    field = _inside_frame(panel, frame)
+    spans = (
+        (panel.z, (panel.y[0], field.y[0])),
+        (panel.z, (field.y[1], panel.y[1])),
+        ((panel.z[0], field.z[0]), field.y),
+        ((field.z[1], panel.z[1]), field.y),
+    )
+    stiles_and_rails = [_fill(replace(panel, y=y, z=z), design.finish) for z, y in spans]
+    return (*stiles_and_rails, *_make_field(field, design))
+
+
+def _frame_width(panel: Panel, design: FrontDesign) -> float:
+    """Width of stiles and rails (m); 0 where the front is a slab."""
+    frame = min(design.frame, 0.3 * panel.height, 0.3 * panel.width)
+    framed = design.style in ("shaker", "framed_glass", "raised", "louvre")
+    return frame if framed and frame >= 0.02 and min(panel.width, panel.height) >= 0.11 else 0.0
+
+
+def _inside_frame(panel: Panel, frame: float) -> Panel:
+    return replace(
+        panel, y=(panel.y[0] + frame, panel.y[1] - frame), z=(panel.z[0] + frame, panel.z[1] - frame)
+    )
+
+
+def _find_field(panel: Panel, design: FrontDesign) -> Panel | None:
+    """What lies within the frame, from its face on; None for a slab."""
+    frame = _frame_width(panel, design)
+    if not frame:
+        return None
+    field = _inside_frame(panel, frame)
+    if design.style == "framed_glass":
+        return replace(field, x=field.x + (field.thickness - PANE) / 2, thickness=PANE)
+    return _raise_field(field) if design.style == "raised" and _can_rise(field) else _sink_field(field)
+
+
+def _sink_field(field: Panel) -> Panel:
+    deep = min(0.008, 0.45 * field.thickness)
+    return replace(field, x=field.x + deep, thickness=field.thickness - deep)
+
+
+def _can_rise(field: Panel) -> bool:
+    return min(field.width, field.height) > 0.09
+
+
+def _raise_field(field: Panel) -> Panel:
+    """A plate before the sunken field, away from the frame."""
+    raised = _inside_frame(field, 0.022)
+    return replace(raised, x=field.x + 0.002, thickness=_sink_field(field).x - field.x - 0.002)
+
+
+def make_door(
+    panel: Panel, design: FrontDesign, *, name: str, parent: str, edge: Edge, upper: float
+) -> tuple[ShapePart, ...]:
+    """A door hinged along ``edge`` of its panel that opens by ``upper`` radians, and its handle."""
+    door = ShapePart(
+        name=name,
+        label="door",
+        parent=parent,
+        primitives=make_front(panel, design),
+        motion=hinge(panel, edge, upper),
+    )
+    return (door, *fit_handle(panel, design, parent=name, edge=edge))
+
+
+def fit_handle(panel: Panel, design: FrontDesign, *, parent: str, edge: Edge | None) -> tuple[ShapePart, ...]:
+    """The handle of a front where people put it, or nothing; wide drawers have two knobs or cups."""
+    handle = design.handle
+    if handle is None:
+        return ()
+    if edge in ("left", "right") and handle.kind == "cup":  # cups are for drawers; their doors have knobs
+        handle = HandleDesign(
+            kind="knob", length=0.36 * handle.length, thickness=handle.thickness, finish=handle.finish
+        )
+    upright, (y, z) = place_handle(panel, handle, edge, design.hand)
+    field = None if handle.kind == "edge" else _find_field(panel, design)
+    if field is not None and edge is None:  # on what the frame holds
+        half = handle.height / 2
+        panel, z = replace(panel, x=field.x), float(np.clip(z, field.z[0] + half, field.z[1] - half))
+    elif field is not None and edge is not None:  # in the middle of the stile or rail
+        half = _frame_width(panel, design) / 2
+        middles: dict[Edge, tuple[float, float]] = {
+            "left": (panel.y[0] + half, z),
+            "right": (panel.y[1] - half, z),
+            "top": (y, panel.z[0] + half),
+            "bottom": (y, panel.z[1] - half),
+        }
+        y, z = middles[edge]
+    pair = edge is None and handle.kind in ("knob", "cup", "arch") and panel.width > 0.62
+    places = [(y - 0.25 * panel.width, z), (y + 0.25 * panel.width, z)] if pair else [(y, z)]
+    return tuple(
+        make_handle(
+            panel,
+            handle,
+            name=f"{parent}_handle" if len(places) == 1 else f"{parent}_handle_{index}",
+            parent=parent,
+            upright=upright,
+            at=at,
+        )
+        for index, at in enumerate(places)
+    )
+
+
+def _fill(panel: Panel, finish: str, bevel: float = 0.0) -> Primitive:
+    space = Space(x=(panel.x, panel.back), y=panel.y, z=panel.z)
+    return fill_space(space, finish, bevel)
+
+
+def _make_field(field: Panel, design: FrontDesign) -> list[Primitive]:
+    """What a frame holds, set back from its face."""
+    if design.style == "framed_glass":
+        pane = replace(field, x=field.x + (field.thickness - PANE) / 2, thickness=PANE)
+        return [_fill(pane, design.glass)]
+    sheet = _sink_field(field)
+    if design.style == "raised" and _can_rise(field):
+        raised = _raise_field(field)
+        return [_fill(sheet, design.finish), _fill(raised, design.finish, 0.4 * raised.thickness)]
+    if design.style == "louvre" and field.height > 0.12:
+        return _make_louvres(field, sheet, design)
+    return [_fill(sheet, design.finish)]
+
+
+def _make_louvres(field: Panel, sheet: Panel, design: FrontDesign) -> list[Primitive]:
+    """Slats that stand out of a sheet: at most twelve, a hand apart on tall doors."""
+    count = int(np.clip(round(field.height / 0.06), 2, 12))
+    pitch = field.height / count
+    slats = [
+        Panel(
+            x=field.x + 0.001,
+            thickness=sheet.x - field.x - 0.001,
+            y=field.y,
+            z=(field.z[0] + (k + 0.22) * pitch, field.z[0] + (k + 0.78) * pitch),
+        )
+        for k in range(count)
+    ]
+    return [_fill(sheet, design.finish), *(_fill(slat, design.finish) for slat in slats)]
+
+
+def _make_planks(panel: Panel, design: FrontDesign) -> tuple[Primitive, ...]:
+    """Upright boards with bevelled edges, at most eight, side by side."""
+    count = int(np.clip(round(panel.width / 0.1), 1, 8))
+    edges = np.linspace(*panel.y, count + 1)
+    return tuple(
+        _fill(replace(panel, y=(float(low), float(high))), design.finish, min(0.003, 0.2 * panel.thickness))
+        for low, high in pairwise(edges)
+    )

@@ -1,0 +1,265 @@
+"""Handles of eight kinds, and where people put them.
+
+A `HandleDesign` is chosen once for an object, so that its handles match; `make_handle` fits it to a panel.
+Bars, pulls and arches leave room for fingers behind them, the other kinds stand out far enough to be pinched.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Literal, get_args
+
+import numpy as np
+
+from artigen.shapes.fittings.hardware import Edge, Panel
+from artigen.shapes.primitives import Primitive, Vector, cylinder, polytope, rounded_box
+from artigen.shapes.shape import ShapePart
+
+HandleKind = Literal["bar", "pull", "arch", "knob", "cup", "recessed", "edge", "block"]
+HANDLE_KINDS: tuple[HandleKind, ...] = get_args(HandleKind)
+FINGERS = 0.027
+"""Free depth (m) behind a bar."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class HandleDesign:
+    """One model from a hardware shop, metres."""
+
+    kind: HandleKind
+    length: float
+    """Along the handle; a panel that is shorter gets a shorter one."""
+    thickness: float
+    """Of a bar or lip, seen from the front."""
+    finish: str = "handle"
+
+    @property
+    def height(self) -> float:
+        """Extent across the length, seen from the front."""
+        wide = {"knob": self.length, "cup": 0.42 * self.length, "recessed": 0.4 * self.length}
+        return max(wide.get(self.kind, self.thickness), self.thickness)
+
+    @property
+    def reach(self) -> float:
+        """How far it stands out of its panel."""
+        bow = FINGERS + self.thickness
+        return {"knob": 0.030, "cup": 0.026, "recessed": 0.008, "edge": 0.022, "block": 0.028}.get(
+            self.kind, bow
+        )
+
+
+LENGTHS: dict[HandleKind, tuple[float, float]] = {
+    "bar": (0.12, 0.32),
+    "pull": (0.10, 0.26),
+    "arch": (0.10, 0.18),
+    "knob": (0.026, 0.038),
+    "cup": (0.08, 0.11),
+    "recessed": (0.10, 0.16),
+    "edge": (0.12, 0.40),
+    "block": (0.06, 0.14),
+}
+
+
+def design_handle(
+    rng: np.random.Generator, kind: HandleKind | None = None, *, longest: float = 1.0, finish: str = "handle"
+) -> HandleDesign:
+    """A design for an object ``longest`` metres long; large objects get stronger ones."""
+    drawn = HANDLE_KINDS[int(rng.choice(len(HANDLE_KINDS), p=(0.26, 0.17, 0.1, 0.2, 0.08, 0.06, 0.09, 0.04)))]
+    kind = kind or drawn
+    low, high = LENGTHS[kind]
+    length = float(rng.uniform(low, high)) * float(np.clip(0.75 + 0.25 * longest, 0.85, 1.3))
+    thickness = float(rng.uniform(0.010, 0.014)) * float(np.clip(0.7 + 0.4 * longest, 0.9, 1.6))
+    return HandleDesign(kind=kind, length=length, thickness=thickness, finish=finish)
+
+
+def place_handle(
+    panel: Panel, design: HandleDesign, edge: Edge | None, hand: float = 1.05
+) -> tuple[bool, tuple[float, float]]:
+    """Where people put a handle: whether it stands upright, and its centre as (y, z).
+
+    Args:
+        panel: The front.
+        design: What is put there.
+        edge: Where the front is hinged; None for a drawer.
+        hand: Height (m, object frame) of the hand that takes it.
+    """
+    y, z = panel.center
+    upright = edge in ("left", "right") and design.kind not in ("cup", "knob")
+    half = (design.length if upright else design.height) / 2
+    room = 0.0 if design.kind == "edge" else min(0.045, panel.height / 4)
+    if edge in ("left", "right"):
+        across = design.height if upright else design.length
+        inset = across / 2 + (0.0 if design.kind == "edge" else min(0.028, panel.width / 6))
+        y = panel.y[0] + inset if edge == "left" else panel.y[1] - inset
+        margin = min(half + max(room, 0.03), panel.height / 2)
+        z = float(np.clip(hand, panel.z[0] + margin, panel.z[1] - margin))
+    elif edge == "top":
+        z = panel.z[0] + half + room
+    elif edge == "bottom" or design.kind == "edge":
+        z = panel.z[1] - half - room
+    elif panel.height > 0.22:  # deep drawers are pulled at their upper third
+        z = panel.z[1] - max(half + 0.03, 0.08)
+    return upright, (y, z)
+
+
+def make_handle(
+    panel: Panel,
+    design: HandleDesign,
+    *,
+    name: str,
+    parent: str,
+    upright: bool,
+    at: tuple[float, float],
+) -> ShapePart:
+    """A handle on the face of a panel, its centre at (y, z) = ``at``, fixed to ``parent``."""
+    span = panel.height if upright else panel.width
+    long = min(design.length, 0.86 * span) if design.kind != "knob" else design.length
+    offset = np.array([panel.x, *at])
+    model = _build_model(design, long, upright)
+    primitives = tuple(replace(primitive, center=primitive.center + offset) for primitive in model)
+    return ShapePart(name=name, label="handle", parent=parent, primitives=primitives)
+
+
+@dataclass(frozen=True)
+class _Solid:
+    """A piece of a handle in (out of the panel, along the handle, across it), metres.
+
+    A box between two corners, a rod between two ends where there is a ``radius``, else a hull of ``corners``.
+    """
+
+    low: Vector = (0.0, 0.0, 0.0)
+    high: Vector = (0.0, 0.0, 0.0)
+    bevel: float = 0.0
+    radius: float = 0.0
+    corners: tuple[Vector, ...] = ()
+    finish: str | None = None
+
+
+@lru_cache(maxsize=64)
+def _build_model(design: HandleDesign, long: float, upright: bool) -> tuple[Primitive, ...]:  # noqa: FBT001
+    """The pieces on a panel at x = 0, about y = z = 0; hulls are slow to find, and handles alike."""
+    return tuple(
+        _place_solid(solid, solid.finish or design.finish, upright)
+        for solid in _BUILDERS[design.kind](design, long)
+    )
+
+
+def _place_solid(solid: _Solid, finish: str, upright: bool) -> Primitive:  # noqa: FBT001
+    def place(point: Vector) -> Vector:
+        out, along, across = point
+        return (-out, across, along) if upright else (-out, along, across)
+
+    if solid.corners:
+        return polytope(np.array([place(corner) for corner in solid.corners]), finish)
+    a, b = place(solid.low), place(solid.high)
+    if solid.radius:
+        return cylinder(a, b, solid.radius, finish)
+    low = (min(a[0], b[0]), min(a[1], b[1]), min(a[2], b[2]))
+    high = (max(a[0], b[0]), max(a[1], b[1]), max(a[2], b[2]))
+    return rounded_box(low, high, solid.bevel, finish)
+
+
+def _build_bar(design: HandleDesign, long: float) -> list[_Solid]:
+    """A round rod on two posts that stand in from its ends."""
+    radius = design.thickness / 2
+    middle, foot = FINGERS + radius, 0.36 * long
+    posts = [
+        _Solid(low=(0, side * foot, 0), high=(middle, side * foot, 0), radius=0.75 * radius)
+        for side in (-1, 1)
+    ]
+    return [_Solid(low=(middle, -long / 2, 0), high=(middle, long / 2, 0), radius=radius), *posts]
+
+
+def _build_pull(design: HandleDesign, long: float) -> list[_Solid]:
+    """A square bracket: feet at the very ends."""
+    half, end = design.thickness / 2, long / 2
+    feet = [
+        _Solid(low=(0, side * (end - 2 * half), -half), high=(FINGERS, side * end, half)) for side in (-1, 1)
+    ]
+    grip = _Solid(low=(FINGERS, -end, -half), high=(FINGERS + 2 * half, end, half), bevel=0.3 * half)
+    return [grip, *feet]
+
+
+def _build_arch(design: HandleDesign, long: float) -> list[_Solid]:
+    """A bow of five straight pieces between an outer and an inner half ellipse."""
+    half = design.thickness / 2
+    turns = np.linspace(0, np.pi, 6)
+    outer, inner = (
+        [(max(float(rise * np.sin(t)), 0.0), float(-run * np.cos(t))) for t in turns]
+        for rise, run in ((FINGERS + 2 * half, long / 2), (FINGERS, long / 2 - 2 * half))
+    )
+    return [
+        _Solid(
+            corners=tuple(
+                (*place, side * half)
+                for place in (outer[k], outer[k + 1], inner[k], inner[k + 1])
+                for side in (-1, 1)
+            )
+        )
+        for k in range(5)
+    ]
+
+
+def _build_knob(design: HandleDesign, long: float) -> list[_Solid]:
+    radius, neck = long / 2, design.reach - 0.014
+    return [
+        _Solid(high=(neck, 0, 0), radius=0.55 * radius),
+        _Solid(low=(neck, 0, 0), high=(design.reach, 0, 0), radius=radius),
+    ]
+
+
+def _build_cup(design: HandleDesign, long: float) -> list[_Solid]:
+    """A shell that is open below: a roof, a slanted front, two cheeks."""
+    high, deep, wall, half = design.height / 2, design.reach, 0.004, long / 2
+    roof = 0.5 * deep
+    slant = ((roof, high), (roof - wall, high), (deep, -high), (deep - wall, -high))
+    cheek = ((0.0, high), (0.0, -high), (roof - wall, high), (deep - wall, -high))
+    return [
+        _Solid(corners=tuple((out, along, across) for along in (-half, half) for out, across in slant)),
+        _Solid(low=(0, wall - half, high - wall), high=(roof - wall, half - wall, high)),
+        *(
+            _Solid(corners=tuple((out, along, across) for along in (side, inner) for out, across in cheek))
+            for side, inner in ((-half, wall - half), (half, half - wall))
+        ),
+    ]
+
+
+def _build_recessed(design: HandleDesign, long: float) -> list[_Solid]:
+    """A flush grip: a raised rim around a dark hollow."""
+    half, high, rim, deep = long / 2, design.height / 2, 0.009, design.reach
+    return [
+        _Solid(low=(0, rim - half, rim - high), high=(0.003, half - rim, high - rim), finish="rubber"),
+        _Solid(low=(0, -half, high - rim), high=(deep, half, high)),
+        _Solid(low=(0, -half, -high), high=(deep, half, rim - high)),
+        _Solid(low=(0, -half, rim - high), high=(deep, rim - half, high - rim)),
+        _Solid(low=(0, half - rim, rim - high), high=(deep, half, high - rim)),
+    ]
+
+
+def _build_edge(design: HandleDesign, long: float) -> list[_Solid]:
+    """A profile along the free edge of a front, thick enough to be held."""
+    half = design.thickness / 2
+    return [_Solid(low=(0, -long / 2, -half), high=(design.reach, long / 2, half), bevel=0.3 * half)]
+
+
+def _build_block(design: HandleDesign, long: float) -> list[_Solid]:
+    """A wedge that widens outwards."""
+    half = design.thickness / 2
+    corners = tuple(
+        (out, side * (long / 2 - shrink), up * (half - 0.3 * shrink))
+        for out, shrink in ((0.0, 0.008), (design.reach, 0.0))
+        for side in (-1, 1)
+        for up in (-1, 1)
+    )
+    return [_Solid(corners=corners)]
+
+
+_BUILDERS: dict[HandleKind, Callable[[HandleDesign, float], list[_Solid]]] = {
+    "bar": _build_bar,
+    "pull": _build_pull,
+    "arch": _build_arch,
+    "knob": _build_knob,
+    "cup": _build_cup,
+    "recessed": _build_recessed,
+    "edge": _build_edge,
+    "block": _build_block,
+}

@@ -1,0 +1,1 @@
+"""What cabinets and tables are built of."""

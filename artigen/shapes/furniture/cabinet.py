@@ -1,0 +1,151 @@
+"""A cabinet in a given box: the looks it shares with its neighbours, its carcass and all its cells."""
+
+from dataclasses import dataclass, replace
+from math import radians
+
+import numpy as np
+
+from artigen.shapes.fittings.drawers import BoxDesign
+from artigen.shapes.fittings.fronts import FrontDesign, design_front
+from artigen.shapes.fittings.handles import design_handle
+from artigen.shapes.fittings.hardware import GAP, Edge, Space
+from artigen.shapes.furniture.carcass import CarcassDesign, make_carcass, open_carcass
+from artigen.shapes.furniture.cells import Fitting, Furnished, furnish_cells
+from artigen.shapes.furniture.furniture_kinds import Style
+from artigen.shapes.furniture.splits import FRONT_GAP, Cell, Node, Room, Taste, draw_node, lay_out
+from artigen.types import PartLabel
+
+FACED = ("drawer", "door", "double", "drop", "lift", "fold")
+"""Fills whose fronts lie before the body, not within it."""
+MAX_DRAWERS_ON_RUNNERS = 5
+PUSH_OPEN = 0.04
+"""Chance of fronts without handles, which open when they are pushed."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Looks:
+    """All that the cabinets of one object have in common, metres and radians."""
+
+    doors: FrontDesign
+    drawers: FrontDesign
+    carcass: CarcassDesign
+    box: BoxDesign
+    thickness: float
+    """Of fronts."""
+    inset: bool
+    """Fronts lie within the carcass, else before it."""
+    swing: float
+    wide_swing: float
+    travel: float
+    runners: bool
+    lock: bool
+    margin: float = 0.0005
+    """How far fronts stay within the outline of the carcass."""
+
+    @property
+    def reach(self) -> float:
+        """How far handles stand out of the fronts."""
+        return 0.0 if self.doors.handle is None else self.doors.handle.reach
+
+
+def draw_looks(rng: np.random.Generator, style: Style, longest: float, hand: float = 1.05) -> Looks:
+    """Looks in a style for an object whose longest edge measures ``longest`` metres."""
+    handle = design_handle(rng, style.handles[int(rng.integers(len(style.handles)))], longest=longest)
+    front = style.doors[int(rng.integers(len(style.doors)))]
+    doors = replace(design_front(rng, front, handle=handle), hand=hand)
+    # A leaf that opens past 90 degrees sweeps over its neighbour's edge, where that has its handle.
+    margin = 0.0 if handle.kind == "edge" else 0.006
+    limit = 90.0 + np.degrees(np.arctan2(margin + 0.0025, handle.reach))
+    narrow = [angle for angle in (95.0, 100.0, 105.0, 110.0) if angle < limit]
+    doors = replace(doors, handle=None) if rng.random() < PUSH_OPEN else doors
+    return Looks(
+        doors=doors,
+        drawers=replace(doors, style=style.drawers[int(rng.integers(len(style.drawers)))]),
+        carcass=CarcassDesign(
+            board=float(rng.uniform(0.016, 0.022)),
+            inner=float(rng.uniform(0.015, 0.019)),
+            back=0.010 if longest > 1.4 else float(rng.uniform(0.006, 0.008)),
+        ),
+        box=BoxDesign(rim=float(rng.uniform(0.55, 0.82))),
+        thickness=float(rng.uniform(0.017, 0.021)),
+        inset=bool(rng.random() < style.inset),
+        swing=radians(float(rng.choice(narrow))),
+        wide_swing=radians(float(rng.choice((95.0, 105.0, 110.0, 125.0, 155.0, 165.0)))),
+        travel=float(rng.uniform(0.62, 0.84)),
+        runners=bool(rng.random() < 0.4),
+        lock=bool(rng.random() < 0.08),
+    )
+
+
+def draw_layout(rng: np.random.Generator, outer: Space, looks: Looks, taste: Taste) -> Node:
+    """What the front of a cabinet of this size is divided into."""
+    y, z = open_carcass(outer, looks.carcass)
+    return draw_node(rng, Room(width=y[1] - y[0], height=z[1] - z[0], bottom=z[0]), taste)
+
+
+def list_cells(node: Node) -> list[Cell]:
+    """The cells of a layout, first to last."""
+    return (
+        [node] if isinstance(node, Cell) else [cell for child in node.children for cell in list_cells(child)]
+    )
+
+
+def count_fronts(node: Node) -> dict[PartLabel, int]:
+    """Drawers and doors of a layout."""
+    fills = [cell.fill for cell in list_cells(node)]
+    doors = sum({"open": 0, "drawer": 0, "double": 2, "fold": 2, "slide": 2}.get(fill, 1) for fill in fills)
+    return {"drawer": fills.count("drawer"), "door": doors}
+
+
+def has_fronts(node: Node) -> bool:
+    """Whether a layout has fronts that lie before the body."""
+    return any(cell.fill in FACED for cell in list_cells(node))
+
+
+def make_cabinet(node: Node, outer: Space, looks: Looks, *, parent: str, prefix: str = "") -> Furnished:
+    """A layout built into a box whose front is the face of the fronts, handles excluded.
+
+    Args:
+        node: The layout.
+        outer: The box, with room for the fronts at its small x.
+        looks: Designs.
+        parent: The part that the solids join and that all else hangs from.
+        prefix: Makes the names of parts unique among several cabinets.
+    """
+    body_x = outer.x[0]
+    if has_fronts(node) and not looks.inset:
+        body_x += looks.thickness + GAP
+    body = replace(outer, x=(body_x, outer.x[1]))
+    placed, boards = lay_out(
+        node,
+        *open_carcass(outer, looks.carcass),
+        board=looks.carcass.inner,
+        reach=_reach_of_fronts(looks),
+        inset=looks.inset,
+    )
+    drawers = sum(cell.cell.fill == "drawer" for cell in placed)
+    fitting = Fitting(
+        front_x=outer.x[0],
+        thickness=looks.thickness,
+        body=(body_x, outer.x[1] - looks.carcass.back),
+        doors=looks.doors,
+        drawers=looks.drawers,
+        box=looks.box,
+        parent=parent,
+        swing=looks.swing,
+        wide_swing=looks.wide_swing,
+        travel=looks.travel,
+        runners=looks.runners and drawers <= MAX_DRAWERS_ON_RUNNERS,
+        lock=looks.lock,
+    )
+    cells = furnish_cells(placed, fitting, prefix)
+    solids = make_carcass(body, looks.carcass, boards)
+    return Furnished(primitives=(*solids, *cells.primitives), parts=cells.parts)
+
+
+def _reach_of_fronts(looks: Looks) -> dict[Edge, float]:
+    """How far fronts extend beyond the opening at the carcass' edges."""
+    if looks.inset:
+        return {"left": -GAP, "right": -GAP, "top": -GAP, "bottom": -GAP}
+    side = looks.carcass.board - looks.margin
+    return {"left": side, "right": side, "top": side if looks.carcass.lid else -FRONT_GAP, "bottom": side}

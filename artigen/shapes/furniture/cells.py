@@ -1,0 +1,279 @@
+"""Furnishes the cells of a layout: fronts that move, and what is behind them.
+
+`furnish_cell` turns one `Placed` cell into solids that join the body and parts that hang from it. All choices
+that an object makes once (looks, swings, runners) are in a `Fitting`.
+"""
+
+from dataclasses import dataclass, replace
+from math import radians
+
+import numpy as np
+
+from artigen.shapes.fittings.drawers import BoxDesign, make_drawer, make_tray
+from artigen.shapes.fittings.fronts import FrontDesign, make_door, make_front
+from artigen.shapes.fittings.handles import HandleDesign, make_handle
+from artigen.shapes.fittings.hardware import GAP, Edge, Panel, Range, Space, fill_space, slide, sweep_gap
+from artigen.shapes.furniture.splits import Cell, Placed
+from artigen.shapes.primitives import Primitive, box, cylinder
+from artigen.shapes.shape import Motion, Need, ShapePart
+
+RUNNER = 0.0105
+"""Thickness (m) of a runner beside a drawer box."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fitting:
+    """What all cells of one body have in common, metres and radians."""
+
+    front_x: float
+    """Front face of the fronts."""
+    thickness: float
+    """Of the fronts."""
+    body: Range
+    """Front and inner back of the body (x)."""
+    doors: FrontDesign
+    drawers: FrontDesign
+    box: BoxDesign
+    parent: str = "body"
+    swing: float = radians(100)
+    """Of doors with a neighbour on their hinged edge."""
+    wide_swing: float = radians(110)
+    """Of doors whose hinged edge is free."""
+    travel: float = 0.75
+    """Of drawers, as a share of their depth."""
+    runners: bool = False
+    """Whether drawers run on rails that can be seen; else the box fills its opening."""
+    shelf: float = 0.016
+    """Thickness of loose shelves."""
+    lock: bool = False
+    """Whether doors have a turning lock."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Furnished:
+    """What a cell adds to the body, and the parts that hang from it."""
+
+    primitives: tuple[Primitive, ...] = ()
+    parts: tuple[ShapePart, ...] = ()
+
+
+def furnish_cells(placed: tuple[Placed, ...], fitting: Fitting, prefix: str = "") -> Furnished:
+    """All cells, named by a prefix and their place in the layout."""
+    done = [furnish_cell(cell, fitting, f"{prefix}{index}") for index, cell in enumerate(placed)]
+    return Furnished(
+        primitives=tuple(primitive for cell in done for primitive in cell.primitives),
+        parts=tuple(part for cell in done for part in cell.parts),
+    )
+
+
+def furnish_cell(placed: Placed, fitting: Fitting, tag: str) -> Furnished:
+    """One cell; ``tag`` makes its names unique."""
+    fill = placed.cell.fill
+    if fill == "drawer":
+        return _hang_drawer(placed, fitting, tag)
+    if fill == "slide":
+        doors = _hang_sliding(placed, fitting, tag)
+        start = fitting.body[0] + 2 * (fitting.thickness + GAP) + 0.008
+    else:
+        doors = _hang_doors(placed, fitting, tag)
+        start = fitting.body[0] + (0.002 if fill == "open" else 0.012)
+        start = start if fill == "open" else max(start, fitting.front_x + fitting.thickness + 0.010)
+    needs = tuple(Need(part=part.name) for part in doors if part.label == "door")
+    inside = _fill_inside(placed, fitting, tag, start, needs)
+    return Furnished(primitives=inside.primitives, parts=(*doors, *inside.parts))
+
+
+def front_panel(placed: Placed, fitting: Fitting) -> Panel:
+    """The front of a whole cell."""
+    return Panel(x=fitting.front_x, thickness=fitting.thickness, y=placed.front_y, z=placed.front_z)
+
+
+def _hang_drawer(placed: Placed, fitting: Fitting, tag: str) -> Furnished:
+    panel = front_panel(placed, fitting)
+    space = Space(x=(panel.back, fitting.body[1]), y=placed.y, z=placed.z)
+    drawer_box, rails = fitting.box, ()
+    if fitting.runners:
+        drawer_box = replace(drawer_box, side_gap=RUNNER + GAP)
+        middle = placed.z[0] + 0.4 * space.height
+        start = max(fitting.body[0] + 0.002, panel.back + 0.003)
+        run = (start, start + 0.85 * (fitting.body[1] - start))
+        rails = tuple(
+            fill_space(Space(x=run, y=span, z=(middle - 0.018, middle + 0.018)), "steel")
+            for span in ((placed.y[0], placed.y[0] + RUNNER), (placed.y[1] - RUNNER, placed.y[1]))
+        )
+    parts = make_drawer(
+        panel,
+        space,
+        fitting.drawers,
+        box=drawer_box,
+        name=f"drawer_{tag}",
+        parent=fitting.parent,
+        travel=fitting.travel,
+    )
+    return Furnished(primitives=rails, parts=parts)
+
+
+def _hang_doors(placed: Placed, fitting: Fitting, tag: str) -> tuple[ShapePart, ...]:
+    cell, panel = placed.cell, front_panel(placed, fitting)
+    name = f"door_{tag}"
+    match cell.fill:
+        case "door":
+            return _hang_leaf(panel, placed, cell.edge, fitting, name)
+        case "double":
+            half = panel.width / 2
+            room = sweep_gap(half, panel.thickness) / 2
+            middle = panel.center[0]
+            left = replace(panel, y=(middle + room, panel.y[1]))
+            right = replace(panel, y=(panel.y[0], middle - room))
+            upper = min(_choose_swing(placed, "left", fitting), _choose_swing(placed, "right", fitting))
+            narrow = replace(fitting, swing=upper, wide_swing=upper)
+            return (
+                *_hang_leaf(left, placed, "left", narrow, f"{name}_left"),
+                *_hang_leaf(right, placed, "right", replace(narrow, lock=False), f"{name}_right"),
+            )
+        case "drop" | "lift":
+            low_handle = cell.fill == "drop" and panel.z[0] < 0.07
+            upper = radians(74) if low_handle else min(fitting.swing, radians(90))
+            edge: Edge = "bottom" if cell.fill == "drop" else "top"
+            return make_door(panel, fitting.doors, name=name, parent=fitting.parent, edge=edge, upper=upper)
+        case "fold":
+            return _hang_folding(panel, cell, fitting, name)
+    return ()
+
+
+def _hang_leaf(
+    panel: Panel, placed: Placed, edge: Edge, fitting: Fitting, name: str
+) -> tuple[ShapePart, ...]:
+    upper = _choose_swing(placed, edge, fitting)
+    parts = make_door(panel, fitting.doors, name=name, parent=fitting.parent, edge=edge, upper=upper)
+    if fitting.lock and panel.height > 0.3:
+        return (*parts, _make_lock(panel, parts, edge))
+    return parts
+
+
+def _choose_swing(placed: Placed, edge: Edge, fitting: Fitting) -> float:
+    return fitting.swing if edge in placed.shared else fitting.wide_swing
+
+
+def _make_lock(panel: Panel, parts: tuple[ShapePart, ...], edge: Edge) -> ShapePart:
+    """A knob with a bow that turns on the door beside its free edge, clear of the handle."""
+    door, radius = parts[0].name, 0.015
+    y = panel.y[0] + 0.03 if edge == "left" else panel.y[1] - 0.03
+    z = panel.center[1]
+    if len(parts) > 1:
+        low, high = parts[1].bounds()
+        room = radius + 0.02
+        z = high[2] + room if high[2] + 2 * room < panel.z[1] else low[2] - room
+    x = panel.x - 0.0015
+    disc = cylinder((x, y, z), (x - 0.010, y, z), radius, "handle")
+    bow = box((x - 0.024, y - 0.004, z - 0.012), (x - 0.010, y + 0.004, z + 0.012), "handle")
+    turn = Motion(type="continuous", axis=(-1.0, 0.0, 0.0), origin=(x, y, z), upper=2 * np.pi)
+    return ShapePart(name=f"{door}_lock", label="knob", parent=door, primitives=(disc, bow), motion=turn)
+
+
+def _hang_folding(panel: Panel, cell: Cell, fitting: Fitting, name: str) -> tuple[ShapePart, ...]:
+    """Two leaves: the second hangs on the free edge of the first."""
+    room = GAP / 2
+    middle = panel.center[0]
+    left, right = (
+        replace(panel, y=(middle + room, panel.y[1])),
+        replace(panel, y=(panel.y[0], middle - room)),
+    )
+    near, far = (left, right) if cell.edge == "left" else (right, left)
+    bare = replace(fitting.doors, handle=None)
+    first, second = f"{name}_first", f"{name}_second"
+    return (
+        *make_door(
+            near,
+            bare,
+            name=first,
+            parent=fitting.parent,
+            edge=cell.edge,
+            upper=min(fitting.swing, radians(95)),
+        ),
+        *make_door(far, fitting.doors, name=second, parent=first, edge=cell.edge, upper=radians(88)),
+    )
+
+
+SLIDING_GRIP = HandleDesign(kind="recessed", length=0.15, thickness=0.012)
+
+
+def _hang_sliding(placed: Placed, fitting: Fitting, tag: str) -> tuple[ShapePart, ...]:
+    """Two leaves on two tracks within the opening, the left one in front; each slides over the other."""
+    overlap, margin = 0.03, 0.028
+    y, z = (placed.y[0] + GAP, placed.y[1] - GAP), (placed.z[0] + GAP, placed.z[1] - GAP)
+    width = (y[1] - y[0] + overlap) / 2
+    grip = replace(SLIDING_GRIP, length=min(SLIDING_GRIP.length, 0.5 * (z[1] - z[0])))
+    x = fitting.body[0] + 0.004
+    front = Panel(x=x, thickness=fitting.thickness, y=(y[1] - width, y[1]), z=z)
+    rear = replace(front, x=x + fitting.thickness + GAP, y=(y[0], y[0] + width))
+    inset = margin + grip.height / 2
+    travel = width - overlap - margin - grip.height - 0.012
+    names = f"door_{tag}_front", f"door_{tag}_rear"
+    plain = replace(fitting.doors, handle=None)
+
+    def hold(panel: Panel, name: str, at_y: float, index: int) -> ShapePart:
+        at = (at_y, panel.center[1])
+        return make_handle(panel, grip, name=f"{name}_handle_{index}", parent=name, upright=True, at=at)
+
+    grips = [hold(front, names[0], at, k) for k, at in enumerate((front.y[1] - inset, front.y[0] + inset))]
+    still = hold(rear, names[1], rear.y[0] + inset, 0)  # it trails its leaf, whose leading edge is covered
+    leaves = [
+        ShapePart(
+            name=name, label="door", parent=fitting.parent, primitives=solids, motion=slide(travel, axis)
+        )
+        for name, solids, axis in (
+            (names[0], make_front(front, plain), (0.0, -1.0, 0.0)),
+            (names[1], (*make_front(rear, plain), *still.primitives), (0.0, 1.0, 0.0)),
+        )
+    ]
+    return (leaves[0], *grips, leaves[1])
+
+
+def _fill_inside(
+    placed: Placed, fitting: Fitting, tag: str, start: float, needs: tuple[Need, ...]
+) -> Furnished:
+    """Shelves, trays or a rod between ``start`` and the back."""
+    cell = placed.cell
+    span = (start, fitting.body[1])
+    low, high = placed.z
+    if cell.inside == "shelves":
+        pitch = (high - low) / (cell.count + 1)
+        shelves = [
+            _make_shelf(span, placed.y, low + (k + 1) * pitch, fitting, f"shelf_{tag}_{k}")
+            for k in range(cell.count)
+        ]
+        return Furnished(parts=tuple(shelves))
+    if cell.inside == "rod":
+        hat = high - min(0.32, 0.25 * (high - low))
+        x = (span[0] + span[1]) / 2
+        rod = cylinder((x, placed.y[0], hat - 0.06), (x, placed.y[1], hat - 0.06), 0.014, "steel")
+        return Furnished(
+            primitives=(rod,), parts=(_make_shelf(span, placed.y, hat, fitting, f"shelf_{tag}_0"),)
+        )
+    if cell.inside == "trays":
+        return _hang_trays(placed, fitting, tag, span, needs)
+    return Furnished()
+
+
+def _make_shelf(x: Range, y: Range, z: float, fitting: Fitting, name: str) -> ShapePart:
+    shelf = fill_space(Space(x=x, y=y, z=(z, z + fitting.shelf)), "inside")
+    return ShapePart(name=name, label="shelf", parent=fitting.parent, primitives=(shelf,))
+
+
+def _hang_trays(placed: Placed, fitting: Fitting, tag: str, x: Range, needs: tuple[Need, ...]) -> Furnished:
+    """Trays on blocks that keep them clear of the opened doors."""
+    block = fitting.thickness + 0.007
+    pitch = (placed.z[1] - placed.z[0]) / placed.cell.count
+    y = (placed.y[0] + block, placed.y[1] - block)
+    rails: list[Primitive] = []
+    trays: list[ShapePart] = []
+    tray_box = replace(fitting.box, rim=1.0, side_gap=GAP)
+    for k in range(placed.cell.count):
+        low = placed.z[0] + k * pitch + 0.012
+        rim = low + min(0.11, 0.6 * pitch)
+        for span in ((placed.y[0], y[0]), (y[1], placed.y[1])):
+            rails.append(fill_space(Space(x=(x[0] + 0.02, x[1]), y=span, z=(low, low + 0.04)), "inside"))
+        space = Space(x=(x[0] + 0.004, x[1]), y=y, z=(low, rim))
+        trays.append(make_tray(space, tray_box, name=f"tray_{tag}_{k}", parent=fitting.parent, needs=needs))
+    return Furnished(primitives=tuple(rails), parts=tuple(trays))

@@ -1,0 +1,226 @@
+"""Kinds of storage furniture and looks of their fronts, as tables: sizes in metres, weights relative."""
+
+from dataclasses import dataclass
+
+from artigen.shapes.fittings.feet import StandKind
+from artigen.shapes.fittings.fronts import FrontStyle
+from artigen.shapes.fittings.handles import HandleKind
+from artigen.shapes.fittings.hardware import Range
+from artigen.shapes.furniture.splits import Fill, Taste
+
+
+@dataclass(frozen=True, kw_only=True)
+class Style:
+    """A look: fronts, handles and how often it is sold."""
+
+    weight: float
+    doors: tuple[FrontStyle, ...]
+    drawers: tuple[FrontStyle, ...]
+    handles: tuple[HandleKind, ...]
+    inset: float
+    """Chance of fronts that lie within the body."""
+    closed: bool = False
+    """Whether it takes a door to show it."""
+
+
+STYLES: dict[str, Style] = {
+    "flat": Style(
+        weight=5,
+        doors=("flat",),
+        drawers=("flat",),
+        handles=("bar", "pull", "knob", "edge", "arch"),
+        inset=0.15,
+    ),
+    "handleless": Style(
+        weight=1.6, doors=("flat",), drawers=("flat",), handles=("edge", "recessed"), inset=0.1
+    ),
+    "shaker": Style(
+        weight=3,
+        doors=("shaker",),
+        drawers=("shaker", "flat"),
+        handles=("knob", "cup", "bar", "pull"),
+        inset=0.3,
+    ),
+    "framed_glass": Style(
+        weight=1.6,
+        doors=("framed_glass",),
+        drawers=("flat", "shaker"),
+        handles=("knob", "bar", "pull"),
+        inset=0.2,
+        closed=True,
+    ),
+    "classic": Style(
+        weight=1.6, doors=("raised",), drawers=("raised", "flat"), handles=("knob", "arch", "cup"), inset=0.4
+    ),
+    "country": Style(
+        weight=0.8, doors=("plank",), drawers=("flat", "plank"), handles=("knob", "block", "pull"), inset=0.4
+    ),
+    "louvre": Style(
+        weight=0.7, doors=("louvre",), drawers=("flat",), handles=("knob", "pull"), inset=0.3, closed=True
+    ),
+    "industrial": Style(weight=0.8, doors=("flat",), drawers=("flat",), handles=("bar", "pull"), inset=0.3),
+}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Kind:
+    """A kind of furniture: ranges of its size (m), what it stands on, how it is divided."""
+
+    weight: float
+    width: Range
+    depth: Range
+    height: Range
+    stands: tuple[tuple[StandKind, float], ...]
+    taste: Taste
+    worktop: float = 0.0
+    """Chance of a top that covers the sides and stands out."""
+    hand: float = 1.05
+    """Height (m) of the hand that takes a tall door."""
+
+
+DOORS: tuple[tuple[Fill, float], ...] = (
+    ("door", 3.0),
+    ("double", 3.0),
+    ("fold", 0.5),
+    ("drop", 1.0),
+    ("slide", 0.6),
+)
+LOW: tuple[tuple[Fill, float], ...] = (
+    ("door", 3.0),
+    ("double", 2.5),
+    ("drop", 1.8),
+    ("slide", 1.0),
+    ("lift", 0.15),
+)
+KINDS: dict[str, Kind] = {
+    "base_cabinet": Kind(
+        weight=4.0,
+        width=(0.3, 1.25),
+        depth=(0.56, 0.66),
+        height=(0.78, 0.94),
+        stands=(("toe_kick", 4), ("plinth", 1.5), ("screw_feet", 0.9), ("legs", 0.3)),
+        worktop=0.7,
+        taste=Taste(
+            module=(0.3, 0.62),
+            rules=(("columns", 0.4), ("stack", 0.4), ("drawer_row", 0.5), ("closed", 2.6), ("open_row", 0.1)),
+            fills=DOORS,
+            trays=0.3,
+        ),
+    ),
+    "wall_cabinet": Kind(
+        weight=2.8,
+        width=(0.3, 1.2),
+        depth=(0.28, 0.42),
+        height=(0.34, 0.95),
+        stands=(("floor", 1.0),),
+        hand=-1.0,
+        taste=Taste(
+            module=(0.28, 0.6),
+            rules=(("columns", 0.4), ("closed", 3.0), ("open_row", 0.3), ("open", 0.1)),
+            fills=(("door", 3.0), ("double", 3.0), ("lift", 3.0), ("fold", 0.4), ("slide", 0.6)),
+            trays=0.0,
+        ),
+    ),
+    "dresser": Kind(
+        weight=1.0,
+        width=(0.4, 1.65),
+        depth=(0.38, 0.54),
+        height=(0.7, 1.3),
+        stands=(("legs", 2), ("plinth", 1.5), ("toe_kick", 1), ("floor", 0.6), ("sled", 0.3)),
+        worktop=0.45,
+        taste=Taste(
+            module=(0.36, 0.9),
+            drawer=(0.13, 0.26),
+            rules=(("columns", 0.5), ("stack", 4.0), ("drawer_row", 0.7), ("closed", 0.25)),
+            fills=DOORS,
+            symmetry=0.95,
+        ),
+    ),
+    "wardrobe": Kind(
+        weight=1.6,
+        width=(0.5, 1.7),
+        depth=(0.5, 0.66),
+        height=(1.75, 2.25),
+        stands=(("plinth", 2), ("toe_kick", 1.5), ("floor", 1), ("legs", 0.5)),
+        taste=Taste(
+            module=(0.4, 0.6),
+            drawer=(0.15, 0.26),
+            rules=(("columns", 0.5), ("rows", 0.5), ("closed", 2.4), ("open", 0.05)),
+            fills=(("door", 3.0), ("double", 3.5), ("fold", 0.6), ("slide", 2.2), ("drawer", 0.2)),
+            shelf_pitch=(0.3, 0.5),
+            rod=0.7,
+            trays=0.1,
+        ),
+    ),
+    "sideboard": Kind(
+        weight=1.2,
+        width=(1.0, 2.0),
+        depth=(0.36, 0.5),
+        height=(0.6, 0.95),
+        stands=(("legs", 3), ("plinth", 1), ("sled", 1), ("floor", 0.3)),
+        worktop=0.4,
+        taste=Taste(
+            module=(0.36, 0.66),
+            rules=(("columns", 3.0), ("stack", 0.8), ("drawer_row", 0.7), ("closed", 1.6), ("open", 0.25)),
+            fills=LOW,
+            symmetry=0.9,
+        ),
+    ),
+    "nightstand": Kind(
+        weight=1.8,
+        width=(0.34, 0.6),
+        depth=(0.32, 0.46),
+        height=(0.42, 0.7),
+        stands=(("legs", 3), ("plinth", 0.6), ("floor", 0.6), ("castors", 0.8), ("sled", 0.4)),
+        worktop=0.45,
+        taste=Taste(
+            module=(0.3, 0.6),
+            drawer=(0.12, 0.22),
+            rules=(("stack", 0.6), ("drawer_row", 0.6), ("open_row", 0.8), ("closed", 1.6)),
+            fills=(("door", 3.0), ("drop", 0.4)),
+            trays=0.0,
+        ),
+    ),
+    "bookcase": Kind(
+        weight=1.3,
+        width=(0.4, 1.3),
+        depth=(0.26, 0.4),
+        height=(1.0, 2.1),
+        stands=(("toe_kick", 1), ("floor", 2), ("legs", 0.6), ("plinth", 0.6)),
+        taste=Taste(
+            module=(0.34, 0.8),
+            rules=(("columns", 0.7), ("rows", 1.3), ("open", 1.5), ("closed", 0.7), ("stack", 0.25)),
+            fills=(("door", 2.0), ("double", 3.0), ("drop", 0.4)),
+            trays=0.0,
+        ),
+    ),
+    "tv_stand": Kind(
+        weight=0.9,
+        width=(1.0, 2.0),
+        depth=(0.36, 0.48),
+        height=(0.36, 0.62),
+        stands=(("legs", 2), ("plinth", 1), ("sled", 1), ("castors", 0.7), ("floor", 0.5)),
+        worktop=0.35,
+        taste=Taste(
+            module=(0.36, 0.8),
+            drawer=(0.12, 0.22),
+            rules=(("columns", 4.0), ("open_row", 0.5), ("stack", 0.5), ("closed", 1.2), ("open", 0.7)),
+            fills=LOW,
+            symmetry=0.95,
+        ),
+    ),
+    "drawer_unit": Kind(
+        weight=0.5,
+        width=(0.3, 0.9),
+        depth=(0.4, 0.58),
+        height=(0.5, 1.35),
+        stands=(("castors", 1.5), ("floor", 1.0), ("legs", 0.6), ("toe_kick", 0.6)),
+        worktop=0.2,
+        taste=Taste(
+            module=(0.26, 0.9),
+            drawer=(0.07, 0.16),
+            rules=(("columns", 0.35), ("stack", 5.0)),
+            fills=(("door", 1.0),),
+        ),
+    ),
+}

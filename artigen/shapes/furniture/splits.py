@@ -1,0 +1,374 @@
+"""A small grammar of splits: how the front of a piece of furniture is divided, and what each cell holds.
+
+A `Node` is a `Cell` or a `Split` of a rectangle into rows (top to bottom) or columns (left to right, seen
+from the front) with proportions; `draw_node` derives one from a `Taste` by rules whose weights depend on the
+room there is, `mirror` turns it over, and `lay_out` gives every cell its opening and its front.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from itertools import pairwise
+from typing import Literal, TypeVar
+
+import numpy as np
+
+from artigen.shapes.fittings.hardware import Edge, Range
+
+Fill = Literal["open", "drawer", "door", "double", "drop", "lift", "fold", "slide"]
+Inside = Literal["empty", "shelves", "trays", "rod"]
+
+Word = TypeVar("Word", bound=str)
+FRONT_GAP = 0.003
+"""Joint (m) between two fronts."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cell:
+    """What closes an opening and what is behind it."""
+
+    fill: Fill
+    edge: Edge = "left"
+    """Hinge of a single door, fixed edge of a folding pair."""
+    inside: Inside = "empty"
+    count: int = 0
+    """Shelves or trays."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Split:
+    """A rectangle in rows or columns; ``board`` says whether boards part them."""
+
+    along: Literal["rows", "columns"]
+    shares: tuple[float, ...]
+    children: tuple["Node", ...]
+    board: bool = True
+
+
+Node = Cell | Split
+
+
+@dataclass(frozen=True, kw_only=True)
+class Taste:
+    """What a kind of furniture likes; weights are relative chances, lengths metres."""
+
+    module: Range = (0.32, 0.62)
+    """Width of a column."""
+    drawer: Range = (0.11, 0.28)
+    """Height of a drawer front."""
+    rules: tuple[tuple[str, float], ...] = (("columns", 1.0), ("stack", 1.0), ("closed", 2.0), ("open", 0.4))
+    fills: tuple[tuple[Fill, float], ...] = (("door", 3.0), ("double", 2.0))
+    """How closed cells are closed."""
+    symmetry: float = 0.8
+    """Chance that columns of mirrored widths are mirror images."""
+    shelf_pitch: Range = (0.24, 0.38)
+    rod: float = 0.0
+    """Chance of a hanging rod where there is room for clothes."""
+    trays: float = 0.15
+    """Chance of trays behind a door."""
+    levels: int = 3
+    """Nested splits at most."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Room:
+    """Where a node goes: metres, and how it got there."""
+
+    width: float
+    height: float
+    bottom: float
+    """Height of its lower edge above the floor."""
+    level: int = 0
+    within: str = ""
+    """Rule that made it; no rule follows itself."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Placed:
+    """A cell with its opening between boards, its front, and the edges beside which other fronts are."""
+
+    cell: Cell
+    y: Range
+    z: Range
+    front_y: Range
+    front_z: Range
+    shared: frozenset[Edge] = field(default_factory=frozenset)
+
+
+def draw_node(rng: np.random.Generator, room: Room, taste: Taste) -> Node:
+    """Derives the node of a room: one rule of those that apply, by their weights."""
+    weights = {
+        name: weight * _RULES[name][0](room, taste)
+        for name, weight in taste.rules
+        if name != room.within and not (name in ("columns", "rows") and room.level >= taste.levels)
+    }
+    weights = {name: weight for name, weight in weights.items() if weight > 0}
+    if not weights:
+        return _draw_open(rng, room, taste)
+    return _RULES[pick(rng, weights)][1](rng, room, taste)
+
+
+def mirror(node: Node) -> Node:
+    """The node seen in a mirror: left and right change places."""
+    if isinstance(node, Cell):
+        flipped: dict[Edge, Edge] = {"left": "right", "right": "left"}
+        return replace(node, edge=flipped.get(node.edge, node.edge))
+    children = tuple(mirror(child) for child in node.children)
+    if node.along == "columns":
+        return replace(node, shares=node.shares[::-1], children=children[::-1])
+    return replace(node, children=children)
+
+
+def turn_doors(node: Node, edge: Edge) -> Node:
+    """The node with all its single doors hinged on one side."""
+    if isinstance(node, Cell):
+        return replace(node, edge=edge)
+    return replace(node, children=tuple(turn_doors(child, edge) for child in node.children))
+
+
+def lay_out(
+    node: Node, y: Range, z: Range, *, board: float, reach: dict[Edge, float], inset: bool
+) -> tuple[tuple[Placed, ...], tuple[tuple[Range, Range], ...]]:
+    """Openings and fronts of all cells, and the boards between them as (y, z) rectangles.
+
+    Args:
+        node: What is laid out.
+        y: Right and left edge of the opening (m).
+        z: Lower and upper edge.
+        board: Thickness of inner boards.
+        reach: How far fronts extend beyond the opening at each edge; negative for a front within it.
+        inset: Whether fronts stay within openings at inner boards too.
+    """
+    if isinstance(node, Cell):
+        front_y = (y[0] - reach["right"], y[1] + reach["left"])
+        front_z = (z[0] - reach["bottom"], z[1] + reach["top"])
+        return (Placed(cell=node, y=y, z=z, front_y=front_y, front_z=front_z),), ()
+    rows = node.along == "rows"
+    thick = board if node.board else 0.0
+    inner = -FRONT_GAP / 2 if not node.board else (-FRONT_GAP if inset else (board - FRONT_GAP) / 2)
+    first: Edge = "top" if rows else "left"
+    last: Edge = "bottom" if rows else "right"
+    cells: list[Placed] = []
+    boards: list[tuple[Range, Range]] = []
+    spans = _divide(z if rows else y, node.shares, thick)
+    for index, (span, child) in enumerate(zip(spans, node.children, strict=True)):
+        own = dict(reach)
+        own |= {first: inner} if index > 0 else {}
+        own |= {last: inner} if index < len(spans) - 1 else {}
+        at_y, at_z = (y, span) if rows else (span, z)
+        below, more = lay_out(child, at_y, at_z, board=board, reach=own, inset=inset)
+        shared: set[Edge] = set()
+        shared |= {first} if index > 0 else set()
+        shared |= {last} if index < len(spans) - 1 else set()
+        cells += [replace(cell, shared=cell.shared | shared) for cell in below]
+        boards += more
+    if node.board:
+        for upper, lower in pairwise(spans):
+            gap = (lower[1], upper[0])
+            boards.append((y, gap) if rows else (gap, z))
+    return tuple(cells), tuple(boards)
+
+
+def _divide(span: Range, shares: tuple[float, ...], board: float) -> list[Range]:
+    """Parts of a span from its upper end down, with a board between any two."""
+    free = span[1] - span[0] - board * (len(shares) - 1)
+    parts = free * np.array(shares) / sum(shares)
+    tops = span[1] - np.concatenate([[0.0], np.cumsum(parts + board)[:-1]])
+    return [(float(top - part), float(top)) for top, part in zip(tops, parts, strict=True)]
+
+
+COLUMNS = {
+    2: ((1, 1), (1, 1), (1, 1.618), (1.618, 1), (1, 2), (2, 1)),
+    3: ((1, 1, 1), (1, 1, 1), (1, 1.618, 1), (1, 2, 1), (1.3, 1, 1.3), (1, 1, 2)),
+    4: ((1, 1, 1, 1), (1, 1, 1, 1), (1, 1.4, 1.4, 1), (1.4, 1, 1, 1.4)),
+    5: ((1, 1, 1, 1, 1), (1, 1.3, 1.3, 1.3, 1)),
+}
+
+
+def _columns_fit(room: Room, taste: Taste) -> float:
+    """Likely where a single front would be too wide, impossible where columns would be too narrow."""
+    if room.width < 2 * taste.module[0]:
+        return 0.0
+    return 1.0 + 8.0 * max(0.0, room.width / taste.module[1] - 1.2)
+
+
+def _draw_columns(rng: np.random.Generator, room: Room, taste: Taste) -> Node:
+    low, high = taste.module
+    counts = [n for n in COLUMNS if low <= room.width / n <= high] or [
+        n for n in COLUMNS if room.width / n >= low
+    ][-1:]
+    count = int(rng.choice(counts))
+    options = [s for s in COLUMNS[count] if min(s) / sum(s) * room.width >= 0.8 * low]
+    shares = options[int(rng.integers(len(options)))] if options else (1.0,) * count
+    children: list[Node] = []
+    same = rng.random() < 0.35  # the first column again and again
+    for index, share in enumerate(shares):
+        inner = replace(room, width=room.width * share / sum(shares), level=room.level + 1, within="columns")
+        twin = len(shares) - 1 - index
+        if index > twin and shares[twin] == share and rng.random() < taste.symmetry:
+            children.append(mirror(children[twin]))
+        elif same and index and shares[0] == share and index <= twin:
+            children.append(children[0])
+        else:
+            children.append(draw_node(rng, inner, taste))
+    if rng.random() < 0.92:  # doors open away from the middle, not against each other
+        half = (len(children) - 1) / 2
+        children = [
+            turn_doors(child, "left" if index < half else "right") if index != half else child
+            for index, child in enumerate(children)
+        ]
+    return Split(along="columns", shares=tuple(float(s) for s in shares), children=tuple(children))
+
+
+def _stack_fits(room: Room, taste: Taste) -> float:
+    if not (0.2 <= room.width <= 1.25 and taste.drawer[0] * 1.6 <= room.height):
+        return 0.0
+    if room.bottom + room.height > 1.45:  # nobody looks into a drawer above
+        return 0.0
+    return 1.0 if room.height > 0.3 else 0.4
+
+
+def _draw_stack(rng: np.random.Generator, room: Room, taste: Taste) -> Node:
+    """Drawers one above the other: equal, growing downwards, or shallow ones on top."""
+    low, high = taste.drawer
+    few, many = max(1, int(np.ceil(room.height / high))), max(1, int(room.height / low))
+    count = int(rng.integers(few, min(many, few + 3) + 1)) if many > few else few
+    kind = rng.choice(3, p=(0.45, 0.3, 0.25))
+    shares = np.ones(count)
+    if kind == 1:
+        shares = np.linspace(1.0, float(rng.uniform(1.3, 1.9)), count)
+    elif kind == 2 and count > 1:
+        shares[0] = float(rng.uniform(0.5, 0.7))
+    return stack_drawers(tuple(float(share) for share in shares))
+
+
+def stack_drawers(shares: tuple[float, ...]) -> Node:
+    """Drawers of these heights from top to bottom, without boards between them."""
+    drawer = Cell(fill="drawer")
+    if len(shares) == 1:
+        return drawer
+    return Split(along="rows", shares=shares, children=(drawer,) * len(shares), board=False)
+
+
+def _row_fits(room: Room, taste: Taste) -> float:
+    return 1.0 if 0.42 <= room.height <= 1.3 and room.bottom + room.height <= 1.45 else 0.0
+
+
+def _draw_drawer_row(rng: np.random.Generator, room: Room, taste: Taste) -> Node:
+    """A row of drawers above the rest, at times below it."""
+    high = float(rng.uniform(taste.drawer[0], min(taste.drawer[1], 0.2)))
+    count = int(np.clip(round(room.width / rng.uniform(0.4, 0.9)), 1, 4))
+    drawers: Node = Cell(fill="drawer")
+    if count > 1:
+        drawers = Split(along="columns", shares=(1.0,) * count, children=(drawers,) * count)
+    rest = replace(room, height=room.height - high, level=room.level + 1, within="drawer_row")
+    below = draw_node(rng, rest, taste)
+    pair, shares = (drawers, below), (high, room.height - high)
+    if rng.random() < 0.15:
+        pair, shares = pair[::-1], shares[::-1]
+    return Split(along="rows", shares=shares, children=pair)
+
+
+def _tall(room: Room, taste: Taste) -> float:
+    return 1.0 if room.height > 1.15 else 0.0
+
+
+def _draw_rows(rng: np.random.Generator, room: Room, taste: Taste) -> Node:
+    """A tall room in two: lockers above, drawers below, or two parts in a pleasing proportion."""
+    kind = rng.choice(3, p=(0.25, 0.4, 0.35))
+    if kind == 0:
+        top = float(rng.uniform(0.3, 0.42))
+    elif kind == 1:
+        top = room.height - float(rng.uniform(0.35, 0.7))
+    else:
+        top = room.height * float(rng.choice((0.382, 0.5, 0.618)))
+    rooms = [
+        replace(
+            room, height=top, bottom=room.bottom + room.height - top, level=room.level + 1, within="rows"
+        ),
+        replace(room, height=room.height - top, level=room.level + 1, within="rows"),
+    ]
+    upper = draw_node(rng, rooms[0], taste)
+    stacked = kind == 1 and dict(taste.rules).get("stack", 0) > 0 and _stack_fits(rooms[1], taste) > 0
+    lower = _draw_stack(rng, rooms[1], taste) if stacked else draw_node(rng, rooms[1], taste)
+    return Split(along="rows", shares=(top, room.height - top), children=(upper, lower))
+
+
+def _open_row_fits(room: Room, taste: Taste) -> float:
+    return 1.0 if room.height > 0.5 else 0.0
+
+
+def _draw_open_row(rng: np.random.Generator, room: Room, taste: Taste) -> Node:
+    """An open compartment above or below the rest."""
+    high = float(rng.uniform(0.16, min(0.36, 0.45 * room.height)))
+    rest = replace(room, height=room.height - high, level=room.level + 1, within="open_row")
+    pair, shares = (Cell(fill="open"), draw_node(rng, rest, taste)), (high, room.height - high)
+    if rng.random() < 0.4:
+        pair, shares = pair[::-1], shares[::-1]
+    return Split(along="rows", shares=shares, children=pair)
+
+
+def _always(room: Room, taste: Taste) -> float:
+    return 1.0
+
+
+def _draw_open(rng: np.random.Generator, room: Room, taste: Taste) -> Node:
+    shelves = int(room.height / rng.uniform(*taste.shelf_pitch) - 0.4)
+    if room.width > 1.3:
+        shelves = 0
+    return Cell(fill="open", inside="shelves" if shelves > 0 else "empty", count=max(shelves, 0))
+
+
+FILL_ROOM: dict[Fill, tuple[Range, Range]] = {
+    "door": ((0.2, 0.62), (0.24, 2.3)),
+    "double": ((0.46, 1.25), (0.26, 2.3)),
+    "drop": ((0.32, 1.1), (0.21, 0.5)),
+    "lift": ((0.35, 1.1), (0.23, 0.5)),
+    "fold": ((0.52, 1.1), (0.4, 2.2)),
+    "slide": ((0.75, 2.4), (0.3, 2.2)),
+    "drawer": ((0.2, 1.2), (0.09, 0.42)),
+}
+"""Width and height that each kind of front is sold in (m)."""
+
+
+def _closed_fits(room: Room, taste: Taste) -> float:
+    return 1.0 if any(weight > 0 and _fits(fill, room) for fill, weight in taste.fills) else 0.0
+
+
+def _draw_closed(rng: np.random.Generator, room: Room, taste: Taste) -> Node:
+    """A front that suits the room's size, and what is behind it."""
+    weights: dict[Fill, float] = {fill: weight for fill, weight in taste.fills if _fits(fill, room)}
+    if not weights:
+        return _draw_open(rng, room, taste)
+    fill = pick(rng, weights)
+    if fill == "drawer":
+        return Cell(fill="drawer")
+    edge: Edge = "left" if rng.random() < 0.5 else "right"
+    if room.height > 0.9 and rng.random() < taste.rod:
+        return Cell(fill=fill, edge=edge, inside="rod", count=1)
+    if fill in ("door", "double") and 0.3 < room.height < 1.1 and rng.random() < taste.trays:
+        return Cell(fill=fill, edge=edge, inside="trays", count=int(rng.integers(1, 4)))
+    shelves = int(room.height / rng.uniform(*taste.shelf_pitch) - 0.3) if rng.random() < 0.65 else 0
+    return Cell(fill=fill, edge=edge, inside="shelves" if shelves > 0 else "empty", count=max(shelves, 0))
+
+
+def _fits(fill: Fill, room: Room) -> bool:
+    (narrow, wide), (low, high) = FILL_ROOM[fill]
+    return narrow <= room.width <= wide and low <= room.height <= high
+
+
+def pick(rng: np.random.Generator, weights: dict[Word, float]) -> Word:
+    """One of the words, as likely as its weight."""
+    chances = np.array(list(weights.values()))
+    return list(weights)[int(rng.choice(len(chances), p=chances / chances.sum()))]
+
+
+Rule = tuple[Callable[[Room, Taste], float], Callable[[np.random.Generator, Room, Taste], Node]]
+_RULES: dict[str, Rule] = {
+    "columns": (_columns_fit, _draw_columns),
+    "rows": (_tall, _draw_rows),
+    "stack": (_stack_fits, _draw_stack),
+    "drawer_row": (_row_fits, _draw_drawer_row),
+    "open_row": (_open_row_fits, _draw_open_row),
+    "closed": (_closed_fits, _draw_closed),
+    "open": (_always, _draw_open),
+}

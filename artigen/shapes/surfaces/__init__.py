@@ -1,0 +1,1 @@
+"""Finishes, palettes and textures."""

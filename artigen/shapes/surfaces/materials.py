@@ -1,0 +1,93 @@
+"""Materials by name: woods, lacquers, metals, stones and glasses as furniture and appliances have them."""
+
+from dataclasses import replace
+
+from artigen.shapes.surfaces.finishes import Color, Finish
+
+WOODS: dict[str, tuple[Color, Color]] = {
+    "oak": ((0.77, 0.62, 0.44), (0.61, 0.45, 0.29)),
+    "white_oak": ((0.84, 0.73, 0.57), (0.71, 0.58, 0.42)),
+    "walnut": ((0.44, 0.30, 0.21), (0.27, 0.17, 0.11)),
+    "birch": ((0.90, 0.81, 0.66), (0.80, 0.68, 0.51)),
+    "pine": ((0.87, 0.72, 0.50), (0.72, 0.52, 0.31)),
+    "cherry": ((0.60, 0.38, 0.26), (0.46, 0.27, 0.17)),
+    "teak": ((0.61, 0.42, 0.26), (0.44, 0.28, 0.16)),
+    "grey_oak": ((0.65, 0.60, 0.53), (0.51, 0.46, 0.40)),
+    "black_ash": ((0.16, 0.15, 0.145), (0.09, 0.085, 0.08)),
+}
+"""Colour of early wood and of growth rings."""
+LACQUERS: dict[str, Color] = {
+    "white": (0.93, 0.925, 0.91),
+    "cream": (0.90, 0.87, 0.79),
+    "light_grey": (0.75, 0.75, 0.74),
+    "grey": (0.53, 0.54, 0.54),
+    "anthracite": (0.22, 0.23, 0.24),
+    "sage": (0.56, 0.62, 0.53),
+    "navy": (0.14, 0.20, 0.31),
+    "forest": (0.18, 0.27, 0.22),
+    "blue": (0.46, 0.55, 0.62),
+    "terracotta": (0.65, 0.40, 0.31),
+    "black": (0.115, 0.115, 0.12),
+}
+METALS: dict[str, tuple[Color, Color]] = {
+    "steel": ((0.81, 0.81, 0.80), (0.70, 0.70, 0.69)),
+    "chrome": ((0.86, 0.86, 0.87), (0.80, 0.80, 0.81)),
+    "brass": ((0.78, 0.63, 0.38), (0.66, 0.50, 0.27)),
+    "bronze": ((0.36, 0.28, 0.21), (0.26, 0.20, 0.15)),
+    "black": ((0.10, 0.10, 0.105), (0.13, 0.13, 0.13)),
+    "dark": ((0.38, 0.38, 0.39), (0.30, 0.30, 0.31)),
+}
+"""Colour and brushing; black is powder-coated, dark is the stainless sold as black."""
+STONES: dict[str, tuple[Color, Color]] = {
+    "granite": ((0.30, 0.30, 0.31), (0.55, 0.54, 0.52)),
+    "terrazzo": ((0.86, 0.85, 0.82), (0.60, 0.55, 0.50)),
+    "quartz": ((0.90, 0.895, 0.88), (0.74, 0.73, 0.71)),
+    "concrete": ((0.62, 0.615, 0.60), (0.52, 0.515, 0.50)),
+    "slate": ((0.20, 0.205, 0.21), (0.29, 0.29, 0.30)),
+}
+
+
+def make_wood(name: str, seed: int) -> Finish:
+    """A wood of `WOODS`, open-pored and oiled."""
+    color, rings = WOODS[name]
+    return Finish(kind="wood", color=color, accent=rings, period=0.045, seed=seed, gloss=0.12)
+
+
+def make_lacquer(color: Color, *, gloss: float = 0.18) -> Finish:
+    """An even paint; its accent, a shade darker, is what little it varies by."""
+    return Finish(kind="lacquer", color=color, accent=_shade(color, 0.96), period=0.4, gloss=gloss)
+
+
+def make_metal(name: str, seed: int) -> Finish:
+    """A metal of `METALS`, brushed along y; powder-coated black is a lacquer."""
+    color, brushing = METALS[name]
+    if name == "black":
+        return replace(make_lacquer(color), gloss=0.15)
+    gloss = 0.75 if name == "chrome" else 0.5
+    return Finish(
+        kind="steel",
+        color=color,
+        accent=brushing,
+        grain=(0.0, 1.0, 0.0),
+        period=0.012,
+        seed=seed,
+        gloss=gloss,
+    )
+
+
+def make_stone(name: str, seed: int) -> Finish:
+    """A stone of `STONES`, honed."""
+    color, speckles = STONES[name]
+    period = 0.016 if name == "terrazzo" else 0.006
+    return Finish(kind="stone", color=color, accent=speckles, period=period, seed=seed, gloss=0.3)
+
+
+def make_glass(color: Color, *, opacity: float = 1.0) -> Finish:
+    """Float glass; opaque where it is printed from behind, as on control panels."""
+    return Finish(
+        kind="glass", color=color, accent=_shade(color, 1.1), period=0.5, gloss=0.55, opacity=opacity
+    )
+
+
+def _shade(color: Color, factor: float) -> Color:
+    return color[0] * factor, color[1] * factor, color[2] * factor

@@ -1,0 +1,248 @@
+"""Palettes: finishes by role that are sold together, for furniture and for household appliances.
+
+A role says what a surface is for; a category asks for roles only and never for colours:
+
+body        carcass or housing            front     doors and drawer fronts, in furniture
+inside      lining of carcass or cabinet  top       worktop, table top
+handle      handles and knobs             leg       legs, feet, frames
+glass       panes in doors                panel     control panels, opaque dark glass
+steel       drums, racks, sinks, rods     plastic   trays, bins, mouldings
+rubber      gaskets, tyres, feet          accent    trim, the odd thing out
+drawer      drawer boxes                  cavity    enamel inside ovens
+clear       pale glass: portholes, shelves of refrigerators
+"""
+
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+
+from artigen.shapes.surfaces.finishes import Finish
+from artigen.shapes.surfaces.materials import (
+    LACQUERS,
+    STONES,
+    WOODS,
+    make_glass,
+    make_lacquer,
+    make_metal,
+    make_stone,
+    make_wood,
+)
+
+Theme = Literal["furniture", "appliance"]
+ROLES = (
+    "body",
+    "front",
+    "inside",
+    "top",
+    "handle",
+    "glass",
+    "rubber",
+    "steel",
+    "accent",
+    "panel",
+    "plastic",
+    "leg",
+    "drawer",
+    "cavity",
+    "clear",
+)
+
+# What goes with what. Fronts that suit a body, and metals that suit a front, come from here alone.
+FRONTS_ON_WOOD = {
+    "oak": ("white", "anthracite", "forest", "navy"),
+    "white_oak": ("white", "cream", "sage", "light_grey", "black"),
+    "walnut": ("white", "cream", "anthracite", "black"),
+    "birch": ("white", "light_grey", "blue", "terracotta"),
+    "pine": ("white", "cream", "sage", "blue"),
+    "cherry": ("cream", "white"),
+    "teak": ("white", "black", "cream"),
+    "grey_oak": ("white", "anthracite", "light_grey"),
+    "black_ash": ("black", "white"),
+}
+WOODS_WITH_LACQUER = {
+    "white": ("oak", "birch", "walnut", "white_oak"),
+    "cream": ("pine", "walnut", "cherry"),
+    "light_grey": ("white_oak", "birch"),
+    "grey": ("oak", "walnut"),
+    "anthracite": ("oak", "grey_oak"),
+    "sage": ("oak", "white_oak"),
+    "navy": ("oak", "walnut"),
+    "forest": ("oak", "walnut"),
+    "blue": ("birch", "pine"),
+    "terracotta": ("oak", "birch"),
+    "black": ("oak", "walnut"),
+}
+WARM = frozenset({"navy", "forest", "sage", "cream", "terracotta", "walnut", "cherry", "teak"})
+"""Fronts on which brass is sold."""
+DARK = frozenset({"anthracite", "black", "navy", "forest", "black_ash"})
+
+
+def draw_palette(rng: np.random.Generator, theme: Theme, style: str) -> dict[str, Finish]:
+    """Finishes for every role of `ROLES` that suit each other.
+
+    Args:
+        rng: Source of every choice.
+        theme: Which trade the object comes from.
+        style: A category's style. A wood or lacquer named by it ("oak", "navy") is taken; "shaker" and
+            "classic" lean to paint, "steel" and "industrial" to metal, "retro" to cream and pastel.
+
+    Raises:
+        ValueError: If the theme is not known.
+    """
+    if theme == "furniture":
+        return _draw_furniture(rng, style)
+    if theme == "appliance":
+        return _draw_appliance(rng, style)
+    raise ValueError(f"theme {theme!r}, expected furniture or appliance")
+
+
+def _draw_furniture(rng: np.random.Generator, style: str) -> dict[str, Finish]:
+    seed = int(rng.integers(2**30))
+    wood, lacquer, scheme = _draw_scheme(rng, style)
+    timber = make_wood(wood, seed)
+    paint = make_lacquer(LACQUERS[lacquer], gloss=float(rng.uniform(0.1, 0.35)))
+    body, front, top = {
+        "wood": (timber, timber, timber),
+        "painted": (paint, paint, paint),
+        "painted_wooden_top": (paint, paint, timber),
+        "painted_stone_top": (paint, paint, make_stone(_pick(rng, tuple(STONES)), seed + 1)),
+        "wooden_body": (timber, paint, timber),
+        "wooden_front": (paint, timber, paint),
+    }[scheme]
+    seen = wood if front.kind == "wood" else lacquer
+    metal = _draw_metal(rng, seen, style)
+    inside = make_lacquer(LACQUERS["white"], gloss=0.15)
+    drawer = make_wood("birch", seed + 2)
+    if body.kind == "wood" and rng.random() < 0.5:  # boards are veneered on both sides
+        inside = make_wood(wood, seed + 3)
+    if body.kind != "wood" and rng.random() < 0.35:
+        drawer = make_lacquer(LACQUERS["light_grey"])
+    leg = make_metal("black", seed) if rng.random() < 0.4 else (timber if top.kind == "wood" else body)
+    return _common(seed) | {
+        "body": body,
+        "front": front,
+        "inside": inside,
+        "top": top,
+        "handle": metal,
+        "leg": leg,
+        "drawer": drawer,
+        "accent": metal if front.kind == "wood" else timber,
+        "panel": make_lacquer(LACQUERS["black"], gloss=0.5),
+    }
+
+
+def _draw_scheme(rng: np.random.Generator, style: str) -> tuple[str, str, str]:
+    """Wood, lacquer and who wears which; a material that the style names is always on the fronts."""
+    if style in WOODS:
+        scheme = "wood" if rng.random() < 0.7 else "wooden_front"
+        return style, _pick(rng, FRONTS_ON_WOOD[style]), scheme
+    painted = ("painted", "painted_wooden_top", "painted_stone_top")
+    if style in LACQUERS:
+        return _pick(rng, WOODS_WITH_LACQUER[style]), style, _pick(rng, (*painted, "wooden_body"))
+    if style in ("steel", "industrial", "metal"):
+        return (
+            _pick(rng, ("oak", "walnut", "pine")),
+            _pick(rng, ("black", "anthracite", "grey")),
+            "wooden_front",
+        )
+    chances = {"wood": 0.32, "wooden_body": 0.15, "wooden_front": 0.13} | dict.fromkeys(painted, 0.4 / 3)
+    if style in ("shaker", "classic", "country", "cottage"):
+        chances = {"wood": 0.2} | dict(zip(painted, (0.35, 0.25, 0.2), strict=True))
+    scheme = str(rng.choice(list(chances), p=list(chances.values())))
+    if scheme.startswith("painted"):
+        lacquer = str(rng.choice(list(LACQUERS), p=_frequencies(len(LACQUERS))))
+        return _pick(rng, WOODS_WITH_LACQUER[lacquer]), lacquer, scheme
+    wood = str(rng.choice(list(WOODS), p=_frequencies(len(WOODS))))
+    return wood, _pick(rng, FRONTS_ON_WOOD[wood]), scheme
+
+
+def _draw_metal(rng: np.random.Generator, front: str, style: str) -> Finish:
+    choices = ["steel", "steel", "black"]
+    if front in WARM:
+        choices += ["brass", "brass", "bronze"]
+    if front in DARK:
+        choices = ["steel", "brass", "chrome"]
+    if style in ("steel", "industrial", "metal"):
+        choices = ["black", "dark"]
+    return make_metal(_pick(rng, tuple(choices)), int(rng.integers(2**30)))
+
+
+def _draw_appliance(rng: np.random.Generator, style: str) -> dict[str, Finish]:
+    seed = int(rng.integers(2**30))
+    look = style if style in APPLIANCES else str(rng.choice(list(APPLIANCES), p=(0.38, 0.34, 0.18, 0.1)))
+    body, front, handle = APPLIANCES[look](rng, seed)
+    enamel = make_lacquer((0.20, 0.21, 0.23), gloss=0.3)
+    black_glass = make_glass((0.045, 0.047, 0.052))
+    inside = Finish(
+        kind="plastic", color=(0.93, 0.935, 0.935), accent=(0.90, 0.905, 0.91), period=0.3, gloss=0.3
+    )
+    return _common(seed) | {
+        "body": body,
+        "front": front,
+        "glass": make_glass((0.06, 0.062, 0.068), opacity=0.45),
+        "inside": inside,
+        "top": body if rng.random() < 0.5 else black_glass,
+        "handle": handle,
+        "leg": make_lacquer(LACQUERS["black"]),
+        "drawer": inside,
+        "accent": make_metal("chrome", seed + 4),
+        "panel": body if look == "white" and rng.random() < 0.5 else black_glass,
+        "cavity": replace(enamel, accent=(0.27, 0.28, 0.30)),
+    }
+
+
+def _steel_look(rng: np.random.Generator, seed: int) -> tuple[Finish, Finish, Finish]:
+    """Grey housing, brushed front: the sides of a steel appliance are painted."""
+    metal = make_metal("dark" if rng.random() < 0.2 else "steel", seed)
+    return make_lacquer((0.50, 0.50, 0.51), gloss=0.3), metal, make_metal("steel", seed + 1)
+
+
+def _white_look(rng: np.random.Generator, seed: int) -> tuple[Finish, Finish, Finish]:
+    enamel = make_lacquer((0.94, 0.94, 0.935), gloss=0.45)
+    handle = Finish(kind="plastic", color=(0.88, 0.88, 0.88), accent=(0.84, 0.84, 0.84), gloss=0.35)
+    return enamel, enamel, handle if rng.random() < 0.6 else make_metal("steel", seed)
+
+
+def _black_look(rng: np.random.Generator, seed: int) -> tuple[Finish, Finish, Finish]:
+    enamel = make_lacquer(LACQUERS["black"], gloss=0.45)
+    return enamel, enamel, make_metal("steel" if rng.random() < 0.6 else "black", seed)
+
+
+def _retro_look(rng: np.random.Generator, seed: int) -> tuple[Finish, Finish, Finish]:
+    """Pastel enamel with chrome."""
+    pastels = (
+        (0.90, 0.86, 0.76),
+        (0.62, 0.74, 0.70),
+        (0.62, 0.73, 0.80),
+        (0.68, 0.20, 0.18),
+        (0.88, 0.70, 0.66),
+    )
+    enamel = make_lacquer(pastels[int(rng.integers(len(pastels)))], gloss=0.5)
+    return enamel, enamel, make_metal("chrome", seed)
+
+
+APPLIANCES = {"steel": _steel_look, "white": _white_look, "black": _black_look, "retro": _retro_look}
+"""Looks of appliances: housing, front and handle."""
+
+
+def _common(seed: int) -> dict[str, Finish]:
+    """What looks alike in every trade."""
+    return {
+        "glass": make_glass((0.72, 0.78, 0.78), opacity=0.22),
+        "clear": make_glass((0.72, 0.78, 0.78), opacity=0.22),
+        "rubber": Finish(kind="rubber", color=(0.13, 0.13, 0.135), accent=(0.17, 0.17, 0.17), gloss=0.05),
+        "steel": make_metal("steel", seed + 5),
+        "plastic": Finish(kind="plastic", color=(0.83, 0.83, 0.82), accent=(0.79, 0.79, 0.78), gloss=0.25),
+        "cavity": make_lacquer((0.20, 0.21, 0.23), gloss=0.3),
+    }
+
+
+def _pick(rng: np.random.Generator, names: tuple[str, ...]) -> str:
+    return names[int(rng.integers(len(names)))]
+
+
+def _frequencies(count: int) -> list[float]:
+    """Falling chances, for lists that begin with what is sold most."""
+    weights = 1.0 / (np.arange(count) + 3.0)
+    return [float(v) for v in weights / weights.sum()]

@@ -1,0 +1,1 @@
+"""Textures on part meshes."""

@@ -1,0 +1,322 @@
+"""Gaps between a link and the one that carries it, closed by small hulls.
+
+Parts that touch can end up apart in collision: a hull stays short of the surface it stands for, or
+room for a moving part was cut out of the face that a knob sits on. A peg, a box of a few millimetres,
+then reaches from one to the other, wherever it is free along every sweep. Pegs only ever stand in
+gaps that are a few cells wide, and every one is recorded.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from sim_export.collision.additions import AdditionConfig, Sweep, add_hull, read_sweeps
+from sim_export.collision.contacts import HullSet, signed_distances
+from sim_export.collision.hulls import box_hull, hull_planes
+from sim_export.package import Hull, Link, PackageJoint, Requirement
+
+_LEVEL = 1e-3
+"""Metres by which buttons in a row may end at different depths."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class AttachmentConfig:
+    """Which gaps are closed, and with what; lengths in metres."""
+
+    near: float = 0.0045
+    """A gap up to this is left alone: links that are nearer count as attached."""
+    far: float = 0.02
+    """A gap beyond this is left alone too: the two do not touch in the source either."""
+    rooms: tuple[float, ...] = (0.0003, 0.001, 0.004)
+    """What stays free between a peg and the link it reaches for, tried in this order."""
+    root: float = 1e-3
+    """How deep a peg stands in its own link."""
+    widths: tuple[float, ...] = (0.012, 0.006, 0.003, 0.0015)
+    """Edges of a peg's square cross-section, tried in this order."""
+    pairs: int = 4
+    """Nearest pairs of hulls between which a peg is tried."""
+    addition: AdditionConfig = field(default_factory=AdditionConfig)
+    """What pegs must keep to."""
+
+    def __post_init__(self) -> None:
+        if not 0.0 < min(self.rooms) <= max(self.rooms) <= self.near < self.far:
+            raise ValueError(
+                f"attachment: rooms {self.rooms}, near {self.near} and far {self.far} m, expected to rise"
+            )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Peg:
+    """A hull of ``link`` that closes a gap (m) between ``child`` and ``parent`` to what is left of it."""
+
+    link: str
+    child: str
+    parent: str
+    gap: float
+    left: float
+    width: float
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Attachment:
+    """Links with pegs, the pegs, and (child, parent, gap) where none was possible."""
+
+    links: tuple[Link, ...]
+    pegs: tuple[Peg, ...] = ()
+    apart: tuple[tuple[str, str, float], ...] = ()
+
+    @property
+    def records(self) -> tuple[str, ...]:
+        """One sentence for every gap that was found."""
+        closed = [
+            f"{peg.link}: a peg {1000 * peg.width:.1f} mm wide closes a gap of {1000 * peg.gap:.1f} mm "
+            f"between {peg.child} and {peg.parent} to {1000 * peg.left:.1f} mm"
+            for peg in self.pegs
+        ]
+        left = [
+            f"{child}: stays {1000 * gap:.1f} mm from {parent}; nothing that closes the gap is free along "
+            "every sweep"
+            for child, parent, gap in self.apart
+        ]
+        return (*closed, *left)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Facing:
+    """Two hulls of child and parent that face each other across a gap."""
+
+    child: Hull
+    parent: Hull
+    gap: float
+    normal: np.ndarray  # from the child to the parent
+    points: np.ndarray  # on the child, on the parent
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Spot:
+    """Where a peg could be: the hull it stands on and the middle of its two ends.
+
+    ``bar`` is the long side of one that several buttons share; other pegs are square.
+    """
+
+    on_child: bool
+    stand: Hull
+    start: np.ndarray
+    end: np.ndarray
+    bar: np.ndarray | None = None
+
+
+def attach_links(
+    links: Sequence[Link],
+    joints: Sequence[PackageJoint],
+    requirements: Sequence[Requirement] = (),
+    cfg: AttachmentConfig | None = None,
+) -> Attachment:
+    """Adds pegs where a link's hulls are too far from those of the link that carries it, at rest.
+
+    Args:
+        links: Links with hulls, object frame at rest.
+        joints: Their joints.
+        requirements: Joints that must be open while another moves.
+        cfg: Which gaps are closed, and with what.
+
+    Returns:
+        New links; those without pegs are the same objects. Hulls only grow.
+    """
+    cfg = cfg or AttachmentConfig()
+    sets = [HullSet(hulls=link.hulls) for link in links]
+    sweeps = read_sweeps(links, joints, requirements, cfg.addition.poses)
+    pegs, apart = [], []
+    carried = list(_carried_links(links, joints))
+    for child, parent, joint in carried:
+        facing = _find_facing(sets[child], sets[parent], cfg)
+        if not facing or facing[0].gap <= cfg.near:
+            continue
+        names = {"child": links[child].name, "parent": links[parent].name}
+        peers = [sets[c].vertices for c, p, other in carried if p == parent and other.type == "prismatic"]
+        boxes = np.array([[points.min(axis=0), points.max(axis=0)] for points in peers])
+        found = _fit_peg(sets, sweeps, (child, parent), facing, joint, boxes, cfg)
+        if found is None:
+            apart.append((*names.values(), facing[0].gap))
+            continue
+        slot, sets[slot], width = found
+        left = _find_facing(sets[child], sets[parent], cfg)[0].gap
+        pegs.append(Peg(link=links[slot].name, **names, gap=facing[0].gap, left=left, width=width))
+    changed = {peg.link for peg in pegs}
+    return Attachment(
+        links=tuple(
+            replace(link, hulls=hulls.hulls) if link.name in changed else link
+            for link, hulls in zip(links, sets, strict=True)
+        ),
+        pegs=tuple(pegs),
+        apart=tuple(apart),
+    )
+
+
+def _carried_links(
+    links: Sequence[Link], joints: Sequence[PackageJoint]
+) -> Iterator[tuple[int, int, PackageJoint]]:
+    """Links with hulls, the nearest link with hulls that carries each, and the joint that moves it."""
+    slot = {link.name: index for index, link in enumerate(links)}
+    above = {joint.child: joint for joint in joints}
+    for index, link in enumerate(links):
+        if not link.hulls or link.name not in above:
+            continue
+        parent = above[link.name].parent
+        while not links[slot[parent]].hulls and parent in above:
+            parent = above[parent].parent
+        if links[slot[parent]].hulls:
+            yield index, slot[parent], above[link.name]
+
+
+def _find_facing(child: HullSet, parent: HullSet, cfg: AttachmentConfig) -> list[_Facing]:
+    """The nearest pairs of hulls at rest, nearest first; empty beyond `AttachmentConfig.far`."""
+    still = np.eye(4)
+    for reach in (cfg.near, cfg.far):
+        found = signed_distances(child, parent, still, still, reach)
+        if len(found.distance):
+            break
+    order = np.argsort(found.distance, kind="stable")[: cfg.pairs]
+    return [
+        _Facing(
+            child=child.hulls[found.first[row]],
+            parent=parent.hulls[found.second[row]],
+            gap=float(found.distance[row]),
+            normal=found.normal[row],
+            points=found.points[row],
+        )
+        for row in order
+    ]
+
+
+def _fit_peg(
+    sets: Sequence[HullSet],
+    sweeps: Sequence[Sweep],
+    pair: tuple[int, int],
+    facing: Sequence[_Facing],
+    joint: PackageJoint,
+    peers: np.ndarray,
+    cfg: AttachmentConfig,
+) -> tuple[int, HullSet, float] | None:
+    """The first peg that is free along every sweep: its link, that link's hulls with it, and its width.
+
+    ``peers`` are the boxes of all links that slide on the same one; they may share a peg.
+    """
+    for room, width in ((room, width) for room in cfg.rooms for width in cfg.widths):
+        spots = (
+            *_straight_spots(facing, joint, room, cfg),
+            *_side_spots(facing, joint, peers, room, width, cfg),
+        )
+        for spot in spots:
+            slot = pair[0] if spot.on_child else pair[1]
+            peg = _peg_hull(spot, width)
+            hulls = add_hull(sets, sweeps, slot, peg, spot.stand, cfg.addition)
+            if hulls is not None:
+                return slot, hulls, width
+    return None
+
+
+def _straight_spots(
+    facing: Sequence[_Facing], joint: PackageJoint, room: float, cfg: AttachmentConfig
+) -> Iterator[_Spot]:
+    """Pegs straight across the gap, on the child and on the parent."""
+    for pair in facing:
+        n, gap = pair.normal, pair.gap
+        for at in _places(pair, joint):
+            yield _Spot(on_child=True, stand=pair.child, start=at - cfg.root * n, end=at + (gap - room) * n)
+            yield _Spot(on_child=False, stand=pair.parent, start=at + (gap + cfg.root) * n, end=at + room * n)
+
+
+def _places(pair: _Facing, joint: PackageJoint) -> list[np.ndarray]:
+    """Points on the child's side of the gap: beside the joint's axis, amid the facing patch, the nearest."""
+    import manifold3d
+
+    moved = pair.child.vertices + (pair.gap + 2e-4) * pair.normal
+    patch = manifold3d.Manifold.hull_points(moved) ^ manifold3d.Manifold.hull_points(pair.parent.vertices)
+    points = np.array(patch.to_mesh64().vert_properties)[:, :3].reshape(-1, 3)
+    if not len(points):
+        return [pair.points[0]]
+    height = pair.normal @ pair.points[0]
+    points = points - np.outer(points @ pair.normal - height, pair.normal)
+    middle = points.mean(axis=0)
+    if joint.type == "prismatic":
+        return [middle, pair.points[0]]
+    beside = np.linalg.norm(np.cross(points - joint.origin, joint.axis), axis=1)
+    return [points[beside.argmin()], middle, pair.points[0]]
+
+
+def _side_spots(
+    facing: Sequence[_Facing],
+    joint: PackageJoint,
+    peers: np.ndarray,
+    room: float,
+    width: float,
+    cfg: AttachmentConfig,
+) -> Iterator[_Spot]:
+    """Pegs that stand on the parent beside a button, which itself moves across the gap; bars first."""
+    if joint.type != "prismatic":
+        return
+    for pair in facing:
+        along = np.asarray(joint.axis) * np.sign(joint.axis @ pair.normal)
+        planes = hull_planes(pair.parent)
+        planes = planes[planes[:, :3] @ along < -0.5]
+        if along @ pair.normal < 0.9 or not len(planes):
+            continue
+        corners = pair.child.vertices
+        back = float((corners @ along).max())
+        for bar, (aside, across) in ((b, axes) for b in (True, False) for axes in _sides(along)):
+            row = _row(corners, peers, along, aside) if bar else corners
+            low, high = (row @ across).min(), (row @ across).max()
+            if bar and high - low <= np.ptp(corners @ across):
+                continue
+            at = (low + high) / 2 * across + ((row @ aside).max() + room + width / 2) * aside + back * along
+            depth = float(((planes[:, 3] - planes[:, :3] @ at) / (planes[:, :3] @ along)).max())
+            yield _Spot(
+                on_child=False,
+                stand=pair.parent,
+                start=at + (depth + cfg.root) * along,
+                end=at - cfg.root * along,
+                bar=(high - low) * across if bar else None,
+            )
+
+
+def _sides(along: np.ndarray) -> list[tuple[np.ndarray, np.ndarray]]:
+    """The four directions across ``along``, each with the one across both."""
+    first, second = _frame(along)[1:]
+    return [(first, second), (-first, second), (second, first), (-second, first)]
+
+
+def _row(corners: np.ndarray, peers: np.ndarray, along: np.ndarray, aside: np.ndarray) -> np.ndarray:
+    """Corners of a button and of its peers that end as deep and lie in a row across ``aside``."""
+    low, high = (corners @ aside).min(), (corners @ aside).max()
+    row = [corners]
+    for box in peers:
+        points = np.array([[box[i, 0], box[j, 1], box[k, 2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
+        level = abs((points @ along).max() - (corners @ along).max()) < _LEVEL
+        overlap = min((points @ aside).max(), high) - max((points @ aside).min(), low)
+        if level and overlap > 0.5 * (high - low) and np.ptp(points @ aside) < 1.5 * (high - low):
+            row.append(points)
+    return np.concatenate(row)
+
+
+def _frame(direction: np.ndarray) -> np.ndarray:
+    """Three orthonormal rows, the first along ``direction``, the others as near to the axes as can be."""
+    first = direction / np.linalg.norm(direction)
+    axis = np.eye(3)[np.abs(first).argmin()]
+    second = axis - (axis @ first) * first
+    second /= np.linalg.norm(second)
+    return np.stack([first, second, np.cross(first, second)])
+
+
+def _peg_hull(spot: _Spot, width: float) -> Hull:
+    """The box of a peg: square, or a bar that is ``width`` wide."""
+    frame = _frame(spot.end - spot.start)
+    sides = [np.linalg.norm(spot.end - spot.start), width, width]
+    if spot.bar is not None:
+        sides[1] = np.linalg.norm(spot.bar)
+        frame[1] = spot.bar / sides[1]
+        frame[2] = np.cross(frame[0], frame[1])
+    half = np.array(sides) / 2
+    box = box_hull(-half, half)
+    return Hull(vertices=(spot.start + spot.end) / 2 + box.vertices @ frame, faces=box.faces)

@@ -1,0 +1,395 @@
+"""Room to move: collision hulls are cut back until joints sweep their range without penetration.
+
+Parent and child are included, because simulators never report contact between them and a package
+should not depend on that. Where hulls overlap, the contact's separating plane cuts the one that
+loses less volume; what cuts cannot free is shortened or reported, never hidden. Every cut only
+removes collision volume, so that no cut can cause new contact.
+"""
+
+import logging
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from jaxtyping import Float
+
+from sim_export.collision.contacts import HullSet, penetration_depths, signed_distances
+from sim_export.collision.hull_limits import HullLimits, trim_hull
+from sim_export.collision.hulls import hull_volume, hull_width
+from sim_export.collision.motion import driven_joints, link_displacements, longest_side, moved_links
+from sim_export.collision.relief import OverlappingPair, ReliefConfig, relieve_pair
+from sim_export.collision.requirements import required_openings, sweep_coordinates
+from sim_export.package import Hull, Link, PackageJoint, Requirement
+
+logger = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, kw_only=True)
+class ClearanceConfig:
+    """How much room there must be, and what may be done for it."""
+
+    poses: int = 21
+    """Fewest samples of each joint's range."""
+    step: float = 0.02
+    """Farthest that a point may move from one sample to the next, over the object's longest side; what
+    swings far is sampled more often than ``poses``."""
+    max_poses: int = 81
+    """Most samples of a joint's range."""
+    finer: int = 3
+    """So many times more samples of a turn are taken where the first pass had to cut."""
+    gap: float = 2e-4
+    """Hulls nearer than this (m) are cut. Engines push apart what touches at rest, however little, and
+    round hulls by some tenths of a millimetre."""
+    tolerance: float = 2e-5
+    """Depth (m) from which an overlap that cannot be cut counts as one."""
+    relief: ReliefConfig = field(default_factory=ReliefConfig)
+    """Limits of cutting."""
+    limits: HullLimits = field(default_factory=HullLimits)
+    """What hulls must be like after cutting."""
+    max_hulls: int = 32
+    """Most hulls of a link that notches may lead to."""
+    max_growth: float = 1.5
+    """Most hulls over those that a link had, but for the first eight; what turns inside of something is
+    cut at every pose, and never free."""
+    rounds: int = 6
+    """Most passes over all joints; cuts for one joint seldom leave anything to do for another."""
+    shorten_limits: bool = True
+    """Whether a joint that stays blocked may have its upper limit lowered."""
+    min_range: float = 0.5
+    """Share of a joint's range that must be free for it to be shortened rather than reported."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class LinkRelief:
+    """What one link lost: number of cuts, volume (m^3) and share of its hulls' volume, deepest cut (m)."""
+
+    link: str
+    cuts: int
+    dropped: int
+    removed_volume: float
+    removed_share: float
+    largest_depth: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class LimitChange:
+    """A joint's upper limit before and after (rad or m), and the two links that met beyond it."""
+
+    joint: str
+    before: float
+    after: float
+    links: tuple[str, str]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Residual:
+    """A penetration (m) that is left, at coordinate ``q`` of ``joint``, and why it was not cut."""
+
+    joint: str
+    links: tuple[str, str]
+    depth: float
+    q: float
+    reason: str
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Clearance:
+    """Links with relieved hulls, joints with final limits, and everything that was done or is left."""
+
+    links: tuple[Link, ...]
+    joints: tuple[PackageJoint, ...]
+    reliefs: tuple[LinkRelief, ...] = ()
+    limits: tuple[LimitChange, ...] = ()
+    residuals: tuple[Residual, ...] = ()
+
+    @property
+    def records(self) -> tuple[str, ...]:
+        """One sentence for everything that was done or is left."""
+        cuts = [
+            f"{item.link}: {item.cuts} cuts and {item.dropped} hulls dropped for clearance, "
+            f"{item.removed_share:.1%} of its collision volume, deepest {1000 * item.largest_depth:.1f} mm"
+            for item in self.reliefs
+        ]
+        limits = [
+            f"{item.joint}: upper limit {item.before:.4g} lowered to {item.after:.4g}, "
+            f"where {item.links[0]} meets {item.links[1]}"
+            for item in self.limits
+        ]
+        left = [
+            f"{item.joint}: {item.links[0]} penetrates {item.links[1]} by {1000 * item.depth:.1f} mm "
+            f"at {item.q:.4g} ({item.reason})"
+            for item in self.residuals
+        ]
+        return (*cuts, *limits, *left)
+
+
+class _Hulls:
+    """The hulls of every link while they are cut; ``None`` where one was dropped."""
+
+    def __init__(self, links: Sequence[Link]) -> None:
+        self.links = links
+        self.hulls: list[list[Hull | None]] = [list(link.hulls) for link in links]
+        self.volumes = [[hull_volume(hull) for hull in link.hulls] for link in links]
+        self.totals = [sum(volumes) for volumes in self.volumes]
+        self.dropped = [0] * len(links)
+        self.cuts = [0] * len(links)
+        self.deepest = [0.0] * len(links)
+
+    def prepared(self, link: int) -> tuple[HullSet, list[int]]:
+        """The remaining hulls of a link, and their places in its list."""
+        slots = [slot for slot, hull in enumerate(self.hulls[link]) if hull is not None]
+        return HullSet(hulls=tuple(hull for hull in self.hulls[link] if hull is not None)), slots
+
+    def put(self, link: int, slot: int, pieces: Sequence[Hull]) -> None:
+        """Replaces a hull by what is left of it; each piece counts its own losses from now on."""
+        if len(pieces) == 1:
+            self.hulls[link][slot] = pieces[0]
+            return
+        self.hulls[link][slot] = None
+        self.dropped[link] += not pieces
+        self.hulls[link] += list(pieces)
+        self.volumes[link] += [hull_volume(piece) for piece in pieces]
+
+    def trim(self, link: int, limits: HullLimits, most: int) -> None:
+        """Brings what cuts have left of a link's hulls within the limits of physics engines.
+
+        Oblong pieces are cut again, pieces thinner than allowed go, and where there are too many hulls
+        the smallest go; counted with those that were dropped for clearance.
+        """
+        untouched = {id(hull) for hull in self.links[link].hulls}
+        out: list[Hull] = []
+        for hull in self.prepared(link)[0].hulls:
+            out += [hull] if id(hull) in untouched else trim_hull(hull, limits)
+        thick = [h for h in out if id(h) in untouched or hull_width(h)[0] >= limits.min_width]
+        sizes = np.array([hull_volume(hull) for hull in thick])
+        largest = set(np.argsort(-sizes, kind="stable")[:most].tolist())
+        kept = [hull for index, hull in enumerate(thick) if index in largest]
+        self.dropped[link] += len(out) - len(kept)
+        self.hulls[link] = list(kept)
+
+    def count(self, link: int) -> int:
+        return sum(hull is not None for hull in self.hulls[link])
+
+    def room(self, link: int, cfg: ClearanceConfig) -> int:
+        """How many more hulls a link may get."""
+        most = min(cfg.max_hulls, 8 + int(cfg.max_growth * len(self.links[link].hulls)))
+        return max(most - self.count(link), 0)
+
+    def allowance(self, link: int, slot: int, cfg: ClearanceConfig) -> float:
+        """Volume (m^3) that cuts may take from a hull: much of it, or little of its link."""
+        return max(cfg.relief.max_removed * self.volumes[link][slot], self.least(link, cfg))
+
+    def least(self, link: int, cfg: ClearanceConfig) -> float:
+        """Volume (m^3) that cuts may take from a hull of a link however large it is: next to nothing."""
+        return cfg.relief.sliver * self.totals[link]
+
+    def is_sliver(self, link: int, slot: int, cfg: ClearanceConfig) -> bool:
+        """Whether a hull is so small against its link that it may go entirely."""
+        return self.volumes[link][slot] < self.least(link, cfg)
+
+    def sets(self) -> list[HullSet]:
+        return [self.prepared(link)[0] for link in range(len(self.links))]
+
+    def reliefs(self) -> tuple[LinkRelief, ...]:
+        out = []
+        for index, link in enumerate(self.links):
+            if self.cuts[index]:
+                before = self.totals[index]
+                removed = before - sum(hull_volume(hull) for hull in self.hulls[index] if hull is not None)
+                out.append(
+                    LinkRelief(
+                        link=link.name,
+                        cuts=self.cuts[index],
+                        dropped=self.dropped[index],
+                        removed_volume=removed,
+                        removed_share=removed / before,
+                        largest_depth=self.deepest[index],
+                    )
+                )
+        return tuple(out)
+
+
+def clear_joints(
+    links: Sequence[Link],
+    joints: Sequence[PackageJoint],
+    requirements: Sequence[Requirement] = (),
+    cfg: ClearanceConfig | None = None,
+) -> Clearance:
+    """Cuts hulls back until every joint sweeps its range freely, others closed or open as required.
+
+    Args:
+        links: Links with hulls, object frame at rest.
+        joints: Their joints.
+        requirements: Joints that must be open while another moves (`find_requirements`).
+        cfg: Tolerance and limits of what may be changed.
+
+    Returns:
+        New links and joints; links without changes are the same objects. Penetrations that the
+        limits do not allow to cut are in ``residuals``.
+    """
+    cfg = cfg or ClearanceConfig()
+    work = _Hulls(links)
+    stuck: dict[tuple[int, int, int, int], str] = {}
+    waiting, finer = driven_joints(joints), 1
+    for _ in range(cfg.rounds):
+        # Cuts only take away, so that a joint that has been found free stays free.
+        waiting = tuple(
+            joint for joint in waiting if _clear_joint(work, joint, joints, requirements, cfg, (stuck, finer))
+        )
+        finer = cfg.finer
+    final, limits, residuals = _settle_limits(work, joints, requirements, cfg, stuck)
+    for index in range(len(links)):
+        if work.cuts[index]:
+            work.trim(index, cfg.limits, cfg.max_hulls)
+    cleared = tuple(
+        link if not work.cuts[index] else replace(link, hulls=work.prepared(index)[0].hulls)
+        for index, link in enumerate(links)
+    )
+    out = Clearance(links=cleared, joints=final, reliefs=work.reliefs(), limits=limits, residuals=residuals)
+    logger.info(
+        "clearance: %d cuts, %d limits lowered, %d penetrations left",
+        sum(work.cuts), len(limits), len(residuals),
+    )  # fmt: skip
+    return out
+
+
+def _coordinates(
+    work: _Hulls, joint: PackageJoint, joints: Sequence[PackageJoint], cfg: ClearanceConfig
+) -> Float[np.ndarray, "P"]:
+    """Samples of a joint's range, close enough that nothing is jumped over."""
+    chunks = [
+        hull.vertices for link in moved_links(work.links, joints, joint) for hull in work.links[link].hulls
+    ]
+    travel = joint.upper - joint.lower
+    if joint.type != "prismatic" and chunks:
+        arms = np.concatenate(chunks) - joint.origin
+        travel *= float(np.linalg.norm(np.cross(joint.axis, arms), axis=1).max())
+    size = longest_side(work.links)
+    needed = int(np.ceil(travel / (cfg.step * size))) + 1 if size > 0.0 else 0
+    return sweep_coordinates(joint, int(np.clip(needed, cfg.poses, cfg.max_poses)))
+
+
+def _poses(work: _Hulls, joint: PackageJoint, joints: Sequence[PackageJoint],
+           requirements: Sequence[Requirement], q: Float[np.ndarray, "P"]) -> np.ndarray:  # fmt: skip
+    """Displacements ``P L 4 4`` along a joint's sweep, with what it requires open."""
+    qpos = {**required_openings(joint, joints, requirements), joint.name: q}
+    return link_displacements(work.links, joints, qpos)
+
+
+def _clear_joint(
+    work: _Hulls,
+    joint: PackageJoint,
+    joints: Sequence[PackageJoint],
+    requirements: Sequence[Requirement],
+    cfg: ClearanceConfig,
+    progress: tuple[dict[tuple[int, int, int, int], str], int],
+) -> int:
+    """Relieves every overlapping pair of hulls along one joint's sweep; returns the number of cuts.
+
+    ``progress`` is what could not be freed before, which grows, and how many times finer to sample.
+    """
+    stuck, finer = progress
+    q = _coordinates(work, joint, joints, cfg)
+    if finer > 1 and joint.type != "prismatic":
+        q = sweep_coordinates(joint, finer * (len(q) - 1) + 1)
+    T = _poses(work, joint, joints, requirements, q)
+    moving = moved_links(work.links, joints, joint)
+    size = longest_side(work.links)
+    changes = 0
+    for a in moving:
+        for b in (index for index in range(len(work.links)) if index not in moving):
+            (first, slots_a), (second, slots_b) = work.prepared(a), work.prepared(b)
+            found = signed_distances(first, second, T[:, a], T[:, b], cfg.gap)
+            deep = found.distance < cfg.gap
+            pairs: dict[tuple[int, int], list[int]] = {}
+            order = np.argsort(found.distance[deep], kind="stable")
+            for pose, i, j in np.stack([found.pose, found.first, found.second])[:, deep][:, order].T.tolist():
+                pairs.setdefault((slots_a[i], slots_b[j]), []).append(pose)
+            for (i, j), poses in pairs.items():
+                mine, theirs = work.hulls[a][i], work.hulls[b][j]
+                if mine is None or theirs is None or (a, i, b, j) in stuck:
+                    continue
+                pair = OverlappingPair(
+                    hulls=(mine, theirs),
+                    poses=(T[poses, a], T[poses, b]),
+                    volumes=(work.volumes[a][i], work.volumes[b][j]),
+                    allowances=(work.allowance(a, i, cfg), work.allowance(b, j, cfg)),
+                    least=(work.least(a, cfg), work.least(b, cfg)),
+                    slivers=(work.is_sliver(a, i, cfg), work.is_sliver(b, j, cfg)),
+                    room=(work.room(a, cfg), work.room(b, cfg)),
+                    max_depth=cfg.relief.max_depth * size,
+                    max_sliver_depth=cfg.relief.max_sliver_depth * size,
+                    axis=joint.axis,
+                )
+                done = relieve_pair(pair, cfg.gap, cfg.relief)
+                for side, (link, slot) in enumerate(((a, i), (b, j))):
+                    work.put(link, slot, done.hulls[side])
+                    work.cuts[link] += done.cuts[side]
+                    work.deepest[link] = max(work.deepest[link], done.depths[side])
+                changes += sum(done.cuts)
+                if done.reason:
+                    stuck[a, i, b, j] = done.reason
+    return changes
+
+
+def _settle_limits(
+    work: _Hulls,
+    joints: Sequence[PackageJoint],
+    requirements: Sequence[Requirement],
+    cfg: ClearanceConfig,
+    stuck: dict[tuple[int, int, int, int], str],
+) -> tuple[tuple[PackageJoint, ...], tuple[LimitChange, ...], tuple[Residual, ...]]:
+    """Lowers limits where most of the range is free; reports what is left."""
+    limits, residuals = [], []
+    final = list(joints)
+    sets = work.sets()
+    for slot, joint in enumerate(joints):
+        if joint not in driven_joints(joints):
+            continue
+        q = _coordinates(work, joint, joints, cfg)
+        depths, pairs = _depths(work, sets, joint, joints, requirements, q)
+        blocked = np.flatnonzero(depths > cfg.tolerance)
+        if not len(blocked):
+            continue
+        worst = int(depths.argmax())
+        names = (work.links[pairs[worst][0]].name, work.links[pairs[worst][1]].name)
+        free = int(blocked[0]) - 1
+        share = 0.0 if free < 0 else (q[free] - q[0]) / (q[-1] - q[0])
+        if cfg.shorten_limits and joint.type != "continuous" and share >= cfg.min_range:
+            final[slot] = replace(joint, upper=float(q[free]))
+            limits.append(
+                LimitChange(joint=joint.name, before=joint.upper, after=float(q[free]), links=names)
+            )
+            continue
+        reasons = sorted({reason for (a, _, b, _), reason in stuck.items() if {a, b} == set(pairs[worst])})
+        residuals.append(
+            Residual(
+                joint=joint.name,
+                links=names,
+                depth=float(depths[worst]),
+                q=float(q[worst]),
+                reason=reasons[0] if reasons else "more cuts needed than allowed",
+            )
+        )
+    return tuple(final), tuple(limits), tuple(residuals)
+
+
+def _depths(
+    work: _Hulls,
+    sets: Sequence[HullSet],
+    joint: PackageJoint,
+    joints: Sequence[PackageJoint],
+    requirements: Sequence[Requirement],
+    q: Float[np.ndarray, "P"],
+) -> tuple[Float[np.ndarray, "P"], list[tuple[int, int]]]:
+    """Deepest penetration at each coordinate, and between which links."""
+    T = _poses(work, joint, joints, requirements, q)
+    moving = moved_links(work.links, joints, joint)
+    depths = np.zeros(len(q))
+    pairs = [(moving[0], moving[0])] * len(q)
+    for a in moving:
+        for b in (index for index in range(len(work.links)) if index not in moving):
+            measured = penetration_depths(sets[a], sets[b], T[:, a], T[:, b])
+            for pose in np.flatnonzero(measured > depths):
+                depths[pose], pairs[pose] = measured[pose], (a, b)
+    return depths, pairs

@@ -1,0 +1,195 @@
+"""Blocky meshes as few boxes, with their faces where the mesh has its own.
+
+Boxes may overlap. That needs fewer of them than a partition, leaves no seam between neighbours,
+and costs nothing: mass comes from the part's own volume, and no simulator collides the hulls of
+one link with each other.
+"""
+
+from collections.abc import Iterator
+from itertools import islice, permutations
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from sim_export.geometry.solids import inside_grid
+
+FIRST_SEEDS = 48
+"""Uncovered cells tried as the start of the first box."""
+MORE_SEEDS = 12
+"""Uncovered cells tried for every further box; what grew from earlier ones is still at hand."""
+MIN_ALIGNED_AREA = 0.5
+"""Share of the surface that must be axis-aligned before boxes are tried."""
+SNAP = 5e-4
+"""Planes closer together than this share of the diagonal are one."""
+UNEVEN = 0.012
+"""Nearly aligned faces within this share of the diagonal make one plane."""
+LEAST_UNEVEN = 0.005
+"""Least share of the surface of such a plane."""
+MAX_PLANES = 64
+"""Planes per axis, largest first."""
+
+
+def largest_cuboids(
+    occupancy: Bool[np.ndarray, "X Y Z"],
+    count: int | None = None,
+    edges: tuple[Float[np.ndarray, "A"], Float[np.ndarray, "B"], Float[np.ndarray, "C"]] | None = None,
+) -> Int[np.ndarray, "K 2 3"]:
+    """Few boxes that cover every occupied cell and no other, each as large as can be.
+
+    Returns lowest corner and one past the highest, in cells, in the order found: the first ``count``
+    of them, which leave out detail, or all. ``edges`` bound the cells along each axis where they
+    differ in size.
+    """
+    ends = edges or tuple(np.arange(count + 1) for count in occupancy.shape)
+    return np.array([*islice(_greedy_cuboids(occupancy, ends), count)], dtype=np.int64).reshape(-1, 2, 3)
+
+
+def _greedy_cuboids(occupancy: np.ndarray, ends: tuple[np.ndarray, ...]) -> Iterator[np.ndarray]:
+    """Of the maximal boxes around some uncovered cells, the one that covers most that is new comes next."""
+    compressed, edges = _compress(occupancy)
+    sizes = [np.diff(end[edge]) for end, edge in zip(ends, edges, strict=True)]
+    weights = sizes[0][:, None, None] * sizes[1][:, None] * sizes[2]
+    filled = _integral(compressed)
+    missing = compressed.copy()
+    candidates = np.zeros((0, 2, 3), dtype=np.int64)
+    seeds = FIRST_SEEDS
+    while missing.any():
+        # The heaviest uncovered cells lie in the largest boxes; strides keep the choice spread out.
+        cells = np.argwhere(missing)
+        cells = cells[np.argsort(-weights[tuple(cells.T)], kind="stable")]
+        cells = cells[:: max(1, len(cells) // seeds)][: 2 * seeds]
+        candidates = np.concatenate([candidates, _grow(filled, cells)])
+        gains = _box_sums(_integral(missing * weights), candidates)
+        candidates, gains = candidates[gains > 0], gains[gains > 0]
+        seeds = MORE_SEEDS
+        best = candidates[gains.argmax()]
+        missing[tuple(slice(low, high) for low, high in best.T)] = False
+        yield np.array([[edges[axis][best[end, axis]] for axis in range(3)] for end in range(2)])
+
+
+def fit_cuboids(
+    vertices: Float[np.ndarray, "V 3"],
+    faces: Int[np.ndarray, "F 3"],
+    max_count: int,
+    detail: float,
+) -> Float[np.ndarray, "K 2 3"] | None:
+    """Boxes (lowest and highest corner) that fill a closed mesh of mostly axis-aligned faces.
+
+    The planes of those faces divide space into cells of unequal size; a cell belongs to the solid
+    if most of it lies inside. Planes that hold less than the share ``detail`` of the surface divide
+    nothing. The largest come first; where more than ``max_count`` are needed, the rest is left out.
+    ``None`` where hardly any face is axis-aligned.
+    """
+    planes = face_coordinates(vertices, faces, detail)
+    if planes is None:
+        return None
+    fractions = (np.arange(3) + 0.4871) / 3.0  # off centre: no sample on a plane of symmetry
+    x, y, z = ((plane[:-1, None] + np.diff(plane)[:, None] * fractions).ravel() for plane in planes)
+    inside = inside_grid(vertices, faces, (x, y, z))
+    cells = [len(plane) - 1 for plane in planes]
+    share = inside.reshape(cells[0], 3, cells[1], 3, cells[2], 3).mean(axis=(1, 3, 5))
+    boxes = largest_cuboids(share > 0.5, max_count, planes)
+    return np.stack([planes[axis][boxes[..., axis]] for axis in range(3)], axis=-1)
+
+
+def face_coordinates(
+    vertices: Float[np.ndarray, "V 3"], faces: Int[np.ndarray, "F 3"], detail: float
+) -> tuple[Float[np.ndarray, "X"], Float[np.ndarray, "Y"], Float[np.ndarray, "Z"]] | None:
+    """Coordinates of the axis-aligned faces along each axis, the mesh's bounds included.
+
+    Faces that are aligned but for a few degrees or bumps count as well, at their mean coordinate,
+    where no other plane is near: else a whole board would have no face to end at.
+    """
+    diagonal = float(np.linalg.norm(np.ptp(vertices, axis=0)))
+    corners = vertices[faces]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    area = np.linalg.norm(normals, axis=1)
+    least = detail * area.sum()
+    aligned = np.abs(normals) > 0.999 * area[:, None]
+    nearly = np.abs(normals) > 0.94 * area[:, None]
+    if area[nearly.any(axis=1)].sum() < MIN_ALIGNED_AREA * area.sum():
+        return None
+    out = []
+    for axis in range(3):
+        kept = [vertices[:, axis].min(), vertices[:, axis].max()]
+        at = corners[:, :, axis].mean(axis=1)
+        for chosen, gap, enough in (
+            (aligned[:, axis], SNAP * diagonal, least),
+            (nearly[:, axis], UNEVEN * diagonal, max(least, LEAST_UNEVEN * area.sum())),
+        ):
+            kept += _new_planes(kept, at[chosen], area[chosen], gap, enough)
+        out.append(np.sort(kept))
+    return out[0], out[1], out[2]
+
+
+def _new_planes(
+    kept: list[float], at: np.ndarray, weight: np.ndarray, gap: float, enough: float
+) -> list[float]:
+    """Coordinates where faces of total area ``enough`` lie, largest first, none within ``gap`` of another."""
+    new: list[float] = []
+    left = np.abs(at[:, None] - np.array(kept)).min(axis=1) >= gap
+    at, weight = at[left], weight[left]
+    order = np.argsort(at, kind="stable")
+    at, weight = at[order], weight[order]
+    while len(at) and len(kept) + len(new) < MAX_PLANES:
+        # Area within a gap of each face, from running sums over the sorted coordinates.
+        sums = np.concatenate([[0.0], np.cumsum(weight)])
+        low, high = np.searchsorted(at, at - gap / 2), np.searchsorted(at, at + gap / 2, side="right")
+        near = sums[high] - sums[low]
+        best = int(near.argmax())
+        if near[best] < enough:
+            break
+        members = slice(low[best], high[best])
+        new.append(float(np.average(at[members], weights=weight[members])))
+        left = np.abs(at - new[-1]) >= gap
+        at, weight = at[left], weight[left]
+    return new
+
+
+def _compress(occupancy: np.ndarray) -> tuple[np.ndarray, list[np.ndarray]]:
+    """Merges equal neighbouring slices along every axis; returns the small grid and its cell edges."""
+    edges = []
+    for axis in range(3):
+        slices = np.moveaxis(occupancy, axis, 0).reshape(occupancy.shape[axis], -1)
+        changes = np.flatnonzero((slices[1:] != slices[:-1]).any(axis=1)) + 1
+        edges.append(np.array([0, *changes, occupancy.shape[axis]]))
+    return occupancy[np.ix_(*(edge[:-1] for edge in edges))], edges
+
+
+def _integral(values: np.ndarray) -> np.ndarray:
+    """Sums over all boxes from the origin, padded by one."""
+    sums = np.pad(values.astype(np.int64 if values.dtype == bool else values.dtype), ((1, 0),) * 3)
+    for axis in range(3):
+        np.cumsum(sums, axis=axis, out=sums)
+    return sums
+
+
+def _box_sums(integral: np.ndarray, boxes: np.ndarray) -> np.ndarray:
+    """Sum of the values in every box ``[K 2 3]``."""
+    (x0, y0, z0), (x1, y1, z1) = boxes[:, 0].T, boxes[:, 1].T
+    return (
+        integral[x1, y1, z1] - integral[x0, y1, z1] - integral[x1, y0, z1] - integral[x1, y1, z0]
+        + integral[x0, y0, z1] + integral[x0, y1, z0] + integral[x1, y0, z0] - integral[x0, y0, z0]
+    )  # fmt: skip
+
+
+def _grow(filled: np.ndarray, cells: np.ndarray) -> np.ndarray:
+    """Grows boxes from every cell as far as they stay filled, once for each order of the axes."""
+    orders = np.array(list(permutations(range(3))))
+    seeds = np.tile(cells, (len(orders), 1))
+    boxes = np.stack([seeds, seeds + 1], axis=1)  # 6 N, 2, 3
+    shape = np.array(filled.shape) - 1
+    for axes in np.repeat(orders, len(cells), axis=0).T:
+        for end, step in ((0, -1), (1, 1)):
+            active = np.arange(len(boxes))
+            while active.size:
+                longer, along = boxes[active], axes[active]
+                at = longer[np.arange(len(active)), end, along] + step
+                inside = (at >= 0) & (at <= shape[along])
+                active, longer, along, at = active[inside], longer[inside], along[inside], at[inside]
+                longer[np.arange(len(active)), end, along] = at
+                size = longer[:, 1] - longer[:, 0]
+                full = _box_sums(filled, longer) == size[:, 0] * size[:, 1] * size[:, 2]
+                active = active[full]
+                boxes[active] = longer[full]
+    return boxes

@@ -1,0 +1,147 @@
+"""Feet that the collision geometry lacks.
+
+Feet are few, low and small, so hulls of a whole body may end above them, and the object would hover
+when it stands. Where the mesh reaches further down than every hull, what of it is lowest becomes feet.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from sim_export.collision.additions import AdditionConfig, add_hull, read_sweeps
+from sim_export.collision.contacts import HullSet, signed_distances
+from sim_export.collision.hull_limits import HullLimits, trim_hull
+from sim_export.collision.hulls import convex_hull, hull_volume, hull_width
+from sim_export.errors import DegeneratePart
+from sim_export.package import Hull, Link, Mesh, PackageJoint, Requirement
+
+
+@dataclass(frozen=True, kw_only=True)
+class FeetConfig:
+    """When feet are added, and which; lengths in metres."""
+
+    near: float = 0.0045
+    """Hulls that end this little above the lowest visible point are left alone."""
+    far: float = 0.03
+    """Hulls that end further up lack more than feet; they are left alone too."""
+    root: float = 1e-3
+    """How far a foot reaches up beyond the lowest hull."""
+    least_fill: float = 0.6
+    """Share of its convex hull that a foot fills; frames fill less and stand on their corners instead."""
+    corner: float = 0.2
+    """Size of such a corner over the frame's."""
+    least_width: float = 0.0011
+    """Feet thinner than this are left out."""
+    most: int = 8
+    """Most feet of a link; the largest stay."""
+    addition: AdditionConfig = field(default_factory=AdditionConfig)
+    """What feet must keep to."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Standing:
+    """Links with feet, and one sentence for each link that got some, or should have."""
+
+    links: tuple[Link, ...]
+    records: tuple[str, ...] = ()
+
+
+def add_feet(
+    links: Sequence[Link],
+    joints: Sequence[PackageJoint],
+    requirements: Sequence[Requirement],
+    meshes: Mapping[str, Mesh],
+    cfg: FeetConfig | None = None,
+) -> Standing:
+    """Adds hulls where the meshes reach further down than all hulls, at rest.
+
+    Args:
+        links: Links with hulls, object frame at rest.
+        joints: Their joints.
+        requirements: Joints that must be open while another moves.
+        meshes: Closed mesh of every part, by name; metres, object frame.
+        cfg: When feet are added, and which.
+
+    Returns:
+        New links; those without feet are the same objects. Hulls only grow.
+    """
+    cfg = cfg or FeetConfig()
+    sets = [HullSet(hulls=link.hulls) for link in links]
+    felt = min(float(hulls.vertices[:, 2].min()) for hulls in sets if hulls.hulls)
+    seen = [
+        min((float(meshes[part].vertices[:, 2].min()) for part in link.parts), default=felt) for link in links
+    ]
+    if not cfg.near < felt - min(seen) <= cfg.far:
+        return Standing(links=tuple(links))
+    sweeps = read_sweeps(links, joints, requirements, cfg.addition.poses)
+    records = []
+    for slot, link in enumerate(links):
+        if felt - seen[slot] <= cfg.near or not link.hulls:
+            continue
+        feet = _find_feet([meshes[part] for part in link.parts], seen[slot], felt + cfg.root, cfg)
+        added = 0
+        for foot in feet:
+            hulls = add_hull(sets, sweeps, slot, foot, _nearest_hull(foot, sets[slot]), cfg.addition)
+            added += hulls is not None
+            sets[slot] = hulls or sets[slot]
+        records.append(
+            f"{link.name}: its hulls ended {1000 * (felt - seen[slot]):.1f} mm above its lowest point; "
+            f"{added} of {len(feet)} feet added"
+        )
+    return Standing(
+        links=tuple(
+            link if hulls.hulls == link.hulls else replace(link, hulls=hulls.hulls)
+            for link, hulls in zip(links, sets, strict=True)
+        ),
+        records=tuple(records),
+    )
+
+
+def _find_feet(meshes: Sequence[Mesh], low: float, high: float, cfg: FeetConfig) -> list[Hull]:
+    """Convex feet from ``low`` to ``high``, largest first: what the meshes have in the lower half of that."""
+    import manifold3d
+
+    middle = (low + high) / 2
+    found = []
+    for mesh in meshes:
+        if float(mesh.vertices[:, 2].min()) >= middle:
+            continue
+        solid = manifold3d.Manifold(
+            manifold3d.Mesh64(
+                vert_properties=np.array(mesh.vertices, dtype=np.float64),
+                tri_verts=np.array(mesh.faces, dtype=np.uint64),
+            )
+        )
+        for piece in solid.trim_by_plane((0.0, 0.0, -1.0), -middle).decompose():
+            points = np.array(piece.to_mesh64().vert_properties)[:, :3]
+            fill = piece.volume() / max(piece.hull().volume(), 1e-12)
+            for pad in [points] if fill >= cfg.least_fill else _corners(points, cfg.corner):
+                found.append(np.concatenate([pad, pad * [1, 1, 0] + [0, 0, high]]))
+    feet = []
+    for points in found:
+        try:
+            feet += trim_hull(convex_hull(points), HullLimits())
+        except DegeneratePart:  # a flat sliver carries nothing
+            continue
+    feet = [foot for foot in feet if hull_width(foot)[0] >= cfg.least_width]
+    return sorted(feet, key=lambda foot: -hull_volume(foot))[: cfg.most]
+
+
+def _corners(points: np.ndarray, share: float) -> list[np.ndarray]:
+    """The points in the four corners of their box seen from above."""
+    low, high = points.min(axis=0)[:2], points.max(axis=0)[:2]
+    size = share * (high - low)
+    out = []
+    for corner in ((low[0], low[1]), (low[0], high[1]), (high[0], low[1]), (high[0], high[1])):
+        near = (np.abs(points[:, :2] - corner) <= size).all(axis=1)
+        if near.any():
+            out.append(points[near])
+    return out
+
+
+def _nearest_hull(foot: Hull, hulls: HullSet) -> Hull:
+    """The hull of a link that a foot is nearest to, or deepest in."""
+    still = np.eye(4)
+    found = signed_distances(HullSet(hulls=(foot,)), hulls, still, still, max_distance=np.inf)
+    return hulls.hulls[int(found.second[found.distance.argmin()])]

@@ -1,0 +1,381 @@
+"""Few hulls out of many: a greedy cover of a solid, with hulls from a pool, within a budget.
+
+Every hull of the pool is measured once: which cells of a grid it holds, which points of the solid's
+surface it misses, how far it bulges into free space, and as how many hulls it counts once it has been
+cut to a length that physics engines take. Then, again and again, the one is taken that gains
+most per hull. What the budget leaves out is what volume and surface miss least.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import manifold3d
+import numpy as np
+from jaxtyping import Bool, Float, Int, UInt8
+from scipy.spatial import KDTree
+
+from sim_export.collision.cuboids import face_coordinates
+from sim_export.collision.hulls import hull_planes, hull_volume, merge_planes
+from sim_export.geometry.sampling import sample_triangles, triangle_areas
+from sim_export.geometry.solids import inside_grid, solid_arrays
+from sim_export.package import Hull
+
+CELLS = 64
+"""Cells along the longest edge at least; planes of the mesh divide them further."""
+PLANE_DETAIL = 3e-3
+"""Share of the surface that a plane must hold to divide cells."""
+SAMPLES = 5000
+"""Points on the solid's surface."""
+DENSE = 30_000
+"""Points on the solid's surface to which bulges are measured."""
+LEAST_SHARE = 0.02
+"""Share of its weight from which on surface counts."""
+HULL_SAMPLES = 120
+"""Points on each hull whose distance to the solid is measured."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class CoverConfig:
+    """What a hull must gain to be taken."""
+
+    max_hulls: int
+    """Most hulls."""
+    missed_weight: float = 10.0
+    """What a share of the surface missed counts, in shares of the volume."""
+    free_share: float = 0.004
+    """Share of the surface that may be missed for nothing, unless it is too far away."""
+    far_weight: float = 40.0
+    """What a share of the surface that is too far away counts on top of that."""
+    filled_weight: float = 1.0
+    """What free space filled counts against solid missed; more keeps cavities freer."""
+    first_looks: tuple[tuple[float, float], ...] = (
+        (1.0, 0.0), (1.0, 0.02), (2.0, 0.02), (2.0, 0.1), (4.0, 0.0), (4.0, 0.1),
+    )  # fmt: skip
+    """What greedy choices begin with: factor of ``filled_weight``, share of the surface's weight."""
+    good: float = 0.05
+    """Loss below which a cover is not improved any more."""
+    improved: int = 2
+    """Covers that are improved, the best first."""
+    rounds: int = 2
+    """Most passes over the chosen hulls that replace one after the other."""
+    price: float = 0.002
+    """What every hull costs, in shares of the volume."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PooledHull:
+    """A hull, and the hulls within the limits of engines that it is cut to."""
+
+    hull: Hull
+    tiles: tuple[Hull, ...]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Ground:
+    """What hulls are measured against: cells of uneven size, and points on the solid's surface.
+
+    Cells lie between ``edges`` and are judged by a point each, at ``axes``. ``weights`` are their volumes
+    over the solid's, positive in the solid and negative outside.
+    """
+
+    edges: tuple[np.ndarray, np.ndarray, np.ndarray]
+    axes: tuple[np.ndarray, np.ndarray, np.ndarray]
+    weights: Float[np.ndarray, "X Y Z"]
+    points: Float[np.ndarray, "N 3"]
+    surface: KDTree
+    gap: float
+    area: float
+    volume: float
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Cells:
+    """The cells of a hull: a window, and which in it, or None for all (a box)."""
+
+    window: tuple[slice, slice, slice]
+    mask: np.ndarray | None
+
+    def select(self, grid: np.ndarray) -> np.ndarray:
+        """The values of these cells, as a copy unless the hull is a box."""
+        return grid[self.window] if self.mask is None else grid[self.window][self.mask]
+
+    def fill(self, grid: np.ndarray, *, value: float) -> None:
+        grid[self.window][... if self.mask is None else self.mask] = value
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Offers:
+    """Hulls to choose from, and how each stands against the solid.
+
+    ``tiles`` are the hulls that each is cut to, ``costs`` how many. ``surplus`` is the volume of a hull
+    that its cells do not show, over the solid's: what sticks out of the planes between cells by less than
+    half a cell. ``missing`` counts for every hull the points farther away from it than allowed for the
+    surface to be missed (1) or too far (2); ``bulges`` is the area with which it bulges, over the solid's.
+    """
+
+    tiles: tuple[tuple[Hull, ...], ...]
+    costs: Int[np.ndarray, "K"]
+    cells: tuple[_Cells, ...]
+    bounds: Int[np.ndarray, "K 3 2"]
+    surplus: Float[np.ndarray, "K"]
+    missing: UInt8[np.ndarray, "K N"]
+    bulges: Float[np.ndarray, "K"]
+    weights: Float[np.ndarray, "X Y Z"]
+
+
+def make_ground(solid: manifold3d.Manifold) -> Ground:
+    """The cells and surface points of a solid."""
+    vertices, faces = solid_arrays(solid)
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    step = float((high - low).max()) / CELLS
+    planes = face_coordinates(vertices, faces, PLANE_DETAIL) or tuple(np.stack([low, high]).T)
+    edges = [_subdivide(plane, step) for plane in planes]
+    x, y, z = ((edge[:-1] + 0.4871 * np.diff(edge)) for edge in edges)
+    sizes = [np.diff(edge) for edge in edges]
+    cells = (sizes[0][:, None, None] * sizes[1][:, None] * sizes[2]).astype(np.float32)
+    inside = inside_grid(vertices, faces, (x, y, z))
+    weights = np.where(inside, cells, -cells) / max(float(cells[inside].sum()), 1e-300)
+    surface = sample_triangles(vertices[faces], DENSE)[0]
+    points = sample_triangles(vertices[faces], SAMPLES)[0]
+    corners = vertices[:: max(1, len(vertices) // (SAMPLES // 4))]
+    area = float(solid.surface_area())
+    return Ground(
+        edges=(edges[0], edges[1], edges[2]),
+        axes=(x, y, z),
+        weights=weights.astype(np.float32),
+        points=np.concatenate([points, corners]),
+        surface=KDTree(surface),
+        gap=0.7 * float(np.sqrt(area / DENSE)),
+        area=area,
+        volume=float(solid.volume()),
+    )
+
+
+def _subdivide(planes: np.ndarray, step: float) -> np.ndarray:
+    """Coordinates with more in between, none farther than ``step`` from the next."""
+    out = [planes[:1]]
+    for low, high in pairwise(planes):
+        out.append(np.linspace(low, high, int(np.ceil((high - low) / step)) + 1)[1:])
+    return np.concatenate(out)
+
+
+def measure_offers(pool: Sequence[PooledHull], ground: Ground, missed: float, farthest: float) -> Offers:
+    """Measures hulls against a solid and leaves out those that bulge too far.
+
+    Args:
+        pool: The hulls.
+        ground: The solid that they are to stand for.
+        missed: Distance (m) from which on a point of one surface is missed by the other.
+        farthest: Distance (m) that no point should exceed.
+    """
+    bulges, reach = _measure_bulges(pool, ground, missed)
+    able: list[int] = np.flatnonzero(reach <= farthest).tolist()
+    hulls = tuple(pool[index].hull for index in able)
+    cells = tuple(_cells_inside(hull, ground) for hull in hulls)
+    outside = [_outside(hull, ground.points) for hull in hulls]
+    missing = [(away > missed).astype(np.uint8) + (away > farthest) for away in outside]
+    bounds = [[(axis.start, axis.stop) for axis in item.window] for item in cells]
+    shown = np.array([np.abs(item.select(ground.weights)).sum() for item in cells])
+    volumes = np.array([hull_volume(hull) for hull in hulls]) / ground.volume
+    return Offers(
+        tiles=tuple(pool[index].tiles for index in able),
+        costs=np.array([len(pool[index].tiles) for index in able], dtype=np.int64),
+        cells=cells,
+        bounds=np.array(bounds, dtype=np.int64).reshape(-1, 3, 2),
+        surplus=np.maximum(volumes - shown, 0.0),
+        missing=np.array(missing, dtype=np.uint8).reshape(len(hulls), len(ground.points)),
+        bulges=bulges[able],
+        weights=ground.weights,
+    )
+
+
+def join_offers(first: Offers, second: Offers) -> Offers:
+    """Two sets of hulls that were measured against the same ground, as one."""
+    return Offers(
+        tiles=first.tiles + second.tiles,
+        cells=first.cells + second.cells,
+        weights=first.weights,
+        **{
+            name: np.concatenate([getattr(first, name), getattr(second, name)])
+            for name in ("costs", "bounds", "surplus", "missing", "bulges")
+        },
+    )
+
+
+def find_rest(offers: Offers) -> Bool[np.ndarray, "X Y Z"]:
+    """Cells of the solid that no hull holds."""
+    rest = offers.weights > 0
+    for item in offers.cells:
+        item.fill(rest, value=False)
+    return rest
+
+
+def choose_hulls(offers: Offers, cfg: CoverConfig) -> tuple[tuple[Hull, ...], float]:
+    """The hulls that together stand best for the solid, within ``cfg.max_hulls``, and their loss.
+
+    Greedy choices depend on what is looked for first, so surface is first given little weight, then
+    more; the best of these covers are improved hull by hull. No hulls where none was offered.
+    """
+    if not offers.tiles:
+        return (), np.inf
+    covers = [_cover(offers, cfg, (), filled, share) for filled, share in cfg.first_looks]
+    losses = [_loss(offers, cover, cfg) for cover in covers]
+    order = np.argsort(losses, kind="stable")[: cfg.improved].tolist()
+    better = [_improve(offers, covers[index], cfg) for index in order]
+    losses = [_loss(offers, cover, cfg) for cover in better]
+    loss, best = min(zip(losses, better, strict=True), key=lambda pair: pair[0])
+    return tuple(tile for index in best for tile in offers.tiles[index]), loss
+
+
+def _improve(offers: Offers, cover: list[int], cfg: CoverConfig) -> list[int]:
+    """Takes single hulls out again and fills up anew, as long as that makes the cover better."""
+    loss = _loss(offers, cover, cfg)
+    for _ in range(cfg.rounds):
+        before = loss
+        if loss < cfg.good:
+            break
+        for index in list(cover):
+            if index not in cover:
+                continue
+            rest = [other for other in cover if other != index]
+            other = _cover(offers, cfg, rest, 1.0, 1.0, never=index)
+            changed = _loss(offers, other, cfg)
+            if changed < loss - 1e-6:
+                cover, loss = other, changed
+        if loss >= before:
+            break
+    return cover
+
+
+def _loss(offers: Offers, cover: list[int], cfg: CoverConfig) -> float:
+    """What a cover misses, fills and costs."""
+    covered = np.zeros(offers.weights.shape, dtype=bool)
+    for index in cover:
+        offers.cells[index].fill(covered, value=True)
+    held = offers.weights[covered]
+    filled = offers.surplus[cover].sum() - held[held < 0].sum()
+    volume = 1.0 - held[held > 0].sum() + cfg.filled_weight * filled
+    missing = offers.missing[cover].min(axis=0, initial=2)
+    surface = (
+        _surface_loss(missing[None], len(missing), cfg)[0] + cfg.missed_weight * offers.bulges[cover].sum()
+    )
+    return float(volume + surface + cfg.price * offers.costs[cover].sum())
+
+
+def _cover(
+    offers: Offers,
+    cfg: CoverConfig,
+    start: Sequence[int],
+    filled: float,
+    share: float,
+    never: int = -1,
+) -> list[int]:
+    """Greedy choice of all hulls but ``never``, on top of those in ``start``.
+
+    Surface counts ``share`` of its weight until nothing is gained so, then ever more; free space filled
+    counts ``filled`` times as much as it is asked to.
+    """
+    filled *= cfg.filled_weight
+    value = np.where(offers.weights < 0, filled * offers.weights, offers.weights)
+    for index in start:
+        offers.cells[index].fill(value, value=0.0)
+    volumes = np.array([item.select(value).sum() for item in offers.cells])
+    fixed = filled * offers.surplus + cfg.price * offers.costs
+    missing = offers.missing[list(start)].min(axis=0, initial=2)
+    surfaces = _surface_gains(offers, missing, cfg)
+    chosen = list(start)
+    room = cfg.max_hulls - int(offers.costs[chosen].sum())
+    volumes[[*chosen, *([never] if never >= 0 else [])]] = -np.inf
+    while room > 0:
+        gains = volumes + share * surfaces - fixed
+        score = np.where(offers.costs <= room, gains / offers.costs, -np.inf)
+        best = int(score.argmax())
+        if score[best] > 0.0:
+            chosen.append(best)
+            room -= int(offers.costs[best])
+            offers.cells[best].fill(value, value=0.0)
+            missing = np.minimum(missing, offers.missing[best])
+            surfaces = _surface_gains(offers, missing, cfg)
+            mine = offers.bounds[best]
+            overlap = (offers.bounds[:, :, 0] < mine[:, 1]) & (mine[:, 0] < offers.bounds[:, :, 1])
+            for index in np.flatnonzero(overlap.all(axis=1) & np.isfinite(volumes)):
+                volumes[index] = offers.cells[index].select(value).sum()
+            volumes[best] = -np.inf
+        elif share < 1.0:
+            share = min(1.0, max(LEAST_SHARE, 3.0 * share))
+        else:
+            break
+    return chosen
+
+
+def _surface_gains(offers: Offers, missing: np.ndarray, cfg: CoverConfig) -> np.ndarray:
+    """What each hull gains in surface, less what it bulges, where so much is ``missing`` yet."""
+    still = np.flatnonzero(missing)
+    left = np.minimum(missing[still], offers.missing[:, still])
+    total = len(missing)
+    gained = _surface_loss(missing[None, still], total, cfg)[0] - _surface_loss(left, total, cfg)
+    return gained - cfg.missed_weight * offers.bulges
+
+
+def _surface_loss(missing: np.ndarray, total: int, cfg: CoverConfig) -> np.ndarray:
+    """What missing points count, ``[K N]`` to ``[K]``, out of ``total``."""
+    missed, far = (np.count_nonzero(missing >= level, axis=1) / total for level in (1, 2))
+    return cfg.missed_weight * np.maximum(missed - cfg.free_share, 0.0) + cfg.far_weight * far
+
+
+def _measure_bulges(
+    pool: Sequence[PooledHull], ground: Ground, missed: float
+) -> tuple[np.ndarray, np.ndarray]:
+    """Area over the solid's with which hulls bulge into free space beyond ``missed`` (m), and how far (m)."""
+    if not pool:
+        return np.zeros(0), np.zeros(0)
+    triangles = [item.hull.vertices[item.hull.faces] for item in pool]
+    areas = np.array([triangle_areas(corners).sum() for corners in triangles])
+    spread = [sample_triangles(corners, HULL_SAMPLES)[0] for corners in triangles]
+    clouds = [np.concatenate([inner, item.hull.vertices]) for inner, item in zip(spread, pool, strict=True)]
+    points = np.concatenate(clouds)
+    away = np.maximum(np.asarray(ground.surface.query(points)[0]) - ground.gap, 0.0)
+    away[_in_solid(points, ground)] = 0.0
+    split = np.split(away, np.cumsum([len(cloud) for cloud in clouds])[:-1])
+    shares = np.array([(far[:HULL_SAMPLES] > missed).mean() for far in split])
+    return shares * areas / ground.area, np.array([far.max() for far in split])
+
+
+def _in_solid(points: np.ndarray, ground: Ground) -> np.ndarray:
+    """Whether points lie in cells of the solid."""
+    cells = [
+        np.clip(np.searchsorted(axis, points[:, n]), 0, len(axis) - 1) for n, axis in enumerate(ground.axes)
+    ]
+    for n, axis in enumerate(ground.axes):
+        before = np.maximum(cells[n] - 1, 0)
+        nearer = np.abs(axis[before] - points[:, n]) < np.abs(axis[cells[n]] - points[:, n])
+        cells[n] = np.where(nearer, before, cells[n])
+    return ground.weights[tuple(cells)] > 0
+
+
+def _cells_inside(hull: Hull, ground: Ground) -> _Cells:
+    low, high = hull.vertices.min(axis=0), hull.vertices.max(axis=0)
+    window = [
+        slice(int(np.searchsorted(axis, low[n])), int(np.searchsorted(axis, high[n], side="right")))
+        for n, axis in enumerate(ground.axes)
+    ]
+    planes = merge_planes(hull_planes(hull))
+    slanted = planes[np.abs(planes[:, :3]).max(axis=1) < 1.0 - 1e-9].astype(np.float32)
+    box = (window[0], window[1], window[2])
+    if not len(slanted):
+        return _Cells(window=box, mask=None)
+    x, y, z = (axis[part].astype(np.float32) for axis, part in zip(ground.axes, box, strict=True))
+    mask = np.ones((len(x), len(y), len(z)), dtype=bool)
+    for a, b, c, d in slanted:
+        mask &= (a * x)[:, None, None] + ((b * y)[:, None] + (c * z - d)) <= 0.0
+    return _Cells(window=box, mask=mask)
+
+
+def _outside(hull: Hull, points: np.ndarray) -> np.ndarray:
+    """How far (m) points lie outside of a hull, at least; 0 inside."""
+    planes = merge_planes(hull_planes(hull))
+    outside = (points @ planes[:, :3].T - planes[:, 3]).max(axis=1)
+    low, high = hull.vertices.min(axis=0), hull.vertices.max(axis=0)
+    beyond = np.linalg.norm(np.maximum(np.maximum(low - points, points - high), 0.0), axis=1)
+    return np.maximum(np.maximum(outside, beyond), 0.0).astype(np.float32)

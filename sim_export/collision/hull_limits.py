@@ -1,0 +1,181 @@
+"""What physics engines ask of every hull, and how hulls are changed to comply."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from sim_export.collision.hulls import (
+    clip_hull,
+    convex_hull,
+    hull_length,
+    hull_volume,
+    hull_width,
+    reduce_hull,
+    scale_to_volume,
+)
+from sim_export.package import Hull
+
+MAX_CUTS = 3
+"""Times that a hull is cut, and its pieces again; a board needs two."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class HullLimits:
+    """Limits of PhysX's GPU solver, with a little room, and a least thickness."""
+
+    max_vertices: int = 32
+    """Most vertices of a hull; 32 have at most 60 faces, whichever of them count as flat."""
+    max_polygons: int = 54
+    """Most faces of a hull, coplanar triangles counted once."""
+    min_width: float = 0.0015
+    """Least thickness (m); thinner hulls are thickened to it. More than is checked, because files hold
+    micrometres: rounding bends a face of a hull of 1 mm by a thousandth of its thickness."""
+    max_aspect: float = 60.0
+    """Greatest length over thickness; longer hulls are cut and, where that would make too many, first
+    thickened a little. PhysX handles oblong hulls badly from 64 on."""
+    sliver: float = 0.005
+    """Share of the part's hull volume that may be left out as hulls thinner than the least thickness."""
+
+
+def limit_hulls(
+    hulls: Sequence[Hull], limits: HullLimits, max_hulls: int
+) -> tuple[tuple[Hull, ...], tuple[str, ...]]:
+    """Hulls within the limits, and one sentence for each kind of change."""
+    reduced = [_reduce(hull, limits) for hull in hulls]
+    fewer = sum(new is not old for new, old in zip(reduced, hulls, strict=True))
+    kept = _without_slivers(reduced, limits)
+    thick = [comply_hull(hull, limits) for hull in kept]
+    thickened = sum(new is not old for new, old in zip(thick, kept, strict=True))
+    cut, cuts, least = _limit_aspect(thick, limits, max_hulls)
+    out = [comply_hull(hull, limits) for hull in cut]  # slanted ends of cut hulls are thin again
+    records = (
+        (fewer, f"{fewer} hulls reduced to {limits.max_vertices} vertices and {limits.max_polygons} faces"),
+        (len(reduced) - len(kept), f"{len(reduced) - len(kept)} slivers left out"),
+        (thickened, f"{thickened} hulls thickened to {1000 * limits.min_width:g} mm"),
+        (cuts, f"oblong hulls cut {cuts} times to a length below {limits.max_aspect:g} thicknesses"),
+        (
+            least > 0,
+            f"oblong hulls thickened to {1000 * least:.1f} mm, to have no more than {max_hulls} hulls",
+        ),
+    )
+    return tuple(out), tuple(sentence for count, sentence in records if count)
+
+
+def comply_hull(hull: Hull, limits: HullLimits) -> Hull:
+    """A hull with few enough vertices and faces and thick enough, whatever its length: itself if it is so."""
+    for _ in range(4):  # either change may undo a little of the other
+        changed = thicken_hull(_reduce(hull, limits), limits.min_width)
+        if changed is hull:
+            break
+        hull = changed
+    return hull
+
+
+def tile_hull(hull: Hull, limits: HullLimits, most: int) -> tuple[Hull, ...]:
+    """An oblong hull cut to the length that its thickness allows; none where that takes more than ``most``
+    hulls, or cannot be done without leaving some of it out, like the tip of a wedge."""
+    compact = limits.max_aspect * hull_width(hull)[0]
+    if hull_length(hull)[0] <= compact:
+        return (hull,)
+    count = int(np.prod(np.ceil(np.array(_side_lengths(hull)) / compact - 1e-9).clip(1)))
+    if count > most:
+        return ()
+    tiles = tuple(comply_hull(tile, limits) for tile in _cut_to_aspect(hull, limits.max_aspect))
+    whole = sum(map(hull_volume, tiles)) >= (1.0 - limits.sliver) * hull_volume(hull)
+    return tiles if len(tiles) <= most and whole else ()
+
+
+def trim_hull(hull: Hull, limits: HullLimits) -> tuple[Hull, ...]:
+    """A hull within the limits without growing anywhere: fewer vertices, and cut where it is oblong."""
+    reduced = reduce_hull(hull, limits.max_vertices, limits.max_polygons)
+    return tuple(_cut_to_aspect(reduced, limits.max_aspect))
+
+
+def _reduce(hull: Hull, limits: HullLimits) -> Hull:
+    """Fewer vertices, if there are too many, and the same volume."""
+    reduced = reduce_hull(hull, limits.max_vertices, limits.max_polygons)
+    return hull if reduced is hull else scale_to_volume(reduced, hull_volume(hull))
+
+
+def hull_aspect(hull: Hull) -> float:
+    """Greatest length over least thickness."""
+    return hull_length(hull)[0] / hull_width(hull)[0]
+
+
+def _without_slivers(hulls: Sequence[Hull], limits: HullLimits) -> list[Hull]:
+    """Leaves out hulls too thin to keep, as long as together they hold next to nothing."""
+    volumes = [hull_volume(hull) for hull in hulls]
+    room = limits.sliver * sum(volumes)
+    kept = []
+    for hull, volume in sorted(zip(hulls, volumes, strict=True), key=lambda pair: pair[1]):
+        if volume <= room and hull_width(hull)[0] < limits.min_width:
+            room -= volume
+        else:
+            kept.append(hull)
+    return [hull for hull in hulls if any(hull is other for other in kept)]
+
+
+def thicken_hull(hull: Hull, width: float) -> Hull:
+    """Stretches a hull along its thinnest direction to ``width``, about its middle."""
+    for _ in range(3):  # a needle is thin in two directions
+        measured, normal = hull_width(hull)
+        if measured >= width * (1.0 - 1e-9):
+            break
+        heights = hull.vertices @ normal
+        middle = (heights.min() + heights.max()) / 2
+        hull = convex_hull(hull.vertices + np.outer((heights - middle) * (width / measured - 1.0), normal))
+    return hull
+
+
+def _limit_aspect(hulls: Sequence[Hull], limits: HullLimits, max_hulls: int) -> tuple[list[Hull], int, float]:
+    """Cuts oblong hulls across their length, after making them just thick enough that few cuts do.
+
+    Returns the hulls, the number of cuts, and the thickness (m) that the thinnest oblong hulls were
+    given, 0 where the number of hulls allows to cut them as they are.
+    """
+    widths = np.array([hull_width(hull)[0] for hull in hulls])
+    sides = np.array([_side_lengths(hull) for hull in hulls])  # H 2
+    enough = sides.max(initial=0.0) / limits.max_aspect
+    least = 0.0
+    while True:
+        compact = limits.max_aspect * np.maximum(widths, least)
+        out = []
+        if least >= enough or np.prod(np.ceil(sides / compact[:, None]), axis=1).sum() <= max_hulls:
+            for hull, width, side in zip(hulls, widths, sides, strict=True):
+                oblong = side.max() > limits.max_aspect * width
+                out += _cut_to_aspect(thicken_hull(hull, least) if oblong else hull, limits.max_aspect)
+            if least >= enough or len(out) <= max_hulls:
+                return out, len(out) - len(hulls), least
+        least = max(1.05 * least, widths.min())
+
+
+def _side_lengths(hull: Hull) -> tuple[float, float]:
+    """Greatest extent, and greatest extent across both that and the thickness."""
+    length, along = hull_length(hull)
+    across = np.cross(along, hull_width(hull)[1])
+    return length, float(np.ptp(hull.vertices @ across) / max(np.linalg.norm(across), 1e-9))
+
+
+def _cut_to_aspect(hull: Hull, max_aspect: float, depth: int = MAX_CUTS) -> list[Hull]:
+    """Cuts a hull across its length until every piece is compact enough.
+
+    Tips of wedges, which never are, are left out.
+    """
+    length, direction = hull_length(hull)
+    width, _ = hull_width(hull)
+    count = int(np.ceil(length / width / max_aspect - 1e-9))
+    if count <= 1:
+        return [hull]
+    if depth == 0:
+        return []
+    heights = hull.vertices @ direction
+    steps = np.linspace(heights.min(), heights.max(), count + 1)
+    out: list[Hull] = []
+    for low, high in pairwise(steps):
+        piece = clip_hull(hull, direction, high)
+        piece = None if piece is None else clip_hull(piece, -direction, -low)
+        if piece is not None and hull_width(piece)[0] > 0.5 * width:
+            out += _cut_to_aspect(piece, max_aspect, depth - 1)
+    return out

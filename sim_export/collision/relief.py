@@ -1,0 +1,268 @@
+"""Freeing two overlapping hulls of each other, at all poses in which they meet.
+
+Three ways, the one that costs least volume wins: half-space cuts pose by pose (a door's edge gets a
+chamfer), one half-space cut for all poses at once (a knob is cut off where it dips into a door), and
+a notch in the shape of the other hull, which leaves several smaller hulls.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from artigen.transforms import inverse, transform_points
+from sim_export.collision.contacts import HullSet, signed_distances
+from sim_export.collision.hull_limits import hull_aspect
+from sim_export.collision.hulls import (
+    clip_hull,
+    convex_hull,
+    hull_planes,
+    hull_volume,
+    hull_width,
+    merge_planes,
+    subtract_hull,
+)
+from sim_export.package import Hull
+
+OBLONG = 60.0
+"""Length over thickness above which hulls are cut to several later."""
+NEARLY = 1e-5
+"""A face normal stands for a contact's own normal if it needs at most this much (m) more to separate."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReliefConfig:
+    """How far hulls may be cut back."""
+
+    margin: float = 0.0015
+    """Gap (m) that a cut leaves, so that poses between the sampled ones are free too, and hulls that an
+    engine rounds (PhysX takes faces for one that differ by 0.7 mm per metre) do not touch."""
+    max_depth: float = 0.032
+    """Deepest cut, over the object's longest side: about two voxels. Deeper ones may only take slivers."""
+    max_sliver_depth: float = 0.1
+    """Deepest cut, over the object's longest side, that takes no more than a sliver: the end of a board, or
+    a shaft. What overlaps more is an error of the object, not of its hulls."""
+    max_removed: float = 0.5
+    """Greatest share of a hull's volume that all its cuts together may remove."""
+    sliver: float = 0.02
+    """This share of its link's volume may be cut off a hull in any case; a hull below it may be dropped
+    where cuts do not help."""
+    min_width: float = 0.001
+    """Least thickness (m) that a cut may leave."""
+    notch_above: float = 0.1
+    """Share of a hull above which half-space cuts are compared with a notch."""
+    max_cuts: int = 12
+    """Most cuts per pair of hulls; swings need several."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class OverlappingPair:
+    """Two hulls in their links' rest frames that overlap at some poses, and what may be done to each.
+
+    ``volumes`` are those before any cut, of which cuts may take ``allowances`` (m^3), and ``least``
+    (m^3) where they go deeper than ``max_depth`` (m), up to ``max_sliver_depth``; ``slivers`` tells which
+    may be dropped, ``room`` how many hulls each link may still gain. ``axis`` is the moving joint's
+    direction in the frame of the first hull's link: one cut along it may free all poses.
+    """
+
+    hulls: tuple[Hull, Hull]
+    poses: tuple[Float[np.ndarray, "P 4 4"], Float[np.ndarray, "P 4 4"]]
+    volumes: tuple[float, float]
+    allowances: tuple[float, float]
+    least: tuple[float, float]
+    slivers: tuple[bool, bool]
+    room: tuple[int, int]
+    max_depth: float
+    max_sliver_depth: float
+    axis: Float[np.ndarray, "3"]
+
+    def allows(self, side: int, left: float, depth: float) -> bool:
+        """Whether cuts ``depth`` deep may leave a volume of ``left`` (m^3) of a hull."""
+        allowed = self.allowances[side] if depth <= self.max_depth else self.least[side]
+        return depth <= self.max_sliver_depth and self.volumes[side] - left <= allowed
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Relief:
+    """What is left of the two hulls (several pieces after a notch, none if dropped), cuts and deepest cut
+    (m) of each, and why they still overlap (or ""). After a notch there may be more to do."""
+
+    hulls: tuple[tuple[Hull, ...], tuple[Hull, ...]]
+    cuts: tuple[int, int]
+    depths: tuple[float, float]
+    reason: str = ""
+
+
+def relieve_pair(pair: OverlappingPair, gap: float, cfg: ReliefConfig) -> Relief:
+    """Cuts two hulls so that they stay ``gap`` (m) apart at all of the poses."""
+    plans = [_cut_by_pose(pair, gap, cfg), *_cut_for_all(pair, gap, cfg)]
+    good = [plan for plan in plans if not plan.reason]
+    if not good or min(_lost_share(plan, pair) for plan in good) > cfg.notch_above:
+        good += _notch(pair, gap, cfg)
+    if good:
+        return min(good, key=lambda plan: _cost(plan, pair))
+    for side in sorted(range(2), key=lambda side: pair.volumes[side]):
+        if pair.slivers[side]:
+            left = [(pair.hulls[0],), (pair.hulls[1],)]
+            kept = ((), left[1]) if side == 0 else (left[0], ())
+            return Relief(hulls=kept, cuts=(1 - side, side), depths=(0.0, 0.0))
+    return plans[0]
+
+
+def _cost(plan: Relief, pair: OverlappingPair) -> float:
+    """Volume lost (m^3); every hull more, oblong ones counted as the several they will be cut to, is as
+    bad as the loss of a tenth of its side."""
+    cost = 0.0
+    for hull, left in zip(pair.hulls, plan.hulls, strict=True):
+        if left == (hull,):
+            continue
+        more = sum(np.ceil(hull_aspect(piece) / OBLONG) for piece in left) - 1.0
+        cost += hull_volume(hull) * (1.0 + 0.1 * max(more, 0.0)) - sum(map(hull_volume, left))
+    return cost
+
+
+def _lost_share(plan: Relief, pair: OverlappingPair) -> float:
+    """Greatest share that a hull has lost of what it was before any cut."""
+    return max(
+        1.0 - sum(map(hull_volume, left)) / volume
+        for left, volume in zip(plan.hulls, pair.volumes, strict=True)
+    )
+
+
+def _cut_by_pose(pair: OverlappingPair, gap: float, cfg: ReliefConfig) -> Relief:
+    """Again and again, the deepest contact's separating plane cuts the hull that loses less."""
+    current = list(pair.hulls)
+    cuts, depths = [0, 0], [0.0, 0.0]
+    reason = f"{cfg.max_cuts} cuts were not enough"
+    for _ in range(cfg.max_cuts):
+        sets = HullSet(hulls=(current[0],)), HullSet(hulls=(current[1],))
+        found = signed_distances(*sets, *pair.poses, gap)
+        if not len(found.distance) or found.distance.min() >= gap:
+            reason = ""
+            break
+        at = int(found.distance.argmin())
+        depth, pose = -float(found.distance[at]), int(found.pose[at])
+        hulls = current[0], current[1]
+        normal = _face_normal(hulls, pair, pose, found.normal[at], depth)
+        options = []
+        for side, outward in enumerate((normal, -normal)):
+            own, other = pair.poses[side][pose], pair.poses[1 - side][pose]
+            points = transform_points(inverse(own) @ other, current[1 - side].vertices)
+            cut = _cut(current[side], own[:3, :3].T @ outward, points, cfg)
+            if cut is not None and pair.allows(side, hull_volume(cut), depth):
+                options.append((hull_volume(current[side]) - hull_volume(cut), side, cut))
+        if not options:
+            reason = f"a cut would take more than {cfg.max_removed:.0%} of a hull"
+            if depth > pair.max_depth:
+                reason = f"a cut of {1000 * depth:.1f} mm is deeper than {1000 * pair.max_depth:.0f} mm"
+            break
+        _, side, current[side] = min(options, key=lambda option: option[:2])
+        cuts[side] += 1
+        depths[side] = max(depths[side], depth)
+    return Relief(
+        hulls=((current[0],), (current[1],)),
+        cuts=(cuts[0], cuts[1]),
+        depths=(depths[0], depths[1]),
+        reason=reason,
+    )
+
+
+def _face_normal(
+    hulls: tuple[Hull, Hull],
+    pair: OverlappingPair,
+    pose: int,
+    normal: Float[np.ndarray, "3"],
+    depth: float,
+) -> Float[np.ndarray, "3"]:
+    """The face normal, of either hull, along which the two separate as easily as along ``normal``.
+
+    Where hulls only just touch, the contact's own normal is hardly defined, and a cut that leans a
+    little takes a wedge off a whole panel. ``normal`` and the result point from the first to the second.
+    """
+    first, second = (
+        transform_points(T[pose], hull.vertices) for T, hull in zip(pair.poses, hulls, strict=True)
+    )
+    normals = np.concatenate(
+        [
+            sign * merge_planes(hull_planes(hull))[:, :3] @ T[pose][:3, :3].T
+            for sign, T, hull in zip((1.0, -1.0), pair.poses, hulls, strict=True)
+        ]
+    )
+    needed = (first @ normals.T).max(axis=0) - (second @ normals.T).min(axis=0)
+    best = int(needed.argmin())
+    return normals[best] if needed[best] <= depth + NEARLY else normal
+
+
+def _cut_for_all(pair: OverlappingPair, gap: float, cfg: ReliefConfig) -> list[Relief]:
+    """Single cuts that free all poses: along the joint's axis, or along the deepest contacts."""
+    found = signed_distances(HullSet(hulls=pair.hulls[:1]), HullSet(hulls=pair.hulls[1:]), *pair.poses, gap)
+    deepest = np.argsort(found.distance, kind="stable")[:3]
+    if not len(deepest) or found.distance[deepest[0]] >= gap:
+        return []
+    plans = []
+    for side in range(2):
+        own, other = pair.poses[side], pair.poses[1 - side]
+        points = transform_points(inverse(own) @ other, pair.hulls[1 - side].vertices).reshape(-1, 3)
+        turn = np.swapaxes(own[:, :3, :3], -1, -2)
+        axis = (turn @ pair.poses[0][:, :3, :3] @ pair.axis)[found.pose[deepest[0]]]
+        contact = (1.0 - 2.0 * side) * np.einsum(
+            "kij,kj->ki", turn[found.pose[deepest]], found.normal[deepest]
+        )
+        for normal in (axis, -axis, *contact):
+            cut = _cut(pair.hulls[side], normal, points, cfg)
+            if cut is None:
+                continue
+            depth = float((pair.hulls[side].vertices @ normal).max() - (cut.vertices @ normal).max())
+            if pair.allows(side, hull_volume(cut), depth):
+                plans.append(_one_sided(pair, side, (cut,), depth))
+    return plans
+
+
+def _notch(pair: OverlappingPair, gap: float, cfg: ReliefConfig) -> list[Relief]:
+    """Takes the other hull's shape out of one hull: all its way if it slides, else at the deepest pose.
+
+    However deep the two overlap, a slot for a board may take a sliver: it is as deep as the board is thick.
+    """
+    found = signed_distances(HullSet(hulls=pair.hulls[:1]), HullSet(hulls=pair.hulls[1:]), *pair.poses, gap)
+    at = int(found.distance.argmin()) if len(found.distance) else -1
+    if at < 0 or found.distance[at] >= gap:
+        return []
+    pose, depth, plans = int(found.pose[at]), -float(found.distance[at]), []
+    for side in range(2):
+        T_own_other = inverse(pair.poses[side]) @ pair.poses[1 - side]
+        slides = np.allclose(T_own_other[:, :3, :3], T_own_other[:1, :3, :3], atol=1e-9)
+        chosen = T_own_other[np.unique(found.pose)] if slides else T_own_other[[pose]]
+        other = convex_hull(transform_points(chosen, pair.hulls[1 - side].vertices).reshape(-1, 3))
+        planes = merge_planes(hull_planes(other))
+        planes[:, 3] += cfg.margin
+        pieces = subtract_hull(pair.hulls[side], planes, cfg.min_width)
+        left = sum(map(hull_volume, pieces))
+        if not pieces or len(pieces) - 1 > pair.room[side]:
+            continue
+        thin = max(pair.max_depth, min(depth, _shared_width(pair.hulls[side], planes)))
+        if pair.allows(side, left, depth) or (depth > thin and pair.allows(side, left, thin + NEARLY)):
+            plans.append(_one_sided(pair, side, pieces, depth))
+    return plans
+
+
+def _shared_width(hull: Hull, planes: Float[np.ndarray, "F 4"]) -> float:
+    """Thickness (m) of what a hull has in common with a convex region."""
+    shared: Hull | None = hull
+    for plane in planes:
+        shared = None if shared is None else clip_hull(shared, plane[:3], plane[3])
+    return 0.0 if shared is None else hull_width(shared)[0]
+
+
+def _one_sided(pair: OverlappingPair, side: int, left: tuple[Hull, ...], depth: float) -> Relief:
+    """A plan that changes one hull only."""
+    if side == 0:
+        return Relief(hulls=(left, (pair.hulls[1],)), cuts=(1, 0), depths=(depth, 0.0))
+    return Relief(hulls=((pair.hulls[0],), left), cuts=(0, 1), depths=(0.0, depth))
+
+
+def _cut(
+    hull: Hull, normal: Float[np.ndarray, "3"], points: Float[np.ndarray, "N 3"], cfg: ReliefConfig
+) -> Hull | None:
+    """A hull cut back to where ``points`` begin along ``normal``; ``None`` if too little is left."""
+    cut = clip_hull(hull, normal, float((points @ normal).min()) - cfg.margin)
+    return None if cut is None or hull_width(cut)[0] < cfg.min_width else cut

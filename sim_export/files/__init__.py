@@ -1,0 +1,1 @@
+"""A package on disk: every file written, and read back."""

@@ -1,0 +1,173 @@
+"""A package as MJCF: the same bodies, joints, hulls and masses as the URDF, for MuJoCo.
+
+Visuals are in group 2 and collide with nothing, hulls are in group 3. Bodies that a joint connects
+do not collide, as in SAPIEN; MuJoCo alone would let a drawer collide with a carcass that is fixed
+to the world.
+"""
+
+import xml.etree.ElementTree as ET
+
+import numpy as np
+from jaxtyping import Float
+
+from artigen.transforms import quat_from_matrix
+from sim_export.files.obj import Material, parse_mtl, parse_obj, read_image
+from sim_export.files.urdf import (
+    format_number,
+    format_vector,
+    hull_path,
+    link_origins,
+    visual_path,
+    visual_placement,
+)
+from sim_export.package import Link, PackageJoint, SimPackage, SourceMesh, Visual
+
+HULL_FRICTION = "0.8 0.005 0.0001"
+MIN_MESH_VERTICES = 4
+
+
+def mjcf_text(package: SimPackage, apart: tuple[tuple[str, str], ...] = ()) -> str:
+    """The MJCF of a package.
+
+    Args:
+        package: What to write; file names are those of `write_package`.
+        apart: Further pairs of links that must not collide (those of the SRDF).
+    """
+    origins = link_origins(package)
+    root = ET.Element("mujoco", model=package.name)
+    ET.SubElement(root, "compiler", angle="radian", autolimits="true", balanceinertia="false")
+    asset = ET.SubElement(root, "asset")
+    world = ET.SubElement(root, "worldbody")
+    bodies: dict[str, ET.Element] = {}
+    by_child = {joint.child: joint for joint in package.joints}
+    waiting = list(package.links)
+    while waiting:
+        ready = [
+            link for link in waiting if link.name not in by_child or by_child[link.name].parent in bodies
+        ]
+        for link in ready:
+            joint = by_child.get(link.name)
+            holder = world if joint is None else bodies[joint.parent]
+            at = origins[link.name] - (0.0 if joint is None else origins[joint.parent])
+            bodies[link.name] = _add_body(holder, asset, link, joint, at, origins[link.name])
+        waiting = [link for link in waiting if link.name not in bodies]
+    _add_pairs(root, package, apart)
+    ET.indent(root)
+    return '<?xml version="1.0" encoding="utf-8"?>\n' + ET.tostring(root, encoding="unicode") + "\n"
+
+
+def _add_body(
+    holder: ET.Element,
+    asset: ET.Element,
+    link: Link,
+    joint: PackageJoint | None,
+    at: Float[np.ndarray, "3"],
+    origin: Float[np.ndarray, "3"],
+) -> ET.Element:
+    body = ET.SubElement(holder, "body", name=link.name, pos=format_vector(at))
+    if link.inertial is not None:
+        inertia = link.inertial.inertia
+        rows, columns = [0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]
+        ET.SubElement(
+            body,
+            "inertial",
+            pos=format_vector(link.inertial.com - origin),
+            mass=f"{link.inertial.mass:.9g}",
+            fullinertia=" ".join(f"{value + 0.0:.9g}" for value in inertia[rows, columns]),
+        )
+    if joint is not None and joint.type != "fixed":
+        _add_joint(body, joint)
+    for visual in link.visuals:
+        _add_visual(body, asset, visual, origin)
+    for index in range(len(link.hulls)):
+        name = f"{link.name}_{index}"
+        ET.SubElement(asset, "mesh", name=f"hull_{name}", file=hull_path(link, index))
+        ET.SubElement(
+            body,
+            "geom",
+            name=f"collision_{name}",
+            type="mesh",
+            mesh=f"hull_{name}",
+            pos=format_vector(-origin),
+            group="3",
+            friction=HULL_FRICTION,
+            mass="0",
+            rgba="0.6 0.6 0.6 0.5",
+        )
+    return body
+
+
+def _add_joint(body: ET.Element, joint: PackageJoint) -> None:
+    attributes = {
+        "name": joint.name,
+        "type": "slide" if joint.type == "prismatic" else "hinge",
+        "axis": format_vector(joint.axis),
+        "damping": format_number(joint.damping),
+        "frictionloss": format_number(joint.friction),
+    }
+    if joint.type != "continuous":
+        attributes["range"] = f"{format_number(joint.lower)} {format_number(joint.upper)}"
+    ET.SubElement(body, "joint", attributes)
+
+
+def _add_visual(body: ET.Element, asset: ET.Element, visual: Visual, origin: Float[np.ndarray, "3"]) -> None:
+    """A visual geom with its mesh asset and its texture or color; too small a source mesh is left out."""
+    xyz, _, scale = visual_placement(visual, origin)
+    geom = {"name": visual.name, "type": "mesh", "mesh": visual.name, "pos": format_vector(xyz)}
+    mesh = {"name": visual.name, "file": visual_path(visual), "inertia": "shell"}
+    color = "1 1 1 1"
+    if isinstance(visual.mesh, SourceMesh):
+        data = parse_obj(visual.mesh.path)
+        if len(data.vertices) < MIN_MESH_VERTICES:
+            return
+        mesh["scale"] = format_vector(np.full(3, scale), 12)
+        geom["quat"] = format_vector(quat_from_matrix(visual.mesh.T_object_file[:3, :3]), 12)
+        color = format_vector(np.array([*source_color(visual.mesh), 1.0]), 6)
+    elif visual.mesh.texture is None:
+        color = format_vector(np.array([*visual.mesh.color, 1.0]), 6)
+    else:
+        texture = visual_path(visual).removesuffix(".obj") + ".png"
+        ET.SubElement(asset, "texture", name=visual.name, type="2d", file=texture)
+        ET.SubElement(asset, "material", name=visual.name, texture=visual.name, specular="0.1")
+        geom["material"] = visual.name
+    ET.SubElement(asset, "mesh", mesh)
+    style = {"group": "2", "contype": "0", "conaffinity": "0", "mass": "0", "rgba": color}
+    ET.SubElement(body, "geom", geom | style)
+
+
+def source_color(source: SourceMesh) -> tuple[float, float, float]:
+    """The color of the material that covers most faces of a source mesh; images by their mean."""
+    data = parse_obj(source.path)
+    if data.mtllib is None or not data.groups:
+        return Material().color
+    main = max(data.groups, key=lambda group: len(group.faces))
+    library = source.path.parent / data.mtllib
+    material = parse_mtl(library).get(main.material or "", Material())
+    if material.image is None:
+        return material.color
+    red, green, blue = read_image(library.parent / material.image).reshape(-1, 3).mean(axis=0) / 255.0
+    return float(red), float(green), float(blue)
+
+
+def _add_pairs(root: ET.Element, package: SimPackage, apart: tuple[tuple[str, str], ...]) -> None:
+    """Joined bodies do not collide; a screw's travel follows its turn."""
+    contact = ET.SubElement(root, "contact")
+    hulls = {link.name for link in package.links if link.hulls}
+    joined = [(joint.parent, joint.child) for joint in package.joints]
+    for first, second in [*joined, *apart]:
+        if first in hulls and second in hulls:
+            ET.SubElement(contact, "exclude", body1=first, body2=second)
+    mimics = [joint for joint in package.joints if joint.mimic is not None]
+    if mimics:
+        equality = ET.SubElement(root, "equality")
+        for joint in mimics:
+            assert joint.mimic is not None
+            ET.SubElement(
+                equality,
+                "joint",
+                joint1=joint.name,
+                joint2=joint.mimic,
+                polycoef=f"0 {joint.mimic_multiplier:.12g} 0 0 0",
+                solref="0.004 1",
+                solimp="0.99 0.999 0.0001",
+            )

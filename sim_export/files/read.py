@@ -1,0 +1,375 @@
+"""A folder as a package: ours, or anything laid out like PartNet-Mobility.
+
+The URDF is the truth about links and joints; our own packages add what a URDF cannot say from their
+JSON files. Foreign folders are taken as a simulator would take them: one convex hull per
+`<collision>`, no mass where none is stated, and everything moved into the frame of the root link, so
+that a rotation in the fixed base joint disappears.
+"""
+
+import json
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float
+
+from artigen.transforms import transform_points, transform_vectors
+from artigen.types import FULL_TURN, JOINT_TYPES, PartLabel
+from sim_export.checks.urdf_file import (
+    UrdfFile,
+    UrdfInertial,
+    UrdfJoint,
+    UrdfLink,
+    UrdfShape,
+    parse_urdf,
+    tree_problems,
+)
+from sim_export.collision.hulls import convex_hull
+from sim_export.errors import DegeneratePart, PackageError
+from sim_export.files.obj import parse_obj, read_mesh
+from sim_export.files.sidecars import FORMAT, VERSION, handles_from_json
+from sim_export.geometry.primitives import primitive_mesh
+from sim_export.package import (
+    URDF_JOINT_TYPES,
+    Hull,
+    Inertial,
+    Link,
+    Mesh,
+    PackageJoint,
+    SimPackage,
+    SourceMesh,
+    Visual,
+)
+
+PLATE_THICKNESS = 1e-3
+
+LABEL_WORDS: tuple[tuple[str, PartLabel], ...] = (
+    ("handle", "handle"),
+    ("knob", "knob"),
+    ("button", "knob"),
+    ("switch", "knob"),
+    ("drawer", "drawer"),
+    ("door", "door"),
+    ("lid", "door"),
+    ("tray", "tray"),
+    ("shelf", "shelf"),
+    ("wheel", "wheel"),
+    ("caster", "wheel"),
+)
+"""First match wins: what a word in PartNet-Mobility's semantics means here."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Foreign:
+    """What is known of a folder besides its URDF."""
+
+    folder: Path
+    poses: dict[str, Float[np.ndarray, "4 4"]]
+    labels: dict[str, PartLabel]
+    records: list[str]
+
+
+def read_package(folder: Path) -> SimPackage:
+    """Reads our own package, or any folder with a `mobility.urdf` in PartNet-Mobility's layout.
+
+    A foreign folder's labels come from `semantics.txt` where we know the word; its visuals stay
+    files (`SourceMesh`); its package has no handles, materials or provenance.
+
+    Raises:
+        PackageError: If something is missing or broken; names the file, the element and the value.
+    """
+    folder = Path(folder)
+    urdf = parse_urdf(folder / "mobility.urdf")
+    problems = tree_problems(urdf)
+    if problems:
+        raise PackageError(f"{urdf.path}: {problems[0][1]}")
+    poses = rest_poses(urdf)
+    meta = _json(folder / "meta.json") if (folder / "meta.json").is_file() else {}
+    if isinstance(meta, dict) and meta.get("format") == FORMAT:
+        return _read_own(folder, urdf, poses, meta)
+    return _read_foreign(folder, urdf, poses, meta if isinstance(meta, dict) else {})
+
+
+def rest_poses(urdf: UrdfFile) -> dict[str, Float[np.ndarray, "4 4"]]:
+    """Pose of every link frame in the root link's frame with all joints at 0."""
+    children = {joint.child for joint in urdf.joints}
+    poses = {link.name: np.eye(4) for link in urdf.links if link.name not in children}
+    waiting = list(urdf.joints)
+    while waiting:
+        for joint in waiting:
+            if joint.parent in poses:
+                poses[joint.child] = poses[joint.parent] @ joint.T_parent_joint
+        waiting = [joint for joint in waiting if joint.child not in poses]
+    return poses
+
+
+def _json(path: Path) -> object:
+    try:
+        return json.loads(path.read_text())
+    except OSError as err:
+        raise PackageError(f"{path}: cannot be read ({err.strerror})") from err
+    except ValueError as err:
+        raise PackageError(f"{path}: not JSON ({err})") from err
+
+
+def _object(path: Path) -> dict:
+    value = _json(path)
+    if not isinstance(value, dict):
+        raise PackageError(f"{path}: holds a {type(value).__name__}, expected an object")
+    return value
+
+
+def package_file(folder: Path, name: str, owner: str) -> Path:
+    """The file a URDF names; raises `PackageError` unless it is inside the folder and there."""
+    path = folder / name
+    if not name or Path(name).is_absolute() or "://" in name:
+        raise PackageError(f"{owner}: mesh file {name!r}, expected a path relative to the URDF")
+    if not path.resolve().is_relative_to(folder.resolve()):
+        raise PackageError(f"{owner}: mesh file {name!r} is outside of the folder")
+    if not path.is_file():
+        raise PackageError(f"{owner}: mesh file {name!r} is missing")
+    return path
+
+
+def _joint(urdf: UrdfFile, joint: UrdfJoint, poses: dict[str, Float[np.ndarray, "4 4"]]) -> PackageJoint:
+    """A URDF joint in the object frame."""
+    owner = f"{urdf.path}: joint {joint.name!r}"
+    if joint.type not in URDF_JOINT_TYPES:
+        raise PackageError(f"{owner}: type {joint.type!r}, supported: {', '.join(URDF_JOINT_TYPES)}")
+    limits: tuple[float | None, float | None] = (0.0, 0.0)
+    if joint.type in ("revolute", "prismatic"):
+        limits = (joint.lower, joint.upper)
+    elif joint.type == "continuous":
+        limits = (0.0, FULL_TURN)
+    lower, upper = limits
+    if lower is None or upper is None:
+        raise PackageError(f"{owner}: a {joint.type} joint without <limit>")
+    optional = {
+        key: value
+        for key in ("effort", "velocity", "friction", "damping")
+        if (value := getattr(joint, key)) is not None
+    }
+    T = poses[joint.child]
+    numbers = [lower, upper, joint.mimic_multiplier, *T.ravel(), *joint.axis, *optional.values()]
+    if not np.isfinite(numbers).all():
+        raise PackageError(f"{owner}: origin, axis, limits or dynamics hold NaN or infinite values")
+    if lower > upper:
+        raise PackageError(f"{owner}: lower {lower} is above upper {upper}")
+    length = float(np.linalg.norm(joint.axis))
+    if length < 1e-9 and joint.type != "fixed":
+        raise PackageError(f"{owner}: axis {joint.axis.tolist()} has no direction")
+    axis = joint.axis / length if length >= 1e-9 else np.array([1.0, 0.0, 0.0])
+    return PackageJoint(
+        name=joint.name,
+        type=joint.type,
+        kind=joint.type,
+        parent=joint.parent,
+        child=joint.child,
+        origin=T[:3, 3],
+        axis=transform_vectors(T, axis[None])[0],
+        lower=lower,
+        upper=upper,
+        mimic=joint.mimic,
+        mimic_multiplier=joint.mimic_multiplier if joint.mimic is not None else 0.0,
+        **optional,
+    )
+
+
+def _inertial(inertial: UrdfInertial | None, T: Float[np.ndarray, "4 4"], owner: str) -> Inertial | None:
+    """Mass properties in object axes; SAPIEN's reading of mass 0 is that there are none."""
+    if inertial is None or (inertial.mass == 0.0 and not inertial.inertia.any()):
+        return None
+    if not np.isfinite([inertial.mass, *inertial.com, *inertial.inertia.ravel()]).all():
+        raise PackageError(f"{owner}: <inertial> holds NaN or infinite values")
+    R = T[:3, :3]
+    com = transform_points(T, inertial.com[None])[0]
+    return Inertial(mass=inertial.mass, com=com, inertia=R @ inertial.inertia @ R.T)
+
+
+def _read_own(
+    folder: Path, urdf: UrdfFile, poses: dict[str, Float[np.ndarray, "4 4"]], meta: dict
+) -> SimPackage:
+    """Our own package: exact meshes and hulls, labels, handles, everything."""
+    if meta.get("version") != VERSION:
+        raise PackageError(
+            f"{folder / 'meta.json'}: format version {meta.get('version')}, this reads {VERSION}"
+        )
+    physics = _object(folder / "physics.json")
+    handles, needs = handles_from_json(_object(folder / "annotations.json"))
+    provenance = _object(folder / "provenance.json")
+    try:
+        facts = {entry["name"]: entry for entry in meta["links"]}
+        motion = {entry["name"]: entry for entry in physics["joints"]}
+        links = tuple(
+            _own_link(folder, urdf, link, poses[link.name], facts[link.name]) for link in urdf.links
+        )
+        joints = tuple(
+            _own_joint(_joint(urdf, joint, poses), motion.get(joint.name)) for joint in urdf.joints
+        )
+        return SimPackage(
+            name=meta["model_id"],
+            category=meta["model_cat"],
+            visual=meta["visual"],
+            links=links,
+            joints=joints,
+            handles=handles,
+            requires_open=needs,
+            materials=tuple(physics["materials"].items()),
+            provenance=tuple(provenance.items()),
+            records=tuple(meta["records"]),
+        )
+    except (KeyError, TypeError, AttributeError) as err:
+        raise PackageError(f"{folder}: meta.json or physics.json is not as we write it ({err!r})") from err
+
+
+def _own_joint(joint: PackageJoint, motion: dict | None) -> PackageJoint:
+    """The joint with the kind, and for continuous ones the range, that a URDF cannot say."""
+    if motion is None:
+        return joint
+    if motion["kind"] not in JOINT_TYPES:
+        raise PackageError(f"physics.json: joint {joint.name!r} has kind {motion['kind']!r}")
+    if joint.type == "continuous":
+        joint = replace(joint, lower=float(motion["lower"]), upper=float(motion["upper"]))
+    return replace(joint, kind=motion["kind"])
+
+
+def _own_link(folder: Path, urdf: UrdfFile, link: UrdfLink, T: Float[np.ndarray, "4 4"], facts: dict) -> Link:
+    owner = f"{urdf.path}: link {link.name!r}"
+    visual_facts = {entry["name"]: entry for entry in facts["visuals"]}
+    visuals = []
+    for shape in link.visuals:
+        entry = visual_facts[shape.name]
+        path = package_file(folder, shape.file, owner)
+        mesh = _source_mesh(path, shape, T, owner) if entry["source"] else read_mesh(path)
+        visuals.append(Visual(name=shape.name, part=entry["part"], label=entry["label"], mesh=mesh))
+    hulls = []
+    for shape in link.collisions:
+        data = parse_obj(package_file(folder, shape.file, owner))
+        hulls.append(Hull(vertices=data.vertices, faces=data.faces))
+    return Link(
+        name=link.name,
+        label=facts["label"],
+        parts=tuple(facts["parts"]),
+        visuals=tuple(visuals),
+        hulls=tuple(hulls),
+        inertial=_inertial(link.inertial, T, owner),
+    )
+
+
+def _source_mesh(path: Path, shape: UrdfShape, T: Float[np.ndarray, "4 4"], owner: str) -> SourceMesh:
+    scale = float(shape.scale[0])
+    if scale <= 0 or np.abs(shape.scale - scale).max() > 1e-9 * scale:
+        raise PackageError(f"{owner}: mesh scale {shape.scale.tolist()}, expected one positive number thrice")
+    return SourceMesh(path=path, T_object_file=T @ shape.T_link_shape, scale=scale)
+
+
+def _read_foreign(
+    folder: Path, urdf: UrdfFile, poses: dict[str, Float[np.ndarray, "4 4"]], meta: dict
+) -> SimPackage:
+    """Somebody else's folder, as a simulator takes it."""
+    foreign = _Foreign(folder=folder, poses=poses, labels=_semantics(folder / "semantics.txt"), records=[])
+    links = tuple(_foreign_link(foreign, urdf, link) for link in urdf.links)
+    return SimPackage(
+        name=folder.resolve().name,
+        category=str(meta.get("model_cat", "")),
+        visual="source",
+        links=links,
+        joints=tuple(_joint(urdf, joint, poses) for joint in urdf.joints),
+        records=tuple(foreign.records),
+    )
+
+
+def _label_of(text: str) -> PartLabel | None:
+    """The label that a name of PartNet-Mobility's stands for, where we know a word in it."""
+    for word, label in LABEL_WORDS:
+        if word in text:
+            return label
+    return None
+
+
+def _semantics(path: Path) -> dict[str, PartLabel]:
+    """Label of every link whose meaning we know; what does not move is the base."""
+    labels: dict[str, PartLabel] = {}
+    if not path.is_file():
+        return labels
+    for line in path.read_text(errors="replace").splitlines():
+        fields = line.split()
+        if len(fields) < 3:
+            continue
+        link, kind, name = fields[:3]
+        known = _label_of(name)
+        if kind in ("heavy", "static") or (kind == "free" and known != "wheel"):
+            known = "base"
+        if known is not None:
+            labels[link] = known
+    return labels
+
+
+def _foreign_link(foreign: _Foreign, urdf: UrdfFile, link: UrdfLink) -> Link:
+    owner = f"{urdf.path}: link {link.name!r}"
+    T = foreign.poses[link.name]
+    label = foreign.labels.get(link.name)
+    visuals = []
+    for index, shape in enumerate(link.visuals):
+        name = shape.name or f"visual_{index}"
+        own = _label_of(name)
+        visuals.append(
+            Visual(
+                name=name,
+                part=name,
+                label=own if own in ("handle", "knob") else label or "base",
+                mesh=_foreign_visual(foreign.folder, shape, T, owner),
+            )
+        )
+    hulls = tuple(_foreign_hull(foreign, shape, T, owner) for shape in link.collisions)
+    return Link(
+        name=link.name,
+        label=label,
+        parts=tuple(dict.fromkeys(visual.part for visual in visuals)),
+        visuals=tuple(visuals),
+        hulls=hulls,
+        inertial=_inertial(link.inertial, T, owner),
+    )
+
+
+def _foreign_visual(
+    folder: Path, shape: UrdfShape, T: Float[np.ndarray, "4 4"], owner: str
+) -> Mesh | SourceMesh:
+    if shape.kind == "mesh":
+        return _source_mesh(package_file(folder, shape.file, owner), shape, T, owner)
+    mesh = primitive_mesh(shape.kind, shape.sizes)
+    return Mesh(vertices=transform_points(T @ shape.T_link_shape, mesh.vertices), faces=mesh.faces)
+
+
+def _foreign_hull(foreign: _Foreign, shape: UrdfShape, T: Float[np.ndarray, "4 4"], owner: str) -> Hull:
+    """The convex hull of a collision shape; a flat one becomes a thin plate, as in an engine, on record."""
+    if shape.kind == "mesh":
+        data = parse_obj(package_file(foreign.folder, shape.file, owner))
+        points = data.vertices[np.unique(data.faces)] * shape.scale
+    else:
+        points = primitive_mesh(shape.kind, shape.sizes).vertices
+    if not len(points):
+        raise PackageError(f"{owner}: collision mesh {shape.file!r} has no faces")
+    points = transform_points(T @ shape.T_link_shape, points)
+    try:
+        return convex_hull(points)
+    except DegeneratePart:
+        foreign.records.append(
+            f"link {link_of(owner)}: collision {shape.file or shape.kind} is flat, read as a plate of 1 mm"
+        )
+        return convex_hull(thicken(points, PLATE_THICKNESS))
+
+
+def link_of(owner: str) -> str:
+    """The quoted name at the end of an error's owner."""
+    return owner.rsplit("link ", 1)[-1]
+
+
+def thicken(points: Float[np.ndarray, "N 3"], thickness: float) -> Float[np.ndarray, "M 3"]:
+    """Points moved half a thickness both ways along every direction in which they are flat."""
+    centered = points - points.mean(axis=0)
+    _, _, directions = np.linalg.svd(np.concatenate([centered, np.zeros((3, 3))]), full_matrices=False)
+    for direction in directions:
+        if np.ptp(points @ direction) < thickness:
+            points = np.concatenate([points - direction * thickness / 2, points + direction * thickness / 2])
+    return points

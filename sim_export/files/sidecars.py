@@ -1,0 +1,304 @@
+"""The JSON and text files beside the URDF: names, handles, physics, where it all came from.
+
+`semantics.txt`, `mobility_v2.json`, `meta.json` and `bounding_box.json` follow PartNet-Mobility;
+`annotations.json`, `physics.json` and `provenance.json` are ours. Lengths are metres, everything is
+given in the object frame at rest (z up, front -x), which is also the frame of the mesh files.
+"""
+
+import json
+
+import numpy as np
+
+from artigen.types import PartLabel
+from sim_export.errors import PackageError
+from sim_export.package import (
+    HandleAnnotation,
+    Link,
+    PackageJoint,
+    Requirement,
+    SimPackage,
+    SourceMesh,
+)
+from sim_export.physics.links import subtree_inertial
+from sim_export.physics.materials import MATERIALS, physx_friction_coefficient
+
+FORMAT = "artigen-package"
+VERSION = 1
+
+SEMANTIC_NAMES: dict[PartLabel, str] = {
+    "drawer": "drawer",
+    "door": "door",
+    "handle": "handle",
+    "knob": "knob",
+    "tray": "tray",
+    "shelf": "shelf",
+    "wheel": "wheel",
+    "base": "part",
+}
+BODY_NAMES: dict[str, str] = {
+    "StorageFurniture": "furniture_body",
+    "Table": "furniture_body",
+    "Refrigerator": "refrigerator_body",
+    "Dishwasher": "dishwasher_body",
+    "Oven": "oven_body",
+    "WashingMachine": "washing_machine_body",
+    "Microwave": "microwave_body",
+}
+
+
+def json_text(value: object) -> str:
+    """Indented JSON with a final newline; NaN is refused."""
+    return json.dumps(value, indent=1, allow_nan=False) + "\n"
+
+
+def _rounded(values: object, decimals: int = 9) -> list:
+    """A nested list of floats without noise digits and negative zeros."""
+    return (np.round(np.asarray(values, np.float64), decimals) + 0.0).tolist()
+
+
+def _number(value: float, decimals: int = 9) -> float:
+    """A float without noise digits and negative zero."""
+    return round(float(value), decimals) + 0.0
+
+
+def child_joint(package: SimPackage, link: Link) -> PackageJoint | None:
+    """The joint whose child a link is; a screw's turning joint rather than its travel."""
+    by_child = {joint.child: joint for joint in package.joints}
+    joint = by_child.get(link.name)
+    return by_child[joint.parent] if joint is not None and joint.mimic is not None else joint
+
+
+def _semantic_kind(joint: PackageJoint) -> str:
+    """PartNet-Mobility's word for how a link moves."""
+    if joint.type == "fixed":
+        return "heavy"
+    if joint.kind == "screw":
+        return "slider+"
+    return "slider" if joint.type == "prismatic" else "hinge"
+
+
+def _semantic_name(package: SimPackage, link: Link, joint: PackageJoint) -> str:
+    if joint.type == "fixed":
+        return BODY_NAMES.get(package.category, f"{package.category.lower()}_body")
+    if link.label == "door":
+        return "rotation_door" if joint.type != "prismatic" else "translation_door"
+    return SEMANTIC_NAMES[link.label or "base"]
+
+
+def _named_links(package: SimPackage) -> list[tuple[Link, PackageJoint]]:
+    """Links that stand for parts, with the joint that moves them."""
+    pairs = [(link, child_joint(package, link)) for link in package.links if link.parts]
+    return [(link, joint) for link, joint in pairs if joint is not None]
+
+
+def semantics_text(package: SimPackage) -> str:
+    """One line per link: name, kind of motion, meaning."""
+    return "".join(
+        f"{link.name} {_semantic_kind(joint)} {_semantic_name(package, link, joint)}\n"
+        for link, joint in _named_links(package)
+    )
+
+
+def mobility_json(package: SimPackage) -> str:
+    """PartNet-Mobility's `mobility_v2.json`; its ids are the numbers of the links, angles are degrees."""
+    named = _named_links(package)
+    number = {link.name: index for index, (link, _) in enumerate(named)}
+    entries = []
+    part_id = 0
+    for link, joint in named:
+        pieces = []
+        for part in link.parts:
+            label = next((v.label for v in link.visuals if v.part == part), link.label)
+            pieces.append({"id": part_id, "name": label, "children": []})
+            part_id += 1
+        moves = joint.type != "fixed"
+        entries.append(
+            {
+                "id": number[link.name],
+                "parent": number.get(_part_link(package, joint.parent), -1) if moves else -1,
+                "joint": _semantic_kind(joint),
+                "name": _semantic_name(package, link, joint),
+                "parts": pieces,
+                "jointData": _joint_data(package, link, joint) if moves else {},
+            }
+        )
+    return json_text(entries)
+
+
+def _part_link(package: SimPackage, name: str) -> str:
+    """A screw's carrier stands for the link it carries."""
+    for joint in package.joints:
+        if joint.mimic is not None and joint.parent == name:
+            return joint.child
+    return name
+
+
+def _joint_data(package: SimPackage, link: Link, joint: PackageJoint) -> dict:
+    """Axis and limits; a screw's slide is limited in metres and turns freely, as in the original."""
+    turning = joint.type != "prismatic"
+    to_file = 180.0 / np.pi if turning else 1.0
+    limit = {
+        "a": _number(joint.lower * to_file, 6),
+        "b": _number(joint.upper * to_file, 6),
+        "noLimit": joint.type == "continuous",
+    }
+    travel = next((j for j in package.joints if j.child == link.name and j.mimic is not None), None)
+    if travel is not None:
+        limit = {
+            "a": _number(travel.lower),
+            "b": _number(travel.upper),
+            "noLimit": False,
+            "rotates": True,
+            "noRotationLimit": joint.type == "continuous",
+        }
+    axis = joint.axis if travel is None else travel.axis
+    return {"axis": {"origin": _rounded(joint.origin), "direction": _rounded(axis)}, "limit": limit}
+
+
+def bounding_box_json(package: SimPackage) -> str:
+    """Lowest and highest corner of all collision hulls, or of the visuals where there are none."""
+    points = [hull.vertices for link in package.links for hull in link.hulls]
+    if not points:
+        points = [
+            visual.mesh.vertices
+            for link in package.links
+            for visual in link.visuals
+            if not isinstance(visual.mesh, SourceMesh)
+        ]
+    if not points:
+        return json_text({})
+    stacked = np.concatenate(points)
+    return json_text({"min": _rounded(stacked.min(axis=0), 6), "max": _rounded(stacked.max(axis=0), 6)})
+
+
+def meta_json(package: SimPackage) -> str:
+    """What the package is called and what each link and visual was made from."""
+    links = [
+        {
+            "name": link.name,
+            "label": link.label,
+            "parts": list(link.parts),
+            "visuals": [
+                {
+                    "name": visual.name,
+                    "part": visual.part,
+                    "label": visual.label,
+                    "source": isinstance(visual.mesh, SourceMesh),
+                }
+                for visual in link.visuals
+            ],
+        }
+        for link in package.links
+    ]
+    return json_text(
+        {
+            "format": FORMAT,
+            "version": VERSION,
+            "model_id": package.name,
+            "model_cat": package.category,
+            "frame": "z up, front -x, metres",
+            "visual": package.visual,
+            "links": links,
+            "records": list(package.records),
+        }
+    )
+
+
+def annotations_json(package: SimPackage) -> str:
+    """Handles and what has to be open before something else can move."""
+    handles = [
+        {
+            "link": handle.link,
+            "part": handle.part,
+            "gapart": handle.gapart,
+            "center": _rounded(np.mean(handle.corners, axis=0)),
+            "corners": _rounded(handle.corners),
+            "normal": _rounded(handle.normal),
+            "grasp_line": _rounded(handle.grasp_line),
+            "width": _number(handle.width),
+            "clearance": _number(handle.clearance),
+            "opening_direction": _rounded(handle.opening_direction),
+        }
+        for handle in package.handles
+    ]
+    needs = [
+        {"joint": need.joint, "needs": need.needs, "fraction": _number(need.fraction)}
+        for need in package.requires_open
+    ]
+    return json_text({"frame": "object at rest, metres", "handles": handles, "requires_open": needs})
+
+
+def physics_json(package: SimPackage) -> str:
+    """Masses, materials and joint resistance, in SI units and as PhysX takes it."""
+    links = [
+        {"name": link.name, "mass": float(f"{link.inertial.mass:.9g}")}
+        for link in package.links
+        if link.inertial is not None
+    ]
+    joints = [
+        {
+            "name": joint.name,
+            "kind": joint.kind,
+            "lower": _number(joint.lower),
+            "upper": _number(joint.upper),
+            "friction": _number(joint.friction),
+            "damping": _number(joint.damping),
+            "physx_friction_coefficient": _coefficient(package, joint),
+        }
+        for joint in package.joints
+        if joint.type != "fixed"
+    ]
+    used = sorted({material for _, material in package.materials})
+    table = {
+        name: {
+            "density": MATERIALS[name].density,
+            "static_friction": MATERIALS[name].static_friction,
+            "sliding_friction": MATERIALS[name].sliding_friction,
+        }
+        for name in MATERIALS
+        if name in used
+    }
+    return json_text(
+        {"links": links, "joints": joints, "materials": dict(package.materials), "material_table": table}
+    )
+
+
+def _coefficient(package: SimPackage, joint: PackageJoint) -> float | None:
+    """The number for SAPIEN's ``joint.set_friction``, ``None`` where the masses are unknown."""
+    by_name = {link.name: link for link in package.links}
+    if by_name[joint.child].inertial is None:
+        return None
+    moved = subtree_inertial(package.links, package.joints, joint.child)
+    lever = float(np.linalg.norm(moved.com - joint.origin))
+    return float(f"{physx_friction_coefficient(joint, moved.mass, lever):.6g}")
+
+
+def provenance_json(package: SimPackage) -> str:
+    """Where the object came from and what made the package."""
+    return json_text(dict(package.provenance))
+
+
+def handles_from_json(value: dict) -> tuple[tuple[HandleAnnotation, ...], tuple[Requirement, ...]]:
+    """Reads what `annotations_json` wrote."""
+    try:
+        handles = tuple(
+            HandleAnnotation(
+                link=entry["link"],
+                part=entry["part"],
+                corners=np.array(entry["corners"], dtype=np.float64).reshape(8, 3),
+                normal=np.array(entry["normal"], dtype=np.float64).reshape(3),
+                grasp_line=np.array(entry["grasp_line"], dtype=np.float64).reshape(2, 3),
+                width=float(entry["width"]),
+                clearance=float(entry["clearance"]),
+                opening_direction=np.array(entry["opening_direction"], dtype=np.float64).reshape(3),
+                gapart=entry["gapart"],
+            )
+            for entry in value["handles"]
+        )
+        needs = tuple(
+            Requirement(joint=entry["joint"], needs=entry["needs"], fraction=float(entry["fraction"]))
+            for entry in value["requires_open"]
+        )
+    except (KeyError, TypeError, ValueError) as err:
+        raise PackageError(f"annotations.json: not as written by this package ({err!r})") from err
+    return handles, needs

@@ -1,0 +1,218 @@
+"""A package as a folder: all files as bytes first, then one move into place.
+
+The folder is built beside its final name under a hidden name (``.<name>.partial-*``), so that a
+reader sees a whole package or none, whatever happens in between. No file holds a time, a path or
+anything else that would change when the same package is written again or elsewhere.
+"""
+
+import hashlib
+import json
+import shutil
+import tempfile
+from pathlib import Path
+from typing import Literal
+
+from sim_export.errors import PackageError
+from sim_export.files.mjcf import mjcf_text
+from sim_export.files.obj import Material, hull_obj_text, mtl_text, obj_text, png_bytes
+from sim_export.files.sidecars import (
+    annotations_json,
+    bounding_box_json,
+    json_text,
+    meta_json,
+    mobility_json,
+    physics_json,
+    provenance_json,
+    semantics_text,
+)
+from sim_export.files.srdf import srdf_text, touching_pairs
+from sim_export.files.urdf import hull_path, urdf_text, visual_path
+from sim_export.package import SimPackage, SourceMesh, Visual
+from sim_export.physics.links import check_kinematics
+
+Overwrite = Literal["refuse", "replace"]
+MANIFEST = "manifest.json"
+UNHASHED = frozenset({MANIFEST, "validation.json"})
+
+
+def package_files(package: SimPackage) -> dict[str, bytes]:
+    """All files of a package by their path in it, the manifest included.
+
+    Raises:
+        InvalidKinematics: If links and joints are not a tree that URDF can say.
+        PackageError: If a source mesh or one of its images cannot be read.
+    """
+    check_kinematics(package)
+    files: dict[str, bytes] = {}
+    for link in package.links:
+        for visual in link.visuals:
+            files |= _visual_files(visual)
+        for index, hull in enumerate(link.hulls):
+            files[hull_path(link, index)] = hull_obj_text(hull, f"{link.name}_{index}").encode()
+    pairs = touching_pairs(package)
+    texts = {
+        "mobility.urdf": urdf_text(package),
+        "mobility_cvx.urdf": urdf_text(package, "maniskill"),
+        "mobility.srdf": srdf_text(package.name, pairs),
+        "mobility.mjcf.xml": mjcf_text(package, pairs),
+        "semantics.txt": semantics_text(package),
+        "mobility_v2.json": mobility_json(package),
+        "meta.json": meta_json(package),
+        "bounding_box.json": bounding_box_json(package),
+        "annotations.json": annotations_json(package),
+        "physics.json": physics_json(package),
+        "provenance.json": provenance_json(package),
+    }
+    files |= {path: text.encode() for path, text in texts.items()}
+    return files | {MANIFEST: manifest_text(files).encode()}
+
+
+def manifest_text(files: dict[str, bytes]) -> str:
+    """SHA-256 of every file in order of their paths."""
+    hashes = {path: hashlib.sha256(files[path]).hexdigest() for path in sorted(files) if path not in UNHASHED}
+    return json_text(hashes)
+
+
+def manifest_problems(folder: Path) -> tuple[str, ...]:
+    """How a folder differs from its manifest: one sentence per file; nothing when it is untouched."""
+    path = folder / MANIFEST
+    try:
+        expected = json.loads(path.read_text())
+        assert isinstance(expected, dict)
+    except (OSError, ValueError, AssertionError) as err:
+        return (f"{MANIFEST} cannot be read ({err})",)
+    there = {
+        file.relative_to(folder).as_posix(): file for file in sorted(folder.rglob("*")) if file.is_file()
+    }
+    problems = [f"{name} is missing" for name in sorted(expected) if name not in there]
+    for name, file in there.items():
+        if name in UNHASHED:
+            continue
+        if name not in expected:
+            problems.append(f"{name} is not in the manifest")
+        elif hashlib.sha256(file.read_bytes()).hexdigest() != expected[name]:
+            problems.append(f"{name} was changed")
+    return tuple(problems)
+
+
+def _visual_files(visual: Visual) -> dict[str, bytes]:
+    """OBJ, MTL and images of one visual."""
+    path = visual_path(visual)
+    stem = path.removesuffix(".obj")
+    if isinstance(visual.mesh, SourceMesh):
+        return _source_files(visual.mesh, stem)
+    name = visual.name
+    files = {path: obj_text(visual.mesh, name, f"{name}.mtl").encode()}
+    image = None
+    if visual.mesh.texture is not None:
+        image = f"{name}.png"
+        files[f"{stem}.png"] = png_bytes(visual.mesh.texture)
+    files[f"{stem}.mtl"] = mtl_text(name, Material(color=visual.mesh.color, image=image)).encode()
+    return files
+
+
+def _source_files(source: SourceMesh, stem: str) -> dict[str, bytes]:
+    """A source OBJ with its MTL and images; only the names by which they refer to each other change."""
+    name = stem.removeprefix("visual/")
+    files: dict[str, bytes] = {}
+    lines = []
+    for line in _read(source.path).split(b"\n"):
+        key, _, value = line.strip().partition(b" ")
+        if key != b"mtllib":
+            lines.append(line)
+        elif f"{stem}.mtl" not in files:
+            library = source.path.parent / value.strip().decode(errors="replace")
+            files |= _material_files(_inside(library, source.path), stem, source.path)
+            lines.append(f"mtllib {name}.mtl".encode())
+    files[f"{stem}.obj"] = b"\n".join(lines)
+    return files
+
+
+def _inside(file: Path, source: Path) -> Path:
+    """``file``, if it lies in the object's folder, which is the one above the mesh's own."""
+    if not file.resolve().is_relative_to(source.parent.parent.resolve()):
+        raise PackageError(f"{source}: refers to {file}, which is outside of the object's folder")
+    return file
+
+
+def _material_files(library: Path, stem: str, source: Path) -> dict[str, bytes]:
+    """An MTL and the images it names, which are called after their content so that equal ones are shared."""
+    files: dict[str, bytes] = {}
+    lines = []
+    for line in _read(library).split(b"\n"):
+        key, _, value = line.strip().partition(b" ")
+        if not (key.startswith((b"map_", b"bump", b"disp", b"decal", b"refl", b"norm"))):
+            lines.append(line)
+            continue
+        value = value.strip()
+        options, file = value.rpartition(b" ")[::2] if value.startswith(b"-") else (b"", value)
+        image = _inside(library.parent / file.decode(errors="replace"), source)
+        content = _read(image)
+        target = f"texture_{hashlib.sha256(content).hexdigest()[:12]}{image.suffix.lower()}"
+        files[f"visual/{target}"] = content
+        lines.append(b" ".join(word for word in (key, options, target.encode()) if word))
+    files[f"{stem}.mtl"] = b"\n".join(lines)
+    return files
+
+
+def _read(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError as err:
+        raise PackageError(f"{path}: cannot be read ({err.strerror}); the visual needs it") from err
+
+
+def write_package(package: SimPackage, folder: Path, overwrite: Overwrite = "refuse") -> Path:
+    """Writes a package to ``folder`` and returns it; on any error nothing is there.
+
+    Args:
+        package: What to write.
+        folder: The package's own folder; its parent is made where it is missing.
+        overwrite: ``refuse`` raises where ``folder`` exists, ``replace`` puts the new package in the
+            place of an old one (only of a package: another folder is never removed).
+
+    Raises:
+        PackageError: If the folder exists, is no package, or cannot be written (read-only, full).
+        InvalidKinematics: If links and joints are not a tree that URDF can say.
+    """
+    folder = Path(folder)
+    if folder.exists() and overwrite == "refuse":
+        raise PackageError(f"{folder}: exists already; remove it or write with overwrite='replace'")
+    if (
+        folder.exists()
+        and not (folder / MANIFEST).is_file()
+        and (not folder.is_dir() or any(folder.iterdir()))
+    ):
+        raise PackageError(f"{folder}: is no package (it has no {MANIFEST}), so it is not replaced")
+    files = package_files(package)
+    scratch: Path | None = None
+    try:
+        folder.parent.mkdir(parents=True, exist_ok=True)
+        scratch = Path(tempfile.mkdtemp(prefix=f".{folder.name}.partial-", dir=folder.parent))
+        for path in sorted(files):
+            target = scratch / path
+            target.parent.mkdir(exist_ok=True)
+            target.write_bytes(files[path])
+        scratch.chmod(0o755)
+        _move_into_place(scratch, folder)
+    except OSError as err:
+        raise PackageError(f"{folder}: cannot be written ({err.strerror or err})") from err
+    finally:
+        if scratch is not None and scratch.exists():
+            shutil.rmtree(scratch, ignore_errors=True)
+    return folder
+
+
+def _move_into_place(scratch: Path, folder: Path) -> None:
+    """Renames ``scratch`` to ``folder``; an old package steps aside first and is then removed."""
+    if not folder.exists():
+        scratch.rename(folder)
+        return
+    aside = Path(tempfile.mkdtemp(prefix=f".{folder.name}.old-", dir=folder.parent))
+    folder.rename(aside)
+    try:
+        scratch.rename(folder)
+    except OSError:
+        aside.rename(folder)
+        raise
+    shutil.rmtree(aside, ignore_errors=True)

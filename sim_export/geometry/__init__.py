@@ -1,0 +1,1 @@
+"""Voxels of parts to closed meshes."""

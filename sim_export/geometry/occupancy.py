@@ -1,0 +1,193 @@
+"""A part's cells as a solid that can be meshed: contested, enclosed and ill-connected cells settled.
+
+Three things stand between labelled surface cells and a solid. A cell that two parts touch is owned
+by one of them, which leaves ragged layers where owners alternate; a closed box is hollow; and cells
+that meet only along an edge or in a corner have no manifold surface. Every change is counted.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float
+from scipy import ndimage
+
+from artigen.types import VoxelGrid
+from sim_export.errors import DegeneratePart
+from sim_export.geometry.joining import join_cells
+
+_SMALL_HOLE = 16
+"""Cells; a hole in a layer up to this size that another part fills is the foot of a knob or handle."""
+_RAGGED_SHARE = 0.15
+"""A layer at the part's box face is completed where the part already owns this share of it."""
+
+
+MIN_LODGER = 8
+"""Cells of other parts inside a cavity that keep it free; fewer are where surfaces touch."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PartOccupancy:
+    """The solid cells of one part, on the asset's whole grid, and how many were added or removed.
+
+    ``shared`` cells belong to another part in the voxel grid, whose surface runs through the same
+    layer; ``shaved`` ones were specks of this part in a layer that others own; ``enclosed`` ones
+    were cavities without a way out; ``joined`` ones connect cells that touched only along an edge or
+    in a corner.
+    """
+
+    occupancy: Bool[np.ndarray, "X Y Z"]
+    shared: int
+    shaved: int
+    enclosed: int
+    joined: int
+
+    @property
+    def records(self) -> tuple[str, ...]:
+        """One sentence for each kind of change."""
+        kinds = (
+            (self.shared, "cells shared with a neighbour completed its surface"),
+            (self.shaved, "specks of cells were left out"),
+            (self.enclosed, "cells of a cavity without a way out became solid"),
+            (self.joined, "cells joined others that touched along an edge only"),
+        )
+        return tuple(f"{count} {what}" for count, what in kinds if count)
+
+
+def part_occupancy(
+    voxels: VoxelGrid, part_id: int, box: Float[np.ndarray, "2 3"] | None = None
+) -> PartOccupancy:
+    """Solid cells of a part: its own, those it shares in ragged layers, and enclosed cavities.
+
+    ``box`` (lowest and highest corner in lattice units) tells how far the part reaches into layers
+    it contests with others; without it such layers stay ragged. The result is well-composed: its
+    boundary is a 2-manifold. Cavities that are open, like a drawer's, or that hold other parts stay free;
+    disconnected pieces stay apart. Raises `DegeneratePart` for a part without cells.
+    """
+    mine = voxels.part_ids == part_id
+    if not mine.any():
+        raise DegeneratePart(f"part {part_id}: owns 0 of {len(mine)} voxels, expected at least 1")
+    whole = np.zeros((2, *(voxels.resolution,) * 3), dtype=bool)
+    whole[0][tuple(voxels.coords[mine].T)] = True
+    whole[1][tuple(voxels.coords[~mine].T)] = True
+    low = np.maximum(voxels.coords[mine].min(axis=0) - 1, 0)
+    high = voxels.coords[mine].max(axis=0) + 2
+    window = tuple(slice(a, b) for a, b in zip(low, high, strict=True))
+    own, others = (np.pad(grid[window], 2) for grid in whole)
+
+    shared = own | _pits(own, others)
+    if box is not None:
+        shared |= _ragged_layers(shared, others, box - low + 2)
+    shaved = _shave_specks(shared, others & ~shared)
+    filled = _fill_cavities(shaved, others)
+    joined = join_cells(filled, others)
+    solid = _fill_cavities(joined, others)
+    inside = tuple(slice(2, -2) for _ in range(3))
+    out = np.zeros(whole.shape[1:], dtype=bool)
+    out[window] = solid[inside]
+    return PartOccupancy(
+        occupancy=out,
+        shared=int(shared.sum() - own.sum()),
+        shaved=int(shared.sum() - shaved.sum()),
+        enclosed=int(filled.sum() - shaved.sum() + solid.sum() - joined.sum()),
+        joined=int(joined.sum() - filled.sum()),
+    )
+
+
+def _shave_specks(own: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """Without single cells and pairs that stick out of a layer of this part into another part.
+
+    Such a cell has this part behind it, in its own layer only cells of others and at most one of
+    this part, and no empty cell.
+    """
+    specks = np.zeros_like(own)
+    neighbours = {axis: [np.roll(own, shift, axis) for shift in (1, -1)] for axis in range(3)}
+    around = {axis: [np.roll(others, shift, axis) for shift in (1, -1)] for axis in range(3)}
+    for normal in range(3):
+        beside = [grid for axis in range(3) if axis != normal for grid in neighbours[axis]]
+        foreign = [grid for axis in range(3) if axis != normal for grid in around[axis]]
+        alone = np.sum(foreign, axis=0, dtype=np.int8) >= 3
+        alone &= np.sum(foreign + beside, axis=0, dtype=np.int8) == 4
+        behind, front = neighbours[normal]
+        specks |= own & alone & (behind ^ front)
+    return own & ~specks
+
+
+def _pits(own: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """Cells of others in gaps up to two cells wide, or in small holes, of a layer of this part.
+
+    Only where the surface of the other part lies in that layer: a panel that stands in a slot is other
+    parts' cells in the layers before and behind as well, and the slot stays.
+    """
+    pits = np.zeros_like(own)
+    for normal in range(3):
+        deep = np.roll(others, 1, normal) & np.roll(others, -1, normal)
+        grid = own
+        for axis in [a for a in range(3) if a != normal]:
+            grid = grid | np.roll(grid, 1, axis) | np.roll(grid, -1, axis)
+        for axis in [a for a in range(3) if a != normal]:
+            grid = grid & np.roll(grid, 1, axis) & np.roll(grid, -1, axis)
+        pits |= grid & others & ~deep
+        pits |= _small_holes(own, others, normal) & ~deep
+    return pits
+
+
+def _small_holes(own: np.ndarray, others: np.ndarray, normal: int) -> np.ndarray:
+    """In-plane components of others' cells up to `_SMALL_HOLE`, surrounded by this part alone."""
+    labels, count = _label(~own, _in_plane(normal))
+    ids = labels.ravel()
+    size = np.bincount(ids, minlength=count + 1)
+    foreign = np.bincount(ids, weights=others.ravel(), minlength=count + 1)
+    small = (size <= _SMALL_HOLE) & (foreign == size)
+    small[0] = False
+    return small[labels]
+
+
+def _ragged_layers(own: np.ndarray, others: np.ndarray, box: np.ndarray) -> np.ndarray:
+    """Cells of others in the outermost layer of this part that its box says it reaches too.
+
+    Only over cells of this part, and only in connected regions of which it has a fair share.
+    """
+    out = np.zeros_like(own)
+    for axis in range(3):
+        layers = np.flatnonzero(own.any(axis=tuple(a for a in range(3) if a != axis)))
+        for layer, inward, depth in (
+            (layers[0], 1, layers[0] + 1 - box[0, axis]),
+            (layers[-1], -1, box[1, axis] - layers[-1]),
+        ):
+            if not 0.05 <= depth <= 1.05:
+                continue
+            mine, theirs = np.take(own, layer, axis), np.take(others, layer, axis)
+            wanted = theirs & np.take(own, layer + inward, axis)
+            labels, count = _label(mine | wanted, ndimage.generate_binary_structure(2, 1))
+            held = np.bincount(labels.ravel(), weights=mine.ravel(), minlength=count + 1)
+            total = np.bincount(labels.ravel(), minlength=count + 1)
+            np.moveaxis(out, axis, 0)[layer] |= wanted & np.greater_equal(held, _RAGGED_SHARE * total)[labels]
+    return out
+
+
+def _label(grid: np.ndarray, structure: np.ndarray) -> tuple[np.ndarray, int]:
+    """Connected components numbered from 1, and how many there are."""
+    labels = np.zeros(grid.shape, dtype=np.int32)
+    ndimage.label(grid, structure=structure, output=labels)
+    return labels, int(labels.max())
+
+
+def _in_plane(normal: int) -> np.ndarray:
+    """Connectivity of cells that share a face within a layer."""
+    structure = ndimage.generate_binary_structure(3, 1)
+    np.moveaxis(structure, normal, 0)[[0, 2]] = False
+    return structure
+
+
+def _fill_cavities(grid: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """Fills empty cells from which no way of cells sharing faces leads out.
+
+    A cavity in which another part lies (the rack of a closed oven) stays free for it.
+    """
+    holes = np.asarray(ndimage.binary_fill_holes(grid), dtype=bool) & ~grid
+    if not (holes & others).any():
+        return grid | holes
+    spaces = np.zeros(grid.shape, dtype=np.int64)
+    ndimage.label(holes, output=spaces)
+    lodgers = np.bincount(spaces[others & holes], minlength=int(spaces.max()) + 1)
+    return grid | (holes & (lodgers[spaces] < MIN_LODGER))

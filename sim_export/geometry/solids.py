@@ -1,0 +1,194 @@
+"""Meshes as exact solids (`manifold3d`): booleans between hulls and meshes, and their volumes."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import manifold3d
+import numpy as np
+from jaxtyping import Bool, Float, Int
+from scipy import ndimage
+
+from sim_export.checks.surface import surface_distances
+from sim_export.collision.hulls import convex_hull, hull_planes, merge_planes
+from sim_export.errors import OpenMesh
+from sim_export.geometry.sampling import sample_triangles
+from sim_export.package import Hull, Mesh
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fit:
+    """How well hulls stand for a solid.
+
+    ``volume_error`` is the volume of the symmetric difference over the solid's, ``cavity`` the space
+    between the solid and its one convex hull over the volume of that hull.
+    """
+
+    volume_error: float
+    cavity: float
+
+
+def as_solid(mesh: Mesh | Hull) -> manifold3d.Manifold:
+    """The enclosed volume of a closed mesh; inner voids, where the mesh has any, stay free.
+
+    Raises:
+        OpenMesh: if the mesh does not enclose a volume.
+    """
+    solid = _manifold(mesh.vertices, mesh.faces)
+    if solid.status() != manifold3d.Error.NoError or solid.is_empty() or solid.volume() <= 0.0:
+        raise OpenMesh(
+            f"a mesh of {len(mesh.faces)} faces encloses {solid.volume():.3g} m^3 "
+            f"({solid.status().name}); it must be closed, with faces counter-clockwise from outside"
+        )
+    return solid
+
+
+def solid_arrays(solid: manifold3d.Manifold) -> tuple[Float[np.ndarray, "V 3"], Int[np.ndarray, "F 3"]]:
+    """Vertices and faces of a solid."""
+    mesh = solid.to_mesh64()
+    return np.asarray(mesh.vert_properties[:, :3]), np.asarray(mesh.tri_verts).astype(np.int64)
+
+
+def solid_hull(solid: manifold3d.Manifold) -> Hull:
+    """Convex hull of a solid; raises `DegeneratePart` when it is flat."""
+    return convex_hull(solid_arrays(solid.hull())[0])
+
+
+def measure_fit(hulls: Sequence[Hull], solid: manifold3d.Manifold) -> Fit:
+    """Compares the union of hulls with the solid they stand for, by exact booleans."""
+    union = manifold3d.Manifold.batch_boolean(
+        [_manifold(hull.vertices, hull.faces) for hull in hulls], manifold3d.OpType.Add
+    )
+    volume, outer, common = solid.volume(), solid.hull().volume(), (union ^ solid).volume()
+    return Fit(
+        volume_error=max((union.volume() + volume - 2.0 * common) / volume, 0.0),
+        cavity=max((outer - volume) / outer, 0.0),
+    )
+
+
+def measure_stray(hulls: Sequence[Hull], solid: manifold3d.Manifold) -> Float[np.ndarray, "N"]:
+    """How far (m) points of the solid's surface lie outside of all hulls; 0 inside.
+
+    A lower bound. Volume alone would not miss feet, thin panels and rims.
+    """
+    vertices, faces = solid_arrays(solid)
+    points = sample_triangles(vertices[faces], 2000)[0]
+    outside = np.full(len(points), np.inf)
+    for hull in hulls:
+        planes = hull_planes(hull)
+        outside = np.minimum(outside, (points @ planes[:, :3].T - planes[:, 3]).max(axis=1))
+    return np.maximum(outside, 0.0)
+
+
+SURFACE_SAMPLES = 10_000
+
+
+def measure_bulge(hulls: Sequence[Hull], solid: manifold3d.Manifold) -> Float[np.ndarray, "N"]:
+    """How far (m) points on the outside of the hulls lie from the solid's surface.
+
+    What other hulls cover is not outside.
+    """
+    vertices, faces = solid_arrays(solid)
+    triangles = np.concatenate([hull.vertices[hull.faces] for hull in hulls])
+    owner = np.repeat(np.arange(len(hulls)), [len(hull.faces) for hull in hulls])
+    points, face = sample_triangles(triangles, 2000)
+    touching = 1e-4 * float(np.linalg.norm(np.ptp(vertices, axis=0)))
+    covered = np.zeros(len(points), dtype=bool)
+    for index, hull in enumerate(hulls):
+        planes = hull_planes(hull)
+        within = (points @ planes[:, :3].T - planes[:, 3]).max(axis=1) <= touching
+        covered |= within & (owner[face] != index)
+    free = points[~covered]
+    if not len(free):
+        return np.zeros(0)
+    return surface_distances(free, vertices[faces], SURFACE_SAMPLES)
+
+
+def measure_kept_cavity(
+    hulls: Sequence[Hull], solid: manifold3d.Manifold, skin: float, resolution: int = 36
+) -> float:
+    """Share of the space that a solid encloses or shelters which its hulls leave free.
+
+    Counted in points of a grid, inside the solid's one convex hull and more than ``skin`` (m) away
+    from the solid; 1 where those are less than a twentieth of that hull.
+    """
+    vertices, faces = solid_arrays(solid)
+    low, high = vertices.min(axis=0), vertices.max(axis=0)
+    x, y, z = (
+        low[axis] + (high - low)[axis] * (np.arange(resolution) + 0.4871) / resolution for axis in range(3)
+    )
+    solid_points = inside_grid(vertices, faces, (x, y, z))
+    reach = ndimage.distance_transform_edt(~solid_points, sampling=(high - low) / resolution)
+    grid = np.stack(np.meshgrid(x, y, z, indexing="ij"), axis=-1)
+    points = grid[np.asarray(reach) > skin]
+    points = points[_inside_hull(points, solid_hull(solid))]
+    cell = float(np.prod((high - low) / resolution))
+    if len(points) * cell < 0.05 * solid.hull().volume():
+        return 1.0
+    free = points
+    for hull in hulls:
+        free = free[~_inside_hull(free, hull)]
+    return len(free) / len(points)
+
+
+def _inside_hull(points: np.ndarray, hull: Hull) -> np.ndarray:
+    low, high = hull.vertices.min(axis=0), hull.vertices.max(axis=0)
+    near = np.ones(len(points), dtype=bool)
+    for axis in range(3):
+        near &= (points[:, axis] >= low[axis]) & (points[:, axis] <= high[axis])
+    for plane in merge_planes(hull_planes(hull)):
+        near[near] = points[near] @ plane[:3] <= plane[3] + 1e-9
+    return near
+
+
+def inside_grid(
+    vertices: Float[np.ndarray, "V 3"],
+    faces: Int[np.ndarray, "F 3"],
+    axes: tuple[Float[np.ndarray, "X"], Float[np.ndarray, "Y"], Float[np.ndarray, "Z"]],
+) -> Bool[np.ndarray, "X Y Z"]:
+    """Which points of a tensor grid (sorted coordinates per axis) lie inside a closed mesh.
+
+    Winding numbers along z: each triangle adds to the columns whose foot it covers. Points should
+    not lie exactly on the mesh.
+    """
+    xs, ys, zs = axes
+    corners = vertices[faces]  # F 3 3
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    steep = np.abs(normals[:, 2]) > 1e-15
+    corners, normals = corners[steep], normals[steep]
+    first, last = [], []
+    for axis, grid in ((0, xs), (1, ys)):
+        first.append(np.searchsorted(grid, corners[:, :, axis].min(axis=1), side="left"))
+        last.append(np.searchsorted(grid, corners[:, :, axis].max(axis=1), side="right"))
+    counts = [np.maximum(last[axis] - first[axis], 0) for axis in range(2)]
+    total = counts[0] * counts[1]
+    triangle = np.repeat(np.arange(len(corners)), total)
+    local = np.arange(total.sum()) - np.repeat(np.cumsum(total) - total, total)
+    i = first[0][triangle] + local // np.maximum(counts[1][triangle], 1)
+    j = first[1][triangle] + local % np.maximum(counts[1][triangle], 1)
+    at = np.stack([xs[i], ys[j]], axis=1)
+    covered = np.ones(len(at), dtype=bool)
+    turn = np.sign(normals[:, 2])[triangle]
+    for start, end in ((0, 1), (1, 2), (2, 0)):
+        a, b = corners[triangle, start, :2], corners[triangle, end, :2]
+        # Both triangles at an edge evaluate it from the same end, so that exactly one covers a point.
+        flip = (a[:, 0] > b[:, 0]) | ((a[:, 0] == b[:, 0]) & (a[:, 1] > b[:, 1]))
+        low, high = np.where(flip[:, None], b, a), np.where(flip[:, None], a, b)
+        side = (high[:, 0] - low[:, 0]) * (at[:, 1] - low[:, 1]) - (high[:, 1] - low[:, 1]) * (
+            at[:, 0] - low[:, 0]
+        )
+        covered &= (np.where(side >= 0.0, 1.0, -1.0) * np.where(flip, -1.0, 1.0)) == turn
+    triangle, i, j, at = triangle[covered], i[covered], j[covered], at[covered]
+    rise = np.einsum("ij,ij->i", normals[triangle, :2], corners[triangle, 0, :2] - at) / normals[triangle, 2]
+    level = np.searchsorted(zs, corners[triangle, 0, 2] + rise)
+    winding = np.zeros((len(xs), len(ys), len(zs) + 1), dtype=np.int32)
+    np.add.at(winding, (i, j, level), -np.sign(normals[triangle, 2]).astype(np.int32))
+    return np.cumsum(winding, axis=2)[:, :, :-1] > 0
+
+
+def _manifold(vertices: np.ndarray, faces: np.ndarray) -> manifold3d.Manifold:
+    # Copies, because manifold3d refuses read-only arrays.
+    mesh = manifold3d.Mesh64(
+        vert_properties=np.array(vertices, dtype=np.float64, order="C"),
+        tri_verts=np.array(faces, dtype=np.uint64, order="C"),
+    )
+    return manifold3d.Manifold(mesh)

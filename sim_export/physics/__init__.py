@@ -1,0 +1,1 @@
+"""Mass, inertia, materials, links and joints, handles."""

@@ -1,0 +1,394 @@
+"""Handles and knobs: where they are, which way they face, how a gripper takes them and where they go.
+
+Everything is measured on the part meshes at rest. The outward normal is the direction in which the
+carrier lies behind the handle and nothing in front of it; the box is the smallest one around the
+handle with one axis along that normal; clearance comes from rays through the bar to whatever is
+behind it.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from artigen.types import Asset, Part
+from sim_export.package import HandleAnnotation, Mesh, PackageJoint
+from sim_export.physics.links import LinkTree, link_names, link_owners
+
+SNAP_DEGREES = 5.0
+MAX_TILT_DEGREES = 35.0
+AGREEMENT = 0.6
+FINGER_SHARE = 0.2
+
+
+@dataclass(frozen=True, kw_only=True)
+class HandleConfig:
+    """How handles are measured."""
+
+    reach: float = 0.15
+    """How far behind a handle (m) its carrier is looked for; also the largest clearance reported."""
+
+    samples: int = 15
+    """Rays along a handle; more resolve thinner legs."""
+
+    bar_ratio: float = 2.0
+    """A fixed handle at least this many times longer than wide is a line handle, else a round one."""
+
+    def __post_init__(self) -> None:
+        if not self.reach > 0 or self.samples < 3:
+            raise ValueError(f"reach {self.reach} m must be > 0 and samples {self.samples} at least 3")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Frame:
+    """Box of a handle: rows of ``axes`` are its normal, its long and its short direction."""
+
+    center: Float[np.ndarray, "3"]
+    axes: Float[np.ndarray, "3 3"]
+    size: Float[np.ndarray, "3"]
+
+
+def annotate_handles(
+    asset: Asset, meshes: Sequence[Mesh], tree: LinkTree, cfg: HandleConfig | None = None
+) -> tuple[HandleAnnotation, ...]:
+    """Annotates every handle and knob that moves with a link; those fixed to the body are left out.
+
+    A movable part without handle or knob has no annotation.
+
+    Args:
+        asset: Parts and joints.
+        meshes: One mesh per part (metres, object frame at rest); an empty one is skipped.
+        tree: The links that `build_links` made of the asset.
+        cfg: How handles are measured.
+    """
+    cfg = cfg or HandleConfig()
+    owners, names = link_owners(asset), link_names(asset)
+    joints = {joint.child: joint for joint in tree.joints}
+    triangles = [mesh.vertices[mesh.faces] for mesh in meshes]
+    out = []
+    for index, part in enumerate(asset.parts):
+        if part.label not in ("handle", "knob") or owners[index] == asset.root or not len(triangles[index]):
+            continue
+        link = names[owners[index]]
+        carrier = triangles[part.parent]
+        others = np.concatenate([found for k, found in enumerate(triangles) if k != index])
+        out.append(_annotate(part, link, joints[link], triangles[index], carrier, others, cfg))
+    return tuple(out)
+
+
+def _annotate(
+    part: Part,
+    link: str,
+    joint: PackageJoint,
+    triangles: Float[np.ndarray, "F 3 3"],
+    carrier: Float[np.ndarray, "G 3 3"],
+    others: Float[np.ndarray, "H 3 3"],
+    cfg: HandleConfig,
+) -> HandleAnnotation:
+    points = triangles.reshape(-1, 3)
+    center = (points.min(axis=0) + points.max(axis=0)) / 2
+    motion = joint_velocity(joint, center)
+    in_place = joint.type != "prismatic" and np.linalg.norm(motion) < np.ptp(points, axis=0).max() / 4
+    guide = np.asarray(joint.axis) if in_place else motion / np.linalg.norm(motion)
+    normal = _outward_normal(points, _near(carrier, points, cfg.reach), guide, cfg)
+    frame = _box_along(points, normal)
+    if part.label == "knob":
+        half = 0.4 * frame.size[1] * frame.axes[1]
+        line = np.stack([frame.center - half, frame.center + half])
+        clearance = min(_stand_off(frame, _near(carrier, points, cfg.reach)), cfg.reach)
+    else:
+        clearance, line = _grip(frame, triangles, _near(others, points, cfg.reach), cfg)
+    direction = motion
+    if in_place:  # its outline moves, its centre hardly does
+        direction = joint_velocity(joint, line[1])
+    if np.linalg.norm(direction) < 1e-9:
+        direction = joint.axis
+    return HandleAnnotation(
+        link=link,
+        part=part.name,
+        corners=_corners(frame),
+        normal=frame.axes[0],
+        grasp_line=line,
+        width=float(frame.size[2]),
+        clearance=clearance,
+        opening_direction=direction / np.linalg.norm(direction),
+        gapart=gapart_class(part, float(frame.size[1] / max(frame.size[2], 1e-9)), cfg),
+    )
+
+
+def joint_velocity(joint: PackageJoint, point: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3"]:
+    """Velocity of a point per unit of joint speed, at rest; a screw's slow travel is left out."""
+    if joint.type == "prismatic" and joint.mimic is None:
+        return np.array(joint.axis)
+    axis = np.asarray(joint.axis)
+    return np.cross(axis, point - joint.origin)
+
+
+def gapart_class(part: Part, ratio: float, cfg: HandleConfig) -> str:
+    """GAPartNet's class of a handle or knob whose length is ``ratio`` times its width."""
+    if part.label == "knob" and part.joint.type == "prismatic":
+        return "slider_button"
+    if part.joint.type != "fixed":
+        return "hinge_knob" if part.label == "knob" else "hinge_handle"
+    return "line_fixed_handle" if ratio >= cfg.bar_ratio else "round_fixed_handle"
+
+
+def _near(
+    triangles: Float[np.ndarray, "F 3 3"], points: Float[np.ndarray, "N 3"], reach: float
+) -> Float[np.ndarray, "G 3 3"]:
+    """Triangles whose boxes come within ``reach`` of the points' box."""
+    low, high = points.min(axis=0) - reach, points.max(axis=0) + reach
+    near = (triangles.min(axis=1) <= high).all(axis=1) & (triangles.max(axis=1) >= low).all(axis=1)
+    return triangles[near]
+
+
+def ray_hits(
+    origins: Float[np.ndarray, "R 3"],
+    direction: Float[np.ndarray, "3"],
+    triangles: Float[np.ndarray, "F 3 3"],
+) -> tuple[Float[np.ndarray, "R F"], Float[np.ndarray, "F"]]:
+    """Distances of parallel rays to triangles (infinite where they miss or lie behind), and for each
+    triangle -1 where the rays enter through it (it faces them), 1 where they leave, 0 edge-on."""
+    a = triangles[:, 0]
+    edge1, edge2 = triangles[:, 1] - a, triangles[:, 2] - a
+    facing = np.cross(edge1, edge2) @ direction  # F
+    p = np.cross(direction, edge2)
+    determinant = np.einsum("fi,fi->f", edge1, p)
+    proper = np.abs(determinant) > 1e-15
+    scale = np.where(proper, 1.0 / np.where(proper, determinant, 1.0), 0.0)
+    s = origins[:, None] - a[None]  # R F 3
+    u = np.einsum("rfi,fi->rf", s, p) * scale
+    q = np.cross(s, edge1[None])
+    v = (q @ direction) * scale
+    t = np.einsum("rfi,fi->rf", q, edge2) * scale
+    hit = proper & (u >= 0) & (v >= 0) & (u + v <= 1) & (t >= 0)
+    return np.where(hit, t, np.inf), np.sign(facing)
+
+
+def _outward_normal(
+    points: Float[np.ndarray, "N 3"],
+    carrier: Float[np.ndarray, "F 3 3"],
+    guide: Float[np.ndarray, "3"],
+    cfg: HandleConfig,
+) -> Float[np.ndarray, "3"]:
+    """The direction with the carrier behind and nothing of it in front.
+
+    Candidates are the object's axes and the ``guide``: the handle's first motion, or its joint's axis
+    where it turns in place; where several fit, the one most along the guide. The winner is then laid
+    along the carrier's face behind the handle.
+    """
+    candidates = np.concatenate([np.eye(3), -np.eye(3), [guide, -guide]])
+    scores = []
+    for direction in candidates:
+        grid = _silhouette(points, direction)
+        depth = np.ptp(points @ direction) + cfg.reach
+        behind = _hit_share(grid, -direction, carrier, depth)
+        before = _hit_share(grid, direction, carrier, depth)
+        scores.append(behind - before + 0.3 * abs(direction @ guide) + 1e-3 * (direction @ guide))
+    best = candidates[int(np.argmax(np.round(scores, 9)))]
+    return _lay_along(best, _silhouette(points, best), carrier)
+
+
+def _lay_along(
+    direction: Float[np.ndarray, "3"], grid: Float[np.ndarray, "R 3"], carrier: Float[np.ndarray, "F 3 3"]
+) -> Float[np.ndarray, "3"]:
+    """The carrier's normal behind the handle where most rays agree on one; object axes win when close."""
+    normal = direction
+    carrier = _in_the_way(grid, -direction, carrier)
+    if len(carrier):
+        distances, sides = ray_hits(grid, -direction, carrier)
+        distances = np.where(sides < 0, distances, np.inf)
+        first = distances.argmin(axis=1)[np.isfinite(distances.min(axis=1))]
+        faces = carrier[first]
+        normals = np.cross(faces[:, 1] - faces[:, 0], faces[:, 2] - faces[:, 0])
+        normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+        normals = normals[normals @ direction > np.cos(np.radians(MAX_TILT_DEGREES))]
+        alike = normals @ normals.T > np.cos(np.radians(SNAP_DEGREES))
+        most = int(alike.sum(axis=1).argmax()) if len(normals) else 0
+        if len(normals) and alike[most].sum() > AGREEMENT * len(first):
+            mean = normals[alike[most]].sum(axis=0)
+            normal = mean / np.linalg.norm(mean)
+    nearest = int(np.abs(normal).argmax())
+    if abs(normal[nearest]) > np.cos(np.radians(SNAP_DEGREES)):
+        normal = np.sign(normal[nearest]) * np.eye(3)[nearest] + 0.0
+    return normal
+
+
+def _in_the_way(
+    origins: Float[np.ndarray, "R 3"],
+    direction: Float[np.ndarray, "3"],
+    triangles: Float[np.ndarray, "F 3 3"],
+) -> Float[np.ndarray, "G 3 3"]:
+    """Triangles that parallel rays could meet: seen along them, their boxes overlap that of the origins."""
+    across = np.stack(_plane_axes(direction), axis=1)  # 3 2
+    flat, seen = triangles @ across, origins @ across
+    near = (flat.min(axis=1) <= seen.max(axis=0)).all(axis=1) & (flat.max(axis=1) >= seen.min(axis=0)).all(
+        axis=1
+    )
+    return triangles[near]
+
+
+def _hit_share(
+    origins: Float[np.ndarray, "R 3"],
+    direction: Float[np.ndarray, "3"],
+    triangles: Float[np.ndarray, "F 3 3"],
+    depth: float,
+) -> float:
+    """Share of rays that meet a triangle within ``depth``."""
+    triangles = _in_the_way(origins, direction, triangles)
+    if not len(triangles):
+        return 0.0
+    return float((ray_hits(origins, direction, triangles)[0].min(axis=1) <= depth).mean())
+
+
+def _plane_axes(normal: Float[np.ndarray, "3"]) -> tuple[np.ndarray, np.ndarray]:
+    """Two directions across ``normal``; object axes where ``normal`` is one."""
+    first = np.eye(3)[int(np.argmin(np.abs(normal)))]
+    first = first - (first @ normal) * normal
+    first /= np.linalg.norm(first)
+    return first, np.cross(normal, first)
+
+
+def _silhouette(points: Float[np.ndarray, "N 3"], direction: Float[np.ndarray, "3"]) -> np.ndarray:
+    """A grid over the outermost face of the points' box; off the middle, to keep clear of edges."""
+    u, v = _plane_axes(direction)
+    steps = np.array([0.13, 0.31, 0.52, 0.71, 0.88])
+    low_u, low_v = (points @ u).min(), (points @ v).min()
+    grid_u = low_u + steps * np.ptp(points @ u)
+    grid_v = low_v + steps * np.ptp(points @ v)
+    top = (points @ direction).max()
+    a, b = (axis.ravel() for axis in np.meshgrid(grid_u, grid_v))
+    return a[:, None] * u + b[:, None] * v + top * direction
+
+
+def _box_along(points: Float[np.ndarray, "N 3"], normal: Float[np.ndarray, "3"]) -> _Frame:
+    """The smallest box with one axis along ``normal``: least area over the sides of the 2D hull."""
+    from scipy.spatial import ConvexHull, QhullError
+
+    u, v = _plane_axes(normal)
+    flat = np.stack([points @ u, points @ v], axis=1)
+    angles = [0.0]
+    try:
+        outline = flat[ConvexHull(flat).vertices]
+        sides = np.roll(outline, -1, axis=0) - outline
+        angles += sorted(np.unique(np.round(np.arctan2(sides[:, 1], sides[:, 0]) % (np.pi / 2), 6)).tolist())
+    except QhullError:  # seen along the normal it is a line: its own direction is the only one
+        spread = np.linalg.svd(flat - flat.mean(axis=0), full_matrices=False)[2][0]
+        angles = [float(np.arctan2(spread[1], spread[0]))]
+    areas = [np.prod(np.ptp(flat @ _turn(angle), axis=0)) for angle in angles]
+    best = angles[int(np.argmin(np.round(areas, 8)))]
+    turn = _turn(best)
+    axes = np.stack([normal, *(turn.T @ np.stack([u, v]))])
+    if np.ptp(points @ axes[2]) > np.ptp(points @ axes[1]) + 1e-9:
+        axes = np.stack([axes[0], axes[2], -axes[1]])
+    local = points @ axes.T
+    low, high = local.min(axis=0), local.max(axis=0)
+    return _Frame(center=(low + high) / 2 @ axes, axes=axes, size=high - low)
+
+
+def _turn(angle: float) -> Float[np.ndarray, "2 2"]:
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[c, -s], [s, c]])
+
+
+def _corners(frame: _Frame) -> Float[np.ndarray, "8 3"]:
+    signs = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
+    return frame.center + (signs * frame.size / 2) @ frame.axes
+
+
+def _grip(
+    frame: _Frame,
+    triangles: Float[np.ndarray, "F 3 3"],
+    behind: Float[np.ndarray, "G 3 3"],
+    cfg: HandleConfig,
+) -> tuple[float, Float[np.ndarray, "2 3"]]:
+    """Clearance behind a bar and the line to grasp, from rays along its middle and its two sides.
+
+    The clearance is the largest depth that is free over a stretch of at least `FINGER_SHARE` of the
+    bar's length; the line runs through the middle of the bar as far as most of that depth is free.
+    A handle without free depth has the line through the middle of its box.
+    """
+    normal, along, across = frame.axes
+    steps = ((np.arange(cfg.samples) + 0.5) / cfg.samples - 0.5) * frame.size[1]
+    start = frame.center + normal * (frame.size[0] / 2 + 1e-3)
+    free = np.full(cfg.samples, np.inf)
+    middle = np.zeros(cfg.samples)
+    for side in (-0.3, 0.0, 0.3):
+        origins = start + side * frame.size[2] * across + steps[:, None] * along
+        fronts, backs = _bar_depths(origins, -normal, triangles)
+        depth = _free_depth(origins, -normal, backs, behind)
+        free = np.minimum(free, np.where(np.isfinite(backs), depth, 0.0 if side == 0.0 else np.inf))
+        if side == 0.0:
+            middle = (fronts + backs) / 2
+    free = np.minimum(free, cfg.reach)
+    window = max(3, round(FINGER_SHARE * cfg.samples))
+    stretches = np.lib.stride_tricks.sliding_window_view(free, window).min(axis=1)
+    clearance = float(stretches.max())
+    if clearance < 1e-4:
+        half = 0.4 * frame.size[1] * along
+        return 0.0, np.stack([frame.center - half, frame.center + half])
+    low, high = _run_around(free >= 0.8 * clearance, int(stretches.argmax()))
+    origins = start + steps[[low, high - 1], None] * along
+    return clearance, origins - float(np.median(middle[low:high])) * normal
+
+
+def _free_depth(
+    origins: Float[np.ndarray, "R 3"],
+    direction: Float[np.ndarray, "3"],
+    starts: Float[np.ndarray, "R"],
+    triangles: Float[np.ndarray, "F 3 3"],
+) -> Float[np.ndarray, "R"]:
+    """How far each ray goes on from ``starts`` until it meets something; infinite where nothing is."""
+    triangles = _in_the_way(origins, direction, triangles)
+    if not len(triangles):
+        return np.full(len(origins), np.inf)
+    starts = np.where(np.isfinite(starts), starts, 0.0)
+    distances = ray_hits(origins, direction, triangles)[0]
+    return np.where(distances >= starts[:, None] - 1e-6, distances, np.inf).min(axis=1) - starts
+
+
+def _stand_off(frame: _Frame, carrier: Float[np.ndarray, "F 3 3"]) -> float:
+    """How far a knob's back stands off the carrier around it, 0 where it touches or nothing is there.
+
+    Voxels under a knob are the knob's own, so that its carrier often has a hole there: the rays go
+    past the knob's outline instead of through it.
+    """
+    normal, along, across = frame.axes
+    turn = np.linspace(0.0, 2 * np.pi, 16, endpoint=False)[:, None]
+    ring = np.cos(turn) * along * frame.size[1] + np.sin(turn) * across * frame.size[2]
+    origins = frame.center + normal * (frame.size[0] / 2 + 1e-3) + 0.75 * ring
+    depths = _free_depth(origins, -normal, np.zeros(len(origins)), carrier)
+    depths = depths[np.isfinite(depths)]
+    return max(0.0, float(np.median(depths)) - 1e-3 - float(frame.size[0])) if len(depths) else 0.0
+
+
+def _bar_depths(
+    origins: Float[np.ndarray, "R 3"],
+    direction: Float[np.ndarray, "3"],
+    triangles: Float[np.ndarray, "F 3 3"],
+) -> tuple[np.ndarray, np.ndarray]:
+    """Where each ray enters the handle and where it first leaves it again, infinite where it misses."""
+    distances, sides = ray_hits(origins, direction, triangles)
+    fronts, backs = np.full(len(origins), np.inf), np.full(len(origins), np.inf)
+    for row in range(len(origins)):
+        hits = np.flatnonzero(np.isfinite(distances[row]) & (sides != 0))
+        if not len(hits):
+            continue
+        # A ray through an edge that two triangles share must count once.
+        keys = np.unique(np.stack([np.round(distances[row, hits], 7), sides[hits]], axis=1), axis=0)
+        depth = np.cumsum(-keys[:, 1])
+        fronts[row] = keys[0, 0]
+        out = np.flatnonzero(depth <= 0)
+        backs[row] = keys[out[0], 0] if len(out) else keys[-1, 0]
+    return fronts, backs
+
+
+def _run_around(flags: np.ndarray, index: int) -> tuple[int, int]:
+    """Start and end of the stretch of true values that holds ``index``."""
+    low = high = index
+    while low > 0 and flags[low - 1]:
+        low -= 1
+    while high < len(flags) and flags[high]:
+        high += 1
+    return low, high

@@ -1,0 +1,62 @@
+"""The mass of a part: its walls, not the space they enclose.
+
+Voxels of a closed body describe a shell; its mesh encloses the cavity as well, because nothing can
+get in there. So the mass properties are those of the solid mesh minus those of the cells that lie in
+the cavity, both exact.
+"""
+
+import numpy as np
+from jaxtyping import Bool, Float
+from scipy.ndimage import binary_erosion
+
+from artigen.types import Asset
+from sim_export.errors import DegeneratePart
+from sim_export.geometry.occupancy import PartOccupancy
+from sim_export.package import Inertial, Mesh
+from sim_export.physics.inertia import inertia_about, mesh_inertial
+from sim_export.physics.materials import MATERIALS, part_material
+
+
+def weigh_part(asset: Asset, part_id: int, mesh: Mesh, occupancy: PartOccupancy) -> Inertial:
+    """Mass properties of the walls of a part, of the material that its label and category imply.
+
+    Args:
+        asset: parts and voxels; unit-cube lengths.
+        part_id: which part.
+        mesh: its closed mesh, metres.
+        occupancy: the cells that the mesh was made of.
+    """
+    if asset.voxels is None:
+        raise ValueError(f"asset {asset.name!r} has no voxels; voxelize its surface first")
+    part = asset.parts[part_id]
+    density = MATERIALS[part_material(part.label, asset.category)].density
+    solid = mesh_inertial(mesh, density)
+    cavity = binary_erosion(occupancy.occupancy)  # the outermost cells are wall, and so is any part's surface
+    cavity[tuple(asset.voxels.coords.T)] = False
+    if not cavity.any():
+        return solid
+    walls = subtract(solid, cells_inertial(cavity, asset.scale / asset.voxels.resolution, density))
+    if walls.mass <= 0:
+        raise DegeneratePart(
+            f"part {part.name!r}: walls of {walls.mass:.3g} kg around its cavity, expected > 0"
+        )
+    return walls
+
+
+def cells_inertial(cells: Bool[np.ndarray, "R R R"], cell_size: float, density: float) -> Inertial:
+    """Mass properties of the cubes of a grid that is centred on the origin."""
+    centers = (np.argwhere(cells) + 0.5 - cells.shape[0] / 2) * cell_size
+    mass = density * cell_size**3
+    com = centers.mean(axis=0)
+    arms = centers - com
+    own = mass * cell_size**2 / 6.0 * len(arms) * np.eye(3)
+    second = mass * arms.T @ arms
+    return Inertial(mass=mass * len(arms), com=com, inertia=own + np.trace(second) * np.eye(3) - second)
+
+
+def subtract(whole: Inertial, hole: Inertial) -> Inertial:
+    """Mass properties of ``whole`` without ``hole``."""
+    mass = whole.mass - hole.mass
+    com = (whole.mass * np.asarray(whole.com) - hole.mass * np.asarray(hole.com)) / mass
+    rest: Float[np.ndarray, "3 3"] = inertia_about(whole, com) - inertia_about(hole, com)
+    return Inertial(mass=mass, com=com, inertia=rest)

@@ -1,0 +1,1 @@
+"""Pictures of packages, and the view in the browser."""

@@ -1,0 +1,213 @@
+"""A package as surfaces to draw: its visuals or hulls in any pose, with the look of each purpose.
+
+Surfaces carry the index of their link as id. Poses are the displacements that
+`sim_export.collision.motion.link_displacements` gives for joint coordinates; `explode_links` adds offsets
+that take the links apart.
+"""
+
+import colorsys
+from collections.abc import Sequence
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Float
+
+from artigen.transforms import transform_points
+from artigen.types import PartLabel
+from sim_export.collision.motion import driven_joints, link_displacements, package_joint_motion
+from sim_export.errors import PackageError
+from sim_export.files.obj import Material, ObjData, ObjGroup, parse_mtl, parse_obj, read_image
+from sim_export.package import Hull, Mesh, PackageJoint, SimPackage, SourceMesh, Visual
+from sim_export.picture.raycast import Surface
+from sim_export.picture.render import move_surface, surface_from_mesh
+
+Look = Literal["own", "label", "link", "collision"]
+"""What colours mean: the visuals' own, the parts' labels, one per link, or one per collision hull."""
+
+LABEL_COLORS: dict[PartLabel, tuple[float, float, float]] = {
+    "base": (0.74, 0.75, 0.77),
+    "drawer": (0.30, 0.53, 0.79),
+    "door": (0.92, 0.60, 0.25),
+    "handle": (0.80, 0.25, 0.27),
+    "knob": (0.58, 0.36, 0.65),
+    "tray": (0.33, 0.66, 0.49),
+    "shelf": (0.87, 0.78, 0.36),
+    "wheel": (0.35, 0.35, 0.38),
+}
+"""sRGB of each part label where pictures are coloured by label."""
+
+CONTINUOUS_OPEN = np.pi / 2
+"""What stands for "open" of a joint that turns without limit: a quarter turn, in radians."""
+
+HAIR = 2e-5
+"""Step by which drawn hulls are swollen, as a fraction of the object's diagonal."""
+HAIRS = 24
+"""Number of different steps."""
+
+
+def distinct_color(index: int) -> tuple[float, float, float]:
+    """The ``index``-th of an endless row of easily told apart sRGB colours."""
+    hue = (0.58 + index * 0.618033988749895) % 1.0
+    return colorsys.hsv_to_rgb(hue, (0.52, 0.62, 0.40)[index % 3], (0.94, 0.78, 0.86)[index % 3])
+
+
+def load_source_meshes(source: SourceMesh) -> tuple[Mesh, ...]:
+    """A kept OBJ as meshes in the object frame, one for each of its materials.
+
+    Raises:
+        PackageError: the OBJ, its MTL or an image cannot be read.
+    """
+    data = parse_obj(source.path)
+    materials: dict[str, Material] = {}
+    if data.mtllib is not None:
+        materials = parse_mtl(source.path.parent / data.mtllib)
+    vertices = transform_points(source.T_object_file, data.vertices * source.scale)
+    return tuple(_group_mesh(source, data, group, materials, vertices) for group in data.groups)
+
+
+def _group_mesh(
+    source: SourceMesh, data: ObjData, group: ObjGroup, materials: dict[str, Material], vertices: np.ndarray
+) -> Mesh:
+    if group.material is not None and data.mtllib is not None and group.material not in materials:
+        raise PackageError(
+            f"{source.path}: material {group.material!r} is not in {data.mtllib}, which has "
+            f"{', '.join(sorted(materials)) or 'none'}"
+        )
+    material = materials.get(group.material or "", Material())
+    if material.image is None or not len(data.uv) or (group.uv_faces < 0).any():
+        return Mesh(vertices=vertices, faces=group.faces, color=material.color)
+    texture = read_image(source.path.parent / material.image)
+    return Mesh(vertices=vertices, faces=group.faces, uv=data.uv[group.uv_faces], texture=texture)
+
+
+def visual_meshes(visual: Visual) -> tuple[Mesh, ...]:
+    """The meshes of a visual in the object frame at rest; a source mesh is read from its file."""
+    return load_source_meshes(visual.mesh) if isinstance(visual.mesh, SourceMesh) else (visual.mesh,)
+
+
+def package_surfaces(package: SimPackage, look: Look = "own") -> tuple[Surface, ...]:
+    """Everything there is to draw, at rest; each surface's id is the index of its link."""
+    if look == "collision":
+        return _hull_surfaces(package)
+    surfaces: list[Surface] = []
+    for index, link in enumerate(package.links):
+        for visual in link.visuals:
+            color = None
+            if look != "own":
+                color = LABEL_COLORS[visual.label] if look == "label" else distinct_color(index)
+            surfaces += [
+                surface_from_mesh(mesh, surface_id=index, color=color) for mesh in visual_meshes(visual)
+            ]
+    return tuple(surfaces)
+
+
+def _hull_surfaces(package: SimPackage) -> tuple[Surface, ...]:
+    """Hulls in their own colours, each swollen by another hair's breadth.
+
+    Hulls overlap and often share a plane; the differences decide which of them is seen there.
+    """
+    vertices = [hull.vertices for link in package.links for hull in link.hulls]
+    if not vertices:
+        return ()
+    hair = HAIR * float(np.linalg.norm(np.ptp(np.concatenate(vertices), axis=0)))
+    surfaces = []
+    for index, link in enumerate(package.links):
+        for place, hull in enumerate(link.hulls):
+            mesh = Mesh(
+                vertices=swell_hull(hull, hair * (len(surfaces) % HAIRS)),
+                faces=hull.faces,
+                color=distinct_color(index * 7 + place),
+            )
+            surfaces.append(surface_from_mesh(mesh, surface_id=index, crease_angle=0.0))
+    return tuple(surfaces)
+
+
+def swell_hull(hull: Hull, amount: float) -> Float[np.ndarray, "V 3"]:
+    """Vertices of the hull with its faces moved outward by at most ``amount`` (metres)."""
+    corners = hull.vertices[hull.faces]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
+    # Triangles of one flat face count once.
+    _, first, kind = np.unique(np.round(normals, 3), axis=0, return_index=True, return_inverse=True)
+    pairs = np.unique(np.stack([hull.faces.ravel(), np.repeat(kind.ravel(), 3)]), axis=1)
+    outward = np.zeros_like(hull.vertices)
+    np.add.at(outward, pairs[0], normals[first][pairs[1]])
+    reach = np.full(len(outward), 1e-30)
+    np.maximum.at(reach, pairs[0], (outward[pairs[0]] * normals[first][pairs[1]]).sum(axis=1))
+    return hull.vertices + outward * (amount / np.maximum(reach, 1.0))[:, None]
+
+
+def pose_surfaces(surfaces: Sequence[Surface], T: Float[np.ndarray, "L 4 4"]) -> tuple[Surface, ...]:
+    """Surfaces of `package_surfaces` moved with their links."""
+    return tuple(move_surface(surface, T[surface.id]) for surface in surfaces)
+
+
+def open_end(joint: PackageJoint) -> float:
+    """Coordinate at which a joint counts as open: the limit farther from rest, or a quarter turn."""
+    if joint.type == "continuous":
+        return CONTINUOUS_OPEN
+    return joint.upper if abs(joint.upper) >= abs(joint.lower) else joint.lower
+
+
+def open_qpos(package: SimPackage, fraction: float) -> dict[str, float]:
+    """Coordinates of all driven joints, opened to ``fraction`` of the way.
+
+    A joint that requires another to be open further than that (a tray behind a door) stays closed.
+    """
+    shut = {need.joint for need in package.requires_open if need.fraction > fraction}
+    return {
+        joint.name: 0.0 if joint.name in shut else fraction * open_end(joint)
+        for joint in driven_joints(package.joints)
+    }
+
+
+def open_links(package: SimPackage, fraction: float) -> Float[np.ndarray, "L 4 4"]:
+    """Displacements of all links with every joint opened to ``fraction`` of the way."""
+    return link_displacements(package.links, package.joints, open_qpos(package, fraction))
+
+
+def explode_links(
+    package: SimPackage, surfaces: Sequence[Surface], spread: float
+) -> Float[np.ndarray, "L 4 4"]:
+    """Displacements that take the links apart at rest.
+
+    Every link follows its parent and goes ``spread`` times the object's diagonal farther, the way
+    it starts to move as its joint opens; one that only turns in place goes along its axis, and a
+    fixed one stays.
+    """
+    centers = _link_centers(len(package.links), surfaces)
+    points = np.concatenate([np.zeros((0, 3)), *(surface.triangles.reshape(-1, 3) for surface in surfaces)])
+    step = spread * float(np.linalg.norm(np.ptp(points, axis=0))) if len(points) else 0.0
+    joint_of = {joint.child: joint for joint in package.joints}
+    slot = {link.name: index for index, link in enumerate(package.links)}
+    T = np.tile(np.eye(4), (len(package.links), 1, 1))
+    for index, link in enumerate(package.links):
+        at: str | None = link.name
+        while at in joint_of:
+            joint = joint_of[at]
+            T[index, :3, 3] += step * _way_out(joint, centers[slot[at]], centers[slot[joint.parent]])
+            at = joint.parent
+    return T
+
+
+def _link_centers(count: int, surfaces: Sequence[Surface]) -> np.ndarray:
+    centers = np.zeros((count, 3))
+    for index in range(count):
+        own = [surface.triangles.reshape(-1, 3) for surface in surfaces if surface.id == index]
+        if own:
+            points = np.concatenate(own)
+            centers[index] = (points.min(axis=0) + points.max(axis=0)) / 2.0
+    return centers
+
+
+def _way_out(joint: PackageJoint, center: np.ndarray, parent: np.ndarray) -> np.ndarray:
+    if joint.type == "fixed" or joint.mimic is not None:
+        return np.zeros(3)
+    start = np.array(0.02 * np.sign(open_end(joint)))
+    moved = transform_points(package_joint_motion(joint, start), center[None])[0] - center
+    arm = np.linalg.norm(np.cross(center - joint.origin, joint.axis))
+    extent = max(float(np.linalg.norm(center - parent)), 1e-9)
+    if joint.type != "prismatic" and arm < 0.05 * extent:
+        return joint.axis * (1.0 if (center - parent) @ joint.axis >= 0 else -1.0)
+    length = float(np.linalg.norm(moved))
+    return moved / length if length > 0 else np.zeros(3)

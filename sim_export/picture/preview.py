@@ -1,0 +1,253 @@
+"""Pictures of packages: one row of states for an object, and a contact sheet for many.
+
+All panels of a row share one camera in front of the object, to its left and above, placed so that
+everything stays in the frame in every state.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Float, UInt8
+
+from sim_export.collision.motion import driven_joints
+from sim_export.package import SimPackage
+from sim_export.picture.camera import Camera, Viewpoint, frame_points
+from sim_export.picture.draw import (
+    Look,
+    explode_links,
+    open_links,
+    package_surfaces,
+    pose_surfaces,
+)
+from sim_export.picture.lighting import RenderConfig
+from sim_export.picture.raycast import Surface
+from sim_export.picture.render import render_scene, surface_points
+
+Panel = Literal["closed", "half", "open", "exploded", "collision", "inside", "labels"]
+PANEL_CAPTIONS: dict[Panel, str] = {
+    "closed": "closed",
+    "half": "half open",
+    "open": "open",
+    "exploded": "exploded",
+    "collision": "collision hulls",
+    "inside": "inside",
+    "labels": "part labels",
+}
+
+INK = (38, 42, 50)
+PALE_INK = (110, 116, 128)
+
+
+@dataclass(frozen=True, kw_only=True)
+class PreviewConfig:
+    """What a preview shows and how large."""
+
+    panels: tuple[Panel, ...] = ("closed", "half", "open", "exploded", "collision")
+    """States to draw, left to right."""
+    look: Look = "own"
+    """Colours of the visual panels: the object's own, or by part label or link."""
+    viewpoint: Viewpoint = field(default_factory=Viewpoint)
+    """Where the camera stands and how many pixels a panel has."""
+    render: RenderConfig = field(default_factory=RenderConfig)
+    """Light and sampling."""
+    spread: float = 0.25
+    """How far the exploded links move, as a fraction of the object's diagonal."""
+    columns: int = 4
+    """Objects in a row of a contact sheet."""
+
+    def __post_init__(self) -> None:
+        if not self.panels:
+            raise ValueError("a preview needs at least one panel")
+        if self.columns < 1:
+            raise ValueError(f"a contact sheet with {self.columns} columns, allowed is 1 and above")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Shapes:
+    """What the panels of one package draw, prepared once."""
+
+    package: SimPackage
+    visual: tuple[Surface, ...]
+    hulls: tuple[Surface, ...]
+    exploded: Float[np.ndarray, "L 4 4"]
+
+
+def describe_size(package: SimPackage) -> str:
+    """Width (along y), depth (along x) and height of the closed object in metres."""
+    points = surface_points(package_surfaces(package, "link"))
+    depth, width, height = np.ptp(points, axis=0) if len(points) else np.zeros(3)
+    return f"{width:.2f} m wide, {depth:.2f} m deep, {height:.2f} m high"
+
+
+def describe_joints(package: SimPackage) -> str:
+    """How many joints can be driven, by type."""
+    types = [joint.type for joint in driven_joints(package.joints)]
+    kinds = ", ".join(f"{types.count(kind)} {kind}" for kind in sorted(set(types)))
+    plural = "joint" if len(types) == 1 else "joints"
+    return f"{len(types)} {plural}" + (f" ({kinds})" if kinds else "")
+
+
+def preview_package(package: SimPackage, cfg: PreviewConfig | None = None) -> UInt8[np.ndarray, "H W 3"]:
+    """One row: the states of ``cfg.panels`` side by side, under the object's name and measures.
+
+    Raises:
+        ValueError: the package has nothing to draw.
+    """
+    cfg = PreviewConfig() if cfg is None else cfg
+    shapes = _prepare(package, cfg)
+    camera = _frame(shapes, cfg, cfg.panels)
+    tiles = [
+        caption_below(_draw(shapes, panel, camera, cfg), PANEL_CAPTIONS[panel], cfg.render.background)
+        for panel in cfg.panels
+    ]
+    row = np.concatenate(tiles, axis=1)
+    facts = "     ".join([package.category, describe_size(package), describe_joints(package)])
+    return title_above(row, package.name, facts, cfg.render.background)
+
+
+def contact_sheet(
+    packages: Sequence[SimPackage], cfg: PreviewConfig | None = None
+) -> UInt8[np.ndarray, "H W 3"]:
+    """Many packages, each closed beside open, in a grid of ``cfg.columns`` objects per row."""
+    cfg = PreviewConfig() if cfg is None else cfg
+    if not packages:
+        raise ValueError("a contact sheet of no packages")
+    pairs: tuple[Panel, ...] = ("closed", "open")
+    cells = []
+    for package in packages:
+        shapes = _prepare(package, cfg)
+        camera = _frame(shapes, cfg, pairs)
+        pair = np.concatenate([_draw(shapes, panel, camera, cfg) for panel in pairs], axis=1)
+        cells.append(
+            caption_below(pair, f"{package.name}     {describe_joints(package)}", cfg.render.background)
+        )
+    columns = min(cfg.columns, len(cells))
+    blank = np.full_like(cells[0], cfg.render.background)
+    cells += [blank] * (-len(cells) % columns)
+    rows = [np.concatenate(cells[at : at + columns], axis=1) for at in range(0, len(cells), columns)]
+    return np.concatenate(rows, axis=0)
+
+
+def write_preview(folders: Sequence[Path], png: Path, cfg: PreviewConfig | None = None) -> None:
+    """Writes the row of one package, or the contact sheet of several, as a PNG.
+
+    Raises:
+        PackageError: a folder holds no readable package.
+    """
+    from PIL import Image
+
+    from sim_export.files.read import read_package
+
+    packages = [read_package(folder) for folder in folders]
+    image = preview_package(packages[0], cfg) if len(packages) == 1 else contact_sheet(packages, cfg)
+    scratch = png.with_name(png.name + ".partial")
+    Image.fromarray(image).save(scratch, format="png", optimize=True)
+    scratch.replace(png)
+
+
+def inside_camera(package: SimPackage, surfaces: Sequence[Surface], viewpoint: Viewpoint) -> Camera:
+    """A look into the widest opening, for surfaces posed with everything open.
+
+    Behind a hinged front the eye is straight in front at the opening's height; into drawers and
+    under lids it looks down from above the front.
+    """
+    points = surface_points(surfaces)
+    rest = package_surfaces(package, "link")
+    slot = {link.name: index for index, link in enumerate(package.links)}
+    best, opening, hinged = -1.0, (points.min(axis=0) + points.max(axis=0)) / 2.0, False
+    for joint in driven_joints(package.joints):
+        own = [surface.triangles.reshape(-1, 3) for surface in rest if surface.id == slot[joint.child]]
+        if not own:
+            continue
+        low, high = np.concatenate(own).min(axis=0), np.concatenate(own).max(axis=0)
+        front = float((high - low)[1] * (high - low)[2])
+        if front > best:
+            best, opening = front, (low + high) / 2.0
+            hinged = joint.type == "revolute"
+    if not hinged:
+        return frame_points(points, replace(viewpoint, azimuth=0.0, elevation=48.0))
+    slope = np.tan(np.radians(viewpoint.fov) / 2.0) * (1.0 - 2.0 * viewpoint.margin)
+    wide = slope * viewpoint.width / viewpoint.height
+    needed = np.maximum(np.abs(points[:, 2] - opening[2]) / slope, np.abs(points[:, 1] - opening[1]) / wide)
+    position = np.array([float((points[:, 0] - needed).min()), opening[1], opening[2]])
+    return Camera(
+        position=position,
+        target=position + np.array([1.0, 0.0, 0.0]),
+        fov=viewpoint.fov,
+        width=viewpoint.width,
+        height=viewpoint.height,
+    )
+
+
+def _prepare(package: SimPackage, cfg: PreviewConfig) -> _Shapes:
+    visual = package_surfaces(package, cfg.look)
+    hulls = package_surfaces(package, "collision") if "collision" in cfg.panels else ()
+    if not any(len(surface.triangles) for surface in visual):
+        raise ValueError(f"package {package.name!r} has no visual triangles, there is nothing to draw")
+    return _Shapes(
+        package=package, visual=visual, hulls=hulls, exploded=explode_links(package, visual, cfg.spread)
+    )
+
+
+def _panel_surfaces(shapes: _Shapes, panel: Panel) -> tuple[Surface, ...]:
+    match panel:
+        case "closed" | "half" | "open" | "inside":
+            fraction = {"closed": 0.0, "half": 0.5}.get(panel, 1.0)
+            return pose_surfaces(shapes.visual, open_links(shapes.package, fraction))
+        case "exploded":
+            return pose_surfaces(shapes.visual, shapes.exploded)
+        case "collision":
+            return pose_surfaces(shapes.hulls, open_links(shapes.package, 1.0))
+        case "labels":
+            return pose_surfaces(package_surfaces(shapes.package, "label"), open_links(shapes.package, 1.0))
+
+
+def _frame(shapes: _Shapes, cfg: PreviewConfig, panels: Sequence[Panel]) -> Camera:
+    points = [surface_points(_panel_surfaces(shapes, panel)) for panel in panels]
+    return frame_points(np.concatenate(points), cfg.viewpoint)
+
+
+def _draw(shapes: _Shapes, panel: Panel, camera: Camera, cfg: PreviewConfig) -> UInt8[np.ndarray, "H W 3"]:
+    surfaces = _panel_surfaces(shapes, panel)
+    if panel == "inside":
+        return render_scene(surfaces, inside_camera(shapes.package, surfaces, cfg.viewpoint), cfg.render)
+    floor = cfg.render.ground_height
+    if floor is None:
+        floor = float(surface_points(shapes.visual)[:, 2].min())
+    return render_scene(surfaces, camera, replace(cfg.render, ground_height=floor))
+
+
+def caption_below(
+    image: UInt8[np.ndarray, "H W 3"], text: str, background: tuple[int, int, int]
+) -> UInt8[np.ndarray, "H2 W 3"]:
+    """The image over one centred line of text."""
+    band = np.full((34, image.shape[1], 3), background, dtype=np.uint8)
+    return np.concatenate([image, _write(band, text, 15, INK, centered=True)], axis=0)
+
+
+def title_above(
+    image: UInt8[np.ndarray, "H W 3"], title: str, facts: str, background: tuple[int, int, int]
+) -> UInt8[np.ndarray, "H2 W 3"]:
+    """The image under its title and a line of facts."""
+    top = _write(np.full((40, image.shape[1], 3), background, dtype=np.uint8), title, 20, INK)
+    below = _write(np.full((26, image.shape[1], 3), background, dtype=np.uint8), facts, 14, PALE_INK)
+    return np.concatenate([top, below, image], axis=0)
+
+
+def _write(
+    band: np.ndarray, text: str, size: int, ink: tuple[int, int, int], *, centered: bool = False
+) -> np.ndarray:
+    from PIL import Image, ImageDraw, ImageFont
+
+    picture = Image.fromarray(band)
+    draw = ImageDraw.Draw(picture)
+    font = ImageFont.load_default(size)
+    room = band.shape[1] - 24
+    while draw.textlength(text, font=font) > room and len(text) > 4:
+        text = text[:-4] + "..."
+    place = (band.shape[1] / 2, band.shape[0] / 2) if centered else (18.0, band.shape[0] / 2)
+    draw.text(place, text, fill=ink, font=font, anchor="mm" if centered else "lm")
+    return np.asarray(picture)

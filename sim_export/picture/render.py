@@ -1,0 +1,135 @@
+"""A small ray caster for pictures of objects: CPU only, no display, the same bytes every time.
+
+`render_scene` gives a shaded picture, `render_depth` and `render_ids` the exact geometry behind it
+at pixel centres. Geometry is in metres in one frame; `move_surface` brings it there.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from jaxtyping import Float, Int, UInt8
+
+from artigen.transforms import transform_points, transform_vectors
+from sim_export.package import Mesh
+from sim_export.picture.camera import Camera, pixel_rays, rays_through
+from sim_export.picture.lighting import (
+    NOTHING,
+    Grid,
+    Light,
+    RenderConfig,
+    borrow_light,
+    find_samples,
+    gather_light,
+    prepare_light,
+    shade_samples,
+)
+from sim_export.picture.raycast import Scene, Surface, build_scene, cast_rays, surface_ids_at
+from sim_export.picture.shading import smooth_corner_normals, srgb_from_linear
+
+GOLDEN = 0.618033988749895
+
+
+def surface_from_mesh(
+    mesh: Mesh,
+    *,
+    surface_id: int = 0,
+    color: tuple[float, float, float] | None = None,
+    crease_angle: float = 30.0,
+) -> Surface:
+    """A mesh as a surface; edges flatter than ``crease_angle`` (degrees) are shaded smoothly.
+
+    ``color`` (sRGB in [0, 1]) replaces the mesh's own colour and texture.
+    """
+    triangles = mesh.vertices[mesh.faces]
+    return Surface(
+        triangles=triangles,
+        normals=smooth_corner_normals(triangles, crease_angle),
+        id=surface_id,
+        uv=mesh.uv if color is None else None,
+        texture=mesh.texture if color is None else None,
+        color=mesh.color if color is None else color,
+    )
+
+
+def move_surface(surface: Surface, T: Float[np.ndarray, "4 4"]) -> Surface:
+    """The surface after the rigid motion ``T``."""
+    triangles = transform_points(T, surface.triangles)
+    return replace(surface, triangles=triangles, normals=transform_vectors(T, surface.normals))
+
+
+def surface_points(surfaces: Sequence[Surface]) -> Float[np.ndarray, "N 3"]:
+    """All triangle corners, to frame a camera with."""
+    return np.concatenate([np.zeros((0, 3)), *(surface.triangles.reshape(-1, 3) for surface in surfaces)])
+
+
+def render_depth(surfaces: Sequence[Surface], camera: Camera) -> Float[np.ndarray, "H W"]:
+    """Depth (metres along the viewing direction) at pixel centres; infinite where nothing is hit."""
+    hits = cast_rays(build_scene(surfaces), camera.position, pixel_rays(camera).reshape(-1, 3))
+    depth = np.full(camera.height * camera.width, np.inf)
+    depth[hits.place] = hits.depth
+    return depth.reshape(camera.height, camera.width)
+
+
+def render_ids(surfaces: Sequence[Surface], camera: Camera) -> Int[np.ndarray, "H W"]:
+    """Surface id at pixel centres; -1 where nothing is hit."""
+    scene = build_scene(surfaces)
+    hits = cast_rays(scene, camera.position, pixel_rays(camera).reshape(-1, 3))
+    ids = np.full(camera.height * camera.width, NOTHING)
+    ids[hits.place] = surface_ids_at(scene, hits)
+    return ids.reshape(camera.height, camera.width)
+
+
+def render_scene(
+    surfaces: Sequence[Surface], camera: Camera, cfg: RenderConfig | None = None
+) -> UInt8[np.ndarray, "H W 3"]:
+    """A shaded, antialiased sRGB picture of the surfaces on a plain background.
+
+    Light is gathered once per pixel; pixels on an edge are then looked at again with
+    ``edge_rays`` rays, which take the light of neighbouring pixels that see the same surface.
+    """
+    cfg = RenderConfig() if cfg is None else cfg
+    scene = build_scene(surfaces)
+    light = prepare_light(cfg)
+    shape = (camera.height, camera.width)
+    picture = np.tile(light.background, (*shape, 1))
+    if scene.tree is not None:
+        samples = find_samples(scene, camera, pixel_rays(camera).reshape(-1, 3), cfg)
+        grid = gather_light(scene, samples, shape, light, cfg)
+        visible = grid.visible.reshape(-1, 2)[samples.place]
+        picture.reshape(-1, 3)[samples.place] = shade_samples(samples, visible, light, camera)
+        if cfg.edge_rays > 1:
+            edges = _find_edges(picture, grid.label)
+            picture[edges] = _refine(scene, camera, edges, grid, light, cfg)
+    picture = np.clip(srgb_from_linear(np.minimum(picture, 1.0)), 0.0, 1.0)
+    return np.round(255.0 * picture).astype(np.uint8)
+
+
+def _find_edges(picture: np.ndarray, label: np.ndarray) -> np.ndarray:
+    """Pixels whose colour differs visibly from a neighbour's, or that see another surface."""
+    seen = np.sqrt(picture)
+    edges = np.zeros(label.shape, dtype=bool)
+    for near, far in ((np.s_[:-1], np.s_[1:]), (np.s_[:, :-1], np.s_[:, 1:])):
+        step = (np.abs(seen[near] - seen[far]).max(axis=2) > 0.035) | (
+            (label[near] != label[far]) & (np.maximum(label[near], label[far]) >= 0)
+        )
+        edges[near] |= step
+        edges[far] |= step
+    return edges
+
+
+def _refine(
+    scene: Scene, camera: Camera, edges: np.ndarray, grid: Grid, light: Light, cfg: RenderConfig
+) -> Float[np.ndarray, "E 3"]:
+    """Colours of the edge pixels, each the mean of a grid of rays."""
+    rows, columns = np.nonzero(edges)
+    # A rank-1 lattice: all rows and all columns of the pixel's rays differ.
+    steps = np.arange(cfg.edge_rays)
+    across, along = (steps + 0.5) / cfg.edge_rays, (steps * GOLDEN + 0.5 / cfg.edge_rays) % 1.0
+    rays = rays_through(camera, columns[:, None] + across, rows[:, None] + along).reshape(-1, 3)
+    samples = find_samples(scene, camera, rays, cfg)
+    owner = samples.place // cfg.edge_rays
+    visible = borrow_light(scene, samples, grid, (rows[owner], columns[owner]), light, cfg)
+    colors = np.tile(light.background, (len(rays), 1))
+    colors[samples.place] = shade_samples(samples, visible, light, camera)
+    return colors.reshape(-1, cfg.edge_rays, 3).mean(axis=1)

@@ -1,0 +1,246 @@
+"""A package in the browser: joint sliders, visual and collision meshes, handle annotations.
+
+`build_view` starts a viser server and returns its handles without blocking; `view_package` does so
+for a folder. Each group of things that can be shown or hidden is one branch of the
+scene with one frame per link, so that a pose is set by moving frames and no mesh is sent twice.
+"""
+
+import threading
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal, get_args
+
+import numpy as np
+from jaxtyping import Float
+
+from artigen.transforms import quat_from_matrix
+from sim_export.collision.motion import driven_joints, link_displacements
+from sim_export.package import HandleAnnotation, PackageJoint, SimPackage
+from sim_export.picture.camera import Viewpoint, frame_points
+from sim_export.picture.draw import open_end, package_surfaces
+from sim_export.picture.raycast import Surface
+from sim_export.picture.render import surface_points
+
+if TYPE_CHECKING:
+    import trimesh
+    import viser
+
+Group = Literal["visual", "collision", "grasp_line", "normal", "opening_direction"]
+GROUPS: tuple[Group, ...] = get_args(Group)
+SHOWN_AT_FIRST: tuple[Group, ...] = ("visual",)
+
+COLORS: Mapping[str, tuple[int, int, int]] = {
+    "grasp_line": (214, 39, 40),
+    "normal": (31, 119, 180),
+    "opening_direction": (44, 160, 44),
+}
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PackageView:
+    """The running server and everything in it that a person, or a test, can operate.
+
+    Sliders of turning joints are in degrees, those of sliding joints in metres.
+    """
+
+    server: "viser.ViserServer"
+    sliders: Mapping[str, "viser.GuiSliderHandle[float]"]
+    """By joint name."""
+    toggles: Mapping[Group, "viser.GuiCheckboxHandle"]
+    """Show or hide each group."""
+    open_all: "viser.GuiButtonHandle"
+    close_all: "viser.GuiButtonHandle"
+    branches: Mapping[Group, "viser.FrameHandle"]
+    """Root of each group; its visibility is the group's."""
+    frames: Mapping[tuple[Group, str], "viser.FrameHandle"]
+    """The frame of each link, by group and link name; its pose is the link's displacement from rest."""
+
+
+def view_package(folder: Path, *, host: str = "127.0.0.1", port: int = 8080) -> PackageView:
+    """Starts to show the package in ``folder`` at ``http://host:port``; see `build_view`.
+
+    Raises:
+        PackageError: the folder holds no readable package.
+    """
+    from sim_export.files.read import read_package
+
+    return build_view(read_package(folder), host=host, port=port)
+
+
+def build_view(package: SimPackage, *, host: str = "127.0.0.1", port: int = 8080) -> PackageView:
+    """Starts a server that shows ``package`` and returns without blocking; stop it with ``server.stop()``.
+
+    viser takes the next free port when ``port`` is taken: ask ``server.get_port()``.
+    """
+    import viser
+
+    visual, hulls = package_surfaces(package), package_surfaces(package, "collision")
+    server = viser.ViserServer(host=host, port=port, label=package.name, verbose=False)
+    _place_camera(server, visual)
+    branches, frames = _add_branches(server, package)
+    for group, surfaces in (("visual", visual), ("collision", hulls)):
+        for index, surface in enumerate(surfaces):
+            path = f"/{group}/{package.links[surface.id].name}/{index}"
+            server.scene.add_mesh_trimesh(path, _trimesh(surface))
+    for index, handle in enumerate(package.handles):
+        _add_handle(server, handle, index)
+    view = _add_controls(server, package, branches, frames)
+    _connect(view, package)
+    return view
+
+
+def slider_scale(joint: PackageJoint) -> float:
+    """Joint units (rad, m) per slider unit (degrees, m)."""
+    return 1.0 if joint.type == "prismatic" else float(np.pi / 180.0)
+
+
+def view_qpos(view: PackageView, package: SimPackage) -> dict[str, float]:
+    """The joint coordinates (rad, m) that the sliders stand at."""
+    return {
+        joint.name: view.sliders[joint.name].value * slider_scale(joint)
+        for joint in driven_joints(package.joints)
+    }
+
+
+def _place_camera(server: "viser.ViserServer", surfaces: tuple[Surface, ...]) -> None:
+    points = surface_points(surfaces)
+    server.scene.set_up_direction("+z")
+    if not len(points):
+        return
+    low, high = points.min(axis=0), points.max(axis=0)
+    camera = frame_points(points, Viewpoint(fov=40.0, margin=0.2))
+    server.initial_camera.position = tuple(camera.position)
+    server.initial_camera.look_at = tuple((low + high) / 2.0)
+    width = 4.0 * float((high - low).max())
+    server.scene.add_grid(
+        "/floor", width, width, cell_size=0.1, section_size=1.0, position=(0.0, 0.0, float(low[2]))
+    )
+
+
+def _add_branches(
+    server: "viser.ViserServer", package: SimPackage
+) -> tuple[dict[Group, "viser.FrameHandle"], dict[tuple[Group, str], "viser.FrameHandle"]]:
+    branches, frames = {}, {}
+    for group in GROUPS:
+        shown = group in SHOWN_AT_FIRST
+        branches[group] = server.scene.add_frame(f"/{group}", show_axes=False, visible=shown)
+        for link in package.links:
+            frames[group, link.name] = server.scene.add_frame(f"/{group}/{link.name}", show_axes=False)
+    return branches, frames
+
+
+def _trimesh(surface: Surface) -> "trimesh.Trimesh":
+    """The surface with loose corners, which keep their texture coordinates and normals."""
+    import trimesh
+    from PIL import Image
+    from trimesh.visual import TextureVisuals
+    from trimesh.visual.material import PBRMaterial
+
+    corners = surface.triangles.reshape(-1, 3)
+    material = PBRMaterial(metallicFactor=0.0, roughnessFactor=0.8)
+    uv = np.zeros((len(corners), 2))
+    if surface.uv is not None and surface.texture is not None:
+        material.baseColorTexture = Image.fromarray(surface.texture)
+        uv = surface.uv.reshape(-1, 2)
+    else:
+        material.baseColorFactor = np.array([*np.round(255.0 * np.array(surface.color)), 255], np.uint8)
+    return trimesh.Trimesh(
+        vertices=corners,
+        faces=np.arange(len(corners)).reshape(-1, 3),
+        vertex_normals=surface.normals.reshape(-1, 3),
+        visual=TextureVisuals(uv=uv, material=material),
+        process=False,
+    )
+
+
+def _add_handle(server: "viser.ViserServer", handle: HandleAnnotation, index: int) -> None:
+    middle = handle.grasp_line.mean(axis=0)
+    size = 0.5 * float(np.linalg.norm(np.ptp(handle.corners, axis=0)))
+    server.scene.add_line_segments(
+        f"/grasp_line/{handle.link}/{index}", handle.grasp_line[None], COLORS["grasp_line"], thickness=0.006
+    )
+    for group, direction in (("normal", handle.normal), ("opening_direction", handle.opening_direction)):
+        tip = middle + direction * max(size, 0.08)
+        server.scene.add_arrows(
+            f"/{group}/{handle.link}/{index}", np.stack([middle, tip])[None], COLORS[group],
+            shaft_radius=0.003, head_radius=0.008, head_length=0.02,
+        )  # fmt: skip
+
+
+def _add_controls(
+    server: "viser.ViserServer",
+    package: SimPackage,
+    branches: Mapping[Group, "viser.FrameHandle"],
+    frames: Mapping[tuple[Group, str], "viser.FrameHandle"],
+) -> PackageView:
+    with server.gui.add_folder("Show"):
+        toggles: dict[Group, viser.GuiCheckboxHandle] = {
+            group: server.gui.add_checkbox(group.replace("_", " "), group in SHOWN_AT_FIRST)
+            for group in GROUPS
+        }
+    with server.gui.add_folder("Joints"):
+        open_all = server.gui.add_button("Open all")
+        close_all = server.gui.add_button("Close all")
+        sliders = {joint.name: _add_slider(server, joint) for joint in driven_joints(package.joints)}
+    return PackageView(
+        server=server, sliders=sliders, toggles=toggles, open_all=open_all,
+        close_all=close_all, branches=branches, frames=frames,
+    )  # fmt: skip
+
+
+def _slider_range(joint: PackageJoint) -> tuple[float, float]:
+    """Limits in slider units; a joint without limits gets a turn either way."""
+    if joint.type == "continuous":
+        return -360.0, 360.0
+    return joint.lower / slider_scale(joint), joint.upper / slider_scale(joint)
+
+
+def _add_slider(server: "viser.ViserServer", joint: PackageJoint) -> "viser.GuiSliderHandle[float]":
+    low, high = _slider_range(joint)
+    unit = "m" if joint.type == "prismatic" else "deg"
+    # A joint with an empty range still has a slider, which cannot move it.
+    step = max((high - low) / 500.0, 1e-6)
+    return server.gui.add_slider(
+        f"{joint.name} ({unit})", low, max(high, low + step), step, _rest(joint), hint=f"moves {joint.child}"
+    )
+
+
+def _rest(joint: PackageJoint) -> float:
+    low, high = _slider_range(joint)
+    return float(np.clip(0.0, low, high))
+
+
+def _connect(view: PackageView, package: SimPackage) -> None:
+    lock = threading.Lock()
+
+    def follow_sliders(_: object = None) -> None:
+        # Callbacks come from several threads; the last one to take the lock sees every slider.
+        with lock, view.server.atomic():
+            T = link_displacements(package.links, package.joints, view_qpos(view, package))
+            _pose_frames(view, package, T)
+
+    def set_all(fraction: float) -> None:
+        for joint in driven_joints(package.joints):
+            target = fraction * open_end(joint) / slider_scale(joint)
+            view.sliders[joint.name].value = target if fraction else _rest(joint)
+
+    for slider in view.sliders.values():
+        slider.on_update(follow_sliders)
+    view.open_all.on_click(lambda _: set_all(1.0))
+    view.close_all.on_click(lambda _: set_all(0.0))
+    for group, toggle in view.toggles.items():
+        toggle.on_update(lambda event, group=group: _show(view, group, shown=event.target.value))
+    follow_sliders()
+
+
+def _show(view: PackageView, group: Group, *, shown: bool) -> None:
+    view.branches[group].visible = shown
+
+
+def _pose_frames(view: PackageView, package: SimPackage, T: Float[np.ndarray, "L 4 4"]) -> None:
+    quats = quat_from_matrix(T[:, :3, :3])
+    for group in GROUPS:
+        for index, link in enumerate(package.links):
+            frame = view.frames[group, link.name]
+            frame.wxyz, frame.position = quats[index], T[index, :3, 3]
