@@ -7,6 +7,8 @@ from sim_export.collision.attachment import AttachmentConfig
 from sim_export.collision.clearance import ClearanceConfig
 from sim_export.collision.decompose import DecomposeConfig
 from sim_export.collision.feet import FeetConfig
+from sim_export.collision.filling import FillingConfig
+from sim_export.collision.levelling import LevellingConfig
 from sim_export.collision.recovery import RecoveryConfig
 from sim_export.collision.requirements import RequirementConfig
 from sim_export.collision.retention import RetentionConfig
@@ -37,7 +39,11 @@ class ExportConfig:
     """What the object stands on."""
     attachment: AttachmentConfig = field(default_factory=AttachmentConfig)
     """Gaps between a link and the one that carries it."""
+    levelling: LevellingConfig = field(default_factory=LevellingConfig)
+    """Feet for what would topple."""
+    filling: FillingConfig = field(default_factory=FillingConfig)
+    """What meshes take in where hulls fill gaps thinner than voxels."""
     trimming: TrimmingConfig = field(default_factory=TrimmingConfig)
-    """Visuals inside of other links."""
+    """Surface for which no hull stands."""
     handles: HandleConfig = field(default_factory=HandleConfig)
     """How handles are measured."""

@@ -11,6 +11,8 @@ from sim_export.collision.attachment import attach_links
 from sim_export.collision.clearance import clear_joints
 from sim_export.collision.decompose import Decomposition, decompose_parts
 from sim_export.collision.feet import add_feet
+from sim_export.collision.filling import fill_meshes
+from sim_export.collision.levelling import level_object
 from sim_export.collision.recovery import recover_surface
 from sim_export.collision.requirements import find_requirements
 from sim_export.collision.retention import keep_drawers_held
@@ -103,14 +105,19 @@ def export_asset(
     watch.lap("recover")
     standing = add_feet(whole.links, cleared.joints, needs, solid, cfg.feet)
     attached = attach_links(standing.links, cleared.joints, needs, cfg.attachment)
+    levelled = level_object(attached.links, cleared.joints, needs, asset.category, cfg.levelling)
     watch.lap("attach")
-    tree = LinkTree(links=attached.links, joints=cleared.joints, records=tree.records)
+    tree = LinkTree(links=levelled.links, joints=cleared.joints, records=tree.records)
     handles = annotate_handles(asset, meshes, tree, cfg.handles)
     watch.lap("annotate")
     trimmed = Trimmed(meshes=solid)
     if source_meshes is None:
-        trimmed = trim_meshes(tree.links, solid, cfg.trimming)
+        filled = fill_meshes(tree.links, solid, asset.scale / voxels.resolution, cfg.filling)
+        trimmed = trim_meshes(tree.links, tree.joints, needs, filled.meshes, cfg.trimming)
+        trimmed = replace(trimmed, records=(*filled.records, *trimmed.records))
         tree = replace(tree, links=_paint(asset, tree.links, trimmed.meshes, cfg.texture))
+    body = replace(tree.links[-1], visuals=(*tree.links[-1].visuals, *levelled.feet))
+    tree = replace(tree, links=(*tree.links[:-1], body))
     watch.lap("texture")
     records = (
         *asset.notes,
@@ -132,6 +139,7 @@ def export_asset(
         *whole.records,
         *standing.records,
         *attached.records,
+        *levelled.records,
         *trimmed.records,
     )
     package = SimPackage(

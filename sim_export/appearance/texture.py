@@ -182,8 +182,10 @@ def _texel_colors(
         samples = np.flatnonzero(side * normals[:, number] > cfg.least_facing)
         if not len(texels) or not len(samples):
             continue
-        distance, index = _nearest(points[samples], atlas.points[texels], cfg.neighbours)
-        near = distance <= cfg.facing_reach * texel_size
+        reach = cfg.facing_reach * texel_size
+        distance, index = _nearest(points[samples], atlas.points[texels], cfg.neighbours, reach)
+        near = np.isfinite(distance)
+        index[~near] = 0
         # Above the texel along the sample's own normal: equal for all samples of one sheet, slanted or not.
         above = points[samples[index]] - atlas.points[texels][:, None]
         beside = np.linalg.norm(np.delete(above, number, axis=2), axis=2)
@@ -203,10 +205,12 @@ def _texel_colors(
     return out
 
 
-def _nearest(points: np.ndarray, queries: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
-    """Distances to and indices of the nearest points, ``Q K``."""
+def _nearest(
+    points: np.ndarray, queries: np.ndarray, count: int, reach: float = np.inf
+) -> tuple[np.ndarray, np.ndarray]:
+    """Distances to and indices of the nearest points, ``Q K``; beyond ``reach`` infinite and no index."""
     # Splitting in the middle builds several times faster, and box-tight trees gain nothing here.
     tree = KDTree(points, balanced_tree=False, compact_nodes=False, leafsize=16)
     shape = (len(queries), min(count, len(points)))
-    distance, index = tree.query(queries, k=shape[1])
+    distance, index = tree.query(queries, k=shape[1], distance_upper_bound=reach)
     return np.reshape(distance, shape), np.reshape(index, shape)

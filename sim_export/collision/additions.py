@@ -67,12 +67,12 @@ def add_hull(
     if len(hulls) > cfg.max_hulls:
         addition = convex_hull(np.concatenate([stand.vertices, addition.vertices]))
         hulls, least = [addition if hull is stand else hull for hull in sets[slot].hulls], -cfg.tolerance
-    if len(addition.vertices) > cfg.max_vertices or not _is_free(addition, slot, sets, sweeps, least):
+    if len(addition.vertices) > cfg.max_vertices or not is_free(addition, slot, sets, sweeps, least):
         return None
     return HullSet(hulls=tuple(hulls))
 
 
-def _is_free(hull: Hull, slot: int, sets: Sequence[HullSet], sweeps: Sequence[Sweep], least: float) -> bool:
+def is_free(hull: Hull, slot: int, sets: Sequence[HullSet], sweeps: Sequence[Sweep], least: float) -> bool:
     """Whether a hull of link ``slot`` stays ``least`` (m) from all others, at rest and in every sweep."""
     alone, still = HullSet(hulls=(hull,)), np.eye(4)
     others = [index for index in range(len(sets)) if index != slot and sets[index].hulls]

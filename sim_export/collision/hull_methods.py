@@ -234,8 +234,9 @@ def _few_tiles(hulls: Sequence[Hull], limits: HullLimits, most: int) -> bool:
 
 def _measured(method: Method, hulls: Sequence[Hull], part: Part) -> Candidate:
     error = measure_fit(hulls, part.simple).volume_error
-    for distances in (measure_stray(hulls, part.simple), measure_bulge(hulls, part.simple)):
-        missed = float((distances > MISSED * part.size).mean())
+    least = MISSED * part.size
+    for distances in (measure_stray(hulls, part.simple), measure_bulge(hulls, part.simple, least)):
+        missed = float((distances > least).mean())
         too_far = max(0.0, float(distances.max(initial=0.0)) / part.size - FARTHEST)
         error += 10.0 * missed + 20.0 * too_far
     return Candidate(method=method, hulls=tuple(hulls), error=error)

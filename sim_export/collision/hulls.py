@@ -52,6 +52,16 @@ _BOX_FACES = np.array(
 )  # fmt: skip
 
 
+def box_bounds(hull: Hull) -> tuple[Float[np.ndarray, "3"], Float[np.ndarray, "3"]] | None:
+    """Lowest and highest corner of a hull that is an axis-aligned box, `None` of any other."""
+    if hull.vertices.shape != (8, 3):
+        return None
+    low, high = hull.vertices.min(axis=0), hull.vertices.max(axis=0)
+    upper = hull.vertices == high
+    aligned = (upper | (hull.vertices == low)).all() and (low < high).all()
+    return (low, high) if aligned and len(set(map(bytes, upper))) == 8 else None
+
+
 def hull_volume(hull: Hull) -> float:
     """Enclosed volume (m^3)."""
     corners = hull.vertices[hull.faces] - hull.vertices.mean(axis=0)
@@ -83,6 +93,8 @@ def clip_hull(hull: Hull, normal: Float[np.ndarray, "3"], offset: float) -> Hull
         return hull
     if not below.any():
         return None
+    if np.count_nonzero(normal) == 1 and (bounds := box_bounds(hull)) is not None:
+        return _clip_box(*bounds, normal, offset)
     edges = np.unique(
         np.sort(np.concatenate([hull.faces[:, [0, 1]], hull.faces[:, [1, 2]], hull.faces[:, [2, 0]]])), axis=0
     )
@@ -94,6 +106,15 @@ def clip_hull(hull: Hull, normal: Float[np.ndarray, "3"], offset: float) -> Hull
         return convex_hull(np.concatenate([hull.vertices[below], cut]))
     except DegeneratePart:
         return None
+
+
+def _clip_box(low: np.ndarray, high: np.ndarray, normal: np.ndarray, offset: float) -> Hull | None:
+    """An axis-aligned box cut across one of its axes."""
+    axis = int(np.flatnonzero(normal)[0])
+    low, high = low.copy(), high.copy()
+    end = high if normal[axis] > 0 else low
+    end[axis] = offset / normal[axis]
+    return box_hull(low, high) if high[axis] - low[axis] >= FLAT else None
 
 
 def subtract_hull(hull: Hull, planes: Float[np.ndarray, "F 4"], min_width: float) -> tuple[Hull, ...]:
@@ -125,6 +146,10 @@ def merge_planes(planes: Float[np.ndarray, "F 4"]) -> Float[np.ndarray, "G 4"]:
 
 def hull_width(hull: Hull) -> tuple[float, Float[np.ndarray, "3"]]:
     """Least distance between two parallel planes around a hull, one of them on a face, and its direction."""
+    bounds = box_bounds(hull)
+    if bounds is not None:
+        extents = bounds[1] - bounds[0]
+        return float(extents.min()), np.eye(3)[int(extents.argmin())]
     planes = hull_planes(hull)
     widths = planes[:, 3] - (hull.vertices @ planes[:, :3].T).min(axis=0)
     thinnest = int(widths.argmin())
@@ -133,6 +158,10 @@ def hull_width(hull: Hull) -> tuple[float, Float[np.ndarray, "3"]]:
 
 def hull_length(hull: Hull) -> tuple[float, Float[np.ndarray, "3"]]:
     """Greatest extent of a hull along its principal directions and the object's axes, and its direction."""
+    bounds = box_bounds(hull)
+    if bounds is not None:
+        extents = bounds[1] - bounds[0]
+        return float(extents.max()), np.eye(3)[int(extents.argmax())]
     directions = np.concatenate([np.eye(3), np.linalg.svd(hull.vertices - hull.vertices.mean(axis=0))[2]])
     extents = np.ptp(hull.vertices @ directions.T, axis=0)
     longest = int(extents.argmax())

@@ -28,13 +28,13 @@ def find_lost(
     solid = np.concatenate([hull.vertices[hull.faces] for hull in hulls])
     seen, _ = sample_triangles(triangles, samples)
     seen = seen[~inside_hulls(seen, tuple(hulls))]
-    forth = surface_distances(seen, solid, _DENSER * samples)
+    forth = surface_distances(seen, solid, _DENSER * samples, least)
     felt, face = sample_triangles(solid, samples)
     corners = solid[face]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
     felt = felt[~inside_hulls(felt + _SKIN * normals, tuple(hulls))]
-    back = surface_distances(felt, triangles, _DENSER * samples)
+    back = surface_distances(felt, triangles, _DENSER * samples, least)
     far = np.flatnonzero(back > least)
     far = far[winding_numbers(felt[far], triangles) > 0.5]
     lost = forth > least

@@ -174,7 +174,7 @@ def _open_notches(
     hulls = scene.sets[slot].hulls
     owners = np.repeat(np.arange(len(hulls)), [len(hull.faces) for hull in hulls])
     points, face = sample_triangles(np.concatenate([h.vertices[h.faces] for h in hulls]), samples)
-    away = surface_distances(points, triangles, 4 * samples) / scene.diagonal
+    away = surface_distances(points, triangles, 4 * samples, scene.cfg.pad * scene.diagonal) / scene.diagonal
     away[away > scene.cfg.pad] *= winding_numbers(points[away > scene.cfg.pad], triangles) < 0.5
     notched = 0
     for index in np.unique(owners[face[away > scene.cfg.notched]]).tolist():

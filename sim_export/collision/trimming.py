@@ -1,7 +1,9 @@
-"""What is shown of a link although it lies inside of another one, and no hull can stand for it.
+"""What is shown of a link although no hull stands for it.
 
-Where parts of the source overlap, the hulls of one give way; its mesh would still show what is not felt.
-Such surface is left out of the mesh, too, so that both tell the same story.
+Where parts of the source overlap, at rest or on their way, the hulls of one give way; its mesh would still
+show what is not felt. Such surface is left out of the mesh, too, so that both tell the same story: a door
+that meets its neighbour gets the rebate that a joiner would give it. So is fine detail for which a
+link has no hull left.
 """
 
 from collections.abc import Mapping, Sequence
@@ -10,10 +12,12 @@ from dataclasses import dataclass
 import manifold3d
 import numpy as np
 
+from sim_export.collision.additions import is_free, read_sweeps
+from sim_export.collision.contacts import HullSet
 from sim_export.collision.lost_surface import cut_out, find_lost, group_points
 from sim_export.geometry.sampling import triangle_areas
-from sim_export.geometry.solids import as_solid, solid_arrays
-from sim_export.package import Hull, Link, Mesh
+from sim_export.geometry.solids import as_solid, solid_arrays, solid_hull
+from sim_export.package import Hull, Link, Mesh, PackageJoint, Requirement
 
 _LEAST_SAMPLES = 200
 
@@ -22,16 +26,20 @@ _LEAST_SAMPLES = 200
 class TrimmingConfig:
     """What is left out of meshes; distances are shares of the object's diagonal."""
 
-    missed: float = 0.02
+    missed: float = 0.013
     """Surface farther than this from that of all hulls is lost."""
     most: float = 0.026
-    """Nothing is left out of a link whose surface is nowhere lost by more than this."""
+    """Nothing is left out of a link whose surface is nowhere lost by more than this, but see ``share``."""
+    share: float = 0.008
+    """Share of the surface of all links from which on all that is lost is left out, however near hulls are."""
     pad: float = 0.002
     """How far beyond the lost points a mesh is cut."""
-    inside: float = 0.5
-    """Least share of what is left out that lies in hulls of other links, at rest."""
+    fine: float = 0.005
+    """Share of a part's volume up to which a piece is left out wherever it is."""
     max_removed: float = 0.2
     """Greatest share of a part's volume that is left out."""
+    poses: int = 21
+    """Samples of each joint's range at which pieces may lie in other links."""
     samples: int = 20_000
     """Points on the surfaces of all links together."""
 
@@ -46,12 +54,18 @@ class Trimmed:
 
 
 def trim_meshes(
-    links: Sequence[Link], meshes: Mapping[str, Mesh], cfg: TrimmingConfig | None = None
+    links: Sequence[Link],
+    joints: Sequence[PackageJoint],
+    requirements: Sequence[Requirement],
+    meshes: Mapping[str, Mesh],
+    cfg: TrimmingConfig | None = None,
 ) -> Trimmed:
-    """Leaves out of the meshes what no hull stands for because another link is there.
+    """Leaves out of the meshes what no hull stands for, where another link is or passes, or it is fine.
 
     Args:
         links: Links with hulls, object frame at rest.
+        joints: Their joints.
+        requirements: Joints that must be open while another moves.
         meshes: Closed mesh of every part, by name; metres, object frame.
         cfg: What is left out.
     """
@@ -62,49 +76,50 @@ def trim_meshes(
         return Trimmed(meshes=out)
     diagonal = float(np.linalg.norm(np.ptp(np.concatenate(corners), axis=0)))
     total = sum(float(triangle_areas(mesh.vertices[mesh.faces]).sum()) for mesh in meshes.values())
+    lost = [_find_lost(link, meshes, total, diagonal, cfg) for link in links]
+    much = sum(len(points) for points, _ in lost) > cfg.share * cfg.samples
+    sets = [HullSet(hulls=link.hulls) for link in links]
+    sweeps = read_sweeps(links, joints, requirements, cfg.poses)
     records, changed = [], []
-    for link in links:
-        if not link.hulls or not link.parts:
+    for slot, (link, (points, distances)) in enumerate(zip(links, lost, strict=True)):
+        if not len(points) or (distances.max() <= cfg.most * diagonal and not much):
             continue
-        triangles = np.concatenate([meshes[part].vertices[meshes[part].faces] for part in link.parts])
-        samples = int(cfg.samples * triangle_areas(triangles).sum() / total) + _LEAST_SAMPLES
-        points, distances = find_lost(triangles, link.hulls, samples, cfg.missed * diagonal)
-        if distances.max(initial=0.0) <= cfg.most * diagonal:
-            continue
-        others = [hull for other in links if other is not link for hull in other.hulls]
         groups = group_points(points, distances, 1.5 * cfg.missed * diagonal)
         for part in link.parts:
             solid = as_solid(meshes[part])
-            rest = _leave_out(solid, groups, link.hulls, others, (cfg, diagonal))
+            rest = solid
+            for piece in _lost_pieces(solid, groups, link.hulls, cfg.pad * diagonal):
+                fine = piece.volume() <= cfg.fine * solid.volume()
+                if fine or not is_free(solid_hull(piece), slot, sets, sweeps, 0.0):
+                    rest = rest - piece
             share = 1.0 - rest.volume() / solid.volume()
             if not 0.0 < share <= cfg.max_removed:
                 continue
             vertices, faces = solid_arrays(rest)
             out[part] = Mesh(vertices=vertices, faces=faces, color=meshes[part].color)
             changed.append(part)
-            records.append(f"{part}: {share:.1%} of its mesh, which lay inside of other links, is left out")
+            records.append(f"{part}: {share:.1%} of its mesh, for which no hull stands, is left out")
     return Trimmed(meshes=out, changed=tuple(changed), records=tuple(records))
 
 
-def _leave_out(
-    solid: manifold3d.Manifold,
-    groups: Sequence[np.ndarray],
-    own: Sequence[Hull],
-    others: Sequence[Hull],
-    scale: tuple[TrimmingConfig, float],
-) -> manifold3d.Manifold:
-    """A solid without the lost pieces of it that lie in other links; what its own hulls hold stays."""
-    cfg, diagonal = scale
-    rest = solid
-    for points in groups:
-        for piece in cut_out(points, solid, cfg.pad * diagonal):
-            lost = piece - _union(own, piece)
-            if lost.volume() <= 0.0:
-                continue
-            shared = (lost ^ _union(others, lost)).volume()
-            if shared >= cfg.inside * lost.volume():
-                rest = rest - lost
-    return rest
+def _find_lost(
+    link: Link, meshes: Mapping[str, Mesh], total: float, diagonal: float, cfg: TrimmingConfig
+) -> tuple[np.ndarray, np.ndarray]:
+    """Points of a link's meshes that are lost and their distances; as many as its share of the area."""
+    if not link.hulls or not link.parts:
+        return np.zeros((0, 3)), np.zeros(0)
+    triangles = np.concatenate([meshes[part].vertices[meshes[part].faces] for part in link.parts])
+    samples = int(cfg.samples * triangle_areas(triangles).sum() / total) + _LEAST_SAMPLES
+    return find_lost(triangles, link.hulls, samples, cfg.missed * diagonal)
+
+
+def _lost_pieces(
+    solid: manifold3d.Manifold, groups: Sequence[np.ndarray], own: Sequence[Hull], pad: float
+) -> list[manifold3d.Manifold]:
+    """What a solid has around lost points; what the link's own hulls hold is not lost."""
+    around = [piece for points in groups for piece in cut_out(points, solid, pad)]
+    lost = [part for piece in around for part in (piece - _union(own, piece)).decompose()]
+    return [piece for piece in lost if piece.volume() > 0.0 and piece.hull().volume() > 0.0]
 
 
 def _union(hulls: Sequence[Hull], near: manifold3d.Manifold) -> manifold3d.Manifold:

@@ -82,10 +82,12 @@ def measure_stray(hulls: Sequence[Hull], solid: manifold3d.Manifold) -> Float[np
 SURFACE_SAMPLES = 10_000
 
 
-def measure_bulge(hulls: Sequence[Hull], solid: manifold3d.Manifold) -> Float[np.ndarray, "N"]:
+def measure_bulge(
+    hulls: Sequence[Hull], solid: manifold3d.Manifold, near: float = 0.0
+) -> Float[np.ndarray, "N"]:
     """How far (m) points on the outside of the hulls lie from the solid's surface.
 
-    What other hulls cover is not outside.
+    What other hulls cover is not outside. Distances below ``near`` are rough.
     """
     vertices, faces = solid_arrays(solid)
     triangles = np.concatenate([hull.vertices[hull.faces] for hull in hulls])
@@ -100,7 +102,7 @@ def measure_bulge(hulls: Sequence[Hull], solid: manifold3d.Manifold) -> Float[np
     free = points[~covered]
     if not len(free):
         return np.zeros(0)
-    return surface_distances(free, vertices[faces], SURFACE_SAMPLES)
+    return surface_distances(free, vertices[faces], SURFACE_SAMPLES, near)
 
 
 def measure_kept_cavity(

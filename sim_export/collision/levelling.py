@@ -1,0 +1,203 @@
+"""Levelling feet for objects that would topple, or stand on a door.
+
+Sources are drawn without a floor: a front trim hangs below the body, two legs are shorter than the others,
+or a leaf is the lowest of all. Where the centre of mass lies outside of what touches the floor, or what
+moves carries the object, feet under the corners of the body do what their maker would have done.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from jaxtyping import Float
+from scipy.spatial import ConvexHull, QhullError
+
+from sim_export.collision.additions import AdditionConfig, Sweep, add_hull, read_sweeps
+from sim_export.collision.contacts import HullSet, signed_distances
+from sim_export.collision.hulls import box_hull, hull_planes
+from sim_export.package import Hull, Link, Mesh, PackageJoint, Requirement, Visual
+
+
+@dataclass(frozen=True, kw_only=True)
+class LevellingConfig:
+    """When an object gets feet, and which; lengths in metres."""
+
+    margin: float = 0.01
+    """The centre of mass lies at least this deep in the polygon of what touches the floor, or feet are
+    added; less where the object is small."""
+    margin_share: float = 0.02
+    """That depth over the smaller side of the object's floor plan, where this is less."""
+    touching: float = 0.002
+    """Height above the floor up to which a point carries."""
+    lift: float = 0.003
+    """How far feet lift what moves off the floor."""
+    max_height: float = 0.2
+    """Height of feet over that of the object, at most."""
+    width: float = 0.024
+    """Side of a foot; over a fifteenth of the object's height, no more than that."""
+    inset: float = 0.01
+    """How far a foot stands back from the outline of the body."""
+    grid: int = 28
+    """Points along each side of the floor plan at which the body's underside is looked up."""
+    climb: float = 3.0
+    """What a metre of height counts against a metre away from the corner."""
+    color: tuple[float, float, float] = (0.12, 0.12, 0.12)
+    """Colour of feet: black rubber."""
+    categories: frozenset[str] = frozenset(
+        {
+            "Cart",
+            "Dishwasher",
+            "Microwave",
+            "Oven",
+            "Refrigerator",
+            "Safe",
+            "StorageFurniture",
+            "Table",
+            "WashingMachine",
+        }
+    )
+    """What stands on the floor or on a worktop by itself."""
+    addition: AdditionConfig = field(default_factory=AdditionConfig)
+    """What feet must keep to."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Levelled:
+    """Links, feet as visuals of the body, and a sentence where any were added."""
+
+    links: tuple[Link, ...]
+    feet: tuple[Visual, ...] = ()
+    records: tuple[str, ...] = ()
+
+
+def level_object(
+    links: Sequence[Link],
+    joints: Sequence[PackageJoint],
+    requirements: Sequence[Requirement],
+    category: str,
+    cfg: LevellingConfig | None = None,
+) -> Levelled:
+    """Adds feet under the corners of the body where the object does not stand by itself.
+
+    Args:
+        links: Links with hulls and inertials, object frame at rest; the body is the last.
+        joints: Their joints.
+        requirements: Joints that must be open while another moves.
+        category: What the object is.
+        cfg: When feet are added, and which.
+
+    Returns:
+        New links; all are the same objects where none is needed, or where none has room.
+    """
+    cfg = cfg or LevellingConfig()
+    unchanged = Levelled(links=tuple(links))
+    if category not in cfg.categories or not links[-1].hulls:
+        return unchanged
+    sets = [HullSet(hulls=link.hulls) for link in links]
+    low, high = _bounds(sets)
+    rolling = any(link.label == "wheel" for link in links)
+    moving = min((float(s.vertices[:, 2].min()) for s in sets[:-1] if s.hulls), default=np.inf)
+    on_leaf = not rolling and moving < low[2] + 0.5 * cfg.lift and moving <= sets[-1].vertices[:, 2].min()
+    margin = min(cfg.margin, cfg.margin_share * float((high - low)[:2].min()))
+    carried = _depth_of_mass(links, sets, cfg.touching)
+    if rolling or (carried >= margin and not on_leaf):
+        return unchanged
+    floor = min(float(low[2]), moving - cfg.lift if on_leaf else np.inf)
+    sweeps = read_sweeps(links, joints, requirements, cfg.addition.poses)
+    feet = [
+        foot
+        for foot in _place_feet(sets[-1], floor, float(high[2] - floor), cfg)
+        if _stands(foot, sets, sweeps, cfg)
+    ]
+    part = links[-1].parts[0]
+    visuals = tuple(
+        Visual(
+            name=f"foot_{index}",
+            part=part,
+            label="base",
+            mesh=Mesh(vertices=foot.vertices, faces=foot.faces, color=cfg.color),
+        )
+        for index, foot in enumerate(feet)
+    )
+    if not feet:
+        return replace(unchanged, records=(f"{links[-1].name}: stands badly, and no foot has room",))
+    after = _depth_of_mass(links, sets, cfg.touching)
+    reason = "a moving link carried the object" if on_leaf else "its centre of mass was not above its support"
+    record = (
+        f"{links[-1].name}: {len(feet)} levelling feet up to "
+        f"{1000 * max(np.ptp(foot.vertices[:, 2]) for foot in feet):.0f} mm high were added because {reason}"
+        + ("" if after >= margin else "; it still is not")
+    )
+    body = replace(links[-1], hulls=sets[-1].hulls)
+    return Levelled(links=(*links[:-1], body), feet=visuals, records=(record,))
+
+
+def _bounds(sets: Sequence[HullSet]) -> tuple[np.ndarray, np.ndarray]:
+    points = np.concatenate([hulls.vertices for hulls in sets])
+    return points.min(axis=0), points.max(axis=0)
+
+
+def _depth_of_mass(links: Sequence[Link], sets: Sequence[HullSet], touching: float) -> float:
+    """How far (m) the centre of mass lies inside of what touches the floor; negative outside."""
+    inertials = [link.inertial for link in links if link.inertial is not None]
+    center = sum(i.mass * np.asarray(i.com) for i in inertials) / sum(i.mass for i in inertials)
+    points = np.concatenate([hulls.vertices for hulls in sets])
+    feet = points[points[:, 2] < points[:, 2].min() + touching][:, :2]
+    try:
+        edges = ConvexHull(feet).equations
+    except (QhullError, ValueError):
+        return -float(np.linalg.norm(feet - center[:2], axis=1).min())
+    return -float((edges[:, :2] @ center[:2] + edges[:, 2]).max())
+
+
+def _place_feet(body: HullSet, floor: float, height: float, cfg: LevellingConfig) -> list[Hull]:
+    """Boxes from the floor into the underside of the body, near its four corners; those not needed too."""
+    width = min(cfg.width, height / 15.0)
+    low, high = body.vertices.min(axis=0)[:2], body.vertices.max(axis=0)[:2]
+    back = cfg.inset + width / 2
+    axes = [np.linspace(low[n] + back, high[n] - back, cfg.grid) for n in range(2)]
+    points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 2)
+    under = _undersides(body, points) - floor
+    able = np.flatnonzero(under <= cfg.max_height * height)
+    feet, taken = [], set()
+    for corner in ((low[0], low[1]), (low[0], high[1]), (high[0], low[1]), (high[0], high[1])):
+        if not len(able):
+            break
+        away = np.linalg.norm(points[able] - corner, axis=1)
+        best = int(able[(away + cfg.climb * under[able]).argmin()])
+        if best in taken:
+            continue
+        taken.add(best)
+        middle, top = points[best], floor + max(under[best] + 1e-3, 2e-3)
+        low_corner, high_corner = np.append(middle - width / 2, floor), np.append(middle + width / 2, top)
+        feet.append(box_hull(low_corner, high_corner))
+    return feet
+
+
+def _undersides(body: HullSet, points: Float[np.ndarray, "N 2"]) -> Float[np.ndarray, "N"]:
+    """Height (m) at which vertical lines through points first meet a hull from below; infinite for none."""
+    out = np.full(len(points), np.inf)
+    for hull in body.hulls:
+        planes = hull_planes(hull)
+        enter, leave = np.full(len(points), -np.inf), np.full(len(points), np.inf)
+        rest = planes[:, 3] - points @ planes[:, :2].T  # N F: n_z z <= rest
+        for slope, room in zip(planes[:, 2], rest.T, strict=True):
+            if slope < -1e-12:
+                enter = np.maximum(enter, room / slope)
+            elif slope > 1e-12:
+                leave = np.minimum(leave, room / slope)
+            else:
+                enter = np.where(room < 0, np.inf, enter)
+        out = np.where(enter <= leave, np.minimum(out, enter), out)
+    return out
+
+
+def _stands(foot: Hull, sets: list[HullSet], sweeps: Sequence[Sweep], cfg: LevellingConfig) -> bool:
+    """Adds a foot to the body's hulls, the last of ``sets``, if it has room."""
+    still = np.eye(4)
+    found = signed_distances(HullSet(hulls=(foot,)), sets[-1], still, still, max_distance=np.inf)
+    nearest = sets[-1].hulls[int(found.second[found.distance.argmin()])]
+    added = add_hull(sets, sweeps, len(sets) - 1, foot, nearest, cfg.addition)
+    if added is not None:
+        sets[-1] = added
+    return added is not None
