@@ -27,7 +27,7 @@ from sim_export.collision.hulls import (
     merge_planes,
     subtract_hull,
 )
-from sim_export.collision.lost_surface import cut_out, find_lost, group_points, stands_out, winding_numbers
+from sim_export.collision.lost_surface import cut_out, find_lost, group_points, inside_mesh, stands_out
 from sim_export.geometry.sampling import sample_triangles, triangle_areas
 from sim_export.geometry.solids import as_solid, solid_hull
 from sim_export.package import Hull, Link, Mesh, PackageJoint, Requirement
@@ -79,12 +79,16 @@ class Recovery:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Scene:
-    """What all links are measured in: current hulls, sweeps, and the object's diagonal (m)."""
+    """What all links are measured in: current hulls, sweeps, and the object's diagonal (m).
+
+    ``stuck`` holds the hulls of links of which no two could be joined.
+    """
 
     sets: list[HullSet]
     sweeps: tuple[Sweep, ...]
     diagonal: float
     cfg: RecoveryConfig
+    stuck: dict[int, HullSet] = field(default_factory=dict)
 
 
 def recover_surface(
@@ -175,7 +179,7 @@ def _open_notches(
     owners = np.repeat(np.arange(len(hulls)), [len(hull.faces) for hull in hulls])
     points, face = sample_triangles(np.concatenate([h.vertices[h.faces] for h in hulls]), samples)
     away = surface_distances(points, triangles, 4 * samples, scene.cfg.pad * scene.diagonal) / scene.diagonal
-    away[away > scene.cfg.pad] *= winding_numbers(points[away > scene.cfg.pad], triangles) < 0.5
+    away[away > scene.cfg.pad] *= ~inside_mesh(points[away > scene.cfg.pad], triangles)
     notched = 0
     for index in np.unique(owners[face[away > scene.cfg.notched]]).tolist():
         before = scene.sets[slot]
@@ -242,9 +246,15 @@ def _put_back(
 
 def _make_room(slot: int, solids: Sequence[manifold3d.Manifold], scene: _Scene) -> bool:
     """Joins two hulls of a link to one, in ``scene.sets``, where that fills and disturbs next to nothing."""
+    if scene.stuck.get(slot) is scene.sets[slot]:
+        return False
     hulls = scene.sets[slot].hulls
+    low = np.array([hull.vertices.min(axis=0) for hull in hulls])
+    high = np.array([hull.vertices.max(axis=0) for hull in hulls])
     pairs = []
     for i, j in combinations(range(len(hulls)), 2):
+        if (np.maximum(low[i] - high[j], low[j] - high[i]) > 2.0 * scene.cfg.bulge * scene.diagonal).any():
+            continue  # what joins them would stand out half-way
         joint = convex_hull(np.concatenate([hulls[i].vertices, hulls[j].vertices]))
         pairs.append((hull_volume(joint) - hull_volume(hulls[i]) - hull_volume(hulls[j]), i, j, joint))
     for _, i, j, joint in sorted(pairs, key=lambda pair: pair[:3])[: scene.cfg.joins]:
@@ -258,6 +268,7 @@ def _make_room(slot: int, solids: Sequence[manifold3d.Manifold], scene: _Scene) 
         if joined is not None:
             scene.sets[slot] = joined
             return True
+    scene.stuck[slot] = scene.sets[slot]
     return False
 
 

@@ -31,7 +31,7 @@ class TrimmingConfig:
     most: float = 0.026
     """Nothing is left out of a link whose surface is nowhere lost by more than this, but see ``share``."""
     share: float = 0.008
-    """Share of the surface of all links from which on all that is lost is left out, however near hulls are."""
+    """Share of the surface of all links from which on all that is lost is left out, however little lost."""
     pad: float = 0.002
     """How far beyond the lost points a mesh is cut."""
     fine: float = 0.005
