@@ -19,7 +19,9 @@ from sim_export.collision.decompose import DecomposeConfig, decompose_part, deco
 from sim_export.collision.hull_limits import HullLimits, hull_aspect, limit_hulls
 from sim_export.collision.hull_methods import Candidate
 from sim_export.collision.hulls import (
+    box_bounds,
     box_hull,
+    clip_hull,
     convex_hull,
     count_polygons,
     hull_planes,
@@ -338,3 +340,19 @@ def test_configs_reject_nonsense():
         DecomposeConfig(tolerance=-1.0)
     with pytest.raises(ValueError, match="max_hulls is 0"):
         DecomposeConfig(max_hulls=0)
+
+
+def test_boxes_are_measured_and_cut_like_any_other_hull():
+    low, high = np.array([-0.2, 0.1, 0.0]), np.array([0.4, 0.12, 0.3])
+    box = box_hull(low, high)
+    turned = convex_hull(box.vertices + 1e-12 * np.arange(24).reshape(8, 3))  # no longer exactly a box
+    assert box_bounds(turned) is None
+    assert hull_width(box)[0] == pytest.approx(hull_width(turned)[0])
+    for normal in np.concatenate([np.eye(3), -np.eye(3)]):
+        offset = float((box.vertices @ normal).mean()) + 0.003
+        one, other = clip_hull(box, normal, offset), clip_hull(turned, normal, offset)
+        assert one is not None
+        assert other is not None
+        assert hull_volume(one) == pytest.approx(hull_volume(other), rel=1e-6)
+        assert (one.vertices @ normal).max() == pytest.approx(offset)
+    assert clip_hull(box, np.array([1.0, 0.0, 0.0]), -0.2) is None

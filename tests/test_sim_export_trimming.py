@@ -1,4 +1,4 @@
-"""Laws of trimming: only what lies inside of other links is left out, and meshes stay closed."""
+"""Laws of trimming: what no hull stands for is left out where others are or pass, and where it is fine."""
 
 import manifold3d
 import numpy as np
@@ -7,7 +7,7 @@ import pytest
 from sim_export.collision.hulls import box_hull
 from sim_export.collision.trimming import trim_meshes
 from sim_export.geometry.solids import as_solid
-from sim_export.package import Link, Mesh
+from sim_export.package import Link, Mesh, PackageJoint
 
 BODY = ((-0.3, -0.4, 0.0), (0.3, 0.4, 0.8))
 LEDGE = ((-0.3, 0.4, 0.5), (0.3, 0.5, 0.52))
@@ -32,7 +32,7 @@ def link(name: str, item) -> Link:
 
 def test_a_ledge_inside_of_another_link_is_left_out():
     meshes = {"body": solid(BODY, LEDGE), "other": solid(AROUND)}
-    done = trim_meshes((link("body", BODY), link("other", AROUND)), meshes)
+    done = trim_meshes((link("body", BODY), link("other", AROUND)), [], [], meshes)
     assert done.changed == ("body",)
     assert done.meshes["other"] is meshes["other"]
     left = as_solid(done.meshes["body"]).volume()  # raises unless it is closed
@@ -41,15 +41,35 @@ def test_a_ledge_inside_of_another_link_is_left_out():
 
 
 def test_a_ledge_in_free_space_is_shown_whatever_is_felt():
-    meshes = {"body": solid(BODY, LEDGE), "other": solid(AWAY)}
-    done = trim_meshes((link("body", BODY), link("other", AWAY)), meshes)
+    thick = ((-0.3, 0.4, 0.5), (0.3, 0.5, 0.56))
+    meshes = {"body": solid(BODY, thick), "other": solid(AWAY)}
+    done = trim_meshes((link("body", BODY), link("other", AWAY)), [], [], meshes)
     assert done.changed == ()
     assert done.meshes == meshes
     assert done.records == ()
 
 
+def test_a_ledge_in_the_way_of_a_door_is_left_out():
+    meshes = {"body": solid(BODY, LEDGE), "other": solid(AWAY)}
+    slide = PackageJoint(
+        name="joint_0", type="prismatic", kind="prismatic", parent="link_body", child="link_other",
+        origin=np.zeros(3), axis=np.array([0.0, -1.0, 0.0]), lower=0.0, upper=0.25,
+    )  # fmt: skip
+    done = trim_meshes((link("body", BODY), link("other", AWAY)), [slide], [], meshes)
+    assert done.changed == ("body",)
+    assert as_solid(done.meshes["body"]).volume() == pytest.approx(0.6 * 0.8 * 0.8, rel=0.003)
+
+
+def test_fine_detail_that_no_hull_stands_for_is_left_out():
+    wire = ((-0.3, 0.4, 0.5), (0.3, 0.5, 0.503))
+    done = trim_meshes((link("body", BODY),), [], [], {"body": solid(BODY, wire)})
+    assert done.changed == ("body",)
+
+
 def test_what_is_felt_is_shown_even_inside_of_another_link():
     meshes = {"body": solid(BODY), "other": solid(AROUND)}
     within = ((-0.2, -0.2, 0.2), (0.2, 0.2, 0.4))
-    done = trim_meshes((link("body", BODY), link("other", within)), {**meshes, "other": solid(within)})
+    done = trim_meshes(
+        (link("body", BODY), link("other", within)), [], [], {**meshes, "other": solid(within)}
+    )
     assert done.changed == ()

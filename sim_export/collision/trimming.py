@@ -35,7 +35,11 @@ class TrimmingConfig:
     pad: float = 0.002
     """How far beyond the lost points a mesh is cut."""
     fine: float = 0.005
-    """Share of a part's volume up to which a piece is left out wherever it is."""
+    """Share of a part's volume up to which what is lost in one place is left out wherever that is."""
+    growth: float = 1.5
+    """Such a piece may grow by no more than this where it is cut out three times as wide."""
+    least_removed: float = 1e-4
+    """Less of a part's volume is not worth a change."""
     max_removed: float = 0.2
     """Greatest share of a part's volume that is left out."""
     poses: int = 21
@@ -88,12 +92,18 @@ def trim_meshes(
         for part in link.parts:
             solid = as_solid(meshes[part])
             rest = solid
-            for piece in _lost_pieces(solid, groups, link.hulls, cfg.pad * diagonal):
-                fine = piece.volume() <= cfg.fine * solid.volume()
-                if fine or not is_free(solid_hull(piece), slot, sets, sweeps, 0.0):
-                    rest = rest - piece
+            for points in groups:
+                pieces = _lost_pieces(solid, points, link.hulls, cfg.pad * diagonal)
+                wider = _lost_pieces(solid, points, link.hulls, 3.0 * cfg.pad * diagonal)
+                volume = sum(piece.volume() for piece in pieces)
+                # The skin of something thicker goes on where a box around the lost points ends.
+                whole = sum(piece.volume() for piece in wider) <= cfg.growth * volume
+                fine = whole and volume <= cfg.fine * solid.volume()
+                for piece in pieces:
+                    if fine or not is_free(solid_hull(piece), slot, sets, sweeps, 0.0):
+                        rest = rest - piece
             share = 1.0 - rest.volume() / solid.volume()
-            if not 0.0 < share <= cfg.max_removed:
+            if not cfg.least_removed < share <= cfg.max_removed:
                 continue
             vertices, faces = solid_arrays(rest)
             out[part] = Mesh(vertices=vertices, faces=faces, color=meshes[part].color)
@@ -114,11 +124,12 @@ def _find_lost(
 
 
 def _lost_pieces(
-    solid: manifold3d.Manifold, groups: Sequence[np.ndarray], own: Sequence[Hull], pad: float
+    solid: manifold3d.Manifold, points: np.ndarray, own: Sequence[Hull], pad: float
 ) -> list[manifold3d.Manifold]:
-    """What a solid has around lost points; what the link's own hulls hold is not lost."""
-    around = [piece for points in groups for piece in cut_out(points, solid, pad)]
-    lost = [part for piece in around for part in (piece - _union(own, piece)).decompose()]
+    """What a solid has around some lost points; what the link's own hulls hold is not lost."""
+    lost = [
+        part for piece in cut_out(points, solid, pad) for part in (piece - _union(own, piece)).decompose()
+    ]
     return [piece for piece in lost if piece.volume() > 0.0 and piece.hull().volume() > 0.0]
 
 
