@@ -44,6 +44,8 @@ class TrimmingConfig:
     """Greatest share of a part's volume that is left out."""
     poses: int = 21
     """Samples of each joint's range at which pieces may lie in other links."""
+    room: float = 0.0017
+    """Room (m) that a hull would need around itself to be put back (`sim_export.collision.recovery`)."""
     samples: int = 20_000
     """Points on the surfaces of all links together."""
 
@@ -100,7 +102,7 @@ def trim_meshes(
                 whole = sum(piece.volume() for piece in wider) <= cfg.growth * volume
                 fine = whole and volume <= cfg.fine * solid.volume()
                 for piece in pieces:
-                    if fine or not is_free(solid_hull(piece), slot, sets, sweeps, 0.0):
+                    if fine or not is_free(solid_hull(piece), slot, sets, sweeps, cfg.room):
                         rest = rest - piece
             share = 1.0 - rest.volume() / solid.volume()
             if not cfg.least_removed < share <= cfg.max_removed:
