@@ -14,6 +14,7 @@ from sim_export.collision.requirements import RequirementConfig
 from sim_export.collision.retention import RetentionConfig
 from sim_export.collision.trimming import TrimmingConfig
 from sim_export.geometry.meshing import MeshingConfig
+from sim_export.geometry.wheels import WheelConfig
 from sim_export.physics.annotations import HandleConfig
 
 
@@ -23,6 +24,8 @@ class ExportConfig:
 
     meshing: MeshingConfig = field(default_factory=MeshingConfig)
     """Voxels to closed part meshes."""
+    wheels: WheelConfig = field(default_factory=WheelConfig)
+    """Wheels to cylinders."""
     texture: TextureConfig = field(default_factory=TextureConfig)
     """Source colours to textures."""
     decompose: DecomposeConfig = field(default_factory=DecomposeConfig)

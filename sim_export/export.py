@@ -21,6 +21,7 @@ from sim_export.config import ExportConfig
 from sim_export.geometry.boards import fill_boards
 from sim_export.geometry.meshing import mesh_parts, solid_parts
 from sim_export.geometry.separation import separate_solids
+from sim_export.geometry.wheels import round_wheels
 from sim_export.package import Link, Mesh, SimPackage, SourceMesh
 from sim_export.physics.annotations import annotate_handles
 from sim_export.physics.links import LinkTree, PartGeometry, build_links, link_owners
@@ -78,7 +79,7 @@ def export_asset(
     voxels, gaps = fill_boards(asset.voxels, link_owners(asset))
     asset = replace(asset, voxels=voxels)
     solids, given_up = separate_solids(asset, solid_parts(asset), link_owners(asset))
-    meshes = mesh_parts(asset, cfg.meshing, solids)
+    meshes, rounded = round_wheels(asset, mesh_parts(asset, cfg.meshing, solids), cfg.wheels)
     watch.lap("mesh")
     decompositions = decompose_parts(meshes, link_owners(asset), cfg.decompose, cache)
     watch.lap("decompose")
@@ -133,6 +134,7 @@ def export_asset(
             for said in solid.records
         ),
         *given_up,
+        *rounded,
         *tree.records,
         *held,
         *cleared.records,

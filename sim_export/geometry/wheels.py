@@ -1,0 +1,75 @@
+"""Wheels are round: a few voxels are not, and what stands on corners rolls until it lies on a flat side."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Float
+
+from artigen.types import Asset
+from sim_export.collision.hulls import convex_hull, hull_volume
+from sim_export.geometry.solids import as_solid
+from sim_export.package import Mesh
+
+
+@dataclass(frozen=True, kw_only=True)
+class WheelConfig:
+    """What becomes a cylinder."""
+
+    segments: int = 24
+    """Sides of the cylinder; a corner points down, so that it stands on an edge of its own."""
+    least_alike: float = 0.6
+    """Least share of the cylinder's volume that a mesh fills, and its inverse at most: forks stay forks."""
+    near: float = 1.5
+    """Voxels; wheels that end so little above the lowest point of the object reach down to it."""
+
+
+def round_wheels(
+    asset: Asset, meshes: Sequence[Mesh], cfg: WheelConfig | None = None
+) -> tuple[tuple[Mesh, ...], tuple[str, ...]]:
+    """Cylinders about their axles in place of the meshes of wheels, and a sentence for each.
+
+    Args:
+        asset: Parts and joints; unit-cube lengths.
+        meshes: Closed mesh of every part (metres), in order.
+        cfg: What becomes a cylinder.
+    """
+    cfg = cfg or WheelConfig()
+    floor = min(float(mesh.vertices[:, 2].min()) for mesh in meshes)
+    voxel = asset.scale / (64 if asset.voxels is None else asset.voxels.resolution)
+    out, records = list(meshes), []
+    for index, (part, mesh) in enumerate(zip(asset.parts, meshes, strict=True)):
+        if part.label != "wheel" or part.joint.type != "continuous":
+            continue
+        axis, origin = np.asarray(part.joint.axis), np.asarray(part.joint.origin) * asset.scale
+        along = (mesh.vertices - origin) @ axis
+        across = np.linalg.norm(mesh.vertices - origin - np.outer(along, axis), axis=1)
+        radius = (float(across.max()) + float(np.median(across))) / 2
+        drop = float(origin[2] - floor) / max(float(np.hypot(axis[0], axis[1])), 1e-9)
+        if abs(drop - radius) <= cfg.near * voxel:
+            radius = drop
+        cylinder = _cylinder(origin, axis, (float(along.min()), float(along.max())), radius, cfg.segments)
+        share = as_solid(mesh).volume() / hull_volume(cylinder)
+        if not cfg.least_alike <= share <= 1.0 / cfg.least_alike:
+            continue
+        out[index] = replace(mesh, vertices=cylinder.vertices, faces=cylinder.faces)
+        records.append(f"{part.name}: became a cylinder of {2000 * radius:.1f} mm about its axle")
+    return tuple(out), tuple(records)
+
+
+def _cylinder(
+    origin: Float[np.ndarray, "3"],
+    axis: Float[np.ndarray, "3"],
+    span: tuple[float, float],
+    radius: float,
+    segments: int,
+):
+    """A cylinder of this radius to its corners, one of them straight below the axis."""
+    down = np.array([0.0, 0.0, -1.0]) + axis[2] * axis
+    if np.linalg.norm(down) < 1e-6:
+        down = np.array([1.0, 0.0, 0.0])
+    down /= np.linalg.norm(down)
+    side = np.cross(axis, down)
+    angles = 2.0 * np.pi * np.arange(segments) / segments
+    ring = origin + radius * (np.outer(np.cos(angles), down) + np.outer(np.sin(angles), side))
+    return convex_hull(np.concatenate([ring + end * axis for end in span]))
