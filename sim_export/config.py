@@ -6,6 +6,7 @@ from sim_export.appearance.texture import TextureConfig
 from sim_export.collision.attachment import AttachmentConfig
 from sim_export.collision.clearance import ClearanceConfig
 from sim_export.collision.decompose import DecomposeConfig
+from sim_export.collision.facets import FacetConfig
 from sim_export.collision.feet import FeetConfig
 from sim_export.collision.filling import FillingConfig
 from sim_export.collision.levelling import LevellingConfig
@@ -38,6 +39,8 @@ class ExportConfig:
     """Room for moving parts."""
     recovery: RecoveryConfig = field(default_factory=RecoveryConfig)
     """Surface that no hull stands for."""
+    facets: FacetConfig = field(default_factory=FacetConfig)
+    """Facets that engines would merge."""
     feet: FeetConfig = field(default_factory=FeetConfig)
     """What the object stands on."""
     attachment: AttachmentConfig = field(default_factory=AttachmentConfig)

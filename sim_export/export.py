@@ -10,6 +10,7 @@ from sim_export.appearance.texture import TextureConfig, bake_parts
 from sim_export.collision.attachment import attach_links
 from sim_export.collision.clearance import clear_joints
 from sim_export.collision.decompose import Decomposition, decompose_parts
+from sim_export.collision.facets import flatten_links
 from sim_export.collision.feet import add_feet
 from sim_export.collision.filling import fill_meshes
 from sim_export.collision.levelling import level_object
@@ -104,7 +105,8 @@ def export_asset(
     solid = {part.name: mesh for part, mesh in zip(asset.parts, meshes, strict=True)}
     whole = recover_surface(cleared.links, cleared.joints, needs, solid, cfg.recovery)
     watch.lap("recover")
-    standing = add_feet(whole.links, cleared.joints, needs, solid, cfg.feet)
+    flat = flatten_links(whole.links, cfg.facets)
+    standing = add_feet(flat, cleared.joints, needs, solid, cfg.feet)
     attached = attach_links(standing.links, cleared.joints, needs, cfg.attachment)
     levelled = level_object(attached.links, cleared.joints, needs, asset.category, cfg.levelling)
     watch.lap("attach")

@@ -37,7 +37,7 @@ class ClearanceConfig:
     """Most samples of a joint's range."""
     finer: int = 3
     """So many times more samples of a turn are taken where the first pass had to cut."""
-    gap: float = 2e-4
+    gap: float = 1e-3
     """Hulls nearer than this (m) are cut. Engines push apart what touches at rest, however little, and
     round hulls by some tenths of a millimetre."""
     tolerance: float = 2e-5
@@ -176,12 +176,18 @@ class _Hulls:
         return max(most - self.count(link), 0)
 
     def allowance(self, link: int, slot: int, cfg: ClearanceConfig) -> float:
-        """Volume (m^3) that cuts may take from a hull: much of it, or little of its link."""
+        """Volume (m^3) that cuts may take from a hull: much of it, or little of its link; none of a wheel."""
+        if self._is_round(link):
+            return 0.0
         return max(cfg.relief.max_removed * self.volumes[link][slot], self.least(link, cfg))
 
     def least(self, link: int, cfg: ClearanceConfig) -> float:
         """Volume (m^3) that cuts may take from a hull of a link however large it is: next to nothing."""
-        return cfg.relief.sliver * self.totals[link]
+        return 0.0 if self._is_round(link) else cfg.relief.sliver * self.totals[link]
+
+    def _is_round(self, link: int) -> bool:
+        """Whether a link is one cylinder that has to roll (`sim_export.geometry.wheels`)."""
+        return self.links[link].label == "wheel" and len(self.links[link].hulls) == 1
 
     def is_sliver(self, link: int, slot: int, cfg: ClearanceConfig) -> bool:
         """Whether a hull is so small against its link that it may go entirely."""

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
+from sim_export.collision.convex_pieces import Solid
 from sim_export.collision.hull_limits import limit_hulls
 from sim_export.collision.hull_methods import DecomposeConfig, Method, Part, diagonal_of, hull_candidates
 from sim_export.errors import DecompositionFailed
@@ -120,13 +121,25 @@ def decompose_parts(
     """Hulls of all parts, so that parts with the same owner (one link) keep to ``max_hulls`` together.
 
     Each part is first decomposed alone; where a link has too many hulls, the parts with most are
-    decomposed again with their share of what is allowed.
+    decomposed again with their share of what is allowed. Hulls keep out of parts with other owners.
     """
     cfg = cfg or DecomposeConfig()
     if cfg.size == 0.0 and meshes:
         corners = np.concatenate([mesh.vertices for mesh in meshes])
         cfg = replace(cfg, size=float(np.linalg.norm(np.ptp(corners, axis=0))))
-    parts = [Part(solid=as_solid(mesh), cfg=cfg) for mesh in meshes]
+    solids = [as_solid(mesh) for mesh in meshes]
+    parts = [
+        Part(
+            solid=solid,
+            cfg=cfg,
+            others=tuple(
+                other
+                for other, owner in zip(solids, owners, strict=True)
+                if owner != owners[index] and _boxes_meet(solid, other)
+            ),
+        )
+        for index, solid in enumerate(solids)
+    ]
     out = [_decompose(part, cfg.max_hulls, cache) for part in parts]
     for owner in sorted(set(owners)):
         mine = [index for index, other in enumerate(owners) if other == owner]
@@ -143,6 +156,11 @@ def decompose_parts(
                 if share < counts[index]:
                     out[index] = _decompose_again(parts[index], out[index], share, cache)
     return tuple(out)
+
+
+def _boxes_meet(first: Solid, second: Solid) -> bool:
+    a, b = (np.array(solid.bounding_box()).reshape(2, 3) for solid in (first, second))
+    return bool((a[0] < b[1]).all() and (b[0] < a[1]).all())
 
 
 def _decompose_again(part: Part, full: Decomposition, max_hulls: int, cache: Path | None) -> Decomposition:

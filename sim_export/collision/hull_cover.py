@@ -31,6 +31,8 @@ DENSE = 30_000
 """Points on the solid's surface to which bulges are measured."""
 LEAST_SHARE = 0.02
 """Share of its weight from which on surface counts."""
+TAKEN = 5.0
+"""How many times free space counts where another link is: a hull there would have to be cut again."""
 HULL_SAMPLES = 120
 """Points on each hull whose distance to the solid is measured."""
 
@@ -76,7 +78,7 @@ class Ground:
     """What hulls are measured against: cells of uneven size, and points on the solid's surface.
 
     Cells lie between ``edges`` and are judged by a point each, at ``axes``. ``weights`` are their volumes
-    over the solid's, positive in the solid and negative outside.
+    over the solid's, positive in the solid and negative outside, more so where other links are.
     """
 
     edges: tuple[np.ndarray, np.ndarray, np.ndarray]
@@ -124,8 +126,8 @@ class Offers:
     weights: Float[np.ndarray, "X Y Z"]
 
 
-def make_ground(solid: manifold3d.Manifold) -> Ground:
-    """The cells and surface points of a solid."""
+def make_ground(solid: manifold3d.Manifold, others: Sequence[manifold3d.Manifold] = ()) -> Ground:
+    """The cells and surface points of a solid; what ``others`` hold counts ``TAKEN`` times when filled."""
     vertices, faces = solid_arrays(solid)
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     step = float((high - low).max()) / CELLS
@@ -136,6 +138,9 @@ def make_ground(solid: manifold3d.Manifold) -> Ground:
     cells = (sizes[0][:, None, None] * sizes[1][:, None] * sizes[2]).astype(np.float32)
     inside = inside_grid(vertices, faces, (x, y, z))
     weights = np.where(inside, cells, -cells) / max(float(cells[inside].sum()), 1e-300)
+    for other in others:
+        taken = inside_grid(*solid_arrays(other), (x, y, z))
+        weights[taken & ~inside] *= TAKEN
     surface = sample_triangles(vertices[faces], DENSE)[0]
     points = sample_triangles(vertices[faces], SAMPLES)[0]
     corners = vertices[:: max(1, len(vertices) // (SAMPLES // 4))]

@@ -17,6 +17,7 @@ from sim_export.collision.coacd_process import CoacdConfig, run_coacd
 from sim_export.collision.convex_pieces import Solid
 from sim_export.collision.cuboids import fit_cuboids
 from sim_export.collision.hull_cover import (
+    TAKEN,
     CoverConfig,
     Ground,
     Offers,
@@ -34,6 +35,7 @@ from sim_export.errors import DecompositionFailed
 from sim_export.geometry.solids import (
     measure_bulge,
     measure_fit,
+    measure_intrusion,
     measure_stray,
     solid_arrays,
     solid_hull,
@@ -115,6 +117,8 @@ class Part:
 
     solid: Solid
     cfg: DecomposeConfig
+    others: tuple[Solid, ...] = ()
+    """Parts of other links whose boxes meet this one's: where they are, no hull should be."""
 
     @cached_property
     def simple(self) -> Solid:
@@ -153,7 +157,7 @@ class Part:
 
     @cached_property
     def _ground(self) -> Ground:
-        return make_ground(self.simple)
+        return make_ground(self.simple, self.others)
 
     def _measure(self, pool: Sequence[PooledHull]) -> Offers:
         return measure_offers(pool, self._ground, MISSED * self.size, FARTHEST * self.size)
@@ -164,7 +168,8 @@ class Candidate:
     """Hulls by one method and how untrue they are.
 
     ``error`` is the volume error against the simplified solid, and what surface they miss: a tenth of
-    a percent of it missed weighs as much as a percent of the volume.
+    a percent of it missed weighs as much as a percent of the volume; so does a fifth of a percent of it that
+    fills other links.
     """
 
     method: Method
@@ -239,4 +244,5 @@ def _measured(method: Method, hulls: Sequence[Hull], part: Part) -> Candidate:
         missed = float((distances > least).mean())
         too_far = max(0.0, float(distances.max(initial=0.0)) / part.size - FARTHEST)
         error += 10.0 * missed + 20.0 * too_far
+    error += TAKEN * measure_intrusion(hulls, part.simple, part.others)
     return Candidate(method=method, hulls=tuple(hulls), error=error)

@@ -61,7 +61,7 @@ class RecoveryConfig:
     """Pairs of hulls that are tried to be joined to one where a link has as many as it may."""
     cuts: int = 8
     """Most cuts that free a hull from others."""
-    margin: float = 0.0015
+    margin: float = 0.0025
     """Room (m) that such a cut leaves, so that poses between the sampled ones are free too."""
     limits: HullLimits = field(default_factory=HullLimits)
     """What hulls must be like."""

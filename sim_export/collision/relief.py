@@ -34,7 +34,7 @@ NEARLY = 1e-5
 class ReliefConfig:
     """How far hulls may be cut back."""
 
-    margin: float = 0.0015
+    margin: float = 0.0025
     """Gap (m) that a cut leaves, so that poses between the sampled ones are free too, and hulls that an
     engine rounds (PhysX takes faces for one that differ by 0.7 mm per metre) do not touch."""
     max_depth: float = 0.032
@@ -42,7 +42,7 @@ class ReliefConfig:
     max_sliver_depth: float = 0.1
     """Deepest cut, over the object's longest side, that takes no more than a sliver: the end of a board, or
     a shaft. What overlaps more is an error of the object, not of its hulls."""
-    max_removed: float = 0.5
+    max_removed: float = 0.65
     """Greatest share of a hull's volume that all its cuts together may remove."""
     sliver: float = 0.02
     """This share of its link's volume may be cut off a hull in any case; a hull below it may be dropped

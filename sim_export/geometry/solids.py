@@ -65,6 +65,19 @@ def measure_fit(hulls: Sequence[Hull], solid: manifold3d.Manifold) -> Fit:
     )
 
 
+def measure_intrusion(
+    hulls: Sequence[Hull], solid: manifold3d.Manifold, others: Sequence[manifold3d.Manifold]
+) -> float:
+    """Volume that hulls, but not the solid they stand for, share with other solids, over that solid's."""
+    if not others:
+        return 0.0
+    union = manifold3d.Manifold.batch_boolean(
+        [_manifold(hull.vertices, hull.faces) for hull in hulls], manifold3d.OpType.Add
+    )
+    excess = union - solid
+    return sum((excess ^ other).volume() for other in others) / solid.volume()
+
+
 def measure_stray(hulls: Sequence[Hull], solid: manifold3d.Manifold) -> Float[np.ndarray, "N"]:
     """How far (m) points of the solid's surface lie outside of all hulls; 0 inside.
 

@@ -3,13 +3,14 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+import manifold3d
 import numpy as np
 from jaxtyping import Float
 
 from artigen.types import Asset
 from sim_export.collision.hulls import convex_hull, hull_volume
-from sim_export.geometry.solids import as_solid
-from sim_export.package import Mesh
+from sim_export.geometry.solids import as_solid, solid_arrays
+from sim_export.package import Hull, Mesh
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -20,6 +21,8 @@ class WheelConfig:
     """Sides of the cylinder; a corner points down, so that it stands on an edge of its own."""
     least_alike: float = 0.6
     """Least share of the cylinder's volume that a mesh fills, and its inverse at most: forks stay forks."""
+    well: float = 0.003
+    """Room (m) that is made around a wheel in whatever stands where it turns."""
     near: float = 1.5
     """Voxels; wheels that end so little above the lowest point of the object reach down to it."""
 
@@ -27,7 +30,7 @@ class WheelConfig:
 def round_wheels(
     asset: Asset, meshes: Sequence[Mesh], cfg: WheelConfig | None = None
 ) -> tuple[tuple[Mesh, ...], tuple[str, ...]]:
-    """Cylinders about their axles in place of the meshes of wheels, and a sentence for each.
+    """Cylinders about their axles in place of the meshes of wheels, wells around them, and what was done.
 
     Args:
         asset: Parts and joints; unit-cube lengths.
@@ -54,7 +57,28 @@ def round_wheels(
             continue
         out[index] = replace(mesh, vertices=cylinder.vertices, faces=cylinder.faces)
         records.append(f"{part.name}: became a cylinder of {2000 * radius:.1f} mm about its axle")
+        reach = (float(along.min()) - cfg.well, float(along.max()) + cfg.well)
+        well = as_solid(_cylinder(origin, axis, reach, radius + cfg.well, cfg.segments))
+        for other in range(len(out)):
+            if other == index or asset.parts[other].label == "wheel":
+                continue
+            hollow = _without(out[other], well)
+            if hollow is not None:
+                out[other] = hollow
+                records.append(f"{asset.parts[other].name}: makes room for {part.name}")
     return tuple(out), tuple(records)
+
+
+def _without(mesh: Mesh, well: manifold3d.Manifold) -> Mesh | None:
+    """A mesh without a well and without the crumbs that this leaves; `None` where it does not reach there."""
+    solid = as_solid(mesh)
+    shared = (solid ^ well).volume()
+    if shared <= 0.0 or shared > 0.5 * solid.volume():
+        return None
+    pieces = (solid - well).decompose()
+    kept = [piece for piece in pieces if piece.volume() > 0.1 * shared]
+    vertices, faces = solid_arrays(manifold3d.Manifold.batch_boolean(kept, manifold3d.OpType.Add))
+    return replace(mesh, vertices=vertices, faces=faces)
 
 
 def _cylinder(
@@ -63,7 +87,7 @@ def _cylinder(
     span: tuple[float, float],
     radius: float,
     segments: int,
-):
+) -> Hull:
     """A cylinder of this radius to its corners, one of them straight below the axis."""
     down = np.array([0.0, 0.0, -1.0]) + axis[2] * axis
     if np.linalg.norm(down) < 1e-6:

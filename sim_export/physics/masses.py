@@ -2,7 +2,8 @@
 
 Voxels of a closed body describe a shell; its mesh encloses the cavity as well, because nothing can
 get in there. So the mass properties are those of the solid mesh minus those of the cells that lie in
-the cavity, both exact.
+the cavity, both exact. Walls thicker than their material is ever used are hollow and weigh what such
+walls do.
 """
 
 import numpy as np
@@ -29,7 +30,8 @@ def weigh_part(asset: Asset, part_id: int, mesh: Mesh, occupancy: PartOccupancy)
     if asset.voxels is None:
         raise ValueError(f"asset {asset.name!r} has no voxels; voxelize its surface first")
     part = asset.parts[part_id]
-    density = MATERIALS[part_material(part.label, asset.category)].density
+    material = MATERIALS[part_material(part.label, asset.category)]
+    density = material.density * min(1.0, material.thickest / _thickness(mesh))
     solid = mesh_inertial(mesh, density)
     cavity = binary_erosion(occupancy.occupancy)  # the outermost cells are wall, and so is any part's surface
     cavity[tuple(asset.voxels.coords.T)] = False
@@ -41,6 +43,14 @@ def weigh_part(asset: Asset, part_id: int, mesh: Mesh, occupancy: PartOccupancy)
             f"part {part.name!r}: walls of {walls.mass:.3g} kg around its cavity, expected > 0"
         )
     return walls
+
+
+def _thickness(mesh: Mesh) -> float:
+    """Mean thickness (m) of a plate of a mesh's volume and area; half the diameter of a bar."""
+    corners = mesh.vertices[mesh.faces]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    volume = float(np.einsum("fi,fi->", corners[:, 0], normals)) / 6.0
+    return 2.0 * volume / (float(np.linalg.norm(normals, axis=1).sum()) / 2.0)
 
 
 def cells_inertial(cells: Bool[np.ndarray, "R R R"], cell_size: float, density: float) -> Inertial:

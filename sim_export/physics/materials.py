@@ -30,26 +30,31 @@ GRAVITY = 9.81
 
 @dataclass(frozen=True, kw_only=True)
 class Material:
-    """Density in kg/m^3 and coefficients of static and sliding friction against a common surface."""
+    """Density in kg/m^3 and coefficients of static and sliding friction against a common surface.
+
+    ``thickest`` (m) is what walls of it are at most; parts drawn or voxelized thicker are hollow.
+    """
 
     density: float
     static_friction: float
     sliding_friction: float
+    thickest: float = np.inf
 
 
 MATERIALS: dict[MaterialName, Material] = {
     "wood_board": Material(density=650.0, static_friction=0.5, sliding_friction=0.4),
     "steel_sheet": Material(density=350.0, static_friction=0.4, sliding_friction=0.3),
-    "steel": Material(density=2700.0, static_friction=0.4, sliding_friction=0.3),
-    "glass": Material(density=2500.0, static_friction=0.5, sliding_friction=0.4),
+    "steel": Material(density=2700.0, static_friction=0.4, sliding_friction=0.3, thickest=0.004),
+    "glass": Material(density=2500.0, static_friction=0.5, sliding_friction=0.4, thickest=0.012),
     "insulating_glass": Material(density=800.0, static_friction=0.5, sliding_friction=0.4),
-    "plastic": Material(density=1050.0, static_friction=0.4, sliding_friction=0.3),
+    "plastic": Material(density=1050.0, static_friction=0.4, sliding_friction=0.3, thickest=0.004),
     "rubber": Material(density=1150.0, static_friction=0.9, sliding_friction=0.8),
     "foam_panel": Material(density=150.0, static_friction=0.4, sliding_friction=0.3),
     "stone": Material(density=2700.0, static_friction=0.6, sliding_friction=0.5),
 }
 """``steel_sheet`` is a folded or foamed panel: its density is the mean over the panel's thickness, as
-`artigen` walls are panels one voxel thick and not solid sheets (7850). ``steel`` is a hollow bar or rack.
+`artigen` walls are panels one voxel thick and not solid sheets (7850). ``steel`` is a hollow bar or rack: a
+rack of half a square metre weighs five kilograms however thick its voxels are.
 ``foam_panel`` is the insulation of a refrigerator, five centimetres or more, and its skins: 10 kg a door.
 ``insulating_glass`` is two panes of four millimetres, and gas between them."""
 

@@ -1,0 +1,60 @@
+"""Laws of wheels: round about their axle, down to the floor, with room around them."""
+
+import numpy as np
+import pytest
+
+from artigen.types import Asset, Joint, Part
+from sim_export.collision.hulls import box_hull
+from sim_export.geometry.solids import as_solid
+from sim_export.geometry.wheels import round_wheels
+from sim_export.package import Mesh
+
+BODY = ((-0.4, -0.4, -0.2), (0.4, 0.4, 0.5))
+
+
+def box_mesh(low, high) -> Mesh:
+    hull = box_hull(np.array(low, dtype=float), np.array(high, dtype=float))
+    return Mesh(vertices=hull.vertices, faces=hull.faces)
+
+
+def cart(label: str = "wheel", lowest: float = -0.3):
+    """A body on one wheel of 0.1 m whose mesh is a cube; the scale is 2 metres per unit."""
+    box = np.array([[0.0, 0.0, 0.0], [1.0, 1.0, 1.0]])
+    axle = Joint(
+        type="continuous", axis=np.array([0.0, 1.0, 0.0]), origin=np.array([0.0, 0.0, -0.1]), upper=6.28318
+    )
+    fixed = Joint(type="fixed", axis=np.array([0.0, 0.0, 1.0]), origin=np.zeros(3))
+    parts = (
+        Part(name="base", label="base", parent=-1, box=box, joint=fixed),
+        Part(name="wheel_0", label=label, parent=0, box=box, joint=axle),
+    )
+    asset = Asset(name="cart", category="Cart", scale=2.0, parts=parts)
+    wheel = box_mesh((-0.09, -0.05, lowest), (0.09, 0.05, -0.11))
+    return asset, (box_mesh(*BODY), wheel)
+
+
+def test_a_block_becomes_a_cylinder_that_stands_on_the_floor():
+    asset, meshes = cart()
+    (body, wheel), records = round_wheels(asset, meshes)
+    middle = wheel.vertices - [0.0, 0.0, -0.2]
+    np.testing.assert_allclose(np.linalg.norm(middle[:, [0, 2]], axis=1), 0.1, atol=1e-9)
+    assert wheel.vertices[:, 2].min() == pytest.approx(-0.3)
+    assert np.ptp(wheel.vertices[:, 1]) == pytest.approx(0.1)
+    assert (as_solid(body) ^ as_solid(wheel)).volume() == 0.0
+    assert as_solid(body).volume() < as_solid(meshes[0]).volume()
+    assert "wheel_0: became a cylinder of 200.0 mm about its axle" in records
+    assert "base: makes room for wheel_0" in records
+
+
+def test_other_parts_keep_their_meshes():
+    asset, meshes = cart(label="knob")
+    rounded, records = round_wheels(asset, meshes)
+    assert rounded[1] is meshes[1]
+    assert records == ()
+
+
+def test_what_is_not_like_a_wheel_stays_as_it_is():
+    asset, meshes = cart(lowest=-0.2)  # half of it is missing
+    rounded, records = round_wheels(asset, meshes)
+    assert rounded[1] is meshes[1]
+    assert records == ()
