@@ -16,6 +16,7 @@ from sim_export.collision.coacd_process import CoacdConfig, run_coacd
 from sim_export.collision.convex_pieces import PieceConfig, cut_pieces
 from sim_export.collision.cuboids import largest_cuboids
 from sim_export.collision.decompose import DecomposeConfig, decompose_part, decompose_parts
+from sim_export.collision.hull_cover import TAKEN, make_ground
 from sim_export.collision.hull_limits import HullLimits, hull_aspect, limit_hulls
 from sim_export.collision.hull_methods import Candidate
 from sim_export.collision.hulls import (
@@ -35,6 +36,7 @@ from sim_export.geometry.solids import (
     as_solid,
     inside_grid,
     measure_fit,
+    measure_intrusion,
     measure_stray,
     solid_arrays,
     solid_hull,
@@ -356,3 +358,17 @@ def test_boxes_are_measured_and_cut_like_any_other_hull():
         assert hull_volume(one) == pytest.approx(hull_volume(other), rel=1e-6)
         assert (one.vertices @ normal).max() == pytest.approx(offset)
     assert clip_hull(box, np.array([1.0, 0.0, 0.0]), -0.2) is None
+
+
+def test_space_that_other_links_take_counts_more_when_hulls_fill_it():
+    wall = block((0.0, 0.0, 0.0), (0.6, 0.02, 0.6)) - block((0.4, -0.01, 0.2), (0.5, 0.03, 0.5))
+    tray = block((0.4, -0.3, 0.2), (0.45, 0.3, 0.5))
+    alone, beside = make_ground(wall), make_ground(wall, (tray,))
+    np.testing.assert_array_equal(alone.weights > 0, beside.weights > 0)
+    free = alone.weights < 0
+    ratio = beside.weights[free] / alone.weights[free]
+    assert set(np.unique(np.round(ratio, 4))) == {1.0, TAKEN}
+    taken = alone.weights[free][ratio > 1.5].sum() * wall.volume()
+    assert -taken == pytest.approx((tray ^ block((0.0, 0.0, 0.0), (0.6, 0.02, 0.6))).volume(), rel=0.02)
+    filled = (box_hull(np.zeros(3), np.array([0.6, 0.02, 0.6])),)
+    assert measure_intrusion(filled, wall, (tray,)) == pytest.approx(-taken / wall.volume(), rel=0.02)

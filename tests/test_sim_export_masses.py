@@ -64,3 +64,25 @@ def test_an_asset_without_voxels_cannot_be_weighed():
     (mesh,) = mesh_parts(asset)
     with pytest.raises(ValueError, match="no voxels"):
         weigh_part(replace(asset, voxels=None), 0, mesh, part_occupancy(asset.voxels, 0))
+
+
+@pytest.mark.parametrize(
+    ("label", "category"), [("handle", "Table"), ("tray", "Refrigerator"), ("shelf", "Oven")]
+)
+def test_steel_weighs_what_a_hollow_bar_or_a_rack_does_however_thick_its_voxels_are(
+    label: str, category: str
+):
+    cells = np.zeros((32, 32, 32), dtype=bool)
+    cells[4:28, 4:28, 10:12] = True  # a plate of 0.75 m by 0.75 m, 6 cm thick
+    coords = np.argwhere(cells)
+    part = Part(
+        name="plate", label=label, parent=-1, joint=FIXED,
+        box=np.array([[0.0, 0.0, 11 / 32 - 0.5], [0.75, 0.75, 2 / 32]]),
+    )  # fmt: skip
+    grid = VoxelGrid(resolution=32, coords=coords, part_ids=np.zeros(len(coords), dtype=np.int16))
+    asset = Asset(name="plate", category=category, scale=1.0, parts=(part,), voxels=grid)
+    (mesh,) = mesh_parts(asset)
+    steel = MATERIALS["steel"]
+    area = 2 * 0.75**2 + 4 * 0.75 * 2 / 32
+    weight = weigh_part(asset, 0, mesh, part_occupancy(grid, 0)).mass
+    assert weight == pytest.approx(steel.density * steel.thickest * area / 2, rel=1e-6)
