@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float
 
+from sim_export.collision.hull_limits import hull_aspect
 from sim_export.collision.hulls import box_bounds, clip_hull, hull_planes, hull_volume, hull_width
 from sim_export.package import Hull, Link
 
@@ -27,6 +28,8 @@ class FacetConfig:
     """Greatest share of a hull's volume that this may cost; what would cost more stays as it is."""
     min_width: float = 0.0012
     """Nor may it leave a hull thinner than this (m)."""
+    max_aspect: float = 60.0
+    """Nor longer than so many thicknesses."""
     most: int = 24
     """Most planes of a hull."""
 
@@ -56,6 +59,9 @@ def flatten_facets(hull: Hull, cfg: FacetConfig | None = None) -> Hull:
         if cut is None or cut is flat:
             break
         if hull_volume(cut) < least or hull_width(cut)[0] < cfg.min_width:
+            break
+        closed = len(cut.faces) == 2 * len(cut.vertices) - 4  # points a hair apart may be joined wrongly
+        if not closed or len(cut.vertices) > len(hull.vertices) or hull_aspect(cut) > cfg.max_aspect:
             break
         flat = cut
     return flat

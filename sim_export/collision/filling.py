@@ -14,6 +14,7 @@ import numpy as np
 
 from sim_export.checks.surface import surface_distances
 from sim_export.geometry.solids import as_solid, inside_grid, solid_arrays
+from sim_export.geometry.tidy import tidy_mesh
 from sim_export.package import Hull, Link, Mesh
 
 _SAMPLES = 20_000
@@ -31,8 +32,6 @@ class FillingConfig:
     """Share of a link's volume below which what one hull fills is left alone."""
     grid: int = 24
     """Cells along each axis with which the depth of what a hull fills is measured."""
-    detail: float = 1e-4
-    """Detail left out of the new mesh, over its diagonal."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -76,10 +75,11 @@ def fill_meshes(
             excess -= (rest - whole).volume()
             whole = whole + hull
         for part, count in taken.items():
-            size = float(np.linalg.norm(np.ptp(meshes[part].vertices, axis=0)))
-            vertices, faces = solid_arrays(solids[part].simplify(cfg.detail * size))
-            grown = solids[part].volume() / as_solid(meshes[part]).volume() - 1.0
-            out[part] = Mesh(vertices=vertices, faces=faces, color=meshes[part].color)
+            mesh = tidy_mesh(solids[part], meshes[part])
+            if mesh is None:
+                continue
+            grown = as_solid(mesh).volume() / as_solid(meshes[part]).volume() - 1.0
+            out[part] = mesh
             records.append(
                 f"{part}: its mesh fills gaps up to {1000 * cfg.reach * voxel:.0f} mm deep, as {count} of "
                 f"its hulls do: {grown:.1%} of its volume"

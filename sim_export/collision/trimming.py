@@ -16,7 +16,8 @@ from sim_export.collision.additions import is_free, read_sweeps
 from sim_export.collision.contacts import HullSet
 from sim_export.collision.lost_surface import cut_out, find_lost, group_points
 from sim_export.geometry.sampling import triangle_areas
-from sim_export.geometry.solids import as_solid, solid_arrays, solid_hull
+from sim_export.geometry.solids import as_solid, solid_hull
+from sim_export.geometry.tidy import tidy_mesh
 from sim_export.package import Hull, Link, Mesh, PackageJoint, Requirement
 
 _LEAST_SAMPLES = 200
@@ -107,8 +108,10 @@ def trim_meshes(
             share = 1.0 - rest.volume() / solid.volume()
             if not cfg.least_removed < share <= cfg.max_removed:
                 continue
-            vertices, faces = solid_arrays(rest)
-            out[part] = Mesh(vertices=vertices, faces=faces, color=meshes[part].color)
+            mesh = tidy_mesh(rest, meshes[part])
+            if mesh is None:
+                continue
+            out[part] = mesh
             changed.append(part)
             records.append(f"{part}: {share:.1%} of its mesh, for which no hull stands, is left out")
     return Trimmed(meshes=out, changed=tuple(changed), records=tuple(records))

@@ -9,7 +9,8 @@ from jaxtyping import Float
 
 from artigen.types import Asset
 from sim_export.collision.hulls import convex_hull, hull_volume
-from sim_export.geometry.solids import as_solid, solid_arrays
+from sim_export.geometry.solids import as_solid
+from sim_export.geometry.tidy import tidy_mesh
 from sim_export.package import Hull, Mesh
 
 
@@ -70,15 +71,15 @@ def round_wheels(
 
 
 def _without(mesh: Mesh, well: manifold3d.Manifold) -> Mesh | None:
-    """A mesh without a well and without the crumbs that this leaves; `None` where it does not reach there."""
+    """A mesh without a well and without the crumbs that this leaves; `None` where it does not
+    reach there or nothing clean is left."""
     solid = as_solid(mesh)
     shared = (solid ^ well).volume()
     if shared <= 0.0 or shared > 0.5 * solid.volume():
         return None
     pieces = (solid - well).decompose()
     kept = [piece for piece in pieces if piece.volume() > 0.1 * shared]
-    vertices, faces = solid_arrays(manifold3d.Manifold.batch_boolean(kept, manifold3d.OpType.Add))
-    return replace(mesh, vertices=vertices, faces=faces)
+    return tidy_mesh(manifold3d.Manifold.batch_boolean(kept, manifold3d.OpType.Add), mesh)
 
 
 def _cylinder(
