@@ -140,7 +140,7 @@ def _bounds(sets: Sequence[HullSet]) -> tuple[np.ndarray, np.ndarray]:
 def _depth_of_mass(links: Sequence[Link], sets: Sequence[HullSet], touching: float) -> float:
     """How far (m) the centre of mass lies inside of what touches the floor; negative outside."""
     inertials = [link.inertial for link in links if link.inertial is not None]
-    center = sum(i.mass * np.asarray(i.com) for i in inertials) / sum(i.mass for i in inertials)
+    center = np.average([i.com for i in inertials], axis=0, weights=[i.mass for i in inertials])
     points = np.concatenate([hulls.vertices for hulls in sets])
     feet = points[points[:, 2] < points[:, 2].min() + touching][:, :2]
     try:
