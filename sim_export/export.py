@@ -26,7 +26,7 @@ from sim_export.geometry.wheels import round_wheels
 from sim_export.package import Link, Mesh, SimPackage, SourceMesh
 from sim_export.physics.annotations import annotate_handles
 from sim_export.physics.links import LinkTree, PartGeometry, build_links, link_owners
-from sim_export.physics.masses import weigh_part
+from sim_export.physics.masses import hold_centers, weigh_part
 from sim_export.physics.materials import part_material
 
 
@@ -110,7 +110,8 @@ def export_asset(
     attached = attach_links(standing.links, cleared.joints, needs, cfg.attachment)
     levelled = level_object(attached.links, cleared.joints, needs, asset.category, cfg.levelling)
     watch.lap("attach")
-    tree = LinkTree(links=levelled.links, joints=cleared.joints, records=tree.records)
+    held_links, centered = hold_centers(levelled.links)
+    tree = LinkTree(links=held_links, joints=cleared.joints, records=tree.records)
     handles = annotate_handles(asset, meshes, tree, cfg.handles)
     watch.lap("annotate")
     trimmed = Trimmed(meshes=solid)
@@ -144,6 +145,7 @@ def export_asset(
         *standing.records,
         *attached.records,
         *levelled.records,
+        *centered,
         *trimmed.records,
     )
     package = SimPackage(

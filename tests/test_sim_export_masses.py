@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 
 from artigen.types import FIXED, Asset, Part, VoxelGrid
+from sim_export.collision.hulls import box_hull
 from sim_export.geometry.meshing import mesh_parts
 from sim_export.geometry.occupancy import part_occupancy
+from sim_export.package import Inertial, Link
 from sim_export.physics.inertia import check_inertial, combine
-from sim_export.physics.masses import cells_inertial, subtract, weigh_part
+from sim_export.physics.masses import cells_inertial, hold_centers, subtract, weigh_part
 from sim_export.physics.materials import MATERIALS
 
 
@@ -86,3 +88,15 @@ def test_steel_weighs_what_a_hollow_bar_or_a_rack_does_however_thick_its_voxels_
     area = 2 * 0.75**2 + 4 * 0.75 * 2 / 32
     weight = weigh_part(asset, 0, mesh, part_occupancy(grid, 0)).mass
     assert weight == pytest.approx(steel.density * steel.thickest * area / 2, rel=1e-6)
+
+
+@pytest.mark.parametrize(("above", "moves"), [(-0.01, False), (0.002, True), (0.05, False)])
+def test_a_centre_of_mass_just_outside_of_the_collision_is_moved_into_it(above: float, *, moves: bool):
+    hull = box_hull(np.zeros(3), np.array([0.1, 0.1, 0.1]))
+    inertial = Inertial(mass=1.0, com=np.array([0.05, 0.05, 0.1 + above]), inertia=np.eye(3))
+    link = Link(name="link_0", label=None, parts=(), visuals=(), hulls=(hull,), inertial=inertial)
+    (held,), records = hold_centers((link,))
+    assert bool(records) == moves
+    assert (held is not link) == moves
+    if moves:
+        assert 0.0995 < held.inertial.com[2] < 0.1

@@ -6,16 +6,24 @@ the cavity, both exact. Walls thicker than their material is ever used are hollo
 walls do.
 """
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 import numpy as np
 from jaxtyping import Bool, Float
 from scipy.ndimage import binary_erosion
 
 from artigen.types import Asset
+from sim_export.collision.hulls import convex_hull, hull_planes
 from sim_export.errors import DegeneratePart
 from sim_export.geometry.occupancy import PartOccupancy
-from sim_export.package import Inertial, Mesh
+from sim_export.package import Inertial, Link, Mesh
 from sim_export.physics.inertia import inertia_about, mesh_inertial
 from sim_export.physics.materials import MATERIALS, part_material
+
+_MOVES = 12
+_INSIDE = 2e-4
+"""Metres that a centre of mass lies behind a face that it was moved behind."""
 
 
 def weigh_part(asset: Asset, part_id: int, mesh: Mesh, occupancy: PartOccupancy) -> Inertial:
@@ -70,3 +78,32 @@ def subtract(whole: Inertial, hole: Inertial) -> Inertial:
     com = (whole.mass * np.asarray(whole.com) - hole.mass * np.asarray(hole.com)) / mass
     rest: Float[np.ndarray, "3 3"] = inertia_about(whole, com) - inertia_about(hole, com)
     return Inertial(mass=mass, com=com, inertia=rest)
+
+
+def hold_centers(links: Sequence[Link], most: float = 0.006) -> tuple[tuple[Link, ...], tuple[str, ...]]:
+    """Links whose centre of mass lies inside of their collision, and a sentence for each that was moved.
+
+    A knob that clearance cut back has its mesh's centre of mass just outside of what is left. Centres
+    farther outside than ``most`` (m) are an error of the object and stay where they are.
+    """
+    out, records = [], []
+    for link in links:
+        if link.inertial is None or not link.hulls:
+            out.append(link)
+            continue
+        planes = hull_planes(convex_hull(np.concatenate([hull.vertices for hull in link.hulls])))
+        com = np.asarray(link.inertial.com)
+        start = com
+        for _ in range(_MOVES):
+            beyond = planes[:, :3] @ com - planes[:, 3]
+            worst = int(beyond.argmax())
+            if beyond[worst] <= 0.0:
+                break
+            com = com - (beyond[worst] + _INSIDE) * planes[worst, :3]
+        moved = float(np.linalg.norm(com - start))
+        if not 0.0 < moved <= most:
+            out.append(link)
+            continue
+        out.append(replace(link, inertial=replace(link.inertial, com=com)))
+        records.append(f"{link.name}: its centre of mass moved by {1000 * moved:.1f} mm into its collision")
+    return tuple(out), tuple(records)
