@@ -1,4 +1,4 @@
-"""Condition and seed to an `Asset`: complete the condition, sample, decode, clean, segment; nothing else."""
+"""Condition and seed to an `Asset`: sample, decode, clean, segment; nothing else."""
 
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -16,7 +16,6 @@ from artigen.models.structure_vae import StructureVae, decode_fields
 from artigen.sampling import SamplerConfig
 from artigen.segment import SegmentConfig, segment
 from artigen.segmentation.clean import CleanConfig, remove_strays
-from artigen.shapes.draw import Wish, draw_shape
 from artigen.types import Asset
 
 
@@ -58,24 +57,6 @@ def load_structure_model(folder: Path, device: torch.device | str = "cpu") -> St
     return StructureModel(preset=preset, vae=vae.to(device), flow=flow.to(device))
 
 
-def complete_condition(asked: StructureCondition, seed: int) -> StructureCondition:
-    """Draws what was left open from the objects of the procedural grammar that have what was asked for.
-
-    With a picture nothing is added: it says more than a draw could. The grammar knows which sizes and
-    counts go together, so the completed condition is one that exists.
-
-    Raises:
-        ShapeError: If no object of the category has the counts asked for.
-    """
-    if asked.image is not None or asked.category is None:
-        return asked
-    depth, width, height = asked.size or (None, None, None)
-    wish = Wish(width=width, depth=depth, height=height, counts=asked.counts)
-    drawn = draw_shape(asked.category, seed, wish).condition
-    size = asked.size or (drawn.depth, drawn.width, drawn.height)
-    return replace(asked, counts=drawn.counts, size=size)
-
-
 def generate_structure(
     model: StructureModel, asked: StructureCondition, seed: int, cfg: GenerateConfig | None = None
 ) -> Asset:
@@ -83,7 +64,7 @@ def generate_structure(
 
     Args:
         model: trained networks.
-        asked: the condition, completed (`complete_condition`) where it should be.
+        asked: the condition, completed (`artigen.ask.read_request`) where it should be.
         seed: of the noise.
         cfg: sampler, cleaning, segmentation.
 

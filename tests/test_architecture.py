@@ -15,6 +15,7 @@ PACKAGES = ("artigen", "sim_export", "envs")
 SHARED = {"types", "transforms", "kinematics", "io", "errors", "workers", "shapes"}
 """Modules of artigen that the other two packages may use."""
 MODEL_CODE = (
+    "artigen.ask",
     "artigen.models",
     "artigen.train",
     "artigen.generate",

@@ -1,16 +1,15 @@
 """Generation: cleaning, completed conditions, and one seed, one object."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 import torch
 
+from artigen.ask import Request, read_request
 from artigen.errors import SegmentationError, SourceError
 from artigen.fields import VoxelFields, decode, encode
-from artigen.generate import complete_condition, generate_structure, load_structure_model
-from artigen.models.conditions import StructureCondition
+from artigen.generate import generate_structure, load_structure_model
 from artigen.models.presets import PRESETS
 from artigen.models.store import save_model
 from artigen.models.structure_flow import StructureFlow
@@ -44,20 +43,6 @@ def test_the_largest_piece_stays_whatever_is_asked(cabinet: Asset):
     assert remove_strays(none) == (none, ())
 
 
-def test_a_completed_condition_keeps_what_was_asked():
-    asked = StructureCondition(category="Microwave", counts=(("knob", 1),))
-    one, again, other = (complete_condition(asked, seed) for seed in (3, 3, 4))
-    assert one == again
-    assert one != other
-    assert dict(one.counts)["knob"] == 1
-    assert dict(one.counts)["base"] == 1
-    assert one.size is not None
-    assert min(one.size) > 0.1
-    sized = complete_condition(replace(asked, size=(0.4, 0.5, 0.3)), 3)
-    assert sized.size == (0.4, 0.5, 0.3)
-    assert complete_condition(StructureCondition(), 3) == StructureCondition()
-
-
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A model that knows nothing."""
@@ -70,7 +55,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_a_model_that_knows_nothing_is_refused_by_the_segmentation_and_not_repaired(folder: Path):
     model = load_structure_model(folder)
-    asked = complete_condition(StructureCondition(category="Microwave"), 0)
+    asked = read_request(Request(category="Microwave"), 0, 0).condition
     said = []
     for _ in range(2):
         with pytest.raises(SegmentationError) as caught:

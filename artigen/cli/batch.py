@@ -7,11 +7,14 @@ finishes. A rerun with the same settings does only what is missing or failed bef
 import hashlib
 import json
 import os
+import sys
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Protocol, TypeVar
+
+from tqdm import tqdm
 
 from artigen.errors import ArtigenError
 from artigen.workers import Worker, run_supervised
@@ -168,3 +171,18 @@ def run_batch(
             results[finished.key] = finished
             on_done(finished)
     return [results[key] for key in keys]
+
+
+def run_shown(
+    handle: Callable[[Worker, JobType], Finished], jobs: Sequence[JobType], out: Path, *, workers: int
+) -> list[Finished]:
+    """`run_batch` with a progress bar, and a line on stderr for every object that failed."""
+    with tqdm(total=len(jobs), unit="object", disable=not sys.stderr.isatty() and len(jobs) > 1) as bar:
+
+        def on_done(finished: Finished) -> None:
+            bar.update()
+            if not finished.good:
+                said = finished.error or "; ".join(finished.failures)
+                bar.write(f"{finished.key}: {said}", file=sys.stderr)
+
+        return run_batch(handle, jobs, out, workers=min(workers, max(len(jobs), 1)), on_done=on_done)

@@ -10,10 +10,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 import tyro
-from tqdm import tqdm
 
 from artigen.cli.arguments import Out, Workers
-from artigen.cli.batch import Finished, Made, make_and_validate, run_batch
+from artigen.cli.batch import Finished, Made, make_and_validate, run_shown
 from artigen.workers import Worker
 
 if TYPE_CHECKING:
@@ -173,17 +172,7 @@ def convert(
         timeout: Seconds that one stage of one object may take.
     """
     jobs = [ConvertJob(source=source, out=out, cfg=cfg) for source in find_sources(sources)]
-    with tqdm(total=len(jobs), unit="object", disable=not sys.stderr.isatty() and len(jobs) > 1) as bar:
-
-        def on_done(finished: Finished) -> None:
-            bar.update()
-            if not finished.good:
-                bar.write(
-                    f"{finished.key}: {finished.error or '; '.join(finished.failures)}", file=sys.stderr
-                )
-
-        handle = partial(convert_and_validate, timeout=timeout)
-        results = run_batch(handle, jobs, out, workers=workers, on_done=on_done)
+    results = run_shown(partial(convert_and_validate, timeout=timeout), jobs, out, workers=workers)
     written = [finished for finished in results if finished.error is None]
     passed = [finished for finished in written if finished.passed]
     sys.stdout.write(

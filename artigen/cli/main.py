@@ -6,6 +6,7 @@ import sys
 from artigen.cli.convert import convert
 from artigen.cli.demo import demo
 from artigen.cli.export import export
+from artigen.cli.generate import generate
 from artigen.cli.preview import preview
 from artigen.cli.shape import shape
 from artigen.cli.validate import validate
@@ -21,6 +22,7 @@ def main() -> None:
     commands = {
         "convert": convert,
         "shape": shape,
+        "generate": generate,
         "export": export,
         "validate": validate,
         "preview": preview,

@@ -3,16 +3,16 @@
 import resource
 import sys
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, get_args
 
 import tyro
-from tqdm import tqdm
 
 from artigen.cli.arguments import Count, Out, Workers
-from artigen.cli.batch import Finished, Made, make_and_validate, run_batch
+from artigen.cli.batch import Finished, Made, make_and_validate, run_shown
 from artigen.errors import ArtigenError
 from artigen.types import PartLabel
 from artigen.workers import Worker
@@ -84,22 +84,31 @@ def read_wish(cfg: ShapeSettings) -> "Wish":
     """
     from artigen.shapes.draw import Wish
 
+    return Wish(
+        width=cfg.width,
+        depth=cfg.depth,
+        height=cfg.height,
+        style=cfg.style,
+        counts=read_counts(cfg.counts),
+    )
+
+
+def read_counts(texts: Sequence[str]) -> tuple[tuple[PartLabel, int], ...]:
+    """Counts of parts written as ``label=number``, in the order of their labels.
+
+    Raises:
+        ArtigenError: If a text is not of that form.
+    """
     labels: dict[str, PartLabel] = {label: label for label in get_args(PartLabel)}
     counts: dict[PartLabel, int] = {}
-    for text in cfg.counts:
+    for text in texts:
         label, _, number = text.partition("=")
         if label not in labels or not number.isdecimal():
             raise ArtigenError(
                 f"count {text!r} is not of the form label=number; labels are {', '.join(labels)}"
             )
         counts[labels[label]] = int(number)
-    return Wish(
-        width=cfg.width,
-        depth=cfg.depth,
-        height=cfg.height,
-        style=cfg.style,
-        counts=tuple(sorted(counts.items())),
-    )
+    return tuple(sorted(counts.items()))
 
 
 def export_shape(job: ShapeJob) -> Made:
@@ -175,16 +184,7 @@ def shape(
         ShapeJob(category=category, seed=number, out=out, cfg=cfg) for number in range(seed, seed + count)
     ]
     drawn = [draw_wished(job) for job in jobs[: None if sheet else 1]]  # says at once what cannot be
-    with tqdm(total=len(jobs), unit="object", disable=not sys.stderr.isatty() and len(jobs) > 1) as bar:
-
-        def on_done(finished: Finished) -> None:
-            bar.update()
-            if not finished.good:
-                bar.write(
-                    f"{finished.key}: {finished.error or '; '.join(finished.failures)}", file=sys.stderr
-                )
-
-        results = run_batch(export_and_validate, jobs, out, workers=min(workers, len(jobs)), on_done=on_done)
+    results = run_shown(export_and_validate, jobs, out, workers=workers)
     if sheet is not None:
         write_sheet(drawn, sheet)
     passed = sum(bool(finished.passed) for finished in results)

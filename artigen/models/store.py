@@ -1,5 +1,6 @@
 """Trained models as folders: ``model.json`` and the weights in half precision, in files of limited size."""
 
+import hashlib
 import json
 import shutil
 from collections.abc import Mapping
@@ -62,6 +63,15 @@ def read_description(folder: Path) -> dict[str, dict[str, object]]:
         raise SourceError(f"{path}: there is no such model; train one, or give the folder of one") from error
     except json.JSONDecodeError as error:
         raise SourceError(f"{path}: is no JSON ({error})") from error
+
+
+def hash_model(folder: Path) -> str:
+    """SHA-256 over the names and bytes of a model's description and weights: says which model it was."""
+    digest = hashlib.sha256()
+    for path in sorted([folder / DESCRIPTION, *folder.glob("*.safetensors")]):
+        digest.update(path.name.encode())
+        digest.update(path.read_bytes())
+    return digest.hexdigest()
 
 
 def load_model(network: nn.Module, folder: Path, name: str) -> nn.Module:

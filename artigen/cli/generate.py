@@ -1,0 +1,192 @@
+"""`artigen generate`: from a category, words or a picture to proven packages, drawn again where one fails."""
+
+import json
+import resource
+import sys
+import time
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+import tyro
+
+from artigen.cli.arguments import Count, Out, Workers
+from artigen.cli.batch import Finished, Made, make_and_validate, run_shown
+from artigen.cli.shape import read_counts
+from artigen.errors import ArtigenError
+from artigen.workers import Worker
+
+if TYPE_CHECKING:
+    from artigen.ask import Request
+    from artigen.generate import StructureModel
+
+TIMEOUT = 300.0
+"""Seconds that drawing and exporting one object may take."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class GenerateSettings:
+    """What is asked for (what is not said is left to the seed), and how objects are drawn."""
+
+    text: str | None = None
+    """A description in English, such as "a tall cabinet with three drawers and two doors"."""
+    image: Path | None = None
+    """A picture of one object from near its front, cut out or before a plain background."""
+    width: float | None = None
+    """Metres, as seen from the front."""
+    depth: float | None = None
+    """Metres."""
+    height: float | None = None
+    """Metres."""
+    counts: tuple[str, ...] = ()
+    """Parts wanted, such as drawer=3 door=0."""
+    redraws: int = 3
+    """How often an object that fails a check is drawn again."""
+    steps: int = 12
+    """Steps of the sampler."""
+    strength: float = 3.0
+    """Guidance; 0 is none."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class GenerateJob:
+    """One object on its way to its package folder; ``draws`` says what became of earlier draws of it."""
+
+    model: Path
+    category: str | None
+    seed: int
+    out: Path
+    cfg: GenerateSettings = field(default_factory=GenerateSettings)
+    draws: tuple[str, ...] = ()
+
+    @property
+    def key(self) -> str:
+        """Name of the package."""
+        return f"{self.category or 'object'}_{self.seed}"
+
+    @property
+    def settings(self) -> str:
+        """Object, model and settings as text."""
+        return f"{self.key} {self.model} {self.cfg}"
+
+
+def read_job(job: GenerateJob) -> "Request":
+    """What a job asks for."""
+    from artigen.ask import Request
+    from artigen.shapes.draw import Wish
+
+    cfg = job.cfg
+    wish = Wish(width=cfg.width, depth=cfg.depth, height=cfg.height, counts=read_counts(cfg.counts))
+    return Request(category=job.category, text=cfg.text, image=cfg.image, wish=wish)
+
+
+@lru_cache(maxsize=1)
+def _load(folder: Path) -> "StructureModel":
+    """The model of a worker process, loaded once."""
+    from artigen.generate import load_structure_model
+
+    return load_structure_model(folder)
+
+
+def generate_object(job: GenerateJob) -> Made:
+    """Draws one object, exports it and writes its package; runs in a worker process."""
+    from artigen import __version__
+    from artigen.ask import read_request
+    from artigen.generate import GenerateConfig, generate_structure
+    from artigen.models.store import hash_model
+    from artigen.sampling import SamplerConfig
+    from sim_export.export import export_asset
+    from sim_export.files.write import write_package
+
+    model = _load(job.model)
+    started = time.perf_counter()
+    asked = read_request(read_job(job), job.seed, model.preset.conditions.image_size)
+    noise = int(np.random.SeedSequence([job.seed, len(job.draws)]).generate_state(1)[0])
+    cfg = GenerateConfig(sampler=SamplerConfig(steps=job.cfg.steps, strength=job.cfg.strength))
+    asset = generate_structure(model, asked.condition, noise, cfg)
+    asset = replace(asset, name=job.key, notes=(*asked.notes, *asset.notes))
+    drawn = time.perf_counter()
+    condition = asked.condition
+    provenance = {
+        "generator": f"artigen {__version__} generate",
+        "model": hash_model(job.model),
+        "condition": json.dumps(
+            {
+                "category": condition.category,
+                "counts": dict(condition.counts),
+                "size": condition.size,
+                "text": job.cfg.text,
+                "image": None if job.cfg.image is None else job.cfg.image.name,
+            }
+        ),
+        "seed": str(job.seed),
+        "draws": json.dumps([*job.draws, "this one"]),
+    }
+    package = export_asset(asset, provenance=provenance).package
+    exported = time.perf_counter()
+    write_package(package, job.out / job.key, "replace")
+    return Made(
+        seconds=(
+            ("draw", drawn - started),
+            ("export", exported - drawn),
+            ("write", time.perf_counter() - exported),
+        ),
+        peak_mib=resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
+        notes=package.records,
+    )
+
+
+def generate_and_validate(worker: Worker, job: GenerateJob) -> Finished:
+    """Draws an object until it passes every check, at most ``redraws`` times again.
+
+    What fails last stays where it is, with its report; every draw is in its provenance.
+    """
+    finished = make_and_validate(worker, job, generate_object, timeout=TIMEOUT, validation=True)
+    while not finished.good and len(job.draws) < job.cfg.redraws:
+        reason = finished.error or "; ".join(finished.failures)
+        job = replace(job, draws=(*job.draws, reason))
+        finished = make_and_validate(worker, job, generate_object, timeout=TIMEOUT, validation=True)
+    return replace(finished, notes=(*finished.notes, f"{len(job.draws) + 1} draws"))
+
+
+def generate(
+    out: Out,
+    model: Path,
+    category: tyro.conf.Positional[str | None] = None,
+    seed: int = 0,
+    count: Count = 1,
+    cfg: tyro.conf.OmitArgPrefixes[GenerateSettings] = GenerateSettings(),
+    workers: Workers = 2,
+) -> int:
+    """Generates articulated objects from a category, words or a picture, as proven packages.
+
+    A killed or failed run is finished by running the same command again.
+
+    Args:
+        out: Folder for the packages and the journal run.jsonl.
+        model: Folder of the trained model: model.json and its weights.
+        category: What to generate, such as StorageFurniture; not needed beside --text or --image.
+        seed: Seed of the first object.
+        count: Number of objects; seeds follow each other.
+        cfg: What is asked for, and how objects are drawn.
+        workers: Processes side by side.
+    """
+    from artigen.ask import read_request
+
+    if count < 1 or seed < 0 or cfg.redraws < 0:
+        raise ArtigenError(
+            f"{count} objects from seed {seed} with {cfg.redraws} redraws: at least one object, none below 0"
+        )
+    jobs = [
+        GenerateJob(model=model, category=category, seed=number, out=out, cfg=cfg)
+        for number in range(seed, seed + count)
+    ]
+    # Says at once what cannot be: no such model, category, sentence or picture.
+    read_request(read_job(jobs[0]), seed, _load(model).preset.conditions.image_size)
+    results = run_shown(generate_and_validate, jobs, out, workers=workers)
+    passed = sum(bool(finished.passed) for finished in results)
+    written = sum(finished.error is None for finished in results)
+    sys.stdout.write(f"{len(results)} objects: {written} packages in {out}, {passed} passed every check\n")
+    return 0 if all(finished.good for finished in results) else 1

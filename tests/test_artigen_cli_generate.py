@@ -1,0 +1,78 @@
+"""`artigen generate`: what fails is drawn again and recorded; what cannot be is said and nothing written."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+import torch
+
+import artigen.generate
+from artigen.cli.generate import GenerateJob, GenerateSettings, generate, generate_object
+from artigen.errors import ArtigenError, SourceError
+from artigen.models.presets import PRESETS
+from artigen.models.store import hash_model, save_model
+from artigen.models.structure_flow import StructureFlow
+from artigen.models.structure_vae import StructureVae
+from artigen.types import Asset
+
+
+@pytest.fixture(scope="module")
+def model(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A model that knows nothing."""
+    torch.manual_seed(0)
+    preset, path = PRESETS["tiny"], tmp_path_factory.mktemp("model")
+    save_model(StructureVae(preset.vae), path, {"preset": "tiny"}, "vae")
+    save_model(StructureFlow(preset.flow, preset.conditions), path, {"preset": "tiny"}, "flow")
+    return path
+
+
+def test_a_draw_that_fails_is_drawn_again_and_leaves_no_package(model: Path, tmp_path: Path):
+    out = tmp_path / "out"
+    cfg = GenerateSettings(redraws=1, steps=1)
+    assert generate(out=out, model=model, category="Oven", seed=4, cfg=cfg, workers=1) == 1
+    (line,) = (out / "run.jsonl").read_text().splitlines()
+    said = json.loads(line)
+    assert said["error"]
+    assert "2 draws" in said["notes"]
+    assert [path.name for path in out.iterdir()] == ["run.jsonl"]
+
+
+def test_a_package_tells_condition_model_and_all_draws(
+    model: Path, tmp_path: Path, cabinet: Asset, monkeypatch: pytest.MonkeyPatch
+):
+    noises = []
+
+    def from_memory(model, asked, seed, cfg):
+        noises.append(seed)
+        return replace(cabinet, category=asked.category)
+
+    monkeypatch.setattr(artigen.generate, "generate_structure", from_memory)
+    job = GenerateJob(model=model, category="StorageFurniture", seed=9, out=tmp_path)
+    for draws in ((), ("V103 of the first",)):
+        generate_object(replace(job, draws=draws))
+    said = json.loads((tmp_path / job.key / "provenance.json").read_text())
+    assert json.loads(said["draws"]) == ["V103 of the first", "this one"]
+    assert json.loads(said["condition"])["category"] == "StorageFurniture"
+    assert said["model"] == hash_model(model)
+    assert len(set(noises)) == 2  # every draw has noise of its own
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"category": "Spaceship"}, "expected one of"),
+        ({"category": None}, "no category"),
+        ({"category": "Oven", "cfg": GenerateSettings(counts=("door",))}, "label=number"),
+        ({"category": "Oven", "count": 0}, "at least one"),
+    ],
+)
+def test_what_cannot_be_is_said_and_nothing_written(model: Path, tmp_path: Path, wrong: dict, message: str):
+    with pytest.raises(ArtigenError, match=message):
+        generate(out=tmp_path / "out", model=model, **wrong)
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_folder_without_a_model_is_named(tmp_path: Path):
+    with pytest.raises(SourceError, match="no such model"):
+        generate(out=tmp_path / "out", model=tmp_path, category="Oven")
