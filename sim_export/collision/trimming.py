@@ -21,6 +21,8 @@ from sim_export.geometry.tidy import tidy_mesh
 from sim_export.package import Hull, Link, Mesh, PackageJoint, Requirement
 
 _LEAST_SAMPLES = 200
+_LEAST_VOLUME = 1e-9
+"""Cubic metres; smaller pieces are flat."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -135,7 +137,7 @@ def _lost_pieces(
     lost = [
         part for piece in cut_out(points, solid, pad) for part in (piece - _union(own, piece)).decompose()
     ]
-    return [piece for piece in lost if piece.volume() > 0.0 and piece.hull().volume() > 0.0]
+    return [piece for piece in lost if min(piece.volume(), piece.hull().volume()) > _LEAST_VOLUME]
 
 
 def _union(hulls: Sequence[Hull], near: manifold3d.Manifold) -> manifold3d.Manifold:

@@ -4,7 +4,7 @@ import manifold3d
 import numpy as np
 
 from sim_export.errors import OpenMesh
-from sim_export.geometry.needles import find_needles
+from sim_export.geometry.needles import find_needles, flip_needles
 from sim_export.geometry.solids import as_solid, solid_arrays
 from sim_export.package import Mesh
 
@@ -29,8 +29,9 @@ def tidy_mesh(solid: manifold3d.Manifold, like: Mesh) -> Mesh | None:
     size = float(np.linalg.norm(np.ptp(vertices, axis=0)))
     for detail in DETAILS:
         vertices, faces = solid_arrays(solid.simplify(max(detail * size, LEAST_DETAIL)))
+        faces = flip_needles(vertices, faces, np.zeros(len(faces), dtype=np.int64))
         mesh = Mesh(vertices=vertices, faces=faces, color=like.color)
-        needles = int(find_needles(vertices[faces], 1.2e-4).sum()) if len(faces) else len(faces) + 2
+        needles = int(find_needles(vertices[faces], 1.2e-4).sum())
         try:
             volume = as_solid(mesh).volume()
         except OpenMesh:
