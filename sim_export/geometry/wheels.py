@@ -42,6 +42,7 @@ def round_wheels(
     floor = min(float(mesh.vertices[:, 2].min()) for mesh in meshes)
     voxel = asset.scale / (64 if asset.voxels is None else asset.voxels.resolution)
     out, records = list(meshes), []
+    wells: dict[int, manifold3d.Manifold] = {}
     for index, (part, mesh) in enumerate(zip(asset.parts, meshes, strict=True)):
         if part.label != "wheel" or part.joint.type != "continuous":
             continue
@@ -59,14 +60,13 @@ def round_wheels(
         out[index] = replace(mesh, vertices=cylinder.vertices, faces=cylinder.faces)
         records.append(f"{part.name}: became a cylinder of {2000 * radius:.1f} mm about its axle")
         reach = (float(along.min()) - cfg.well, float(along.max()) + cfg.well)
-        well = as_solid(_cylinder(origin, axis, reach, radius + cfg.well, cfg.segments))
-        for other in range(len(out)):
-            if other == index or asset.parts[other].label == "wheel":
-                continue
+        wells[index] = as_solid(_cylinder(origin, axis, reach, radius + cfg.well, cfg.segments))
+    for index, well in wells.items():
+        for other in sorted(set(range(len(out))) - wells.keys()):
             hollow = _without(out[other], well)
             if hollow is not None:
                 out[other] = hollow
-                records.append(f"{asset.parts[other].name}: makes room for {part.name}")
+                records.append(f"{asset.parts[other].name}: makes room for {asset.parts[index].name}")
     return tuple(out), tuple(records)
 
 
@@ -75,7 +75,7 @@ def _without(mesh: Mesh, well: manifold3d.Manifold) -> Mesh | None:
     reach there or nothing clean is left."""
     solid = as_solid(mesh)
     shared = (solid ^ well).volume()
-    if shared <= 0.0 or shared > 0.5 * solid.volume():
+    if shared <= 0.0 or shared > 0.6 * solid.volume():
         return None
     pieces = (solid - well).decompose()
     kept = [piece for piece in pieces if piece.volume() > 0.1 * shared]
