@@ -56,6 +56,21 @@ def test_closed_boxes_become_solid_and_open_ones_stay_open():
     assert (opened.shared, opened.enclosed, opened.joined) == (0, 0, 0)
 
 
+def test_a_hollow_leaf_with_a_seam_owned_by_its_neighbour_is_solid_but_not_one_with_an_opening():
+    leaf = np.zeros((20, 20, 20), dtype=bool)
+    leaf[4:8, 3:17, 3:17] = True
+    leaf[5:7, 4:16, 4:16] = False
+    seam, opening = np.zeros_like(leaf), np.zeros_like(leaf)
+    seam[6:8, 4:16, 16] = seam[7, 4:16, 15] = True  # along its upper edge
+    opening[7, 8:13, 8:13] = True
+    seamed = part_occupancy(voxel_grid(leaf & ~seam, seam), 0)
+    assert seamed.enclosed == 2 * 12 * 12
+    assert seamed.occupancy[5:7, 4:16, 4:16].all()
+    closed_by_another = part_occupancy(voxel_grid(leaf & ~opening, opening), 0)
+    assert closed_by_another.enclosed == 0
+    assert not closed_by_another.occupancy[5:7, 4:16, 4:16].any()
+
+
 def test_pits_owned_by_another_part_are_shared():
     door = np.zeros((16, 16, 16), dtype=bool)
     door[5, 2:14, 2:14] = True

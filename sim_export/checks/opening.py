@@ -227,8 +227,11 @@ def check_pairs(subject: Subject, cfg: CheckConfig) -> Finding:
         assert normal is not None
         ways = []
         for joint in (first, second):
-            center = subject.hull_sets[joint.child].vertices.mean(axis=0)
-            way = velocity_at(joint, center[None])[0]
+            # In line with the hinge, so that what a leaf carries on its inside does not turn the direction.
+            vertices = subject.hull_sets[joint.child].vertices
+            center = (vertices.min(axis=0) + vertices.max(axis=0)) / 2.0
+            beside = joint.origin + ((center - joint.origin) @ normal) * normal
+            way = velocity_at(joint, beside[None])[0]
             ways.append(way / max(float(np.linalg.norm(way)), 1e-12))
         mirrored = ways[0] - 2.0 * (ways[0] @ normal) * normal
         angles[f"{first.name} and {second.name}"] = float(

@@ -51,7 +51,7 @@ class ClearanceConfig:
     max_growth: float = 1.5
     """Most hulls over those that a link had, but for the first eight; what turns inside of something is
     cut at every pose, and never free."""
-    rounds: int = 6
+    rounds: int = 12
     """Most passes over all joints; cuts for one joint seldom leave anything to do for another."""
     shorten_limits: bool = True
     """Whether a joint that stays blocked may have its upper limit lowered."""

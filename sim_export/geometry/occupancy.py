@@ -23,6 +23,11 @@ _RAGGED_SHARE = 0.15
 
 MIN_LODGER = 8
 """Cells of other parts inside a cavity that keep it free; fewer are where surfaces touch."""
+SEAM_SHARE = 0.1
+"""A cavity is a part's own inside where others hold at most this share of the cells around it, in rows."""
+_OPENING = 3
+"""Cells; others' cells around a cavity that hold a square of this size close an opening of the part."""
+_FACES = ndimage.generate_binary_structure(3, 1)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -182,12 +187,30 @@ def _in_plane(normal: int) -> np.ndarray:
 def _fill_cavities(grid: np.ndarray, others: np.ndarray) -> np.ndarray:
     """Fills empty cells from which no way of cells sharing faces leads out.
 
-    A cavity in which another part lies (the rack of a closed oven) stays free for it.
+    A cavity in which another part lies (the rack of a closed oven) stays free for it. One whose only ways
+    out are rows of cells that a neighbour owns, where two surfaces share a layer, is closed as well.
     """
+    grid = grid | _seamed_cavities(grid, others)
     holes = np.asarray(ndimage.binary_fill_holes(grid), dtype=bool) & ~grid
     if not (holes & others).any():
         return grid | holes
-    spaces = np.zeros(grid.shape, dtype=np.int64)
-    ndimage.label(holes, output=spaces)
-    lodgers = np.bincount(spaces[others & holes], minlength=int(spaces.max()) + 1)
-    return grid | (holes & (lodgers[spaces] < MIN_LODGER))
+    labels, count = _label(holes, _FACES)
+    lodgers = np.bincount(labels[others & holes], minlength=count + 1)
+    return grid | (holes & (lodgers[labels] < MIN_LODGER))
+
+
+def _seamed_cavities(grid: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """Cavities between this part and others that are this part's inside but for seams."""
+    closed = grid | others
+    labels, count = _label(np.asarray(ndimage.binary_fill_holes(closed), dtype=bool) & ~closed, _FACES)
+    seamed = np.zeros(count + 1, dtype=bool)
+    for index, window in enumerate(ndimage.find_objects(labels), start=1):
+        near = tuple(slice(s.start - 1, s.stop + 1) for s in window)
+        wall = np.asarray(ndimage.binary_dilation(labels[near] == index, _FACES), dtype=bool) & closed[near]
+        foreign = wall & ~grid[near]
+        if foreign.sum() <= SEAM_SHARE * wall.sum():
+            seamed[index] = not any(
+                ndimage.binary_erosion(foreign, np.ones(np.where(np.arange(3) == normal, 1, _OPENING))).any()
+                for normal in range(3)
+            )
+    return seamed[labels]

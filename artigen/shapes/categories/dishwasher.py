@@ -20,6 +20,8 @@ CATEGORY = "Dishwasher"
 STYLES = ("steel", "white", "black", "retro")
 BULGE = 0.012
 """How far the liner of the door reaches into the tub (m)."""
+RUNNER = 0.014
+"""Room (m) beside a rack or a drawer for wheels and runners."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -210,12 +212,13 @@ def _draw_racks(rng: np.random.Generator, tub: Space) -> Assembly:
     count = min(most, int(rng.choice((0, 1, 2, 3), p=(0.3, 0.2, 0.35, 0.15))))
     rails: list[Primitive] = []
     parts: list[ShapePart] = []
-    y = (tub.y[0] + GAP, tub.y[1] - GAP)
-    x = (tub.x[0] + 0.035, tub.x[1] - 0.012)
+    y = (tub.y[0] + RUNNER, tub.y[1] - RUNNER)
+    x = (tub.x[0] + 0.035, tub.x[1] - RUNNER)
     ceiling = tub.z[1] - 0.05
     for k in range(count):
         if k == 0:
-            z = (tub.z[0] + GAP, tub.z[0] + GAP + min(float(rng.uniform(0.15, 0.22)), 0.7 * tub.height))
+            start = tub.z[0] + RUNNER
+            z = (start, start + min(float(rng.uniform(0.15, 0.22)), 0.7 * tub.height))
         elif k == 1:
             start = max(
                 tub.z[0] + float(rng.uniform(0.46, 0.52)) * tub.height, parts[0].bounds()[1, 2] + 0.03
@@ -227,11 +230,10 @@ def _draw_racks(rng: np.random.Generator, tub: Space) -> Assembly:
         if k == 2:
             solids = build_rack(space, "steel", bars=int(rng.integers(12, 18)), lip=0.03)
         else:
-            solids = build_basket(space, "steel", bars=7, posts=5 - k, tines=6)
-        if k:
-            rail = z[0] - 0.0015
-            for a, b in ((tub.y[0], tub.y[0] + 0.02), (tub.y[1] - 0.02, tub.y[1])):
-                rails.append(box((x[0], a, rail - 0.012), (tub.x[1], b, rail), "plastic"))
+            solids = build_basket(space, "steel", bars=6, posts=4 - k, tines=5)
+        rail = z[0] - 0.0015
+        for a, b in ((tub.y[0], tub.y[0] + 2 * RUNNER), (tub.y[1] - 2 * RUNNER, tub.y[1])):
+            rails.append(box((x[0], a, rail - 0.012), (tub.x[1], b, rail), "plastic"))
         parts.append(
             ShapePart(
                 name=f"rack_{k}",
@@ -257,14 +259,16 @@ def _draw_drawers(rng: np.random.Generator, plan: _Plan) -> Assembly:
     pieces = list(build_shell(outer, hollow, "body", "inside"))
     parts: list[ShapePart] = []
     for k, z in enumerate(reversed(divide_range((plan.toe, plan.top - 0.003), plan.drawers, 0.004))):
-        low = max(z[0] + 0.012, hollow.z[0] + GAP)
+        low = max(z[0], hollow.z[0]) + RUNNER
         high = min(z[1] - 0.03, hollow.z[1] - 0.02)
         if k == 0 and plan.drawers == 2:
-            shelf = (hollow.x[0], hollow.y[0], low - GAP - 0.012)
-            pieces.append(box(shelf, (hollow.x[1], hollow.y[1], low - GAP), "inside"))
+            shelf = (hollow.x[0], hollow.y[0], low - RUNNER - 0.012)
+            pieces.append(box(shelf, (hollow.x[1], hollow.y[1], low - RUNNER), "inside"))
         panel = Panel(x=plan.x, thickness=plan.thickness, y=plan.y, z=z)
         tub = Space(
-            x=(panel.back, hollow.x[1] - 0.02), y=(hollow.y[0] + GAP, hollow.y[1] - GAP), z=(low, high)
+            x=(panel.back, hollow.x[1] - 0.02),
+            y=(hollow.y[0] + RUNNER, hollow.y[1] - RUNNER),
+            z=(low, high),
         )
         name = f"drawer_{k}"
         front = rounded_box((panel.x, panel.y[0], z[0]), (panel.back, panel.y[1], z[1]), 0.003, "front")
