@@ -49,7 +49,7 @@ def test_four_feet_that_hulls_lack_are_added():
     assert "4 of 4" in done.records[0]
 
 
-@pytest.mark.parametrize("depth", [0.0, 0.004, 0.05])
+@pytest.mark.parametrize("depth", [0.0, 0.004, 0.08])
 def test_bodies_that_stand_or_lack_more_than_feet_are_left_alone(depth: float):
     links = (link("body", BODY),)
     mesh = solid(PLATE, ((-0.3, -0.4, -depth), (0.3, 0.4, 0.1)))

@@ -22,6 +22,7 @@ from sim_export.collision.requirements import required_openings, sweep_coordinat
 from sim_export.package import Hull, Link, PackageJoint, Requirement
 
 logger = logging.getLogger(__name__)
+_FRONTS = {"door", "drawer"}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,6 +41,9 @@ class ClearanceConfig:
     gap: float = 1e-3
     """Hulls nearer than this (m) are cut. Engines push apart what touches at rest, however little, and
     round hulls by some tenths of a millimetre."""
+    passing: float = 3e-3
+    """The same between a leaf that turns and what else moves: engines foresee contacts where the corner of
+    a leaf swings close past its neighbour, and keep some."""
     tolerance: float = 2e-5
     """Depth (m) from which an overlap that cannot be cut counts as one."""
     relief: ReliefConfig = field(default_factory=ReliefConfig)
@@ -185,6 +189,13 @@ class _Hulls:
         """Volume (m^3) that cuts may take from a hull of a link however large it is: next to nothing."""
         return 0.0 if self._is_round(link) else cfg.relief.sliver * self.totals[link]
 
+    def end(self, link: int, slot: int, cfg: ClearanceConfig) -> float:
+        """Volume (m^3) that deep cuts may take from a hull: little of its link, or the end of a post."""
+        least, hull = self.least(link, cfg), self.hulls[link][slot]
+        _, middle, longest = np.sort(np.zeros(3) if hull is None else np.ptp(hull.vertices, axis=0))
+        slender = longest >= cfg.relief.slender * middle > 0.0
+        return max(least, cfg.relief.end * self.volumes[link][slot]) if least and slender else least
+
     def _is_round(self, link: int) -> bool:
         """Whether a link is one cylinder that has to roll (`sim_export.geometry.wheels`)."""
         return self.links[link].label == "wheel" and len(self.links[link].hulls) == 1
@@ -304,9 +315,11 @@ def _clear_joint(
     changes = 0
     for a in moving:
         for b in (index for index in range(len(work.links)) if index not in moving):
+            leaves = joint.type == "revolute" and {work.links[a].label, work.links[b].label} <= _FRONTS
+            gap = cfg.passing if leaves else cfg.gap
             (first, slots_a), (second, slots_b) = work.prepared(a), work.prepared(b)
-            found = signed_distances(first, second, T[:, a], T[:, b], cfg.gap)
-            deep = found.distance < cfg.gap
+            found = signed_distances(first, second, T[:, a], T[:, b], gap)
+            deep = found.distance < gap
             pairs: dict[tuple[int, int], list[int]] = {}
             order = np.argsort(found.distance[deep], kind="stable")
             for pose, i, j in np.stack([found.pose, found.first, found.second])[:, deep][:, order].T.tolist():
@@ -320,14 +333,14 @@ def _clear_joint(
                     poses=(T[poses, a], T[poses, b]),
                     volumes=(work.volumes[a][i], work.volumes[b][j]),
                     allowances=(work.allowance(a, i, cfg), work.allowance(b, j, cfg)),
-                    least=(work.least(a, cfg), work.least(b, cfg)),
+                    least=(work.end(a, i, cfg), work.end(b, j, cfg)),
                     slivers=(work.is_sliver(a, i, cfg), work.is_sliver(b, j, cfg)),
                     room=(work.room(a, cfg), work.room(b, cfg)),
                     max_depth=cfg.relief.max_depth * size,
                     max_sliver_depth=cfg.relief.max_sliver_depth * size,
                     axis=joint.axis,
                 )
-                done = relieve_pair(pair, cfg.gap, cfg.relief)
+                done = relieve_pair(pair, gap, cfg.relief)
                 for side, (link, slot) in enumerate(((a, i), (b, j))):
                     work.put(link, slot, done.hulls[side])
                     work.cuts[link] += done.cuts[side]

@@ -23,7 +23,7 @@ class FeetConfig:
 
     near: float = 0.0045
     """Hulls that end this little above the lowest visible point are left alone."""
-    far: float = 0.03
+    far: float = 0.06
     """Hulls that end further up lack more than feet; they are left alone too."""
     root: float = 1e-3
     """How far a foot reaches up beyond the lowest hull."""

@@ -66,7 +66,7 @@ def limit_hulls(
 def comply_hull(hull: Hull, limits: HullLimits) -> Hull:
     """A hull with few enough vertices and faces and thick enough, whatever its length: itself if it is so."""
     for _ in range(4):  # either change may undo a little of the other
-        changed = thicken_hull(_reduce(hull, limits), limits.min_width)
+        changed = _reduce(thicken_hull(hull, limits.min_width), limits)
         if changed is hull:
             break
         hull = changed

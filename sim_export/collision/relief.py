@@ -47,6 +47,10 @@ class ReliefConfig:
     sliver: float = 0.02
     """This share of its link's volume may be cut off a hull in any case; a hull below it may be dropped
     where cuts do not help."""
+    end: float = 0.12
+    """Share of a slender hull that deeper cuts may take: the end of a post above a wheel."""
+    slender: float = 4.0
+    """Least length of such a hull over its width."""
     min_width: float = 0.001
     """Least thickness (m) that a cut may leave."""
     notch_above: float = 0.1
@@ -194,7 +198,8 @@ def _face_normal(
 
 
 def _cut_for_all(pair: OverlappingPair, gap: float, cfg: ReliefConfig) -> list[Relief]:
-    """Single cuts that free all poses: along the joint's axis, or along the deepest contacts."""
+    """Single cuts that free all poses: along the joint's axis, along the deepest contacts, or along one of
+    the link's own axes, as the end of a post above a wheel needs it."""
     found = signed_distances(HullSet(hulls=pair.hulls[:1]), HullSet(hulls=pair.hulls[1:]), *pair.poses, gap)
     deepest = np.argsort(found.distance, kind="stable")[:3]
     if not len(deepest) or found.distance[deepest[0]] >= gap:
@@ -208,7 +213,7 @@ def _cut_for_all(pair: OverlappingPair, gap: float, cfg: ReliefConfig) -> list[R
         contact = (1.0 - 2.0 * side) * np.einsum(
             "kij,kj->ki", turn[found.pose[deepest]], found.normal[deepest]
         )
-        for normal in (axis, -axis, *contact):
+        for normal in (axis, -axis, *contact, *np.eye(3), *-np.eye(3)):
             cut = _cut(pair.hulls[side], normal, points, cfg)
             if cut is None:
                 continue

@@ -24,6 +24,8 @@ class WheelConfig:
     """Least share of the cylinder's volume that a mesh fills, and its inverse at most: forks stay forks."""
     well: float = 0.003
     """Room (m) that is made around a wheel in whatever stands where it turns."""
+    steepest: float = 0.5
+    """Greatest vertical component of an axle; what turns about steeper ones swivels, and carries a wheel."""
     near: float = 1.5
     """Voxels; wheels that end so little above the lowest point of the object reach down to it."""
 
@@ -47,10 +49,12 @@ def round_wheels(
         if part.label != "wheel" or part.joint.type != "continuous":
             continue
         axis, origin = np.asarray(part.joint.axis), np.asarray(part.joint.origin) * asset.scale
+        if abs(axis[2]) > cfg.steepest:
+            continue
         along = (mesh.vertices - origin) @ axis
         across = np.linalg.norm(mesh.vertices - origin - np.outer(along, axis), axis=1)
         radius = (float(across.max()) + float(np.median(across))) / 2
-        drop = float(origin[2] - floor) / max(float(np.hypot(axis[0], axis[1])), 1e-9)
+        drop = float(origin[2] - floor) / float(np.hypot(axis[0], axis[1]))
         if abs(drop - radius) <= cfg.near * voxel:
             radius = drop
         cylinder = _cylinder(origin, axis, (float(along.min()), float(along.max())), radius, cfg.segments)
@@ -75,7 +79,7 @@ def _without(mesh: Mesh, well: manifold3d.Manifold) -> Mesh | None:
     reach there or nothing clean is left."""
     solid = as_solid(mesh)
     shared = (solid ^ well).volume()
-    if shared <= 0.0 or shared > 0.6 * solid.volume():
+    if shared <= 0.0 or shared > 0.85 * solid.volume():
         return None
     pieces = (solid - well).decompose()
     kept = [piece for piece in pieces if piece.volume() > 0.1 * shared]

@@ -8,7 +8,7 @@ import numpy as np
 from artigen.shapes.appliances.appliance_doors import build_leaf
 from artigen.shapes.appliances.cavity import build_tub, divide_range
 from artigen.shapes.appliances.racks import SLENDER
-from artigen.shapes.fittings.hardware import GAP, Edge, Panel, Range, Space, slide
+from artigen.shapes.fittings.hardware import GAP, ROOM, Edge, Panel, Range, Space, slide
 from artigen.shapes.primitives import Primitive, box
 from artigen.shapes.shape import Need, ShapePart
 from artigen.types import PartLabel
@@ -140,7 +140,7 @@ def build_freezer_drawer(panel: Panel, space: Space, *, bevel: float) -> tuple[P
     low = space.z[0] + 0.012
     tub = Space(
         x=(panel.back, space.x[1] - 0.03),
-        y=(space.y[0] + 0.006, space.y[1] - 0.006),
+        y=(space.y[0] + ROOM, space.y[1] - ROOM),
         z=(low, low + 0.72 * (space.z[1] - low)),
     )
     return (

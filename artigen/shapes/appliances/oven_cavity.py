@@ -3,11 +3,11 @@
 import numpy as np
 
 from artigen.shapes.appliances.racks import build_pan, build_rack
-from artigen.shapes.fittings.hardware import GAP, Space, slide
+from artigen.shapes.fittings.hardware import ROOM, Space, slide
 from artigen.shapes.primitives import Primitive, box
 from artigen.shapes.shape import Need, ShapePart
 
-RAIL = 0.016
+RAIL = 0.024
 """How far a rail stands out of its wall (m)."""
 
 
@@ -43,7 +43,7 @@ def make_racks(
     for k, level in enumerate(levels):
         lie = Space(
             x=(space.x[0] + 0.016, space.x[1] - 0.012),
-            y=(space.y[0] + GAP, space.y[1] - GAP),
+            y=(space.y[0] + ROOM, space.y[1] - ROOM),
             z=(level, level + 0.028),
         )
         if rng.random() < 0.25:

@@ -11,7 +11,7 @@ from artigen.shapes.appliances.control_panel import design_dial, spread_controls
 from artigen.shapes.appliances.racks import build_basket, build_rack
 from artigen.shapes.draw import Draft, Wish, choose
 from artigen.shapes.fittings.handles import HandleDesign, make_handle
-from artigen.shapes.fittings.hardware import GAP, Panel, Range, Space, hinge, slide, sweep_gap
+from artigen.shapes.fittings.hardware import GAP, ROOM, Panel, Range, Space, hinge, slide, sweep_gap
 from artigen.shapes.primitives import Primitive, box, cylinder, line, rounded_box
 from artigen.shapes.shape import Need, ShapePart
 from artigen.shapes.surfaces.palette import draw_palette
@@ -20,8 +20,6 @@ CATEGORY = "Dishwasher"
 STYLES = ("steel", "white", "black", "retro")
 BULGE = 0.012
 """How far the liner of the door reaches into the tub (m)."""
-RUNNER = 0.014
-"""Room (m) beside a rack or a drawer for wheels and runners."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -212,12 +210,12 @@ def _draw_racks(rng: np.random.Generator, tub: Space) -> Assembly:
     count = min(most, int(rng.choice((0, 1, 2, 3), p=(0.3, 0.2, 0.35, 0.15))))
     rails: list[Primitive] = []
     parts: list[ShapePart] = []
-    y = (tub.y[0] + RUNNER, tub.y[1] - RUNNER)
-    x = (tub.x[0] + 0.035, tub.x[1] - RUNNER)
+    y = (tub.y[0] + ROOM, tub.y[1] - ROOM)
+    x = (tub.x[0] + 0.035, tub.x[1] - ROOM)
     ceiling = tub.z[1] - 0.05
     for k in range(count):
         if k == 0:
-            start = tub.z[0] + RUNNER
+            start = tub.z[0] + ROOM
             z = (start, start + min(float(rng.uniform(0.15, 0.22)), 0.7 * tub.height))
         elif k == 1:
             start = max(
@@ -232,7 +230,7 @@ def _draw_racks(rng: np.random.Generator, tub: Space) -> Assembly:
         else:
             solids = build_basket(space, "steel", bars=6, posts=4 - k, tines=5)
         rail = z[0] - 0.0015
-        for a, b in ((tub.y[0], tub.y[0] + 2 * RUNNER), (tub.y[1] - 2 * RUNNER, tub.y[1])):
+        for a, b in ((tub.y[0], tub.y[0] + 2 * ROOM), (tub.y[1] - 2 * ROOM, tub.y[1])):
             rails.append(box((x[0], a, rail - 0.012), (tub.x[1], b, rail), "plastic"))
         parts.append(
             ShapePart(
@@ -259,15 +257,15 @@ def _draw_drawers(rng: np.random.Generator, plan: _Plan) -> Assembly:
     pieces = list(build_shell(outer, hollow, "body", "inside"))
     parts: list[ShapePart] = []
     for k, z in enumerate(reversed(divide_range((plan.toe, plan.top - 0.003), plan.drawers, 0.004))):
-        low = max(z[0], hollow.z[0]) + RUNNER
+        low = max(z[0], hollow.z[0]) + ROOM
         high = min(z[1] - 0.03, hollow.z[1] - 0.02)
         if k == 0 and plan.drawers == 2:
-            shelf = (hollow.x[0], hollow.y[0], low - RUNNER - 0.012)
-            pieces.append(box(shelf, (hollow.x[1], hollow.y[1], low - RUNNER), "inside"))
+            shelf = (hollow.x[0], hollow.y[0], low - ROOM - 0.012)
+            pieces.append(box(shelf, (hollow.x[1], hollow.y[1], low - ROOM), "inside"))
         panel = Panel(x=plan.x, thickness=plan.thickness, y=plan.y, z=z)
         tub = Space(
             x=(panel.back, hollow.x[1] - 0.02),
-            y=(hollow.y[0] + RUNNER, hollow.y[1] - RUNNER),
+            y=(hollow.y[0] + ROOM, hollow.y[1] - ROOM),
             z=(low, high),
         )
         name = f"drawer_{k}"

@@ -13,7 +13,7 @@ from artigen.shapes.appliances.cooktop import CooktopKind, build_burners
 from artigen.shapes.appliances.oven_cavity import build_rails, choose_levels, make_racks
 from artigen.shapes.appliances.oven_front import FrontLook, make_oven_door, make_warming_drawer
 from artigen.shapes.draw import Draft, Wish, choose
-from artigen.shapes.fittings.hardware import GAP, Edge, Panel, Range, Space
+from artigen.shapes.fittings.hardware import GAP, ROOM, Edge, Panel, Range, Space
 from artigen.shapes.primitives import Primitive, box, line, rounded_box
 from artigen.shapes.surfaces.palette import draw_palette
 
@@ -277,7 +277,9 @@ def _draw_drawer(rng: np.random.Generator, plan: _Plan, z: Range, inner: Range) 
     floor, back = z[0] + SKIN, -plan.x - SKIN
     board = box((plan.front, inner[0], z[0]), (back, inner[1], floor), "body")
     panel = Panel(x=plan.x, thickness=plan.thickness, y=plan.y, z=(z[0], z[1] - 0.003))
-    tub = Space(x=(panel.back, back - 0.02), y=(inner[0] + GAP, inner[1] - GAP), z=(floor + GAP, z[1] - 0.03))
+    tub = Space(
+        x=(panel.back, back - 0.02), y=(inner[0] + ROOM, inner[1] - ROOM), z=(floor + ROOM, z[1] - 0.03)
+    )
     return Assembly(
         pieces=(line(board, "cavity", SIDES["bottom"]),),
         parts=tuple(make_warming_drawer(rng, panel, tub, plan.look)),

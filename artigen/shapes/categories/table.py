@@ -225,8 +225,8 @@ def _build_desk(rng: np.random.Generator, plan: _Plan) -> _Built:
         solids.append(fill_space(board, "body"))
     if rng.random() < 0.45 and free[1] - free[0] > 0.35:
         space = Space(x=(x[0], x[1] - 0.1), y=free, z=(high - float(rng.uniform(0.09, 0.12)), high))
-        looks = replace(plan.looks, runners=False)
-        hung = _hang_drawers(2 if free[1] - free[0] > 0.9 and rng.random() < 0.6 else 1, space, looks, rng)
+        count = 2 if free[1] - free[0] > 0.9 and rng.random() < 0.6 else 1
+        hung = _hang_drawers(count, space, plan.looks, rng)
         solids, parts = [*solids, *hung.primitives], [*parts, *(_rename(part, "c") for part in hung.parts)]
     return _Built(primitives=tuple(solids), parts=tuple(parts))
 

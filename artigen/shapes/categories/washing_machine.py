@@ -11,7 +11,7 @@ from artigen.shapes.appliances.drums import build_bearing, build_porthole, fit_r
 from artigen.shapes.appliances.rings import build_pierced_plate
 from artigen.shapes.draw import Draft, Wish, choose
 from artigen.shapes.fittings.handles import HandleDesign, make_handle
-from artigen.shapes.fittings.hardware import GAP, Panel, Range, Space, hinge, slide
+from artigen.shapes.fittings.hardware import GAP, ROOM, Panel, Range, Space, hinge, slide
 from artigen.shapes.primitives import Primitive, box, line, rounded_box
 from artigen.shapes.shape import Motion, ShapePart
 from artigen.shapes.surfaces.palette import draw_palette
@@ -200,8 +200,8 @@ def _draw_pedestal(rng: np.random.Generator, plan: _Plan, x: float, foot: float)
     panel = Panel(x=x + FACE - 0.028 - GAP, thickness=0.028, y=plan.y, z=(foot, foot + plan.pedestal - 0.004))
     tub = Space(
         x=(panel.back, back - 0.03),
-        y=(inner[0] + GAP, inner[1] - GAP),
-        z=(foot + 0.018 + GAP, panel.z[1] - 0.04),
+        y=(inner[0] + ROOM, inner[1] - ROOM),
+        z=(foot + 0.018 + ROOM, panel.z[1] - 0.04),
     )
     low, high = (panel.x, panel.y[0], panel.z[0]), (panel.back, panel.y[1], panel.z[1])
     solids = (

@@ -17,6 +17,8 @@ Edge = Literal["left", "right", "top", "bottom"]
 Range = tuple[float, float]
 GAP = 0.0025
 """Clearance (m) between a moving part and what it does not belong to."""
+ROOM = 0.014
+"""Room (m) beside racks and tubs that run on wheels, rails or runners."""
 PASSING = 0.003
 """Least distance (m) at which the inner corner of a leaf swings past what is beside it. At centimetres per
 step engines foresee contacts there that never come about, and keep some: half of this was too little."""

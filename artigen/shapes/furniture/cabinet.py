@@ -72,7 +72,7 @@ def draw_looks(rng: np.random.Generator, style: Style, longest: float, hand: flo
         swing=radians(float(rng.choice(narrow))),
         wide_swing=radians(float(rng.choice((95.0, 105.0, 110.0, 125.0, 155.0, 165.0)))),
         travel=float(rng.uniform(0.62, 0.84)),
-        runners=bool(rng.random() < 0.4),
+        runners=bool(rng.random() < 0.75),
         lock=bool(rng.random() < 0.08),
     )
 

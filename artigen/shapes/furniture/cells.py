@@ -12,7 +12,17 @@ import numpy as np
 from artigen.shapes.fittings.drawers import BoxDesign, make_drawer, make_tray
 from artigen.shapes.fittings.fronts import FrontDesign, make_door, make_front
 from artigen.shapes.fittings.handles import HandleDesign, make_handle
-from artigen.shapes.fittings.hardware import GAP, Edge, Panel, Range, Space, fill_space, slide, sweep_gap
+from artigen.shapes.fittings.hardware import (
+    GAP,
+    ROOM,
+    Edge,
+    Panel,
+    Range,
+    Space,
+    fill_space,
+    slide,
+    sweep_gap,
+)
 from artigen.shapes.furniture.splits import Cell, Placed
 from artigen.shapes.primitives import Primitive, box, cylinder
 from artigen.shapes.shape import Motion, Need, ShapePart
@@ -73,7 +83,7 @@ def furnish_cell(placed: Placed, fitting: Fitting, tag: str) -> Furnished:
         return _hang_drawer(placed, fitting, tag)
     if fill == "slide":
         doors = _hang_sliding(placed, fitting, tag)
-        start = fitting.body[0] + 2 * (fitting.thickness + GAP) + 0.008
+        start = fitting.body[0] + 2 * fitting.thickness + ROOM + 0.012
     else:
         doors = _hang_doors(placed, fitting, tag)
         start = fitting.body[0] + (0.002 if fill == "open" else 0.012)
@@ -206,7 +216,7 @@ def _hang_sliding(placed: Placed, fitting: Fitting, tag: str) -> tuple[ShapePart
     grip = replace(SLIDING_GRIP, length=min(SLIDING_GRIP.length, 0.5 * (z[1] - z[0])))
     x = fitting.body[0] + 0.004
     front = Panel(x=x, thickness=fitting.thickness, y=(y[1] - width, y[1]), z=z)
-    rear = replace(front, x=x + fitting.thickness + GAP, y=(y[0], y[0] + width))
+    rear = replace(front, x=x + fitting.thickness + ROOM, y=(y[0], y[0] + width))
     inset = margin + grip.height / 2
     travel = width - overlap - margin - grip.height - 0.012
     names = f"door_{tag}_front", f"door_{tag}_rear"
