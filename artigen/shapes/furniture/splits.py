@@ -51,9 +51,9 @@ Node = Cell | Split
 class Taste:
     """What a kind of furniture likes; weights are relative chances, lengths metres."""
 
-    module: Range = (0.32, 0.62)
+    module: Range = (0.36, 0.75)
     """Width of a column."""
-    drawer: Range = (0.11, 0.28)
+    drawer: Range = (0.11, 0.32)
     """Height of a drawer front."""
     rules: tuple[tuple[str, float], ...] = (("columns", 1.0), ("stack", 1.0), ("closed", 2.0), ("open", 0.4))
     fills: tuple[tuple[Fill, float], ...] = (("door", 3.0), ("double", 2.0))
@@ -231,7 +231,7 @@ def _draw_stack(rng: np.random.Generator, room: Room, taste: Taste) -> Node:
     """Drawers one above the other: equal, growing downwards, or shallow ones on top."""
     low, high = taste.drawer
     few, many = max(1, int(np.ceil(room.height / high))), max(1, int(room.height / low))
-    count = int(rng.integers(few, min(many, few + 3) + 1)) if many > few else few
+    count = int(rng.integers(few, min(many, few + 2) + 1)) if many > few else few
     kind = rng.choice(3, p=(0.45, 0.3, 0.25))
     shares = np.ones(count)
     if kind == 1:
@@ -319,7 +319,7 @@ def _draw_open(rng: np.random.Generator, room: Room, taste: Taste) -> Node:
 
 
 FILL_ROOM: dict[Fill, tuple[Range, Range]] = {
-    "door": ((0.2, 0.62), (0.24, 2.3)),
+    "door": ((0.2, 0.72), (0.24, 2.3)),
     "double": ((0.46, 1.25), (0.26, 2.3)),
     "drop": ((0.32, 1.1), (0.21, 0.5)),
     "lift": ((0.35, 1.1), (0.23, 0.5)),
