@@ -198,8 +198,8 @@ def _face_normal(
 
 
 def _cut_for_all(pair: OverlappingPair, gap: float, cfg: ReliefConfig) -> list[Relief]:
-    """Single cuts that free all poses: along the joint's axis, along the deepest contacts, or along one of
-    the link's own axes, as the end of a post above a wheel needs it."""
+    """Single cuts that free all poses: along the joint's axis, along the deepest contacts, or across the
+    ends of a post, as one above a wheel needs it."""
     found = signed_distances(HullSet(hulls=pair.hulls[:1]), HullSet(hulls=pair.hulls[1:]), *pair.poses, gap)
     deepest = np.argsort(found.distance, kind="stable")[:3]
     if not len(deepest) or found.distance[deepest[0]] >= gap:
@@ -213,7 +213,8 @@ def _cut_for_all(pair: OverlappingPair, gap: float, cfg: ReliefConfig) -> list[R
         contact = (1.0 - 2.0 * side) * np.einsum(
             "kij,kj->ki", turn[found.pose[deepest]], found.normal[deepest]
         )
-        for normal in (axis, -axis, *contact, *np.eye(3), *-np.eye(3)):
+        ends = _ends(pair.hulls[side], cfg)
+        for normal in (axis, -axis, *contact, *ends):
             cut = _cut(pair.hulls[side], normal, points, cfg)
             if cut is None:
                 continue
@@ -221,6 +222,15 @@ def _cut_for_all(pair: OverlappingPair, gap: float, cfg: ReliefConfig) -> list[R
             if pair.allows(side, hull_volume(cut), depth):
                 plans.append(_one_sided(pair, side, (cut,), depth))
     return plans
+
+
+def _ends(hull: Hull, cfg: ReliefConfig) -> Float[np.ndarray, "K 3"]:
+    """The two directions (K = 2) in which a slender hull ends; none (K = 0) for others."""
+    extents = np.ptp(hull.vertices, axis=0)
+    if np.sort(extents)[2] < cfg.slender * np.sort(extents)[1]:
+        return np.zeros((0, 3))
+    along = np.eye(3)[int(extents.argmax())]
+    return np.stack([along, -along])
 
 
 def _notch(pair: OverlappingPair, gap: float, cfg: ReliefConfig) -> list[Relief]:

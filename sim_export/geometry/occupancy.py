@@ -25,6 +25,8 @@ MIN_LODGER = 8
 """Cells of other parts inside a cavity that keep it free; fewer are where surfaces touch."""
 SEAM_SHARE = 0.1
 """A cavity is a part's own inside where others hold at most this share of the cells around it, in rows."""
+LEAF = 6
+"""Cells; cavities with seams are as thin as the inside of a leaf."""
 _OPENING = 3
 """Cells; others' cells around a cavity that hold a square of this size close an opening of the part."""
 _FACES = ndimage.generate_binary_structure(3, 1)
@@ -187,8 +189,8 @@ def _in_plane(normal: int) -> np.ndarray:
 def _fill_cavities(grid: np.ndarray, others: np.ndarray) -> np.ndarray:
     """Fills empty cells from which no way of cells sharing faces leads out.
 
-    A cavity in which another part lies (the rack of a closed oven) stays free for it. One whose only ways
-    out are rows of cells that a neighbour owns, where two surfaces share a layer, is closed as well.
+    A cavity in which another part lies (the rack of a closed oven) stays free for it. The inside of a leaf
+    is closed too where the only ways out are rows of cells that a neighbour owns, in a layer that both share.
     """
     grid = grid | _seamed_cavities(grid, others)
     holes = np.asarray(ndimage.binary_fill_holes(grid), dtype=bool) & ~grid
@@ -205,6 +207,8 @@ def _seamed_cavities(grid: np.ndarray, others: np.ndarray) -> np.ndarray:
     labels, count = _label(np.asarray(ndimage.binary_fill_holes(closed), dtype=bool) & ~closed, _FACES)
     seamed = np.zeros(count + 1, dtype=bool)
     for index, window in enumerate(ndimage.find_objects(labels), start=1):
+        if min(s.stop - s.start for s in window) > LEAF:
+            continue
         near = tuple(slice(s.start - 1, s.stop + 1) for s in window)
         wall = np.asarray(ndimage.binary_dilation(labels[near] == index, _FACES), dtype=bool) & closed[near]
         foreign = wall & ~grid[near]
