@@ -36,14 +36,17 @@ def build_rails(space: Space, levels: list[float]) -> tuple[Primitive, ...]:
 
 
 def make_racks(
-    rng: np.random.Generator, space: Space, levels: list[float], *, stem: str, door: str
+    rng: np.random.Generator, space: Space, levels: list[float], *, stem: str, door: str, aside: float = ROOM
 ) -> list[ShapePart]:
-    """What lies on the rails: wire racks, now and then a baking sheet; they slide when ``door`` is open."""
+    """What lies on the rails: wire racks, now and then a baking sheet; they slide when ``door`` is open.
+
+    ``aside`` (m) is the room at each side; what has no rails runs in grooves, close to the walls.
+    """
     out = []
     for k, level in enumerate(levels):
         lie = Space(
             x=(space.x[0] + 0.016, space.x[1] - 0.012),
-            y=(space.y[0] + ROOM, space.y[1] - ROOM),
+            y=(space.y[0] + aside, space.y[1] - aside),
             z=(level, level + 0.028),
         )
         if rng.random() < 0.25:

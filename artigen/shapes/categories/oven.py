@@ -267,7 +267,8 @@ def _draw_oven_row(
         rails = build_rails(space, levels)
         if len(built.pieces) + len(rails) > room:
             rails = ()
-        inside = make_racks(rng, space, levels, stem=f"rack_{row}_{column}", door=door)
+        stem, aside = f"rack_{row}_{column}", ROOM if rails else GAP
+        inside = make_racks(rng, space, levels, stem=stem, door=door, aside=aside)
         built += Assembly(pieces=rails, parts=(*fronts, *inside))
     return built
 
