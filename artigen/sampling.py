@@ -79,21 +79,23 @@ def sample_flow(
     pair: VelocityPair,
     cfg: SamplerConfig,
     *,
+    samples: int | None = None,
     on_step: Callable[[int, float, Tensor], None] | None = None,
 ) -> Tensor:
     """Integrates the flow from noise to data.
 
     Args:
-        noise: start, one sample per row.
+        noise: start; one sample per row, unless ``samples`` says otherwise.
         conditional: velocity under the condition.
         pair: velocities with and without the condition; asked only where guidance applies.
         cfg: steps and guidance.
+        samples: how many samples the rows of a sparse tensor belong to.
         on_step: called with step, time and state after each step.
     """
     x = noise
     times = plan_times(cfg)
     for step, (time, following) in enumerate(pairwise(times)):
-        at = torch.full((len(x),), float(time), dtype=torch.float32, device=x.device)
+        at = torch.full((samples or len(x),), float(time), dtype=torch.float32, device=x.device)
         if is_guided(float(time), cfg):
             with_condition, without = pair(x, at)
             velocity = (1.0 + cfg.strength) * with_condition - cfg.strength * without

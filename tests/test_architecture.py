@@ -21,12 +21,14 @@ MODEL_CODE = (
     "artigen.generate",
     "artigen.metrics",
     "artigen.sampling",
-    "artigen.splatting",
     "artigen.shapes.render",
+    "envs.maniskill",
+    "artigen.splats.render",
 )
 """The only places where torch is imported."""
 HEAVY = (
     "torch",
+    "gsplat",
     "sapien",
     "mujoco",
     "coacd",

@@ -1,7 +1,7 @@
 """Attention and transformer blocks, with the parameter names of TRELLIS."""
 
 import torch
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from torch import Tensor, nn
 from torch.nn import functional
 
@@ -32,11 +32,14 @@ class SelfAttention(nn.Module):
             self.q_rms_norm = RmsNorm(heads, channels // heads)
             self.k_rms_norm = RmsNorm(heads, channels // heads)
 
-    def forward(self, x: Float[Tensor, "B L C"]) -> Float[Tensor, "B L C"]:
+    def forward(
+        self, x: Float[Tensor, "B L C"], mask: Bool[Tensor, "B 1 1 L"] | None = None
+    ) -> Float[Tensor, "B L C"]:
+        """Mixes the tokens of a sample; ``mask`` is False at tokens that are padding."""
         q, k, v = self.to_qkv(x).unflatten(-1, (3, self.heads, -1)).unbind(2)
         if self.rms_norm:
             q, k = self.q_rms_norm(q), self.k_rms_norm(k)
-        return self.to_out(attend(q, k, v))
+        return self.to_out(attend(q, k, v, mask))
 
 
 class CrossAttention(nn.Module):
@@ -72,20 +75,23 @@ class FeedForward(nn.Module):
             nn.Linear(channels, hidden), nn.GELU(approximate="tanh"), nn.Linear(hidden, channels)
         )
 
-    def forward(self, x: Float[Tensor, "B L C"]) -> Float[Tensor, "B L C"]:
+    def forward(self, x: Float[Tensor, "*B C"]) -> Float[Tensor, "*B C"]:
         return self.mlp(x)
 
 
 def attend(
-    q: Float[Tensor, "B L H D"], k: Float[Tensor, "B M H D"], v: Float[Tensor, "B M H D"]
+    q: Float[Tensor, "B L H D"],
+    k: Float[Tensor, "B M H D"],
+    v: Float[Tensor, "B M H D"],
+    mask: Bool[Tensor, "B 1 1 M"] | None = None,
 ) -> Float[Tensor, "B L C"]:
-    """Softmax attention, heads side by side in the result."""
+    """Softmax attention to the keys that ``mask`` leaves, heads side by side in the result."""
     q, k, v = (tensor.transpose(1, 2).to(v.dtype) for tensor in (q, k, v))
-    out = functional.scaled_dot_product_attention(q, k, v)
+    out = functional.scaled_dot_product_attention(q, k, v, attn_mask=mask)
     return out.transpose(1, 2).flatten(2)
 
 
-def plain_norm(x: Float[Tensor, "B L C"], eps: float = NORM_EPS) -> Float[Tensor, "B L C"]:
+def plain_norm(x: Float[Tensor, "*B C"], eps: float = NORM_EPS) -> Float[Tensor, "*B C"]:
     """Layer norm without gain or bias, in float32."""
     return functional.layer_norm(x.float(), x.shape[-1:], eps=eps).to(x.dtype)
 

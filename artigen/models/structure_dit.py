@@ -6,7 +6,7 @@ The paper initialises its structure flow from this network's public weights (sec
 from dataclasses import dataclass
 
 import torch
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from torch import Tensor, nn
 from torch.nn import functional
 
@@ -67,11 +67,15 @@ class ModulatedBlock(nn.Module):
         )
 
     def forward(
-        self, x: Float[Tensor, "B L C"], mod: Float[Tensor, "B D"], keys: tuple[Tensor, Tensor]
+        self,
+        x: Float[Tensor, "B L C"],
+        mod: Float[Tensor, "B D"],
+        keys: tuple[Tensor, Tensor],
+        mask: Bool[Tensor, "B 1 1 L"] | None = None,
     ) -> Float[Tensor, "B L C"]:
         mod = mod if self.adaLN_modulation is None else self.adaLN_modulation(mod)
         shift_attn, scale_attn, gate_attn, shift_mlp, scale_mlp, gate_mlp = mod.chunk(6, dim=1)
-        h = self.self_attn(modulate(plain_norm(x), shift_attn, scale_attn))
+        h = self.self_attn(modulate(plain_norm(x), shift_attn, scale_attn), mask)
         x = x + h * gate_attn.unsqueeze(1)
         normed = functional.layer_norm(
             x.float(), x.shape[-1:], self.norm2.weight.float(), self.norm2.bias.float(), NORM_EPS

@@ -4,7 +4,6 @@ Loading is strict: every tensor of the file must be there, have its shape and be
 """
 
 import json
-from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +12,19 @@ from jaxtyping import Float
 from torch import Tensor, nn
 
 from artigen.errors import SourceError
-from artigen.models.conv_vae import ConvDecoder, ConvEncoder, ConvVaeConfig
-from artigen.models.structure_dit import StructureDit, StructureDitConfig
+from artigen.models.conv_vae import ConvDecoder, ConvEncoder
+from artigen.models.gaussian_decoder import GaussianDecoder
+from artigen.models.slat_dit import SlatDit
+from artigen.models.slat_vae import SlatEncoder
+from artigen.models.sparse_conv import KernelWeights
+from artigen.models.structure_dit import StructureDit
+from artigen.models.trellis_args import (
+    conv_config,
+    gaussian_decoder_config,
+    slat_dit_config,
+    slat_vae_config,
+    structure_dit_config,
+)
 
 SHOWN_KEYS = 6
 
@@ -32,7 +42,8 @@ def load_trellis(path: Path, *, dtype: torch.dtype = torch.float32) -> nn.Module
     """
     described = _read_description(path.with_name(path.name + ".json"))
     network = build_trellis(described["name"], described["args"])
-    load_strictly(network, read_tensors(path.with_name(path.name + ".safetensors")), str(path))
+    tensors = orient_kernels(network, read_tensors(path.with_name(path.name + ".safetensors")))
+    load_strictly(network, tensors, str(path))
     return network.to(dtype).eval()
 
 
@@ -47,16 +58,22 @@ def build_trellis(name: str, args: dict[str, Any]) -> nn.Module:
     given.pop("use_checkpoint", None)
     match name.removeprefix("Elastic"):
         case "SparseStructureEncoder":
-            return ConvEncoder(_conv_config(given, "in_channels"))
+            return ConvEncoder(conv_config(given, "in_channels"))
         case "SparseStructureDecoder":
             given["channels"] = list(reversed(given["channels"]))
-            return ConvDecoder(_conv_config(given, "out_channels"))
+            return ConvDecoder(conv_config(given, "out_channels"))
         case "SparseStructureFlowModel":
-            return StructureDit(_dit_config(given))
+            return StructureDit(structure_dit_config(given))
+        case "SLatEncoder":
+            return SlatEncoder(slat_vae_config(given))
+        case "SLatGaussianDecoder":
+            return GaussianDecoder(gaussian_decoder_config(given))
+        case "SLatFlowModel":
+            return SlatDit(slat_dit_config(given))
         case other:
             raise SourceError(
-                f"checkpoint class {other!r}, expected SparseStructureEncoder, SparseStructureDecoder or "
-                "SparseStructureFlowModel"
+                f"checkpoint class {other!r}, expected SparseStructureEncoder, SparseStructureDecoder, "
+                "SparseStructureFlowModel, SLatEncoder, SLatGaussianDecoder or SLatFlowModel"
             )
 
 
@@ -100,6 +117,18 @@ def load_strictly(network: nn.Module, tensors: dict[str, Tensor], owner: str) ->
     network.load_state_dict(tensors)
 
 
+def orient_kernels(network: nn.Module, tensors: dict[str, Tensor]) -> dict[str, Tensor]:
+    """Sparse kernels as (out, x, y, z, in), also where a file holds them as (out, in, x, y, z)."""
+    out = dict(tensors)
+    for name, module in network.named_modules():
+        key = f"{name}.weight"
+        if isinstance(module, KernelWeights) and key in out and out[key].ndim == 5:
+            turned = out[key].permute(0, 2, 3, 4, 1)
+            if out[key].shape != module.weight.shape == turned.shape:
+                out[key] = turned
+    return out
+
+
 def normalise_features(features: Float[Tensor, "B L C"]) -> Float[Tensor, "B L C"]:
     """What TRELLIS does to DINOv2's tokens before they condition a flow: layer norm without gain."""
     return nn.functional.layer_norm(features, features.shape[-1:])
@@ -115,45 +144,6 @@ def _read_description(path: Path) -> dict[str, Any]:
     if not isinstance(described, dict) or not {"name", "args"} <= described.keys():
         raise SourceError(f"{path}: expected an object with the keys name and args")
     return described
-
-
-def _conv_config(args: dict[str, Any], channels_key: str) -> ConvVaeConfig:
-    known = {
-        channels_key: "in_channels",
-        "latent_channels": "latent_channels",
-        "channels": "channels",
-        "num_res_blocks": "res_blocks",
-        "num_res_blocks_middle": "middle_blocks",
-    }
-    norm = args.pop("norm_type", "layer")
-    if norm != "layer":
-        raise SourceError(f"norm_type {norm!r}: the public checkpoints have 'layer'")
-    _reject_unknown(args, known)
-    renamed = {known[key]: value for key, value in args.items()}
-    return ConvVaeConfig(**{**renamed, "channels": tuple(args["channels"])})
-
-
-def _dit_config(args: dict[str, Any]) -> StructureDitConfig:
-    if args.pop("pe_mode", "ape") != "ape":
-        raise SourceError("pe_mode other than 'ape' is in no public checkpoint and not supported")
-    out_channels = args.pop("out_channels", args["in_channels"])
-    if out_channels != args["in_channels"]:
-        raise SourceError(f"out_channels {out_channels} and in_channels {args['in_channels']} must be equal")
-    head_channels = args.pop("num_head_channels", 64)
-    given = {
-        "patch_size": 2,
-        "qk_rms_norm": False,
-        "num_heads": args["model_channels"] // head_channels,
-        **{key: value for key, value in args.items() if value is not None},
-    }
-    _reject_unknown(given, {field.name for field in fields(StructureDitConfig)})
-    return StructureDitConfig(**given)
-
-
-def _reject_unknown(args: dict[str, Any], known: Any) -> None:
-    unknown = sorted(set(args) - set(known))
-    if unknown:
-        raise SourceError(f"checkpoint arguments {', '.join(unknown)} are not understood")
 
 
 def _list(keys: list[str]) -> str:

@@ -87,7 +87,7 @@ def as_volume(tokens: Float[Tensor, "B L C"], edge: int) -> Float[Tensor, "B C X
 
 
 def sample_gaussian(
-    mean: Float[Tensor, "B C X Y Z"], logvar: Float[Tensor, "B C X Y Z"], noise: Float[Tensor, "B C X Y Z"]
-) -> Float[Tensor, "B C X Y Z"]:
+    mean: Float[Tensor, "*S"], logvar: Float[Tensor, "*S"], noise: Float[Tensor, "*S"]
+) -> Float[Tensor, "*S"]:
     """A draw from the posterior by the reparametrisation trick."""
     return mean + torch.exp(0.5 * logvar) * noise

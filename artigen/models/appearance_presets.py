@@ -1,0 +1,56 @@
+"""The sizes that the appearance models come in, named as those of the structure models.
+
+``compact`` decodes 8 Gaussians per voxel instead of 32. ``paper`` has the sizes of TRELLIS, from whose public
+weights the paper starts (section 4.2).
+"""
+
+from dataclasses import dataclass
+
+from artigen.models.conditions import ConditionConfig
+from artigen.models.gaussian_decoder import GaussianConfig, GaussianDecoderConfig
+from artigen.models.presets import PresetName
+from artigen.models.slat_dit import SlatDitConfig
+from artigen.models.slat_patch_dit import SlatPatchDitConfig
+from artigen.models.slat_vae import SlatVaeConfig
+
+
+@dataclass(frozen=True, kw_only=True)
+class AppearancePreset:
+    """Networks of the appearance model."""
+
+    encoder: SlatVaeConfig
+    """Encoder of voxel features; `in_channels` is what the feature extractor gives."""
+    decoder: GaussianDecoderConfig
+    """Decoder of latents to Gaussians."""
+    flow: SlatPatchDitConfig | SlatDitConfig
+    """Flow on the latents."""
+    conditions: ConditionConfig
+    """What can be asked for."""
+
+
+APPEARANCE_PRESETS: dict[PresetName, AppearancePreset] = {
+    "tiny": AppearancePreset(
+        encoder=SlatVaeConfig(resolution=32, in_channels=16, model_channels=32, num_blocks=2, num_heads=2),
+        decoder=GaussianDecoderConfig(
+            trunk=SlatVaeConfig(resolution=32, model_channels=32, num_blocks=2, num_heads=2),
+            gaussians=GaussianConfig(count=4),
+        ),
+        flow=SlatPatchDitConfig(resolution=32, stem=16, width=64, blocks=2, heads=2),
+        conditions=ConditionConfig(width=64, image_size=32, image_patch=8, image_width=32, image_blocks=1),
+    ),
+    "compact": AppearancePreset(
+        encoder=SlatVaeConfig(in_channels=64, model_channels=128, num_blocks=2, num_heads=4),
+        decoder=GaussianDecoderConfig(
+            trunk=SlatVaeConfig(model_channels=128, num_blocks=5, num_heads=4),
+            gaussians=GaussianConfig(count=8),
+        ),
+        flow=SlatPatchDitConfig(),
+        conditions=ConditionConfig(width=256, image_width=128, image_blocks=3),
+    ),
+    "paper": AppearancePreset(
+        encoder=SlatVaeConfig(),
+        decoder=GaussianDecoderConfig(),
+        flow=SlatDitConfig(),
+        conditions=ConditionConfig(width=1024, image_size=0),
+    ),
+}

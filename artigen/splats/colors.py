@@ -1,0 +1,18 @@
+"""sRGB values and linear light (IEC 61966-2-1); values beyond [0, 1] follow the same curve."""
+
+import numpy as np
+from jaxtyping import Float
+
+
+def srgb_from_linear(light: Float[np.ndarray, "*S"]) -> Float[np.ndarray, "*S"]:
+    """Display values of linear light (float64)."""
+    light = np.asarray(light, dtype=np.float64)
+    curved = 1.055 * np.maximum(light, 0.0031308) ** (1.0 / 2.4) - 0.055
+    return np.where(light <= 0.0031308, 12.92 * light, curved)
+
+
+def linear_from_srgb(values: Float[np.ndarray, "*S"]) -> Float[np.ndarray, "*S"]:
+    """Linear light of display values (float64)."""
+    values = np.asarray(values, dtype=np.float64)
+    curved = ((np.maximum(values, 0.04045) + 0.055) / 1.055) ** 2.4
+    return np.where(values <= 12.92 * 0.0031308, values / 12.92, curved)

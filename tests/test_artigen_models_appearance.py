@@ -1,0 +1,167 @@
+"""Gaussians and latents of the appearance networks: parametrisation, sampling, size, learning."""
+
+from pathlib import Path
+from typing import TypeVar
+
+import numpy as np
+import pytest
+import torch
+from torch.nn import functional
+
+from artigen.models.appearance_presets import APPEARANCE_PRESETS
+from artigen.models.conditions import StructureCondition, gather_conditions
+from artigen.models.gaussian_decoder import GaussianDecoder, select_voxels, to_gaussians
+from artigen.models.slat_flow import SlatFlow, sample_slats
+from artigen.models.slat_vae import SlatEncoder
+from artigen.models.store import load_model, save_model
+from artigen.sampling import SamplerConfig, diffuse, draw_times
+from artigen.splats.colors import srgb_from_linear
+
+TINY = APPEARANCE_PRESETS["tiny"]
+Network = TypeVar("Network", bound=torch.nn.Module)
+
+
+@pytest.fixture(autouse=True)
+def no_gradients():
+    with torch.no_grad():
+        yield
+
+
+@pytest.fixture
+def generator() -> torch.Generator:
+    return torch.Generator().manual_seed(0)
+
+
+def redraw(network: Network, generator: torch.Generator) -> Network:
+    """Gives every parameter a value of its own, so that no branch is silent."""
+    for name, parameter in network.named_parameters():
+        value = torch.randn(parameter.shape, generator=generator)
+        parameter.copy_(1 + 0.1 * value if "gamma" in name else 0.2 * value)
+    return network
+
+
+def draw_voxels(generator: torch.Generator, counts: tuple[int, ...], edge: int = 16) -> torch.Tensor:
+    """Voxels of several samples, shuffled all together."""
+    rows = []
+    for sample, count in enumerate(counts):
+        flat = torch.randperm(edge**3, generator=generator)[:count]
+        places = [flat // edge**2, flat // edge % edge, flat % edge]
+        rows.append(torch.stack([torch.full_like(flat, sample), *places], dim=1))
+    every = torch.cat(rows).int()
+    return every[torch.randperm(len(every), generator=generator)]
+
+
+def test_an_untrained_decoder_gives_the_biases_and_spreads_means_over_each_voxel():
+    decoder = GaussianDecoder(APPEARANCE_PRESETS["tiny"].decoder)
+    coords = torch.tensor([[0, 0, 5, 31], [0, 7, 7, 7]])
+    decoded = decoder(coords, torch.randn(2, 8))
+    centers = ((coords[:, 1:] + 0.5) / 32 - 0.5).repeat_interleave(4, dim=0)
+    offsets = (decoded.means - centers) * 32
+    hammersley = torch.tensor(
+        [[0, 0, 0], [1 / 4, 1 / 2, 1 / 3], [1 / 2, 1 / 4, 2 / 3], [3 / 4, 3 / 4, 1 / 9]]
+    )
+    torch.testing.assert_close(offsets, (hammersley - 0.5).repeat(2, 1), atol=1e-5, rtol=0)
+    torch.testing.assert_close(decoded.scales, torch.full((8, 3), (4e-3**2 + 9e-4**2) ** 0.5))
+    torch.testing.assert_close(decoded.opacities, torch.full((8,), 0.1))
+    assert torch.equal(decoded.quats, torch.tensor([1.0, 0.0, 0.0, 0.0]).expand(8, 4))
+    assert torch.equal(decoded.colors, torch.full((8, 3), 0.5))
+
+
+def test_decoded_gaussians_become_values_with_the_part_of_their_voxel(generator: torch.Generator):
+    decoder = redraw(GaussianDecoder(TINY.decoder), generator)
+    coords = draw_voxels(generator, (20, 30), edge=32)
+    decoded = decoder(coords, 50.0 * torch.randn(50, 8, generator=generator))
+    second = coords[:, 0] == 1
+    part_ids = np.arange(30) % 3
+    out = to_gaussians(select_voxels(decoded, second), part_ids)
+    assert out.part_ids.tolist() == np.repeat(part_ids, 4).tolist()
+    centers = ((coords[second][:, 1:] + 0.5) / 32 - 0.5).numpy().repeat(4, axis=0)
+    assert np.abs(out.means - centers).max() <= 0.75 / 32 + 1e-6
+    shown = select_voxels(decoded, second).colors.clamp(max=1.0).numpy()
+    np.testing.assert_allclose(srgb_from_linear(out.colors), shown, atol=1e-5)
+    assert float(decoded.colors.max()) > 1
+    with pytest.raises(ValueError, match="200 Gaussians for 30 voxels"):
+        to_gaussians(decoded, part_ids)
+
+
+def test_one_step_goes_along_the_guided_velocity(generator: torch.Generator):
+    flow = SlatFlow(TINY.flow, TINY.conditions)
+    redraw(flow.network, generator)
+    flow.latent_mean.fill_(3.0)
+    flow.latent_std.fill_(2.0)
+    coords = draw_voxels(generator, (80, 30), edge=32)
+    noise, attributes = (torch.randn(110, 8, generator=generator) for _ in range(2))
+    named = [StructureCondition(category=name) for name in ("Oven", "Table")]
+    asked = gather_conditions(named, TINY.conditions)
+    nothing = gather_conditions([StructureCondition()] * 2, TINY.conditions)
+    plan, start = flow.plan(coords, 2), torch.ones(2)
+    with_condition = flow(noise, start, asked, plan, attributes)
+    without = flow(noise, start, nothing, plan, attributes)
+    cfg = SamplerConfig(steps=1, strength=2.0)
+    drawn = sample_slats(flow, coords, asked, nothing, noise, cfg, attributes=attributes)
+    expected = 2.0 * (noise - (3.0 * with_condition - 2.0 * without)) + 3.0
+    assert not torch.allclose(with_condition, without, atol=0.01)
+    torch.testing.assert_close(drawn, expected, atol=1e-3, rtol=1e-4)
+    torch.testing.assert_close(flow.normalise(flow.restore(noise)), noise, atol=1e-5, rtol=0)
+    with pytest.raises(ValueError, match="0 attributes per voxel, expected 8"):
+        sample_slats(flow, coords, asked, nothing, noise, cfg)
+
+
+def test_compact_weights_are_small_enough_to_ship_and_come_back(tmp_path: Path, generator: torch.Generator):
+    compact = APPEARANCE_PRESETS["compact"]
+    with torch.device("meta"):
+        networks = [
+            SlatEncoder(compact.encoder),
+            GaussianDecoder(compact.decoder),
+            SlatFlow(compact.flow, compact.conditions),
+        ]
+    assert 2 * sum(value.numel() for network in networks for value in network.state_dict().values()) < 16e6
+    flow = redraw(SlatFlow(TINY.flow, TINY.conditions), generator)
+    save_model(flow, tmp_path, {"preset": "tiny"}, "appearance_flow")
+    again = load_model(SlatFlow(TINY.flow, TINY.conditions), tmp_path, "appearance_flow")
+    for key, value in flow.state_dict().items():
+        assert torch.equal(again.state_dict()[key], value.half().float()), key
+
+
+def test_autoencoder_learns_the_colours_of_one_object(generator: torch.Generator):
+    torch.manual_seed(0)
+    encoder, decoder = SlatEncoder(TINY.encoder), GaussianDecoder(TINY.decoder)
+    coords = draw_voxels(generator, (150,), edge=32)
+    colors = torch.rand(150, 3, generator=generator)
+    feats = functional.pad(colors, (0, 13))
+    plans = encoder.plan(coords)
+    with torch.enable_grad():
+        parameters = [*encoder.parameters(), *decoder.parameters()]
+        optimizer = torch.optim.Adam(parameters, lr=3e-3)
+        errors = []
+        for _ in range(60):
+            mean, _ = encoder(coords, feats, plans)
+            said = decoder(coords, mean, plans).colors.reshape(150, 4, 3)
+            loss = (said - colors[:, None]).abs().mean()
+            optimizer.zero_grad()
+            loss.backward()
+            optimizer.step()
+            errors.append(loss.item())
+    assert errors[-1] < 0.2 * errors[0]
+
+
+def test_compact_flow_learns_the_latents_of_two_objects(generator: torch.Generator):
+    torch.manual_seed(0)
+    flow = SlatFlow(TINY.flow, TINY.conditions)
+    coords = draw_voxels(generator, (60, 60), edge=32)
+    latents, attributes = (torch.randn(120, 8, generator=generator) for _ in range(2))
+    asked = gather_conditions([StructureCondition()] * 2, TINY.conditions)
+    plan = flow.plan(coords, 2)
+    with torch.enable_grad():
+        optimizer = torch.optim.Adam(flow.parameters(), lr=2e-3)
+        for _ in range(80):
+            times, noise = draw_times(2, generator), torch.randn(120, 8, generator=generator)
+            x = diffuse(latents, noise, times[coords[:, 0].long()])
+            clean = flow.network(x, times, plan, flow.conditions(asked), attributes)
+            optimizer.zero_grad()
+            ((clean - latents) ** 2).mean().backward()
+            optimizer.step()
+    noise = torch.randn(120, 8, generator=generator)
+    cfg = SamplerConfig(steps=6, strength=0.0)
+    drawn = sample_slats(flow, coords, asked, asked, noise, cfg, attributes=attributes)
+    assert float((drawn - latents).abs().mean()) < 0.3
