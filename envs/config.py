@@ -76,6 +76,12 @@ class ValidateConfig:
     dynamics: DynamicsConfig = field(default_factory=DynamicsConfig)
     """Settings of L3."""
 
+    tasks: Literal["none", "run"] = "none"
+    """``run`` also makes the checks L4, in ManiSkill: 5 to 60 seconds more, by the number of parts."""
+
+    task_timeout: float = 600.0
+    """Seconds that the checks L4 may take, before they count as failed."""
+
     timeout: float = 120.0
     """Seconds that the static and the dynamic half may take each, before they count as failed."""
 

@@ -5,12 +5,22 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import gymnasium as gym
+from gymnasium.envs.registration import WrapperSpec
 
 if TYPE_CHECKING:
     from .actuate import ActuateConfig, ActuateEnv
     from .joint_sweep import JointSweepConfig, JointSweepEnv
     from .settle import SettleConfig, SettleEnv
 
+TASKS = {
+    "ArtiGen-OpenPart-v1": ("envs.maniskill.open_part:OpenPartEnv", 300),
+    "ArtiGen-PutInside-v1": ("envs.maniskill.put_inside:PutInsideEnv", 300),
+    "ArtiGen-OpenCabinetDrawer-v1": ("envs.maniskill.stock:PackageDrawerEnv", 100),
+    "ArtiGen-OpenCabinetDoor-v1": ("envs.maniskill.stock:PackageDoorEnv", 100),
+}
+"""ManiSkill tasks: id, entry point, steps of an episode. ManiSkill is imported when one is made."""
+ROOM_ID = "ArtiGen-Room-v1"
+"""A furnished room in ManiSkill; needs ``scenes`` instead of packages."""
 ENVIRONMENT_IDS = ("ArtiGen/Actuate-v0", "ArtiGen/JointSweep-v0", "ArtiGen/Settle-v0")
 
 
@@ -46,8 +56,28 @@ def register_environments() -> None:
     _register("ArtiGen/Actuate-v0", make_actuate, steps=100)
     _register("ArtiGen/JointSweep-v0", make_joint_sweep, steps=200)
     _register("ArtiGen/Settle-v0", make_settle, steps=100)
+    for name, (entry_point, steps) in TASKS.items():
+        _register_task(name, entry_point, steps=steps)
+    _register_task(ROOM_ID, "envs.maniskill.scene:RoomEnv", steps=200)
 
 
 def _register(name: str, factory: Callable[..., gym.Env], *, steps: int) -> None:
     if name not in gym.registry:
         gym.register(id=name, entry_point=factory, max_episode_steps=steps)
+
+
+def _register_task(name: str, entry_point: str, *, steps: int) -> None:
+    """A ManiSkill task, with ManiSkill's batched time limit in place of gymnasium's."""
+    if name not in gym.registry:
+        limit = WrapperSpec(
+            "MSTimeLimit",
+            entry_point="mani_skill.utils.registration:TimeLimitWrapper",
+            kwargs={"max_episode_steps": steps},
+        )
+        gym.register(
+            id=name,
+            entry_point=entry_point,
+            max_episode_steps=steps,
+            disable_env_checker=True,
+            additional_wrappers=(limit,),
+        )

@@ -1,6 +1,8 @@
-"""The verdict on a package folder: checks L0 to L3, each pass, fail or not applicable, as one report."""
+"""The verdict on a package folder: checks L0 to L3, and L4 where asked for, as one report."""
 
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
@@ -9,7 +11,17 @@ from sim_export.errors import PackageError
 from sim_export.report import CheckResult, Report, write_report
 
 from .config import ValidateConfig
-from .worker import CheckJob, call_dynamics, call_static, failed_dynamics, run_dynamics, run_static
+from .worker import (
+    CheckJob,
+    call_dynamics,
+    call_static,
+    call_tasks,
+    failed_dynamics,
+    failed_tasks,
+    run_dynamics,
+    run_static,
+    run_tasks,
+)
 
 REPORT_FILE = "validation.json"
 ENGINES = ("artigen", "coal", "mujoco", "numpy", "sapien", "scipy", "trimesh", "yourdfpy")
@@ -39,10 +51,11 @@ def validate(folder: Path, cfg: ValidateConfig | None = None, worker: Worker | N
         dynamic = (
             failed_dynamics("V001 failed") if _unreadable(static) else call_dynamics(own, job, cfg.timeout)
         )
+        tasks = _tasks(partial(call_tasks, own, job, cfg.task_timeout), static, cfg)
     finally:
         if worker is None:
             own.close()
-    return _finish(folder, static + dynamic, cfg)
+    return _finish(folder, static + dynamic + tasks, cfg)
 
 
 def validate_here(folder: Path, cfg: ValidateConfig | None = None) -> Report:
@@ -51,7 +64,8 @@ def validate_here(folder: Path, cfg: ValidateConfig | None = None) -> Report:
     job = _job(folder, cfg)
     static = run_static(job)
     dynamic = failed_dynamics("V001 failed") if _unreadable(static) else run_dynamics(job)
-    return _finish(folder, static + dynamic, cfg)
+    tasks = _tasks(partial(run_tasks, job), static, cfg)
+    return _finish(folder, static + dynamic + tasks, cfg)
 
 
 def without_seconds(report: Report) -> Report:
@@ -72,6 +86,15 @@ def _job(folder: Path, cfg: ValidateConfig) -> CheckJob:
 
 def _unreadable(static: tuple[CheckResult, ...]) -> bool:
     return any(check.id == "V001" and check.verdict == "fail" for check in static)
+
+
+def _tasks(
+    run: Callable[[], tuple[CheckResult, ...]], static: tuple[CheckResult, ...], cfg: ValidateConfig
+) -> tuple[CheckResult, ...]:
+    """Checks L4 where they are asked for."""
+    if cfg.tasks == "none":
+        return ()
+    return failed_tasks("V001 failed") if _unreadable(static) else run()
 
 
 def _finish(folder: Path, checks: tuple[CheckResult, ...], cfg: ValidateConfig) -> Report:

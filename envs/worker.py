@@ -46,6 +46,14 @@ def run_dynamics(job: CheckJob) -> tuple[CheckResult, ...]:
         return check_dynamics(job.folder, read_package(job.folder), job.dynamics)
 
 
+def run_tasks(job: CheckJob) -> tuple[CheckResult, ...]:
+    """Checks L4, in this process."""
+    with quiet_libraries():
+        from .maniskill.checks import check_tasks
+
+        return check_tasks(job.folder)
+
+
 def call_static(worker: Worker, job: CheckJob, timeout: float) -> tuple[CheckResult, ...]:
     """Checks L0 to L2 in the child; its death is a failed V001, the first check that was not made."""
     outcome = worker.call(run_static, job, timeout)
@@ -65,6 +73,19 @@ def call_dynamics(worker: Worker, job: CheckJob, timeout: float) -> tuple[CheckR
     if outcome.value is not None:
         return outcome.value
     return failed_dynamics(f"{outcome.error}", first="V301")
+
+
+def call_tasks(worker: Worker, job: CheckJob, timeout: float) -> tuple[CheckResult, ...]:
+    """Checks L4 in the child; its death is a failed V401, and the others count as not run."""
+    outcome = worker.call(run_tasks, job, timeout)
+    return failed_tasks(f"{outcome.error}") if outcome.value is None else outcome.value
+
+
+def failed_tasks(reason: str) -> tuple[CheckResult, ...]:
+    """All L4 checks as failures for one reason."""
+    from .titles import TASK_TITLES, not_run
+
+    return tuple(not_run(check, reason) for check in TASK_TITLES)
 
 
 def failed_dynamics(reason: str, *, first: str | None = None) -> tuple[CheckResult, ...]:

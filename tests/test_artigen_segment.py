@@ -9,6 +9,7 @@ from artigen.errors import SegmentationError
 from artigen.fields import VoxelFields, decode, encode
 from artigen.segment import SegmentConfig, segment
 from artigen.segmentation.aggregate import aggregate_part, dominant_axis, fuse_box, nearest_point_to_lines
+from artigen.segmentation.clean import select_cells
 from artigen.segmentation.field_noise import TABLE_4, TABLES_3_AND_4, FieldNoise, add_noise
 from artigen.segmentation.neighbours import connected_groups, neighbour_pairs
 from artigen.segmentation.regularise import RegulariseConfig, regularise
@@ -318,6 +319,15 @@ def test_fields_without_a_base_or_without_voxels_are_refused(cabinet_fields):
         segment(replace(cabinet_fields, label_probs=probs), name="x", scale=1.0)
     with pytest.raises(SegmentationError, match="no occupied voxel"):
         segment(decode(np.zeros((35, 16, 16, 16), dtype=np.float32)), name="x", scale=1.0)
+
+
+def test_a_handful_of_voxels_still_has_its_parts(cabinet_fields):
+    few = select_cells(cabinet_fields, np.arange(len(cabinet_fields.coords)) % 3000 == 0)
+    found = segment(few, SegmentConfig(detached="note"), name="few", scale=1.0)
+    said = {few.layout.labels[index] for index in few.label_probs.argmax(axis=1)}
+    assert {part.label for part in found.parts} == said
+    with pytest.raises(SegmentationError, match="may carry"):
+        segment(few, name="few", scale=1.0)
 
 
 def test_a_movable_part_without_an_axis_is_refused(cabinet_fields):

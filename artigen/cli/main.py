@@ -5,10 +5,13 @@ import sys
 
 from artigen.cli.convert import convert
 from artigen.cli.demo import demo
+from artigen.cli.evaluate import evaluate
 from artigen.cli.export import export
 from artigen.cli.generate import generate
 from artigen.cli.preview import preview
+from artigen.cli.scene import scene
 from artigen.cli.shape import shape
+from artigen.cli.train import train
 from artigen.cli.validate import validate
 from artigen.cli.view import view
 from artigen.errors import ArtigenError
@@ -23,10 +26,13 @@ def main() -> None:
         "convert": convert,
         "shape": shape,
         "generate": generate,
+        "train": train,
+        "eval": evaluate,
         "export": export,
         "validate": validate,
         "preview": preview,
         "view": view,
+        "scene": scene,
         "demo": demo,
     }
     try:

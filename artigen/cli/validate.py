@@ -14,12 +14,18 @@ if TYPE_CHECKING:
     from sim_export.report import Report
 
 
-def validate_folder(worker: Worker, folder: Path, *, output: Literal["package", "none"]) -> "Report":
+def validate_folder(
+    worker: Worker,
+    folder: Path,
+    *,
+    output: Literal["package", "none"],
+    tasks: Literal["none", "run"] = "none",
+) -> "Report":
     """The report on one folder, run in the worker."""
     from envs.config import ValidateConfig
     from envs.validate import validate as run
 
-    return run(folder, ValidateConfig(output=output), worker)
+    return run(folder, ValidateConfig(output=output, tasks=tasks), worker)
 
 
 def describe(report: "Report") -> str:
@@ -39,6 +45,8 @@ def validate(
     json_file: Path | None = None,
     report: Literal["package", "none"] = "package",
     workers: Workers = 1,
+    *,
+    task: bool = False,
 ) -> int:
     """Runs the checks L0 to L3 and says which failed, where, by how much; exits 1 if any did.
 
@@ -47,6 +55,7 @@ def validate(
         json_file: Also write all reports to this file.
         report: Leave validation.json in each folder, or nothing.
         workers: Processes side by side.
+        task: Also run the checks L4: the object at work in ManiSkill tasks.
     """
     from sim_export.report import report_to_json
 
@@ -56,7 +65,8 @@ def validate(
         return 2
     reports = []
     with tqdm(total=len(packages), unit="package", disable=len(packages) == 1) as bar:
-        for verdict in run_supervised(partial(validate_folder, output=report), packages, workers=workers):
+        check = partial(validate_folder, output=report, tasks="run" if task else "none")
+        for verdict in run_supervised(check, packages, workers=workers):
             reports.append(verdict)
             bar.update()
             bar.write(describe(verdict), file=sys.stdout)

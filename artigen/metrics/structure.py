@@ -10,6 +10,7 @@ import torch
 from torch import Tensor
 
 from artigen.fields import FieldLayout
+from artigen.metrics.deviations import part_deviations
 from artigen.models.structure_vae import StructureVae
 from artigen.train.batches import patch_batch
 from artigen.train.examples import StructureExample
@@ -23,8 +24,10 @@ def score_reconstruction(
 
     ``occupancy_recall`` is the share of occupied cells found, ``label`` and ``joint_type`` the share of
     common cells with the right class (``small_label``: those of handles and knobs), ``axis`` the mean angle
-    on cells of moving parts, ``origin`` the mean distance of the stated origins on turning ones,
-    ``rotation`` and ``travel`` the mean errors of the ranges, ``box`` that of a component of the box.
+    on cells of moving parts, ``origin`` the mean distance of the stated origins on turning ones and ``line``
+    that of the stated origin from the true axis line (along it, an origin is free), ``rotation`` (degrees)
+    and ``travel`` the mean errors of the ranges, ``box_center`` and ``box_size`` mean distances (Table 3),
+    ``box`` the mean error of a component of the box.
     """
     device = next(vae.parameters()).device
     sums: dict[str, list[float]] = {}
@@ -41,10 +44,56 @@ def score_reconstruction(
     return {name: total / max(count, 1) for name, (total, count) in sums.items()}
 
 
+@torch.no_grad()
+def score_spread(
+    vae: StructureVae, examples: Sequence[StructureExample], *, batch: int = 16
+) -> dict[str, tuple[float, ...]]:
+    """Standard deviations of what the cells of one part say, averaged over parts: the rows of Table 4.
+
+    Over the cells that are occupied in truth and reconstruction: ``box_center`` and ``box_size`` of all
+    parts, ``axis`` of moving ones, ``origin`` of turning ones (x, y, z; unit lengths), ``rotation`` (degrees)
+    of turning and ``travel`` (unit lengths) of sliding ones. A row that applies to no part is empty.
+    """
+    layout = vae.layout
+    device = next(vae.parameters()).device
+    spreads, kinds = [], []
+    for start in range(0, len(examples), batch):
+        patches = patch_batch(examples[start : start + batch]).to(device)
+        logits, values, _ = vae.decode(vae.encode(patches)[0], patches.index)
+        common = patches.occupied() & (logits[patches.index] > 0)
+        ids, spread = part_deviations(
+            values[common].float().cpu().numpy(), patches.rows[common].cpu().numpy()
+        )
+        spreads.append(spread)
+        kinds.append(patches.table[torch.from_numpy(ids).to(device)][:, _inner(layout.joint_type)].argmax(1))
+    spread, kind = np.concatenate(spreads), torch.cat(kinds).cpu().numpy()
+    still, sliding = (layout.joint_types.index(name) for name in ("fixed", "prismatic"))
+    everywhere, moving = np.ones(len(kind), dtype=bool), kind != still
+    box = _inner(layout.box)
+    rotation, travel = (_inner(layout.range).start + offset for offset in (0, 1))
+    degrees = float(np.degrees(layout.rotation_unit))
+    rows = {
+        "box_center": (slice(box.start, box.start + 3), everywhere, 1.0),
+        "box_size": (slice(box.start + 3, box.stop), everywhere, 1.0),
+        "axis": (_inner(layout.axis), moving, 1.0),
+        "origin": (_inner(layout.origin), moving & (kind != sliding), 1.0),
+        "rotation": (slice(rotation, rotation + 1), moving & (kind != sliding), degrees),
+        "travel": (slice(travel, travel + 1), kind == sliding, layout.length_unit),
+    }
+    return {
+        name: tuple((unit * spread[chosen][:, channels].mean(axis=0)).tolist()) if chosen.any() else ()
+        for name, (channels, chosen, unit) in rows.items()
+    }
+
+
+def _inner(channels: slice) -> slice:
+    """The channels of a layout among those after occupancy."""
+    return slice(channels.start - 1, channels.stop - 1)
+
+
 def _compare(sums: dict[str, list[float]], said: Tensor, truth: Tensor, layout: FieldLayout) -> None:
     def at(channels: slice) -> tuple[Tensor, Tensor]:
-        chosen = slice(channels.start - 1, channels.stop - 1)
-        return said[:, chosen], truth[:, chosen]
+        return said[:, _inner(channels)], truth[:, _inner(channels)]
 
     label, right = (values.argmax(dim=1) for values in at(layout.label))
     _count(sums, "label", label == right)
@@ -61,12 +110,16 @@ def _compare(sums: dict[str, list[float]], said: Tensor, truth: Tensor, layout: 
     _count(sums, "axis", torch.rad2deg(torch.arccos(cosine)))
     turning = moving & (kind != layout.joint_types.index("prismatic"))
     origin, true_origin = at(layout.origin)
-    _count(sums, "origin", (origin - true_origin).norm(dim=1)[turning])
+    offset = origin - true_origin
+    _count(sums, "origin", offset.norm(dim=1)[turning])
+    _count(sums, "line", torch.linalg.cross(offset, true_axis, dim=1).norm(dim=1)[turning])
     ranges, true_ranges = at(layout.range)
     error = (ranges - true_ranges).abs()
     _count(sums, "rotation", np.degrees(layout.rotation_unit) * error[turning, 0])
     _count(sums, "travel", layout.length_unit * error[kind == layout.joint_types.index("prismatic"), 1])
     box, true_box = at(layout.box)
+    _count(sums, "box_center", (box - true_box)[:, :3].norm(dim=1))
+    _count(sums, "box_size", (box - true_box)[:, 3:].norm(dim=1))
     _count(sums, "box", (box - true_box).abs().flatten())
 
 

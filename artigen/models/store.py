@@ -54,15 +54,18 @@ def read_description(folder: Path) -> dict[str, dict[str, object]]:
     """What a model folder says about its networks.
 
     Raises:
-        SourceError: If there is no such folder, or its description is no JSON.
+        SourceError: If there is no such folder, or its description is no JSON, or another one.
     """
     path = folder / DESCRIPTION
     try:
-        return json.loads(path.read_text())
+        said = json.loads(path.read_text())
     except FileNotFoundError as error:
         raise SourceError(f"{path}: there is no such model; train one, or give the folder of one") from error
     except json.JSONDecodeError as error:
         raise SourceError(f"{path}: is no JSON ({error})") from error
+    if not isinstance(said, dict) or not all(isinstance(value, dict) for value in said.values()):
+        raise SourceError(f"{path}: expected what a model says about its networks, by their names")
+    return said
 
 
 def hash_model(folder: Path) -> str:

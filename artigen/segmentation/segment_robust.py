@@ -177,6 +177,8 @@ def _absorb(
     rows = rows[np.argsort(groups[rows], kind="stable")]
     number = stats.count[is_small]
     larger = np.flatnonzero(stats.count >= min(share, cfg.seed_voxels))
+    if not len(larger):  # a handful of voxels: not even the base is a seed
+        return groups
     costs = vote_costs(votes, select_groups(stats, larger), rows, cfg.outside)
     least = np.minimum(np.repeat(number, number) * share, cfg.seed_voxels)
     costs[least[:, None] > stats.count[larger]] = np.inf

@@ -1,91 +1,144 @@
 """From nothing to weights: `python -m artigen.train.everything` makes data, trains, evaluates and stores.
 
 Every stage is skipped or gone on with where the run folder already holds its result, so the same command
-can be given again after an interruption, or in portions of a budget.
+can be given again after an interruption, or in portions of a budget. `artigen train` is the same with a
+progress bar.
 """
 
 import argparse
 import json
 import logging
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 import torch
 
-from artigen.metrics.structure import score_reconstruction
-from artigen.models.presets import PRESETS, PresetName, StructurePreset
+from artigen.errors import SourceError
+from artigen.metrics.structure import score_reconstruction, score_spread
+from artigen.models.presets import PRESETS, StructurePreset
 from artigen.models.store import save_model
 from artigen.models.structure_flow import StructureFlow
 from artigen.models.structure_vae import StructureVae
+from artigen.models.trellis import load_strictly, read_tensors
 from artigen.train.examples import StructureExample
 from artigen.train.loop import LoopConfig
 from artigen.train.presets import TRAINING, StageConfig
+from artigen.train.real import real_examples
+from artigen.train.run import RunConfig, Stage, claim_run
 from artigen.train.shards import HELD_OUT, ShardConfig, make_shards, read_shard
 from artigen.train.structure import encode_examples, train_structure_flow, train_structure_vae
 
 logger = logging.getLogger(__name__)
+Report = Callable[[str, Mapping[str, float]], None]
+"""Called with the network in training and a line of its metrics."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class RunConfig:
-    """One run from nothing to weights."""
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RunData:
+    """Examples to train with, and examples to measure with."""
 
-    folder: Path
-    """Data, checkpoints and weights."""
-    preset: PresetName = "compact"
-    """Sizes."""
-    minutes: float = 30.0
-    """Budget of the training of both networks; making data comes on top."""
-    shards: int = 100
-    """Shards of training data, 256 objects each."""
-    held_out: int = 2
-    """Shards of held-out data."""
-    objects: int = 256
-    """Objects per shard."""
-    workers: int = 2
-    """Processes that make data."""
+    trained: list[StructureExample]
+    held_out: list[StructureExample]
+    real: int
+    """Real objects among the trained ones."""
 
 
-def train_everything(cfg: RunConfig) -> dict[str, float]:
-    """Runs what is missing and returns the scores of the held-out objects."""
-    preset, training = PRESETS[cfg.preset], TRAINING[cfg.preset]
-    trained, held_out = (
-        _examples(cfg, preset, "train", cfg.shards, HELD_OUT),
-        _examples(cfg, preset, "held_out", cfg.held_out, 0),
-    )
-    device = torch.device("cuda" if torch.cuda.is_available() else "cpu")
+def train_everything(
+    cfg: RunConfig, stage: Stage = "structure", *, on_report: Report | None = None
+) -> dict[str, float]:
+    """Runs what is missing and returns the scores of the held-out objects.
+
+    Args:
+        cfg: The run.
+        stage: Both networks, or one of them; the flow needs a VAE in the same folder.
+        on_report: Called with every line of metrics; logged when None.
+
+    Raises:
+        ArtigenError: If the configuration or the folder does not allow it.
+    """
+    scores = cfg.folder / "reconstruction.json"  # written when the VAE is done
+    if stage == "structure-flow" and not scores.is_file():
+        raise SourceError(f"{scores}: there is no finished VAE to train a flow on; train structure-vae first")
+    claim_run(cfg)
+    report = on_report or _log
+    data = make_data(cfg)
+    vae = load_vae(cfg) if stage == "structure-flow" else train_vae(cfg, data, report)
+    if stage != "structure-vae":
+        train_flow(cfg, vae, data, report)
+    return json.loads(scores.read_text())
+
+
+def make_data(cfg: RunConfig) -> RunData:
+    """Makes the examples that are missing and reads all."""
+    preset = PRESETS[cfg.preset]
+    trained = _examples(cfg, preset, "train", cfg.shards, HELD_OUT)
+    held_out = _examples(cfg, preset, "held_out", cfg.held_out, 0)
+    if cfg.partnet is None:
+        return RunData(trained=trained, held_out=held_out, real=0)
+    real = real_examples(cfg.partnet, cfg.folder / "real", preset.resolution, workers=cfg.workers)
+    wanted = cfg.real_share / (1.0 - cfg.real_share) * len(trained)
+    repeated = real * max(1, round(wanted / len(real)))
+    logger.info("%d real objects, %d times among %d", len(real), len(repeated) // len(real), len(trained))
+    return RunData(trained=[*trained, *repeated], held_out=held_out, real=len(real))
+
+
+def train_vae(cfg: RunConfig, data: RunData, report: Report) -> StructureVae:
+    """Trains the VAE, stores it, and writes how well it reconstructs held-out objects."""
+    training = TRAINING[cfg.preset]
     torch.manual_seed(0)
-    vae = StructureVae(preset.vae)
+    vae = StructureVae(PRESETS[cfg.preset].vae)
     train_structure_vae(
         vae,
-        trained,
+        data.trained,
         cfg.folder / "vae",
         _loop(training.vae, cfg.minutes),
         batch=training.vae.batch,
         losses=training.losses,
-        on_report=_say,
+        on_report=lambda line: report("VAE", line),
     )
-    described = {"preset": cfg.preset, "objects": len(trained), "minutes": cfg.minutes}
-    save_model(vae, cfg.folder / "model", described, "vae")
-    vae.to(device)
-    scores = score_reconstruction(vae, held_out)
-    (cfg.folder / "reconstruction.json").write_text(json.dumps(scores, indent=1) + "\n")
+    save_model(vae, cfg.folder / "model", _describe(cfg, data), "vae")
+    scores = score_reconstruction(vae, data.held_out)
+    spread = score_spread(vae, data.held_out)
+    for name, said in (("reconstruction", scores), ("spread", spread)):
+        scratch = cfg.folder / f".{name}.json"
+        scratch.write_text(json.dumps(said, indent=1) + "\n")
+        scratch.replace(cfg.folder / f"{name}.json")
     logger.info("held-out reconstruction %s", scores)
+    return vae
+
+
+def load_vae(cfg: RunConfig) -> StructureVae:
+    """The VAE that the run has trained, in full precision.
+
+    Raises:
+        SourceError: If its weights are damaged or of another preset.
+    """
+    weights = cfg.folder / "vae" / "weights.safetensors"
+    vae = StructureVae(PRESETS[cfg.preset].vae)
+    load_strictly(vae, read_tensors(weights), str(weights))
+    device = "cuda" if torch.cuda.is_available() else "cpu"
+    return vae.to(device).eval()
+
+
+def train_flow(cfg: RunConfig, vae: StructureVae, data: RunData, report: Report) -> StructureFlow:
+    """Trains the flow on the VAE's latents and stores it."""
+    preset, training = PRESETS[cfg.preset], TRAINING[cfg.preset]
+    torch.manual_seed(1)
     flow = StructureFlow(preset.flow, preset.conditions)
     train_structure_flow(
         flow,
-        encode_examples(vae, trained),
-        trained,
+        encode_examples(vae, data.trained),
+        data.trained,
         cfg.folder / "flow",
         _loop(training.flow, cfg.minutes),
         batch=training.flow.batch,
         conditions=preset.conditions,
-        on_report=_say,
+        on_report=lambda line: report("flow", line),
     )
-    save_model(flow, cfg.folder / "model", described, "flow")
-    return scores
+    save_model(flow, cfg.folder / "model", _describe(cfg, data), "flow")
+    return flow
 
 
 def _examples(
@@ -108,6 +161,15 @@ def _examples(
     return [example for path in paths for example in read_shard(path)]
 
 
+def _describe(cfg: RunConfig, data: RunData) -> dict[str, object]:
+    return {
+        "preset": cfg.preset,
+        "minutes": cfg.minutes,
+        "objects": cfg.shards * cfg.objects,
+        "real_objects": data.real,
+    }
+
+
 def _loop(stage: StageConfig, minutes: float) -> LoopConfig:
     return LoopConfig(
         minutes=minutes * stage.share,
@@ -118,8 +180,8 @@ def _loop(stage: StageConfig, minutes: float) -> LoopConfig:
     )
 
 
-def _say(line: Mapping[str, float]) -> None:
-    logger.info(" ".join(f"{name}={value:.4g}" for name, value in line.items()))
+def _log(name: str, line: Mapping[str, float]) -> None:
+    logger.info("%s %s", name, " ".join(f"{key}={value:.4g}" for key, value in line.items()))
 
 
 def main() -> None:
@@ -132,6 +194,8 @@ def main() -> None:
     parser.add_argument("--shards", type=int, default=100, help="shards of training data")
     parser.add_argument("--held-out", type=int, default=2, help="shards of held-out data")
     parser.add_argument("--objects", type=int, default=256, help="objects per shard")
+    parser.add_argument("--partnet", type=Path, help="folder with real objects to mix in")
+    parser.add_argument("--real-share", type=float, default=0.1, help="share of real objects")
     parser.add_argument("--workers", type=int, default=2, help="processes that make data")
     train_everything(RunConfig(**vars(parser.parse_args())))
 

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float, UInt8
 
+from artigen.metrics.delivery import asset_size, part_counts
 from artigen.models.patches import PackedField, pack_asset
-from artigen.types import PART_LABELS, Asset
+from artigen.types import Asset
 
 NEAR_FRONT = (0.6, 0.25)
 """Largest turn to either side and largest lift of the camera (radians): pictures are near-frontal."""
@@ -32,17 +33,12 @@ def example_of_asset(asset: Asset, image: UInt8[np.ndarray, "H W 4"] | None = No
     voxels = asset.voxels
     if voxels is None:
         raise ValueError(f"asset {asset.name!r} has no voxels; voxelize its surface first")
-    corners = np.stack(
-        [(part.box[0] - part.box[1] / 2, part.box[0] + part.box[1] / 2) for part in asset.parts]
-    )
-    extent = corners[:, 1].max(axis=0) - corners[:, 0].min(axis=0)
-    labels = [PART_LABELS.index(part.label) for part in asset.parts]
     return StructureExample(
         name=asset.name,
         category=asset.category,
         field=pack_asset(asset),
-        counts=np.bincount(labels, minlength=len(PART_LABELS)).astype(np.uint8),
-        size=(extent * asset.scale).astype(np.float32),
+        counts=part_counts(asset).astype(np.uint8),
+        size=asset_size(asset).astype(np.float32),
         image=image,
     )
 
@@ -51,12 +47,20 @@ def draw_example(
     category: str, seed: int, *, resolution: int = 64, image_size: int = 128
 ) -> StructureExample:
     """Draws a procedural object and looks at it from near its front; ``image_size`` 0 takes no picture."""
+    return draw_example_of(category, seed, resolution=resolution, image_size=image_size)[1]
+
+
+def draw_example_of(
+    category: str, seed: int, *, resolution: int = 64, image_size: int = 128
+) -> tuple[Asset, StructureExample]:
+    """A procedural object with voxels, and its example as `draw_example` gives it."""
     from artigen.shapes.asset import shape_to_asset
     from artigen.shapes.draw import draw_shape
 
     shape = draw_shape(category, seed)
     image = _photograph(shape, seed, image_size) if image_size else None
-    return example_of_asset(shape_to_asset(shape, resolution), image)
+    asset = shape_to_asset(shape, resolution)
+    return asset, example_of_asset(asset, image)
 
 
 def _photograph(shape, seed: int, size: int) -> UInt8[np.ndarray, "H W 4"]:

@@ -1,7 +1,7 @@
 """The training loop: budgets in minutes or steps, EMA, checkpoints that resume, metrics on disk.
 
-A run is a folder: ``config.json``, ``metrics.jsonl``, ``checkpoint.pt`` (everything needed to go on) and
-``weights.safetensors`` (the EMA weights, written at the end and with every checkpoint).
+A stage is a folder: ``metrics.jsonl``, ``curves.svg``, ``checkpoint.pt`` (everything needed to go on) and
+``weights.safetensors`` (the EMA weights); all but the first are written at the end and with every checkpoint.
 """
 
 import json
@@ -16,6 +16,7 @@ import torch
 from torch import Tensor, nn
 
 from artigen.models.precision import autocast_type
+from artigen.train.curves import METRICS, draw_curves, read_metrics
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -23,7 +24,7 @@ class LoopConfig:
     """How long and how fast."""
 
     minutes: float | None = None
-    """Wall time of the run over all its sessions; the learning rate ends at zero with it."""
+    """Wall time of the run over all its starts; the learning rate ends at zero with it."""
     steps: int | None = None
     """Steps of the run; give minutes or steps."""
     learning_rate: float = 1e-3
@@ -131,6 +132,7 @@ def train(
             line = {
                 "step": progress.step,
                 "minutes": progress.elapsed / 60.0,
+                "share": progress.share(cfg),
                 "rate": rate,
                 "seconds_per_step": (time.monotonic() - since) / cfg.report_every,
                 "loss": float(total.detach()),
@@ -141,7 +143,7 @@ def train(
             if not math.isfinite(line["loss"]):
                 raise FloatingPointError(f"{folder}: loss is {line['loss']} at step {progress.step}")
             if accelerator.is_main_process:
-                with (folder / "metrics.jsonl").open("a") as file:
+                with (folder / METRICS).open("a") as file:
                     file.write(json.dumps(line) + "\n")
                 if on_report is not None:
                     on_report(line)
@@ -178,7 +180,7 @@ def _save(
     generator: torch.Generator,
     progress: _Progress,
 ) -> None:
-    """Writes checkpoint and averaged weights, each whole or not at all."""
+    """Writes checkpoint, averaged weights and curves, each whole or not at all."""
     from safetensors.torch import save_file
 
     stored = {
@@ -195,3 +197,6 @@ def _save(
     scratch = folder / ".weights.safetensors"
     save_file({name: value.contiguous().cpu() for name, value in average.items()}, scratch)
     scratch.replace(folder / "weights.safetensors")
+    scratch = folder / ".curves.svg"
+    scratch.write_text(draw_curves(read_metrics(folder / METRICS), folder.name))
+    scratch.replace(folder / "curves.svg")

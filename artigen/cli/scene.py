@@ -1,0 +1,150 @@
+"""`artigen scene`: a furnished room from a kind and a seed, its objects given or drawn on the spot."""
+
+import sys
+import time
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+import tyro
+
+from artigen.cli.arguments import Out, Workers
+from artigen.cli.batch import run_shown
+from artigen.cli.shape import ShapeJob, ShapeSettings, export_and_validate
+from artigen.errors import ArtigenError
+
+if TYPE_CHECKING:
+    from envs.maniskill.rooms.catalogue import Catalogue
+    from envs.maniskill.rooms.recipes import Recipe, Role
+    from envs.maniskill.rooms.room import Room
+
+PACKAGES = "packages"
+"""Folder, inside the room's, of objects that are drawn on the spot."""
+ROUNDS = 3
+"""How often objects are drawn again for a role that has none which passed."""
+STYLES = ("flat", "shaker", "handleless", "classic")
+"""Looks of storage furniture; a room that is drawn has one of them throughout."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SceneSettings:
+    """What the room should be like; what is not said is left to the seed."""
+
+    width: float | None = None
+    """Metres along the wall with the entrance, inside."""
+    depth: float | None = None
+    """Metres from that wall to the opposite one, inside."""
+    least: int = 10
+    """Objects at least."""
+    most: int = 30
+    """Objects at most."""
+    sweeps: Literal["free", "any"] = "free"
+    """``free`` keeps what doors and drawers pass through free; ``any`` only avoids overlaps at rest."""
+    standing_radius: float = 0.3
+    """Metres of the robot's disc that stays free in front of every door and drawer; 0 asks for none."""
+    ajar: float = 0.0
+    """Part of the doors and drawers that stand open."""
+
+
+def scene(
+    kind: tyro.conf.Positional[Literal["kitchen", "office", "bedroom"]],
+    out: Out,
+    seed: int = 0,
+    packages: Path | None = None,
+    cfg: tyro.conf.OmitArgPrefixes[SceneSettings] = SceneSettings(),
+    pictures: Literal["both", "plan", "none"] = "both",
+    workers: Workers = 2,
+) -> int:
+    """Furnishes a room in which everything opens: scene.json, and pictures of it.
+
+    Args:
+        kind: What room.
+        out: Folder for scene.json, room.png and plan.png.
+        seed: Decides everything that is not said.
+        packages: Folder of packages that passed `artigen validate`; without one, objects are drawn on the
+            spot and proven, which takes minutes.
+        cfg: What the room should be like.
+        pictures: Which ones to draw.
+        workers: Processes side by side, where objects are drawn.
+    """
+    from envs.maniskill.populate import PopulateConfig, populate
+    from envs.maniskill.rooms.ajar import open_some
+    from envs.maniskill.rooms.catalogue import read_catalogue
+    from envs.maniskill.rooms.file import write_room
+    from envs.maniskill.rooms.recipes import RECIPES
+
+    if seed < 0 or not 0.0 <= cfg.ajar <= 1.0:
+        raise ArtigenError(f"seed {seed}, ajar {cfg.ajar}: no seed below 0, and a part between 0 and 1")
+    try:
+        settings = PopulateConfig(
+            width=cfg.width, depth=cfg.depth, least=cfg.least, most=cfg.most, sweeps=cfg.sweeps,
+            standing_radius=cfg.standing_radius,
+        )  # fmt: skip
+    except ValueError as error:
+        raise ArtigenError(str(error)) from error
+    if packages is None:
+        catalogue = draw_packages(RECIPES[kind], seed, out / PACKAGES, workers)
+    else:
+        catalogue = read_catalogue(packages)
+    started = time.perf_counter()
+    room = populate(kind, seed, catalogue, settings)
+    if cfg.ajar > 0.0:
+        room = open_some(room, cfg.ajar)
+    spent = time.perf_counter() - started
+    path = write_room(room, out)
+    _draw(room, out, pictures)
+    kinds = len({placement.package for placement in room.placements})
+    left_out = f", {len(catalogue.failed)} packages left out that are not proven" if catalogue.failed else ""
+    sys.stdout.write(
+        f"{kind} of {room.size[0]:.2f} x {room.size[1]:.2f} m: {len(room.placements)} objects from {kinds} "
+        f"packages in {path}, arranged and checked in {spent:.1f} s{left_out}\n"
+    )
+    return 0
+
+
+def draw_packages(recipe: "Recipe", seed: int, out: Path, workers: int) -> "Catalogue":
+    """Draws and proves objects for every role of a room; a role without one that passed is drawn again."""
+    from envs.maniskill.rooms.catalogue import read_catalogue
+
+    style = STYLES[int(np.random.default_rng(seed).integers(len(STYLES)))]
+    waiting = list(recipe.all_roles)
+    jobs: list[ShapeJob] = []
+    catalogue = None
+    for attempt in range(ROUNDS):
+        added = _jobs(waiting, seed * 1000 + 200 * attempt, style, out)
+        jobs += added
+        run_shown(export_and_validate, added, out, workers=workers)
+        catalogue = read_catalogue(out)
+        drawn = {job.key for job in jobs}
+        # A folder of an earlier run may hold more; the same seed must give the same room.
+        entries = tuple(entry for entry in catalogue.entries if entry.name in drawn)
+        failed = tuple(text for text in catalogue.failed if text.split()[0] in drawn)
+        catalogue = replace(catalogue, entries=entries, failed=failed)
+        waiting = [role for role in waiting if role.draws and not catalogue.of_role(role)]
+        if not waiting:
+            break
+    assert catalogue is not None
+    return catalogue
+
+
+def _jobs(roles: "list[Role]", first: int, style: str, out: Path) -> list[ShapeJob]:
+    """One object for every draw of the roles, with the sizes that the roles wish for."""
+    jobs = []
+    for role in roles:
+        for category, (depth, width, height) in role.draws:
+            wished = ShapeSettings(
+                depth=depth or None, width=width or None, height=height or None,
+                style=style if category == "StorageFurniture" else None,
+            )  # fmt: skip
+            jobs.append(ShapeJob(category=category, seed=first + len(jobs), out=out, cfg=wished))
+    return jobs
+
+
+def _draw(room: "Room", out: Path, pictures: str) -> None:
+    from envs.maniskill.rooms.picture import write_plan, write_view
+
+    if pictures != "none":
+        write_plan(room, out / "plan.png")
+    if pictures == "both":
+        write_view(room, out / "room.png")

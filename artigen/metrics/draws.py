@@ -1,0 +1,118 @@
+"""Objects drawn to be measured: one draw for each condition, kept on disk as it is made."""
+
+import json
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import torch
+
+from artigen.errors import SegmentationError
+from artigen.generate import GenerateConfig, StructureModel, generate_structure
+from artigen.io import read_asset, write_asset
+from artigen.metrics.subjects import Subject
+from artigen.models.conditions import StructureCondition
+from artigen.models.structure_vae import decode_fields
+from artigen.segment import segment
+from artigen.segmentation.clean import remove_strays
+from artigen.train.batches import patch_batch
+from artigen.types import Asset
+
+JOURNAL = "draws.jsonl"
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class DrawJob:
+    """One draw to make; its noise follows from the seed alone."""
+
+    key: str
+    asked: StructureCondition
+    seed: int
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Draw:
+    """What became of a first draw: an object, or why it is none."""
+
+    asset: Asset | None
+    error: str | None
+    seconds: float
+
+
+def draw_all(
+    model: StructureModel,
+    jobs: Sequence[DrawJob],
+    folder: Path,
+    cfg: GenerateConfig,
+    *,
+    on_done: Callable[[], None] | None = None,
+) -> list[Draw]:
+    """Makes the draws that ``folder`` does not hold yet, and returns all, in the order of ``jobs``.
+
+    Args:
+        model: Trained networks.
+        jobs: What to draw; a key stands for the same condition, seed and model at every start.
+        folder: For the journal and one asset folder per object.
+        cfg: Sampler, cleaning, segmentation.
+        on_done: Called after each.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    known = _read_journal(folder / JOURNAL)
+    out = []
+    for job in jobs:
+        kept = folder / job.key
+        line = known.get(job.key)
+        if line is not None and line["error"] is not None:
+            draw = Draw(asset=None, error=str(line["error"]), seconds=float(str(line["seconds"])))
+        elif line is not None and kept.is_dir():
+            draw = Draw(asset=read_asset(kept), error=None, seconds=float(str(line["seconds"])))
+        else:
+            draw = _draw(model, job, cfg)
+            if draw.asset is not None:
+                write_asset(draw.asset, kept)
+            said = {"key": job.key, "seed": job.seed, "seconds": draw.seconds, "error": draw.error}
+            with (folder / JOURNAL).open("a") as journal:
+                journal.write(json.dumps(said) + "\n")
+        out.append(draw)
+        if on_done is not None:
+            on_done()
+    return out
+
+
+def reconstruct(model: StructureModel, subject: Subject, cfg: GenerateConfig) -> Asset | None:
+    """The object found again from its own latent, as a draw is; None where that is no object.
+
+    What no condition can improve on: the limit of decoder, cleaning and segmentation.
+    """
+    device = next(model.vae.parameters()).device
+    with torch.no_grad():
+        mean, _ = model.vae.encode(patch_batch([subject.example]).to(device))
+    fields, _ = remove_strays(decode_fields(model.vae, mean)[0], cfg.clean)
+    asset = subject.asset
+    try:
+        return segment(fields, cfg.segment, name=asset.name, scale=asset.scale, category=asset.category)
+    except SegmentationError:
+        return None
+
+
+def _draw(model: StructureModel, job: DrawJob, cfg: GenerateConfig) -> Draw:
+    started = time.perf_counter()
+    try:
+        asset = generate_structure(model, job.asked, job.seed, cfg)
+    except SegmentationError as error:
+        return Draw(asset=None, error=str(error), seconds=time.perf_counter() - started)
+    return Draw(asset=asset, error=None, seconds=time.perf_counter() - started)
+
+
+def _read_journal(path: Path) -> dict[str, dict[str, object]]:
+    """The last line of every key; a line cut short by a killed run is left out."""
+    out = {}
+    if path.is_file():
+        for text in path.read_text().splitlines():
+            try:
+                line = json.loads(text)
+            except json.JSONDecodeError:
+                continue
+            out[line["key"]] = line
+    return out

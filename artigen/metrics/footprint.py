@@ -1,0 +1,74 @@
+"""What drawing one object takes: seconds and memory, measured in a process that does nothing else."""
+
+import statistics
+import time
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+from artigen.errors import SegmentationError, SourceError
+from artigen.generate import GenerateConfig, generate_structure, load_structure_model
+from artigen.models.conditions import StructureCondition
+from artigen.workers import Worker
+
+TIMEOUT = 1800.0
+STATUS = Path("/proc/self/status")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Footprint:
+    """Of one object, latent to parts."""
+
+    seconds: float
+    """Median of the repeats, after one draw that warms up."""
+    cpu_seconds: float
+    """The same in processor time of all threads: what stays when others use the machine, too."""
+    peak_mib: float
+    """Largest resident memory of the process, imports and model included."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class FootprintJob:
+    """What to draw, and how often."""
+
+    model: Path
+    asked: StructureCondition
+    cfg: GenerateConfig
+    repeats: int = 3
+
+
+def measure_footprint(job: FootprintJob) -> Footprint:
+    """Draws in a process of its own.
+
+    Raises:
+        SourceError: If that process fails; says why.
+    """
+    worker = Worker()
+    outcome = worker.call(time_draws, job, TIMEOUT)
+    worker.close()
+    if outcome.value is None:
+        raise SourceError(f"{job.model}: one object could not be timed: {outcome.error}")
+    return outcome.value
+
+
+def time_draws(job: FootprintJob) -> Footprint:
+    """Draws ``repeats`` objects after the first one and takes the time; runs in a worker process."""
+    model = load_structure_model(job.model)
+    seconds, busy = [], []
+    for seed in range(job.repeats + 1):
+        started, worked = time.perf_counter(), time.process_time()
+        with suppress(SegmentationError):  # what becomes of the object is measured elsewhere
+            generate_structure(model, job.asked, seed, job.cfg)
+        seconds.append(time.perf_counter() - started)
+        busy.append(time.process_time() - worked)
+    return Footprint(
+        seconds=statistics.median(seconds[1:]),
+        cpu_seconds=statistics.median(busy[1:]),
+        peak_mib=peak_memory(),
+    )
+
+
+def peak_memory() -> float:
+    """Largest resident memory of this process so far, MiB; that of its parent does not count."""
+    line = next(line for line in STATUS.read_text().splitlines() if line.startswith("VmHWM:"))
+    return int(line.split()[1]) / 1024

@@ -1,0 +1,136 @@
+"""An evaluation as files: everything as JSON, and the tables that a person reads as Markdown."""
+
+import json
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict
+from pathlib import Path
+
+from artigen.metrics.evaluate import Evaluation
+
+RECONSTRUCTION = (
+    ("occupancy_recall", "occupancy recall", "percent", "98.94 %"),
+    ("occupancy_precision", "occupancy precision", "percent", ""),
+    ("occupancy_iou", "occupancy IoU", "percent", ""),
+    ("label", "part type", "percent", "96.27 %"),
+    ("small_label", "part type of handles and knobs", "percent", ""),
+    ("joint_type", "joint type", "percent", "99.17 %"),
+    ("moving_joint_type", "joint type of moving parts", "percent", ""),
+    ("axis", "axis (degrees)", "plain", "1.14"),
+    ("origin", "origin", "plain", "0.10"),
+    ("line", "origin to the true axis line", "plain", ""),
+    ("rotation", "range of rotation (degrees)", "plain", "7.37"),
+    ("travel", "range of travel", "plain", "0.0159"),
+    ("box_center", "box centre", "plain", "0.0357"),
+    ("box_size", "box size", "plain", "0.0832"),
+)
+"""Key, name, form, and the paper's Table 3 (PartNet-Mobility test set)."""
+SPREAD = (
+    ("box_center", "box centre", (0.0211, 0.0159, 0.0277)),
+    ("box_size", "box size", (0.0377, 0.0260, 0.0391)),
+    ("axis", "axis", (0.1012, 0.0972, 0.0875)),
+    ("origin", "origin", (0.0392, 0.0233, 0.0384)),
+    ("rotation", "range of rotation (degrees)", (6.96, 7.56)),
+    ("travel", "range of travel", (0.007, 0.0123)),
+)
+"""Key, name, and the paper's Table 4; it gives lower and upper limit, our lower limit is 0 by convention."""
+ROWS = (
+    ("valid", "valid", "percent"),
+    ("category", "category", "percent"),
+    ("counts", "counts exact", "percent"),
+    ("size", "size within 5 %", "percent"),
+    ("strict_rest", "RS strict", "plain"),
+    ("strict_articulated", "AS strict", "plain"),
+    ("strict_rest_matched", "RS matched", "plain"),
+    ("strict_articulated_matched", "AS matched", "plain"),
+    ("compat_rest", "RS compat", "plain"),
+    ("compat_articulated", "AS compat", "plain"),
+    ("mmd", "MMD", "plain"),
+    ("coverage", "COV", "percent"),
+    ("one_nna", "1-NNA", "percent"),
+    ("nearest_training", "to nearest training object", "plain"),
+)
+
+
+def write_report(evaluation: Evaluation, out: Path) -> tuple[Path, Path]:
+    """Writes ``evaluation.json`` and ``evaluation.md``, each whole or not at all."""
+    out.mkdir(parents=True, exist_ok=True)
+    texts = {
+        "evaluation.json": json.dumps(asdict(evaluation), indent=1) + "\n",
+        "evaluation.md": format_report(evaluation),
+    }
+    paths = []
+    for name, text in texts.items():
+        scratch = out / f".{name}"
+        scratch.write_text(text, encoding="utf-8")
+        paths.append(scratch.replace(out / name))
+    return paths[0], paths[1]
+
+
+def format_report(evaluation: Evaluation) -> str:
+    """The tables: reconstruction, deviations within parts, draws beside their baselines, time and memory."""
+    sets = list(evaluation.reconstruction)
+    lines = [f"Model {evaluation.model[:12]}, device {evaluation.device}.", "", "## Reconstruction", ""]
+    lines += format_table(
+        ("held-out objects", *sets, "paper, its own data"),
+        [
+            (name, *(format_score(evaluation.reconstruction[one].get(key), form) for one in sets), paper)
+            for key, name, form, paper in RECONSTRUCTION
+        ],
+    )
+    lines += ["", "Standard deviation within a part, mean over parts:", ""]
+    lines += format_table(
+        ("of", *sets, "paper, its own data"),
+        [
+            (name, *(_triple(evaluation.spread[one].get(key, ())) for one in sets), _triple(paper))
+            for key, name, paper in SPREAD
+        ],
+    )
+    lines += ["", "## First draws", ""]
+    used = [row for row in ROWS if any(row[0] in one.scores for one in evaluation.rows)]
+    lines += format_table(
+        ("asked for", "method", "objects", *(name for _, name, _ in used)),
+        [
+            (
+                one.ask,
+                one.method,
+                str(one.objects),
+                *(format_score(one.scores.get(key), form) for key, _, form in used),
+            )
+            for one in evaluation.rows
+        ],
+    )
+    lines += [
+        "",
+        "Strict and compat distances follow different protocols and are not comparable. Distances are",
+        "squared: strict ones in the unit cube, compat ones in a cube of edge 2. 1-NNA: 50 % is perfect.",
+        "",
+        "## Time and memory",
+        "",
+        f"One object, latent to parts: {evaluation.footprint.seconds:.2f} s "
+        f"({evaluation.footprint.cpu_seconds:.2f} s of processor time); peak memory of the process "
+        f"{evaluation.footprint.peak_mib:.0f} MiB.",
+    ]
+    if evaluation.left_out:
+        lines += ["", "Real objects left out:", ""]
+        lines += [f"- {name}: {reason}" for name, reason in sorted(evaluation.left_out.items())]
+    return "\n".join(lines) + "\n"
+
+
+def format_table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
+    """Lines of a Markdown table."""
+    return [
+        "| " + " | ".join(head) + " |",
+        "|" + "---|" * len(head),
+        *("| " + " | ".join(row) + " |" for row in rows),
+    ]
+
+
+def format_score(value: float | None, form: str) -> str:
+    """A share as percent, anything else with four digits; nothing where there is no value."""
+    if value is None:
+        return ""
+    return f"{100 * value:.2f} %" if form == "percent" else f"{value:.4g}"
+
+
+def _triple(values: Sequence[float]) -> str:
+    return ", ".join(f"{value:.4g}" for value in values)

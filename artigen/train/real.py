@@ -1,0 +1,123 @@
+"""Real objects as examples: a PartNet-Mobility folder with ``splits.json`` beside the procedural ones.
+
+The data is licensed for non-commercial research: whatever is trained with it must say so.
+"""
+
+import json
+import logging
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Literal
+
+from artigen.errors import SourceError
+from artigen.train.examples import StructureExample, example_of_asset
+from artigen.train.shards import read_shard, write_shard
+from artigen.types import PAPER_CATEGORIES, Asset
+from artigen.voxels import drop_unresolved, voxelize
+from artigen.workers import Outcome, Worker, run_supervised
+
+logger = logging.getLogger(__name__)
+
+SPLITS = "splits.json"
+OBJECTS = "partnet_mobility"
+TIMEOUT = 300.0
+"""Seconds after which an object is given up."""
+Split = Literal["train", "val"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class RealJob:
+    """One object to read."""
+
+    folder: Path
+    resolution: int
+
+
+def list_split(folder: Path, split: Split) -> list[Path]:
+    """The objects of a split, in order.
+
+    Raises:
+        SourceError: If the folder has no readable ``splits.json``, or the split is empty.
+    """
+    path = folder / SPLITS
+    try:
+        said = json.loads(path.read_text())
+    except OSError as error:
+        raise SourceError(
+            f"{path}: cannot be read ({error.strerror}); expected a folder with {SPLITS} and {OBJECTS}/"
+        ) from error
+    except json.JSONDecodeError as error:
+        raise SourceError(f"{path}: is no JSON ({error})") from error
+    names = said.get(split) if isinstance(said, dict) else None
+    if not isinstance(names, list) or not names:
+        raise SourceError(f"{path}: split {split!r} holds {names!r}, expected a list of object ids")
+    return [folder / OBJECTS / name for name in sorted(map(str, names))]
+
+
+def read_real(job: RealJob) -> tuple[Asset, StructureExample]:
+    """An object with voxels, and its example; its picture is left open.
+
+    Raises:
+        SourceError: If the folder cannot be read, or the object is of no category that has a channel.
+    """
+    from artigen.datasets.partnet_mobility import read_object
+
+    asset = read_object(job.folder).asset
+    if asset.category not in PAPER_CATEGORIES:
+        raise SourceError(f"{job.folder}: category {asset.category!r}, expected one of {PAPER_CATEGORIES}")
+    assert asset.surface is not None
+    voxels = voxelize(asset.surface, job.resolution)
+    asset = drop_unresolved(replace(asset, voxels=voxels, surface=None))
+    return asset, example_of_asset(asset)
+
+
+def read_reals(
+    folder: Path,
+    split: Split,
+    resolution: int,
+    *,
+    workers: int,
+    on_done: Callable[[], None] | None = None,
+) -> tuple[list[tuple[Asset, StructureExample]], dict[str, str]]:
+    """All readable objects of a split in order, and why the others are left out, by id.
+
+    Raises:
+        SourceError: If there is no such split, or none of its objects can be read.
+    """
+    jobs = [RealJob(folder=path, resolution=resolution) for path in list_split(folder, split)]
+    outcomes = {}
+    for job, outcome in run_supervised(_run_job, jobs, workers=workers):
+        outcomes[job.folder] = outcome
+        if on_done is not None:
+            on_done()
+    ordered = [(job.folder.name, outcomes[job.folder]) for job in jobs]
+    found = [outcome.value for _, outcome in ordered if outcome.value is not None]
+    left_out = {name: outcome.error for name, outcome in ordered if outcome.error is not None}
+    for name, reason in left_out.items():
+        logger.warning("%s is left out: %s", name, reason)
+    if not found:
+        raise SourceError(f"{folder}: none of {len(jobs)} objects of split {split!r} can be read: {left_out}")
+    return found, left_out
+
+
+def real_examples(folder: Path, kept: Path, resolution: int, *, workers: int) -> list[StructureExample]:
+    """The examples of the training split, read once and kept as a shard.
+
+    Args:
+        folder: Holds ``splits.json`` and ``partnet_mobility/``; not looked at where the shard exists.
+        kept: Folder for ``real.npz`` and ``left_out.json``.
+        resolution: Edge of the fields.
+        workers: Processes that read.
+    """
+    shard = kept / "real.npz"
+    if not shard.is_file():
+        found, left_out = read_reals(folder, "train", resolution, workers=workers)
+        kept.mkdir(parents=True, exist_ok=True)
+        (kept / "left_out.json").write_text(json.dumps(left_out, indent=1) + "\n")
+        write_shard(shard, [example for _, example in found])
+    return list(read_shard(shard))
+
+
+def _run_job(worker: Worker, job: RealJob) -> tuple[RealJob, Outcome[tuple[Asset, StructureExample]]]:
+    return job, worker.call(read_real, job, TIMEOUT)

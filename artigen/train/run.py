@@ -1,0 +1,70 @@
+"""What a run from nothing to weights is: its configuration, and the folder that belongs to it."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+from artigen.claim import claim_folder
+from artigen.errors import ArtigenError
+from artigen.models.presets import PRESETS, PresetName
+from artigen.train.real import list_split
+
+Stage = Literal["structure", "structure-vae", "structure-flow"]
+"""Both networks, or one of them."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunConfig:
+    """One run from nothing to weights."""
+
+    folder: Path
+    """Data, checkpoints and weights."""
+    preset: PresetName = "compact"
+    """Sizes."""
+    minutes: float = 30.0
+    """Budget of the training of both networks; making data comes on top."""
+    shards: int = 100
+    """Shards of training data, 256 objects each."""
+    held_out: int = 2
+    """Shards of held-out data."""
+    objects: int = 256
+    """Objects per shard."""
+    partnet: Path | None = None
+    """Folder with partnet_mobility/ and splits.json: its training split is mixed in. Such weights are for
+    research only, as the data is."""
+    real_share: float = 0.1
+    """Share of real objects among the examples, by repetition."""
+    workers: int = 2
+    """Processes that make data."""
+
+
+def claim_run(cfg: RunConfig) -> None:
+    """Checks a configuration and the folder it goes on in; nothing is written if it cannot be.
+
+    Minutes and workers may change from one start to the next.
+
+    Raises:
+        ArtigenError: If a number makes no sense, the preset is unknown, there are no real objects where they
+            are asked for, or the folder was started with other settings.
+    """
+    if cfg.preset not in PRESETS:
+        raise ArtigenError(f"preset {cfg.preset!r}, expected one of {', '.join(PRESETS)}")
+    if not cfg.minutes > 0 or min(cfg.shards, cfg.held_out, cfg.objects, cfg.workers) < 1:
+        raise ArtigenError(
+            f"{cfg.minutes:g} minutes, {cfg.shards} + {cfg.held_out} shards of {cfg.objects} objects, "
+            f"{cfg.workers} workers: expected more than 0 of each"
+        )
+    if not 0 < cfg.real_share < 1:
+        raise ArtigenError(f"share of real objects {cfg.real_share:g}, expected between 0 and 1")
+    if cfg.partnet is not None:
+        list_split(cfg.partnet, "train")
+    claim_folder(
+        cfg.folder / "config.json",
+        {
+            "preset": cfg.preset,
+            "shards": cfg.shards,
+            "held_out": cfg.held_out,
+            "objects": cfg.objects,
+            "real_share": None if cfg.partnet is None else cfg.real_share,
+        },
+    )

@@ -1,0 +1,215 @@
+"""The ManiSkill tasks over many packages: do they reset and step, can they be done, how fast are they?
+
+Writes one JSON line per episode, so that an interrupted run goes on where it stopped, and prints the
+tables as Markdown.
+"""
+
+import json
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+import gymnasium as gym
+import numpy as np
+import torch
+import tyro
+
+import envs  # noqa: F401  registers the tasks
+from envs.maniskill.folders import REPORT_FILE, TaskError, find_packages
+from envs.maniskill.solver.solve import solve_open_part, solve_put_inside
+from sim_export.report import report_from_json
+
+OPEN, PUT, STOCK = "ArtiGen-OpenPart-v1", "ArtiGen-PutInside-v1", "ArtiGen-OpenCabinetDrawer-v1"
+CPU: dict[str, Any] = {"sim_backend": "physx_cpu", "render_backend": "none", "obs_mode": "state"}
+
+TURNS: tuple[tuple[str, dict[str, Any]], ...] = ((OPEN, {"part": "drawer"}), (STOCK, {}))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Config:
+    """What is measured."""
+
+    packages: Path
+    """Folder of packages; those without a passed validation are left out, and counted."""
+
+    out: Path
+    """File of JSON lines, one per episode."""
+
+    what: Literal["steps", "open", "put", "speed", "table"] = "table"
+    """``steps``: resets and random actions. ``open``, ``put``: the scripted solvers. ``speed``: steps per
+    second beside ManiSkill's own task. ``table``: only prints."""
+
+    robot: Literal["panda", "fetch"] = "panda"
+    """Who does it."""
+
+    task: Literal["open", "put"] = "open"
+    """Which task ``steps`` is about."""
+
+    count: int = 100
+    """Packages, taken evenly over the categories."""
+
+    seeds: int = 5
+    """Episodes per package."""
+
+    steps: int = 200
+    """Random actions per episode, or of the speed run."""
+
+
+def passed(folder: Path) -> bool:
+    """Whether the package has a passed validation."""
+    report = folder / REPORT_FILE
+    return report.is_file() and report_from_json(report.read_text()).passed
+
+
+def evenly(folders: list[Path], count: int) -> list[Path]:
+    """Folders named ``<category>_<seed>``, category by category in turn."""
+    groups: dict[str, list[Path]] = {}
+    for folder in folders:
+        groups.setdefault(category_of(folder), []).append(folder)
+    turns = max(len(group) for group in groups.values())
+    mixed = [group[k] for k in range(turns) for group in groups.values() if k < len(group)]
+    return mixed[:count]
+
+
+def category_of(folder: Path) -> str:
+    """The category in a package's ``meta.json``."""
+    return json.loads((folder / "meta.json").read_text())["model_cat"]
+
+
+def random_steps(cfg: Config, folder: Path) -> Iterator[dict]:
+    """Resets and random actions: finite observations and rewards?"""
+    name = OPEN if cfg.task == "open" else PUT
+    env = gym.make(name, packages=str(folder), robot_uids=cfg.robot, **CPU)
+    env.action_space.seed(0)
+    for seed in range(cfg.seeds):
+        begin = time.perf_counter()
+        observation, _ = env.reset(seed=seed)
+        middle = time.perf_counter()
+        finite = bool(torch.isfinite(torch.as_tensor(observation)).all())
+        for _ in range(cfg.steps):
+            observation, reward, *_ = env.step(env.action_space.sample())
+            finite &= bool(torch.isfinite(torch.as_tensor(observation)).all())
+            finite &= bool(np.isfinite(float(reward)))
+        yield {
+            "seed": seed,
+            "task": cfg.task,
+            "good": finite,
+            "reset": middle - begin,
+            "step": (time.perf_counter() - middle) / cfg.steps,
+        }
+    env.close()
+
+
+def solve(cfg: Config, folder: Path) -> Iterator[dict]:
+    """The scripted solver."""
+    name, solver = (OPEN, solve_open_part) if cfg.what == "open" else (PUT, solve_put_inside)
+    handles: dict[str, Any] = {"handles": "required"} if cfg.what == "open" else {}
+    env = gym.make(
+        name, packages=str(folder), robot_uids=cfg.robot, control_mode="pd_joint_pos", **handles, **CPU
+    )
+    for seed in range(cfg.seeds):
+        outcome = solver(env, seed)
+        task: Any = env.unwrapped
+        part = task.drawn[0][1]
+        yield {
+            "seed": seed,
+            "kind": part.kind,
+            "joint": part.joint.name,
+            "good": outcome.success,
+            "steps": outcome.steps,
+            "opened": outcome.open_fraction,
+            "reason": outcome.reason,
+        }
+    env.close()
+
+
+def run(cfg: Config) -> None:
+    """Every package that is not in the file yet."""
+    done = {(row["what"], row["package"], row["robot"], row.get("task")) for row in read(cfg.out)}
+    folders = [folder for folder in find_packages(cfg.packages) if passed(folder)]
+    with cfg.out.open("a") as file:
+        for folder in evenly(folders, cfg.count):
+            task = cfg.task if cfg.what == "steps" else None
+            if (cfg.what, folder.name, cfg.robot, task) in done:
+                continue
+            head = {"what": cfg.what, "package": folder.name, "robot": cfg.robot}
+            head["category"] = category_of(folder)
+            try:
+                rows = list((random_steps if cfg.what == "steps" else solve)(cfg, folder))
+            except TaskError as error:
+                rows = [{"task": task, "left_out": str(error)}]
+            for row in rows:
+                file.write(json.dumps(head | row) + "\n")
+            file.flush()
+
+
+def speed(cfg: Config) -> None:
+    """Alternating runs of one process: our task and ManiSkill's, same object, same robot."""
+    folder = next(
+        folder
+        for folder in find_packages(cfg.packages)
+        if passed(folder) and category_of(folder) == "StorageFurniture"
+    )
+    with cfg.out.open("a") as file:
+        for turn in range(3):
+            for name, extra in TURNS:
+                env = gym.make(name, packages=str(folder), robot_uids="fetch", **extra, **CPU)
+                env.reset(seed=0)
+                actions = [env.action_space.sample() for _ in range(cfg.steps)]
+                begin = time.perf_counter()
+                for action in actions:
+                    env.step(action)
+                rate = cfg.steps / (time.perf_counter() - begin)
+                row = {"what": "speed", "package": folder.name, "robot": "fetch", "task": name}
+                file.write(json.dumps(row | {"turn": turn, "rate": rate}) + "\n")
+                env.close()
+
+
+def read(path: Path) -> list[dict]:
+    """All rows measured so far."""
+    return [json.loads(line) for line in path.read_text().splitlines()] if path.is_file() else []
+
+
+def table(rows: list[dict]) -> str:
+    """Markdown: one table per measurement."""
+    lines: list[str] = []
+    for what, robot, task in sorted({(r["what"], r["robot"], r.get("task") or "") for r in rows}):
+        mine = [r for r in rows if (r["what"], r["robot"], r.get("task") or "") == (what, robot, task)]
+        if what == "speed":
+            rates = ", ".join(f"{r['rate']:.0f}" for r in mine)
+            lines += [f"speed, {task}, {robot}: {rates} steps/s", ""]
+            continue
+        lines += [
+            f"{what} {task} {robot}",
+            "",
+            "| category | packages | episodes | good |",
+            "|---|---|---|---|",
+        ]
+        played = [r for r in mine if "good" in r]
+        for category in [*sorted({r["category"] for r in played}), "all"]:
+            some = [r for r in played if category in ("all", r["category"])]
+            good = sum(r["good"] for r in some)
+            lines.append(
+                f"| {category} | {len({r['package'] for r in some})} | {len(some)} "
+                f"| {good} ({100 * good / len(some):.0f} %) |"
+            )
+        lines += ["", f"{len(mine) - len(played)} packages left out: no part that the task can use", ""]
+        if what == "steps":
+            reset, step = (np.median([r[key] for r in played]) for key in ("reset", "step"))
+            lines += [f"median reset {reset:.2f} s, {1.0 / step:.0f} steps/s", ""]
+    return "\n".join(lines)
+
+
+def main(cfg: Config) -> None:
+    """Measures what is asked for and prints all that has been measured."""
+    if cfg.what == "speed":
+        speed(cfg)
+    elif cfg.what != "table":
+        run(cfg)
+    print(table(read(cfg.out)))
+
+
+if __name__ == "__main__":
+    main(tyro.cli(Config))

@@ -1,0 +1,180 @@
+"""Room for something: the inside of an open drawer, or a floor of the compartment behind an open door.
+
+Found in the collision hulls, column by column: what a physics engine will let an object rest on.
+"""
+
+import functools
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from artigen.transforms import transform_points
+from sim_export.package import Hull
+
+from .objects import TaskObject, TaskPart, carried_links
+from .placement import outward, part_motion
+
+CELL = 0.01
+LEVEL = 0.004
+"""How much a floor may rise or fall, metres."""
+DEPTH_OF_REACH = 0.30
+"""How far behind the front a compartment's floor is used, metres."""
+HEADROOM = 0.16
+"""Free height that a gripper needs above a compartment's floor, metres."""
+RIM = 0.025
+"""Least depth of a drawer's tray, metres."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Container:
+    """Where a cube may come to rest.
+
+    ``region`` is a box [low, high] in the object frame at rest, its lower face the floor; it moves with
+    ``link``. ``aim`` is the place on the floor that is easiest to reach with the part open, in the same
+    frame; ``entry`` is the direction from which a hand comes: down for a drawer, inwards for a compartment.
+    """
+
+    link: str
+    region: Float[np.ndarray, "2 3"]
+    aim: Float[np.ndarray, "3"]
+    entry: Float[np.ndarray, "3"]
+
+
+@functools.lru_cache(maxsize=1024)
+def find_container(entry: TaskObject, part: TaskPart, opened: float, size: float) -> Container | None:
+    """The room in a drawer, or behind a door, that a cube of edge ``size`` (m) fits into with some to spare.
+
+    Args:
+        entry: the object.
+        part: its drawer or door.
+        opened: the fraction of its range at which the part stands.
+        size: the cube's edge.
+
+    Returns:
+        ``None`` where there is no such room: a drawer front without a tray, a compartment full of shelves.
+    """
+    if part.joint.type == "prismatic" and part.kind == "drawer":
+        return _in_drawer(entry, part, opened, size)
+    return _behind_door(entry, part, size)
+
+
+def column_spans(
+    hulls: tuple[Hull, ...], xy: Float[np.ndarray, "M 2"]
+) -> tuple[Float[np.ndarray, "H M"], Float[np.ndarray, "H M"]]:
+    """Where vertical lines enter and leave each hull: lowest and highest z, +inf and -inf for a miss."""
+    low, high = np.full((len(hulls), len(xy)), np.inf), np.full((len(hulls), len(xy)), -np.inf)
+    for index, hull in enumerate(hulls):
+        a, b, c = (hull.vertices[hull.faces[:, k]] for k in range(3))
+        normals = np.cross(b - a, c - a)
+        length = np.linalg.norm(normals, axis=1)
+        normals, a = normals[length > 1e-12] / length[length > 1e-12, None], a[length > 1e-12]
+        rest = (normals * a).sum(axis=1)[:, None] - normals[:, :2] @ xy.T  # n_z z <= rest
+        up, down = normals[:, 2] > 1e-6, normals[:, 2] < -1e-6
+        inside = (rest[~up & ~down] >= -1e-9).all(axis=0)
+        top = (rest[up] / normals[up, 2, None]).min(axis=0, initial=np.inf)
+        bottom = (rest[down] / normals[down, 2, None]).max(axis=0, initial=-np.inf)
+        hit = inside & (bottom <= top) & np.isfinite(top) & np.isfinite(bottom)
+        low[index, hit], high[index, hit] = bottom[hit], top[hit]
+    return low, high
+
+
+def largest_rectangle(mask: Bool[np.ndarray, "X Y"]) -> tuple[int, int, int, int]:
+    """The largest all-true rectangle as (x0, x1, y0, y1), ends excluded; zeros if there is none."""
+    best, found = 0, (0, 0, 0, 0)
+    heights = np.zeros(mask.shape[1], dtype=int)
+    for x, row in enumerate(mask):
+        heights = np.where(row, heights + 1, 0)
+        for y0 in range(mask.shape[1]):
+            height = heights[y0]
+            for y1 in range(y0, mask.shape[1]):
+                height = min(height, heights[y1])
+                if height == 0:
+                    break
+                if height * (y1 - y0 + 1) > best:
+                    best, found = height * (y1 - y0 + 1), (x - height + 1, x + 1, y0, y1 + 1)
+    return found
+
+
+def _in_drawer(entry: TaskObject, part: TaskPart, opened: float, size: float) -> Container | None:
+    links = {link.name: link for link in entry.package.links}
+    inside = carried_links(entry.package, part.joint.child)
+    hulls = tuple(hull for name in inside for hull in links[name].hulls)
+    others = tuple(hull for link in entry.package.links if link.name not in inside for hull in link.hulls)
+    xs, ys, xy = _grid(part.moved.min(axis=0), part.moved.max(axis=0))
+    top = column_spans(hulls, xy)[1].max(axis=0, initial=-np.inf)
+    solid = np.isfinite(top)
+    # The rim is the tray's, not the front's: half of the walls reach it.
+    levels = np.round(top[solid] / LEVEL).astype(int)
+    if not len(levels):
+        return None
+    values, counts = np.unique(levels, return_counts=True)
+    floor = float(values[counts.argmax()] * LEVEL)
+    flat = solid & (np.abs(top - floor) <= LEVEL)
+    walls = top[solid & (top > floor + LEVEL)]
+    if not len(walls) or np.median(walls) < floor + RIM:
+        return None
+    shift = transform_points(part_motion(part, np.array([opened]))[0], np.c_[xy, np.full(len(xy), floor)])
+    roof = column_spans(others, shift[:, :2])[1].max(axis=0, initial=-np.inf)
+    reachable = flat & (roof < floor)
+    return _fit(
+        part.joint.child,
+        xs,
+        ys,
+        flat,
+        reachable,
+        floor,
+        float(np.median(walls)),
+        size,
+        np.array([0, 0, -1.0]),
+    )
+
+
+def _behind_door(entry: TaskObject, part: TaskPart, size: float) -> Container | None:
+    door = carried_links(entry.package, part.joint.child)
+    others = tuple(hull for link in entry.package.links if link.name not in door for hull in link.hulls)
+    inwards = -outward(part)
+    if abs(inwards[0]) < 0.9:
+        return None
+    low, high = part.moved.min(axis=0), part.moved.max(axis=0)
+    front = low[0] if inwards[0] > 0 else high[0]
+    ends = np.sort([front + inwards[0] * 0.03, front + inwards[0] * DEPTH_OF_REACH])
+    xs, ys, xy = _grid(np.array([ends[0], low[1] + 0.03, 0.0]), np.array([ends[1], high[1] - 0.03, 0.0]))
+    bottoms, tops = column_spans(others, xy)
+    best: Container | None = None
+    for floor in np.unique(np.round(tops[np.isfinite(tops)] / LEVEL)) * LEVEL:
+        if not low[2] - 0.05 <= floor <= high[2] - HEADROOM:
+            continue
+        flat = (np.abs(tops - floor) <= LEVEL).any(axis=0)
+        roof = np.where(tops > floor + LEVEL, bottoms, np.inf).min(axis=0, initial=np.inf)
+        free = flat & (roof > floor + HEADROOM)
+        top = float(min(floor + HEADROOM, high[2]))
+        found = _fit(part.joint.parent, xs, ys, free, free, float(floor), top, size, inwards)
+        area = 0.0 if found is None else float(np.prod((found.region[1] - found.region[0])[:2]))
+        if found is not None and (best is None or area > np.prod((best.region[1] - best.region[0])[:2])):
+            best = found
+    return best
+
+
+def _fit(
+    link: str, xs: np.ndarray, ys: np.ndarray, flat: np.ndarray, reachable: np.ndarray, floor: float,
+    top: float, size: float, entry: np.ndarray,
+) -> Container | None:  # fmt: skip
+    """The largest flat rectangle as a region, and the middle of what is reachable of it."""
+    shape = (len(xs), len(ys))
+    x0, x1, y0, y1 = largest_rectangle(flat.reshape(shape))
+    a0, a1, b0, b1 = largest_rectangle(reachable.reshape(shape))
+    need = int(np.ceil(1.5 * size / CELL))
+    if min(x1 - x0, y1 - y0, a1 - a0, b1 - b0) < need:
+        return None
+    aim = np.array([(xs[a0] + xs[a1 - 1]) / 2.0, (ys[b0] + ys[b1 - 1]) / 2.0, floor])
+    low = np.array([min(xs[x0], xs[a0]), min(ys[y0], ys[b0]), floor])
+    high = np.array([max(xs[x1 - 1], xs[a1 - 1]), max(ys[y1 - 1], ys[b1 - 1]), top])
+    return Container(link=link, region=np.stack([low, high]), aim=aim, entry=entry.astype(np.float64))
+
+
+def _grid(low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Cell centres along x and y, and all of them as points."""
+    xs = np.arange(low[0] + CELL / 2.0, high[0], CELL)
+    ys = np.arange(low[1] + CELL / 2.0, high[1], CELL)
+    return xs, ys, np.stack(np.meshgrid(xs, ys, indexing="ij"), axis=-1).reshape(-1, 2)

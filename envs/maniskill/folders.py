@@ -1,0 +1,58 @@
+"""Folders of packages: which are there, and whether they may be used."""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+from artigen.errors import ArtigenError
+from sim_export.report import report_from_json
+
+URDF_FILE = "mobility.urdf"
+REPORT_FILE = "validation.json"
+
+
+class TaskError(ArtigenError):
+    """A task cannot be built from these packages: names what was found and what was needed."""
+
+
+def find_packages(packages: str | Path | Sequence[str | Path]) -> tuple[Path, ...]:
+    """Package folders, sorted, out of one folder of packages, one package, or a list of either.
+
+    Raises:
+        TaskError: if one of them holds no package.
+    """
+    given = [packages] if isinstance(packages, str | Path) else list(packages)
+    if not given:
+        raise TaskError("packages is an empty list; give a folder of packages")
+    found: list[Path] = []
+    for entry in map(Path, given):
+        if (entry / URDF_FILE).is_file():
+            found.append(entry)
+            continue
+        if not entry.is_dir():
+            raise TaskError(f"{entry}: no such folder; give a folder of packages, or one package")
+        inside = sorted(path.parent for path in entry.glob(f"*/{URDF_FILE}"))
+        if not inside:
+            raise TaskError(
+                f"{entry}: no package in it; a package is a folder with {URDF_FILE}, "
+                "as artigen convert, shape and export write them"
+            )
+        found += inside
+    return tuple(found)
+
+
+def demand_validation(folders: Sequence[Path]) -> None:
+    """Raises `TaskError` unless every package holds a ``validation.json`` that says it passed."""
+    missing = [folder for folder in folders if not (folder / REPORT_FILE).is_file()]
+    if missing:
+        raise TaskError(
+            f"{len(missing)} of {len(folders)} packages have no {REPORT_FILE}, {missing[0]} is the first; "
+            "run artigen validate on them, or pass validation='any' to use them as they are"
+        )
+    for folder in folders:
+        report = report_from_json((folder / REPORT_FILE).read_text())
+        if not report.passed:
+            failed = ", ".join(f"{check.id} ({check.title})" for check in report.failures)
+            raise TaskError(
+                f"{folder}: the package failed validation: {failed}; repair it or take it out of the folder, "
+                "or pass validation='any' to use it as it is"
+            )

@@ -1,0 +1,145 @@
+"""A package in a ManiSkill scene: friction and damping in SI units, no visuals where nothing can draw.
+
+Screws are held at rest: SAPIEN couples their two joints by a tendon that gains energy, and no task here
+turns one.
+"""
+
+import shutil
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+import sapien
+from jaxtyping import Float
+from mani_skill.utils import sapien_utils
+
+from artigen.errors import ArtigenError
+from sim_export.package import SimPackage
+
+from ..friction import apply_damping, apply_friction, apply_velocity
+from ..urdf_text import physics_urdf
+from .objects import TaskObject
+
+if TYPE_CHECKING:
+    from mani_skill.agents.base_agent import BaseAgent
+    from mani_skill.envs.scene import ManiSkillScene
+    from mani_skill.utils.building.articulation_builder import ArticulationBuilder
+    from mani_skill.utils.structs import Articulation
+
+SURFACE = {"static_friction": 1.0, "dynamic_friction": 1.0, "restitution": 0.0}
+"""Contact material of every object, as in ManiSkill's own cabinet tasks."""
+
+
+class LoadError(ArtigenError):
+    """The engine lost something of a package: names the link and what is missing."""
+
+
+def load_object(
+    scene: "ManiSkillScene",
+    entry: TaskObject,
+    name: str,
+    scene_index: int,
+    *,
+    endless: Literal["turn", "hold"] = "turn",
+) -> tuple["Articulation", dict[str, Float[np.ndarray, "4 4"]]]:
+    """Builds an object at the origin, on the floor, bolted to the world, in one of the parallel scenes.
+
+    Args:
+        scene: ManiSkill's scene; visuals are built only if it can render.
+        entry: the object.
+        name: unique in the scene.
+        scene_index: which parallel scene.
+        endless: whether wheels and other joints without limits turn or are held at rest.
+
+    Returns:
+        The articulation, and ``T_object_link`` at rest of every link by name.
+
+    Raises:
+        LoadError: if a collision shape was lost on the way.
+    """
+    builder = _parse(scene, entry.folder)
+    _hold(builder, entry.package, endless=endless)
+    builder.set_scene_idxs([scene_index])
+    builder.initial_pose = sapien.Pose(p=[0.0, 0.0, -entry.floor])
+    articulation = builder.build(name=name, build_mimic_joints=False)
+    prefix = f"scene-{scene_index}-{name}_"
+    _apply_resistance(articulation, entry.package, prefix)
+    _compare(articulation, entry, prefix)
+    return articulation, _link_frames(builder)
+
+
+def without_visuals(agent: "type[BaseAgent]", scratch: Path) -> "type[BaseAgent]":
+    """The same robot with nothing to draw, for a scene that cannot: SAPIEN would look for a render device
+    as soon as it reads a material. ``scratch`` must live until the robot is built."""
+    urdf = Path(str(agent.urdf_path))
+    stripped = scratch / urdf.name
+    stripped.write_text(physics_urdf(urdf))
+    if (srdf := urdf.with_suffix(".srdf")).is_file():
+        shutil.copy(srdf, scratch)
+    return type(agent.__name__, (agent,), {"urdf_path": str(stripped)})
+
+
+def _parse(scene: "ManiSkillScene", folder: Path) -> "ArticulationBuilder":
+    """The builder of a package's articulation, root fixed."""
+    loader = scene.create_urdf_loader()
+    loader.fix_root_link = True
+    loader.load_multiple_collisions_from_file = True
+    sapien_utils.apply_urdf_config(loader, sapien_utils.parse_urdf_config({"material": SURFACE}))
+    urdf, srdf = folder / "mobility.urdf", str(folder / "mobility.srdf")
+    if scene.can_render():
+        return loader.parse(str(urdf), srdf)["articulation_builders"][0]
+    with tempfile.TemporaryDirectory() as scratch:
+        stripped = Path(scratch) / "mobility.urdf"
+        stripped.write_text(physics_urdf(urdf))
+        return loader.parse(str(stripped), srdf)["articulation_builders"][0]
+
+
+def _hold(builder: "ArticulationBuilder", package: SimPackage, *, endless: str) -> None:
+    """Turns the joints of screws, and endless ones if asked, into fixed ones at rest."""
+    held = {joint.name for joint in package.joints if joint.mimic is not None or joint.kind == "screw"}
+    held |= {joint.mimic for joint in package.joints if joint.mimic is not None}
+    if endless == "hold":
+        held |= {joint.name for joint in package.joints if joint.type == "continuous"}
+    for link in builder.link_builders:
+        if link.joint_record.name in held:
+            link.joint_record.joint_type = "fixed"
+
+
+def _apply_resistance(articulation: "Articulation", package: SimPackage, prefix: str) -> None:
+    """The package's friction (N, N m), damping and top speed on every joint that states either."""
+    specs = {joint.name: joint for joint in package.joints}
+    for engine in articulation._objs:
+        for joint in engine.active_joints:
+            spec = specs[joint.name.removeprefix(prefix)]
+            if spec.friction == 0.0 and spec.damping == 0.0:
+                continue
+            apply_friction(joint, spec.friction)
+            apply_damping(engine, joint, spec.damping)
+            if spec.velocity > 0.0:
+                apply_velocity(joint, spec.velocity)
+
+
+def _link_frames(builder: "ArticulationBuilder") -> dict[str, Float[np.ndarray, "4 4"]]:
+    """``T_object_link`` at rest of every link, by name, from the builder of an articulation."""
+    frames: dict[str, np.ndarray] = {}
+    for link in builder.link_builders:
+        parent = np.eye(4) if link.parent is None else frames[link.parent.name]
+        into, out = link.joint_record.pose_in_parent, link.joint_record.pose_in_child
+        if link.parent is None:
+            frames[link.name] = np.eye(4)
+            continue
+        local = (into * out.inv()).to_transformation_matrix()
+        frames[link.name] = parent @ np.asarray(local, dtype=np.float64)
+    return frames
+
+
+def _compare(articulation: "Articulation", entry: TaskObject, prefix: str) -> None:
+    wanted = {link.name: len(link.hulls) for link in entry.package.links}
+    for link in articulation._objs[0].links:
+        name = link.name.removeprefix(prefix)
+        if len(link.collision_shapes) < wanted[name]:
+            raise LoadError(
+                f"{entry.folder}: link {name!r} has {len(link.collision_shapes)} collision shapes in the "
+                f"engine, the package has {wanted[name]}; run artigen validate on it"
+            )

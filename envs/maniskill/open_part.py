@@ -1,0 +1,95 @@
+"""``ArtiGen-OpenPart-v1``: open, or close, a drawer or a door."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, Literal
+
+import torch
+
+from .objects import HandleNeed, PartKind, Validation
+from .task import PackageTask
+
+STARTS = {"open": 0.0, "close": 0.75}
+GOALS = {"open": 0.75, "close": 0.05}
+FULL_REWARD = 5.0
+
+
+class OpenPartEnv(PackageTask):
+    """A robot opens, or closes, one drawer or door of an object.
+
+    **Randomizations:** the object, the part, the robot's base (2 cm, 3 degrees around a place from which
+    the part is in reach) and its joints (0.02 rad).
+
+    **Success:** the part is open to ``fraction`` of its range or more (to close: to ``fraction`` or less)
+    and moves by at most 0.1 m/s or 1 rad/s.
+
+    **Observations:** robot state, ``tcp_pose``; with states also ``open_fraction``, ``goal_fraction``,
+    ``grip_position``, ``tcp_to_grip`` and ``pull_direction``.
+
+    Args:
+        packages: a folder of packages, one package, or a list of either.
+        part: ``drawer``, ``door`` or ``any``.
+        joint: only parts on a joint of that name.
+        goal: ``open`` or ``close``.
+        fraction: of the range; 0.75 to open and 0.05 to close unless given.
+        initial_open: how far the part is open at first; 0 to open and 0.75 to close unless given.
+        handles: ``required`` leaves out parts without an annotated handle.
+        validation: ``any`` takes packages without a passed ``validation.json``.
+        kwargs: everything that ManiSkill's environments take.
+
+    Raises:
+        TaskError: if no package is there, one failed its validation, or none has the part.
+    """
+
+    def __init__(
+        self,
+        *args: Any,
+        packages: str | Path | Sequence[str | Path],
+        part: PartKind = "any",
+        joint: str | None = None,
+        goal: Literal["open", "close"] = "open",
+        fraction: float | None = None,
+        initial_open: float | None = None,
+        handles: HandleNeed = "optional",
+        validation: Validation = "passed",
+        **kwargs: Any,
+    ) -> None:
+        if goal not in GOALS:
+            raise ValueError(f"goal {goal!r}, expected 'open' or 'close'")
+        begin = STARTS[goal] if initial_open is None else initial_open
+        end = GOALS[goal] if fraction is None else fraction
+        if (end <= begin) if goal == "open" else (end >= begin):
+            raise ValueError(f"to {goal} from {begin} to {end} of the range: nothing is left to do")
+        self.goal = goal
+        super().__init__(
+            *args, packages=packages, part=part, joint=joint, handles=handles, validation=validation,
+            initial_open=begin, goal_open=end, **kwargs,
+        )  # fmt: skip
+
+    def evaluate(self) -> dict[str, torch.Tensor]:
+        """Named booleans and the part's state, batched."""
+        info = self._part_info()
+        opened = info["open_fraction"]
+        arrived = opened >= self.goal_open if self.goal == "open" else opened <= self.goal_open
+        progress = (opened - self.initial_open) / (self.goal_open - self.initial_open)
+        return info | {
+            "arrived": arrived,
+            "progress": progress.clamp(0.0, 1.0),
+            "success": arrived & info["part_still"],
+        }
+
+    def _get_obs_extra(self, info: dict) -> dict[str, torch.Tensor]:
+        obs = super()._get_obs_extra(info)
+        if "state" in self.obs_mode:
+            obs["goal_fraction"] = torch.full_like(obs["open_fraction"], self.goal_open)
+        return obs
+
+    def compute_dense_reward(self, obs: Any, action: torch.Tensor, info: dict) -> torch.Tensor:
+        """Up to 1 for reaching the grip, 3 for progress, 5 on success."""
+        distance = torch.linalg.norm(self.agent.tcp.pose.p - info["grip_position"], dim=1)
+        reward = 1.0 - torch.tanh(5.0 * distance) + 3.0 * info["progress"]
+        return torch.where(info["success"], torch.full_like(reward, FULL_REWARD), reward)
+
+    def compute_normalized_dense_reward(self, obs: Any, action: torch.Tensor, info: dict) -> torch.Tensor:
+        """The dense reward in [0, 1]."""
+        return self.compute_dense_reward(obs, action, info) / FULL_REWARD

@@ -1,0 +1,215 @@
+"""Furnishes rooms: from a kind, a seed and proven packages to a `Room` in which everything opens.
+
+The planner works with boxes and soft wishes; what it returns has been checked on the real hulls
+(`envs.maniskill.rooms.check`). An arrangement that does not hold is thrown away and the next one is drawn,
+so a room either keeps every promise or is not returned.
+"""
+
+import hashlib
+import json
+from collections import Counter
+from dataclasses import asdict, dataclass, field
+from typing import Literal
+from zlib import crc32
+
+import numpy as np
+
+from artigen import __version__
+from artigen.transforms import quat_from_matrix
+
+from .rooms.arrange import Place, Plan
+from .rooms.catalogue import Catalogue, Entry, PopulateError, demand_roles
+from .rooms.check import check_room
+from .rooms.choose import ChooseConfig
+from .rooms.footprints import standing_places
+from .rooms.furnish import furnish
+from .rooms.pieces import BED_PARTS, BED_WIDTH, Member
+from .rooms.recipes import RECIPES, Recipe
+from .rooms.room import Entrance, Fixture, Placement, Room, RoomKind, corner, room_shell
+from .rooms.runs import Chooser, draw_shortlists
+
+
+@dataclass(frozen=True, kw_only=True)
+class PopulateConfig:
+    """How rooms are furnished; lengths in metres, None leaves one to the seed."""
+
+    width: float | None = None
+    """Along the wall with the entrance, inside."""
+    depth: float | None = None
+    """From that wall to the opposite one, inside."""
+    height: float = 2.6
+    """From floor to ceiling."""
+    least: int = 10
+    """Objects in a room at least; fewer is an error."""
+    most: int = 30
+    """Objects in a room at most."""
+    sweeps: Literal["free", "any"] = "free"
+    """``free`` keeps what doors and drawers pass through free; ``any`` only avoids overlaps at rest."""
+    standing_radius: float = 0.3
+    """Of the robot's disc that stays free in front of every door and drawer; 0 asks for none."""
+    variety: int = 5
+    """Packages that a role is chosen from; fewer make a room more of a piece."""
+    attempts: int = 12
+    """Arrangements tried before a room is given up."""
+    choose: ChooseConfig = field(default_factory=ChooseConfig)
+    """What a good run of cabinets is."""
+
+    def __post_init__(self) -> None:
+        if not 1 <= self.least <= self.most:
+            raise ValueError(f"{self.least} to {self.most} objects: at least 1, and no more than at most")
+        if self.standing_radius < 0.0 or self.attempts < 1 or self.variety < 1:
+            raise ValueError(
+                f"standing_radius {self.standing_radius}, attempts {self.attempts}, variety {self.variety}: "
+                "allowed is 0, 1 and 1 and above"
+            )
+        for name in ("width", "depth", "height"):
+            value = getattr(self, name)
+            if value is not None and not 0.5 <= value <= 20.0:
+                raise ValueError(f"{name} {value} m, expected 0.5 to 20")
+
+
+def populate(kind: RoomKind, seed: int, catalogue: Catalogue, cfg: PopulateConfig | None = None) -> Room:
+    """A furnished room; the same arguments give the same room.
+
+    Raises:
+        PopulateError: If there is no package for something the room needs, or it cannot be furnished in
+            the space there is.
+    """
+    cfg = cfg or PopulateConfig()
+    recipe = RECIPES[kind]
+    demand_roles(catalogue, recipe)
+    reasons: Counter[str] = Counter()
+    best = 0
+    for attempt in range(cfg.attempts):
+        rng = np.random.default_rng([crc32(kind.encode()), seed, attempt])
+        size, entrance = _draw_room(recipe, rng, cfg)
+        chooser = Chooser(
+            shortlists=draw_shortlists(recipe, catalogue, rng, cfg.variety),
+            rng=rng,
+            radius=cfg.standing_radius if cfg.sweeps == "free" else 0.0,
+            sweeps=cfg.sweeps,
+            most=cfg.most,
+            choose=cfg.choose,
+        )
+        plan, missing = furnish(Plan(size=size, entrance=entrance), recipe, chooser)
+        objects = sum(
+            member.piece.entry is not None for place in plan.places for member in place.cluster.members
+        )
+        best = max(best, objects)
+        if missing or objects < cfg.least:
+            reasons[missing or f"only {objects} objects fit"] += 1
+            continue
+        room = _room(kind, seed, attempt, plan, catalogue, cfg)
+        problems = check_room(room)
+        if cfg.sweeps == "any":
+            problems = tuple(problem for problem in problems if problem.kind in ("overlap", "outside"))
+        if not problems:
+            return room
+        reasons[problems[0].message] += 1
+    said = "; ".join(f"{reason} ({count} times)" for reason, count in reasons.most_common(2))
+    raise PopulateError(
+        f"no {kind} of {_text(cfg.width, recipe.width)} x {_text(cfg.depth, recipe.depth)} m could be "
+        f"furnished in {cfg.attempts} attempts: {said}; at best {best} objects found room, needed are "
+        f"{cfg.least}; give it more room or other packages"
+    )
+
+
+def _text(asked: float | None, drawn: tuple[float, float]) -> str:
+    return f"{asked:g}" if asked is not None else f"{drawn[0]:g} to {drawn[1]:g}"
+
+
+def _draw_room(
+    recipe: Recipe, rng: np.random.Generator, cfg: PopulateConfig
+) -> tuple[tuple[float, float, float], Entrance]:
+    """Size of the room and its entrance, which is in the front wall."""
+    width, depth = round(float(rng.uniform(*recipe.width)), 2), round(float(rng.uniform(*recipe.depth)), 2)
+    size = (cfg.width or width, cfg.depth or depth, cfg.height)
+    opening = min(0.95, size[0] - 0.2)
+    start = float(rng.uniform(0.08, max(size[0] - opening - 0.08, 0.09)))
+    entrance = Entrance(
+        side="front", start=round(start, 2), width=round(opening, 2), height=min(2.05, size[2] - 0.1)
+    )
+    return size, entrance
+
+
+def _room(
+    kind: RoomKind, seed: int, attempt: int, plan: Plan, catalogue: Catalogue, cfg: PopulateConfig
+) -> Room:
+    """The plan as a room with stable ids: a role and a number, in the order of placing."""
+    radius = cfg.standing_radius if cfg.sweeps == "free" else 0.0
+    counts: Counter[str] = Counter()
+    placements: list[Placement] = []
+    fixtures = list(room_shell(plan.size, plan.entrance, RECIPES[kind].wall_color))
+    names: dict[int, str] = {}
+    for place in plan.places:
+        for member in place.cluster.members:
+            if member.piece.entry is None:
+                fixtures += (
+                    _bed_fixtures(place, member) if member.piece.role == "bed" else _filler(place, member)
+                )
+                continue
+            slug = member.piece.role.replace(" ", "_")
+            counts[slug] += 1
+            names[id(member.piece)] = f"{slug}_{counts[slug]}"
+            placements.append(_placement(place, member, member.piece.entry, names, radius))
+    return Room(
+        kind=kind,
+        seed=seed,
+        attempt=attempt,
+        size=plan.size,
+        entrance=plan.entrance,
+        standing_radius=radius,
+        fixtures=tuple(fixtures),
+        placements=tuple(placements),
+        provenance=(
+            ("generator", f"artigen {__version__} scene"),
+            ("packages", f"{len(catalogue.entries)} proven packages in {catalogue.folder.name}"),
+            ("settings", json.dumps(asdict(cfg), sort_keys=True)),
+        ),
+    )
+
+
+def _placement(place: Place, member: Member, entry: Entry, names: dict[int, str], radius: float) -> Placement:
+    T = place.T @ member.T
+    footprint = member.piece.footprint
+    assert footprint is not None
+    middles = standing_places(footprint, radius, member.piece.front)
+    points = np.column_stack([middles, np.zeros(len(middles))]) @ T[:3, :3].T + T[:3, 3]
+    manifest = (entry.folder / "manifest.json").read_bytes()
+    w, x, y, z = (round(float(value), 9) + 0.0 for value in quat_from_matrix(T[:3, :3]))
+    support = place.support
+    return Placement(
+        id=names[id(member.piece)],
+        role=member.piece.role,
+        category=entry.category,
+        package=entry.folder,
+        position=corner(T[:3, 3]),
+        quat=(w, x, y, z),
+        size=corner(footprint.size),
+        standing=tuple((round(float(x), 4), round(float(y), 4)) for x, y, _ in points),
+        support=None if support is None else names[id(support)],
+        provenance=(*entry.provenance, ("manifest_sha256", hashlib.sha256(manifest).hexdigest())),
+    )
+
+
+def _bed_fixtures(place: Place, member: Member) -> list[Fixture]:
+    T = place.T @ member.T
+    scale = np.array([1.0, BED_WIDTH, 1.0])
+    fixtures = []
+    for name, low, high, color in BED_PARTS:
+        ends = np.array([low, high]) * scale @ T[:3, :3].T + T[:3, 3]
+        fixtures.append(
+            Fixture(name=name, low=corner(ends.min(axis=0)), high=corner(ends.max(axis=0)), color=color)
+        )
+    return fixtures
+
+
+def _filler(place: Place, member: Member) -> list[Fixture]:
+    """A cabinet front that closes the corner between two runs."""
+    ends = member.piece.boxes.bodies[0] @ place.T[:3, :3].T + place.T[:3, 3]
+    name = f"filler_{place.cluster.name}"
+    return [
+        Fixture(
+            name=name, low=corner(ends.min(axis=0)), high=corner(ends.max(axis=0)), color=(0.80, 0.79, 0.76)
+        )
+    ]

@@ -1,0 +1,217 @@
+"""``ArtiGen-PutInside-v1``: a cube from a stand into an open drawer or compartment, where it stays."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import sapien
+import torch
+from mani_skill.utils.geometry.rotation_conversions import quaternion_apply, quaternion_invert
+from mani_skill.utils.structs import Pose
+
+from artigen.transforms import transform_points
+
+from .containers import Container, find_container
+from .folders import TaskError
+from .load import SURFACE
+from .objects import PartKind, TaskObject, TaskPart, Validation
+from .placement import Stand, find_stand, free_radius, part_motion
+from .task import PackageTask
+
+REST_STEPS = 10
+"""Control steps (20 per second) that the cube has to lie still inside."""
+LET_GO = 0.06
+"""Distance of the gripper from the cube's middle that counts as released, metres."""
+STILL = 0.02
+SPARE = 0.01
+SIDE = {"panda": (np.radians(100.0), 0.45, 0.42), "fetch": (np.radians(75.0), 0.65, 0.50)}
+"""Where the cube waits: angle from straight ahead, distance, and height above the robot's base."""
+CUBE_NOISE = 0.02
+STAND_HALF = (0.025, 0.025, 1.0)
+FULL_REWARD = 6.0
+
+
+class PutInsideEnv(PackageTask):
+    """A robot takes a cube from a narrow stand beside it and puts it into an open drawer or compartment.
+
+    **Randomizations:** those of ``ArtiGen-OpenPart-v1``, and the cube's place (2 cm) and yaw on its stand.
+
+    **Success:** the cube lies inside for half a second, at less than 2 cm/s, and the gripper is at least 6 cm
+    away from its middle.
+
+    **Observations:** robot state, ``tcp_pose``; with states also the part's, ``cube_pose``, ``cube_to_aim``
+    and ``tcp_to_cube``.
+
+    Args:
+        packages: a folder of packages, one package, or a list of either.
+        part: ``drawer``, ``door`` (the compartment behind it) or ``any``.
+        joint: only parts on a joint of that name.
+        initial_open: how far the part stands open.
+        cube_size: edge of the cube, metres.
+        validation: ``any`` takes packages without a passed ``validation.json``.
+        kwargs: everything that ManiSkill's environments take.
+
+    Raises:
+        TaskError: if no package is there, one failed its validation, none has the part, or no part has room.
+    """
+
+    def __init__(
+        self,
+        *args: Any,
+        packages: str | Path | Sequence[str | Path],
+        part: PartKind = "any",
+        joint: str | None = None,
+        initial_open: float = 0.9,
+        cube_size: float = 0.04,
+        validation: Validation = "passed",
+        **kwargs: Any,
+    ) -> None:
+        if not 0.01 <= cube_size <= 0.06:
+            raise ValueError(f"cube_size {cube_size} m, expected 0.01 to 0.06, what the grippers can hold")
+        self.cube_size = cube_size
+        super().__init__(
+            *args, packages=packages, part=part, joint=joint, handles="optional", validation=validation,
+            initial_open=initial_open, goal_open=initial_open, **kwargs,
+        )  # fmt: skip
+
+    def _draw(self, rng: np.random.RandomState) -> tuple[TaskObject, TaskPart]:
+        for entry in rng.permutation(np.array(self.objects, dtype=object)):
+            for part in rng.permutation(np.array(entry.parts, dtype=object)):
+                if self.container_of(entry, part) is not None:
+                    return entry, part
+        parts = sum(len(entry.parts) for entry in self.objects)
+        raise TaskError(
+            f"{len(self.objects)} packages have {parts} drawers and doors, and none has room for a cube of "
+            f"{self.cube_size} m and half as much again; give other packages or a smaller cube"
+        )
+
+    def container_of(self, entry: TaskObject, part: TaskPart) -> Container | None:
+        """The room that belongs to a part, as the task sees it."""
+        return find_container(entry, part, self.initial_open, self.cube_size)
+
+    def _stand(self, entry: TaskObject, part: TaskPart) -> Stand:
+        container = self.container_of(entry, part)
+        assert container is not None
+        aim = aim_in_world(entry, part, container, self.initial_open)
+        down = container.entry[2] < -0.5
+        top = float(container.region[1, 2] - container.region[0, 2]) + 0.1 if down else 0.15
+        path = aim + np.array([[0.0, 0.0, 0.05], [0.0, 0.0, top]])
+        reach = self.robot_spec.down if down else self.robot_spec.forward
+        return find_stand(entry, part, self.robot_spec, np.array([self.initial_open]), path, reach)
+
+    def _load_scene(self, options: dict) -> None:
+        super()._load_scene(options)
+        half = self.cube_size / 2.0
+        material = sapien.physx.PhysxMaterial(**SURFACE)
+        cube, stand = self.scene.create_actor_builder(), self.scene.create_actor_builder()
+        cube.add_box_collision(half_size=(half, half, half), material=material, density=500.0)
+        stand.add_box_collision(half_size=STAND_HALF)
+        if self.scene.can_render():
+            red, grey = ([0.8, 0.2, 0.1, 1.0], [0.4, 0.4, 0.4, 1.0])
+            for builder, color, size in ((cube, red, (half, half, half)), (stand, grey, STAND_HALF)):
+                paint = sapien.render.RenderMaterial(base_color=color)
+                builder.add_box_visual(half_size=size, material=paint)
+        cube.initial_pose = Pose.create(sapien.Pose(p=[-3.0, 2.0, 1.0]))
+        stand.initial_pose = Pose.create(sapien.Pose(p=[-3.0, 3.0, 0.0]))
+        self.cube, self.cube_stand = cube.build(name="cube"), stand.build_kinematic(name="cube_stand")
+        regions, aims, spots = [], [], []
+        self.containers: list[Container] = []
+        for (entry, part), place, into_link in zip(self.drawn, self.stands, self.into_links, strict=True):
+            container = self.container_of(entry, part)
+            assert container is not None
+            moves = container.link == part.joint.child
+            region = transform_points(into_link, container.region) if moves else container.region
+            regions.append(np.sort(region, axis=0) if moves else region - [0.0, 0.0, entry.floor])
+            aims.append(aim_in_world(entry, part, container, self.initial_open))
+            spots.append(self._cube_spot(entry, part, place))
+            self.containers.append(container)
+        self._regions, self.aims, self._spots = (
+            torch.tensor(np.array(values), dtype=torch.float32, device=self.device)
+            for values in (regions, aims, spots)
+        )
+        moving = [
+            x.link == part.joint.child for x, (_, part) in zip(self.containers, self.drawn, strict=True)
+        ]
+        self._moves = torch.tensor(moving, device=self.device)[:, None]
+        self._rest_steps = torch.zeros(self.num_envs, dtype=torch.int32, device=self.device)
+
+    def _cube_spot(self, entry: TaskObject, part: TaskPart, place: Stand) -> np.ndarray:
+        """Top of the cube's stand: on that side of the robot where there is more room."""
+        angle, distance, height = SIDE[self.robot_spec.name]
+        yaws = place.yaw + np.array([angle, -angle])
+        spots = np.stack([place.x + distance * np.cos(yaws), place.y + distance * np.sin(yaws)], axis=1)
+        spots = np.c_[spots, np.full(2, place.z)]
+        room = free_radius(entry, part, spots, height + 0.1, np.array([self.initial_open]))
+        return spots[int(room.argmax())] + [0.0, 0.0, height + place.lift]
+
+    def _initialize_episode(self, env_idx: torch.Tensor, options: dict) -> None:
+        super()._initialize_episode(env_idx, options)
+        noise = self._batched_episode_rng[env_idx.cpu().numpy()].uniform(-1.0, 1.0, size=3)
+        noise = torch.tensor(noise * [CUBE_NOISE, CUBE_NOISE, np.pi / 4.0], device=self.device).float()
+        p = self._spots[env_idx].clone()
+        p[:, :2] += noise[:, :2]
+        q = torch.zeros((len(env_idx), 4), device=self.device)
+        q[:, 0], q[:, 3] = torch.cos(noise[:, 2] / 2.0), torch.sin(noise[:, 2] / 2.0)
+        low = torch.tensor([0.0, 0.0, STAND_HALF[2]], device=self.device)
+        self.cube_stand.set_pose(Pose.create_from_pq(p - low, q))
+        p[:, 2] += self.cube_size / 2.0
+        self.cube.set_pose(Pose.create_from_pq(p, q))
+        self._rest_steps[env_idx] = 0
+
+    def _after_control_step(self) -> None:
+        rests = self._inside() & self._cube_still()
+        self._rest_steps = torch.where(rests, self._rest_steps + 1, torch.zeros_like(self._rest_steps))
+
+    def _inside(self) -> torch.Tensor:
+        """Whether the cube's middle is in the region, its lower half a little below at most."""
+        position, part = self.cube.pose.p, self.target.pose
+        in_part = quaternion_apply(quaternion_invert(part.q), position - part.p)
+        local = torch.where(self._moves, in_part, position)
+        low, high = self._regions[:, 0] - SPARE, self._regions[:, 1] + SPARE
+        return ((local >= low) & (local <= high)).all(dim=1)
+
+    def _cube_still(self) -> torch.Tensor:
+        return torch.linalg.norm(self.cube.linear_velocity, dim=1) <= STILL
+
+    def evaluate(self) -> dict[str, torch.Tensor]:
+        """Named booleans, the part's state and the cube's, batched."""
+        info = self._part_info()
+        distance = torch.linalg.norm(self.agent.tcp.pose.p - self.cube.pose.p, dim=1)
+        released = distance >= LET_GO
+        return info | {
+            "inside": self._inside(),
+            "cube_still": self._cube_still(),
+            "released": released,
+            "success": (self._rest_steps >= REST_STEPS) & released,
+        }
+
+    def _get_obs_extra(self, info: dict) -> dict[str, torch.Tensor]:
+        obs = super()._get_obs_extra(info)
+        if "state" in self.obs_mode:
+            obs |= {
+                "cube_pose": self.cube.pose.raw_pose,
+                "cube_to_aim": self.aims - self.cube.pose.p,
+                "tcp_to_cube": self.cube.pose.p - self.agent.tcp.pose.p,
+            }
+        return obs
+
+    def compute_dense_reward(self, obs: Any, action: torch.Tensor, info: dict) -> torch.Tensor:
+        """Up to 1 for reaching the cube, 2 for bringing it near, 1 for having it inside, 6 on success."""
+        reached = 1.0 - torch.tanh(5.0 * torch.linalg.norm(self.agent.tcp.pose.p - self.cube.pose.p, dim=1))
+        near = 1.0 - torch.tanh(3.0 * torch.linalg.norm(self.aims - self.cube.pose.p, dim=1))
+        inside = info["inside"].float()
+        reward = torch.where(info["inside"], torch.ones_like(reached), reached) + 2.0 * near + inside
+        return torch.where(info["success"], torch.full_like(reward, FULL_REWARD), reward)
+
+    def compute_normalized_dense_reward(self, obs: Any, action: torch.Tensor, info: dict) -> torch.Tensor:
+        """The dense reward in [0, 1]."""
+        return self.compute_dense_reward(obs, action, info) / FULL_REWARD
+
+
+def aim_in_world(entry: TaskObject, part: TaskPart, container: Container, opened: float) -> np.ndarray:
+    """The place on the floor of the container, for an object at the origin with the part open."""
+    aim = container.aim
+    if container.link != part.joint.parent:
+        aim = transform_points(part_motion(part, np.array([opened]))[0], aim[None])[0]
+    return aim - [0.0, 0.0, entry.floor]

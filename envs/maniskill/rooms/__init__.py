@@ -1,0 +1,1 @@
+"""Rooms: what stands in them, where, and the proof that everything opens."""

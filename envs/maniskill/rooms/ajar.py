@@ -1,0 +1,50 @@
+"""Some doors and drawers of a room left open, as people leave them: nothing touches anything."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from sim_export.package import SimPackage
+
+from .check import overlapping
+from .footprints import cached_package
+from .room import Room
+from .sweeps import opening_joints
+
+OPEN = (0.2, 0.9)
+"""How far, as parts of the range."""
+
+
+def open_some(room: Room, share: float) -> Room:
+    """The room with about ``share`` of its doors and drawers open; its own seed decides which.
+
+    Joints that need another one open first stay closed, and so does what would touch something.
+    """
+    rng = np.random.default_rng([room.seed, room.attempt, 1])
+    for placement in room.placements:
+        package = cached_package(placement.package)
+        for name, lower, upper in _free_joints(package):
+            wanted, fraction = rng.random() < share, float(rng.uniform(*OPEN))
+            if not wanted:
+                continue
+            now = room.placement(placement.id)
+            opened = replace(now, joints=(*now.joints, (name, round(lower + fraction * (upper - lower), 6))))
+            tried = replace(
+                room, placements=tuple(opened if entry is now else entry for entry in room.placements)
+            )
+            if not overlapping(tried, opened):
+                room = tried
+    return room
+
+
+def _free_joints(package: SimPackage) -> list[tuple[str, float, float]]:
+    """Name and limits of doors and drawers that open by themselves."""
+    labels = {link.name: link.label for link in package.links}
+    waiting = {need.joint for need in package.requires_open}
+    return [
+        (joint.name, joint.lower, joint.upper)
+        for joint in opening_joints(package)
+        if joint.name not in waiting
+        and joint.type != "continuous"
+        and labels[joint.child] in ("door", "drawer")
+    ]

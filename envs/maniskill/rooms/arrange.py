@@ -1,0 +1,162 @@
+"""Where clusters of furniture can stand in a room, and which of those places is best."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Float
+
+from .pieces import (
+    GAP,
+    TOUCH,
+    Boxes,
+    Cluster,
+    Piece,
+    conflict,
+    join_boxes,
+    move_boxes,
+    overlap,
+    shift_boxes,
+    widened,
+)
+from .room import YAWS, Entrance, Side, along_wall, turn_matrix, wall_length
+
+STEP = 0.04
+"""Metres between places tried along a wall."""
+GRID = 0.15
+"""Metres between places tried in the middle of a room."""
+DOORWAY = 0.9
+"""Metres in front of the entrance where nothing stands."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Place:
+    """A cluster with its place: ``T`` maps its frame to the room's, ``boxes`` are in the room."""
+
+    cluster: Cluster
+    T: Float[np.ndarray, "4 4"]
+    boxes: Boxes
+    side: Side | None
+    support: Piece | None = None
+    """What the cluster stands on, if not the floor."""
+
+    @property
+    def center(self) -> Float[np.ndarray, "2"]:
+        """Middle of the bodies on the floor."""
+        bodies = self.boxes.bodies
+        return (bodies[:, 0].min(axis=0) + bodies[:, 1].max(axis=0))[:2] / 2.0
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Plan:
+    """A room on its way: what stands where so far. ``doorway`` is kept free of bodies."""
+
+    size: tuple[float, float, float]
+    entrance: Entrance
+    places: tuple[Place, ...] = ()
+
+    @property
+    def boxes(self) -> Boxes:
+        """All boxes so far."""
+        return join_boxes([place.boxes for place in self.places])
+
+    @property
+    def doorway(self) -> Float[np.ndarray, "1 2 3"]:
+        """What the entrance needs."""
+        start, stop = self.entrance.start - 0.05, self.entrance.start + self.entrance.width + 0.05
+        box = along_wall(self.entrance.side, self.size, (start, -0.2, 0.0), (stop, DOORWAY, 2.0))
+        return box[None]
+
+    def with_place(self, place: Place) -> "Plan":
+        """The plan with one more cluster."""
+        return replace(self, places=(*self.places, place))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Taste:
+    """Where a cluster likes to be: costs per metre."""
+
+    corner: float = 0.0
+    """Of distance from the nearest corner of the wall."""
+    middle: float = 0.0
+    """Of distance from the middle of the wall, or of the room."""
+    near: tuple[float, float] | None = None
+    """A point to be close to."""
+    entrance: float = 0.25
+    """Gain per metre of distance from the entrance, up to 3 m."""
+    noise: float = 0.6
+    """Scale of the seed's own likes."""
+
+
+def fits(plan: Plan, boxes: Boxes, against: Boxes, *, aisle: float = 0.0) -> bool:
+    """Whether boxes lie in the room, leave the doorway free, and conflict with nothing there."""
+    everything = np.concatenate([boxes.bodies, boxes.sweeps, boxes.stands])
+    if (everything[:, 0] < -TOUCH).any() or (everything[:, 1] > np.array(plan.size) + TOUCH).any():
+        return False
+    if overlap(boxes.bodies, plan.doorway) or conflict(boxes, against):
+        return False
+    return aisle == 0.0 or not overlap(widened(boxes.bodies, aisle), against.bodies)
+
+
+def wall_places(
+    plan: Plan, cluster: Cluster, side: Side, starts: Float[np.ndarray, "S"] | None = None
+) -> Iterator[Place]:
+    """Places along a wall: at ``starts`` (metres along it), or everywhere, tight into both corners too."""
+    gap = GAP
+    if starts is None:
+        last = wall_length(side, plan.size) - cluster.length - gap
+        starts = np.append(np.arange(gap, last, STEP), last) if last >= gap else np.zeros(0)
+    turn = turn_matrix(YAWS[side])
+    boxes = move_boxes(cluster.boxes, turn)
+    frame = np.array([[[-cluster.depth, 0.0, 0.0], [0.0, cluster.length, 1.0]]])
+    turned = frame @ turn[:3, :3].T
+    low = np.minimum(turned[0, 0], turned[0, 1])
+    for start in starts:
+        high = (start + cluster.length, gap + cluster.depth, 1.0)
+        target = along_wall(side, plan.size, (start, gap, 0.0), high)
+        T = turn.copy()
+        T[:2, 3] = (target[0] - low)[:2]
+        yield Place(cluster=cluster, T=T, boxes=shift_boxes(boxes, T[:3, 3]), side=side)
+
+
+def middle_places(plan: Plan, cluster: Cluster) -> Iterator[Place]:
+    """Places on a grid over the room, in all four directions."""
+    for yaw in YAWS.values():
+        turn = turn_matrix(yaw)
+        boxes = move_boxes(cluster.boxes, turn)
+        center = turn[:2, :2] @ np.array([-cluster.depth / 2.0, cluster.length / 2.0])
+        for x in np.arange(0.9, plan.size[0] - 0.8, GRID):
+            for y in np.arange(0.9, plan.size[1] - 0.8, GRID):
+                T = turn.copy()
+                T[:2, 3] = np.array([x, y]) - center
+                yield Place(cluster=cluster, T=T, boxes=shift_boxes(boxes, T[:3, 3]), side=None)
+
+
+def best_place(
+    plan: Plan, candidates: Iterable[Place], taste: Taste, rng: np.random.Generator, *, aisle: float = 0.0
+) -> Place | None:
+    """The candidate of least cost that fits, or None."""
+    against = plan.boxes
+    rated = [(place_cost(plan, place, taste) + taste.noise * rng.random(), place) for place in candidates]
+    for _, place in sorted(rated, key=lambda pair: pair[0]):
+        if fits(plan, place.boxes, against, aisle=aisle):
+            return place
+    return None
+
+
+def place_cost(plan: Plan, place: Place, taste: Taste) -> float:
+    """How much a place is disliked."""
+    center = place.center
+    cost = 0.0
+    if place.side is None:
+        cost += taste.middle * float(np.linalg.norm(center - np.array(plan.size[:2]) / 2.0))
+    else:
+        axis = 0 if place.side in ("front", "back") else 1
+        length = wall_length(place.side, plan.size)
+        bodies = place.boxes.bodies
+        ends = min(float(bodies[:, 0, axis].min()), length - float(bodies[:, 1, axis].max()))
+        cost += taste.corner * ends + taste.middle * abs(float(center[axis]) - length / 2.0)
+    if taste.near is not None:
+        cost += 1.5 * float(np.linalg.norm(center - np.array(taste.near)))
+    door = plan.doorway[0, :, :2].mean(axis=0)
+    return cost - taste.entrance * min(float(np.linalg.norm(center - door)), 3.0)

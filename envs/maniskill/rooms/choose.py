@@ -1,0 +1,202 @@
+"""Which units fill a run of cabinets, and in which order: soft wishes, solved exactly.
+
+Choosing is a small integer programme (HiGHS by way of scipy), ordering an assignment of units to places.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from scipy.optimize import linear_sum_assignment, milp
+
+from .catalogue import Entry
+from .pieces import GAP
+from .recipes import Share
+
+TALL = 1.02
+"""Metres above which a unit does not go into a corner."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ChooseConfig:
+    """What a good run is; every number weighs one wish against the others."""
+
+    empty: float = 2.5
+    """Cost of a metre of wall without a unit."""
+    missing: float = 0.9
+    """Cost of one unit less (or more) of a role than wanted."""
+    depth: float = 3.0
+    """Cost per metre of difference to the run's usual depth."""
+    height: float = 2.5
+    """Cost per metre of difference to the run's usual height, of units below 1 m."""
+    crowded: float = 1.5
+    """Cost of a tall unit on a wall that other runs meet at both ends."""
+    repeat: float = 0.05
+    """Cost of every further copy of a package."""
+    taste: float = 0.25
+    """Scale of the seed's own likes."""
+    copies: int = 4
+    """How often one package may stand in a run at most."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Offer:
+    """A package that can take a share of a run."""
+
+    share: int
+    entry: Entry
+
+
+@dataclass(frozen=True, kw_only=True)
+class Wall:
+    """Metres of a wall that a run can use; ``enclosed`` if other runs meet it at both ends."""
+
+    length: float
+    enclosed: bool = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Programme:
+    """Sizes of the blocks of variables: counts (offer by wall), deviations, repeats, empty walls."""
+
+    offers: int
+    walls: int
+    shares: int
+
+    @property
+    def counts(self) -> int:
+        return self.offers * self.walls
+
+    @property
+    def total(self) -> int:
+        return self.counts + self.shares + self.offers + self.walls
+
+
+def choose_units(
+    offers: Sequence[Offer],
+    shares: Sequence[Share],
+    walls: Sequence[Wall],
+    rng: np.random.Generator,
+    cfg: ChooseConfig,
+) -> list[list[Offer]] | None:
+    """Units for every wall, or None where the least that the shares ask for does not fit.
+
+    Args:
+        offers: what there is to choose from.
+        shares: how many of each role over all walls.
+        walls: usable metres of each, and whether other runs meet it at both ends.
+        rng: decides between equals.
+        cfg: the weights.
+    """
+    if not offers:
+        return None if any(share.least for share in shares) else [[] for _ in walls]
+    shape = _Programme(offers=len(offers), walls=len(walls), shares=len(shares))
+    costs = np.zeros(shape.total)
+    misfits = np.repeat(_misfits(offers, rng, cfg)[:, None], shape.walls, axis=1)
+    tall = np.array([offer.entry.size[2] > TALL for offer in offers])
+    misfits += cfg.crowded * np.outer(tall, [wall.enclosed for wall in walls])
+    costs[: shape.counts] = misfits.ravel()
+    costs[shape.counts : shape.counts + shape.shares] = cfg.missing
+    costs[shape.counts + shape.shares : shape.total - shape.walls] = cfg.repeat
+    costs[shape.total - shape.walls :] = cfg.empty
+    high = np.full(shape.total, np.inf)
+    high[: shape.counts] = cfg.copies
+    integrality = np.zeros(shape.total)
+    integrality[: shape.counts] = 1
+    solved = milp(
+        costs,
+        constraints=_constraints(shape, offers, shares, [wall.length for wall in walls]),
+        bounds=(np.zeros(shape.total), high),
+        integrality=integrality,
+        options={"mip_rel_gap": 0.1, "node_limit": 200},
+    )
+    if solved.x is None:
+        return None
+    counts = np.round(solved.x[: shape.counts]).astype(int).reshape(shape.offers, shape.walls)
+    return [
+        [offer for offer, count in zip(offers, counts[:, wall], strict=True) for _ in range(count)]
+        for wall in range(shape.walls)
+    ]
+
+
+def _misfits(offers: Sequence[Offer], rng: np.random.Generator, cfg: ChooseConfig) -> Float[np.ndarray, "O"]:
+    """Cost of taking one of each offer: how far it is from the others, and the seed's likes."""
+    sizes = np.array([offer.entry.size for offer in offers])
+    low = sizes[:, 2] <= 1.0
+    usual = np.median(sizes[low], axis=0) if low.any() else np.median(sizes, axis=0)
+    lead = sizes[low][int(rng.integers(low.sum()))] if low.any() else usual
+    target = (usual + lead) / 2.0
+    misfit = cfg.depth * np.abs(sizes[:, 0] - target[0])
+    misfit += np.where(low, cfg.height * np.abs(sizes[:, 2] - target[2]), 0.0)
+    return misfit + cfg.taste * rng.random(len(offers))
+
+
+def _constraints(
+    shape: _Programme, offers: Sequence[Offer], shares: Sequence[Share], lengths: Sequence[float]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Rows over the variables, and the least and most of each row's sum."""
+    widths = np.array([offer.entry.size[1] + GAP for offer in offers])
+    rows, lower, upper = [], [], []
+
+    def add(row: np.ndarray, low: float, high: float) -> None:
+        rows.append(row)
+        lower.append(low)
+        upper.append(high)
+
+    counts = np.arange(shape.counts).reshape(shape.offers, shape.walls)
+    for wall, length in enumerate(lengths):
+        row = np.zeros(shape.total)
+        row[counts[:, wall]] = widths
+        add(row, 0.0, length)
+        row = row.copy()
+        row[shape.total - shape.walls + wall] = 1.0  # what is filled and what is empty make the wall
+        add(row, length, np.inf)
+    for place, share in enumerate(shares):
+        row = np.zeros(shape.total)
+        row[counts[[offer.share == place for offer in offers]].ravel()] = 1.0
+        add(row, share.least, share.most)
+        for sign in (1.0, -1.0):
+            off = sign * row
+            off[shape.counts + place] = 1.0
+            add(off, sign * share.wanted, np.inf)
+    for place in range(shape.offers):
+        row = np.zeros(shape.total)
+        row[counts[place]] = -1.0
+        row[shape.counts + shape.shares + place] = 1.0
+        add(row, -1.0, np.inf)
+    return np.array(rows), np.array(lower), np.array(upper)
+
+
+def order_units(units: Sequence[Offer], rng: np.random.Generator, corners: Sequence[int]) -> list[Offer]:
+    """Units from one end of a run to the other: tall ones away from corners, the stove away from both ends.
+
+    Args:
+        units: of one wall.
+        rng: decides between equals.
+        corners: ends (0 first, 1 last) at which another run meets this one.
+    """
+    if len(units) < 2:
+        return list(units)
+    places = np.linspace(0.0, 1.0, len(units))
+    free = [end for end in (0, 1) if end not in corners] or [0, 1]
+    tall_end = float(free[int(rng.integers(len(free)))])
+    costs = np.zeros((len(units), len(units)))
+    for row, unit in enumerate(units):
+        category, height = unit.entry.category, unit.entry.size[2]
+        if height > TALL:
+            away = 2.0 if height > 1.3 else 0.5
+            costs[row] += away * np.abs(places - (0.5 if len(corners) == 2 else tall_end))
+        if height > TALL and corners:
+            costs[row, [index for index, place in enumerate(places) if place in corners]] += 4.0
+        if category == "Oven":
+            costs[row] += 2.0 * np.abs(places - 0.5)
+        elif category in ("Dishwasher", "WashingMachine"):
+            costs[row] += 0.5 * np.abs(places - 0.4)
+        else:
+            costs[row] += 0.2 * np.abs(places - 0.5)
+    costs += 0.4 * rng.random(costs.shape)
+    row, column = linear_sum_assignment(costs)
+    order = np.empty(len(units), dtype=int)
+    order[column] = row
+    return [units[index] for index in order]

@@ -1,0 +1,113 @@
+"""scene.json: a room on disk, with paths to its packages relative to the file's own folder."""
+
+import json
+import os
+from dataclasses import asdict, fields
+from pathlib import Path
+
+from artigen.errors import ArtigenError
+
+from .room import Entrance, Fixture, Placement, Room
+
+FORMAT = "artigen-scene"
+VERSION = 1
+SCENE_FILE = "scene.json"
+
+
+class SceneFileError(ArtigenError):
+    """A scene.json cannot be read or written: names the file and what is wrong with it."""
+
+
+def room_json(room: Room, folder: Path) -> str:
+    """The text of scene.json for a room whose file lies in ``folder``; equal rooms give equal text."""
+    value = asdict(room)
+    for placement in value["placements"]:
+        path = os.path.relpath(placement["package"].resolve(), folder.resolve())
+        placement["package"] = Path(path).as_posix()
+        placement["joints"] = dict(placement["joints"])
+        placement["provenance"] = dict(placement["provenance"])
+    value["provenance"] = dict(value["provenance"])
+    head = {"format": FORMAT, "version": VERSION, "frame": "corner of the floor, z up, metres, wxyz"}
+    return json.dumps(head | value, indent=1) + "\n"
+
+
+def write_room(room: Room, folder: Path) -> Path:
+    """Writes scene.json into a folder, which is made where it is missing, in one step; returns its path.
+
+    Raises:
+        SceneFileError: If the folder cannot be written.
+    """
+    path = folder / SCENE_FILE
+    scratch = path.with_name(f".{path.name}.partial")
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        scratch.write_text(room_json(room, folder))
+        scratch.replace(path)
+    except OSError as err:
+        raise SceneFileError(f"{path}: cannot be written ({err.strerror or err})") from err
+    return path
+
+
+def read_room(path: Path) -> Room:
+    """The room of a scene.json, or of the folder that holds one.
+
+    Raises:
+        SceneFileError: If the file is missing, of another version or not as `write_room` writes it, or a
+            package that it names is not there.
+    """
+    path = path / SCENE_FILE if path.is_dir() else path
+    try:
+        value = json.loads(path.read_text())
+    except (OSError, ValueError) as err:
+        raise SceneFileError(f"{path}: cannot be read ({err})") from err
+    if not isinstance(value, dict) or value.get("format") != FORMAT or value.get("version") != VERSION:
+        raise SceneFileError(f"{path}: not a scene of format {FORMAT} version {VERSION}")
+    try:
+        for key in ("format", "version", "frame"):
+            value.pop(key)
+        placements = tuple(_placement(entry, path.parent) for entry in value.pop("placements"))
+        fixtures = tuple(
+            Fixture(name=entry["name"], **{key: tuple(entry[key]) for key in ("low", "high", "color")})
+            for entry in value.pop("fixtures")
+        )
+        room = Room(
+            placements=placements,
+            fixtures=fixtures,
+            entrance=Entrance(**value.pop("entrance")),
+            size=tuple(value.pop("size")),
+            provenance=tuple(value.pop("provenance").items()),
+            **value,
+        )
+    except (KeyError, TypeError, AttributeError, ValueError) as err:
+        raise SceneFileError(f"{path}: not as a scene is written ({err!r})") from err
+    missing = [
+        placement for placement in room.placements if not (placement.package / "mobility.urdf").is_file()
+    ]
+    if missing:
+        raise SceneFileError(
+            f"{path}: {len(missing)} of {len(room.placements)} packages are missing, "
+            f"{missing[0].package} of {missing[0].id} is the first"
+        )
+    return room
+
+
+def _placement(entry: dict, folder: Path) -> Placement:
+    x, y, z = (float(value) for value in entry["position"])
+    depth, width, height = (float(value) for value in entry["size"])
+    w, qx, qy, qz = (float(value) for value in entry["quat"])
+    unknown = sorted(set(entry) - {field.name for field in fields(Placement)})
+    if unknown:
+        raise KeyError(f"{entry['id']} has unknown {', '.join(unknown)}")
+    return Placement(
+        id=entry["id"],
+        role=entry["role"],
+        category=entry["category"],
+        package=(folder / entry["package"]).resolve(),
+        position=(x, y, z),
+        quat=(w, qx, qy, qz),
+        size=(depth, width, height),
+        joints=tuple((name, float(q)) for name, q in entry["joints"].items()),
+        standing=tuple((float(px), float(py)) for px, py in entry["standing"]),
+        support=entry["support"],
+        provenance=tuple(entry["provenance"].items()),
+    )

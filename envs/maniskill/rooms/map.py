@@ -1,0 +1,77 @@
+"""Where a robot can stand and go in a room: a map of free cells."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+from scipy import ndimage
+
+from .room import Room, along_wall
+from .solids import Solid, fixture_solids, place_solid
+
+CELL = 0.05
+"""Metres per cell."""
+ROBOT_HEIGHT = 1.1
+"""Up to which a robot needs room, metres."""
+
+
+def free_map(room: Room, solids: Sequence[Solid]) -> Bool[np.ndarray, "X Y"]:
+    """Cells (x, y) of ``CELL`` metres whose middle a robot of the room's radius can stand on."""
+    shape = np.ceil(np.array(room.size[:2]) / CELL).astype(int)
+    taken = np.zeros(shape + 2, dtype=bool)  # one ring of cells for the walls
+    taken[[0, -1]], taken[:, [0, -1]] = True, True
+    for low, high in np.concatenate([solid.boxes for solid in solids]):
+        if low[2] < ROBOT_HEIGHT and high[2] > 0.0:
+            first = np.floor(low[:2] / CELL).astype(int) + 1
+            last = np.ceil(high[:2] / CELL).astype(int) + 1
+            (x0, y0), (x1, y1) = np.maximum(first, 0), np.maximum(last, 0)
+            taken[x0:x1, y0:y1] = True
+    distance = np.asarray(ndimage.distance_transform_edt(~taken)) * CELL
+    return (distance > room.standing_radius)[1:-1, 1:-1]
+
+
+def label_regions(free: Bool[np.ndarray, "X Y"]) -> Int[np.ndarray, "X Y"]:
+    """Free cells that hang together, over edges and corners, numbered from 1; 0 where none is free."""
+    labels = np.zeros(free.shape, dtype=np.int32)
+    ndimage.label(free, structure=np.ones((3, 3)), output=labels)
+    return labels
+
+
+def entrance_point(room: Room) -> Float[np.ndarray, "2"]:
+    """The middle of the entrance, a robot's radius into the room."""
+    middle = room.entrance.start + room.entrance.width / 2.0
+    out = max(room.standing_radius, 0.3) + 2 * CELL
+    box = along_wall(room.entrance.side, room.size, (middle, out, 0.0), (middle, out, 0.0))
+    return box[0, :2]
+
+
+def reachable_map(room: Room, solids: Sequence[Solid]) -> Bool[np.ndarray, "X Y"]:
+    """Free cells that hang together with the one nearest to the entrance."""
+    regions = label_regions(free_map(room, solids))
+    free = np.argwhere(regions > 0)
+    if not len(free):
+        return np.zeros(regions.shape, dtype=bool)
+    away = np.linalg.norm((free + 0.5) * CELL - entrance_point(room), axis=1)
+    x, y = free[int(np.argmin(away))]
+    return regions == regions[x, y]
+
+
+def way_to(reach: Bool[np.ndarray, "X Y"], point: Sequence[float]) -> float:
+    """Metres from a point to the nearest reachable cell."""
+    cells = np.argwhere(reach)
+    return float(np.linalg.norm((cells + 0.5) * CELL - np.asarray(point), axis=1).min())
+
+
+def start_place(room: Room) -> tuple[float, float]:
+    """Where a robot that came in can stand: the reachable cell nearest to the entrance.
+
+    Raises:
+        ValueError: If there is none.
+    """
+    solids = [place_solid(placement) for placement in room.placements]
+    cells = np.argwhere(reachable_map(room, [*solids, *fixture_solids(room)]))
+    if not len(cells):
+        raise ValueError(f"no free place for a robot in the {room.kind}")
+    middles = (cells + 0.5) * CELL
+    x, y = middles[int(np.argmin(np.linalg.norm(middles - entrance_point(room), axis=1)))]
+    return float(x), float(y)

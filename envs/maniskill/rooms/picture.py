@@ -1,0 +1,181 @@
+"""Pictures of rooms on the CPU: a look into the open dollhouse, and a plan of what stays free.
+
+The walls towards the camera are left out. In the plan bodies are grey, what doors and drawers pass through
+is orange, and where a robot stands to open them is blue.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float, UInt8
+
+from artigen.transforms import transform_points
+from sim_export.collision.hulls import box_hull
+from sim_export.collision.motion import link_displacements
+from sim_export.package import Mesh
+from sim_export.picture.camera import Viewpoint, frame_points
+from sim_export.picture.draw import package_surfaces
+from sim_export.picture.lighting import RenderConfig
+from sim_export.picture.raycast import Surface
+from sim_export.picture.render import move_surface, render_scene, surface_from_mesh, surface_points
+
+from .footprints import cached_package, read_footprint
+from .room import Fixture, Placement, Room, Side, pose_matrix_of
+from .sweeps import opening_joints, sweep_joint
+
+
+@dataclass(frozen=True, kw_only=True)
+class RoomPictureConfig:
+    """How rooms are drawn."""
+
+    azimuth: float = 62.0
+    """Degrees from the left (or right) wall towards the wall with the entrance: 90 looks straight in."""
+    elevation: float = 34.0
+    """Degrees above the horizon."""
+    width: int = 1100
+    """Pixels per row of the look into the room."""
+    height: int = 760
+    """Its rows."""
+    scale: float = 120.0
+    """Pixels per metre of the plan."""
+    render: RenderConfig = field(
+        default_factory=lambda: RenderConfig(
+            ground=False, occlusion_reach=0.12, light_direction=(-0.35, -0.55, 0.9), light_radius=0.25
+        )
+    )
+    """Light and sampling."""
+
+
+def draw_room(room: Room, cfg: RoomPictureConfig | None = None) -> UInt8[np.ndarray, "H W 3"]:
+    """The room seen from above its entrance, the walls in front and the ceiling left out."""
+    cfg = cfg or RoomPictureConfig()
+    side = _emptier_side(room)
+    hidden = {f"{name}_{wall}" for name in ("wall", "wall_a", "wall_b", "lintel") for wall in ("front", side)}
+    azimuth = -cfg.azimuth if side == "left" else cfg.azimuth - 180.0
+    surfaces = [surface for place in room.placements for surface in placement_surfaces(place)]
+    surfaces += [fixture_surface(fixture) for fixture in room.fixtures if fixture.name not in hidden]
+    viewpoint = Viewpoint(
+        azimuth=azimuth, elevation=cfg.elevation, fov=30.0, margin=0.02, width=cfg.width, height=cfg.height
+    )
+    camera = frame_points(surface_points(surfaces), viewpoint)
+    return render_scene(surfaces, camera, cfg.render)
+
+
+def _emptier_side(room: Room) -> Side:
+    """The side wall that hides less when it is left out: what stands high counts most."""
+    hidden = {"left": 0.0, "right": 0.0}
+    for placement in room.placements:
+        side = "left" if placement.position[0] < room.size[0] / 2.0 else "right"
+        from_wall = min(placement.position[0], room.size[0] - placement.position[0])
+        top = placement.position[2] + placement.size[2] / 2.0
+        hidden[side] += placement.size[1] * top**3 if from_wall < 0.8 else 0.0
+    return "left" if hidden["left"] <= hidden["right"] else "right"
+
+
+def placement_surfaces(placement: Placement) -> tuple[Surface, ...]:
+    """An object's visuals in the room, its joints where the room has them."""
+    package = cached_package(placement.package)
+    T = pose_matrix_of(placement) @ link_displacements(package.links, package.joints, dict(placement.joints))
+    return tuple(move_surface(surface, T[surface.id]) for surface in package_surfaces(package))
+
+
+def fixture_surface(fixture: Fixture) -> Surface:
+    """A fixture in its colour."""
+    hull = box_hull(np.array(fixture.low), np.array(fixture.high))
+    mesh = Mesh(vertices=hull.vertices, faces=hull.faces, color=fixture.color)
+    return surface_from_mesh(mesh, crease_angle=0.0)
+
+
+def draw_plan(room: Room, cfg: RoomPictureConfig | None = None) -> UInt8[np.ndarray, "H W 3"]:
+    """The floor plan: outlines of all hulls from above, sweeps, standing places and ids."""
+    from PIL import Image, ImageDraw, ImageFont
+
+    cfg = cfg or RoomPictureConfig()
+    edge = 0.3
+    width, depth = (int((side + 2 * edge) * cfg.scale) for side in room.size[:2])
+    picture = Image.new("RGB", (width, depth), (250, 250, 248))
+    draw = ImageDraw.Draw(picture, "RGBA")
+
+    def pixel(points: Float[np.ndarray, "N 2"]) -> list[tuple[float, float]]:
+        x, y = (points[:, 0] + edge) * cfg.scale, depth - (points[:, 1] + edge) * cfg.scale
+        return list(zip(x.tolist(), y.tolist(), strict=True))
+
+    for fixture in room.fixtures:
+        if fixture.name == "floor" or fixture.name.startswith("lintel"):
+            continue
+        shade = (90, 92, 98, 255) if fixture.name.startswith("wall") else (214, 205, 192, 255)
+        draw.polygon(pixel(_rectangle(fixture.low, fixture.high)), fill=shade)
+    order = sorted(room.placements, key=lambda placement: placement.position[2])
+    for placement in order:
+        for outline in _sweep_outlines(placement):
+            draw.polygon(pixel(outline), fill=(240, 150, 60, 26))
+    for placement in order:
+        for x, y in placement.standing:
+            ends = pixel(np.array([[x, y], [x, y]]) + np.array([[-1, 1], [1, -1]]) * room.standing_radius)
+            draw.ellipse([ends[0], ends[1]], outline=(60, 110, 190, 200), width=2)
+    font = ImageFont.load_default(11)
+    for placement in order:
+        corners = _body_rectangle(placement)
+        fill = (196, 214, 196, 255) if placement.support else (208, 210, 214, 255)
+        lifted = placement.position[2] > 1.4 and placement.size[2] < 1.2
+        draw.polygon(
+            pixel(corners), fill=(0, 0, 0, 0) if lifted else fill, outline=(70, 74, 82, 255),
+            width=1 if lifted else 2,
+        )  # fmt: skip
+        if not lifted:  # what hangs is above something that has a name already
+            name = placement.id.replace("_", " ")
+            draw.text(pixel(corners.mean(axis=0)[None])[0], name, fill=(30, 32, 38), font=font, anchor="mm")
+    return np.asarray(picture)
+
+
+def _rectangle(low: Sequence[float], high: Sequence[float]) -> Float[np.ndarray, "4 2"]:
+    return np.array([[low[0], low[1]], [high[0], low[1]], [high[0], high[1]], [low[0], high[1]]])
+
+
+def _body_rectangle(placement: Placement) -> Float[np.ndarray, "4 2"]:
+    body = read_footprint(placement.package).body
+    points = _rectangle(body[0], body[1])
+    T = pose_matrix_of(placement)
+    return transform_points(T, np.column_stack([points, np.zeros(4)]))[:, :2]
+
+
+def _sweep_outlines(placement: Placement) -> list[Float[np.ndarray, "V 2"]]:
+    """Outlines from above of everything that opens, some poses of each."""
+    from scipy.spatial import ConvexHull
+
+    package = cached_package(placement.package)
+    T = pose_matrix_of(placement)
+    outlines = []
+    for joint in opening_joints(package):
+        sweep = sweep_joint(package, joint)
+        for step in np.linspace(0, len(sweep.T) - 1, 7).astype(int):
+            points = [
+                transform_points(T @ sweep.T[step, index], hull.vertices)
+                for index in sweep.links
+                for hull in package.links[index].hulls
+            ]
+            if points:
+                flat = np.concatenate(points)[:, :2]
+                outlines.append(flat[ConvexHull(flat).vertices])
+    return outlines
+
+
+def write_view(room: Room, path: Path, cfg: RoomPictureConfig | None = None) -> None:
+    """Writes the look into the room as a PNG, in one step."""
+    _write(draw_room(room, cfg), path)
+
+
+def write_plan(room: Room, path: Path, cfg: RoomPictureConfig | None = None) -> None:
+    """Writes the floor plan as a PNG, in one step."""
+    _write(draw_plan(room, cfg), path)
+
+
+def _write(image: UInt8[np.ndarray, "H W 3"], path: Path) -> None:
+    from PIL import Image
+
+    path.parent.mkdir(parents=True, exist_ok=True)
+    scratch = path.with_name(f".{path.name}.partial")
+    Image.fromarray(image).save(scratch, format="png", optimize=True)
+    scratch.replace(path)

@@ -1,0 +1,235 @@
+"""Pieces of furniture, and groups of them that stand side by side, as boxes in one frame.
+
+A group's frame is like an object's: fronts face -x, backs are at x = 0, y runs along the group from 0, z up
+from the floor. Boxes are rows (low, high), metres.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Float
+
+from .catalogue import Entry
+from .footprints import Footprint, read_footprint, standing_places
+from .room import turn_matrix
+
+GAP = 0.003
+"""Metres between neighbours, and between an object and the floor or wall behind it."""
+WIDER_GAPS = (GAP, 0.02, 0.05, 0.08, 0.12, 0.2, 0.3)
+"""Tried in this order until neighbours leave each other room to open."""
+TOUCH = 2e-4
+"""Boxes that share less than this (m) along some axis do not overlap."""
+ROBOT_HEIGHT = 1.1
+"""Up to which a standing place is free, metres."""
+ALIGN = 0.15
+"""How far a piece may move from the wall for its front to be in line, metres."""
+BED_PARTS = (
+    ("bed", (-2.05, 0.0, 0.06), (-0.07, 1.0, 0.28), (0.62, 0.47, 0.33)),
+    ("mattress", (-2.02, 0.02, 0.28), (-0.07, 0.98, 0.50), (0.93, 0.92, 0.89)),
+    ("blanket", (-2.03, 0.005, 0.36), (-0.75, 0.995, 0.52), (0.47, 0.55, 0.66)),
+    ("pillow_a", (-0.58, 0.08, 0.50), (-0.12, 0.46, 0.62), (0.97, 0.97, 0.95)),
+    ("pillow_b", (-0.58, 0.54, 0.50), (-0.12, 0.92, 0.62), (0.97, 0.97, 0.95)),
+    ("headboard", (-0.07, -0.01, 0.0), (-0.01, 1.01, 1.02), (0.55, 0.41, 0.29)),
+)
+"""Name, lowest and highest corner (y in widths of the bed), colour."""
+BED_WIDTH = 1.6
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Boxes:
+    """``bodies`` are solid; ``sweeps`` and ``stands`` must stay free of other bodies."""
+
+    bodies: Float[np.ndarray, "N 2 3"]
+    sweeps: Float[np.ndarray, "K 2 3"]
+    stands: Float[np.ndarray, "S 2 3"]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Piece:
+    """A package in a role (or, without an entry, the bed), with the room that it takes."""
+
+    role: str
+    entry: Entry | None
+    boxes: Boxes
+    face: float
+    """x of its front without handles."""
+    footprint: Footprint | None = None
+    front: float | None = None
+    """x of the front of what it stands or hangs above, from where it is opened."""
+
+    @property
+    def box(self) -> Float[np.ndarray, "2 3"]:
+        """Around the body."""
+        return np.stack([self.boxes.bodies[:, 0].min(axis=0), self.boxes.bodies[:, 1].max(axis=0)])
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Member:
+    """A piece with its place in the group."""
+
+    piece: Piece
+    T: Float[np.ndarray, "4 4"]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Cluster:
+    """Members in one frame, with all their boxes; ``length`` along y and ``depth`` along x, from 0."""
+
+    name: str
+    members: tuple[Member, ...]
+    boxes: Boxes
+    length: float
+    depth: float
+
+
+def make_piece(
+    entry: Entry, role: str, radius: float, front: float | None = None, elevation: float = GAP
+) -> Piece:
+    """A package as a piece; ``radius`` is the robot's, ``front`` x of what it stands or hangs above, and
+    ``elevation`` the height of its underside above the floor."""
+    footprint = read_footprint(entry.folder)
+    places = standing_places(footprint, radius, front)
+    floor = footprint.body[0, 2] - elevation
+    stands = np.zeros((len(places), 2, 3))
+    stands[:, 0, :2], stands[:, 1, :2] = places - radius, places + radius
+    stands[:, :, 2] = floor + 0.02, floor + ROBOT_HEIGHT
+    return Piece(
+        role=role,
+        entry=entry,
+        boxes=Boxes(bodies=footprint.solid, sweeps=footprint.sweeps, stands=stands),
+        face=footprint.face,
+        footprint=footprint,
+        front=front,
+    )
+
+
+def make_bed() -> Piece:
+    """A double bed of boxes, its head at x = 0."""
+    scale = np.array([1.0, BED_WIDTH, 1.0])
+    bodies = np.array([[low, high] for _, low, high, _ in BED_PARTS]) * scale
+    empty = np.zeros((0, 2, 3))
+    return Piece(role="bed", entry=None, boxes=Boxes(bodies=bodies, sweeps=empty, stands=empty), face=-0.07)
+
+
+def move_boxes(boxes: Boxes, T: Float[np.ndarray, "4 4"]) -> Boxes:
+    """Boxes after a turn by quarters and a shift."""
+    return Boxes(
+        bodies=_moved(boxes.bodies, T), sweeps=_moved(boxes.sweeps, T), stands=_moved(boxes.stands, T)
+    )
+
+
+def shift_boxes(boxes: Boxes, shift: Float[np.ndarray, "3"]) -> Boxes:
+    """Boxes after a shift alone, which is much cheaper."""
+    return Boxes(bodies=boxes.bodies + shift, sweeps=boxes.sweeps + shift, stands=boxes.stands + shift)
+
+
+def _moved(boxes: np.ndarray, T: np.ndarray) -> np.ndarray:
+    corners = boxes @ T[:3, :3].T + T[:3, 3]
+    return np.stack([corners.min(axis=1), corners.max(axis=1)], axis=1)
+
+
+def join_boxes(parts: Sequence[Boxes]) -> Boxes:
+    """All boxes of several."""
+    empty = np.zeros((0, 2, 3))
+    return Boxes(
+        bodies=np.concatenate([empty, *(part.bodies for part in parts)]),
+        sweeps=np.concatenate([empty, *(part.sweeps for part in parts)]),
+        stands=np.concatenate([empty, *(part.stands for part in parts)]),
+    )
+
+
+def overlap(first: Float[np.ndarray, "N 2 3"], second: Float[np.ndarray, "M 2 3"]) -> bool:
+    """Whether a box of one meets a box of the other."""
+    if not len(first) or not len(second):
+        return False
+    around = np.stack([first[:, 0].min(axis=0), first[:, 1].max(axis=0)])[None]
+    near = second[_shared(around, second)[0]]  # most of a room is elsewhere
+    return bool(_shared(first, near).any())
+
+
+def _shared(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """Which boxes of one meet which of the other: N M."""
+    low = np.maximum(first[:, None, 0], second[None, :, 0])
+    high = np.minimum(first[:, None, 1], second[None, :, 1])
+    return np.all(high - low > TOUCH, axis=2)
+
+
+def conflict(first: Boxes, second: Boxes) -> bool:
+    """Whether bodies meet, or a body stands in what the other keeps free."""
+    return (
+        overlap(first.bodies, second.bodies)
+        or overlap(first.sweeps, second.bodies)
+        or overlap(first.bodies, second.sweeps)
+        or overlap(first.stands, second.bodies)
+        or overlap(first.bodies, second.stands)
+    )
+
+
+def line_up(name: str, pieces: Sequence[Piece], height: float | None = None) -> Cluster:
+    """Pieces side by side in their order, fronts in line where that is near, with the smallest gaps that
+    leave all of them room to open.
+
+    Args:
+        name: of the cluster.
+        pieces: at least one.
+        height: of the undersides above the floor; None lets them stand on it.
+    """
+    depths = [float(piece.box[1, 0] - piece.face) for piece in pieces]
+    front = max(depths)
+    members: list[Member] = []
+    placed: list[Boxes] = []
+    end = 0.0
+    for piece, depth in zip(pieces, depths, strict=True):
+        box = piece.box
+        back = front - depth if front - depth <= ALIGN else 0.0
+        lift = GAP if piece.entry is not None else 0.0
+        T = np.eye(4)
+        T[0, 3] = -box[1, 0] - back
+        T[2, 3] = (height if height is not None else lift) - box[0, 2]
+        T[1, 3] = end - box[0, 1]
+        gap = _least_gap(piece, T, placed) if members else 0.0
+        T[1, 3] += gap
+        boxes = move_boxes(piece.boxes, T)
+        members.append(Member(piece=piece, T=T))
+        placed.append(boxes)
+        end = float(boxes.bodies[:, 1, 1].max())
+    boxes = join_boxes(placed)
+    deep = float(-boxes.bodies[:, 0, 0].min())
+    return Cluster(name=name, members=tuple(members), boxes=boxes, length=end, depth=deep)
+
+
+def _least_gap(piece: Piece, T: Float[np.ndarray, "4 4"], placed: Sequence[Boxes]) -> float:
+    """The smallest of the gaps at which nothing is in the way, or else the widest."""
+    for gap in WIDER_GAPS:
+        boxes = shift_boxes(move_boxes(piece.boxes, T), np.array([0.0, gap, 0.0]))
+        if not any(conflict(boxes, other) for other in placed):
+            return gap
+    return WIDER_GAPS[-1]
+
+
+def back_to_back(name: str, near: Cluster, far: Cluster) -> Cluster:
+    """Two clusters with their backs together, the second turned around."""
+    turned = turn_matrix(np.pi)
+    turned[:3, 3] = (2 * GAP, (near.length + far.length) / 2.0, 0.0)
+    members = [replace(member, T=turned @ member.T) for member in far.members]
+    low = min(0.0, (near.length - far.length) / 2.0)
+    shift = np.eye(4)
+    shift[:3, 3] = (-2 * GAP - far.depth, -low, 0.0)
+    both = [replace(member, T=shift @ member.T) for member in (*near.members, *members)]
+    boxes = join_boxes([move_boxes(member.piece.boxes, member.T) for member in both])
+    return Cluster(
+        name=name,
+        members=tuple(both),
+        boxes=boxes,
+        length=max(near.length, far.length),
+        depth=near.depth + far.depth + 2 * GAP,
+    )
+
+
+def widened(boxes: Float[np.ndarray, "N 2 3"], margin: float) -> Float[np.ndarray, "N 2 3"]:
+    """Boxes grown by a margin to all sides along the floor."""
+    grown = boxes.copy()
+    grown[:, 0, :2] -= margin
+    grown[:, 1, :2] += margin
+    return grown

@@ -1,0 +1,170 @@
+"""A furnished room as a value: what stands where, in metres, with the walls around it.
+
+The room's frame has its origin in a corner of the floor; x runs along the front wall, y to the back, z up.
+A wall is named by its side: ``front`` (y = 0), ``back``, ``left`` (x = 0), ``right``. Objects keep the frame
+of their packages (front -x), so against a wall each shows its front to the room.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Float
+
+from artigen.transforms import matrix_from_quat
+
+RoomKind = Literal["kitchen", "office", "bedroom"]
+Side = Literal["front", "back", "left", "right"]
+SIDES: tuple[Side, ...] = ("front", "back", "left", "right")
+YAWS: dict[Side, float] = {"front": -np.pi / 2, "back": np.pi / 2, "left": np.pi, "right": 0.0}
+"""Turn about z (radians) that puts an object's back to the wall."""
+THICKNESS = 0.1
+"""Of walls and floor, metres."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fixture:
+    """A box that never moves: wall, floor, bed or filler. ``color`` is sRGB in [0, 1]."""
+
+    name: str
+    low: tuple[float, float, float]
+    high: tuple[float, float, float]
+    color: tuple[float, float, float]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Entrance:
+    """The opening in a wall; ``start`` is its nearer edge along x or y."""
+
+    side: Side
+    start: float
+    width: float
+    height: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class Placement:
+    """An object in the room: ``position`` and ``quat`` (wxyz) map its package's frame to the room's.
+
+    ``joints`` are coordinates (rad or m) of joints that are not at 0, ``standing`` the places (x, y) from
+    which a robot opens its doors and drawers, ``support`` the id of what it stands on, if not the floor,
+    ``provenance`` what its package says of its origin.
+    """
+
+    id: str
+    role: str
+    category: str
+    package: Path
+    position: tuple[float, float, float]
+    quat: tuple[float, float, float, float]
+    size: tuple[float, float, float]
+    joints: tuple[tuple[str, float], ...] = ()
+    standing: tuple[tuple[float, float], ...] = ()
+    support: str | None = None
+    provenance: tuple[tuple[str, str], ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class Room:
+    """Everything about a furnished room.
+
+    ``size`` is width (x), depth (y) and height. ``standing_radius`` is that of the robot's free place, 0
+    where none was asked for. ``attempt`` counts the arrangements that were given up before this one.
+    """
+
+    kind: RoomKind
+    seed: int
+    attempt: int
+    size: tuple[float, float, float]
+    entrance: Entrance
+    standing_radius: float
+    fixtures: tuple[Fixture, ...]
+    placements: tuple[Placement, ...]
+    provenance: tuple[tuple[str, str], ...] = ()
+
+    def placement(self, name: str) -> Placement:
+        """The object of that id; raises `ValueError` naming those that exist."""
+        for placement in self.placements:
+            if placement.id == name:
+                return placement
+        known = ", ".join(placement.id for placement in self.placements)
+        raise ValueError(f"the {self.kind} has no object {name!r}; it has {known}")
+
+
+def pose_matrix_of(placement: Placement) -> Float[np.ndarray, "4 4"]:
+    """The object's frame in the room."""
+    T = np.eye(4)
+    T[:3, :3] = matrix_from_quat(np.array(placement.quat))
+    T[:3, 3] = placement.position
+    return T
+
+
+def turn_matrix(yaw: float) -> Float[np.ndarray, "4 4"]:
+    """A turn about z by a multiple of a quarter turn, its entries exactly 0 and 1."""
+    cos, sin = np.round(np.cos(yaw)), np.round(np.sin(yaw))
+    T = np.eye(4)
+    T[:2, :2] = [[cos, -sin], [sin, cos]]
+    return T
+
+
+def wall_length(side: Side, size: Sequence[float]) -> float:
+    """Metres along a wall of a room of that size."""
+    return size[0] if side in ("front", "back") else size[1]
+
+
+def along_wall(side: Side, size: Sequence[float], low: Sequence[float], high: Sequence[float]) -> np.ndarray:
+    """The box (2 3) in the room of a box given by (along the wall, out of the wall, up).
+
+    Along runs as x or y does, whichever the wall follows.
+    """
+    (a0, o0, z0), (a1, o1, z1) = low, high
+    width, depth = size[0], size[1]
+    match side:
+        case "front":
+            box = ((a0, o0, z0), (a1, o1, z1))
+        case "back":
+            box = ((a0, depth - o1, z0), (a1, depth - o0, z1))
+        case "left":
+            box = ((o0, a0, z0), (o1, a1, z1))
+        case "right":
+            box = ((width - o1, a0, z0), (width - o0, a1, z1))
+    return np.array(box)
+
+
+def room_shell(
+    size: tuple[float, float, float], entrance: Entrance, color: tuple[float, float, float]
+) -> tuple[Fixture, ...]:
+    """Floor and walls around the room, the wall with the entrance in three pieces."""
+    width, depth, height = size
+    shell = [
+        Fixture(
+            name="floor",
+            low=(-THICKNESS, -THICKNESS, -THICKNESS),
+            high=corner(np.array([width + THICKNESS, depth + THICKNESS, 0.0])),
+            color=(0.63, 0.53, 0.43),
+        )
+    ]
+    for side in SIDES:
+        length = wall_length(side, size)
+        pieces = [("wall", -THICKNESS, length + THICKNESS, 0.0)]
+        if side == entrance.side:
+            end = entrance.start + entrance.width
+            pieces = [
+                ("wall_a", -THICKNESS, entrance.start, 0.0),
+                ("wall_b", end, length + THICKNESS, 0.0),
+                ("lintel", entrance.start, end, entrance.height),
+            ]
+        for name, start, stop, bottom in pieces:
+            if stop - start < 1e-6:
+                continue
+            box = along_wall(side, size, (start, -THICKNESS, bottom), (stop, 0.0, height))
+            shell.append(Fixture(name=f"{name}_{side}", low=corner(box[0]), high=corner(box[1]), color=color))
+    return tuple(shell)
+
+
+def corner(point: Float[np.ndarray, "3"]) -> tuple[float, float, float]:
+    """A point as plain numbers, to a hundredth of a millimetre."""
+    x, y, z = (round(float(value), 5) for value in point)
+    return x, y, z

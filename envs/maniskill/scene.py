@@ -1,0 +1,206 @@
+"""``ArtiGen-Room-v1``: a furnished room from scene.json in ManiSkill, and the builder that puts it there.
+
+The builder is registered as ``ArtiGenRoom``. Without a render device nothing that could be drawn is made.
+"""
+
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import sapien
+import torch
+from mani_skill.agents.robots import Fetch, Panda
+from mani_skill.agents.robots.fetch import FETCH_WHEELS_COLLISION_BIT
+from mani_skill.envs.sapien_env import BaseEnv
+from mani_skill.sensors.camera import CameraConfig
+from mani_skill.utils import sapien_utils
+from mani_skill.utils.scene_builder import SceneBuilder
+from mani_skill.utils.scene_builder.registration import register_scene_builder
+from mani_skill.utils.structs import Actor, Articulation, Pose
+from mani_skill.utils.structs.types import GPUMemoryConfig, SimConfig
+
+from .load import without_visuals
+from .rooms.file import read_room
+from .rooms.load import load_placement
+from .rooms.map import start_place
+from .rooms.room import Fixture, Placement, Room
+
+Rooms = str | Path | Sequence[str | Path]
+AWAY = sapien.Pose(p=[0.0, -4.0, 0.0])
+"""Where the robot is built, outside of every room."""
+
+
+def room_builder(scenes: Rooms) -> "type[RoomSceneBuilder]":
+    """A scene builder for some rooms, for environments that take a class, as ManiSkill's own do.
+
+    Args:
+        scenes: one scene.json (or its folder), or several to draw from.
+    """
+    given = [scenes] if isinstance(scenes, str | Path) else list(scenes)
+    if not given:
+        raise ValueError("scenes is an empty list; give at least one scene.json")
+    rooms = [read_room(Path(path)) for path in given]
+    return type("RoomSceneBuilder", (RoomSceneBuilder,), {"build_configs": rooms})
+
+
+class RoomSceneBuilder(SceneBuilder):
+    """Builds one of ``build_configs``, which are rooms, in every parallel scene.
+
+    After building, ``rooms`` are those chosen, ``placed`` the articulations of each by their ids,
+    ``starts`` where a robot can stand in each, and ``scene_objects`` walls, floor and other fixtures.
+    """
+
+    build_configs: list[Room] | None = None
+
+    def build(self, build_config_idxs: list[int] | None = None) -> None:
+        """Makes fixtures and objects; raises `PackageError` where the engine loses something."""
+        if not self.build_configs:
+            raise ValueError("ArtiGenRoom has no rooms; make the builder with room_builder(scenes)")
+        chosen = self.sample_build_config_idxs() if build_config_idxs is None else build_config_idxs
+        count = self.env.num_envs
+        self.rooms = [self.build_configs[chosen[index % len(chosen)]] for index in range(count)]
+        self.placed: list[dict[str, Articulation]] = []
+        self.scene_objects, self.movable_objects, self.articulations = {}, {}, {}
+        for index, room in enumerate(self.rooms):
+            for fixture in room.fixtures:
+                actor = self._build_fixture(fixture, index)
+                self.scene_objects[actor.name] = actor
+            built = {placement.id: self._build_object(placement, index) for placement in room.placements}
+            self.articulations |= {articulation.name: articulation for articulation in built.values()}
+            self.placed.append(built)
+        self.starts = [start_place(room) for room in self.rooms]
+
+    def initialize(self, env_idx: torch.Tensor, init_config_idxs: list[int] | None = None) -> None:
+        """Puts all joints where the rooms have them, at rest."""
+        for index in env_idx.tolist():
+            for placement in self.rooms[index].placements:
+                articulation = self.placed[index][placement.id]
+                wanted = dict(placement.joints)
+                qpos = [[wanted.get(joint.name, 0.0) for joint in articulation.active_joints]]
+                if qpos[0]:
+                    articulation.set_qpos(torch.tensor(qpos, device=self.env.device))
+                    articulation.set_qvel(torch.zeros((1, len(qpos[0])), device=self.env.device))
+
+    def _build_fixture(self, fixture: Fixture, index: int) -> Actor:
+        half, middle = (
+            (np.array(fixture.high) - fixture.low) / 2.0,
+            (np.array(fixture.high) + fixture.low) / 2.0,
+        )
+        builder = self.scene.create_actor_builder()
+        builder.add_box_collision(half_size=tuple(half.tolist()))
+        if self.scene.can_render():
+            paint = sapien.render.RenderMaterial(base_color=[*fixture.color, 1.0])
+            builder.add_box_visual(half_size=tuple(half.tolist()), material=paint)
+        builder.set_scene_idxs([index])
+        builder.initial_pose = Pose.create(sapien.Pose(p=middle.tolist()))
+        actor = builder.build_static(name=f"{fixture.name}-{index}")
+        if fixture.name == "floor":
+            actor.set_collision_group_bit(group=2, bit_idx=FETCH_WHEELS_COLLISION_BIT, bit=1)
+        return actor
+
+    def _build_object(self, placement: Placement, index: int) -> Articulation:
+        articulation = load_placement(self.scene, placement, f"{placement.id}-{index}", index)
+        if self.env.num_envs > 1:  # a state has one row per scene, and this object is in one of them
+            self.env.remove_from_state_dict_registry(articulation)
+        return articulation
+
+
+register_scene_builder("ArtiGenRoom")(RoomSceneBuilder)
+
+
+class RoomEnv(BaseEnv):
+    """``ArtiGen-Room-v1``: a robot in the entrance of a furnished room; no task, no reward.
+
+    The state observation has, besides the robot's, ``room_qpos [J]``: the joints of all objects in the order
+    of scene.json (padded with 0 to the room with most). ``furnished.placed`` gives the articulations.
+
+    Args:
+        scenes: one scene.json (or its folder), or several; each parallel scene draws one of them.
+        robot_uids: ``fetch`` or ``panda``.
+    """
+
+    SUPPORTED_ROBOTS = ["fetch", "panda"]  # noqa: RUF012
+    SUPPORTED_REWARD_MODES = ("none",)
+
+    def __init__(
+        self,
+        *args: Any,
+        scenes: Rooms,
+        robot_uids: str = "fetch",
+        num_envs: int = 1,
+        reconfiguration_freq: int | None = None,
+        **kwargs: Any,
+    ) -> None:
+        if robot_uids not in self.SUPPORTED_ROBOTS:
+            raise ValueError(f"robot_uids {robot_uids!r}, expected fetch or panda")
+        self.furnished: RoomSceneBuilder = room_builder(scenes)(self)
+        if reconfiguration_freq is None:
+            several = len(self.furnished.build_configs or ()) > 1
+            reconfiguration_freq = 1 if several and num_envs == 1 else 0
+        super().__init__(
+            *args,
+            robot_uids=robot_uids,
+            num_envs=num_envs,
+            reconfiguration_freq=reconfiguration_freq,
+            **kwargs,
+        )
+
+    @property
+    def _default_sim_config(self) -> SimConfig:
+        memory = GPUMemoryConfig(max_rigid_contact_count=2**23, max_rigid_patch_count=2**21)
+        return SimConfig(spacing=20, gpu_memory_config=memory)
+
+    @property
+    def _default_human_render_camera_configs(self) -> CameraConfig:
+        width, depth, height = self.furnished.rooms[0].size
+        pose = sapien_utils.look_at(
+            eye=[width * 0.1, depth * 0.05, height - 0.1], target=[width * 0.6, depth, 0.6]
+        )
+        return CameraConfig("render_camera", pose=pose, width=768, height=512, fov=1.3, near=0.01, far=100)
+
+    @property
+    def _default_sensor_configs(self) -> list[CameraConfig]:
+        return []
+
+    def _load_agent(self, options: dict) -> None:  # type: ignore[override]
+        agent = {"panda": Panda, "fetch": Fetch}[str(self.robot_uids)]
+        with tempfile.TemporaryDirectory() as scratch:
+            if self.robot_uids == "fetch" and not self.scene.can_render():
+                agent = without_visuals(agent, Path(scratch))
+            self.agent = agent(self.scene, self._control_freq, self._control_mode, initial_pose=AWAY)
+
+    def _load_scene(self, options: dict) -> None:
+        drawn = [
+            int(self._batched_episode_rng[index].randint(len(self.furnished.build_configs or ())))
+            for index in range(self.num_envs)
+        ]
+        self.furnished.build(drawn)
+
+    def _initialize_episode(self, env_idx: torch.Tensor, options: dict) -> None:
+        self.furnished.initialize(env_idx)
+        places = np.array([self.furnished.starts[index] for index in env_idx.tolist()])
+        qpos = np.tile(np.asarray(self.agent.keyframes["rest"].qpos), (len(places), 1))
+        p, q = np.zeros((len(places), 3)), np.tile([1.0, 0.0, 0.0, 0.0], (len(places), 1))
+        if self.robot_uids == "fetch":
+            qpos[:, :2], qpos[:, 2] = places, np.pi / 2.0
+        else:
+            p[:, :2] = places
+            q[:] = [np.sqrt(0.5), 0.0, 0.0, np.sqrt(0.5)]
+        self.agent.reset(torch.tensor(qpos, dtype=torch.float32, device=self.device))
+        pose = Pose.create_from_pq(torch.tensor(p).float(), torch.tensor(q).float(), device=self.device)
+        self.agent.robot.set_pose(pose)  # type: ignore[arg-type]
+
+    def evaluate(self) -> dict:
+        """Nothing to succeed in."""
+        return {}
+
+    def _get_obs_extra(self, info: dict) -> dict[str, torch.Tensor]:
+        if "state" not in self.obs_mode:
+            return {}
+        rows = [
+            torch.cat([articulation.get_qpos()[0] for articulation in built.values()])
+            for built in self.furnished.placed
+        ]
+        return {"room_qpos": torch.nn.utils.rnn.pad_sequence(rows, batch_first=True)}

@@ -1,0 +1,157 @@
+"""A robot arm as plain numbers: where its tool is for given joints, and which joints bring it somewhere.
+
+Read once from the engine, so that it agrees with it. Damped least squares on batches: many starts and
+many targets are solved at once.
+"""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from jaxtyping import Float
+
+from artigen.transforms import rotation_about
+
+if TYPE_CHECKING:
+    from sapien.physx import PhysxArticulation
+
+X_AXIS = np.array([1.0, 0.0, 0.0])
+DAMPING = 0.05
+LARGEST_STEP = 0.3
+"""Largest change of a joint in one iteration, radians."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Chain:
+    """Turning joints from a robot's root to its tool. Joint k turns about the x axis of the frame that
+    ``before[k]`` gives relative to what joint k-1 leaves; ``tool`` follows the last. ``lower`` and
+    ``upper`` are limits in radians; ``columns`` the joints' places in the articulation's ``qpos``."""
+
+    before: Float[np.ndarray, "J 4 4"]
+    tool: Float[np.ndarray, "4 4"]
+    lower: Float[np.ndarray, "J"]
+    upper: Float[np.ndarray, "J"]
+    columns: tuple[int, ...]
+
+
+def read_chain(
+    articulation: "PhysxArticulation",
+    prefix: str,
+    tool: str,
+    arm: tuple[str, ...],
+    qpos: Float[np.ndarray, "Q"],
+) -> Chain:
+    """The joints named ``arm`` on the way from the root to the link ``tool``.
+
+    Args:
+        articulation: the robot in the engine.
+        prefix: what stands before every link and joint name there.
+        tool: the link to be brought somewhere.
+        arm: joints that may move, all of them turning; the others are held at ``qpos``.
+        qpos: joint vector of the whole robot, rad and m.
+    """
+    columns = {joint.name: index for index, joint in enumerate(articulation.active_joints)}
+    link = next(link for link in articulation.links if link.name == prefix + tool)
+    way = []
+    while link.parent is not None:
+        way.append(link.joint)
+        link = link.parent
+    before, limits, moving = [], [], []
+    constant = np.eye(4)
+    for joint in reversed(way):
+        constant = constant @ _matrix(joint.pose_in_parent)
+        if joint.name.removeprefix(prefix) in arm:
+            before.append(constant)
+            limits.append(np.asarray(joint.limit, dtype=np.float64).reshape(-1)[:2])
+            moving.append(columns[joint.name])
+            constant = np.eye(4)
+        elif joint.name in columns:
+            constant = constant @ _held(joint.type, float(qpos[columns[joint.name]]))
+        constant = constant @ np.linalg.inv(_matrix(joint.pose_in_child))
+    lower, upper = np.array(limits).T
+    return Chain(before=np.stack(before), tool=constant, lower=lower, upper=upper, columns=tuple(moving))
+
+
+def tool_pose(chain: Chain, q: Float[np.ndarray, "B J"]) -> Float[np.ndarray, "B 4 4"]:
+    """``T_root_tool`` for joint angles."""
+    return _forward(chain, np.asarray(q, dtype=np.float64))[0]
+
+
+def solve(
+    chain: Chain,
+    targets: Float[np.ndarray, "B 4 4"],
+    start: Float[np.ndarray, "B J"],
+    *,
+    turn_weight: float = 0.3,
+    posture_weight: float = 0.02,
+    iterations: int = 60,
+) -> tuple[Float[np.ndarray, "B J"], Float[np.ndarray, "B"], Float[np.ndarray, "B"]]:
+    """Joint angles that bring the tool to ``targets`` (in the root's frame), from ``start``.
+
+    Args:
+        chain: the arm.
+        targets: poses of the tool.
+        start: where the search begins, and the posture that it stays near to.
+        turn_weight: metres that a radian of wrong orientation counts.
+        posture_weight: how much a radian away from the start counts, in the same unit.
+        iterations: fixed number of steps.
+
+    Returns:
+        Joint angles within the limits, and what is left: metres and radians.
+    """
+    q = np.clip(np.asarray(start, dtype=np.float64), chain.lower, chain.upper)
+    home = q.copy()
+    weights = np.array([1.0, 1.0, 1.0, turn_weight, turn_weight, turn_weight])
+    for step in range(iterations):
+        reached, jacobian = _forward(chain, q)
+        error = pose_error(reached, targets) * weights
+        A = jacobian * weights[None, :, None]
+        posture = posture_weight * max(0.0, 1.0 - 2.0 * step / iterations)
+        H = np.swapaxes(A, 1, 2) @ A + (DAMPING**2 * 0.05 + posture**2) * np.eye(q.shape[1])
+        g = np.einsum("bij,bi->bj", A, error) + posture**2 * (home - q)
+        change = np.linalg.solve(H, g[..., None])[..., 0]
+        q = np.clip(q + np.clip(change, -LARGEST_STEP, LARGEST_STEP), chain.lower, chain.upper)
+    left = pose_error(_forward(chain, q)[0], targets)
+    return q, np.linalg.norm(left[:, :3], axis=1), np.linalg.norm(left[:, 3:], axis=1)
+
+
+def pose_error(
+    reached: Float[np.ndarray, "B 4 4"], targets: Float[np.ndarray, "B 4 4"]
+) -> Float[np.ndarray, "B 6"]:
+    """Translation (m) and rotation vector (rad), in the common frame, from one pose to another."""
+    R = targets[:, :3, :3] @ np.swapaxes(reached[:, :3, :3], 1, 2)
+    skew = 0.5 * np.stack([R[:, 2, 1] - R[:, 1, 2], R[:, 0, 2] - R[:, 2, 0], R[:, 1, 0] - R[:, 0, 1]], axis=1)
+    sine = np.linalg.norm(skew, axis=1)
+    angle = np.arctan2(sine, (np.trace(R, axis1=1, axis2=2) - 1.0) / 2.0)
+    turn = skew * np.where(sine > 1e-6, angle / np.maximum(sine, 1e-9), 1.0)[:, None]
+    return np.concatenate([targets[:, :3, 3] - reached[:, :3, 3], turn], axis=1)
+
+
+def _forward(chain: Chain, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Tool poses and geometric Jacobians ``[B, 6, J]``."""
+    T = np.broadcast_to(np.eye(4), (len(q), 4, 4))
+    axes, origins = [], []
+    for k, before in enumerate(chain.before):
+        frame = T @ before
+        axes.append(frame[:, :3, 0])
+        origins.append(frame[:, :3, 3])
+        turn = np.broadcast_to(np.eye(4), (len(q), 4, 4)).copy()
+        turn[:, :3, :3] = rotation_about(X_AXIS, q[:, k])
+        T = frame @ turn
+    T = T @ chain.tool
+    arms = [np.cross(axis, T[:, :3, 3] - origin) for axis, origin in zip(axes, origins, strict=True)]
+    jacobian = np.concatenate([np.stack(arms, axis=2), np.stack(axes, axis=2)], axis=1)
+    return T, jacobian
+
+
+def _held(kind: str, value: float) -> np.ndarray:
+    T = np.eye(4)
+    if kind == "prismatic":
+        T[0, 3] = value
+    else:
+        T[:3, :3] = rotation_about(X_AXIS, np.array(value))
+    return T
+
+
+def _matrix(pose) -> np.ndarray:
+    return np.asarray(pose.to_transformation_matrix(), dtype=np.float64)

@@ -1,0 +1,111 @@
+"""Moves a robot of a task through its actions: the solver has no other access to the simulation."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import gymnasium as gym
+import numpy as np
+import torch
+from jaxtyping import Float
+
+from artigen.transforms import inverse
+
+from ..robots import RobotSpec
+from .chain import Chain, read_chain
+
+if TYPE_CHECKING:
+    from ..task import PackageTask
+
+CONTROL_MODE = "pd_joint_pos"
+JOINT_STEP = 0.07
+"""Largest change of an arm joint in one control step, rad: 1.4 rad/s."""
+
+
+@dataclass(kw_only=True, eq=False)
+class Driver:
+    """One robot in one scene on the CPU, driven by absolute arm angles.
+
+    ``gripper`` is 1 open and -1 closed. ``info`` and ``over`` are those of the last step.
+    """
+
+    env: gym.Env
+    task: "PackageTask"
+    robot: RobotSpec
+    chain: Chain
+    target: Float[np.ndarray, "J"]
+    gripper: float
+    info: dict
+    over: bool
+    steps: int
+
+
+def start(env: gym.Env, info: dict) -> Driver:
+    """A driver for an environment that has just been reset.
+
+    Raises:
+        ValueError: if it is not one scene on the CPU with the control mode ``pd_joint_pos``.
+    """
+    task: PackageTask = env.unwrapped  # type: ignore[assignment]
+    if task.num_envs != 1 or task.gpu_sim_enabled:
+        raise ValueError(f"the solver drives one scene on the CPU, this task has {task.num_envs}")
+    if task.control_mode != CONTROL_MODE:
+        raise ValueError(f"control_mode {task.control_mode!r}, the solver needs {CONTROL_MODE!r}")
+    articulation = task.agent.robot._objs[0]
+    qpos = np.asarray(articulation.qpos, dtype=np.float64)
+    prefix = articulation.links[0].name.removesuffix(task.agent.robot.links[0].name)
+    chain = read_chain(articulation, prefix, task.robot_spec.tool, task.robot_spec.arm, qpos)
+    return Driver(
+        env=env, task=task, robot=task.robot_spec, chain=chain, target=qpos[list(chain.columns)],
+        gripper=1.0, info=info, over=False, steps=0,
+    )  # fmt: skip
+
+
+def arm_angles(driver: Driver) -> Float[np.ndarray, "J"]:
+    """The arm's joint angles now, rad."""
+    qpos = np.asarray(driver.task.agent.robot._objs[0].qpos, dtype=np.float64)
+    return qpos[list(driver.chain.columns)]
+
+
+def object_in_root(driver: Driver) -> Float[np.ndarray, "4 4"]:
+    """The object frame in the frame of the robot's root link."""
+    T_world_object = np.eye(4)
+    T_world_object[2, 3] = -driver.task.drawn[0][0].floor
+    return inverse(root_pose(driver)) @ T_world_object
+
+
+def root_pose(driver: Driver) -> Float[np.ndarray, "4 4"]:
+    """``T_world_root`` of the robot's root link."""
+    pose = driver.task.agent.robot._objs[0].root_pose
+    return np.asarray(pose.to_transformation_matrix(), dtype=np.float64)
+
+
+def step(driver: Driver, target: Float[np.ndarray, "J"]) -> None:
+    """One control step towards arm angles; does nothing once the episode is over."""
+    if driver.over:
+        return
+    driver.target = target
+    extra = np.zeros(5 if driver.robot.name == "fetch" else 0)  # torso, head and base stay
+    action = np.concatenate([target, [driver.gripper], extra]).astype(np.float32)
+    _, _, terminated, truncated, driver.info = driver.env.step(action)
+    driver.steps += 1
+    driver.over = bool(torch.as_tensor(terminated).any() or torch.as_tensor(truncated).any())
+
+
+def move(driver: Driver, goal: Float[np.ndarray, "J"], speed: float = 1.0) -> None:
+    """Straight in joint space to ``goal``, at a part of the usual speed."""
+    begin = driver.target
+    count = max(1, int(np.ceil(np.abs(goal - begin).max() / (speed * JOINT_STEP))))
+    for k in range(1, count + 1):
+        step(driver, begin + (goal - begin) * k / count)
+
+
+def wait(driver: Driver, count: int) -> None:
+    """Holds still for some control steps."""
+    for _ in range(count):
+        step(driver, driver.target)
+
+
+def grip(driver: Driver, opening: float, count: int) -> None:
+    """Opens (1) or closes (-1) the gripper and waits for it."""
+    driver.gripper = opening
+    wait(driver, count)

@@ -1,0 +1,127 @@
+"""A plan for opening or closing by the handle: take hold of it and go along the joint's own path.
+
+Numbers only. Grasps are tried by inverse kinematics along the whole path, and the one that stays most exact
+wins; obstacles are not looked at, the robot stands where there are few.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from artigen.errors import ArtigenError
+
+from ..objects import TaskPart
+from ..placement import part_motion
+from ..robots import RobotSpec
+from .chain import Chain, solve, tool_pose
+from .grasp import find_grasps
+from .reach import NEAR, follow, reach, starts_of
+
+BACK = 0.10
+"""How far in front of the handle the open gripper stops before it takes hold, metres."""
+STEP = 0.025
+"""Travel of the handle between two waypoints, metres."""
+BEYOND = 0.06
+"""How much farther than asked the plan goes, part of the range: a pulled joint lags behind."""
+LOOSE = 0.01
+MOST_TURN = 0.9
+"""How far the gripper may turn about what it holds, rad, where the arm cannot turn along with a door."""
+
+
+class NoPlan(ArtigenError):
+    """The part cannot be moved in this way: says what was tried and by how much it misses."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class OpenPlan:
+    """Waypoints of the arm (rad): on the way to the part, the last one at it; along the joint's path; away.
+
+    ``gripper`` says whether the fingers close on a handle or are closed all the time. ``miss`` is the
+    largest position error along the path, metres.
+    """
+
+    approach: Float[np.ndarray, "A J"]
+    path: Float[np.ndarray, "N J"]
+    leave: Float[np.ndarray, "L J"]
+    grasps: bool
+    miss: float
+
+
+def plan_open(
+    chain: Chain,
+    robot: RobotSpec,
+    part: TaskPart,
+    T_root_object: Float[np.ndarray, "4 4"],
+    q: Float[np.ndarray, "J"],
+    begin: float,
+    end: float,
+    skip: int = 0,
+) -> OpenPlan:
+    """A plan that moves ``part`` from fraction ``begin`` of its range to ``end`` by its handle.
+
+    Args:
+        chain: the arm, in the frame of the robot's root.
+        robot: its gripper.
+        part: what to move.
+        T_root_object: the object frame in the root's.
+        q: arm angles now, rad.
+        begin: where the part is.
+        end: where it is to go.
+        skip: leaves out that many of the best plans, for another try.
+
+    Raises:
+        NoPlan: if there is no handle, it is too thick, or no grasp is in reach along the path.
+    """
+    if part.handle is None:
+        raise NoPlan(f"joint {part.joint.name!r}: no handle is annotated, so there is nothing to pull at")
+    grasps = find_grasps(part.handle, robot)
+    if not len(grasps.poses):
+        raise NoPlan(
+            f"joint {part.joint.name!r}: the handle is {1e3 * part.handle.width:.0f} mm thick, the gripper "
+            f"opens {1e3 * robot.opening:.0f} mm"
+        )
+    motions = T_root_object @ part_motion(part, path_fractions(part, begin, end))  # [N, 4, 4]
+    tools = np.eye(4)
+    tools[:3, :3] = robot.tool_axes.T
+    poses = grasps.poses @ tools
+    hold, order = reach(chain, motions[0] @ poses, grasps.cost, starts_of(chain, robot, q))
+    if not len(order):
+        raise NoPlan(f"joint {part.joint.name!r}: no grasp of the handle is in reach at its start")
+    targets = motions[:, None] @ poses[order][None]
+    ways = [follow(chain, targets, hold), follow(chain, targets, hold, turn_weight=LOOSE)]
+    path, missed, turned = (
+        np.concatenate([way[k] for way in ways], axis=-2 if k == 0 else 0) for k in range(3)
+    )
+    cost = np.tile(grasps.cost[order], 2) + 20.0 * missed + turned
+    good = np.flatnonzero((missed < NEAR) & (turned < MOST_TURN))
+    if len(good) <= skip:
+        raise NoPlan(
+            f"joint {part.joint.name!r}: {len(good)} grasps can be carried along the path within "
+            f"{1e3 * NEAR:.0f} mm, the best misses it by {1e3 * missed.min():.0f} mm"
+        )
+    best = good[np.argsort(cost[good], kind="stable")][skip]
+    return OpenPlan(
+        approach=np.stack([drawn_back(chain, robot, path[0, best]), path[0, best]]),
+        path=path[1:, best],
+        leave=drawn_back(chain, robot, path[-1, best])[None],
+        grasps=True,
+        miss=float(missed[best]),
+    )
+
+
+def path_fractions(part: TaskPart, begin: float, end: float) -> Float[np.ndarray, "N"]:
+    """From ``begin`` to a little beyond ``end``, in steps of about the same travel of the grip."""
+    beyond = float(np.clip(end + np.sign(end - begin) * BEYOND, 0.0, 1.0))
+    lever = 1.0
+    if part.joint.type != "prismatic":
+        lever = float(np.linalg.norm(np.cross(part.joint.axis, part.grip - part.joint.origin)))
+    travel = abs(beyond - begin) * part.span * lever
+    return np.linspace(begin, beyond, max(4, int(np.ceil(travel / STEP))) + 1)
+
+
+def drawn_back(chain: Chain, robot: RobotSpec, q: Float[np.ndarray, "J"]) -> Float[np.ndarray, "J"]:
+    """Arm angles with the gripper drawn back along the way it points."""
+    T = tool_pose(chain, q[None])
+    T[:, :3, 3] -= BACK * (T[:, :3, :3] @ robot.tool_axes[:, 0])
+    return solve(chain, T, q[None], posture_weight=0.0, iterations=30)[0][0]

@@ -1,0 +1,41 @@
+"""Demonstrations by the scripted solvers, in ManiSkill's own trajectory format (HDF5 and JSON)."""
+
+from collections.abc import Callable, Iterable
+from pathlib import Path
+
+import gymnasium as gym
+from mani_skill.utils.wrappers.record import RecordEpisode
+
+from .solve import Outcome
+
+
+def record_episodes(
+    env: gym.Env, solver: Callable[[gym.Env, int], Outcome], seeds: Iterable[int], out: Path
+) -> tuple[Outcome, ...]:
+    """Plays one episode per seed and keeps those that succeed.
+
+    Args:
+        env: a task with the control mode ``pd_joint_pos``; it is closed in the end.
+        solver: `solve_open_part` or `solve_put_inside`.
+        seeds: of the episodes.
+        out: folder for ``demonstrations.h5`` and ``demonstrations.json``, made if need be.
+
+    Returns:
+        One outcome per seed, the failed ones too.
+    """
+    recorder = RecordEpisode(
+        env,  # type: ignore[arg-type]
+        output_dir=str(out),
+        save_video=False,
+        save_on_reset=False,
+        trajectory_name="demonstrations",
+        source_type="motionplanning",
+        source_desc="artigen's scripted solver: inverse kinematics along the joint's path",
+    )
+    outcomes = []
+    for seed in seeds:
+        outcome = solver(recorder, seed)
+        recorder.flush_trajectory(save=outcome.success)
+        outcomes.append(outcome)
+    recorder.close()
+    return tuple(outcomes)

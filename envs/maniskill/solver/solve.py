@@ -1,0 +1,182 @@
+"""Scripted solvers: proof that the tasks can be done, and a source of demonstrations.
+
+They act like any policy, through the environment's actions; what they know of the object comes from its
+package. Nothing here learns, and nothing pushes a joint but the robot's fingers.
+"""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import gymnasium as gym
+import numpy as np
+from jaxtyping import Float
+
+from artigen.transforms import inverse
+
+from .drive import Driver, arm_angles, grip, move, object_in_root, root_pose, start, wait
+from .plan_open import NoPlan, OpenPlan, plan_open
+from .plan_push import plan_push
+from .plan_put import NoPutPlan, PutPlan, plan_put
+
+if TYPE_CHECKING:
+    from ..open_part import OpenPartEnv
+    from ..put_inside import PutInsideEnv
+
+ATTEMPTS = 4
+AJAR_ANGLES = (0.7, 0.5, 0.35, 0.26)
+"""How far a door is pulled before it is pushed, rad; the first that the arm can do."""
+PULL_SPEED = 0.6
+PICKS = 3
+LIFTED = 0.05
+"""How far a cube has to have come up to be in the gripper, metres."""
+CLEAR_OF_RIM = 0.07
+"""How far above a drawer's rim the cube is brought in, metres."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Outcome:
+    """How an episode went; ``reason`` says what stopped it where it failed, "" otherwise."""
+
+    success: bool
+    steps: int
+    open_fraction: float
+    reason: str
+
+
+def solve_open_part(env: gym.Env, seed: int) -> Outcome:
+    """Plays one episode of ``ArtiGen-OpenPart-v1`` with the control mode ``pd_joint_pos``.
+
+    It pulls at the handle all the way; where the arm cannot go along with a door, it pulls it ajar and pushes
+    from behind.
+
+    Args:
+        env: the task, one scene on the CPU, wrapped or not.
+        seed: of the episode.
+    """
+    _, info = env.reset(seed=seed)
+    driver = start(env, info)
+    task: OpenPartEnv = env.unwrapped  # type: ignore[assignment]
+    reason = ""
+    for attempt in range(ATTEMPTS):
+        try:
+            plan = _next_plan(driver, task, attempt)
+        except NoPlan as none:
+            reason = str(none)
+            break
+        _follow_plan(driver, plan)
+        if driver.over:
+            break
+        reason = f"let go at {float(task.open_fraction[0]):.2f} of the range"
+    success = bool(driver.info["success"][0])
+    opened = float(task.open_fraction[0])
+    if not success and driver.over:
+        reason = f"time over at {opened:.2f} of the range"
+    return Outcome(
+        success=success, steps=driver.steps, open_fraction=opened, reason="" if success else reason
+    )
+
+
+def _next_plan(driver: Driver, task: "OpenPartEnv", attempt: int) -> OpenPlan:
+    """Pull to the end; or else push to the end; or else pull only as far as a push needs.
+
+    Raises:
+        NoPlan: if none of them works, with what kept the first from it.
+    """
+    part, begin, end = task.drawn[0][1], float(task.open_fraction[0]), task.goal_open
+    at = (driver.chain, driver.robot, part, object_in_root(driver), arm_angles(driver), begin)
+    whole: NoPlan | None = None
+    try:
+        return plan_open(*at, end, skip=attempt)
+    except NoPlan as none:
+        whole = none
+    try:
+        return plan_push(*at, end)
+    except NoPlan:
+        pass
+    for angle in AJAR_ANGLES:
+        if part.joint.type != "prismatic" and begin < angle / part.span < end:
+            try:
+                return plan_open(*at, angle / part.span, skip=attempt)
+            except NoPlan:
+                continue
+    raise whole
+
+
+def _follow_plan(driver: Driver, plan: OpenPlan) -> None:
+    """To the part, along the joint's path, a moment for the part to come to rest, and away."""
+    grip(driver, 1.0 if plan.grasps else -1.0, 1)
+    for index, q in enumerate(plan.approach):
+        move(driver, q, speed=1.0 if index == 0 else 0.5)
+        wait(driver, 2)
+    if plan.grasps:
+        grip(driver, -1.0, 6)
+    for q in plan.path:
+        move(driver, q, speed=PULL_SPEED)
+    wait(driver, 8)
+    if plan.grasps:
+        grip(driver, 1.0, 4)
+    for q in plan.leave:
+        move(driver, q)
+
+
+def solve_put_inside(env: gym.Env, seed: int) -> Outcome:
+    """Plays one episode of ``ArtiGen-PutInside-v1`` with the control mode ``pd_joint_pos``."""
+    _, info = env.reset(seed=seed)
+    driver = start(env, info)
+    task: PutInsideEnv = env.unwrapped  # type: ignore[assignment]
+    reason = ""
+    for _ in range(PICKS):
+        try:
+            plan = _put_plan(driver, task)
+        except NoPutPlan as none:
+            reason = str(none)
+            break
+        if _pick(driver, task, plan):
+            _bring(driver, plan)
+            break
+    success = bool(driver.info["success"][0])
+    if not success and not reason:
+        lying = "inside" if bool(driver.info["inside"][0]) else "outside"
+        reason = f"the cube ended {lying}, {'time over' if driver.over else 'not at rest'}"
+    opened = float(task.open_fraction[0])
+    return Outcome(
+        success=success, steps=driver.steps, open_fraction=opened, reason="" if success else reason
+    )
+
+
+def _put_plan(driver: Driver, task: "PutInsideEnv") -> PutPlan:
+    """A plan from where the cube lies now."""
+    T_root_world = inverse(root_pose(driver))
+    cube = np.asarray(task.cube.pose.to_transformation_matrix()[0].numpy(), dtype=np.float64)
+    container = task.containers[0]
+    aim = task.aims[0].numpy().astype(np.float64) + np.array([0.0, 0.0, task.cube_size / 2.0])
+    depth = float(container.region[1, 2] - container.region[0, 2])
+    return plan_put(
+        driver.chain, driver.robot, T_root_world @ cube, T_root_world[:3, :3] @ aim + T_root_world[:3, 3],
+        T_root_world[:3, :3] @ container.entry, arm_angles(driver), depth + CLEAR_OF_RIM,
+    )  # fmt: skip
+
+
+def _pick(driver: Driver, task: "PutInsideEnv", plan: PutPlan) -> bool:
+    """Takes the cube and lifts it; whether it came along."""
+    grip(driver, 1.0, 2)
+    before = float(task.cube.pose.p[0, 2])
+    _go(driver, plan.pick)
+    grip(driver, -1.0, 6)
+    _go(driver, plan.lift)
+    return float(task.cube.pose.p[0, 2]) > before + LIFTED
+
+
+def _bring(driver: Driver, plan: PutPlan) -> None:
+    """Brings the cube to its place, lets go and draws back."""
+    _go(driver, plan.place)
+    grip(driver, 1.0, 5)
+    _go(driver, plan.leave)
+    wait(driver, 12)
+
+
+def _go(driver: Driver, stage: Float[np.ndarray, "N J"]) -> None:
+    """Through the waypoints of a stage: fast to the first, slowly along the others."""
+    for index, q in enumerate(stage):
+        move(driver, q, speed=0.9 if index == 0 else 0.5)
+    wait(driver, 2)

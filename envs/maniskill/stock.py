@@ -1,0 +1,108 @@
+"""ManiSkill's own cabinet tasks on packages: ``ArtiGen-OpenCabinetDrawer-v1`` and ``...Door-v1``.
+
+    import envs, gymnasium
+    env = gymnasium.make("ArtiGen-OpenCabinetDrawer-v1", packages="out/packages", robot_uids="fetch")
+    env.reset(seed=0)
+
+Start positions, observations, success and rewards are ManiSkill's. Only the loading differs: cabinets come
+from packages, handles from their annotations instead of from render shapes, so that neither a download nor
+a render device is needed. Joints without limits are held: their -inf would become the cabinet's pose.
+"""
+
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import sapien
+import torch
+from mani_skill.agents.robots import Fetch
+from mani_skill.envs.tasks.mobile_manipulation.open_cabinet_drawer import (
+    CABINET_COLLISION_BIT,
+    OpenCabinetDoorEnv,
+    OpenCabinetDrawerEnv,
+)
+from mani_skill.utils.structs import Articulation, Link
+
+from artigen.transforms import inverse, transform_points
+
+from .folders import TaskError
+from .load import load_object, without_visuals
+from .objects import TaskObject, TaskPart, Validation, read_objects
+from .task import AWAY
+
+
+class _FromPackages:
+    """Replaces how ManiSkill's cabinet tasks come by their cabinets and their robot."""
+
+    def __init__(
+        self,
+        *args: Any,
+        packages: str | Path | Sequence[str | Path],
+        validation: Validation = "passed",
+        **kwargs: Any,
+    ) -> None:
+        types = getattr(self, "handle_types")  # noqa: B009
+        objects = read_objects(packages, "any", handles="required", validation=validation)
+        self.choices: list[tuple[TaskObject, tuple[TaskPart, ...]]] = []
+        for entry in objects:
+            parts = tuple(part for part in entry.parts if part.joint.type in types)
+            if parts:
+                self.choices.append((entry, parts))
+        if not self.choices:
+            found = sorted({part.joint.type for entry in objects for part in entry.parts})
+            raise TaskError(
+                f"{len(objects)} packages have parts with handles on {', '.join(found)} joints and none on "
+                f"{' or '.join(types)} ones, which {type(self).__name__} opens"
+            )
+        super().__init__(*args, **kwargs)
+
+    def _load_agent(self: Any, options: dict) -> None:
+        with tempfile.TemporaryDirectory() as scratch:
+            agent = Fetch if self.scene.can_render() else without_visuals(Fetch, Path(scratch))
+            self.agent = agent(self.scene, self._control_freq, self._control_mode, initial_pose=AWAY)
+
+    def _load_cabinets(self: Any, joint_types: list[str]) -> None:
+        self._cabinets: list[Articulation] = []
+        links: list[Link] = []
+        grips = []
+        for index in range(self.num_envs):
+            rng = self._batched_episode_rng[index]
+            entry, parts = self.choices[rng.randint(len(self.choices))]
+            part = parts[rng.randint(len(parts))]
+            name = f"{entry.package.name}-{index}"
+            cabinet, frames = load_object(self.scene, entry, name, index, endless="hold")
+            self.remove_from_state_dict_registry(cabinet)
+            for link in cabinet.links:
+                link.set_collision_group_bit(group=2, bit_idx=CABINET_COLLISION_BIT, bit=1)
+            grips.append(transform_points(inverse(frames[part.joint.child]), part.grip[None])[0])
+            links.append(cabinet.links_map[part.joint.child])
+            self._cabinets.append(cabinet)
+        self.cabinet = Articulation.merge(self._cabinets, name="cabinet")
+        self.add_to_state_dict_registry(self.cabinet)
+        self.handle_link = Link.merge(links, name="handle_link")
+        self.handle_link_pos = torch.tensor(np.array(grips), dtype=torch.float32, device=self.device)
+        self.handle_link_goal = _build_goal(self.scene)
+
+
+class PackageDrawerEnv(_FromPackages, OpenCabinetDrawerEnv):
+    """ManiSkill's OpenCabinetDrawer with the sliding parts of packages that have handles."""
+
+    handle_types = ["prismatic"]  # noqa: RUF012
+
+
+class PackageDoorEnv(_FromPackages, OpenCabinetDoorEnv):
+    """ManiSkill's OpenCabinetDoor with the turning parts of packages that have handles."""
+
+    handle_types = ["revolute"]  # noqa: RUF012
+
+
+def _build_goal(scene: Any) -> Any:
+    """The sphere that ManiSkill shows at the handle; without a render device it has nothing to show."""
+    builder = scene.create_actor_builder()
+    if scene.can_render():
+        material = sapien.render.RenderMaterial(base_color=[0, 1, 0, 1])
+        builder.add_sphere_visual(radius=0.02, material=material)
+    builder.initial_pose = sapien.Pose()
+    return builder.build_kinematic(name="handle_link_goal")

@@ -1,0 +1,253 @@
+"""What the tasks share: objects from packages, a robot in front of one part, and that part's state.
+
+Lengths in metres, angles in radians, everything batched over parallel scenes in the first dimension. All
+random draws come from the episode's own generators, so that a seed decides everything.
+"""
+
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import sapien
+import torch
+from jaxtyping import Float
+from mani_skill.agents.robots import Fetch, Panda
+from mani_skill.agents.robots.fetch import FETCH_WHEELS_COLLISION_BIT
+from mani_skill.envs.sapien_env import BaseEnv
+from mani_skill.sensors.camera import CameraConfig
+from mani_skill.utils import sapien_utils
+from mani_skill.utils.building.ground import build_ground
+from mani_skill.utils.geometry.rotation_conversions import quaternion_apply
+from mani_skill.utils.structs import Articulation, Link, Pose
+from mani_skill.utils.structs.types import GPUMemoryConfig, SimConfig
+
+from artigen.transforms import inverse, transform_points, transform_vectors
+
+from .load import load_object, without_visuals
+from .objects import HandleNeed, PartKind, TaskObject, TaskPart, Validation, read_objects
+from .placement import PATH_SAMPLES, Stand, find_stand, grip_path
+from .robots import ROBOTS, RobotSpec
+
+NOISE_POSITION = 0.02
+NOISE_YAW = 0.05
+NOISE_JOINT = 0.02
+AWAY = sapien.Pose(p=[-4.0, 0.0, 0.0])
+"""Where the robot is built, far from every object."""
+
+
+class PackageTask(BaseEnv):
+    """A robot in front of one drawer or door of an object. Subclasses say what is to be done with it.
+
+    Objects stand at the origin, on the floor, front towards -x. Each scene draws one of the objects and one
+    of its usable parts; joints that the part needs open stand open, everything else is closed.
+    """
+
+    SUPPORTED_ROBOTS = ["panda", "fetch"]  # noqa: RUF012
+    agent: Any
+    SUPPORTED_REWARD_MODES = ("normalized_dense", "dense", "sparse", "none")
+
+    def __init__(
+        self,
+        *args: Any,
+        packages: str | Path | Sequence[str | Path],
+        part: PartKind,
+        joint: str | None,
+        handles: HandleNeed,
+        validation: Validation,
+        initial_open: float,
+        goal_open: float,
+        robot_uids: str = "panda",
+        num_envs: int = 1,
+        reconfiguration_freq: int | None = None,
+        **kwargs: Any,
+    ) -> None:
+        for name, value in (("initial_open", initial_open), ("the goal's open fraction", goal_open)):
+            if not 0.0 <= value <= 1.0:
+                raise ValueError(f"{name} is {value}, expected a fraction in [0, 1]")
+        if robot_uids not in ROBOTS:
+            raise ValueError(f"robot_uids {robot_uids!r}, expected one of {', '.join(sorted(ROBOTS))}")
+        self.robot_spec: RobotSpec = ROBOTS[robot_uids]
+        self.objects: tuple[TaskObject, ...] = read_objects(
+            packages, part, joint=joint, handles=handles, validation=validation
+        )
+        self.initial_open, self.goal_open = initial_open, goal_open
+        if reconfiguration_freq is None:
+            reconfiguration_freq = 1 if num_envs == 1 else 0
+        super().__init__(
+            *args,
+            robot_uids=robot_uids,
+            num_envs=num_envs,
+            reconfiguration_freq=reconfiguration_freq,
+            **kwargs,
+        )
+
+    @property
+    def _default_sim_config(self) -> SimConfig:
+        memory = GPUMemoryConfig(max_rigid_contact_count=2**21, max_rigid_patch_count=2**19)
+        return SimConfig(spacing=5, gpu_memory_config=memory)
+
+    @property
+    def _default_human_render_camera_configs(self) -> CameraConfig:
+        pose = sapien_utils.look_at(eye=[-1.8, -1.4, 1.6], target=[-0.2, 0.1, 0.4])
+        return CameraConfig("render_camera", pose=pose, width=512, height=512, fov=1, near=0.01, far=100)
+
+    @property
+    def _default_sensor_configs(self) -> list[CameraConfig]:
+        pose = sapien_utils.look_at(eye=[-1.5, -0.9, 1.4], target=[-0.2, 0.0, 0.4])
+        return [CameraConfig("base_camera", pose=pose, width=128, height=128, fov=1.2, near=0.01, far=100)]
+
+    def _load_agent(self, options: dict) -> None:  # type: ignore[override]
+        agent = {"panda": Panda, "fetch": Fetch}[self.robot_spec.name]
+        with tempfile.TemporaryDirectory() as scratch:
+            # Only Fetch has materials; Panda's own file is also what its end-effector controllers read.
+            if self.robot_spec.name == "fetch" and not self.scene.can_render():
+                agent = without_visuals(agent, Path(scratch))
+            self.agent = agent(self.scene, self._control_freq, self._control_mode, initial_pose=AWAY)
+
+    def _load_scene(self, options: dict) -> None:
+        self.ground = build_ground(self.scene)
+        if self.robot_spec.name == "fetch":
+            self.ground.set_collision_group_bit(group=2, bit_idx=FETCH_WHEELS_COLLISION_BIT, bit=1)
+        self.drawn: list[tuple[TaskObject, TaskPart]] = []
+        self.into_links: list[np.ndarray] = []
+        built, targets, grips, pulls = [], [], [], []
+        for index in range(self.num_envs):
+            rng = self._batched_episode_rng[index]
+            entry, part = self._draw(rng)
+            name = f"{entry.package.name}-{index}"
+            articulation, frames = load_object(self.scene, entry, name, index)
+            self.remove_from_state_dict_registry(articulation)
+            into_link = inverse(frames[part.joint.child])
+            grips.append(transform_points(into_link, part.grip[None])[0])
+            pulls.append(transform_vectors(into_link, _pull(part)[None])[0])
+            self.drawn.append((entry, part))
+            built.append(articulation)
+            self.into_links.append(into_link)
+            targets.append(articulation.links_map[part.joint.child])
+        self._adopt(built, targets, np.array(grips), np.array(pulls))
+
+    def _draw(self, rng: np.random.RandomState) -> tuple[TaskObject, TaskPart]:
+        """An object and one of its parts, from one scene's generator."""
+        entry = self.objects[rng.randint(len(self.objects))]
+        return entry, entry.parts[rng.randint(len(entry.parts))]
+
+    def _stand(self, entry: TaskObject, part: TaskPart) -> Stand:
+        """Where the robot works from: all of the grip's path is in reach."""
+        fractions = np.linspace(self.initial_open, self.goal_open, PATH_SAMPLES)
+        path = grip_path(entry, part, fractions)
+        return find_stand(entry, part, self.robot_spec, fractions, path, self.robot_spec.forward)
+
+    def _adopt(
+        self, built: list[Articulation], targets: list[Link], grips: np.ndarray, pulls: np.ndarray
+    ) -> None:
+        """Batched views of what was built, and tensors of what never changes until the next scene."""
+        self.built = built
+        self.object = Articulation.merge(built, name="object")
+        self.add_to_state_dict_registry(self.object)
+        self.target = Link.merge(targets, name="target")
+        columns, starts, self.stands = [], [], []
+        for (entry, part), articulation in zip(self.drawn, built, strict=True):
+            columns.append(_column(articulation, part.joint.name))
+            starts.append(_start(entry, part, articulation, self.initial_open, self.object.max_dof))
+            self.stands.append(self._stand(entry, part))
+        lower = [part.joint.lower for _, part in self.drawn]
+        span = [part.span for _, part in self.drawn]
+        sliding = [part.joint.type == "prismatic" for _, part in self.drawn]
+        self._rows = torch.arange(self.num_envs, device=self.device)
+        self._columns = torch.tensor(columns, device=self.device)
+        self._lower, self._span, self._starts, self._grips, self._pulls = (
+            torch.tensor(np.array(values), dtype=torch.float32, device=self.device)
+            for values in (lower, span, starts, grips, pulls)
+        )
+        self._still = torch.tensor([0.1 if flag else 1.0 for flag in sliding], device=self.device)
+
+    def _initialize_episode(self, env_idx: torch.Tensor, options: dict) -> None:
+        self.object.set_qpos(self._starts[env_idx])
+        self.object.set_qvel(torch.zeros_like(self._starts[env_idx]))
+        noise = self._batched_episode_rng[env_idx.cpu().numpy()].uniform(
+            -1.0, 1.0, size=3 + len(self.robot_spec.arm)
+        )
+        scale = np.array([NOISE_POSITION, NOISE_POSITION, NOISE_YAW] + [NOISE_JOINT] * (noise.shape[1] - 3))
+        stands = [self.stands[int(index)] for index in env_idx]
+        self._place_robot(stands, noise * scale)
+
+    def _place_robot(self, stands: list[Stand], noise: Float[np.ndarray, "B 3+A"]) -> None:
+        """Base on its stand and arm at its ready pose, both a little off."""
+        spec = self.robot_spec
+        base = np.array([[s.x, s.y, s.yaw] for s in stands]) + noise[:, :3]
+        names = [joint.name for joint in self.agent.robot.active_joints]
+        qpos = np.array([[spec.opening / 2.0 if "finger" in name else 0.0 for name in names]] * len(stands))
+        qpos[:, [names.index(name) for name in spec.arm]] = spec.ready + noise[:, 3:]
+        p, q = np.zeros((len(stands), 3)), np.zeros((len(stands), 4))
+        q[:, 0] = 1.0
+        if spec.name == "fetch":
+            qpos[:, :3] = base
+            qpos[:, names.index("torso_lift_joint")] = [s.lift for s in stands]
+        else:
+            p[:, :2], p[:, 2] = base[:, :2], [s.z for s in stands]
+            q[:, 0], q[:, 3] = np.cos(base[:, 2] / 2.0), np.sin(base[:, 2] / 2.0)
+        self.agent.reset(torch.tensor(qpos, dtype=torch.float32, device=self.device))
+        self.agent.robot.set_pose(
+            Pose.create_from_pq(torch.tensor(p).float(), torch.tensor(q).float(), device=self.device)
+        )
+
+    @property
+    def open_fraction(self) -> Float[torch.Tensor, "B"]:
+        """How far the part is open, 0 at the lower limit and 1 at the upper."""
+        return (self.object.get_qpos()[self._rows, self._columns] - self._lower) / self._span
+
+    @property
+    def grip_position(self) -> Float[torch.Tensor, "B 3"]:
+        """Where to hold the part, in the world."""
+        pose = self.target.pose
+        return quaternion_apply(pose.q, self._grips) + pose.p
+
+    def _part_info(self) -> dict[str, torch.Tensor]:
+        """What every task wants to know of its part."""
+        speed = self.object.get_qvel()[self._rows, self._columns].abs()
+        return {
+            "open_fraction": self.open_fraction,
+            "grip_position": self.grip_position,
+            "part_still": speed <= self._still,
+        }
+
+    def _get_obs_extra(self, info: dict) -> dict[str, torch.Tensor]:
+        obs = {"tcp_pose": self.agent.tcp.pose.raw_pose}
+        if "state" in self.obs_mode:
+            pull = quaternion_apply(self.target.pose.q, self._pulls)
+            obs |= {
+                "open_fraction": info["open_fraction"][:, None],
+                "grip_position": info["grip_position"],
+                "tcp_to_grip": info["grip_position"] - self.agent.tcp.pose.p,
+                "pull_direction": pull,
+            }
+        return obs
+
+
+def _pull(part: TaskPart) -> Float[np.ndarray, "3"]:
+    """Unit direction in which the grip starts to move as the joint opens, object frame."""
+    if part.joint.type == "prismatic":
+        return part.joint.axis
+    direction = np.cross(part.joint.axis, part.grip - part.joint.origin)
+    return direction / max(float(np.linalg.norm(direction)), 1e-9)
+
+
+def _column(articulation: Articulation, joint: str) -> int:
+    return [entry.name for entry in articulation.active_joints].index(joint)
+
+
+def _start(
+    entry: TaskObject, part: TaskPart, articulation: Articulation, initial_open: float, width: int
+) -> Float[np.ndarray, "Q"]:
+    """Joint vector of an episode's start, padded to the widest object of the batch."""
+    specs = {joint.name: joint for joint in entry.package.joints}
+    qpos = np.zeros(width)
+    for column, joint in enumerate(articulation.active_joints):
+        spec = specs[joint.name]
+        limited = spec.type != "continuous"
+        rest = float(np.clip(0.0, spec.lower, spec.upper)) if limited else 0.0
+        qpos[column] = spec.upper if spec.name in part.needs else rest
+    qpos[_column(articulation, part.joint.name)] = part.joint.lower + initial_open * part.span
+    return qpos

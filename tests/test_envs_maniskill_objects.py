@@ -1,0 +1,155 @@
+"""What tasks read out of packages, where robots stand, and where things can be put: no simulator needed."""
+
+import importlib.util
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from envs.maniskill.containers import column_spans, find_container, largest_rectangle
+from envs.maniskill.folders import TaskError, find_packages
+from envs.maniskill.objects import TaskObject, read_object, read_objects
+from envs.maniskill.placement import find_stand, free_radius, grip_path, outward
+from envs.maniskill.robots import ROBOTS
+from envs.maniskill.solver.grasp import find_grasps
+from sim_export.collision.hulls import convex_hull
+from sim_export.files.write import write_package
+from sim_export.package import SimPackage
+from sim_export.report import CheckResult, Report, write_report
+
+
+@pytest.fixture(scope="module")
+def package() -> SimPackage:
+    path = Path(__file__).parents[1] / "benchmarks" / "sample_packages.py"
+    spec = importlib.util.spec_from_file_location("sample_packages", path)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module.build_package(module.SAMPLE_PARTS)
+
+
+@pytest.fixture(scope="module")
+def folder(package: SimPackage, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write_package(package, tmp_path_factory.mktemp("task") / "cabinet")
+
+
+@pytest.fixture(scope="module")
+def cabinet(folder: Path) -> TaskObject:
+    return read_object(folder, "any")
+
+
+def verdict(folder: Path, result: str) -> None:
+    check = CheckResult(id="V304", level="L3", title="joints open", verdict=result)  # type: ignore[arg-type]
+    write_report(Report(package=folder.name, checks=(check,)), folder / "validation.json")
+
+
+def test_a_part_is_used_or_left_out_by_name(cabinet):
+    used = {part.joint.name for part in cabinet.parts}
+    left_out = {name for name, _ in cabinet.left_out}
+    moving = {joint.name for joint in cabinet.package.joints if joint.type != "fixed"}
+    assert used
+    assert used | left_out == moving
+    assert not used & left_out
+    assert all(reason for _, reason in cabinet.left_out)
+
+
+def test_endless_and_screwing_joints_are_left_out(package, tmp_path):
+    joints = tuple(
+        replace(joint, type="continuous", kind="continuous") if joint.type == "revolute" else joint
+        for joint in package.joints
+    )
+    entry = read_object(write_package(replace(package, joints=joints), tmp_path / "endless"), "any")
+    assert "turns without limits" in dict(entry.left_out).values()
+    assert all(part.joint.type == "prismatic" for part in entry.parts)
+
+
+def test_an_empty_folder_is_named(tmp_path):
+    with pytest.raises(TaskError, match=r"no package in it; a package is a folder with mobility\.urdf"):
+        find_packages(tmp_path)
+    with pytest.raises(TaskError, match="no such folder"):
+        find_packages(tmp_path / "nowhere")
+
+
+def test_only_what_passed_is_used(package, tmp_path):
+    folder = write_package(package, tmp_path / "cabinet")
+    with pytest.raises(TaskError, match=r"1 of 1 packages have no validation\.json"):
+        read_objects(tmp_path, "any")
+    verdict(folder, "fail")
+    with pytest.raises(TaskError, match=r"failed validation: V304 \(joints open\)"):
+        read_objects(tmp_path, "any")
+    assert read_objects(tmp_path, "any", validation="any")
+    verdict(folder, "pass")
+    assert len(read_objects(tmp_path, "any")) == 1
+
+
+def test_a_missing_kind_says_what_was_found(package, tmp_path):
+    links = tuple(
+        replace(link, label="tray" if link.label == "drawer" else link.label) for link in package.links
+    )
+    write_package(replace(package, links=links), tmp_path / "trays")
+    with pytest.raises(TaskError, match=r"none has a drawer on a joint with limits .*joint_0 moves a tray"):
+        read_objects(tmp_path, "drawer", validation="any")
+
+
+@pytest.mark.parametrize("robot", sorted(ROBOTS))
+def test_the_robot_stands_clear_and_in_front(cabinet, robot):
+    spec = ROBOTS[robot]
+    fractions = np.linspace(0.0, 0.75, 9)
+    for part in cabinet.parts:
+        path = grip_path(cabinet, part, fractions)
+        stand = find_stand(cabinet, part, spec, fractions, path, spec.forward)
+        base = np.array([[stand.x, stand.y, stand.z]])
+        assert free_radius(cabinet, part, base, spec.column, fractions)[0] > spec.clearance - 0.02
+        assert (base[0] - path[0]) @ outward(part) > 0.3
+        assert np.linalg.norm(base[0, :2] - path[:, :2], axis=1).max() < spec.forward.far + 0.25
+
+
+def test_the_grip_follows_the_joint(cabinet):
+    for part in cabinet.parts:
+        path = grip_path(cabinet, part, np.array([0.0, 1e-4]))
+        direction = (path[1] - path[0]) / np.linalg.norm(path[1] - path[0])
+        if part.handle is not None:
+            np.testing.assert_allclose(direction, part.handle.opening_direction, atol=1e-3)
+            assert direction @ outward(part) > 0.9
+
+
+def test_grasps_straddle_the_handle(cabinet):
+    part = next(part for part in cabinet.parts if part.handle is not None)
+    grasps = find_grasps(part.handle, ROBOTS["panda"])
+    R = grasps.poses[:, :3, :3]
+    np.testing.assert_allclose(R @ np.swapaxes(R, 1, 2), np.tile(np.eye(3), (len(R), 1, 1)), atol=1e-9)
+    np.testing.assert_allclose(np.linalg.det(R), 1.0)
+    best = grasps.poses[grasps.cost.argmin()]
+    bar = part.handle.grasp_line[1] - part.handle.grasp_line[0]
+    assert abs(best[:3, 1] @ bar) < 1e-6
+    assert best[:3, 0] @ part.handle.normal < -0.99
+    thick = replace(part.handle, width=0.2)
+    assert len(find_grasps(thick, ROBOTS["panda"]).poses) == 0
+
+
+def test_columns_meet_a_box_where_it_is():
+    box = convex_hull(np.array([[x, y, z] for x in (0, 1) for y in (0, 2) for z in (0.5, 0.7)], dtype=float))
+    low, high = column_spans((box,), np.array([[0.5, 1.9], [1.1, 1.0]]))
+    np.testing.assert_allclose([low[0, 0], high[0, 0]], [0.5, 0.7], atol=1e-9)
+    assert np.isinf([low[0, 1], high[0, 1]]).all()
+
+
+def test_the_largest_rectangle_is_found():
+    mask = np.zeros((6, 7), dtype=bool)
+    mask[1:4, 2:6] = True
+    mask[:, 0] = True
+    assert largest_rectangle(mask) == (1, 4, 2, 6)
+    assert largest_rectangle(np.zeros((3, 3), dtype=bool)) == (0, 0, 0, 0)
+
+
+def test_a_drawer_has_room_within_its_walls(cabinet):
+    part = next(part for part in cabinet.parts if part.kind == "drawer")
+    container = find_container(cabinet, part, 0.9, 0.04)
+    assert container is not None
+    assert (container.region[0] >= part.moved.min(axis=0)).all()
+    assert (container.region[1] <= part.moved.max(axis=0)).all()
+    assert (container.aim[:2] > container.region[0, :2]).all()
+    assert (container.aim[:2] < container.region[1, :2]).all()
+    assert find_container(cabinet, part, 0.9, 0.9) is None

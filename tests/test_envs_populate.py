@@ -1,0 +1,408 @@
+"""Furnished rooms: what they promise holds on the hulls, and a broken promise is found."""
+
+import json
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from artigen.cli.scene import SceneSettings, scene
+from envs.maniskill.populate import PopulateConfig, populate
+from envs.maniskill.rooms.ajar import open_some
+from envs.maniskill.rooms.catalogue import PopulateError, read_catalogue
+from envs.maniskill.rooms.check import check_room
+from envs.maniskill.rooms.choose import ChooseConfig, Offer, Wall, choose_units, order_units
+from envs.maniskill.rooms.file import SceneFileError, read_room, write_room
+from envs.maniskill.rooms.footprints import carries, measure_footprint, read_footprint
+from envs.maniskill.rooms.map import label_regions, start_place, way_to
+from envs.maniskill.rooms.picture import RoomPictureConfig, draw_plan, draw_room
+from envs.maniskill.rooms.recipes import BASE, KITCHEN, RANGE, RECIPES, Share
+from envs.maniskill.rooms.room import Room, RoomKind, pose_matrix_of
+from envs.maniskill.rooms.sweeps import opening_joints, sweep_boxes, sweep_joint
+from sim_export.collision.hulls import box_hull
+from sim_export.files.write import write_package
+from sim_export.package import Hull, Inertial, Link, Mesh, PackageJoint, SimPackage, Visual
+from sim_export.report import CheckResult, Report, write_report
+
+WALL = 0.018
+ROOMS: tuple[tuple[RoomKind, int], ...] = (("kitchen", 0), ("kitchen", 1), ("office", 0), ("bedroom", 1))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Furniture:
+    """A box with fronts: ``doors`` side by side (hinged left, right, left ...) or ``drawers`` in a stack."""
+
+    name: str
+    category: str
+    size: tuple[float, float, float]
+    doors: int = 0
+    drawers: int = 0
+    swing: float = 1.6
+
+
+FURNITURE = (
+    Furniture(name="base_a", category="StorageFurniture", size=(0.6, 0.6, 0.88), doors=2),
+    Furniture(name="base_b", category="StorageFurniture", size=(0.6, 0.8, 0.88), drawers=3),
+    Furniture(name="fridge", category="Refrigerator", size=(0.66, 0.7, 1.8), doors=1, swing=2.2),
+    Furniture(name="range", category="Oven", size=(0.62, 0.6, 0.9), drawers=1),
+    Furniture(name="hung", category="StorageFurniture", size=(0.33, 0.6, 0.7), doors=2),
+    Furniture(name="microwave", category="Microwave", size=(0.38, 0.5, 0.3), doors=1),
+    Furniture(name="desk", category="Table", size=(0.7, 1.3, 0.74), drawers=1),
+    Furniture(name="pedestal", category="StorageFurniture", size=(0.5, 0.42, 0.6), drawers=2),
+    Furniture(name="bookcase", category="StorageFurniture", size=(0.4, 0.9, 1.9), doors=2),
+    Furniture(name="wardrobe", category="StorageFurniture", size=(0.6, 1.2, 2.1), doors=2),
+    Furniture(name="dresser", category="StorageFurniture", size=(0.48, 1.0, 0.9), drawers=3),
+    Furniture(name="nightstand", category="StorageFurniture", size=(0.4, 0.45, 0.52), drawers=1),
+    Furniture(name="sideboard", category="StorageFurniture", size=(0.42, 1.4, 0.78), doors=2),
+)
+
+
+def solid_link(name: str, label, boxes) -> Link:
+    """A link of boxes with a plausible mass."""
+    hulls = tuple(box_hull(np.array(low), np.array(high)) for low, high in boxes)
+    meshes = [Mesh(vertices=hull.vertices, faces=hull.faces) for hull in hulls]
+    visuals = tuple(
+        Visual(name=f"{label}_{name}_{index}", part=name, label=label, mesh=mesh)
+        for index, mesh in enumerate(meshes)
+    )
+    center = np.mean([hull.vertices.mean(axis=0) for hull in hulls], axis=0)
+    inertial = Inertial(mass=5.0, com=center, inertia=np.eye(3) * 0.2)
+    return Link(name=name, label=label, parts=(name,), visuals=visuals, hulls=hulls, inertial=inertial)
+
+
+def build_furniture(kind: Furniture) -> SimPackage:
+    """The piece as a package, centred, front at -x."""
+    depth, width, height = kind.size
+    x0, x1, y0, y1, z = -depth / 2 + 0.02, depth / 2, -width / 2, width / 2, height / 2
+    body = [
+        ((x1 - WALL, y0, -z), (x1, y1, z)),
+        ((x0, y0, -z), (x1 - WALL, y0 + WALL, z)),
+        ((x0, y1 - WALL, -z), (x1 - WALL, y1, z)),
+        ((x0, y0, z - WALL), (x1, y1, z)),
+        ((x0, y0 + WALL, -z), (x1 - WALL, y1 - WALL, -z + WALL)),
+    ]
+    links, joints = [], []
+    for index in range(kind.doors):
+        left, right = y0 + index * width / kind.doors + 0.003, y0 + (index + 1) * width / kind.doors - 0.003
+        panel = ((x0 - 0.02, left, -z + 0.003), (x0 - 0.002, right, z - 0.003))
+        low = index % 2 == 0
+        links.append(solid_link(f"link_{index}", "door", [panel]))
+        joints.append(
+            PackageJoint(
+                name=f"joint_{index}", type="revolute", kind="revolute", parent="body", child=f"link_{index}",
+                origin=np.array([x0 - 0.02, left if low else right, 0.0]),
+                axis=np.array([0.0, 0.0, 1.0 if low else -1.0]), lower=0.0, upper=kind.swing, friction=0.5,
+                damping=0.5,
+            )
+        )  # fmt: skip
+    for index in range(kind.drawers):
+        low, high = -z + 2 * z * index / kind.drawers + 0.02, -z + 2 * z * (index + 1) / kind.drawers - 0.02
+        front = ((x0 - 0.02, y0 + 0.003, low), (x0 - 0.002, y1 - 0.003, high))
+        tray = ((x0 - 0.002, y0 + 0.04, low), (x1 - 0.05, y1 - 0.04, low + 0.02))
+        links.append(solid_link(f"link_{index}", "drawer", [front, tray]))
+        joints.append(
+            PackageJoint(
+                name=f"joint_{index}", type="prismatic", kind="prismatic", parent="body",
+                child=f"link_{index}", origin=np.zeros(3), axis=np.array([-1.0, 0.0, 0.0]), lower=0.0,
+                upper=0.3, friction=3.0, damping=5.0,
+            )
+        )  # fmt: skip
+    base = Link(name="base", label=None, parts=(), visuals=(), hulls=(), inertial=None)
+    fixed = PackageJoint(
+        name=f"joint_{len(links)}", type="fixed", kind="fixed", parent="base", child="body",
+        origin=np.zeros(3), axis=np.array([1.0, 0.0, 0.0]),
+    )  # fmt: skip
+    return SimPackage(
+        name=kind.name,
+        category=kind.category,
+        visual="voxels",
+        links=(base, *links, solid_link("body", "base", body)),
+        joints=(*joints, fixed),
+        provenance=(("source", f"a box called {kind.name}"),),
+    )
+
+
+def write_proven(kind: Furniture, folder: Path, verdict: str = "pass") -> Path:
+    """The package with a report that says it passed, or not."""
+    path = write_package(build_furniture(kind), folder / kind.name)
+    check = CheckResult(id="V203", level="L2", title="sweep", verdict=verdict)  # pyright: ignore
+    write_report(Report(package=kind.name, checks=(check,)), path / "validation.json")
+    return path
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    out = tmp_path_factory.mktemp("packages")
+    for kind in FURNITURE:
+        write_proven(kind, out)
+    write_proven(Furniture(name="broken", category="Oven", size=(0.6, 0.6, 0.9)), out, "fail")
+    return out
+
+
+@pytest.fixture(scope="module")
+def rooms(folder: Path) -> dict[tuple[RoomKind, int], Room]:
+    catalogue = read_catalogue(folder)
+    return {(kind, seed): populate(kind, seed, catalogue) for kind, seed in ROOMS}
+
+
+@pytest.mark.parametrize("key", ROOMS)
+def test_a_room_keeps_its_promises(rooms, key):
+    room = rooms[key]
+    assert 10 <= len(room.placements) <= 30
+    assert check_room(room) == ()
+    assert len({placement.id for placement in room.placements}) == len(room.placements)
+    assert len({fixture.name for fixture in room.fixtures}) == len(room.fixtures)
+    categories = {placement.role for placement in room.placements}
+    assert {role.name for role in RECIPES[room.kind].needed} <= categories
+    assert all(
+        placement.category != "Oven" or placement.package.name == "range" for placement in room.placements
+    )
+
+
+def test_the_same_seed_gives_the_same_room_and_another_seed_another(folder, rooms):
+    catalogue = read_catalogue(folder)
+    assert populate("kitchen", 0, catalogue) == rooms["kitchen", 0]
+    assert rooms["kitchen", 0].placements != rooms["kitchen", 1].placements
+
+
+def test_backs_are_to_the_walls_and_fronts_to_the_room(rooms):
+    room = rooms["kitchen", 0]
+    for placement in room.placements:
+        if placement.role not in ("base cabinet", "fridge", "range", "wall cabinet"):
+            continue
+        front = pose_matrix_of(placement)[:2, :3] @ np.array([-1.0, 0.0, 0.0])
+        ahead = np.array(placement.position[:2]) + front
+        center = np.array(room.size[:2]) / 2
+        assert (
+            np.linalg.norm(ahead - center) < np.linalg.norm(np.array(placement.position[:2]) - center) + 1e-9
+        )
+        back = np.array(placement.position[:2]) - front * placement.size[0] / 2
+        assert min(*back, *(np.array(room.size[:2]) - back)) < 0.2
+
+
+def test_what_stands_on_something_is_where_its_top_is(rooms):
+    stacked = [
+        (room, placement)
+        for room in rooms.values()
+        for placement in room.placements
+        if placement.support is not None
+    ]
+    assert stacked
+    for room, placement in stacked:
+        support = room.placement(placement.support)
+        top = support.position[2] + support.size[2] / 2
+        assert placement.position[2] - placement.size[2] / 2 == pytest.approx(top, abs=1e-3)
+        offset = np.abs(np.array(placement.position[:2]) - support.position[:2])
+        assert (offset < max(support.size[:2]) / 2).all()
+
+
+def move(room: Room, name: str, shift: tuple[float, float, float]) -> Room:
+    """The room with one object pushed along in the room's frame."""
+    moved = [
+        replace(entry, position=tuple(np.add(entry.position, shift))) if entry.id == name else entry
+        for entry in room.placements
+    ]
+    return replace(room, placements=tuple(moved))
+
+
+def kinds_of(room: Room, name: str) -> set[str]:
+    return {problem.kind for problem in check_room(room) if name in (problem.id, problem.other)}
+
+
+def test_the_check_finds_objects_in_walls_and_in_each_other(rooms):
+    room = rooms["kitchen", 0]
+    fridge = room.placement("fridge_1")
+    back = pose_matrix_of(fridge)[:3, 0]
+    assert {"overlap", "outside"} <= kinds_of(move(room, "fridge_1", tuple(0.05 * back)), "fridge_1")
+    other = next(entry for entry in room.placements if entry.role == "base cabinet")
+    onto = tuple(np.subtract(other.position, fridge.position) * [1, 1, 0])
+    assert "overlap" in kinds_of(move(room, "fridge_1", onto), "fridge_1")
+
+
+def test_the_check_finds_a_blocked_door_that_overlaps_nothing_at_rest(rooms):
+    room = rooms["kitchen", 0]
+    fridge = room.placement("fridge_1")
+    front = -pose_matrix_of(fridge)[:3, 0]
+    blocker = next(entry for entry in room.placements if entry.role == "base cabinet")
+    # Its middle 0.15 m in front of the fridge's door, clear of the closed one.
+    place = np.array(fridge.position) + front * (fridge.size[0] / 2 + 0.15 + max(blocker.size[:2]) / 2)
+    shift = place - np.array(blocker.position)
+    seeded = move(room, blocker.id, (shift[0], shift[1], 0.0))
+    found = [
+        problem for problem in check_room(seeded) if problem.id == "fridge_1" and problem.other == blocker.id
+    ]
+    assert {"sweep", "standing"} <= {problem.kind for problem in found}
+    assert not any(problem.kind == "overlap" for problem in found)
+    assert all(problem.depth > 0.01 for problem in found)
+    assert any("fridge_1" in problem.message and "joint_0" in problem.message for problem in found)
+
+
+def test_the_check_is_exact_to_less_than_a_millimetre(rooms, folder):
+    """A plank at the reach of a door, and just beyond it."""
+    room = rooms["kitchen", 0]
+    package = read_footprint(folder / "fridge").package
+    joint = opening_joints(package)[0]
+    arm = np.array([0.018, 0.7 - 0.006])
+    reach = np.linalg.norm(arm)
+    fridge = replace(
+        room.placement("fridge_1"), position=(2.0, 2.0, 0.903), quat=(1.0, 0.0, 0.0, 0.0), standing=()
+    )
+    assert joint.upper > np.pi / 2
+    for gap, blocked in ((1.5e-3, False), (-0.5e-3, True)):
+        edge = 2.0 + float(joint.origin[0]) - float(reach) - gap
+        plank = replace(room.fixtures[0], name="plank", low=(edge - 0.1, 1.0, 0.5), high=(edge, 3.0, 0.6))
+        small = replace(room, placements=(fridge,), fixtures=(plank,), standing_radius=0.0)
+        assert [problem.kind for problem in check_room(small)] == (["sweep"] if blocked else [])
+
+
+def test_a_robot_starts_near_the_entrance_on_free_floor(rooms):
+    for room in rooms.values():
+        x, y = start_place(room)
+        assert y < 1.0
+        assert room.entrance.start - 0.3 < x < room.entrance.start + room.entrance.width + 0.3
+    assert way_to(np.array([[False, True]]), (0.025, 0.075)) == pytest.approx(0.0)
+
+
+def test_a_walled_off_place_cannot_be_reached(rooms):
+    room = rooms["bedroom", 1]
+    width, depth, _ = room.size
+    screen = replace(room.fixtures[0], name="screen", low=(0, 0.95, 0.001), high=(width, 0.97, 2.0))
+    problems = check_room(replace(room, fixtures=(*room.fixtures, screen)))
+    assert any(problem.kind == "unreachable" for problem in problems)
+    assert label_regions(np.array([[1, 0, 1], [1, 0, 0]], dtype=bool)).max() == 2
+    assert depth > 1.0
+
+
+def test_boxes_of_a_sweep_hold_every_pose_of_it(folder):
+    package = read_footprint(folder / "wardrobe").package
+    for joint in opening_joints(package):
+        sweep = sweep_joint(package, joint)
+        boxes, columns = sweep_boxes(package, sweep, np.eye(4))
+        slabs = measure_footprint(package).sweeps
+        low, high = slabs[:, 0].min(axis=0), slabs[:, 1].max(axis=0)
+        fine = sweep_joint(package, replace(joint, upper=joint.upper * 0.731))
+        for column, (link, hull) in enumerate(columns):
+            points = package.links[link].hulls[hull].vertices @ fine.T[-1, link, :3, :3].T
+            points = points + fine.T[-1, link, :3, 3]
+            step = int(0.731 * (len(sweep.T) - 1))
+            box = boxes[step, column]
+            assert (points >= box[0] - 1e-9).all()
+            assert (points <= box[1] + 1e-9).all()
+            assert (points >= low - 1e-9).all()
+            assert (points <= high + 1e-9).all()
+
+
+def test_points_on_a_top():
+    square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    points = np.array([[0.5, 0.5], [1.2, 0.5], [1.0, 1.0]])
+    assert carries((square,), points).tolist() == [True, False, True]
+
+
+def test_a_scene_file_survives_a_round_trip_and_a_move(rooms, folder, tmp_path):
+    room = open_some(rooms["office", 0], 0.5)
+    assert any(placement.joints for placement in room.placements)
+    path = write_room(room, tmp_path / "here")
+    assert read_room(path) == room
+    assert read_room(tmp_path / "here") == room
+    value = json.loads(path.read_text())
+    assert value["version"] == 1
+    assert not any(Path(entry["package"]).is_absolute() for entry in value["placements"])
+    assert not list(path.parent.glob("*.partial"))
+    assert write_room(read_room(path), tmp_path / "here").read_text() == path.read_text()
+    value["placements"][0]["package"] = "gone/away"
+    path.write_text(json.dumps(value))
+    with pytest.raises(SceneFileError, match=r"1 of \d+ packages are missing, .*gone/away"):
+        read_room(path)
+    path.write_text(json.dumps(value | {"version": 99}))
+    with pytest.raises(SceneFileError, match="version 1"):
+        read_room(path)
+
+
+def test_open_doors_touch_nothing(rooms):
+    room = open_some(rooms["kitchen", 1], 0.6)
+    opened = sum(len(placement.joints) for placement in room.placements)
+    assert opened >= 3
+    assert not [problem for problem in check_room(room) if problem.kind in ("overlap", "outside")]
+    assert open_some(rooms["kitchen", 1], 0.0) == rooms["kitchen", 1]
+
+
+def test_less_can_be_asked_for(folder):
+    cfg = PopulateConfig(sweeps="any", standing_radius=0.0, width=4.2, depth=3.8)
+    room = populate("kitchen", 5, read_catalogue(folder), cfg)
+    assert room.size[:2] == (4.2, 3.8)
+    assert not any(placement.standing for placement in room.placements)
+    assert not [problem for problem in check_room(room) if problem.kind == "overlap"]
+
+
+def test_a_run_is_as_full_as_its_wall_allows():
+    entry = read_catalogue_entry("base", (0.6, 0.6, 0.88))
+    stove = read_catalogue_entry("stove", (0.62, 0.6, 0.9))
+    shares = (Share(role=BASE, least=1, wanted=3, most=9), Share(role=RANGE, least=1, wanted=1, most=1))
+    offers = [Offer(share=0, entry=entry), Offer(share=1, entry=stove)]
+    rng = np.random.default_rng(0)
+    (units,) = choose_units(offers, shares, [Wall(length=3.1)], rng, ChooseConfig()) or [[]]
+    assert len(units) == 5 - 0
+    assert sum(unit.share == 1 for unit in units) == 1
+    assert choose_units(offers, shares, [Wall(length=1.0)], rng, ChooseConfig()) is None
+    tall = Offer(share=0, entry=replace(entry, size=(0.6, 0.6, 1.9)))
+    ordered = order_units([offers[0], tall, offers[0], offers[0]], rng, corners=[0])
+    assert ordered[-1] is tall
+
+
+def read_catalogue_entry(name: str, size: tuple[float, float, float]):
+    from envs.maniskill.rooms.catalogue import Entry
+
+    return Entry(
+        folder=Path(name), name=name, category="StorageFurniture", size=size, kinds=(), provenance=()
+    )
+
+
+def test_errors_name_what_was_found_and_what_was_needed(folder, tmp_path):
+    with pytest.raises(PopulateError, match="no such folder"):
+        read_catalogue(tmp_path / "nowhere")
+    with pytest.raises(PopulateError, match="holds no package"):
+        read_catalogue(tmp_path)
+    write_proven(FURNITURE[0], tmp_path / "failed", "fail")
+    with pytest.raises(PopulateError, match=r"1 packages and none .* base_a \(failed V203\)"):
+        read_catalogue(tmp_path / "failed")
+    write_proven(FURNITURE[1], tmp_path / "few")
+    with pytest.raises(PopulateError, match=r"fridge .*; range .* that a kitchen needs; it has 1 Storage"):
+        populate("kitchen", 0, read_catalogue(tmp_path / "few"))
+    small = PopulateConfig(width=2.0, depth=1.8, attempts=2)
+    with pytest.raises(PopulateError, match=r"no kitchen of 2 x 1.8 m .* needed are 10"):
+        populate("kitchen", 0, read_catalogue(folder), small)
+    with pytest.raises(ValueError, match="12 to 3 objects"):
+        PopulateConfig(least=12, most=3)
+
+
+def test_no_more_objects_than_asked_for(folder):
+    room = populate("kitchen", 2, read_catalogue(folder), PopulateConfig(least=8, most=11))
+    assert 8 <= len(room.placements) <= 11
+
+
+def test_pictures_show_the_room(rooms):
+    cfg = RoomPictureConfig(width=160, height=120, scale=40.0)
+    for room in (rooms["kitchen", 0], rooms["bedroom", 1]):
+        view, plan = draw_room(room, cfg), draw_plan(room, cfg)
+        assert view.shape == (120, 160, 3)
+        assert view.std() > 15
+        assert plan.shape[1] == int((room.size[0] + 0.6) * 40)
+        assert len(np.unique(plan.reshape(-1, 3), axis=0)) > 20
+
+
+def test_the_command_writes_scene_and_plan(folder, tmp_path, capsys):
+    cfg = SceneSettings(ajar=0.3)
+    assert scene("bedroom", tmp_path / "room", 1, folder, cfg, pictures="plan") == 0
+    room = read_room(tmp_path / "room")
+    assert f"{len(room.placements)} objects" in capsys.readouterr().out
+    assert (tmp_path / "room" / "plan.png").stat().st_size > 5000
+    assert not (tmp_path / "room" / "room.png").exists()
+    assert dict(room.provenance)["packages"].startswith("13 proven packages")
+    assert room.placements[0].provenance[0] == ("source", f"a box called {room.placements[0].package.name}")
+
+
+def test_hulls_of_the_test_furniture_are_closed():
+    package = build_furniture(FURNITURE[0])
+    assert all(isinstance(hull, Hull) for link in package.links for hull in link.hulls)
+    assert KITCHEN.role("base cabinet") is BASE
