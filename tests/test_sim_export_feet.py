@@ -88,6 +88,23 @@ def test_feet_keep_out_of_the_way_of_what_moves():
     assert lowest(done.links)[:, 0].min() > 0.2
 
 
+def test_a_foot_stays_short_where_something_passes_just_above_it():
+    """The front of a drawer ends a little below the body, and slides out over two feet."""
+    front = box_hull(np.array([-0.3, -0.4, -0.0015]), np.array([-0.2, 0.4, 0.3]))
+    slide = PackageJoint(
+        name="joint_0", type="prismatic", kind="prismatic", parent="body", child="front",
+        axis=np.array([-1.0, 0.0, 0.0]), origin=np.zeros(3), lower=0.0, upper=0.3,
+    )  # fmt: skip
+    body = box_hull(np.array([-0.19, -0.4, 0.0]), np.array([0.3, 0.4, 0.8]))
+    links = (link("body", body), link("front", front))
+    meshes = {"body": solid(PLATE, *FEET), "front": solid(((-0.3, -0.4, -0.0015), (-0.2, 0.4, 0.3)))}
+    done = add_feet(links, [slide], [], meshes)
+    assert "4 of 4" in done.records[0]
+    short = [hull for hull in done.links[0].hulls[1:] if hull.vertices[:, 0].max() < 0.0]
+    assert len(short) == 2
+    assert all(hull.vertices[:, 2].max() <= -0.0015 - 1e-3 for hull in short)
+
+
 def test_where_a_link_has_all_its_hulls_one_is_stretched():
     cfg = FeetConfig(addition=AdditionConfig(max_hulls=1))
     done = add_feet((link("body", BODY),), [], [], {"body": solid(PLATE, *FEET)}, cfg)

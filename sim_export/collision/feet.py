@@ -12,7 +12,7 @@ import numpy as np
 from sim_export.collision.additions import AdditionConfig, add_hull, read_sweeps
 from sim_export.collision.contacts import HullSet, signed_distances
 from sim_export.collision.hull_limits import HullLimits, trim_hull
-from sim_export.collision.hulls import convex_hull, hull_volume, hull_width
+from sim_export.collision.hulls import clip_hull, convex_hull, hull_volume, hull_width
 from sim_export.errors import DegeneratePart
 from sim_export.package import Hull, Link, Mesh, PackageJoint, Requirement
 
@@ -27,6 +27,8 @@ class FeetConfig:
     """Hulls that end further up lack more than feet; they are left alone too."""
     root: float = 1e-3
     """How far a foot reaches up beyond the lowest hull."""
+    short: float = 0.004
+    """How far a foot stays below the lowest hull where something that moves passes close above it."""
     least_fill: float = 0.6
     """Share of its convex hull that a foot fills; frames fill less and stand on their corners instead."""
     corner: float = 0.2
@@ -82,7 +84,11 @@ def add_feet(
         feet = _find_feet([meshes[part] for part in link.parts], seen[slot], felt + cfg.root, cfg)
         added = 0
         for foot in feet:
-            hulls = add_hull(sets, sweeps, slot, foot, _nearest_hull(foot, sets[slot]), cfg.addition)
+            hulls = None
+            for choice in (foot, clip_hull(foot, np.array([0.0, 0.0, 1.0]), felt - cfg.short)):
+                if hulls is None and choice is not None:
+                    nearest = _nearest_hull(choice, sets[slot])
+                    hulls = add_hull(sets, sweeps, slot, choice, nearest, cfg.addition)
             added += hulls is not None
             sets[slot] = hulls or sets[slot]
         records.append(
