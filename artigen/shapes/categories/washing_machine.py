@@ -174,7 +174,8 @@ def _draw_detergent_drawer(
     left, z = place
     y, wall = (left + GAP, plan.y[1]), plan.y[1] - WALL
     low, high = z[0] + GAP, z[1] - GAP
-    tub = Space(x=(x + 0.02, x + 0.24), y=(y[0] + 0.004, wall - GAP), z=(z[0] + 0.022, z[1] - 0.02))
+    room = 0.010
+    tub = Space(x=(x + 0.02, x + 0.24), y=(y[0] + room, wall - room), z=(z[0] + 0.026, z[1] - 0.02))
     lip, middle = max(0.016, 0.016 * plan.longest), sum(tub.y) / 2
     solids = (
         rounded_box((x, y[0], low), (x + 0.02, y[1], high), 0.002, finish),
@@ -189,8 +190,9 @@ def _draw_detergent_drawer(
         primitives=solids,
         motion=slide(float(rng.uniform(0.5, 0.7)) * tub.depth),
     )
-    shelf = (x + FACE, left - 0.01, tub.z[0] - GAP - 0.008)
-    return Assembly(pieces=(box(shelf, (tub.x[1] + 0.01, wall, tub.z[0] - GAP), "steel"),), parts=(drawer,))
+    top = tub.z[0] - room
+    shelf = box((x + FACE, left - 0.01, top - 0.008), (tub.x[1] + 0.01, wall, top), "steel")
+    return Assembly(pieces=(shelf,), parts=(drawer,))
 
 
 def _draw_pedestal(rng: np.random.Generator, plan: _Plan, x: float, foot: float) -> Assembly:
