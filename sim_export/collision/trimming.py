@@ -35,6 +35,8 @@ class TrimmingConfig:
     """Nothing is left out of a link whose surface is nowhere lost by more than this, but see ``share``."""
     share: float = 0.008
     """Share of the surface of all links from which on all that is lost is left out, however little lost."""
+    reach: float = 0.08
+    """Lost points so near to each other are cut out together, so that an edge is cut off straight."""
     pad: float = 0.002
     """How far beyond the lost points a mesh is cut."""
     fine: float = 0.005
@@ -93,7 +95,7 @@ def trim_meshes(
     for slot, (link, (points, distances)) in enumerate(zip(links, lost, strict=True)):
         if not len(points) or (distances.max() <= cfg.most * diagonal and not much):
             continue
-        groups = group_points(points, distances, 1.5 * cfg.missed * diagonal)
+        groups = group_points(points, distances, cfg.reach * diagonal)
         for part in link.parts:
             solid = as_solid(meshes[part])
             rest = solid
