@@ -13,6 +13,7 @@ import numpy as np
 import sapien
 from jaxtyping import Float
 from mani_skill.utils import sapien_utils
+from mani_skill.utils.structs import Pose
 
 from artigen.errors import ArtigenError
 from sim_export.package import SimPackage
@@ -60,13 +61,18 @@ def load_object(
     """
     builder = _parse(scene, entry.folder)
     _hold(builder, entry.package, endless=endless)
-    builder.set_scene_idxs([scene_index])
-    builder.initial_pose = sapien.Pose(p=[0.0, 0.0, -entry.floor])
-    articulation = builder.build(name=name, build_mimic_joints=False)
-    prefix = f"scene-{scene_index}-{name}_"
-    _apply_resistance(articulation, entry.package, prefix)
-    _compare(articulation, entry, prefix)
+    pose = sapien.Pose(p=[0.0, 0.0, -entry.floor])
+    articulation = _build(builder, entry.folder, entry.package, name, scene_index, pose)
     return articulation, _link_frames(builder)
+
+
+def load_placed(
+    scene: "ManiSkillScene", folder: Path, package: SimPackage, name: str, scene_index: int, pose: Pose
+) -> "Articulation":
+    """Builds a package bolted where ``pose`` says, all joints at 0; else as `load_object`."""
+    builder = _parse(scene, folder)
+    _hold(builder, package, endless="turn")
+    return _build(builder, folder, package, name, scene_index, pose)
 
 
 def without_visuals(agent: "type[BaseAgent]", scratch: Path) -> "type[BaseAgent]":
@@ -106,6 +112,23 @@ def _hold(builder: "ArticulationBuilder", package: SimPackage, *, endless: str) 
             link.joint_record.joint_type = "fixed"
 
 
+def _build(
+    builder: "ArticulationBuilder",
+    folder: Path,
+    package: SimPackage,
+    name: str,
+    scene_index: int,
+    pose: sapien.Pose | Pose,
+) -> "Articulation":
+    builder.set_scene_idxs([scene_index])
+    builder.initial_pose = pose
+    articulation = builder.build(name=name, build_mimic_joints=False)
+    prefix = f"scene-{scene_index}-{name}_"
+    _apply_resistance(articulation, package, prefix)
+    _compare(articulation, folder, package, prefix)
+    return articulation
+
+
 def _apply_resistance(articulation: "Articulation", package: SimPackage, prefix: str) -> None:
     """The package's friction (N, N m), damping and top speed on every joint that states either."""
     specs = {joint.name: joint for joint in package.joints}
@@ -134,12 +157,12 @@ def _link_frames(builder: "ArticulationBuilder") -> dict[str, Float[np.ndarray, 
     return frames
 
 
-def _compare(articulation: "Articulation", entry: TaskObject, prefix: str) -> None:
-    wanted = {link.name: len(link.hulls) for link in entry.package.links}
+def _compare(articulation: "Articulation", folder: Path, package: SimPackage, prefix: str) -> None:
+    wanted = {link.name: len(link.hulls) for link in package.links}
     for link in articulation._objs[0].links:
         name = link.name.removeprefix(prefix)
         if len(link.collision_shapes) < wanted[name]:
             raise LoadError(
-                f"{entry.folder}: link {name!r} has {len(link.collision_shapes)} collision shapes in the "
+                f"{folder}: link {name!r} has {len(link.collision_shapes)} collision shapes in the "
                 f"engine, the package has {wanted[name]}; run artigen validate on it"
             )

@@ -55,7 +55,7 @@ class RoomSceneBuilder(SceneBuilder):
     build_configs: list[Room] | None = None
 
     def build(self, build_config_idxs: list[int] | None = None) -> None:
-        """Makes fixtures and objects; raises `PackageError` where the engine loses something."""
+        """Makes fixtures and objects; raises `LoadError` where the engine loses something."""
         if not self.build_configs:
             raise ValueError("ArtiGenRoom has no rooms; make the builder with room_builder(scenes)")
         chosen = self.sample_build_config_idxs() if build_config_idxs is None else build_config_idxs
