@@ -1,11 +1,11 @@
 """Gaussians and latents of the appearance networks: parametrisation, sampling, size, learning."""
 
 from pathlib import Path
-from typing import TypeVar
 
 import numpy as np
 import pytest
 import torch
+from sparse_voxels import draw_voxels, redraw
 from torch.nn import functional
 
 from artigen.models.appearance_presets import APPEARANCE_PRESETS
@@ -18,7 +18,6 @@ from artigen.sampling import SamplerConfig, diffuse, draw_times
 from artigen.splats.colors import srgb_from_linear
 
 TINY = APPEARANCE_PRESETS["tiny"]
-Network = TypeVar("Network", bound=torch.nn.Module)
 
 
 @pytest.fixture(autouse=True)
@@ -30,25 +29,6 @@ def no_gradients():
 @pytest.fixture
 def generator() -> torch.Generator:
     return torch.Generator().manual_seed(0)
-
-
-def redraw(network: Network, generator: torch.Generator) -> Network:
-    """Gives every parameter a value of its own, so that no branch is silent."""
-    for name, parameter in network.named_parameters():
-        value = torch.randn(parameter.shape, generator=generator)
-        parameter.copy_(1 + 0.1 * value if "gamma" in name else 0.2 * value)
-    return network
-
-
-def draw_voxels(generator: torch.Generator, counts: tuple[int, ...], edge: int = 16) -> torch.Tensor:
-    """Voxels of several samples, shuffled all together."""
-    rows = []
-    for sample, count in enumerate(counts):
-        flat = torch.randperm(edge**3, generator=generator)[:count]
-        places = [flat // edge**2, flat // edge % edge, flat % edge]
-        rows.append(torch.stack([torch.full_like(flat, sample), *places], dim=1))
-    every = torch.cat(rows).int()
-    return every[torch.randperm(len(every), generator=generator)]
 
 
 def test_an_untrained_decoder_gives_the_biases_and_spreads_means_over_each_voxel():

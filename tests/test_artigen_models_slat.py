@@ -3,11 +3,11 @@
 import json
 from dataclasses import replace
 from pathlib import Path
-from typing import TypeVar
 
 import pytest
 import torch
 from safetensors.torch import load_file, save_file
+from sparse_voxels import redraw
 
 from artigen.errors import SourceError
 from artigen.models.appearance_presets import APPEARANCE_PRESETS
@@ -26,7 +26,6 @@ SMALL = SlatDitConfig(
     resolution=16, model_channels=32, cond_channels=24, num_blocks=2, num_heads=2, io_block_channels=(8, 16)
 )
 TINY = APPEARANCE_PRESETS["tiny"]
-Network = TypeVar("Network", bound=torch.nn.Module)
 
 
 @pytest.fixture(autouse=True)
@@ -51,14 +50,6 @@ def weights_of(io: dict[str, torch.Tensor], block: str) -> dict[str, torch.Tenso
 
 def shapes(network: torch.nn.Module) -> dict[str, list[int]]:
     return {key: list(value.shape) for key, value in network.state_dict().items()}
-
-
-def redraw(network: Network, generator: torch.Generator) -> Network:
-    """Gives every parameter a value of its own, so that no branch is silent."""
-    for name, parameter in network.named_parameters():
-        value = torch.randn(parameter.shape, generator=generator)
-        parameter.copy_(1 + 0.1 * value if "gamma" in name else 0.2 * value)
-    return network
 
 
 @pytest.mark.real

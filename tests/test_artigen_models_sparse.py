@@ -1,10 +1,10 @@
 """The laws of sparse layers and networks: windows, neighbours, order, batches."""
 
 from dataclasses import replace
-from typing import TypeVar
 
 import pytest
 import torch
+from sparse_voxels import draw_voxels, redraw
 from torch.nn import functional
 
 from artigen.models.appearance_presets import APPEARANCE_PRESETS
@@ -20,7 +20,6 @@ SMALL = SlatDitConfig(
     resolution=16, model_channels=32, cond_channels=24, num_blocks=2, num_heads=2, io_block_channels=(8, 16)
 )
 TINY = APPEARANCE_PRESETS["tiny"]
-Network = TypeVar("Network", bound=torch.nn.Module)
 
 
 @pytest.fixture(autouse=True)
@@ -32,25 +31,6 @@ def no_gradients():
 @pytest.fixture
 def generator() -> torch.Generator:
     return torch.Generator().manual_seed(0)
-
-
-def redraw(network: Network, generator: torch.Generator) -> Network:
-    """Gives every parameter a value of its own, so that no branch is silent."""
-    for name, parameter in network.named_parameters():
-        value = torch.randn(parameter.shape, generator=generator)
-        parameter.copy_(1 + 0.1 * value if "gamma" in name else 0.2 * value)
-    return network
-
-
-def draw_voxels(generator: torch.Generator, counts: tuple[int, ...], edge: int = 16) -> torch.Tensor:
-    """Voxels of several samples, shuffled all together."""
-    rows = []
-    for sample, count in enumerate(counts):
-        flat = torch.randperm(edge**3, generator=generator)[:count]
-        places = [flat // edge**2, flat // edge % edge, flat % edge]
-        rows.append(torch.stack([torch.full_like(flat, sample), *places], dim=1))
-    every = torch.cat(rows).int()
-    return every[torch.randperm(len(every), generator=generator)]
 
 
 @pytest.mark.parametrize(("window", "shift"), [(4, 0), (4, 2), (8, 4), (16, 0)])

@@ -1,12 +1,12 @@
 """L3 checks: a sound cabinet passes all of them, and every seeded defect fails the check meant for it."""
 
-import importlib.util
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from sample_packages import SAMPLE_PARTS, build_package
 
 from sim_export.collision.hulls import box_hull
 from sim_export.files.read import read_package
@@ -31,19 +31,13 @@ ONE_STEP_SIZE = DynamicsConfig(other_timesteps=())
 
 def sample_package() -> SimPackage:
     """The exact sample cabinet with resistances that hold against a tilt of 5 degrees."""
-    path = Path(__file__).parents[1] / "benchmarks" / "sample_packages.py"
-    spec = importlib.util.spec_from_file_location("sample_packages", path)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
     resistance = {
         "joint_0": (12.0, 8.0),
         "joint_1": (4.0, 0.4),
         "joint_2": (0.04, 1e-4),
         "joint_3": (9.0, 5.0),
     }
-    package = module.build_package(module.SAMPLE_PARTS)
+    package = build_package(SAMPLE_PARTS)
     for name, (friction, damping) in resistance.items():
         package = with_joint(package, name, friction=friction, damping=damping)
     return package

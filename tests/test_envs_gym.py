@@ -1,6 +1,5 @@
 """The gymnasium environments: they keep gymnasium's rules, repeat, and mean what their docstrings say."""
 
-import importlib.util
 import warnings
 from pathlib import Path
 
@@ -8,6 +7,7 @@ import gymnasium as gym
 import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
+from sample_packages import SAMPLE_PARTS, build_package
 
 from sim_export.files.write import write_package
 from sim_export.package import SimPackage
@@ -24,13 +24,7 @@ pytestmark = pytest.mark.sim
 
 @pytest.fixture(scope="module")
 def package() -> SimPackage:
-    path = Path(__file__).parents[1] / "benchmarks" / "sample_packages.py"
-    spec = importlib.util.spec_from_file_location("sample_packages", path)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module.build_package(module.SAMPLE_PARTS)
+    return build_package(SAMPLE_PARTS)
 
 
 @pytest.fixture(scope="module")

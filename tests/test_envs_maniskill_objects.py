@@ -1,11 +1,11 @@
 """What tasks read out of packages, where robots stand, and where things can be put: no simulator needed."""
 
-import importlib.util
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from sample_packages import SAMPLE_PARTS, build_package
 
 from envs.maniskill.containers import column_spans, find_container, largest_rectangle
 from envs.maniskill.folders import TaskError, find_packages
@@ -21,13 +21,7 @@ from sim_export.report import CheckResult, Report, write_report
 
 @pytest.fixture(scope="module")
 def package() -> SimPackage:
-    path = Path(__file__).parents[1] / "benchmarks" / "sample_packages.py"
-    spec = importlib.util.spec_from_file_location("sample_packages", path)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module.build_package(module.SAMPLE_PARTS)
+    return build_package(SAMPLE_PARTS)
 
 
 @pytest.fixture(scope="module")

@@ -1,6 +1,5 @@
 """A furnished room in ManiSkill without a renderer: everything is there, in place, and stays there."""
 
-import importlib.util
 import subprocess
 import sys
 from pathlib import Path
@@ -10,6 +9,7 @@ import gymnasium as gym
 import numpy as np
 import pytest
 import torch
+from sample_packages import SAMPLE_PARTS, build_package
 
 import envs
 from envs.maniskill.rooms.file import write_room
@@ -27,14 +27,8 @@ OPENED = 0.2
 @pytest.fixture(scope="module")
 def scenes(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
     """Two rooms with three and with two of the sample cabinet, one drawer of the first open."""
-    path = Path(__file__).parents[1] / "benchmarks" / "sample_packages.py"
-    spec = importlib.util.spec_from_file_location("sample_packages", path)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
     base = tmp_path_factory.mktemp("rooms")
-    package = module.build_package(module.SAMPLE_PARTS)
+    package = build_package(SAMPLE_PARTS)
     cabinet = write_package(package, base / "cabinet").resolve()
     body = read_footprint(cabinet).body
     entrance = Entrance(side="front", start=1.5, width=0.9, height=2.0)

@@ -1,6 +1,5 @@
 """The ManiSkill tasks: they reset and step, repeat, mean their success, and reward what leads to it."""
 
-import importlib.util
 import json
 from pathlib import Path
 from typing import Any
@@ -9,6 +8,7 @@ import gymnasium as gym
 import h5py
 import numpy as np
 import pytest
+from sample_packages import SAMPLE_PARTS, build_package
 
 from sim_export.files.write import write_package
 from sim_export.package import SimPackage
@@ -30,13 +30,7 @@ STOCK = ("ArtiGen-OpenCabinetDrawer-v1", "ArtiGen-OpenCabinetDoor-v1")
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    path = Path(__file__).parents[1] / "benchmarks" / "sample_packages.py"
-    spec = importlib.util.spec_from_file_location("sample_packages", path)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    package: SimPackage = module.build_package(module.SAMPLE_PARTS)
+    package: SimPackage = build_package(SAMPLE_PARTS)
     return write_package(package, tmp_path_factory.mktemp("tasks") / "cabinet")
 
 

@@ -1,11 +1,11 @@
 """Loading: what the package says is what the engine has, and nothing is lost without a word."""
 
-import importlib.util
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from sample_packages import SAMPLE_PARTS, build_package
 
 from artigen.transforms import inverse
 from sim_export.collision.hulls import box_hull
@@ -29,13 +29,7 @@ TIMESTEPS = [1 / 60, 1 / 100, 1 / 240]
 
 def sample_package() -> SimPackage:
     """The exact sample cabinet with resistances that hold against a tilt of 5 degrees."""
-    path = Path(__file__).parents[1] / "benchmarks" / "sample_packages.py"
-    spec = importlib.util.spec_from_file_location("sample_packages", path)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    package = module.build_package(module.SAMPLE_PARTS)
+    package = build_package(SAMPLE_PARTS)
     resistance = {
         "joint_0": (12.0, 8.0),
         "joint_1": (4.0, 0.4),

@@ -1,11 +1,11 @@
 """Validation: one report, the same bytes every time, and engines that die cost their own checks only."""
 
-import importlib.util
 import os
 import signal
 from pathlib import Path
 
 import pytest
+from sample_packages import SAMPLE_PARTS, build_package
 
 from artigen.workers import Worker
 from envs.config import ValidateConfig
@@ -23,13 +23,7 @@ SILENT = ValidateConfig(output="none")
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    path = Path(__file__).parents[1] / "benchmarks" / "sample_packages.py"
-    spec = importlib.util.spec_from_file_location("sample_packages", path)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    package = module.build_package(module.SAMPLE_PARTS)
+    package = build_package(SAMPLE_PARTS)
     return write_package(package, tmp_path_factory.mktemp("validate") / "cabinet")
 
 

@@ -1,20 +1,16 @@
 """Every seeded defect is caught by the check meant for it; the good packages pass every check."""
 
-import sys
 from pathlib import Path
 
 import pytest
+from defects import Defect, seed_defect
+from sample_packages import write_samples
+from static_defects import STATIC_DEFECTS
 
 from sim_export.checks.config import CheckConfig
 from sim_export.checks.registry import run_check
 from sim_export.checks.subject import Subject
 from sim_export.checks.suite import CHECKS, run_checks
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "benchmarks"))
-
-from defects import Defect, seed_defect
-from sample_packages import write_samples
-from static_defects import STATIC_DEFECTS
 
 SPECS = {spec.id: spec for spec in CHECKS}
 

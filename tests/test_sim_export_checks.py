@@ -2,12 +2,12 @@
 
 import json
 import shutil
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 import trimesh
+from sample_packages import write_samples
 
 from artigen.transforms import rotation_about
 from sim_export.checks.config import CheckConfig
@@ -22,10 +22,6 @@ from sim_export.checks.sweep import open_positions, volume_samples
 from sim_export.collision.contacts import HullSet
 from sim_export.collision.hulls import box_hull, convex_hull
 from sim_export.geometry.sampling import sample_triangles
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "benchmarks"))
-
-from sample_packages import write_samples
 
 BOX = box_hull(np.array([-0.3, -0.2, -0.1]), np.array([0.3, 0.2, 0.1]))
 TILT = rotation_about(np.array([1.0, 2.0, 3.0]) / np.sqrt(14.0), np.array(0.7))

@@ -17,6 +17,7 @@ from typing import Protocol, TypeVar
 from tqdm import tqdm
 
 from artigen.errors import ArtigenError
+from artigen.journal import read_lines
 from artigen.workers import Worker, run_supervised
 
 JOURNAL = "run.jsonl"
@@ -82,15 +83,8 @@ def read_journal(out: Path) -> dict[str, Finished]:
 
     A line cut short by a killed run is left out, so its object is done again.
     """
-    path = out / JOURNAL
     done: dict[str, Finished] = {}
-    if not path.is_file():
-        return done
-    for line in path.read_text().splitlines():
-        try:
-            value = json.loads(line)
-        except json.JSONDecodeError:
-            continue
+    for value in read_lines(out / JOURNAL):
         value["seconds"] = tuple((name, spent) for name, spent in value["seconds"])
         value["failures"] = tuple(value["failures"])
         value["notes"] = tuple(value["notes"])

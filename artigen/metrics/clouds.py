@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from artigen.kinematics import articulate_points, qlimits
-from artigen.types import Asset
+from artigen.types import Asset, VoxelGrid
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -37,9 +37,7 @@ def sample_cells(asset: Asset, count: int, seed: int = 0) -> PartCloud:
     Raises:
         ValueError: If the asset has no occupied cell.
     """
-    voxels = asset.voxels
-    if voxels is None or not len(voxels.coords):
-        raise ValueError(f"asset {asset.name!r} has no occupied cell to draw points from")
+    voxels = _occupied(asset)
     rng = np.random.default_rng(seed)
     whole, rest = divmod(count, len(voxels.coords))
     rows = np.concatenate(
@@ -57,15 +55,19 @@ def sample_parts(asset: Asset, per_part: int, seed: int = 0) -> PartCloud:
     Raises:
         ValueError: If the asset has no occupied cell.
     """
-    voxels = asset.voxels
-    if voxels is None or not len(voxels.coords):
-        raise ValueError(f"asset {asset.name!r} has no occupied cell to draw points from")
+    voxels = _occupied(asset)
     rng = np.random.default_rng(seed)
     rows = [
         rng.choice(np.flatnonzero(voxels.part_ids == part), per_part)
         for part in np.unique(voxels.part_ids).tolist()
     ]
     return _place(asset, np.concatenate(rows), rng)
+
+
+def _occupied(asset: Asset) -> VoxelGrid:
+    if asset.voxels is None or not len(asset.voxels.coords):
+        raise ValueError(f"asset {asset.name!r} has no occupied cell to draw points from")
+    return asset.voxels
 
 
 def _place(asset: Asset, rows: Int[np.ndarray, "N"], rng: np.random.Generator) -> PartCloud:

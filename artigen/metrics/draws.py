@@ -11,6 +11,7 @@ import torch
 from artigen.errors import SegmentationError
 from artigen.generate import GenerateConfig, StructureModel, generate_structure
 from artigen.io import read_asset, write_asset
+from artigen.journal import read_lines
 from artigen.metrics.subjects import Subject
 from artigen.models.conditions import StructureCondition
 from artigen.models.structure_vae import decode_fields
@@ -58,7 +59,7 @@ def draw_all(
         on_done: Called after each.
     """
     folder.mkdir(parents=True, exist_ok=True)
-    known = _read_journal(folder / JOURNAL)
+    known = {line["key"]: line for line in read_lines(folder / JOURNAL)}
     out = []
     for job in jobs:
         kept = folder / job.key
@@ -103,16 +104,3 @@ def _draw(model: StructureModel, job: DrawJob, cfg: GenerateConfig) -> Draw:
     except SegmentationError as error:
         return Draw(asset=None, error=str(error), seconds=time.perf_counter() - started)
     return Draw(asset=asset, error=None, seconds=time.perf_counter() - started)
-
-
-def _read_journal(path: Path) -> dict[str, dict[str, object]]:
-    """The last line of every key; a line cut short by a killed run is left out."""
-    out = {}
-    if path.is_file():
-        for text in path.read_text().splitlines():
-            try:
-                line = json.loads(text)
-            except json.JSONDecodeError:
-                continue
-            out[line["key"]] = line
-    return out

@@ -1,10 +1,11 @@
 """The metrics of a stage as curves: one small panel each, as SVG, drawn with nothing but text."""
 
-import json
 import math
 from collections.abc import Mapping, Sequence
 from html import escape
 from pathlib import Path
+
+from artigen.journal import read_lines
 
 METRICS = "metrics.jsonl"
 WIDTH, HEIGHT, MARGIN, COLUMNS = 300, 170, 34, 3
@@ -21,14 +22,7 @@ def read_metrics(path: Path) -> list[dict[str, float]]:
     A run that went on from a checkpoint has done some steps again: the later line counts. A line cut
     short is left out.
     """
-    lines: dict[float, dict[str, float]] = {}
-    if path.is_file():
-        for text in path.read_text().splitlines():
-            try:
-                line = json.loads(text)
-            except json.JSONDecodeError:
-                continue
-            lines[line["step"]] = line
+    lines = {line["step"]: line for line in read_lines(path)}
     return [lines[step] for step in sorted(lines)]
 
 

@@ -14,12 +14,12 @@ import numpy as np
 from jaxtyping import Float
 
 from sim_export.collision.contacts import HullSet, penetration_depths, signed_distances
-from sim_export.collision.hull_limits import HullLimits, trim_hull
-from sim_export.collision.hulls import hull_volume, hull_width
+from sim_export.collision.cut_hulls import CutHulls, LinkRelief
+from sim_export.collision.hull_limits import HullLimits
 from sim_export.collision.motion import driven_joints, link_displacements, longest_side, moved_links
 from sim_export.collision.relief import OverlappingPair, ReliefConfig, relieve_pair
 from sim_export.collision.requirements import required_openings, sweep_coordinates
-from sim_export.package import Hull, Link, PackageJoint, Requirement
+from sim_export.package import Link, PackageJoint, Requirement
 
 logger = logging.getLogger(__name__)
 _FRONTS = {"door", "drawer"}
@@ -61,18 +61,6 @@ class ClearanceConfig:
     """Whether a joint that stays blocked may have its upper limit lowered."""
     min_range: float = 0.5
     """Share of a joint's range that must be free for it to be shortened rather than reported."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class LinkRelief:
-    """What one link lost: number of cuts, volume (m^3) and share of its hulls' volume, deepest cut (m)."""
-
-    link: str
-    cuts: int
-    dropped: int
-    removed_volume: float
-    removed_share: float
-    largest_depth: float
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -127,105 +115,6 @@ class Clearance:
         return (*cuts, *limits, *left)
 
 
-class _Hulls:
-    """The hulls of every link while they are cut; ``None`` where one was dropped."""
-
-    def __init__(self, links: Sequence[Link]) -> None:
-        self.links = links
-        self.hulls: list[list[Hull | None]] = [list(link.hulls) for link in links]
-        self.volumes = [[hull_volume(hull) for hull in link.hulls] for link in links]
-        self.totals = [sum(volumes) for volumes in self.volumes]
-        self.dropped = [0] * len(links)
-        self.cuts = [0] * len(links)
-        self.deepest = [0.0] * len(links)
-
-    def prepared(self, link: int) -> tuple[HullSet, list[int]]:
-        """The remaining hulls of a link, and their places in its list."""
-        slots = [slot for slot, hull in enumerate(self.hulls[link]) if hull is not None]
-        return HullSet(hulls=tuple(hull for hull in self.hulls[link] if hull is not None)), slots
-
-    def put(self, link: int, slot: int, pieces: Sequence[Hull]) -> None:
-        """Replaces a hull by what is left of it; each piece counts its own losses from now on."""
-        if len(pieces) == 1:
-            self.hulls[link][slot] = pieces[0]
-            return
-        self.hulls[link][slot] = None
-        self.dropped[link] += not pieces
-        self.hulls[link] += list(pieces)
-        self.volumes[link] += [hull_volume(piece) for piece in pieces]
-
-    def trim(self, link: int, limits: HullLimits, most: int) -> None:
-        """Brings what cuts have left of a link's hulls within the limits of physics engines.
-
-        Oblong pieces are cut again, pieces thinner than allowed go, and where there are too many hulls
-        the smallest go; counted with those that were dropped for clearance.
-        """
-        untouched = {id(hull) for hull in self.links[link].hulls}
-        out: list[Hull] = []
-        for hull in self.prepared(link)[0].hulls:
-            out += [hull] if id(hull) in untouched else trim_hull(hull, limits)
-        thick = [h for h in out if id(h) in untouched or hull_width(h)[0] >= limits.min_width]
-        sizes = np.array([hull_volume(hull) for hull in thick])
-        largest = set(np.argsort(-sizes, kind="stable")[:most].tolist())
-        kept = [hull for index, hull in enumerate(thick) if index in largest]
-        self.dropped[link] += len(out) - len(kept)
-        self.hulls[link] = list(kept)
-
-    def count(self, link: int) -> int:
-        return sum(hull is not None for hull in self.hulls[link])
-
-    def room(self, link: int, cfg: ClearanceConfig) -> int:
-        """How many more hulls a link may get."""
-        most = min(cfg.max_hulls, 8 + int(cfg.max_growth * len(self.links[link].hulls)))
-        return max(most - self.count(link), 0)
-
-    def allowance(self, link: int, slot: int, cfg: ClearanceConfig) -> float:
-        """Volume (m^3) that cuts may take from a hull: much of it, or little of its link; none of a wheel."""
-        if self._is_round(link):
-            return 0.0
-        return max(cfg.relief.max_removed * self.volumes[link][slot], self.least(link, cfg))
-
-    def least(self, link: int, cfg: ClearanceConfig) -> float:
-        """Volume (m^3) that cuts may take from a hull of a link however large it is: next to nothing."""
-        return 0.0 if self._is_round(link) else cfg.relief.sliver * self.totals[link]
-
-    def end(self, link: int, slot: int, cfg: ClearanceConfig) -> float:
-        """Volume (m^3) that deep cuts may take from a hull: little of its link, or the end of a post."""
-        least, hull = self.least(link, cfg), self.hulls[link][slot]
-        _, middle, longest = np.sort(np.zeros(3) if hull is None else np.ptp(hull.vertices, axis=0))
-        slender = longest >= cfg.relief.slender * middle > 0.0
-        return max(least, cfg.relief.end * self.volumes[link][slot]) if least and slender else least
-
-    def _is_round(self, link: int) -> bool:
-        """Whether a link is one cylinder that has to roll (`sim_export.geometry.wheels`)."""
-        return self.links[link].label == "wheel" and len(self.links[link].hulls) == 1
-
-    def is_sliver(self, link: int, slot: int, cfg: ClearanceConfig) -> bool:
-        """Whether a hull is so small against its link that it may go entirely."""
-        return self.volumes[link][slot] < self.least(link, cfg)
-
-    def sets(self) -> list[HullSet]:
-        return [self.prepared(link)[0] for link in range(len(self.links))]
-
-    def reliefs(self) -> tuple[LinkRelief, ...]:
-        out = []
-        for index, link in enumerate(self.links):
-            if self.cuts[index]:
-                before = self.totals[index]
-                removed = before - sum(hull_volume(hull) for hull in self.hulls[index] if hull is not None)
-                out.append(
-                    LinkRelief(
-                        link=link.name,
-                        cuts=self.cuts[index],
-                        dropped=self.dropped[index],
-                        removed_volume=removed,
-                        removed_share=removed / before,
-                        largest_depth=self.deepest[index],
-                    )
-                )
-        return tuple(out)
-
-
 def clear_joints(
     links: Sequence[Link],
     joints: Sequence[PackageJoint],
@@ -245,7 +134,7 @@ def clear_joints(
         limits do not allow to cut are in ``residuals``.
     """
     cfg = cfg or ClearanceConfig()
-    work = _Hulls(links)
+    work = CutHulls(links)
     stuck: dict[tuple[int, int, int, int], str] = {}
     waiting, finer = driven_joints(joints), 1
     for _ in range(cfg.rounds):
@@ -271,7 +160,7 @@ def clear_joints(
 
 
 def _coordinates(
-    work: _Hulls, joint: PackageJoint, joints: Sequence[PackageJoint], cfg: ClearanceConfig
+    work: CutHulls, joint: PackageJoint, joints: Sequence[PackageJoint], cfg: ClearanceConfig
 ) -> Float[np.ndarray, "P"]:
     """Samples of a joint's range, close enough that nothing is jumped over."""
     chunks = [
@@ -286,7 +175,7 @@ def _coordinates(
     return sweep_coordinates(joint, int(np.clip(needed, cfg.poses, cfg.max_poses)))
 
 
-def _poses(work: _Hulls, joint: PackageJoint, joints: Sequence[PackageJoint],
+def _poses(work: CutHulls, joint: PackageJoint, joints: Sequence[PackageJoint],
            requirements: Sequence[Requirement], q: Float[np.ndarray, "P"]) -> np.ndarray:  # fmt: skip
     """Displacements ``P L 4 4`` along a joint's sweep, with what it requires open."""
     qpos = {**required_openings(joint, joints, requirements), joint.name: q}
@@ -294,7 +183,7 @@ def _poses(work: _Hulls, joint: PackageJoint, joints: Sequence[PackageJoint],
 
 
 def _clear_joint(
-    work: _Hulls,
+    work: CutHulls,
     joint: PackageJoint,
     joints: Sequence[PackageJoint],
     requirements: Sequence[Requirement],
@@ -332,10 +221,13 @@ def _clear_joint(
                     hulls=(mine, theirs),
                     poses=(T[poses, a], T[poses, b]),
                     volumes=(work.volumes[a][i], work.volumes[b][j]),
-                    allowances=(work.allowance(a, i, cfg), work.allowance(b, j, cfg)),
-                    least=(work.end(a, i, cfg), work.end(b, j, cfg)),
-                    slivers=(work.is_sliver(a, i, cfg), work.is_sliver(b, j, cfg)),
-                    room=(work.room(a, cfg), work.room(b, cfg)),
+                    allowances=(work.allowance(a, i, cfg.relief), work.allowance(b, j, cfg.relief)),
+                    least=(work.end(a, i, cfg.relief), work.end(b, j, cfg.relief)),
+                    slivers=(work.is_sliver(a, i, cfg.relief), work.is_sliver(b, j, cfg.relief)),
+                    room=(
+                        work.room(a, cfg.max_hulls, cfg.max_growth),
+                        work.room(b, cfg.max_hulls, cfg.max_growth),
+                    ),
                     max_depth=cfg.relief.max_depth * size,
                     max_sliver_depth=cfg.relief.max_sliver_depth * size,
                     axis=joint.axis,
@@ -352,7 +244,7 @@ def _clear_joint(
 
 
 def _settle_limits(
-    work: _Hulls,
+    work: CutHulls,
     joints: Sequence[PackageJoint],
     requirements: Sequence[Requirement],
     cfg: ClearanceConfig,
@@ -394,7 +286,7 @@ def _settle_limits(
 
 
 def _depths(
-    work: _Hulls,
+    work: CutHulls,
     sets: Sequence[HullSet],
     joint: PackageJoint,
     joints: Sequence[PackageJoint],

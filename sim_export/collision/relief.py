@@ -213,8 +213,7 @@ def _cut_for_all(pair: OverlappingPair, gap: float, cfg: ReliefConfig) -> list[R
         contact = (1.0 - 2.0 * side) * np.einsum(
             "kij,kj->ki", turn[found.pose[deepest]], found.normal[deepest]
         )
-        ends = _ends(pair.hulls[side], cfg)
-        for normal in (axis, -axis, *contact, *ends):
+        for normal in (axis, -axis, *contact, *find_ends(pair.hulls[side], cfg)):
             cut = _cut(pair.hulls[side], normal, points, cfg)
             if cut is None:
                 continue
@@ -224,10 +223,11 @@ def _cut_for_all(pair: OverlappingPair, gap: float, cfg: ReliefConfig) -> list[R
     return plans
 
 
-def _ends(hull: Hull, cfg: ReliefConfig) -> Float[np.ndarray, "K 3"]:
+def find_ends(hull: Hull, cfg: ReliefConfig) -> Float[np.ndarray, "K 3"]:
     """The two directions (K = 2) in which a slender hull ends; none (K = 0) for others."""
     extents = np.ptp(hull.vertices, axis=0)
-    if np.sort(extents)[2] < cfg.slender * np.sort(extents)[1]:
+    _, width, length = np.sort(extents)
+    if length < cfg.slender * width:
         return np.zeros((0, 3))
     along = np.eye(3)[int(extents.argmax())]
     return np.stack([along, -along])

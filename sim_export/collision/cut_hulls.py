@@ -1,0 +1,122 @@
+"""The hulls of an object while they are cut: what is left of each, and what it may still lose."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from sim_export.collision.contacts import HullSet
+from sim_export.collision.hull_limits import HullLimits, trim_hull
+from sim_export.collision.hulls import hull_volume, hull_width
+from sim_export.collision.relief import ReliefConfig, find_ends
+from sim_export.package import Hull, Link
+
+
+@dataclass(frozen=True, kw_only=True)
+class LinkRelief:
+    """What one link lost: number of cuts, volume (m^3) and share of its hulls' volume, deepest cut (m)."""
+
+    link: str
+    cuts: int
+    dropped: int
+    removed_volume: float
+    removed_share: float
+    largest_depth: float
+
+
+class CutHulls:
+    """The hulls of every link while they are cut; ``None`` where one was dropped."""
+
+    def __init__(self, links: Sequence[Link]) -> None:
+        self.links = links
+        self.hulls: list[list[Hull | None]] = [list(link.hulls) for link in links]
+        self.volumes = [[hull_volume(hull) for hull in link.hulls] for link in links]
+        self.totals = [sum(volumes) for volumes in self.volumes]
+        self.dropped = [0] * len(links)
+        self.cuts = [0] * len(links)
+        self.deepest = [0.0] * len(links)
+
+    def prepared(self, link: int) -> tuple[HullSet, list[int]]:
+        """The remaining hulls of a link, and their places in its list."""
+        slots = [slot for slot, hull in enumerate(self.hulls[link]) if hull is not None]
+        return HullSet(hulls=tuple(hull for hull in self.hulls[link] if hull is not None)), slots
+
+    def put(self, link: int, slot: int, pieces: Sequence[Hull]) -> None:
+        """Replaces a hull by what is left of it; each piece counts its own losses from now on."""
+        if len(pieces) == 1:
+            self.hulls[link][slot] = pieces[0]
+            return
+        self.hulls[link][slot] = None
+        self.dropped[link] += not pieces
+        self.hulls[link] += list(pieces)
+        self.volumes[link] += [hull_volume(piece) for piece in pieces]
+
+    def trim(self, link: int, limits: HullLimits, most: int) -> None:
+        """Brings what cuts have left of a link's hulls within the limits of physics engines.
+
+        Oblong pieces are cut again, pieces thinner than allowed go, and where there are too many hulls
+        the smallest go; counted with those that were dropped for clearance.
+        """
+        untouched = {id(hull) for hull in self.links[link].hulls}
+        out: list[Hull] = []
+        for hull in self.prepared(link)[0].hulls:
+            out += [hull] if id(hull) in untouched else trim_hull(hull, limits)
+        thick = [h for h in out if id(h) in untouched or hull_width(h)[0] >= limits.min_width]
+        sizes = np.array([hull_volume(hull) for hull in thick])
+        largest = set(np.argsort(-sizes, kind="stable")[:most].tolist())
+        kept = [hull for index, hull in enumerate(thick) if index in largest]
+        self.dropped[link] += len(out) - len(kept)
+        self.hulls[link] = list(kept)
+
+    def count(self, link: int) -> int:
+        return sum(hull is not None for hull in self.hulls[link])
+
+    def room(self, link: int, max_hulls: int, max_growth: float) -> int:
+        """How many more hulls a link may get: up to ``max_hulls``, and so many over those that it had."""
+        most = min(max_hulls, 8 + int(max_growth * len(self.links[link].hulls)))
+        return max(most - self.count(link), 0)
+
+    def allowance(self, link: int, slot: int, cfg: ReliefConfig) -> float:
+        """Volume (m^3) that cuts may take from a hull: much of it, or little of its link; none of a wheel."""
+        if self._is_round(link):
+            return 0.0
+        return max(cfg.max_removed * self.volumes[link][slot], self.least(link, cfg))
+
+    def least(self, link: int, cfg: ReliefConfig) -> float:
+        """Volume (m^3) that cuts may take from a hull of a link however large it is: next to nothing."""
+        return 0.0 if self._is_round(link) else cfg.sliver * self.totals[link]
+
+    def end(self, link: int, slot: int, cfg: ReliefConfig) -> float:
+        """Volume (m^3) that deep cuts may take from a hull: little of its link, or the end of a post."""
+        least, hull = self.least(link, cfg), self.hulls[link][slot]
+        slender = hull is not None and len(find_ends(hull, cfg)) > 0
+        return max(least, cfg.end * self.volumes[link][slot]) if least and slender else least
+
+    def _is_round(self, link: int) -> bool:
+        """Whether a link is one cylinder that has to roll (`sim_export.geometry.wheels`)."""
+        return self.links[link].label == "wheel" and len(self.links[link].hulls) == 1
+
+    def is_sliver(self, link: int, slot: int, cfg: ReliefConfig) -> bool:
+        """Whether a hull is so small against its link that it may go entirely."""
+        return self.volumes[link][slot] < self.least(link, cfg)
+
+    def sets(self) -> list[HullSet]:
+        return [self.prepared(link)[0] for link in range(len(self.links))]
+
+    def reliefs(self) -> tuple[LinkRelief, ...]:
+        out = []
+        for index, link in enumerate(self.links):
+            if self.cuts[index]:
+                before = self.totals[index]
+                removed = before - sum(hull_volume(hull) for hull in self.hulls[index] if hull is not None)
+                out.append(
+                    LinkRelief(
+                        link=link.name,
+                        cuts=self.cuts[index],
+                        dropped=self.dropped[index],
+                        removed_volume=removed,
+                        removed_share=removed / before,
+                        largest_depth=self.deepest[index],
+                    )
+                )
+        return tuple(out)
