@@ -65,7 +65,13 @@ def test_a_run_leaves_weights_metrics_curves_and_what_it_was(run: Path):
     model = load_structure_model(run / "model")
     assert model.preset == PRESETS["tiny"]
     said = json.loads((run / "model" / "model.json").read_text())
-    assert said["flow"] == {"preset": "tiny", "minutes": 0.02, "objects": 2, "real_objects": 1}
+    assert said["flow"] == {
+        "preset": "tiny",
+        "minutes": 0.02,
+        "objects": 2,
+        "real_objects": 1,
+        "latent_noise": 0.0,
+    }
     assert json.loads((run / "config.json").read_text())["real_share"] == 0.25
     assert set(json.loads((run / "spread.json").read_text())) >= {"axis", "origin", "box_center"}
     for stage in ("vae", "flow"):
@@ -93,8 +99,9 @@ def test_a_finished_run_stays_as_it_is(run: Path, partnet: Path):
     [
         ("structure", {"minutes": 0.0}, "more than 0"),
         ("structure", {"objects": 0}, "more than 0"),
-        ("structure", {"preset": "huge"}, "expected one of tiny, compact, paper"),
+        ("structure", {"preset": "huge"}, "expected one of tiny, small, compact, paper"),
         ("structure", {"real_share": 1.0}, "between 0 and 1"),
+        ("structure", {"latent_noise": -0.1}, "latent noise -0.1, expected 0 or more"),
         ("structure", {"partnet": Path("nowhere")}, "splits.json: cannot be read"),
         ("structure-flow", {}, "train structure-vae first"),
     ],

@@ -18,7 +18,7 @@ from artigen.cli.arguments import Workers
 class TrainSettings:
     """What is trained, on what, and for how long."""
 
-    preset: Literal["tiny", "compact", "paper"] = "compact"
+    preset: Literal["tiny", "small", "compact", "paper"] = "compact"
     """Sizes."""
     minutes: float = 30.0
     """Budget of the training of both networks; making data comes on top."""
@@ -33,6 +33,9 @@ class TrainSettings:
     research only, as the data is."""
     real_share: float = 0.1
     """Share of real objects among the examples, by repetition."""
+    latent_noise: float | None = None
+    """Noise on what the VAE decodes in training, as a share of the latents' standard deviation; left out, that
+    of the preset."""
 
 
 def train(

@@ -1,7 +1,7 @@
 """The sizes that the generative models come in.
 
-``tiny`` is for tests, ``compact`` is trained and shipped, ``paper`` has the sizes of TRELLIS, from whose
-public weights the paper starts (sections 4.1 and 4.3).
+``tiny`` is for tests, ``small`` for training on two CPU cores, ``compact`` for half an hour of a GPU, and
+``paper`` has the sizes of TRELLIS, from whose public weights the paper starts (sections 4.1 and 4.3).
 """
 
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from artigen.models.latent_dit import LatentDitConfig
 from artigen.models.patch_vae import PatchVaeConfig
 from artigen.models.structure_dit import StructureDitConfig
 
-PresetName = Literal["tiny", "compact", "paper"]
+PresetName = Literal["tiny", "small", "compact", "paper"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,6 +38,11 @@ PRESETS: dict[PresetName, StructurePreset] = {
         flow=LatentDitConfig(edge=8, width=64, blocks=2, heads=2),
         conditions=ConditionConfig(width=64, image_size=32, image_patch=8, image_width=32, image_blocks=1),
         resolution=32,
+    ),
+    "small": StructurePreset(
+        vae=PatchVaeConfig(width=64, encoder_blocks=1, decoder_blocks=3, global_width=128, global_blocks=2),
+        flow=LatentDitConfig(width=256, blocks=6, heads=4),
+        conditions=ConditionConfig(width=256, image_width=128, image_blocks=3),
     ),
     "compact": StructurePreset(
         vae=PatchVaeConfig(),

@@ -34,12 +34,20 @@ class TrainingPreset:
     """Training of the flow."""
     losses: StructureLossConfig = field(default_factory=StructureLossConfig)
     """Weights of the VAE's loss terms."""
+    latent_noise: float = 0.0
+    """Noise on what the VAE decodes in training, as a share of the latents' standard deviation: a decoder
+    that has seen some forgives the flow its errors."""
 
 
 TRAINING: dict[PresetName, TrainingPreset] = {
     "tiny": TrainingPreset(
         vae=StageConfig(batch=4, learning_rate=2e-3, warmup=5, decay=1.0, ema=0.9, share=0.5),
         flow=StageConfig(batch=8, learning_rate=1e-3, warmup=5, decay=0.5, ema=0.9, share=0.5),
+    ),
+    "small": TrainingPreset(
+        vae=StageConfig(batch=4, learning_rate=1.5e-3, warmup=100, decay=1.0, ema=0.995, share=0.5),
+        flow=StageConfig(batch=8, learning_rate=6e-4, warmup=100, decay=0.3, ema=0.998, share=0.5),
+        losses=StructureLossConfig(kl=5e-3),
     ),
     "compact": TrainingPreset(
         vae=StageConfig(batch=64, learning_rate=1e-3, warmup=200, decay=1.0, ema=0.999, share=0.4),
