@@ -8,11 +8,15 @@ import numpy as np
 import pytest
 import torch
 
-from artigen.train.batches import draw_batches, prefetch
+from artigen.models.presets import PRESETS
+from artigen.models.structure_vae import StructureVae
+from artigen.train.batches import draw_batches, patch_batch, prefetch
+from artigen.train.curves import read_metrics
 from artigen.train.examples import StructureExample, draw_example
 from artigen.train.loop import LoopConfig, train
 from artigen.train.shards import read_shard, write_shard
-from artigen.train.structure import measure_latents
+from artigen.train.structure import measure_latents, train_structure_vae
+from artigen.train.structure_losses import StructureLossConfig
 
 
 @pytest.fixture(scope="module")
@@ -123,3 +127,39 @@ def test_latents_are_measured_with_their_spread():
     center, spread = measure_latents(means, torch.full_like(means, 1.5))
     torch.testing.assert_close(center, torch.full((2,), 3.0), atol=0.05, rtol=0)
     torch.testing.assert_close(spread, torch.full((2,), 2.5), atol=0.05, rtol=0)
+
+
+def losses_of(examples: list[StructureExample], folder: Path, **options: float) -> list[float]:
+    """What every step of a short training loses."""
+    torch.manual_seed(0)
+    vae = StructureVae(PRESETS["tiny"].vae)
+    cfg = LoopConfig(steps=3, report_every=1)
+    train_structure_vae(vae, examples, folder, cfg, batch=2, losses=StructureLossConfig(), **options)
+    return [line["loss"] for line in read_metrics(folder / "metrics.jsonl")]
+
+
+def test_training_without_latent_noise_is_what_it_was_before_there_was_any(
+    tmp_path: Path, examples: list[StructureExample]
+):
+    plain = losses_of(examples, tmp_path / "plain")
+    assert losses_of(examples, tmp_path / "none", latent_noise=0.0) == plain
+    assert losses_of(examples, tmp_path / "some", latent_noise=0.5)[0] != plain[0]
+
+
+def test_a_disturbance_is_measured_in_deviations_of_its_channel(examples: list[StructureExample]):
+    decoded = []
+
+    class Listening(StructureVae):
+        def decode(self, z, index=None):
+            decoded.append(z)
+            return super().decode(z, index)
+
+    torch.manual_seed(0)
+    vae = Listening(PRESETS["tiny"].vae)
+    patches = patch_batch(examples)
+    noise = torch.randn_like(vae.encode(patches)[0])
+    with torch.no_grad():
+        for disturbance in (None, torch.full_like(noise, 0.25)):
+            vae(patches, noise, disturbance)
+    deviation = decoded[0].std(dim=(0, 2, 3, 4), keepdim=True).expand_as(noise)
+    torch.testing.assert_close(decoded[1] - decoded[0], 0.25 * deviation)

@@ -62,10 +62,22 @@ class StructureVae(nn.Module):
         index = _occupied_patches(logits) if index is None else index
         return logits, dense[index][..., 1:], index
 
-    def forward(self, patches: PatchBatch, noise: Float[Tensor, "B D X Y Z"]) -> Reconstruction:
-        """Reconstructs a batch through a draw from its posterior."""
+    def forward(
+        self,
+        patches: PatchBatch,
+        noise: Float[Tensor, "B D X Y Z"],
+        disturbance: Float[Tensor, "B D X Y Z"] | None = None,
+    ) -> Reconstruction:
+        """Reconstructs a batch through a draw from its posterior.
+
+        ``disturbance`` is added to the draw, in standard deviations of each of its channels over the batch:
+        it stands for the error of a flow, which the posterior knows nothing of.
+        """
         mean, logvar = self.encode(patches)
-        logits, attributes, _ = self.decode(sample_gaussian(mean, logvar, noise), patches.index)
+        z = sample_gaussian(mean, logvar, noise)
+        if disturbance is not None:
+            z = z + disturbance * z.detach().std(dim=(0, 2, 3, 4), keepdim=True)
+        logits, attributes, _ = self.decode(z, patches.index)
         return Reconstruction(logits=logits, attributes=attributes, mean=mean, logvar=logvar)
 
 

@@ -96,6 +96,7 @@ def train_vae(cfg: RunConfig, data: RunData, report: Report) -> StructureVae:
         _loop(training.vae, cfg.minutes),
         batch=training.vae.batch,
         losses=training.losses,
+        latent_noise=_latent_noise(cfg),
         on_report=lambda line: report("VAE", line),
     )
     save_model(vae, cfg.folder / "model", _describe(cfg, data), "vae")
@@ -167,7 +168,12 @@ def _describe(cfg: RunConfig, data: RunData) -> dict[str, object]:
         "minutes": cfg.minutes,
         "objects": cfg.shards * cfg.objects,
         "real_objects": data.real,
+        "latent_noise": _latent_noise(cfg),
     }
+
+
+def _latent_noise(cfg: RunConfig) -> float:
+    return TRAINING[cfg.preset].latent_noise if cfg.latent_noise is None else cfg.latent_noise
 
 
 def _loop(stage: StageConfig, minutes: float) -> LoopConfig:
@@ -196,6 +202,7 @@ def main() -> None:
     parser.add_argument("--objects", type=int, default=256, help="objects per shard")
     parser.add_argument("--partnet", type=Path, help="folder with real objects to mix in")
     parser.add_argument("--real-share", type=float, default=0.1, help="share of real objects")
+    parser.add_argument("--latent-noise", type=float, help="noise on latents before they are decoded")
     parser.add_argument("--workers", type=int, default=2, help="processes that make data")
     train_everything(RunConfig(**vars(parser.parse_args())))
 

@@ -31,15 +31,31 @@ def train_structure_vae(
     *,
     batch: int,
     losses: StructureLossConfig,
+    latent_noise: float = 0.0,
     on_report: Report | None = None,
 ) -> StructureVae:
-    """Trains {E, D} on fields (paper section 4.1)."""
+    """Trains {E, D} on fields (paper section 4.1).
+
+    Args:
+        vae: On the CPU; it is moved.
+        examples: What is reconstructed.
+        folder: Of the stage.
+        cfg: Budget and rates.
+        batch: Objects per step.
+        losses: Weights of the terms.
+        latent_noise: Noise on what is decoded, as a share of the latents' standard deviation.
+        on_report: Called with every line of metrics.
+    """
 
     def terms(network: nn.Module, patches: PatchBatch, generator: torch.Generator) -> dict[str, Tensor]:
         edge = patches.edge
         shape = (patches.samples, vae.latent_channels, edge, edge, edge)
         noise = torch.randn(shape, generator=generator, device=generator.device)
-        made = network(patches, noise)
+        disturbance = None  # nothing is drawn for it, so that all else stays as without it
+        if latent_noise:
+            extra = torch.randn(shape, generator=generator, device=generator.device)
+            disturbance = latent_noise * extra
+        made = network(patches, noise, disturbance)
         out = structure_losses(made.logits, made.attributes, patches, losses, vae.layout)
         return {**out, "kl": losses.kl * kl_divergence(made.mean, made.logvar)}
 
