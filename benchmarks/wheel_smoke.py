@@ -16,7 +16,7 @@ import artigen, sim_export, envs
 for package in (artigen, sim_export, envs):
     assert package.__file__.startswith(sys.argv[1]), package.__file__
 from pathlib import Path
-from artigen.datasets.sample import write_sample
+from artigen.datasets.sample_partnet import write_sample
 write_sample(Path("sample_cabinet"))
 """
 CONVERT = "from artigen.cli import main; main()"

@@ -7,7 +7,7 @@ import tempfile
 from pathlib import Path
 
 from artigen.cli.convert import ConvertJob, convert_object
-from artigen.datasets.sample import write_sample
+from artigen.datasets.sample_partnet import write_sample
 
 
 def main(folder: Path) -> None:

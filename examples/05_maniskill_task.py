@@ -10,7 +10,7 @@ from pathlib import Path
 import gymnasium as gym
 
 from artigen.cli.convert import ConvertJob, convert_object
-from artigen.datasets.sample import write_sample
+from artigen.datasets.sample_partnet import write_sample
 
 
 def main(folder: Path) -> None:

@@ -10,7 +10,7 @@ from artigen.cli.batch import Finished, read_journal
 from artigen.cli.convert import ConvertSettings, convert, find_sources
 from artigen.cli.export import export
 from artigen.cli.validate import validate
-from artigen.datasets.sample import write_sample
+from artigen.datasets.sample_partnet import write_sample
 from artigen.errors import ArtigenError
 from artigen.io import write_asset
 

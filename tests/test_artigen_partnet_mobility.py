@@ -14,7 +14,8 @@ from artigen.datasets.partnet_annotation import read_nodes
 from artigen.datasets.partnet_joints import motion
 from artigen.datasets.partnet_labels import LABEL_TABLE, label_table_markdown
 from artigen.datasets.partnet_mobility import ReaderConfig, read_object
-from artigen.datasets.sample import SAMPLE_PARTS, write_sample
+from artigen.datasets.sample import SAMPLE_PARTS
+from artigen.datasets.sample_partnet import write_sample
 from artigen.datasets.sizes import DEPTH_LIMITS, SIZE_TABLE, estimate_size, size_table_markdown
 from artigen.errors import SourceError
 from artigen.kinematics import articulate_points, qlimits

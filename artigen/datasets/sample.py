@@ -7,7 +7,6 @@ Metres, z up, front -x, floor at z = 0.
 """
 
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -205,14 +204,3 @@ def sample_asset(seed: int = 0, spacing: float = 0.004) -> Asset:
     return Asset(
         name="sample_cabinet", category="StorageFurniture", scale=scale, parts=tuple(parts), surface=surface
     )
-
-
-def write_sample(folder: Path) -> None:
-    """Writes the cabinet as a PartNet-Mobility folder; reading it gives `sample_asset`'s parts back.
-
-    Raises:
-        OSError: the disk refuses; nothing is left behind.
-    """
-    from artigen.datasets.sample_partnet import write_partnet_sample
-
-    write_partnet_sample(folder)

@@ -92,8 +92,10 @@ _BOX_QUADS = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 
 """Corners of the faces of a box, counter-clockwise from outside; corner 4x + 2y + z."""
 
 
-def write_partnet_sample(folder: Path) -> None:
+def write_sample(folder: Path) -> None:
     """Writes the cabinet as a PartNet-Mobility folder, the same bytes every time.
+
+    Reading it gives the parts of `artigen.datasets.sample.sample_asset` back.
 
     Raises:
         OSError: the disk refuses; nothing is left behind.
