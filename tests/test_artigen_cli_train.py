@@ -15,7 +15,7 @@ import artigen.metrics.evaluate
 from artigen.claim import claim_folder
 from artigen.cli.evaluate import EvaluateSettings, evaluate
 from artigen.cli.train import TrainSettings, train
-from artigen.datasets.sample import write_sample
+from artigen.datasets.sample_partnet import write_sample
 from artigen.errors import ArtigenError, SegmentationError, SourceError
 from artigen.generate import GenerateConfig, load_structure_model
 from artigen.metrics.draws import DrawJob, draw_all
