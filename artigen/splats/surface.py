@@ -1,0 +1,128 @@
+"""Gaussians that lie on a sampled surface: flat, opaque discs, one per sample. No network is needed.
+
+What they are: the look of an object whose surface is known (procedural, scanned, from PartNet-Mobility), in
+the same form as that of a generated one. They serve to look at, to move, to bake textures from, and as the
+truth that a model's Gaussians are measured against. What they are not: fitted to pictures. They hold one
+colour per sample, no light, nothing translucent, and no detail finer than the distance between samples.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Int
+from scipy.spatial import KDTree
+
+from artigen.splats.colors import linear_from_srgb
+from artigen.transforms import matrix_from_quat, quat_multiply
+from artigen.types import Gaussians, SurfaceSamples
+
+
+@dataclass(frozen=True, kw_only=True)
+class SurfaceSplatConfig:
+    """How large the discs are."""
+
+    spread: float = 0.7
+    """Standard deviation of a disc over the distance between samples: less leaves holes, more blurs."""
+    flatness: float = 0.1
+    """Standard deviation along the normal over that distance."""
+    neighbours: int = 10
+    """Samples of one part and facing that tell how far apart samples are and where the surface ends."""
+    edge: float = 0.5
+    """How far the surface reaches beyond its outermost samples, over that distance: discs become narrow
+    there, so that they do not stand over."""
+
+    def __post_init__(self) -> None:
+        if min(self.spread, self.flatness, self.edge) <= 0 or self.neighbours < 1:
+            raise ValueError(
+                f"discs on a surface: spread {self.spread}, flatness {self.flatness}, edge {self.edge}, "
+                f"{self.neighbours} neighbours; expected above 0, and at least 1"
+            )
+
+
+def splat_surface(surface: SurfaceSamples, cfg: SurfaceSplatConfig | None = None) -> Gaussians:
+    """A disc for every sample, in its order: at its point, of its colour and part, opaque.
+
+    The third axis of each disc is its thin one and points along the sample's normal, outward.
+
+    Raises:
+        ValueError: If there is no sample, or a normal has no direction.
+    """
+    cfg = cfg or SurfaceSplatConfig()
+    if not len(surface.points):
+        raise ValueError("discs on a surface: no samples, expected at least 1")
+    lengths = np.linalg.norm(surface.normals, axis=1)
+    if not (lengths > 0).all():
+        raise ValueError(f"discs on a surface: {int((lengths == 0).sum())} normals of length 0")
+    quats = _quats_from_normals(surface.normals / lengths[:, None])
+    frames = matrix_from_quat(quats)
+    reach, turn = np.full((len(quats), 2), np.inf), np.zeros(len(quats))
+    distance = np.full(len(quats), np.inf)
+    for rows in _group_rows(surface):
+        count = min(cfg.neighbours, len(rows) - 1)
+        if count < 1:
+            continue
+        points = surface.points[rows]
+        tree = KDTree(points, balanced_tree=False, compact_nodes=False)
+        far, index = (np.asarray(found) for found in tree.query(points, k=count + 1))
+        beside = np.einsum("mkc,mcd->mkd", points[index[:, 1:]] - points[:, None], frames[rows, :, :2])
+        reach[rows], turn[rows] = _measure_reach(beside)
+        distance[rows] = far[:, -1] * np.sqrt(np.pi / count)
+    spacing = float(np.median(distance))
+    if not np.isfinite(spacing):
+        raise ValueError(
+            f"discs on a surface: most of {len(quats)} samples have no other of their part that faces their "
+            "way; sample the surface more densely"
+        )
+    across = np.clip(reach + cfg.edge * spacing, cfg.edge * spacing, spacing)
+    half = turn / 2.0
+    about = np.stack([np.cos(half), np.zeros_like(half), np.zeros_like(half), np.sin(half)], axis=1)
+    return Gaussians(
+        means=surface.points,
+        quats=quat_multiply(quats, about),
+        scales=cfg.spread * np.column_stack([across, np.full(len(across), cfg.flatness * spacing)]),
+        opacities=np.ones(len(across)),
+        colors=linear_from_srgb(surface.colors / 255.0),
+        part_ids=surface.part_ids,
+    )
+
+
+def _group_rows(surface: SurfaceSamples) -> list[Int[np.ndarray, "M"]]:
+    """Samples of one part that face the same of the six sides, group by group."""
+    axis = np.abs(surface.normals).argmax(axis=1)
+    ahead = np.take_along_axis(surface.normals, axis[:, None], axis=1)[:, 0] > 0
+    groups = surface.part_ids.astype(np.int64) * 6 + 2 * axis + ahead
+    order = np.argsort(groups, kind="stable")
+    return np.split(order, np.flatnonzero(np.diff(groups[order])) + 1)
+
+
+def _measure_reach(
+    beside: Float[np.ndarray, "M K 2"],
+) -> tuple[Float[np.ndarray, "M 2"], Float[np.ndarray, "M"]]:
+    """How far the surface goes on in the nearer of both ways along each axis of a turned frame, and the turn.
+
+    The turned axes are those along which the others are spread least and most: at the edge of a panel, and on
+    a narrow strip, across and along it.
+    """
+    spread = beside - beside.mean(axis=1, keepdims=True)
+    xx, yy = (spread**2).mean(axis=1).T
+    xy = (spread[..., 0] * spread[..., 1]).mean(axis=1)
+    turn = 0.5 * np.arctan2(2.0 * xy, xx - yy)
+    cos, sin = np.cos(turn)[:, None], np.sin(turn)[:, None]
+    turned = np.stack(
+        [beside[..., 0] * cos + beside[..., 1] * sin, beside[..., 1] * cos - beside[..., 0] * sin], axis=2
+    )
+    sides = []
+    for axis in range(2):
+        along, aside = turned[..., axis], np.abs(turned[..., 1 - axis])
+        ahead = np.where(along >= aside, along, 0.0).max(axis=1)
+        behind = np.where(-along >= aside, -along, 0.0).max(axis=1)
+        sides.append(np.minimum(ahead, behind))
+    return np.stack(sides, axis=1), turn
+
+
+def _quats_from_normals(normals: Float[np.ndarray, "N 3"]) -> Float[np.ndarray, "N 4"]:
+    """The shortest turns (wxyz) that bring +z to unit normals."""
+    x, y, z = normals.T
+    quats = np.stack([1.0 + z, -y, x, np.zeros_like(x)], axis=1)
+    quats[1.0 + z < 1e-6] = [0.0, 1.0, 0.0, 0.0]
+    return quats / np.linalg.norm(quats, axis=1, keepdims=True)
