@@ -4,10 +4,11 @@ import queue
 import threading
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import TypeVar
+from typing import Protocol, TypeVar
 
 import numpy as np
 import torch
+from jaxtyping import Float, UInt8
 from torch import Tensor
 
 from artigen.models.conditions import ConditionBatch, ConditionConfig
@@ -38,7 +39,23 @@ def patch_batch(examples: Sequence[StructureExample]) -> PatchBatch:
     return collate([example.field for example in examples])
 
 
-def condition_batch(examples: Sequence[StructureExample], cfg: ConditionConfig) -> ConditionBatch:
+class Described(Protocol):
+    """An example that says what a condition can ask for; ``image`` is RGBA, premultiplied on black."""
+
+    @property
+    def category(self) -> str: ...
+
+    @property
+    def counts(self) -> UInt8[np.ndarray, "L"]: ...
+
+    @property
+    def size(self) -> Float[np.ndarray, "3"]: ...
+
+    @property
+    def image(self) -> UInt8[np.ndarray, "H W 4"] | None: ...
+
+
+def condition_batch(examples: Sequence[Described], cfg: ConditionConfig) -> ConditionBatch:
     """Everything that the examples say about themselves, as conditions.
 
     A category without a token, or an example without picture, leaves that field open.

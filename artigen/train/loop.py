@@ -156,6 +156,14 @@ def train(
     return network.eval()
 
 
+def finished_steps(folder: Path) -> int:
+    """Steps that the checkpoint of a stage has behind it; 0 where there is none."""
+    checkpoint = folder / "checkpoint.pt"
+    if not checkpoint.is_file():
+        return 0
+    return int(torch.load(checkpoint, map_location="cpu", weights_only=True)["step"])
+
+
 def _rate(progress: _Progress, cfg: LoopConfig) -> float:
     """Share of the peak learning rate: a linear rise, a plateau, a cosine to zero."""
     rise = min(1.0, (progress.step + 1) / max(cfg.warmup, 1))

@@ -35,6 +35,8 @@ class RenderConfig:
     """Light from straight above, shadowed as from one direction."""
     fill_strength: float = 0.26
     """Light from all around, from above more than from below."""
+    fill_tilt: float = 0.34
+    """How much more: 0 is even light, which looks the same however a part is turned."""
     supersampling: int = 1
     """Rays per pixel edge for colour; the other maps are always at pixel centres."""
 
@@ -77,7 +79,7 @@ def shade(
     up = surface.normal[:, 2]
     lamp = torch.nn.functional.normalize(surface.normal.new_tensor(cfg.lamp), dim=0)
     facing = (surface.normal @ lamp).clamp(min=0.0)
-    fill = (0.66 + 0.34 * up) * light.open
+    fill = (1.0 - cfg.fill_tilt + cfg.fill_tilt * up) * light.open
     diffuse = (
         cfg.lamp_strength * facing * light.lamp
         + cfg.sky_strength * (0.15 + 0.85 * (0.5 + 0.5 * up)) * light.sky * (0.4 + 0.6 * light.open)

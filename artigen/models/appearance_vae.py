@@ -1,0 +1,58 @@
+"""Encoder of voxel features and decoder to Gaussians, trained together (section 4.2 of the paper)."""
+
+from dataclasses import dataclass
+
+import torch
+from jaxtyping import Float, Int
+from torch import Tensor, nn
+
+from artigen.models.gaussian_decoder import GaussianDecoder, GaussianDecoderConfig
+from artigen.models.slat_vae import SlatEncoder, SlatVaeConfig
+from artigen.splats.render.splats import Splats
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Encoded:
+    """Gaussians of all voxels, and the posterior of the latents they came from."""
+
+    splats: Splats
+    mean: Float[Tensor, "N D"]
+    logvar: Float[Tensor, "N D"]
+
+
+class AppearanceVae(nn.Module):
+    """Features of voxels to latents, and those to Gaussians.
+
+    Raises:
+        ValueError: If the two do not fit each other.
+    """
+
+    def __init__(self, encoder: SlatVaeConfig, decoder: GaussianDecoderConfig) -> None:
+        super().__init__()
+        trunk = decoder.trunk
+        for name in ("resolution", "latent_channels", "window_size"):
+            one, other = getattr(encoder, name), getattr(trunk, name)
+            if one != other:
+                raise ValueError(f"{name} is {one} in the encoder and {other} in the decoder")
+        self.encoder = SlatEncoder(encoder)
+        self.decoder = GaussianDecoder(decoder)
+
+    @property
+    def count(self) -> int:
+        """Gaussians per voxel."""
+        return self.decoder.gaussians.count
+
+    def forward(
+        self, coords: Int[Tensor, "N 4"], feats: Float[Tensor, "N C"], noise: Float[Tensor, "N D"]
+    ) -> Encoded:
+        """Encodes, draws from the posterior with the given noise, and decodes.
+
+        Args:
+            coords: sample, x, y, z of each voxel.
+            feats: its features.
+            noise: standard normal; zero gives the means.
+        """
+        plans = self.encoder.plan(coords)
+        mean, logvar = self.encoder(coords, feats, plans)
+        latents = mean + noise * torch.exp(0.5 * logvar)
+        return Encoded(splats=self.decoder(coords, latents, plans), mean=mean, logvar=logvar)

@@ -1,0 +1,1 @@
+"""Training of the appearance models: pictures, features, Gaussians and the sparse flow."""

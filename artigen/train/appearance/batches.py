@@ -1,0 +1,102 @@
+"""Examples side by side as tensors: voxels of several objects, and some pictures of each."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+from jaxtyping import Float, Int
+from torch import Tensor
+
+from artigen.shapes.render import Cameras
+from artigen.train.appearance.examples import AppearanceExample
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PictureBatch:
+    """Voxels of several objects, and as many pictures of each to be repeated."""
+
+    coords: Int[Tensor, "N 4"]
+    """Sample, x, y, z."""
+    feats: Float[Tensor, "N C"]
+    part_ids: Int[Tensor, "N"]
+    """Counted within each sample."""
+    rgb: Float[Tensor, "B M H W 3"]
+    background: Float[Tensor, "B M 3"]
+    cameras: tuple[Cameras, ...]
+    """Of each sample."""
+    displacements: tuple[Float[np.ndarray, "M P 4 4"], ...]
+    """Of each sample's parts, picture by picture."""
+
+    def to(self, device: torch.device | str) -> "PictureBatch":
+        """The same batch on another device."""
+        tensors = {
+            name: value.to(device, non_blocking=True)
+            for name, value in vars(self).items()
+            if isinstance(value, Tensor)
+        }
+        return PictureBatch(**{**vars(self), **tensors})
+
+
+def voxel_batch(examples: Sequence[AppearanceExample]) -> tuple[Int[Tensor, "N 4"], Float[Tensor, "N C"]]:
+    """Places (sample, x, y, z) and features of all voxels, sample after sample."""
+    coords = [
+        np.column_stack([np.full(len(one.coords), number), one.coords.astype(np.int64)])
+        for number, one in enumerate(examples)
+    ]
+    feats = np.concatenate([one.features for one in examples])
+    return torch.from_numpy(np.concatenate(coords)), torch.from_numpy(feats).float()
+
+
+def picture_batch(
+    examples: Sequence[AppearanceExample], chosen: Sequence[Int[np.ndarray, "M"]]
+) -> PictureBatch:
+    """Objects side by side with the chosen pictures of each, equally many."""
+    coords, feats = voxel_batch(examples)
+    taken = [(one.pictures, rows) for one, rows in zip(examples, chosen, strict=True)]
+    part_ids = np.concatenate([one.part_ids for one in examples]).astype(np.int64)
+    rgb, background = (
+        torch.from_numpy(np.stack([getattr(pictures, name)[rows] for pictures, rows in taken])).float() / 255
+        for name in ("rgb", "background")
+    )
+    return PictureBatch(
+        coords=coords,
+        feats=feats,
+        part_ids=torch.from_numpy(part_ids),
+        rgb=rgb,
+        background=background,
+        cameras=tuple(pictures.cameras(rows) for pictures, rows in taken),
+        displacements=tuple(pictures.displacements[pictures.state[rows]] for pictures, rows in taken),
+    )
+
+
+def draw_picture_batches(
+    examples: Sequence[AppearanceExample], size: int, pictures: int, seed: int, *, start: int = 0
+) -> Iterator[PictureBatch]:
+    """Endless batches, each a function of its number: a run can go on with the one it would have had next.
+
+    Args:
+        examples: In memory.
+        size: Objects in a batch; every epoch holds each object once, in a new order.
+        pictures: Of each object, drawn without repetition while there are enough.
+        seed: Of orders and pictures.
+        start: Number of the first batch.
+    """
+    number = start
+    while True:
+        rng = np.random.default_rng([seed, 1, number])
+        objects = [
+            _draw_order(len(examples), seed, at // len(examples))[at % len(examples)]
+            for at in range(number * size, (number + 1) * size)
+        ]
+        batch = [examples[index] for index in objects]
+        rows = [
+            rng.choice(len(one.pictures.rgb), pictures, replace=len(one.pictures.rgb) < pictures)
+            for one in batch
+        ]
+        yield picture_batch(batch, rows)
+        number += 1
+
+
+def _draw_order(count: int, seed: int, epoch: int) -> Int[np.ndarray, "K"]:
+    return np.random.default_rng([seed, 0, epoch]).permutation(count)

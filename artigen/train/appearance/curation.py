@@ -1,0 +1,108 @@
+"""From a procedural object to what appearance is learnt from: voxel features, and pictures to be repeated.
+
+Every joint state is photographed once; features are read off all pictures, and some are kept (section 4.2.1
+of the paper: 8 states, 48 views each).
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import torch
+from jaxtyping import Int
+
+from artigen.models.features import FeatureExtractor
+from artigen.shapes.asset import frame_shape
+from artigen.shapes.render import build_scene
+from artigen.shapes.shape import Shape
+from artigen.train.appearance.photographs import (
+    Pictures,
+    join_pictures,
+    keep_pictures,
+    photograph,
+    premultiply,
+)
+from artigen.train.appearance.states import plan_fractions
+from artigen.train.appearance.views import ViewConfig, scale_cameras
+from artigen.train.appearance.visibility import MOMENTS, FeatureMean, StateViews, VoxelFeatures, Weighting
+from artigen.types import Asset
+
+
+@dataclass(frozen=True, kw_only=True)
+class CurationConfig:
+    """States, views, and what is made of them."""
+
+    states: int = 8
+    """Joint states; 1 is the closed object alone."""
+    staggered: bool = True
+    """Whether joints open in different orders; the paper opens all together."""
+    views: ViewConfig = field(default_factory=ViewConfig)
+    """Pictures of one state."""
+    kept: int = 6
+    """Pictures of a state that are kept to be repeated."""
+    weighting: Weighting = "seen"
+    """Which views count for a voxel: those that show it, or all, as in the paper."""
+    tolerance: float = 1.5
+    """Largest difference of depths, in voxels, at which a view shows a voxel."""
+    directional: bool = False
+    """Whether features say from where a voxel was seen, too."""
+
+    def __post_init__(self) -> None:
+        if self.states < 1 or not 0 <= self.kept <= self.views.count or self.tolerance <= 0:
+            raise ValueError(
+                f"{self.states} states, {self.kept} of {self.views.count} views kept, tolerance "
+                f"{self.tolerance}: expected at least 1 state, no more than there are, and above 0"
+            )
+
+    def channels(self, extractor: FeatureExtractor) -> int:
+        """Channels of a voxel's features."""
+        return extractor.channels + (MOMENTS if self.directional else 0)
+
+
+def curate(
+    shape: Shape, asset: Asset, extractor: FeatureExtractor, cfg: CurationConfig
+) -> tuple[VoxelFeatures, Pictures]:
+    """Features of the asset's voxels, and the pictures kept of every state.
+
+    Args:
+        shape: The object.
+        asset: The same object with voxels.
+        extractor: Reads features off pictures.
+        cfg: States and views.
+
+    Raises:
+        ValueError: If the asset has no voxels.
+    """
+    if asset.voxels is None:
+        raise ValueError(f"asset {asset.name!r} has no voxels; voxelize its surface first")
+    scene = build_scene([shape])
+    center, scale = frame_shape(shape)
+    mean = FeatureMean(
+        asset.voxels.centers(),
+        asset.voxels.part_ids,
+        cell=1.0 / asset.voxels.resolution,
+        weighting=cfg.weighting,
+        tolerance=cfg.tolerance,
+        directional=cfg.directional,
+    )
+    fractions = plan_fractions(shape, cfg.states, staggered=cfg.staggered)
+    kept = []
+    for number, state in enumerate(photograph(scene, asset, fractions, cfg.views)):
+        pictures = premultiply(state.images)
+        views = StateViews(
+            cameras=scale_cameras(state.cameras, center, scale),
+            pictures=pictures,
+            depth=state.images.depth / scale,
+            displacements=state.displacements,
+        )
+        with torch.no_grad():
+            maps = extractor(pictures)
+        mean.add(views, maps)
+        kept.append(keep_pictures(scene, state, number, views.cameras, _spread_rows(cfg)))
+    return mean.finish(), join_pictures(kept)
+
+
+def _spread_rows(cfg: CurationConfig) -> Int[np.ndarray, "K"]:
+    """Which views of a state are kept: evenly from low to high, before both backgrounds in turn."""
+    order = np.arange(cfg.kept)
+    rows = np.floor(order * cfg.views.count / max(cfg.kept, 1)).astype(np.int64)
+    return np.minimum(rows + (rows - order) % 2, cfg.views.count - 1)

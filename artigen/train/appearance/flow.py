@@ -1,0 +1,108 @@
+"""Training of the sparse flow on latents of the appearance VAE, conditioned as the structure flow is."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import torch
+from jaxtyping import Float, Int
+from torch import Tensor, nn
+
+from artigen.models.conditions import ConditionBatch, ConditionConfig, drop_conditions
+from artigen.models.slat_flow import SlatFlow
+from artigen.sampling import diffuse, draw_times, target_velocity
+from artigen.train.appearance.batches import voxel_batch
+from artigen.train.appearance.examples import AppearanceExample
+from artigen.train.appearance.vae import Report
+from artigen.train.batches import condition_batch, draw_batches, prefetch
+from artigen.train.loop import LoopConfig, train
+from artigen.train.structure import DROPOUT
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SlatBatch:
+    """Posteriors of the voxels of several objects, with the conditions they answer."""
+
+    coords: Int[Tensor, "N 4"]
+    mean: Float[Tensor, "N D"]
+    std: Float[Tensor, "N D"]
+    attributes: Float[Tensor, "N A"]
+    conditions: ConditionBatch
+
+    def to(self, device: torch.device | str) -> "SlatBatch":
+        """The same batch on another device."""
+        return SlatBatch(**{name: value.to(device) for name, value in vars(self).items()})
+
+
+def train_appearance_flow(
+    flow: SlatFlow,
+    latents: tuple[Sequence[Tensor], Sequence[Tensor]],
+    examples: Sequence[AppearanceExample],
+    folder: Path,
+    cfg: LoopConfig,
+    *,
+    batch: int,
+    conditions: ConditionConfig,
+    on_report: Report | None = None,
+) -> SlatFlow:
+    """Trains the conditional sparse flow on latents.
+
+    Args:
+        flow: untrained, or what the folder's checkpoint continues.
+        latents: means and deviations of each example's voxels.
+        examples: the objects.
+        folder: of the stage.
+        cfg: budget and rates.
+        batch: objects per step.
+        conditions: what the flow can be asked for.
+        on_report: called with every line of metrics.
+    """
+    center, spread = measure_slats(*latents)
+    flow.latent_mean.copy_(center)
+    flow.latent_std.copy_(spread)
+
+    def terms(network: nn.Module, drawn: SlatBatch, generator: torch.Generator) -> dict[str, Tensor]:
+        noise, jitter = (
+            torch.randn(drawn.mean.shape, generator=generator, device=generator.device) for _ in range(2)
+        )
+        samples = len(drawn.conditions.category)
+        x_0 = flow.normalise(drawn.mean + drawn.std * jitter)
+        times = draw_times(samples, generator)
+        asked = drop_conditions(drawn.conditions, DROPOUT, generator)
+        row_times = times[drawn.coords[:, 0]]
+        plan = flow.plan(drawn.coords, samples)
+        attributes = drawn.attributes if flow.attribute_channels else None
+        said = network(diffuse(x_0, noise, row_times), times, asked, plan, attributes)
+        return {"velocity": torch.mean((said.float() - target_velocity(x_0, noise)) ** 2)}
+
+    make = partial(slat_batch, latents=latents, conditions=conditions)
+    batches: Iterator[SlatBatch] = prefetch(draw_batches(list(enumerate(examples)), make, batch, cfg.seed))
+    train(flow, terms, batches, folder, cfg, on_report=on_report)
+    return flow
+
+
+def slat_batch(
+    chosen: Sequence[tuple[int, AppearanceExample]],
+    latents: tuple[Sequence[Tensor], Sequence[Tensor]],
+    conditions: ConditionConfig,
+) -> SlatBatch:
+    """Numbered examples side by side, with their rows of ``latents``."""
+    examples = [example for _, example in chosen]
+    mean, std = (torch.cat([part[number] for number, _ in chosen]).float() for part in latents)
+    return SlatBatch(
+        coords=voxel_batch(examples)[0],
+        mean=mean,
+        std=std,
+        attributes=torch.from_numpy(np.concatenate([one.labels() for one in examples])),
+        conditions=condition_batch(examples, conditions),
+    )
+
+
+def measure_slats(
+    means: Sequence[Tensor], stds: Sequence[Tensor]
+) -> tuple[Float[Tensor, "D"], Float[Tensor, "D"]]:
+    """Mean and standard deviation per channel of draws from the posteriors of all voxels."""
+    mean, std = torch.cat(list(means)).float(), torch.cat(list(stds)).float()
+    return mean.mean(dim=0), (mean.var(dim=0) + (std**2).mean(dim=0)).sqrt()

@@ -1,0 +1,49 @@
+"""How the presets of `artigen.models.appearance_presets` are trained, and on what."""
+
+from dataclasses import dataclass, field
+
+from artigen.models.presets import PresetName
+from artigen.train.appearance.curation import CurationConfig
+from artigen.train.appearance.losses import AppearanceLossConfig
+from artigen.train.appearance.views import ViewConfig
+from artigen.train.presets import StageConfig
+
+
+@dataclass(frozen=True, kw_only=True)
+class AppearanceTraining:
+    """How the networks of an appearance model are trained."""
+
+    curation: CurationConfig
+    """Joint states, views, and features."""
+    vae: StageConfig
+    """Training of the VAE."""
+    flow: StageConfig
+    """Training of the flow."""
+    pictures: int
+    """Pictures of an object per step of the VAE."""
+    losses: AppearanceLossConfig = field(default_factory=AppearanceLossConfig)
+    """Weights of the VAE's loss terms."""
+
+
+APPEARANCE_TRAINING: dict[PresetName, AppearanceTraining] = {
+    "tiny": AppearanceTraining(
+        curation=CurationConfig(states=3, views=ViewConfig(count=8, size=48), kept=4),
+        vae=StageConfig(batch=2, learning_rate=4e-3, warmup=5, decay=1.0, ema=0.9, share=0.6),
+        flow=StageConfig(batch=4, learning_rate=1e-3, warmup=5, decay=0.5, ema=0.9, share=0.4),
+        pictures=2,
+    ),
+    "compact": AppearanceTraining(
+        curation=CurationConfig(views=ViewConfig(count=12, sharpness=2), kept=4, directional=True),
+        vae=StageConfig(batch=4, learning_rate=1e-3, warmup=200, decay=1.0, ema=0.999, share=0.6),
+        flow=StageConfig(batch=16, learning_rate=4e-4, warmup=300, decay=0.3, ema=0.999, share=0.4),
+        pictures=3,
+    ),
+    "paper": AppearanceTraining(
+        curation=CurationConfig(
+            staggered=False, views=ViewConfig(size=512, sharpness=2), kept=48, weighting="plain"
+        ),
+        vae=StageConfig(batch=4, learning_rate=1e-4, warmup=0, decay=0.0, ema=0.9999, share=0.5),
+        flow=StageConfig(batch=4, learning_rate=1e-4, warmup=0, decay=0.0, ema=0.9999, share=0.5),
+        pictures=1,
+    ),
+}

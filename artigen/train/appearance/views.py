@@ -1,0 +1,115 @@
+"""Cameras around an object in any joint state, and the light it is photographed in."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import torch
+from jaxtyping import Float
+
+from artigen.shapes.poses import pose_parts
+from artigen.shapes.primitives import place_vertices
+from artigen.shapes.render import Cameras, RenderConfig, frame_points
+from artigen.shapes.shape import Shape
+
+EVEN_LIGHT = RenderConfig(
+    shadow_rays=0, lamp_strength=0.0, sky_strength=0.0, fill_strength=0.85, fill_tilt=0.15
+)
+"""Light from all around without shadows: a part keeps its colours when it moves, and a baked texture can be
+lit again. Only corners are darker."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ViewConfig:
+    """How an object is photographed in one joint state."""
+
+    count: int = 48
+    """Pictures."""
+    size: int = 128
+    """Their edge in pixels."""
+    fov: float = 40.0
+    """Angle of view (degrees)."""
+    lowest: float = -0.45
+    """Sine of the lowest elevation of a camera."""
+    highest: float = 0.92
+    """Sine of the highest."""
+    front: float = 0.5
+    """Share of the cameras that stand in front, where one looks into what opens; the others are all
+    around."""
+    light: RenderConfig = field(default_factory=lambda: EVEN_LIGHT)
+    """Light."""
+    sharpness: int = 1
+    """Rays per pixel edge in the pictures that are kept."""
+
+    def __post_init__(self) -> None:
+        if self.count < 1 or not -1 < self.lowest < self.highest < 1 or not 0 <= self.front <= 1:
+            raise ValueError(
+                f"{self.count} views with sines of elevation {self.lowest} to {self.highest}, {self.front} "
+                "of them in front: expected at least 1, an interval inside (-1, 1), and a share"
+            )
+
+
+def spread_directions(cfg: ViewConfig, turn: float) -> Float[np.ndarray, "V 3"]:
+    """Unit directions from an object to its cameras: Hammersley's points over a band of the sphere.
+
+    Args:
+        cfg: How many, and how high.
+        turn: Shift of the sequence in [0, 1), so that states are seen from other places.
+    """
+    order = np.arange(cfg.count)
+    height = cfg.lowest + (cfg.highest - cfg.lowest) * ((order + 0.5) / cfg.count)
+    around = (order * 0.6180339887498949 + turn) % 1.0  # cells of the golden ratio, as even as Hammersley's
+    ahead = np.pi * (around / max(cfg.front, 1e-9) - 0.5)
+    anywhere = 2.0 * np.pi * (around - cfg.front) / max(1.0 - cfg.front, 1e-9)
+    angle = np.where(around < cfg.front, ahead, anywhere)
+    level = np.sqrt(1.0 - height**2)
+    return np.stack([-np.cos(angle) * level, np.sin(angle) * level, height], axis=1)
+
+
+def state_vertices(shape: Shape, qpos: Float[np.ndarray, "P"]) -> Float[np.ndarray, "N 3"]:
+    """Vertices of all primitives in a joint state (m)."""
+    moved = []
+    for part, T in zip(shape.parts, pose_parts(shape, qpos), strict=True):
+        points = np.concatenate([place_vertices(primitive) for primitive in part.primitives])
+        moved.append(points @ T[:3, :3].T + T[:3, 3])
+    return np.concatenate(moved)
+
+
+def place_cameras(shape: Shape, qpos: Float[np.ndarray, "P"], cfg: ViewConfig, turn: float) -> Cameras:
+    """One camera per direction, each as near as it can be with all of the object in the picture (m)."""
+    points = state_vertices(shape, qpos)
+    single = [
+        frame_points(points, (float(x), float(y), float(z)), fov=cfg.fov, width=cfg.size, height=cfg.size)
+        for x, y, z in spread_directions(cfg, turn)
+    ]
+    return join_cameras(single)
+
+
+def join_cameras(parts: list[Cameras]) -> Cameras:
+    """Cameras one after another; pictures must be of one size.
+
+    Raises:
+        ValueError: If there are none, or sizes differ.
+    """
+    sizes = {(one.width, one.height) for one in parts}
+    if len(sizes) != 1:
+        raise ValueError(f"cameras with pictures of {sorted(sizes)} pixels, expected one size")
+    ((width, height),) = sizes
+    return Cameras(
+        position=torch.cat([one.position for one in parts]),
+        target=torch.cat([one.target for one in parts]),
+        fov=torch.cat([one.fov for one in parts]),
+        width=width,
+        height=height,
+    )
+
+
+def scale_cameras(cameras: Cameras, center: Float[np.ndarray, "3"], scale: float) -> Cameras:
+    """The same cameras about ``center`` (m), in lengths of ``scale`` metres: those of the unit cube."""
+    middle = torch.as_tensor(center)
+    return Cameras(
+        position=(cameras.position - middle) / scale,
+        target=(cameras.target - middle) / scale,
+        fov=cameras.fov,
+        width=cameras.width,
+        height=cameras.height,
+    )
