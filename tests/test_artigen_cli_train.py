@@ -82,6 +82,9 @@ def test_a_run_leaves_weights_metrics_curves_and_what_it_was(run: Path):
 def test_real_objects_are_read_once_and_the_unreadable_are_named(run: Path):
     (example,) = read_shard(run / "real" / "real.npz")
     assert (example.name, example.field.resolution) == ("good", 32)
+    assert example.image is not None
+    assert example.image.shape == (32, 32, 4)
+    assert 0.2 < (example.image[..., 3] > 0).mean() < 0.9
     (reason,) = json.loads((run / "real" / "left_out.json").read_text()).items()
     assert reason[0] == "broken"
     assert "mobility_v2.json" in reason[1]
@@ -152,9 +155,10 @@ def evaluation(
 ) -> tuple[Path, Evaluation]:
     out = tmp_path_factory.mktemp("evaluations") / "out"
 
-    def read_here(folder, split, resolution, *, workers):
+    def read_here(folder, split, resolution, *, image_size, workers):
         """Without the process of its own, which the run above has tried."""
-        asset, example = read_real(RealJob(folder=list_split(folder, split)[0], resolution=resolution))
+        job = RealJob(folder=list_split(folder, split)[0], resolution=resolution, image_size=image_size)
+        asset, example = read_real(job)
         return [Subject(asset=asset, example=example)], {"other": "not there"}
 
     with pytest.MonkeyPatch.context() as patch:
@@ -173,6 +177,7 @@ def test_an_evaluation_has_every_row_and_is_written(evaluation: tuple[Path, Eval
         *((ask, method) for ask in ("counts and size", "picture") for method in ("model", "retrieval")),
         ("counts and size", "reconstruction"),
         *(("real: counts and size", method) for method in ("model", "retrieval", "reconstruction")),
+        *(("real: picture", method) for method in ("model", "retrieval")),
     }
     by_place = {(row.ask, row.method): row.scores for row in found.rows}
     assert by_place["category", "training set"]["valid"] == 1.0
@@ -196,7 +201,7 @@ def test_draws_are_kept_and_belong_to_their_model(
     out, found = evaluation
     monkeypatch.setattr(artigen.metrics.evaluate, "measure_footprint", lambda job: found.footprint)
     journal = (out / "draws" / "draws.jsonl").read_text()
-    assert len(journal.splitlines()) == 3 * 7 + 1
+    assert len(journal.splitlines()) == 3 * 7 + 2
     again = evaluate_structure(sparse, out, COARSE)
     assert (out / "draws" / "draws.jsonl").read_text() == journal
     assert again.rows == tuple(row for row in found.rows if not row.ask.startswith("real"))

@@ -2,6 +2,7 @@
 
 import sys
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Literal
 
@@ -28,6 +29,12 @@ class EvaluateSettings:
     """Guidance; 0 is none."""
     seed: int = 0
     """Of the noise."""
+    packages: int = 14
+    """Held-out objects whose draws by counts and size are exported and checked (L0 to L3); 0 skips that."""
+    redraws: int = 3
+    """How often such an object is drawn again where its package fails."""
+    pictured: int = 14
+    """Draws by category that nearest.png shows beside their nearest training objects."""
 
 
 def evaluate(
@@ -37,7 +44,7 @@ def evaluate(
     cfg: tyro.conf.OmitArgPrefixes[EvaluateSettings] = EvaluateSettings(),
     workers: Workers = 2,
 ) -> int:
-    """Measures a trained model and writes evaluation.json and evaluation.md.
+    """Measures a trained model and writes evaluation.json, evaluation.md and nearest.png.
 
     Objects that were drawn already are not drawn again when the same command is run again.
 
@@ -46,8 +53,9 @@ def evaluate(
         out: Folder for the results and the drawn objects.
         model: Folder of the trained model: model.json and its weights.
         cfg: With what, and how many.
-        workers: Processes that read real objects.
+        workers: Processes that read real objects and make packages.
     """
+    from artigen.cli.prove import prove_assets
     from artigen.metrics.evaluate import EvaluateConfig, evaluate_structure
     from artigen.metrics.report import write_report
     from artigen.sampling import SamplerConfig
@@ -63,8 +71,12 @@ def evaluate(
         sampler=SamplerConfig(steps=cfg.steps, strength=cfg.strength),
         seed=cfg.seed,
         partnet=cfg.partnet,
+        packages=cfg.packages,
+        redraws=cfg.redraws,
+        pictured=cfg.pictured,
         workers=workers,
     )
+    prove = partial(prove_assets, out=out / "packages", workers=workers)
     with tqdm(disable=not sys.stderr.isatty()) as bar:
 
         def on_progress(stage: str, done: int, total: int) -> None:
@@ -72,7 +84,7 @@ def evaluate(
             bar.total, bar.n = total, done
             bar.refresh()
 
-        evaluation = evaluate_structure(model, out, settings, on_progress=on_progress)
+        evaluation = evaluate_structure(model, out, settings, prove=prove, on_progress=on_progress)
     _, table = write_report(evaluation, out)
     sys.stdout.write(f"{table.read_text(encoding='utf-8')}\nwritten to {out}\n")
     return 0

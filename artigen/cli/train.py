@@ -34,8 +34,8 @@ class TrainSettings:
     real_share: float = 0.1
     """Share of real objects among the examples, by repetition."""
     latent_noise: float | None = None
-    """Noise on what the VAE decodes in training, as a share of the latents' standard deviation; left out, that
-    of the preset."""
+    """Noise on what the VAE decodes in training, as a share of the latents' standard deviation; left out,
+    that of the preset."""
 
 
 def train(

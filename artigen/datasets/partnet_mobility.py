@@ -87,6 +87,8 @@ class PartNetObject:
     asset: Asset
     visuals: tuple[SourceVisual, ...]
     triangles: TriangleMesh
+    tables: tuple[FaceTable, ...]
+    """The same triangles file by file, with texture coordinates and materials."""
 
 
 def read_object(folder: Path, cfg: ReaderConfig | None = None) -> PartNetObject:
@@ -141,7 +143,7 @@ def read_object(folder: Path, cfg: ReaderConfig | None = None) -> PartNetObject:
         for piece, owner in zip(pieces, owners, strict=True)
     )
     logger.info("%s: %d parts, %d mesh files", asset.name, len(parts), len(visuals))
-    return PartNetObject(asset=asset, visuals=visuals, triangles=_join(tables, owners))
+    return PartNetObject(asset=asset, visuals=visuals, triangles=_join(tables, owners), tables=tables)
 
 
 def _read_category(path: Path) -> str:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float, Int, UInt8
 
 from artigen.datasets.wavefront import Material, ObjMesh
 from artigen.errors import SourceError
@@ -94,7 +94,7 @@ def sample_surface(
     return SurfaceSamples(
         points=points,
         normals=normals[face],
-        colors=_look_up_colors(tables, face, uv),
+        colors=look_up_colors(tables, face, uv),
         part_ids=np.concatenate(owners)[face],
     )
 
@@ -104,8 +104,19 @@ def _barycentric(count: int, rng: np.random.Generator) -> np.ndarray:
     return np.stack([1 - root, root * (1 - other), root * other], axis=1)
 
 
-def _look_up_colors(tables: Sequence[FaceTable], face: np.ndarray, uv: np.ndarray) -> np.ndarray:
-    """Nearest texel of each sample, or the material's plain colour."""
+def look_up_colors(
+    tables: Sequence[FaceTable], face: Int[np.ndarray, "N"], uv: Float[np.ndarray, "N 2"]
+) -> UInt8[np.ndarray, "N 3"]:
+    """Nearest texel of each point on a face, or the material's plain colour.
+
+    Args:
+        tables: Meshes with materials.
+        face: Index into the faces of all tables together.
+        uv: Texture coordinates of the points.
+
+    Raises:
+        SourceError: an image cannot be decoded.
+    """
     materials = [material for table in tables for material in table.materials]
     offsets = np.cumsum([0, *(len(table.materials) for table in tables)])
     ids = np.concatenate(

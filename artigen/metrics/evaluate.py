@@ -1,7 +1,8 @@
-"""The whole measurement of a structure model: reconstruction, draws, two baselines, time and memory."""
+"""The whole measurement of a structure model: reconstruction, draws, baselines, packages, time and memory."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,8 @@ from artigen.generate import GenerateConfig, StructureModel, load_structure_mode
 from artigen.metrics.draws import DrawJob, draw_all, reconstruct
 from artigen.metrics.footprint import Footprint, FootprintJob, measure_footprint
 from artigen.metrics.instantiation import PosedSet, pose_set
+from artigen.metrics.neighbours import draw_neighbours, find_neighbours, pose_library, write_sheet
+from artigen.metrics.packages import PackageReport, Prove, prove_draws
 from artigen.metrics.retrieval import retrieve
 from artigen.metrics.score import ScoreConfig, Scores, score_novelty, score_objects, score_set
 from artigen.metrics.structure import score_reconstruction, score_spread
@@ -29,7 +32,13 @@ ASKS: dict[str, tuple[Field, ...]] = {
     "picture": ("image",),
 }
 """What models are asked for, and the fields of the condition."""
-REAL = "real: counts and size"
+REAL_ASKS: dict[str, tuple[Field, ...]] = {
+    "real: counts and size": ASKS["counts and size"],
+    "real: picture": ASKS["picture"],
+}
+"""The same of real objects."""
+NEIGHBOURS = 3
+"""Training objects beside a drawn one in ``nearest.png``."""
 Progress = Callable[[str, int, int], None]
 """Called with the stage, what is done of it, and all of it."""
 
@@ -50,6 +59,13 @@ class EvaluateConfig:
     """Of the noise."""
     partnet: Path | None = None
     """Folder with real objects: the validation split is measured too."""
+    packages: int = 14
+    """Held-out objects, the first ones, whose draws by counts and size are made packages and checked; at most
+    all of them."""
+    redraws: int = 3
+    """How often such an object is drawn again where its package fails."""
+    pictured: int = 14
+    """Draws by category, the first ones, that are pictured beside their nearest training objects."""
     workers: int = 2
     """Processes that read real objects."""
 
@@ -80,6 +96,8 @@ class Evaluation:
     footprint: Footprint
     left_out: dict[str, str]
     """Real objects that could not be read, and why."""
+    packages: PackageReport | None
+    """What became of draws as packages; None where none were made."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -102,9 +120,21 @@ class Bench:
 
 
 def evaluate_structure(
-    folder: Path, out: Path, cfg: EvaluateConfig, *, on_progress: Progress | None = None
+    folder: Path,
+    out: Path,
+    cfg: EvaluateConfig,
+    *,
+    prove: Prove | None = None,
+    on_progress: Progress | None = None,
 ) -> Evaluation:
-    """Measures a model folder; draws are kept in ``out`` and gone on with.
+    """Measures a model folder; draws and ``nearest.png`` are kept in ``out``, draws are gone on with.
+
+    Args:
+        folder: Of the model.
+        out: Of the evaluation.
+        cfg: What is measured.
+        prove: Makes and checks packages of draws; None leaves that out.
+        on_progress: Called as work is done.
 
     Raises:
         SourceError: If the folder holds no whole model, ``out`` belongs to another one, or real objects
@@ -119,6 +149,11 @@ def evaluate_structure(
             raise ArtigenError(
                 f"{count} {name} objects: expected at least {len(categories)}, one of each category"
             )
+    if min(cfg.packages, cfg.redraws, cfg.pictured) < 0:
+        raise ArtigenError(
+            f"{cfg.packages} objects as packages with {cfg.redraws} redraws, {cfg.pictured} pictured: "
+            "expected nothing below 0"
+        )
     if cfg.partnet is not None:
         list_split(cfg.partnet, "val")
     sampler = cfg.sampler
@@ -138,11 +173,12 @@ def evaluate_structure(
     sets = {"procedural": _draw_set(model, "held-out objects", 0, cfg.held_out, tell)}
     left_out: dict[str, str] = {}
     if cfg.partnet is not None:
-        resolution, workers = model.preset.resolution, cfg.workers
+        resolution, size = model.preset.resolution, model.preset.conditions.image_size
+        read = partial(read_subjects, cfg.partnet, image_size=size, workers=cfg.workers)
         tell("real objects", 0, 1)
-        sets["real"], left_out = read_subjects(cfg.partnet, "val", resolution, workers=workers)
+        sets["real"], left_out = read("val", resolution)
         if read_description(folder)["vae"].get("real_objects"):  # they are training objects, too
-            library += read_subjects(cfg.partnet, "train", resolution, workers=workers)[0]
+            library += read("train", resolution)[0]
     examples = {name: [subject.example for subject in subjects] for name, subjects in sets.items()}
     held = {
         name: HeldOut(subjects=subjects, posed=pose_set([one.asset for one in subjects], cfg.score.poses))
@@ -150,11 +186,14 @@ def evaluate_structure(
     }
     bench = Bench(model=model, library=library, out=out, cfg=cfg, tell=tell)
     rows = []
-    for ask, fields in ASKS.items():
-        if "image" not in fields or model.preset.conditions.image_size:
-            rows += measure_ask(bench, ask, fields, held["procedural"])
-    if "real" in held:
-        rows += measure_ask(bench, REAL, ASKS["counts and size"], held["real"])
+    for name, asks in (("procedural", ASKS), ("real", REAL_ASKS)):
+        for ask, fields in asks.items():
+            if name in held and ("image" not in fields or model.preset.conditions.image_size):
+                rows += measure_ask(bench, ask, fields, held[name])
+    picture_neighbours(bench, held["procedural"])
+    packages = None
+    if prove is not None and cfg.packages:
+        packages = measure_packages(bench, held["procedural"], prove)
     typical = describe_subject(sets["procedural"][0], ASKS["counts and size"])
     generation = GenerateConfig(sampler=sampler)
     tell("time and memory", 0, 1)
@@ -167,6 +206,7 @@ def evaluate_structure(
         rows=tuple(rows),
         footprint=measure_footprint(FootprintJob(model=folder, asked=typical, cfg=generation)),
         left_out=left_out,
+        packages=packages,
     )
 
 
@@ -174,18 +214,13 @@ def measure_ask(bench: Bench, ask: str, fields: Sequence[Field], held: HeldOut) 
     """The model, and what else answers the same conditions, against the objects that they describe."""
     model, library, cfg, tell = bench.model, bench.library, bench.cfg, bench.tell
     subjects = held.subjects
-    asked = [describe_subject(subject, fields) for subject in subjects]
+    generation = GenerateConfig(sampler=cfg.sampler)
+    jobs = _list_jobs(bench, ask, fields, subjects)
+    asked = [job.asked for job in jobs]
     # A picture shows how many parts there are, so they are to be met as if they were asked for.
     met: tuple[Field, ...] = (*fields, "counts") if "image" in fields else tuple(fields)
     wanted = [describe_subject(subject, met) for subject in subjects]
     truths = [subject.asset for subject in subjects]
-    generation = GenerateConfig(sampler=cfg.sampler)
-    jobs = [
-        DrawJob(
-            key=f"{ask.replace(': ', '_').replace(' ', '_')}_{number:04d}", asked=one, seed=_seed(cfg, number)
-        )
-        for number, one in enumerate(asked)
-    ]
     done = iter(range(1, len(jobs) + 1))
     draws = draw_all(
         model,
@@ -217,6 +252,50 @@ def measure_ask(bench: Bench, ask: str, fields: Sequence[Field], held: HeldOut) 
             scores["seconds"] = float(np.mean([draw.seconds for draw in draws]))
         rows.append(Row(ask=ask, method=method, objects=len(found), scores=scores))
     return rows
+
+
+def picture_neighbours(bench: Bench, held: HeldOut) -> None:
+    """Writes ``nearest.png``: draws by category beside the nearest training objects."""
+    chosen = held.subjects[: bench.cfg.pictured]
+    jobs = _list_jobs(bench, "category", ASKS["category"], chosen)
+    generation = GenerateConfig(sampler=bench.cfg.sampler)
+    draws = draw_all(bench.model, jobs, bench.out / "draws", generation)
+    found = [draw.asset for draw in draws if draw.asset is not None]
+    if not found:
+        return
+    posed = pose_library(bench.library, bench.cfg.score.poses)
+    rows = []
+    for number, asset in enumerate(found):
+        bench.tell("nearest training objects", number, len(found))
+        rows.append((asset, find_neighbours(asset, posed, bench.cfg.score.poses, NEIGHBOURS)))
+    write_sheet(draw_neighbours(rows), bench.out / "nearest.png")
+
+
+def measure_packages(bench: Bench, held: HeldOut, prove: Prove) -> PackageReport:
+    """Makes packages of first draws by counts and size, and of further ones where they fail."""
+    ask = "counts and size"
+    return prove_draws(
+        bench.model,
+        _list_jobs(bench, ask, ASKS[ask], held.subjects[: bench.cfg.packages]),
+        bench.out,
+        GenerateConfig(sampler=bench.cfg.sampler),
+        prove,
+        redraws=bench.cfg.redraws,
+        on_done=lambda done, total: bench.tell("packages", done, total),
+    )
+
+
+def _list_jobs(bench: Bench, ask: str, fields: Sequence[Field], subjects: Sequence[Subject]) -> list[DrawJob]:
+    """One first draw for each subject; equal at every start."""
+    stem = ask.replace(": ", "_").replace(" ", "_")
+    return [
+        DrawJob(
+            key=f"{stem}_{number:04d}",
+            asked=describe_subject(subject, fields),
+            seed=_seed(bench.cfg, number),
+        )
+        for number, subject in enumerate(subjects)
+    ]
 
 
 def _draw_set(

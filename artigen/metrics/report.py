@@ -6,6 +6,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 from artigen.metrics.evaluate import Evaluation
+from artigen.metrics.packages import PackageReport
 
 RECONSTRUCTION = (
     ("occupancy_recall", "occupancy recall", "percent", "98.94 %"),
@@ -103,6 +104,7 @@ def format_report(evaluation: Evaluation) -> str:
         "",
         "Strict and compat distances follow different protocols and are not comparable. Distances are",
         "squared: strict ones in the unit cube, compat ones in a cube of edge 2. 1-NNA: 50 % is perfect.",
+        *_format_packages(evaluation.packages),
         "",
         "## Time and memory",
         "",
@@ -114,6 +116,39 @@ def format_report(evaluation: Evaluation) -> str:
         lines += ["", "Real objects left out:", ""]
         lines += [f"- {name}: {reason}" for name, reason in sorted(evaluation.left_out.items())]
     return "\n".join(lines) + "\n"
+
+
+def _format_packages(report: PackageReport | None) -> list[str]:
+    """What became of draws as packages, by category, and why some failed."""
+    if report is None:
+        return []
+    lines = ["", "## Packages (counts and size asked for, checks L0 to L3)", ""]
+    lines += format_table(
+        (
+            "category",
+            "objects",
+            "a tree at once",
+            "passes at once",
+            f"within {report.redraws} redraws",
+            "draws",
+        ),
+        [
+            (
+                name,
+                str(one.objects),
+                *(format_score(share, "percent") for share in (one.valid, one.first, one.within)),
+                f"{one.draws:.2f}",
+            )
+            for name, one in report.scores.items()
+        ],
+    )
+    if report.causes:
+        lines += ["", "Draws that failed, by cause (one draw may have several):", ""]
+        lines += format_table(
+            ("cause", "first draws", "all draws"),
+            [(cause, str(report.first_causes.get(cause, 0)), str(n)) for cause, n in report.causes.items()],
+        )
+    return lines
 
 
 def format_table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:

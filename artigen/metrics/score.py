@@ -11,11 +11,10 @@ from artigen.metrics.distribution import coverage, minimum_matching_distance, ne
 from artigen.metrics.instantiation import (
     InstantiationConfig,
     PosedSet,
-    instantiation_distance,
     pairwise_distances,
-    pose_object,
     pose_set,
 )
+from artigen.metrics.neighbours import find_neighbours, pose_library
 from artigen.metrics.strict import PENALTY, strict_distance
 from artigen.metrics.subjects import Subject
 from artigen.models.conditions import StructureCondition
@@ -114,13 +113,13 @@ def score_novelty(
 
     Far below that of held-out objects, it says that training objects are copied.
     """
-    posed = [(subject.asset.category, pose_object(subject.asset, cfg)) for subject in library]
-    nearest = []
-    for one in found:
-        others = [] if one is None else [pose for category, pose in posed if category == one.category]
-        if one is not None and others:
-            own = pose_object(one, cfg)
-            nearest.append(min(instantiation_distance(own, other) for other in others))
+    posed = pose_library(library, cfg)
+    nearest = [
+        neighbour.distance
+        for one in found
+        if one is not None
+        for neighbour in find_neighbours(one, posed, cfg, 1)
+    ]
     return {"nearest_training": float(np.median(nearest))} if nearest else {}
 
 

@@ -51,15 +51,18 @@ def read_subjects(
     split: Split,
     resolution: int,
     *,
+    image_size: int,
     workers: int,
     on_done: Callable[[], None] | None = None,
 ) -> tuple[list[Subject], dict[str, str]]:
-    """Real objects of a split in order, without pictures, and why others are left out, by id.
+    """Real objects of a split in order, and why others are left out, by id.
 
     Raises:
         SourceError: If there is no such split, or none of its objects can be read.
     """
-    found, left_out = read_reals(folder, split, resolution, workers=workers, on_done=on_done)
+    found, left_out = read_reals(
+        folder, split, resolution, image_size=image_size, workers=workers, on_done=on_done
+    )
     return [Subject(asset=asset, example=example) for asset, example in found], left_out
 
 

@@ -77,7 +77,13 @@ def make_data(cfg: RunConfig) -> RunData:
     held_out = _examples(cfg, preset, "held_out", cfg.held_out, 0)
     if cfg.partnet is None:
         return RunData(trained=trained, held_out=held_out, real=0)
-    real = real_examples(cfg.partnet, cfg.folder / "real", preset.resolution, workers=cfg.workers)
+    real = real_examples(
+        cfg.partnet,
+        cfg.folder / "real",
+        preset.resolution,
+        image_size=preset.conditions.image_size,
+        workers=cfg.workers,
+    )
     wanted = cfg.real_share / (1.0 - cfg.real_share) * len(trained)
     repeated = real * max(1, round(wanted / len(real)))
     logger.info("%d real objects, %d times among %d", len(real), len(repeated) // len(real), len(trained))

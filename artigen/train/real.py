@@ -5,6 +5,7 @@ The data is licensed for non-commercial research: whatever is trained with it mu
 
 import json
 import logging
+import zlib
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -28,10 +29,11 @@ Split = Literal["train", "val"]
 
 @dataclass(frozen=True, kw_only=True)
 class RealJob:
-    """One object to read."""
+    """One object to read; ``image_size`` 0 takes no picture."""
 
     folder: Path
     resolution: int
+    image_size: int = 0
 
 
 def list_split(folder: Path, split: Split) -> list[Path]:
@@ -56,20 +58,27 @@ def list_split(folder: Path, split: Split) -> list[Path]:
 
 
 def read_real(job: RealJob) -> tuple[Asset, StructureExample]:
-    """An object with voxels, and its example; its picture is left open.
+    """An object with voxels, and its example, its picture taken as those of procedural ones are.
 
     Raises:
         SourceError: If the folder cannot be read, or the object is of no category that has a channel.
     """
     from artigen.datasets.partnet_mobility import read_object
 
-    asset = read_object(job.folder).asset
+    source = read_object(job.folder)
+    asset = source.asset
     if asset.category not in PAPER_CATEGORIES:
         raise SourceError(f"{job.folder}: category {asset.category!r}, expected one of {PAPER_CATEGORIES}")
     assert asset.surface is not None
     voxels = voxelize(asset.surface, job.resolution)
     asset = drop_unresolved(replace(asset, voxels=voxels, surface=None))
-    return asset, example_of_asset(asset)
+    image = None
+    if job.image_size:
+        from artigen.train.photographs import photograph_mesh
+
+        seed = zlib.crc32(asset.name.encode())
+        image = photograph_mesh(source.tables, asset.scale, seed, job.image_size)
+    return asset, example_of_asset(asset, image)
 
 
 def read_reals(
@@ -77,6 +86,7 @@ def read_reals(
     split: Split,
     resolution: int,
     *,
+    image_size: int = 0,
     workers: int,
     on_done: Callable[[], None] | None = None,
 ) -> tuple[list[tuple[Asset, StructureExample]], dict[str, str]]:
@@ -85,7 +95,10 @@ def read_reals(
     Raises:
         SourceError: If there is no such split, or none of its objects can be read.
     """
-    jobs = [RealJob(folder=path, resolution=resolution) for path in list_split(folder, split)]
+    jobs = [
+        RealJob(folder=path, resolution=resolution, image_size=image_size)
+        for path in list_split(folder, split)
+    ]
     outcomes = {}
     for job, outcome in run_supervised(_run_job, jobs, workers=workers):
         outcomes[job.folder] = outcome
@@ -101,18 +114,21 @@ def read_reals(
     return found, left_out
 
 
-def real_examples(folder: Path, kept: Path, resolution: int, *, workers: int) -> list[StructureExample]:
+def real_examples(
+    folder: Path, kept: Path, resolution: int, *, image_size: int, workers: int
+) -> list[StructureExample]:
     """The examples of the training split, read once and kept as a shard.
 
     Args:
         folder: Holds ``splits.json`` and ``partnet_mobility/``; not looked at where the shard exists.
         kept: Folder for ``real.npz`` and ``left_out.json``.
         resolution: Edge of the fields.
+        image_size: Edge of the pictures; 0 takes none.
         workers: Processes that read.
     """
     shard = kept / "real.npz"
     if not shard.is_file():
-        found, left_out = read_reals(folder, "train", resolution, workers=workers)
+        found, left_out = read_reals(folder, "train", resolution, image_size=image_size, workers=workers)
         kept.mkdir(parents=True, exist_ok=True)
         (kept / "left_out.json").write_text(json.dumps(left_out, indent=1) + "\n")
         write_shard(shard, [example for _, example in found])

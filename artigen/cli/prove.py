@@ -1,0 +1,64 @@
+"""Drawn assets to proven packages, for `artigen eval`: exported and checked (L0 to L3) by workers."""
+
+import resource
+import time
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from artigen.cli.batch import Finished, Made, make_and_validate
+from artigen.metrics.packages import Proof, name_cause
+from artigen.workers import Worker, run_supervised
+
+TIMEOUT = 300.0
+"""Seconds that exporting one object may take."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ProveJob:
+    """An asset folder on its way to its package."""
+
+    source: Path
+    out: Path
+
+    @property
+    def key(self) -> str:
+        """Name of the asset folder and of the package."""
+        return self.source.name
+
+    @property
+    def settings(self) -> str:
+        """Nothing but the asset decides the result."""
+        return self.key
+
+
+def prove_assets(folders: Sequence[Path], *, out: Path, workers: int) -> Iterator[Proof]:
+    """Makes and checks the package of every asset folder; packages stay in ``out``, with their reports."""
+    jobs = [ProveJob(source=folder, out=out) for folder in folders]
+    for finished in run_supervised(_prove, jobs, workers=workers):
+        causes = tuple(sorted({failure.split()[0] for failure in finished.failures}))
+        if finished.error is not None:
+            causes = (name_cause("no package", finished.error),)
+        yield Proof(key=finished.key, passed=bool(finished.passed), causes=causes)
+
+
+def export_drawn(job: ProveJob) -> Made:
+    """Exports one asset and writes its package; runs in a worker process."""
+    from artigen import __version__
+    from artigen.io import read_asset
+    from sim_export.export import export_asset
+    from sim_export.files.write import write_package
+
+    started = time.perf_counter()
+    provenance = {"generator": f"artigen {__version__} eval", "source": job.key}
+    package = export_asset(read_asset(job.source), provenance=provenance).package
+    write_package(package, job.out / job.key, "replace")
+    return Made(
+        seconds=(("export", time.perf_counter() - started),),
+        peak_mib=resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
+        notes=package.records,
+    )
+
+
+def _prove(worker: Worker, job: ProveJob) -> Finished:
+    return make_and_validate(worker, job, export_drawn, timeout=TIMEOUT, validation=True)

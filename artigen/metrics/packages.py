@@ -1,0 +1,163 @@
+"""How many drawn objects become packages that pass every check: at the first draw, and when drawn again.
+
+Making and checking packages is no business of this package: whoever measures passes in a function that
+does it. Draws go in rounds, as `artigen generate` does for a single object: what fails is drawn again with
+other noise.
+"""
+
+import json
+import re
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+
+from artigen.generate import GenerateConfig, StructureModel
+from artigen.journal import read_lines
+from artigen.metrics.draws import DrawJob, draw_all
+
+JOURNAL = "packages.jsonl"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Proof:
+    """What became of one draw; ``causes`` holds ids of failed checks, or why there was nothing to check."""
+
+    key: str
+    passed: bool
+    causes: tuple[str, ...] = ()
+
+
+Prove = Callable[[Sequence[Path]], Iterable[Proof]]
+"""Asset folders to proofs, in any order; the key of a proof is the name of the folder."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class PackageScores:
+    """Of the objects of one category, or of all."""
+
+    objects: int
+    valid: float
+    """Share that is a tree of parts at the first draw."""
+    first: float
+    """Share whose package passes at the first draw."""
+    within: float
+    """Share whose package passes at the first draw or one of the others."""
+    draws: float
+    """Draws per object."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class PackageReport:
+    """Shares by category (``all`` for everything), and in how many draws each cause was met."""
+
+    redraws: int
+    scores: Mapping[str, PackageScores]
+    first_causes: Mapping[str, int]
+    """Of the first draws."""
+    causes: Mapping[str, int]
+    """Of all draws; one draw may have several."""
+
+
+def prove_draws(
+    model: StructureModel,
+    jobs: Sequence[DrawJob],
+    out: Path,
+    cfg: GenerateConfig,
+    prove: Prove,
+    *,
+    redraws: int,
+    on_done: Callable[[int, int], None] | None = None,
+) -> PackageReport:
+    """Draws, makes and checks what ``out`` does not know yet, and counts.
+
+    Args:
+        model: Trained networks.
+        jobs: First draws, each with its category.
+        out: Holds ``draws/`` and the journal ``packages.jsonl``.
+        cfg: Sampler, cleaning, segmentation.
+        prove: Makes and checks packages.
+        redraws: How often an object that fails is drawn again.
+        on_done: Called with the proofs of a round that are there, and all of it.
+    """
+    tell = on_done or (lambda done, total: None)
+    history: dict[str, list[Proof]] = {job.key: [] for job in jobs}
+    waiting = list(jobs)
+    for number in range(redraws + 1):
+        drawn = waiting if number == 0 else [_draw_again(job, number) for job in waiting]
+        found = _prove_round(model, drawn, out, cfg, prove, tell)
+        for job, proof in zip(waiting, found, strict=True):
+            history[job.key].append(proof)
+        waiting = [job for job, proof in zip(waiting, found, strict=True) if not proof.passed]
+    return count_proofs([(job.asked.category or "any", history[job.key]) for job in jobs], redraws)
+
+
+def count_proofs(objects: Sequence[tuple[str, Sequence[Proof]]], redraws: int) -> PackageReport:
+    """Shares and causes of objects, each with its category and the proofs of its draws in order."""
+    scores = {}
+    for name in [*sorted({category for category, _ in objects}), "all"]:
+        proofs = [draws for category, draws in objects if name in (category, "all")]
+        scores[name] = PackageScores(
+            objects=len(proofs),
+            valid=float(np.mean([not any(map(_is_no_object, draws[0].causes)) for draws in proofs])),
+            first=float(np.mean([draws[0].passed for draws in proofs])),
+            within=float(np.mean([draws[-1].passed for draws in proofs])),
+            draws=float(np.mean([len(draws) for draws in proofs])),
+        )
+    return PackageReport(
+        redraws=redraws,
+        scores=scores,
+        first_causes=_count([draws[0] for _, draws in objects]),
+        causes=_count([proof for _, draws in objects for proof in draws]),
+    )
+
+
+def name_cause(kind: str, sentence: str) -> str:
+    """A sentence as a cause: numbers are left out, so that like ones are counted together."""
+    return f"{kind}: {re.sub(r'[0-9]+([.][0-9]+)?', '#', sentence)}"
+
+
+def _draw_again(job: DrawJob, number: int) -> DrawJob:
+    seed = int(np.random.SeedSequence([job.seed, number]).generate_state(1)[0])
+    return DrawJob(key=f"{job.key}_again_{number}", asked=job.asked, seed=seed)
+
+
+def _prove_round(
+    model: StructureModel,
+    jobs: Sequence[DrawJob],
+    out: Path,
+    cfg: GenerateConfig,
+    prove: Prove,
+    tell: Callable[[int, int], None],
+) -> list[Proof]:
+    """Proofs in the order of ``jobs``; those that the journal knows are not made again."""
+    journal = out / JOURNAL
+    known = {line["key"]: Proof(**{**line, "causes": tuple(line["causes"])}) for line in read_lines(journal)}
+    tell(sum(job.key in known for job in jobs), len(jobs))
+    missing = [job for job in jobs if job.key not in known]
+    draws = draw_all(model, missing, out / "draws", cfg)
+    for job, draw in zip(missing, draws, strict=True):
+        if draw.error is not None:
+            known[job.key] = Proof(key=job.key, passed=False, causes=(name_cause(NO_OBJECT, draw.error),))
+    assets = [out / "draws" / job.key for job in missing if job.key not in known]
+    for proof in prove(assets) if assets else ():
+        known[proof.key] = proof
+        with journal.open("a") as file:
+            file.write(json.dumps(asdict(proof)) + "\n")
+        tell(sum(job.key in known for job in jobs), len(jobs))
+    return [known[job.key] for job in jobs]
+
+
+NO_OBJECT = "no object"
+
+
+def _is_no_object(cause: str) -> bool:
+    return cause.startswith(NO_OBJECT)
+
+
+def _count(proofs: Sequence[Proof]) -> dict[str, int]:
+    """Causes, the most frequent first."""
+    counted = Counter(cause for proof in proofs for cause in sorted(set(proof.causes)))
+    return dict(sorted(counted.items(), key=lambda item: (-item[1], item[0])))

@@ -1,0 +1,154 @@
+"""Any textured mesh as a picture: a depth buffer for what is seen, another for the shadow of each light.
+
+The shading is that of procedural objects (`artigen.shapes.render`), so that pictures of both look alike.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+import torch
+from jaxtyping import Bool, Float, Int, UInt8
+
+from artigen.datasets.mesh_raster import Pinhole, SeenFaces, project_points, rasterize_mesh
+from artigen.datasets.partnet_surface import FaceTable, look_up_colors
+from artigen.shapes.primitives import Vector
+from artigen.shapes.render.cameras import Cameras, camera_axes, frame_points, pixel_sizes
+from artigen.shapes.render.lighting import CORNER, SKY
+from artigen.shapes.render.rays import Surface
+from artigen.shapes.render.shading import (
+    Light,
+    Material,
+    RenderConfig,
+    linear_from_srgb,
+    shade,
+    srgb_from_linear,
+)
+from artigen.shapes.render.shadows import find_openness
+from artigen.shapes.surfaces.textures import KINDS
+
+FINE = 3
+"""Rays per pixel edge for meshes, whose textures are not filtered; odd, so that one is at the middle."""
+SHADOW_EDGE = 384
+"""Edge of the depth buffer of a light, in pixels."""
+SHADOW_FOV = 4.0
+"""Degrees: lights are so far away that their rays are nearly parallel."""
+SHADOW_OFFSET = 2.0
+"""Points look for shadows this many pixels of the light's buffer off their surface."""
+
+
+def picture_mesh(tables: Sequence[FaceTable], scale: float, cameras: Cameras) -> UInt8[np.ndarray, "h w 4"]:
+    """A mesh as it is placed; RGBA, premultiplied on black.
+
+    Args:
+        tables: Triangles in the unit cube with their materials.
+        scale: Metres per unit-cube length.
+        cameras: A batch of one (m), of ``FINE`` times the width and height of the picture.
+
+    Raises:
+        SourceError: If an image of a material cannot be decoded.
+    """
+    vertices, faces = join_tables(tables, scale)
+    seen = rasterize_mesh(vertices, faces, _pinhole(cameras))
+    surface = _find_surface(vertices, faces, seen, cameras)
+    uv = np.einsum("nk,nkd->nd", seen.weights, np.concatenate([table.uv for table in tables])[seen.face])
+    material = _matte(look_up_colors(tables, seen.face, uv))
+    cfg = RenderConfig()
+    light = Light(
+        lamp=_find_lit(vertices, faces, surface, cfg.lamp),
+        sky=_find_lit(vertices, faces, surface, SKY),
+        open=find_openness(cameras, surface, torch.zeros_like(surface.pixel), reach=CORNER, samples=10),
+    )
+    scattered, mirrored = shade(surface, material, light, cfg)
+    height, width = cameras.height // FINE, cameras.width // FINE
+    fine = np.zeros((cameras.height * cameras.width, 4))
+    fine[seen.pixel, :3] = srgb_from_linear(scattered + mirrored).numpy()
+    fine[seen.pixel, 3] = 1.0
+    cells = fine.reshape(height, FINE, width, FINE, 4).transpose(0, 2, 1, 3, 4).reshape(height, width, -1, 4)
+    covered = cells[..., 3].sum(axis=2)
+    rgb = cells[..., :3].sum(axis=2) / np.maximum(covered, 1.0)[..., None]
+    return pack_picture(rgb, cells[:, :, FINE**2 // 2, 3] > 0)
+
+
+def join_tables(
+    tables: Sequence[FaceTable], scale: float
+) -> tuple[Float[np.ndarray, "V 3"], Int[np.ndarray, "F 3"]]:
+    """Vertices (m) and faces of all tables."""
+    starts = np.cumsum([0, *(len(table.vertices) for table in tables)])[:-1]
+    faces = np.concatenate([table.faces + start for table, start in zip(tables, starts, strict=True)])
+    return scale * np.concatenate([table.vertices for table in tables]), faces
+
+
+def _pinhole(cameras: Cameras) -> Pinhole:
+    """The only camera of a batch."""
+    return Pinhole(
+        position=cameras.position[0].double().numpy(),
+        axes=camera_axes(cameras)[0].numpy(),
+        pixel=float(pixel_sizes(cameras)[0]),
+        width=cameras.width,
+        height=cameras.height,
+    )
+
+
+def _find_surface(
+    vertices: Float[np.ndarray, "V 3"], faces: Int[np.ndarray, "F 3"], seen: SeenFaces, cameras: Cameras
+) -> Surface:
+    """What shading asks for: the source's triangles have no reliable orientation, so normals face us."""
+    corners = vertices[faces[seen.face]]
+    point = np.einsum("nk,nkd->nd", seen.weights, corners)
+    view = point - cameras.position[0].double().numpy()
+    view /= np.linalg.norm(view, axis=1, keepdims=True)
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-30)
+    normal *= np.where((normal * view).sum(axis=1, keepdims=True) > 0, -1.0, 1.0)
+
+    def tensor(values: np.ndarray) -> torch.Tensor:
+        return torch.from_numpy(values).float()
+
+    return Surface(
+        pixel=torch.from_numpy(seen.pixel),
+        instance=torch.zeros(len(seen.pixel), dtype=torch.int64),
+        depth=tensor(seen.depth),
+        point=tensor(point),
+        normal=tensor(normal),
+        view=tensor(view),
+        rest_point=tensor(point),
+        rest_normal=tensor(normal),
+    )
+
+
+def _matte(colors: UInt8[np.ndarray, "N 3"]) -> Material:
+    """Colours without gloss: the source says nothing about it that can be relied on."""
+    count = len(colors)
+    return Material(
+        color=linear_from_srgb(torch.from_numpy(colors.astype(np.float32) / 255.0)),
+        kind=torch.full((count,), KINDS.index("lacquer")),
+        gloss=torch.zeros(count),
+        opacity=torch.ones(count),
+    )
+
+
+def _find_lit(
+    vertices: Float[np.ndarray, "V 3"], faces: Int[np.ndarray, "F 3"], surface: Surface, light: Vector
+) -> Float[torch.Tensor, "N"]:
+    """1 where a point sees a distant light, 0 in its shadow."""
+    camera = _pinhole(
+        frame_points(
+            vertices[faces].reshape(-1, 3), light, fov=SHADOW_FOV, width=SHADOW_EDGE, height=SHADOW_EDGE
+        )
+    )
+    seen = rasterize_mesh(vertices, faces, camera)
+    nearest = np.full(SHADOW_EDGE**2, np.inf)
+    nearest[seen.pixel] = seen.depth
+    offset = SHADOW_OFFSET * camera.pixel * float(seen.depth.mean())
+    screen, depth = project_points(surface.point.double().numpy() + offset * surface.normal.numpy(), camera)
+    column, row = np.clip(np.floor(screen), 0, SHADOW_EDGE - 1).astype(np.int64).T
+    lit: Bool[np.ndarray, "N"] = depth <= nearest[row * SHADOW_EDGE + column] + offset
+    return torch.from_numpy(lit).float()
+
+
+def pack_picture(
+    rgb: Float[np.ndarray, "H W 3"], mask: Bool[np.ndarray, "H W"]
+) -> UInt8[np.ndarray, "H W 4"]:
+    """RGBA, premultiplied on black."""
+    alpha = mask[..., None].astype(rgb.dtype)
+    return np.round(255 * np.concatenate([rgb * alpha, alpha], axis=2)).astype(np.uint8)
