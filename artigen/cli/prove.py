@@ -5,10 +5,13 @@ import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from artigen.cli.batch import Finished, Made, make_and_validate
-from artigen.metrics.packages import Proof, name_cause
 from artigen.workers import Worker, run_supervised
+
+if TYPE_CHECKING:
+    from artigen.metrics.packages import Proof
 
 TIMEOUT = 300.0
 """Seconds that exporting one object may take."""
@@ -32,8 +35,10 @@ class ProveJob:
         return self.key
 
 
-def prove_assets(folders: Sequence[Path], *, out: Path, workers: int) -> Iterator[Proof]:
+def prove_assets(folders: Sequence[Path], *, out: Path, workers: int) -> "Iterator[Proof]":
     """Makes and checks the package of every asset folder; packages stay in ``out``, with their reports."""
+    from artigen.metrics.packages import Proof, name_cause
+
     jobs = [ProveJob(source=folder, out=out) for folder in folders]
     for finished in run_supervised(_prove, jobs, workers=workers):
         causes = tuple(sorted({failure.split()[0] for failure in finished.failures}))
