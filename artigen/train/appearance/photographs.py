@@ -13,12 +13,14 @@ from artigen.shapes.asset import frame_shape
 from artigen.shapes.render import Cameras, Images, RenderConfig, Scene, build_scene, render
 from artigen.shapes.shape import Shape
 from artigen.train.appearance.exposure import find_exposed
-from artigen.train.appearance.states import asset_coordinates, shape_coordinates
+from artigen.train.appearance.states import asset_coordinates, part_owners, shape_coordinates
 from artigen.train.appearance.views import ViewConfig, place_cameras, scale_cameras
 from artigen.types import Asset
 
 BACKGROUNDS = ((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
 """Behind even and odd views: what is transparent must be so before both."""
+NOTHING = 255
+"""Part of a pixel that shows the background."""
 TURN = 0.7548776662466927
 """Shift of the cameras from one state to the next."""
 
@@ -29,7 +31,8 @@ class Pictures:
 
     rgb: UInt8[np.ndarray, "V H W 3"]
     background: UInt8[np.ndarray, "V 3"]
-    mask: Bool[np.ndarray, "V H W"]
+    parts: UInt8[np.ndarray, "V H W"]
+    """Part of the asset that each pixel shows, `NOTHING` where it shows none."""
     exposed: Bool[np.ndarray, "V H W"]
     """Surface that is hidden from everywhere while the object is closed."""
     state: UInt8[np.ndarray, "V"]
@@ -37,6 +40,11 @@ class Pictures:
     position: Float[np.ndarray, "V 3"]
     target: Float[np.ndarray, "V 3"]
     fov: Float[np.ndarray, "V"]
+
+    @property
+    def mask(self) -> Bool[np.ndarray, "V H W"]:
+        """Pixels that show the object."""
+        return self.parts != NOTHING
 
     def cameras(self, chosen: Int[np.ndarray, "K"]) -> Cameras:
         """The cameras of some pictures."""
@@ -56,6 +64,8 @@ class State:
     qpos: Float[np.ndarray, "P"]
     displacements: Float[np.ndarray, "P 4 4"]
     """Of the asset's parts (unit lengths)."""
+    owners: Int[np.ndarray, "Q"]
+    """Part of the asset that each part of the shape belongs to."""
     cameras: Cameras
     images: Images
     behind: Int[Tensor, "V"]
@@ -111,6 +121,7 @@ def photograph(
         cfg: Views of a state.
     """
     shape = scene.shapes[0]
+    owners = part_owners(shape, asset)
     in_metres = shape_coordinates(shape, asset, fractions)
     moved = displacements(asset, asset_coordinates(shape, asset, fractions))
     for number, qpos in enumerate(in_metres):
@@ -119,6 +130,7 @@ def photograph(
         yield State(
             qpos=qpos,
             displacements=moved[number],
+            owners=owners,
             cameras=cameras,
             images=_render_before(scene, cameras, qpos, behind, cfg.light),
             behind=behind,
@@ -141,7 +153,7 @@ def keep_pictures(
     return Pictures(
         rgb=_bytes(images.rgb),
         background=_bytes(torch.tensor(BACKGROUNDS)[behind]),
-        mask=images.mask.numpy(),
+        parts=np.where(images.mask, state.owners[images.part_ids], NOTHING).astype(np.uint8),
         exposed=exposed.numpy(),
         state=np.full(len(rows), number, dtype=np.uint8),
         displacements=state.displacements[None],

@@ -24,7 +24,7 @@ from artigen.workers import Outcome, Worker, run_supervised
 PER_VOXEL = ("coords", "part_ids", "features", "views")
 PER_PICTURE = tuple(one.name for one in fields(Pictures) if one.name != "displacements")
 PER_OBJECT = ("counts", "size")
-PACKED = ("mask", "exposed")
+PACKED = ("exposed",)
 """Stored as bits."""
 
 
@@ -146,7 +146,7 @@ def read_appearance_shard(path: Path) -> Iterator[AppearanceExample]:
         SourceError: If the file is missing or damaged.
     """
     arrays = read_arrays(path)
-    width = arrays["rgb"].shape[3]
+    width = arrays["rgb"].shape[-2]
     for name in PACKED:
         arrays[name] = np.unpackbits(arrays[name], axis=-1, count=width).astype(bool)
     voxel_ends, part_ends = np.cumsum(arrays["voxels"]), np.cumsum(arrays["parts"])

@@ -1,0 +1,180 @@
+"""The whole measurement of an appearance model on held-out procedural objects."""
+
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+
+import torch
+
+from artigen.errors import ArtigenError, SourceError
+from artigen.metrics.appearance import (
+    Comparison,
+    Scores,
+    compare_pictures,
+    reconstruct_splats,
+    score_comparisons,
+    score_sets,
+    split_states,
+)
+from artigen.models.appearance_presets import APPEARANCE_PRESETS
+from artigen.models.appearance_vae import AppearanceVae
+from artigen.models.conditions import ConditionConfig
+from artigen.models.extractors import ExtractorConfig, make_extractor
+from artigen.models.features import FeatureExtractor, PyramidFeatures
+from artigen.models.store import hash_model, load_model, read_description
+from artigen.shapes.draw import draw_shape
+from artigen.train.appearance.curation import CurationConfig
+from artigen.train.appearance.everything import VAE
+from artigen.train.appearance.examples import AppearanceExample, draw_appearance_of
+from artigen.train.appearance.photographs import take_pictures
+from artigen.train.appearance.run import AppearanceRunConfig, run_curation, run_encoder, run_extractor
+from artigen.train.appearance.states import plan_fractions
+from artigen.train.appearance.views import ViewConfig
+
+Progress = Callable[[str, int, int], None]
+"""Called with the stage, what is done of it, and all of it."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class EvaluateAppearanceConfig:
+    """What is measured."""
+
+    held_out: int = 14
+    """Held-out procedural objects, categories in turn."""
+    states: int = 5
+    """Joint states, all joints together from closed to the limit."""
+    views: int = 8
+    """Pictures of each state."""
+    size: int = 128
+    """Their edge in pixels."""
+    dinov2: Path | None = None
+    """Folder with the weights of DINOv2: the model's features, where it was trained with them, and those of
+    the distances between sets."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class AppearanceEvaluation:
+    """Everything that was measured."""
+
+    model: str
+    """Hash of the weights."""
+    device: str
+    description: dict[str, object]
+    """What the model says about its training."""
+    config: dict[str, object]
+    extractor: str
+    """Features of the distances between sets."""
+    pictures: int
+    """In each of the two sets."""
+    total: Scores
+    states: dict[str, Scores]
+    """By the share of their ranges that joints are open by."""
+    objects: dict[str, Scores]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class AppearanceModel:
+    """A trained VAE, and how the features that it reads are made."""
+
+    vae: AppearanceVae
+    curation: CurationConfig
+    extractor: FeatureExtractor
+    conditions: ConditionConfig
+    description: dict[str, object]
+
+
+def load_appearance_vae(folder: Path, device: torch.device, dinov2: Path | None = None) -> AppearanceModel:
+    """Reads the VAE of a model folder.
+
+    Raises:
+        SourceError: If the folder holds none, it is of an unknown preset, or its features need weights that
+            are not given.
+    """
+    said = read_description(folder).get(VAE)
+    if said is None:
+        raise SourceError(f"{folder}: holds no {VAE}; train one, or give the folder of one")
+    preset = next((name for name in APPEARANCE_PRESETS if name == said.get("preset")), None)
+    if preset is None:
+        raise SourceError(
+            f"{folder}: {VAE} is of preset {said.get('preset')!r}, expected one of "
+            f"{', '.join(APPEARANCE_PRESETS)}"
+        )
+    run = AppearanceRunConfig(
+        folder=folder,
+        preset=preset,
+        articulated=bool(said["articulated"]),
+        weighting="plain" if said["weighting"] == "plain" else "seen",
+        features="dinov2" if said["features"] == "dinov2" else "pyramid",
+        dinov2=dinov2,
+    )
+    vae = AppearanceVae(run_encoder(run), APPEARANCE_PRESETS[preset].decoder)
+    load_model(vae, folder, VAE)
+    return AppearanceModel(
+        vae=vae.to(device),
+        curation=replace(run_curation(run), kept=0),
+        extractor=make_extractor(run_extractor(run)),
+        conditions=APPEARANCE_PRESETS[preset].conditions,
+        description=said,
+    )
+
+
+def evaluate_appearance(
+    folder: Path, cfg: EvaluateAppearanceConfig, *, on_progress: Progress | None = None
+) -> AppearanceEvaluation:
+    """Autoencodes held-out objects and compares pictures of them in all joint states.
+
+    Raises:
+        SourceError: If the folder holds no whole model.
+        ArtigenError: If there are too few objects or pictures to say anything.
+    """
+    if min(cfg.held_out, cfg.states, cfg.views) < 1 or cfg.size < 16:
+        raise ArtigenError(
+            f"{cfg.held_out} objects in {cfg.states} states, {cfg.views} views of {cfg.size} pixels: "
+            "expected at least 1 of each, and 16 pixels"
+        )
+    device = torch.device("cuda" if torch.cuda.is_available() else "cpu")
+    tell = on_progress or (lambda stage, done, total: None)
+    model = load_appearance_vae(folder, device, cfg.dinov2)
+    if cfg.dinov2 is None:
+        extractor: FeatureExtractor = PyramidFeatures()
+    else:
+        extractor = make_extractor(ExtractorConfig(name="dinov2", folder=cfg.dinov2))
+    comparisons: dict[str, Comparison] = {}
+    for number in range(cfg.held_out):
+        example = draw_subject(model, number, cfg)
+        splats = reconstruct_splats(model.vae, example)
+        comparisons[example.name] = compare_pictures(model.vae, splats, example)
+        tell("held-out objects", number + 1, cfg.held_out)
+    every = list(comparisons.values())
+    return AppearanceEvaluation(
+        model=hash_model(folder),
+        device=str(device),
+        description=model.description,
+        config={**asdict(cfg), "dinov2": cfg.dinov2 is not None},
+        extractor=extractor.name,
+        pictures=sum(len(one.drawn) for one in every),
+        total=score_comparisons(every) | score_sets(every, extractor),
+        states={
+            f"{share:.2f}": score_comparisons(some) | score_sets(some, extractor)
+            for share, some in split_states(every).items()
+        },
+        objects={name: score_comparisons([one]) for name, one in comparisons.items()},
+    )
+
+
+def draw_subject(model: AppearanceModel, number: int, cfg: EvaluateAppearanceConfig) -> AppearanceExample:
+    """A held-out object with the features that the model reads, and the pictures that it is measured on."""
+    categories = model.conditions.categories
+    category, seed = categories[number % len(categories)], number // len(categories)
+    asset, example = draw_appearance_of(
+        category,
+        seed,
+        model.extractor,
+        model.curation,
+        resolution=model.vae.encoder.cfg.resolution,
+        image_size=model.conditions.image_size,
+    )
+    shape = draw_shape(category, seed)
+    views = ViewConfig(count=cfg.views, size=cfg.size, sharpness=2)
+    fractions = plan_fractions(shape, cfg.states, staggered=False)
+    return replace(example, pictures=take_pictures(shape, asset, fractions, views))

@@ -1,0 +1,57 @@
+"""An evaluation of an appearance model as files: everything as JSON, and a table to read as Markdown."""
+
+import json
+from dataclasses import asdict
+from pathlib import Path
+
+from artigen.metrics.evaluate_appearance import AppearanceEvaluation
+from artigen.metrics.report import format_score, format_table
+
+ROWS = (
+    ("psnr", "PSNR (dB)", "plain"),
+    ("ssim", "SSIM", "plain"),
+    ("object", "PSNR of the object's pixels", "plain"),
+    ("exposed", "of newly exposed pixels", "plain"),
+    ("rest", "of its other pixels", "plain"),
+    ("exposed_share", "newly exposed share", "percent"),
+    ("frechet", "Fréchet distance", "plain"),
+    ("kernel", "kernel distance", "plain"),
+)
+"""Key, name, form."""
+
+
+def write_appearance_report(evaluation: AppearanceEvaluation, out: Path) -> tuple[Path, Path]:
+    """Writes ``evaluation.json`` and ``evaluation.md``, each whole or not at all."""
+    out.mkdir(parents=True, exist_ok=True)
+    texts = {
+        "evaluation.json": json.dumps(asdict(evaluation), indent=1) + "\n",
+        "evaluation.md": format_appearance(evaluation),
+    }
+    paths = []
+    for name, text in texts.items():
+        scratch = out / f".{name}"
+        scratch.write_text(text, encoding="utf-8")
+        paths.append(scratch.replace(out / name))
+    return paths[0], paths[1]
+
+
+def format_appearance(evaluation: AppearanceEvaluation) -> str:
+    """One row per joint state, and one for all."""
+    said = ", ".join(f"{name} {value}" for name, value in sorted(evaluation.description.items()))
+    rows = {**evaluation.states, "all": evaluation.total}
+    lines = [f"Model {evaluation.model[:12]} ({said}), device {evaluation.device}.", ""]
+    lines += ["## Autoencoded held-out objects", ""]
+    lines += format_table(
+        ("joints open by", *(name for _, name, _ in ROWS)),
+        [
+            (share, *(format_score(scores.get(key), form) for key, _, form in ROWS))
+            for share, scores in rows.items()
+        ],
+    )
+    lines += [
+        "",
+        f"{len(evaluation.objects)} objects, {evaluation.pictures} pictures in each of the two sets; PSNR is a",
+        f"mean over objects. Distances between sets are those of {evaluation.extractor} features: they are",
+        "comparable with results that have the same features and as many pictures, and with no others.",
+    ]
+    return "\n".join(lines) + "\n"

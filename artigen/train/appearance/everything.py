@@ -1,0 +1,215 @@
+"""From nothing to weights: `python -m artigen.train.appearance.everything` makes data, trains and stores.
+
+Every stage is skipped or gone on with where the run folder already holds its result, so the same command
+can be given again after an interruption. `artigen train appearance` is the same with a progress bar.
+"""
+
+import argparse
+import json
+import logging
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import torch
+
+from artigen.errors import SourceError
+from artigen.metrics.appearance import score_vae
+from artigen.models.appearance_presets import APPEARANCE_PRESETS
+from artigen.models.appearance_vae import AppearanceVae
+from artigen.models.extractors import make_extractor
+from artigen.models.slat_flow import SlatFlow
+from artigen.models.store import save_model
+from artigen.models.trellis import load_strictly, read_tensors
+from artigen.train.appearance.examples import AppearanceExample
+from artigen.train.appearance.flow import train_appearance_flow
+from artigen.train.appearance.presets import APPEARANCE_TRAINING
+from artigen.train.appearance.run import (
+    AppearanceRunConfig,
+    AppearanceStage,
+    claim_appearance_run,
+    run_curation,
+    run_encoder,
+    run_extractor,
+)
+from artigen.train.appearance.shards import (
+    AppearanceShardConfig,
+    make_appearance_shards,
+    read_appearance_shard,
+)
+from artigen.train.appearance.vae import encode_appearance, train_appearance_vae
+from artigen.train.loop import LoopConfig
+from artigen.train.presets import StageConfig
+from artigen.train.shards import HELD_OUT
+
+logger = logging.getLogger(__name__)
+Report = Callable[[str, Mapping[str, float]], None]
+"""Called with the network in training and a line of its metrics."""
+VAE, FLOW = "appearance-vae", "appearance-flow"
+"""Names of the networks in a model folder."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class AppearanceData:
+    """Examples to train with, and examples to measure with."""
+
+    trained: list[AppearanceExample]
+    held_out: list[AppearanceExample]
+
+
+def train_appearance(
+    cfg: AppearanceRunConfig, stage: AppearanceStage = "appearance", *, on_report: Report | None = None
+) -> dict[str, float]:
+    """Runs what is missing and returns the scores of the held-out objects.
+
+    Args:
+        cfg: The run.
+        stage: Both networks, or one of them; the flow needs a VAE in the same folder.
+        on_report: Called with every line of metrics; logged when None.
+
+    Raises:
+        ArtigenError: If the configuration or the folder does not allow it.
+    """
+    scores = cfg.home / "reconstruction.json"  # written when the VAE is done
+    if stage == "appearance-flow" and not scores.is_file():
+        raise SourceError(
+            f"{scores}: there is no finished VAE to train a flow on; train appearance-vae first"
+        )
+    claim_appearance_run(cfg)
+    make_extractor(run_extractor(cfg))  # weights that do not fit are refused before data is made
+    report = on_report or _log
+    data = make_appearance_data(cfg)
+    vae = _load_vae(cfg) if stage == "appearance-flow" else _train_vae(cfg, data, report)
+    if stage != "appearance-vae":
+        _train_flow(cfg, vae, data, report)
+    return json.loads(scores.read_text())
+
+
+def make_appearance_data(cfg: AppearanceRunConfig) -> AppearanceData:
+    """Makes the examples that are missing and reads all."""
+    return AppearanceData(
+        trained=_examples(cfg, "train", cfg.shards, HELD_OUT),
+        held_out=_examples(cfg, "held_out", cfg.held_out, 0),
+    )
+
+
+def _train_vae(cfg: AppearanceRunConfig, data: AppearanceData, report: Report) -> AppearanceVae:
+    training = APPEARANCE_TRAINING[cfg.preset]
+    torch.manual_seed(0)
+    vae = AppearanceVae(run_encoder(cfg), APPEARANCE_PRESETS[cfg.preset].decoder)
+    train_appearance_vae(
+        vae,
+        data.trained,
+        cfg.home / "vae",
+        _loop(training.vae, cfg.minutes),
+        batch=training.vae.batch,
+        pictures=training.pictures,
+        losses=training.losses,
+        on_report=lambda line: report("VAE", line),
+    )
+    save_model(vae, cfg.folder / "model", _describe(cfg), VAE)
+    scores = score_vae(vae, data.held_out)
+    scratch = cfg.home / ".reconstruction.json"
+    scratch.write_text(json.dumps(scores, indent=1) + "\n")
+    scratch.replace(cfg.home / "reconstruction.json")
+    logger.info("held-out reconstruction %s", scores)
+    return vae
+
+
+def _load_vae(cfg: AppearanceRunConfig) -> AppearanceVae:
+    """The VAE that the run has trained, in full precision."""
+    weights = cfg.home / "vae" / "weights.safetensors"
+    vae = AppearanceVae(run_encoder(cfg), APPEARANCE_PRESETS[cfg.preset].decoder)
+    load_strictly(vae, read_tensors(weights), str(weights))
+    device = "cuda" if torch.cuda.is_available() else "cpu"
+    return vae.to(device).eval()
+
+
+def _train_flow(cfg: AppearanceRunConfig, vae: AppearanceVae, data: AppearanceData, report: Report) -> None:
+    preset, training = APPEARANCE_PRESETS[cfg.preset], APPEARANCE_TRAINING[cfg.preset]
+    torch.manual_seed(1)
+    flow = SlatFlow(preset.flow, preset.conditions)
+    train_appearance_flow(
+        flow,
+        encode_appearance(vae, data.trained),
+        data.trained,
+        cfg.home / "flow",
+        _loop(training.flow, cfg.minutes),
+        batch=training.flow.batch,
+        conditions=preset.conditions,
+        on_report=lambda line: report("flow", line),
+    )
+    save_model(flow, cfg.folder / "model", _describe(cfg), FLOW)
+
+
+def _examples(cfg: AppearanceRunConfig, name: str, count: int, first_seed: int) -> list[AppearanceExample]:
+    preset = APPEARANCE_PRESETS[cfg.preset]
+    shards = AppearanceShardConfig(
+        curation=run_curation(cfg),
+        extractor=run_extractor(cfg),
+        first_seed=first_seed,
+        objects=cfg.objects,
+        resolution=preset.encoder.resolution,
+        image_size=preset.conditions.image_size,
+    )
+    started = time.monotonic()
+    paths = make_appearance_shards(
+        cfg.home / name,
+        count,
+        shards,
+        workers=cfg.workers,
+        on_done=lambda path: logger.info("%s after %.0f s", path.name, time.monotonic() - started),
+    )
+    return [example for path in paths for example in read_appearance_shard(path)]
+
+
+def _describe(cfg: AppearanceRunConfig) -> dict[str, object]:
+    return {
+        "preset": cfg.preset,
+        "minutes": cfg.minutes,
+        "objects": cfg.shards * cfg.objects,
+        "articulated": cfg.articulated,
+        "weighting": cfg.weighting,
+        "features": cfg.features,
+    }
+
+
+def _loop(stage: StageConfig, minutes: float) -> LoopConfig:
+    return LoopConfig(
+        minutes=minutes * stage.share,
+        learning_rate=stage.learning_rate,
+        warmup=stage.warmup,
+        decay=stage.decay,
+        ema=stage.ema,
+    )
+
+
+def _log(name: str, line: Mapping[str, float]) -> None:
+    logger.info("%s %s", name, " ".join(f"{key}={value:.4g}" for key, value in line.items()))
+
+
+def main() -> None:
+    """Parses arguments with the standard library alone: training machines are bare."""
+    logging.basicConfig(level=logging.INFO, format="%(asctime)s %(message)s", datefmt="%H:%M:%S")
+    parser = argparse.ArgumentParser(
+        prog="python -m artigen.train.appearance.everything", description=__doc__
+    )
+    parser.add_argument("folder", type=Path, help="run folder")
+    parser.add_argument("--stage", choices=("appearance", VAE, FLOW), default="appearance")
+    parser.add_argument("--preset", choices=sorted(APPEARANCE_TRAINING), default="compact")
+    parser.add_argument("--minutes", type=float, default=30.0, help="training time of both networks")
+    parser.add_argument("--shards", type=int, default=100, help="shards of training data")
+    parser.add_argument("--held-out", type=int, default=2, help="shards of held-out data")
+    parser.add_argument("--objects", type=int, default=16, help="objects per shard")
+    parser.add_argument("--closed", dest="articulated", action="store_false", help="closed objects only")
+    parser.add_argument("--weighting", choices=("seen", "plain"), default="seen", help="views that count")
+    parser.add_argument("--features", choices=("pyramid", "dinov2"), default="pyramid")
+    parser.add_argument("--dinov2", type=Path, help="folder with the weights of DINOv2")
+    parser.add_argument("--workers", type=int, default=2, help="processes that make data")
+    given = vars(parser.parse_args())
+    train_appearance(AppearanceRunConfig(**{k: v for k, v in given.items() if k != "stage"}), given["stage"])
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,117 @@
+"""What a run of appearance training is: its configuration, and the folder that belongs to it."""
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Literal
+
+from artigen.claim import claim_folder
+from artigen.errors import ArtigenError
+from artigen.models.appearance_presets import APPEARANCE_PRESETS
+from artigen.models.dinov2 import DinoConfig
+from artigen.models.extractors import ExtractorConfig, ExtractorName
+from artigen.models.presets import PresetName
+from artigen.models.slat_vae import SlatVaeConfig
+from artigen.train.appearance.curation import CurationConfig
+from artigen.train.appearance.presets import APPEARANCE_TRAINING
+from artigen.train.appearance.visibility import MOMENTS, Weighting
+
+AppearanceStage = Literal["appearance", "appearance-vae", "appearance-flow"]
+"""Both networks, or one of them."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class AppearanceRunConfig:
+    """One run from nothing to weights."""
+
+    folder: Path
+    """Data and checkpoints in its `appearance/`, weights in its `model/`."""
+    preset: PresetName = "compact"
+    """Sizes."""
+    minutes: float = 30.0
+    """Budget of the training of both networks; making data comes on top."""
+    shards: int = 100
+    """Shards of training data."""
+    held_out: int = 2
+    """Shards of held-out data."""
+    objects: int = 16
+    """Objects per shard."""
+    articulated: bool = True
+    """Whether objects are seen in all joint states; without, in as many pictures of the closed one (the
+    ablation of the paper's Table 2)."""
+    weighting: Weighting = "seen"
+    """Which views count for a voxel: those that show it, or all."""
+    features: ExtractorName = "pyramid"
+    """What is read off pictures."""
+    dinov2: Path | None = None
+    """Folder with the weights of DINOv2, where they are the features."""
+    workers: int = 2
+    """Processes that make data."""
+
+    @property
+    def home(self) -> Path:
+        """Data and checkpoints of appearance."""
+        return self.folder / "appearance"
+
+
+def run_curation(cfg: AppearanceRunConfig) -> CurationConfig:
+    """States and views of a run: without articulation, as many pictures of the closed object."""
+    curation = replace(APPEARANCE_TRAINING[cfg.preset].curation, weighting=cfg.weighting)
+    if cfg.articulated:
+        return curation
+    return close_curation(curation)
+
+
+def close_curation(curation: CurationConfig) -> CurationConfig:
+    """As many views, and as many of them kept, of the closed state alone."""
+    views = replace(curation.views, count=curation.states * curation.views.count)
+    return replace(curation, states=1, views=views, kept=curation.states * curation.kept)
+
+
+def run_extractor(cfg: AppearanceRunConfig) -> ExtractorConfig:
+    """The extractor of a run; a pyramid has the channels that the preset's encoder reads."""
+    moments = MOMENTS if APPEARANCE_TRAINING[cfg.preset].curation.directional else 0
+    channels = APPEARANCE_PRESETS[cfg.preset].encoder.in_channels - moments
+    return ExtractorConfig(name=cfg.features, channels=channels, folder=cfg.dinov2)
+
+
+def run_encoder(cfg: AppearanceRunConfig) -> SlatVaeConfig:
+    """The encoder of a run: the preset's, for the channels that its features have."""
+    encoder = APPEARANCE_PRESETS[cfg.preset].encoder
+    if cfg.features == "pyramid":
+        return encoder
+    moments = MOMENTS if APPEARANCE_TRAINING[cfg.preset].curation.directional else 0
+    return replace(encoder, in_channels=DinoConfig().width + moments)
+
+
+def claim_appearance_run(cfg: AppearanceRunConfig) -> None:
+    """Checks a configuration and the folder it goes on in; nothing is written if it cannot be.
+
+    Minutes and workers may change from one start to the next.
+
+    Raises:
+        ArtigenError: If a number makes no sense, the preset cannot be trained, features lack their weights,
+            or the folder was started with other settings.
+    """
+    if cfg.preset not in APPEARANCE_TRAINING:
+        raise ArtigenError(f"preset {cfg.preset!r}, expected one of {', '.join(APPEARANCE_TRAINING)}")
+    if not cfg.minutes > 0 or min(cfg.shards, cfg.held_out, cfg.objects, cfg.workers) < 1:
+        raise ArtigenError(
+            f"{cfg.minutes:g} minutes, {cfg.shards} + {cfg.held_out} shards of {cfg.objects} objects, "
+            f"{cfg.workers} workers: expected more than 0 of each"
+        )
+    if (cfg.features == "dinov2") != (cfg.dinov2 is not None):
+        raise ArtigenError(
+            f"features {cfg.features} with weights of DINOv2 in {cfg.dinov2}: expected both or neither"
+        )
+    claim_folder(
+        cfg.home / "config.json",
+        {
+            "preset": cfg.preset,
+            "shards": cfg.shards,
+            "held_out": cfg.held_out,
+            "objects": cfg.objects,
+            "articulated": cfg.articulated,
+            "weighting": cfg.weighting,
+            "features": cfg.features,
+        },
+    )
