@@ -37,24 +37,40 @@ class EvaluateSettings:
     """Draws by category that nearest.png shows beside their nearest training objects."""
 
 
+@dataclass(frozen=True, kw_only=True)
+class AppearanceViews:
+    """What only appearance asks for."""
+
+    states: int = 5
+    """Joint states, from closed to the limits."""
+    views: int = 8
+    """Pictures of each state."""
+    dinov2: Path | None = None
+    """Folder with the weights of DINOv2, where the model or the distances between sets use it."""
+
+
 def evaluate(
-    what: tyro.conf.Positional[Literal["structure"]],
+    what: tyro.conf.Positional[Literal["structure", "appearance"]],
     out: Out,
     model: Path,
     cfg: tyro.conf.OmitArgPrefixes[EvaluateSettings] = EvaluateSettings(),
     workers: Workers = 2,
+    appearance: tyro.conf.OmitArgPrefixes[AppearanceViews] = AppearanceViews(),
 ) -> int:
     """Measures a trained model and writes evaluation.json, evaluation.md and nearest.png.
 
     Objects that were drawn already are not drawn again when the same command is run again.
 
     Args:
-        what: The model to measure: structure is its VAE and flow together.
+        what: The model to measure: structure is its networks together, appearance its VAE.
         out: Folder for the results and the drawn objects.
         model: Folder of the trained model: model.json and its weights.
         cfg: With what, and how many.
         workers: Processes that read real objects and make packages.
+        appearance: What only appearance asks for.
     """
+    if what == "appearance":
+        return _evaluate_appearance(out, model, cfg.held_out, appearance)
     from artigen.cli.prove import prove_assets
     from artigen.metrics.evaluate import EvaluateConfig, evaluate_structure
     from artigen.metrics.report import write_report
@@ -86,5 +102,23 @@ def evaluate(
 
         evaluation = evaluate_structure(model, out, settings, prove=prove, on_progress=on_progress)
     _, table = write_report(evaluation, out)
+    sys.stdout.write(f"{table.read_text(encoding='utf-8')}\nwritten to {out}\n")
+    return 0
+
+
+def _evaluate_appearance(out: Path, model: Path, held_out: int, cfg: AppearanceViews) -> int:
+    from artigen.metrics.evaluate_appearance import EvaluateAppearanceConfig, evaluate_appearance
+    from artigen.metrics.report_appearance import write_appearance_report
+
+    settings = EvaluateAppearanceConfig(held_out=held_out, **vars(cfg))
+    with tqdm(disable=not sys.stderr.isatty()) as bar:
+
+        def on_progress(stage: str, done: int, total: int) -> None:
+            bar.set_description(stage, refresh=False)
+            bar.total, bar.n = total, done
+            bar.refresh()
+
+        evaluation = evaluate_appearance(model, settings, on_progress=on_progress)
+    _, table = write_appearance_report(evaluation, out)
     sys.stdout.write(f"{table.read_text(encoding='utf-8')}\nwritten to {out}\n")
     return 0

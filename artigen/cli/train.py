@@ -2,8 +2,9 @@
 
 import logging
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Literal
 
@@ -12,6 +13,7 @@ from tqdm import tqdm
 from tqdm.contrib.logging import logging_redirect_tqdm
 
 from artigen.cli.arguments import Workers
+from artigen.errors import ArtigenError
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -26,8 +28,8 @@ class TrainSettings:
     """Shards of training data."""
     held_out: int = 2
     """Shards of held-out data."""
-    objects: int = 256
-    """Objects per shard."""
+    objects: int | None = None
+    """Objects per shard; left out, 256, and 16 of appearance."""
     partnet: Path | None = None
     """Folder with partnet_mobility/ and splits.json: its training split is mixed in. Such weights are for
     research only, as the data is."""
@@ -38,26 +40,48 @@ class TrainSettings:
     that of the preset."""
 
 
+@dataclass(frozen=True, kw_only=True)
+class AppearanceSettings:
+    """What only appearance asks for."""
+
+    articulated: bool = True
+    """Whether objects are seen in all joint states, or in as many pictures of the closed one."""
+    weighting: Literal["seen", "plain"] = "seen"
+    """Which views count for a voxel: those that show it, or all."""
+    features: Literal["pyramid", "dinov2"] = "pyramid"
+    """What is read off pictures."""
+    dinov2: Path | None = None
+    """Folder with the weights of DINOv2, where they are the features."""
+
+
 def train(
-    what: tyro.conf.Positional[Literal["structure", "structure-vae", "structure-flow"]],
+    what: tyro.conf.Positional[
+        Literal[
+            "structure",
+            "structure-vae",
+            "structure-flow",
+            "appearance",
+            "appearance-vae",
+            "appearance-flow",
+        ]
+    ],
     run: tyro.conf.Positional[Path],
     cfg: tyro.conf.OmitArgPrefixes[TrainSettings] = TrainSettings(),
     workers: Workers = 2,
+    appearance: tyro.conf.OmitArgPrefixes[AppearanceSettings] = AppearanceSettings(),
 ) -> int:
     """Makes data, trains, measures held-out objects and stores the weights in RUN/model.
 
     A run that was stopped goes on where it was when the same command is given again.
 
     Args:
-        what: Both networks of the structure model, or one of them; the flow needs the VAE.
+        what: Both networks of the structure or the appearance model, or one of them; a flow needs its VAE.
         run: Folder for data, checkpoints, curves and weights.
         cfg: What is trained, on what, and for how long.
         workers: Processes that make data.
+        appearance: What only appearance asks for.
     """
-    from artigen.train.everything import train_everything
-    from artigen.train.run import RunConfig
-
-    settings = RunConfig(folder=run, workers=workers, **vars(cfg))
+    begin = _prepare(what, run, cfg, workers, appearance)
     logging.getLogger("artigen.train").setLevel(logging.INFO)
     shown = sys.stderr.isatty()  # elsewhere, every line of metrics is a line of the log
     with (
@@ -73,7 +97,34 @@ def train(
                 f"step {line['step']:.0f}, loss {line['loss']:.4g}, {line['seconds_per_step']:.2f} s/step"
             )
 
-        scores = train_everything(settings, what, on_report=on_report if shown else None)
+        scores = begin(on_report=on_report if shown else None)
     rows = "\n".join(f"  {name:20} {value:.4g}" for name, value in scores.items())
     sys.stdout.write(f"held-out reconstruction:\n{rows}\nweights are in {run / 'model'}\n")
     return 0
+
+
+def _prepare(
+    what: str, run: Path, cfg: TrainSettings, workers: int, appearance: AppearanceSettings
+) -> Callable[..., dict[str, float]]:
+    """The training that was asked for, ready to begin."""
+    given = {name: value for name, value in vars(cfg).items() if value is not None}
+    if what.startswith("appearance"):
+        from artigen.train.appearance.everything import train_appearance
+        from artigen.train.appearance.run import AppearanceRunConfig
+
+        if cfg.partnet is not None:
+            raise ArtigenError("real objects cannot be photographed for appearance yet: leave --partnet out")
+        shared = {
+            name: given[name]
+            for name in ("preset", "minutes", "shards", "held_out", "objects")
+            if name in given
+        }
+        return partial(
+            train_appearance,
+            AppearanceRunConfig(folder=run, workers=workers, **shared, **vars(appearance)),
+            what,
+        )
+    from artigen.train.everything import train_everything
+    from artigen.train.run import RunConfig
+
+    return partial(train_everything, RunConfig(folder=run, workers=workers, **given), what)
