@@ -93,7 +93,7 @@ def load_appearance_vae(folder: Path, device: torch.device, dinov2: Path | None 
     said = read_description(folder).get(VAE)
     if said is None:
         raise SourceError(f"{folder}: holds no {VAE}; train one, or give the folder of one")
-    preset = next((name for name in APPEARANCE_PRESETS if name == said.get("preset")), None)
+    preset = {str(name): name for name in APPEARANCE_PRESETS}.get(str(said.get("preset")))
     if preset is None:
         raise SourceError(
             f"{folder}: {VAE} is of preset {said.get('preset')!r}, expected one of "

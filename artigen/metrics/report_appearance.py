@@ -50,8 +50,8 @@ def format_appearance(evaluation: AppearanceEvaluation) -> str:
     )
     lines += [
         "",
-        f"{len(evaluation.objects)} objects, {evaluation.pictures} pictures in each of the two sets; PSNR is a",
-        f"mean over objects. Distances between sets are those of {evaluation.extractor} features: they are",
+        f"{len(evaluation.objects)} objects, {evaluation.pictures} pictures in each of the two sets; PSNR is",
+        f"a mean over objects. Distances between sets are those of {evaluation.extractor} features: they are",
         "comparable with results that have the same features and as many pictures, and with no others.",
     ]
     return "\n".join(lines) + "\n"
