@@ -54,17 +54,18 @@ class AppearanceSettings:
     """Folder with the weights of DINOv2, where they are the features."""
 
 
+What = Literal[
+    "structure",
+    "structure-vae",
+    "structure-flow",
+    "appearance",
+    "appearance-vae",
+    "appearance-flow",
+]
+
+
 def train(
-    what: tyro.conf.Positional[
-        Literal[
-            "structure",
-            "structure-vae",
-            "structure-flow",
-            "appearance",
-            "appearance-vae",
-            "appearance-flow",
-        ]
-    ],
+    what: tyro.conf.Positional[What],
     run: tyro.conf.Positional[Path],
     cfg: tyro.conf.OmitArgPrefixes[TrainSettings] = TrainSettings(),
     workers: Workers = 2,
@@ -104,11 +105,11 @@ def train(
 
 
 def _prepare(
-    what: str, run: Path, cfg: TrainSettings, workers: int, appearance: AppearanceSettings
+    what: What, run: Path, cfg: TrainSettings, workers: int, appearance: AppearanceSettings
 ) -> Callable[..., dict[str, float]]:
     """The training that was asked for, ready to begin."""
     given = {name: value for name, value in vars(cfg).items() if value is not None}
-    if what.startswith("appearance"):
+    if what in ("appearance", "appearance-vae", "appearance-flow"):
         from artigen.train.appearance.everything import train_appearance
         from artigen.train.appearance.run import AppearanceRunConfig
 
