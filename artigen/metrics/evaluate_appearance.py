@@ -17,14 +17,14 @@ from artigen.metrics.appearance import (
     split_states,
 )
 from artigen.models.appearance_presets import APPEARANCE_PRESETS
-from artigen.models.appearance_vae import AppearanceVae
+from artigen.models.appearance_vae import APPEARANCE_VAE, AppearanceVae
 from artigen.models.conditions import ConditionConfig
 from artigen.models.extractors import ExtractorConfig, make_extractor
 from artigen.models.features import FeatureExtractor, PyramidFeatures
+from artigen.models.presets import PresetName
 from artigen.models.store import hash_model, load_model, read_description
 from artigen.shapes.draw import draw_shape
 from artigen.train.appearance.curation import CurationConfig
-from artigen.train.appearance.everything import VAE
 from artigen.train.appearance.examples import AppearanceExample, draw_appearance_of
 from artigen.train.appearance.photographs import take_pictures
 from artigen.train.appearance.run import AppearanceRunConfig, run_curation, run_encoder, run_extractor
@@ -90,13 +90,14 @@ def load_appearance_vae(folder: Path, device: torch.device, dinov2: Path | None 
         SourceError: If the folder holds none, it is of an unknown preset, or its features need weights that
             are not given.
     """
-    said = read_description(folder).get(VAE)
+    said = read_description(folder).get(APPEARANCE_VAE)
     if said is None:
-        raise SourceError(f"{folder}: holds no {VAE}; train one, or give the folder of one")
-    preset = {str(name): name for name in APPEARANCE_PRESETS}.get(str(said.get("preset")))
+        raise SourceError(f"{folder}: holds no {APPEARANCE_VAE}; train one, or give the folder of one")
+    known: dict[str, PresetName] = {name: name for name in APPEARANCE_PRESETS}
+    preset = known.get(str(said.get("preset")))
     if preset is None:
         raise SourceError(
-            f"{folder}: {VAE} is of preset {said.get('preset')!r}, expected one of "
+            f"{folder}: {APPEARANCE_VAE} is of preset {said.get('preset')!r}, expected one of "
             f"{', '.join(APPEARANCE_PRESETS)}"
         )
     run = AppearanceRunConfig(
@@ -108,7 +109,7 @@ def load_appearance_vae(folder: Path, device: torch.device, dinov2: Path | None 
         dinov2=dinov2,
     )
     vae = AppearanceVae(run_encoder(run), APPEARANCE_PRESETS[preset].decoder)
-    load_model(vae, folder, VAE)
+    load_model(vae, folder, APPEARANCE_VAE)
     return AppearanceModel(
         vae=vae.to(device),
         curation=replace(run_curation(run), kept=0),

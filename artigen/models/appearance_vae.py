@@ -11,6 +11,10 @@ from artigen.models.slat_vae import SlatEncoder, SlatVaeConfig
 from artigen.splats.render.splats import Splats
 
 
+APPEARANCE_VAE, APPEARANCE_FLOW = "appearance-vae", "appearance-flow"
+"""Names of the networks in a model folder."""
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Encoded:
     """Gaussians of all voxels, and the posterior of the latents they came from."""

@@ -17,7 +17,7 @@ import torch
 from artigen.errors import SourceError
 from artigen.metrics.appearance import score_vae
 from artigen.models.appearance_presets import APPEARANCE_PRESETS
-from artigen.models.appearance_vae import AppearanceVae
+from artigen.models.appearance_vae import APPEARANCE_FLOW, APPEARANCE_VAE, AppearanceVae
 from artigen.models.extractors import make_extractor
 from artigen.models.slat_flow import SlatFlow
 from artigen.models.store import save_model
@@ -46,8 +46,6 @@ from artigen.train.shards import HELD_OUT
 logger = logging.getLogger(__name__)
 Report = Callable[[str, Mapping[str, float]], None]
 """Called with the network in training and a line of its metrics."""
-VAE, FLOW = "appearance-vae", "appearance-flow"
-"""Names of the networks in a model folder."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -108,7 +106,7 @@ def _train_vae(cfg: AppearanceRunConfig, data: AppearanceData, report: Report) -
         losses=training.losses,
         on_report=lambda line: report("VAE", line),
     )
-    save_model(vae, cfg.folder / "model", _describe(cfg), VAE)
+    save_model(vae, cfg.folder / "model", _describe(cfg), APPEARANCE_VAE)
     scores = score_vae(vae, data.held_out)
     scratch = cfg.home / ".reconstruction.json"
     scratch.write_text(json.dumps(scores, indent=1) + "\n")
@@ -140,7 +138,7 @@ def _train_flow(cfg: AppearanceRunConfig, vae: AppearanceVae, data: AppearanceDa
         conditions=preset.conditions,
         on_report=lambda line: report("flow", line),
     )
-    save_model(flow, cfg.folder / "model", _describe(cfg), FLOW)
+    save_model(flow, cfg.folder / "model", _describe(cfg), APPEARANCE_FLOW)
 
 
 def _examples(cfg: AppearanceRunConfig, name: str, count: int, first_seed: int) -> list[AppearanceExample]:
@@ -196,7 +194,9 @@ def main() -> None:
         prog="python -m artigen.train.appearance.everything", description=__doc__
     )
     parser.add_argument("folder", type=Path, help="run folder")
-    parser.add_argument("--stage", choices=("appearance", VAE, FLOW), default="appearance")
+    parser.add_argument(
+        "--stage", choices=("appearance", APPEARANCE_VAE, APPEARANCE_FLOW), default="appearance"
+    )
     parser.add_argument("--preset", choices=sorted(APPEARANCE_TRAINING), default="compact")
     parser.add_argument("--minutes", type=float, default=30.0, help="training time of both networks")
     parser.add_argument("--shards", type=int, default=100, help="shards of training data")
