@@ -1,4 +1,4 @@
-"""Condition and seed to an `Asset`: sample, decode, clean, segment; nothing else."""
+"""Condition and seed to an `Asset`: sample outline and latent, decode, clean, segment; nothing else."""
 
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -9,6 +9,7 @@ import torch
 from artigen.datasets.sizes import estimate_size
 from artigen.errors import SourceError
 from artigen.models.conditions import StructureCondition, gather_conditions
+from artigen.models.outline_flow import OutlineFlow, complete_conditions, sample_outlines
 from artigen.models.presets import PRESETS, StructurePreset
 from artigen.models.store import load_model, read_description
 from artigen.models.structure_flow import StructureFlow, sample_latents
@@ -26,6 +27,8 @@ class StructureModel:
     preset: StructurePreset
     vae: StructureVae
     flow: StructureFlow
+    outline: OutlineFlow | None = None
+    """Draws where the parts lie, where the preset has such a network."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,7 +36,9 @@ class GenerateConfig:
     """How a structure is drawn from its condition."""
 
     sampler: SamplerConfig = field(default_factory=SamplerConfig)
-    """Steps and guidance."""
+    """Steps and guidance of the latent."""
+    outline: SamplerConfig = field(default_factory=lambda: SamplerConfig(steps=25, strength=1.0))
+    """Steps and guidance of the outline."""
     clean: CleanConfig = field(default_factory=CleanConfig)
     """What counts as a stray piece."""
     segment: SegmentConfig = field(default_factory=SegmentConfig)
@@ -54,7 +59,12 @@ def load_structure_model(folder: Path, device: torch.device | str = "cpu") -> St
     vae, flow = StructureVae(preset.vae), StructureFlow(preset.flow, preset.conditions)
     load_model(vae, folder, "vae")
     load_model(flow, folder, "flow")
-    return StructureModel(preset=preset, vae=vae.to(device), flow=flow.to(device))
+    outline = None
+    if preset.outline is not None:
+        outline = OutlineFlow(preset.outline, preset.conditions)
+        load_model(outline, folder, "outline")
+        outline.to(device)
+    return StructureModel(preset=preset, vae=vae.to(device), flow=flow.to(device), outline=outline)
 
 
 def generate_structure(
@@ -76,14 +86,13 @@ def generate_structure(
     generator = torch.Generator().manual_seed(seed)
     edge = model.flow.edge
     noise = torch.randn((1, model.flow.channels, edge, edge, edge), generator=generator).to(device)
-    conditions = model.preset.conditions
-    latent = sample_latents(
-        model.flow,
-        gather_conditions([asked], conditions).to(device),
-        gather_conditions([StructureCondition()], conditions).to(device),
-        noise,
-        cfg.sampler,
-    )
+    known = gather_conditions([asked], model.preset.conditions).to(device)
+    nothing = gather_conditions([StructureCondition()], model.preset.conditions).to(device)
+    outlines = None
+    if model.outline is not None:
+        known = complete_conditions(model.outline, known, generator)
+        outlines = sample_outlines(model.outline, known, nothing, generator, cfg.outline)
+    latent = sample_latents(model.flow, known, nothing, noise, cfg.sampler, outlines)
     fields, notes = remove_strays(decode_fields(model.vae, latent)[0], cfg.clean)
     asset = segment(
         fields,

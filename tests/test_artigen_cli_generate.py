@@ -10,6 +10,7 @@ import torch
 import artigen.generate
 from artigen.cli.generate import GenerateJob, GenerateSettings, generate, generate_object
 from artigen.errors import ArtigenError, SourceError
+from artigen.models.outline_flow import OutlineFlow
 from artigen.models.presets import PRESETS
 from artigen.models.store import hash_model, save_model
 from artigen.models.structure_flow import StructureFlow
@@ -24,6 +25,8 @@ def model(tmp_path_factory: pytest.TempPathFactory) -> Path:
     preset, path = PRESETS["tiny"], tmp_path_factory.mktemp("model")
     save_model(StructureVae(preset.vae), path, {"preset": "tiny"}, "vae")
     save_model(StructureFlow(preset.flow, preset.conditions), path, {"preset": "tiny"}, "flow")
+    assert preset.outline is not None
+    save_model(OutlineFlow(preset.outline, preset.conditions), path, {"preset": "tiny"}, "outline")
     return path
 
 

@@ -10,6 +10,7 @@ from artigen.ask import Request, read_request
 from artigen.errors import SegmentationError, SourceError
 from artigen.fields import VoxelFields, decode, encode
 from artigen.generate import generate_structure, load_structure_model
+from artigen.models.outline_flow import OutlineFlow
 from artigen.models.presets import PRESETS
 from artigen.models.store import save_model
 from artigen.models.structure_flow import StructureFlow
@@ -50,6 +51,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     preset, path = PRESETS["tiny"], tmp_path_factory.mktemp("model")
     save_model(StructureVae(preset.vae), path, {"preset": "tiny"}, "vae")
     save_model(StructureFlow(preset.flow, preset.conditions), path, {"preset": "tiny"}, "flow")
+    assert preset.outline is not None
+    save_model(OutlineFlow(preset.outline, preset.conditions), path, {"preset": "tiny"}, "outline")
     return path
 
 

@@ -23,7 +23,7 @@ class TrainSettings:
     preset: Literal["tiny", "small", "compact", "paper"] = "compact"
     """Sizes."""
     minutes: float = 30.0
-    """Budget of the training of both networks; making data comes on top."""
+    """Budget of the training of all networks; making data comes on top."""
     shards: int = 100
     """Shards of training data."""
     held_out: int = 2
@@ -57,6 +57,7 @@ class AppearanceSettings:
 What = Literal[
     "structure",
     "structure-vae",
+    "structure-outline",
     "structure-flow",
     "appearance",
     "appearance-vae",
@@ -76,7 +77,7 @@ def train(
     A run that was stopped goes on where it was when the same command is given again.
 
     Args:
-        what: Both networks of the structure or the appearance model, or one of them; a flow needs its VAE.
+        what: All networks of the structure or the appearance model, or one of them; a flow needs its VAE.
         run: Folder for data, checkpoints, curves and weights.
         cfg: What is trained, on what, and for how long.
         workers: Processes that make data.

@@ -168,8 +168,13 @@ class ImageEncoder(nn.Module):
         self.out_layer = nn.Linear(width, cfg.width)
 
     def forward(self, image: Float[Tensor, "B 4 H W"], given: Bool[Tensor, "B"]) -> Float[Tensor, "B M C"]:
-        tokens = self.patches(2.0 * image - 1.0).flatten(2).transpose(1, 2) + self.places
-        return torch.where(given[:, None, None], self.out_layer(self.blocks(tokens)), self.missing)
+        rows = given.nonzero()[:, 0]  # a picture that is not there costs nothing
+        if not len(rows):
+            rows = rows.new_zeros(1)  # but every weight keeps a gradient, which several GPUs count on
+        tokens = self.patches(2.0 * image[rows] - 1.0).flatten(2).transpose(1, 2) + self.places
+        seen = self.out_layer(self.blocks(tokens))
+        every = self.missing.to(seen.dtype).expand(len(image), *seen.shape[1:])
+        return torch.where(given[:, None, None], every.index_copy(0, rows, seen), every)
 
 
 def embed_sizes(size: Float[Tensor, "B 3"]) -> Float[Tensor, "B W"]:

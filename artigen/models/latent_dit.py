@@ -1,9 +1,9 @@
 """The compact structure flow: a transformer over 2^3-cell tokens of the latent that predicts the data.
 
-It differs from TRELLIS' network (`artigen.models.structure_dit`) in three ways: one modulation for all
-blocks with a small table per block (a third fewer weights), tokens of 2^3 cells (eight times fewer), and
-its output is the clean latent, from which the velocity follows; a narrow network cannot carry the noise
-that a velocity holds. See docs/training.md.
+It differs from TRELLIS' network (`artigen.models.structure_dit`) in four ways: one modulation for all
+blocks with a small table per block (a third fewer weights), tokens of 2^3 cells (eight times fewer), its
+output is the clean latent, from which the velocity follows (a narrow network cannot carry the noise that a
+velocity holds), and it can be told where the parts lie. See docs/training.md.
 """
 
 from dataclasses import dataclass
@@ -37,6 +37,8 @@ class LatentDitConfig:
     """Transformer blocks."""
     heads: int = 5
     """Attention heads."""
+    hint: int = 0
+    """Channels of a hint on the latent's grid (`artigen.models.outlines`); 0 takes none."""
 
 
 class LatentDit(nn.Module):
@@ -59,6 +61,7 @@ class LatentDit(nn.Module):
             "positions", embed_positions(grid_positions(cfg.edge // cfg.patch), cfg.width), persistent=False
         )
         self.input_layer = nn.Linear(token, cfg.width)
+        self.hint_layer = nn.Linear(cfg.hint * cfg.patch**3, cfg.width, bias=False) if cfg.hint else None
         self.blocks = nn.ModuleList(ModulatedBlock(inner) for _ in range(cfg.blocks))
         self.out_layer = nn.Linear(cfg.width, token)
         for name, parameter in self.named_parameters():
@@ -66,11 +69,23 @@ class LatentDit(nn.Module):
                 nn.init.zeros_(parameter)
 
     def forward(
-        self, x: Float[Tensor, "B C X Y Z"], times: Float[Tensor, "B"], cond: Float[Tensor, "B M K"]
+        self,
+        x: Float[Tensor, "B C X Y Z"],
+        times: Float[Tensor, "B"],
+        cond: Float[Tensor, "B M K"],
+        hint: Float[Tensor, "B H X Y Z"] | None = None,
     ) -> Float[Tensor, "B C X Y Z"]:
-        """The clean latent, for times in [0, 1] and the tokens of a condition."""
+        """The clean latent, for times in [0, 1], the tokens of a condition, and what is known of its cells.
+
+        Raises:
+            ValueError: If there is a hint and the network takes none.
+        """
         patch = self.cfg.patch
         h = self.input_layer(as_tokens(gather_pixels(x, patch))) + self.positions
+        if hint is not None:
+            if self.hint_layer is None:
+                raise ValueError(f"a hint of {hint.shape[1]} channels, this network takes none")
+            h = h + self.hint_layer(as_tokens(gather_pixels(hint, patch)))
         mod = self.modulation(self.t_embedder(1000.0 * times) + self.pooled(cond.mean(dim=1)))
         for block, row in zip(self.blocks, self.table, strict=True):
             assert isinstance(block, ModulatedBlock)

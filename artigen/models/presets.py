@@ -10,6 +10,8 @@ from typing import Literal
 from artigen.models.conditions import ConditionConfig
 from artigen.models.conv_vae import ConvVaeConfig
 from artigen.models.latent_dit import LatentDitConfig
+from artigen.models.outline_flow import OutlineFlowConfig
+from artigen.models.outlines import hint_channels
 from artigen.models.patch_vae import PatchVaeConfig
 from artigen.models.structure_dit import StructureDitConfig
 
@@ -26,6 +28,8 @@ class StructurePreset:
     """Flow on their latents."""
     conditions: ConditionConfig
     """What can be asked for."""
+    outline: OutlineFlowConfig | None = None
+    """Flow of the parts' boxes and joints, which the flow of latents is then told; None draws all at once."""
     resolution: int = 64
     """Edge of the fields."""
 
@@ -35,19 +39,22 @@ PRESETS: dict[PresetName, StructurePreset] = {
         vae=PatchVaeConfig(
             resolution=32, width=32, encoder_blocks=1, decoder_blocks=2, global_width=64, global_blocks=1
         ),
-        flow=LatentDitConfig(edge=8, width=64, blocks=2, heads=2),
+        flow=LatentDitConfig(edge=8, width=64, blocks=2, heads=2, hint=hint_channels()),
         conditions=ConditionConfig(width=64, image_size=32, image_patch=8, image_width=32, image_blocks=1),
+        outline=OutlineFlowConfig(width=64, blocks=2, heads=2),
         resolution=32,
     ),
     "small": StructurePreset(
         vae=PatchVaeConfig(width=64, encoder_blocks=1, decoder_blocks=3, global_width=128, global_blocks=2),
-        flow=LatentDitConfig(width=256, blocks=6, heads=4),
+        flow=LatentDitConfig(width=256, blocks=6, heads=4, hint=hint_channels()),
         conditions=ConditionConfig(width=256, image_width=128, image_blocks=3),
+        outline=OutlineFlowConfig(),
     ),
     "compact": StructurePreset(
         vae=PatchVaeConfig(),
-        flow=LatentDitConfig(),
+        flow=LatentDitConfig(hint=hint_channels()),
         conditions=ConditionConfig(),
+        outline=OutlineFlowConfig(width=320, heads=5),
     ),
     "paper": StructurePreset(
         vae=ConvVaeConfig(),

@@ -10,6 +10,7 @@ from torch import Tensor, nn
 
 from artigen.models.conditions import ConditionBatch, ConditionConfig, ConditionEncoder
 from artigen.models.latent_dit import LatentDit, LatentDitConfig, velocity_of
+from artigen.models.outlines import OutlineBatch, draw_hint
 from artigen.models.structure_dit import StructureDit, StructureDitConfig
 from artigen.sampling import SamplerConfig, sample_flow
 
@@ -34,19 +35,33 @@ class StructureFlow(nn.Module):
         self.register_buffer("latent_mean", torch.zeros(self.channels))
         self.register_buffer("latent_std", torch.ones(self.channels))
 
+    @property
+    def takes_outlines(self) -> bool:
+        """Whether the network can be told where the parts lie."""
+        return isinstance(self.network, LatentDit) and self.network.hint_layer is not None
+
     def velocity(
-        self, x: Float[Tensor, "B C X Y Z"], times: Float[Tensor, "B"], tokens: Float[Tensor, "B M K"]
+        self,
+        x: Float[Tensor, "B C X Y Z"],
+        times: Float[Tensor, "B"],
+        tokens: Float[Tensor, "B M K"],
+        hint: Float[Tensor, "B H X Y Z"] | None = None,
     ) -> Float[Tensor, "B C X Y Z"]:
-        """Velocity at times in [0, 1], under embedded conditions."""
+        """Velocity at times in [0, 1], under embedded conditions and an outline on the latent's grid."""
         if isinstance(self.network, LatentDit):
-            return velocity_of(x, self.network(x, times, tokens), times)
+            return velocity_of(x, self.network(x, times, tokens, hint), times)
         return self.network(x, 1000.0 * times, tokens)
 
     def forward(
-        self, x: Float[Tensor, "B C X Y Z"], times: Float[Tensor, "B"], asked: ConditionBatch
+        self,
+        x: Float[Tensor, "B C X Y Z"],
+        times: Float[Tensor, "B"],
+        asked: ConditionBatch,
+        outlines: OutlineBatch | None = None,
     ) -> Float[Tensor, "B C X Y Z"]:
-        """Velocity at times in [0, 1], under conditions."""
-        return self.velocity(x, times, self.conditions(asked))
+        """Velocity at times in [0, 1], under conditions and, where known, outlines."""
+        hint = None if outlines is None else draw_hint(outlines, self.edge)
+        return self.velocity(x, times, self.conditions(asked), hint)
 
     def normalise(self, z: Float[Tensor, "B C X Y Z"]) -> Float[Tensor, "B C X Y Z"]:
         """Latents as the flow sees them: zero mean and unit deviation per channel."""
@@ -64,8 +79,11 @@ def sample_latents(
     nothing: ConditionBatch,
     noise: Float[Tensor, "B C X Y Z"],
     cfg: SamplerConfig,
+    outlines: OutlineBatch | None = None,
 ) -> Float[Tensor, "B C X Y Z"]:
     """Draws one latent per condition; where guidance applies, both velocities come from one pass.
+
+    Guidance leaves outlines alone: both velocities know them.
 
     Args:
         flow: the trained flow.
@@ -73,13 +91,16 @@ def sample_latents(
         nothing: as many conditions with everything open.
         noise: start, standard normal.
         cfg: steps and guidance.
+        outlines: where the parts lie, if it is known.
     """
     tokens = flow.conditions(asked)
     both = torch.cat([tokens, flow.conditions(nothing)])
+    hint = None if outlines is None else draw_hint(outlines, flow.edge)
+    hints = None if hint is None else torch.cat([hint, hint])
 
     def pair(x: Tensor, times: Tensor) -> tuple[Tensor, Tensor]:
-        said = flow.velocity(torch.cat([x, x]), torch.cat([times, times]), both)
+        said = flow.velocity(torch.cat([x, x]), torch.cat([times, times]), both, hints)
         return said[: len(x)], said[len(x) :]
 
-    drawn = sample_flow(noise, lambda x, times: flow.velocity(x, times, tokens), pair, cfg)
+    drawn = sample_flow(noise, lambda x, times: flow.velocity(x, times, tokens, hint), pair, cfg)
     return flow.restore(drawn)

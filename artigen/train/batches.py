@@ -12,6 +12,7 @@ from jaxtyping import Float, UInt8
 from torch import Tensor
 
 from artigen.models.conditions import ConditionBatch, ConditionConfig
+from artigen.models.outlines import OutlineBatch, gather_outlines
 from artigen.models.patches import PatchBatch, collate
 from artigen.train.examples import StructureExample
 
@@ -21,16 +22,20 @@ Example = TypeVar("Example")
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class LatentBatch:
-    """Posterior means and deviations of objects with the conditions they answer."""
+    """Posterior means and deviations of objects with the conditions and the outlines they answer."""
 
     mean: Tensor
     std: Tensor
     conditions: ConditionBatch
+    outlines: OutlineBatch
 
     def to(self, device: torch.device | str) -> "LatentBatch":
         """The same batch on another device."""
         return LatentBatch(
-            mean=self.mean.to(device), std=self.std.to(device), conditions=self.conditions.to(device)
+            mean=self.mean.to(device),
+            std=self.std.to(device),
+            conditions=self.conditions.to(device),
+            outlines=self.outlines.to(device),
         )
 
 
@@ -53,6 +58,11 @@ class Described(Protocol):
 
     @property
     def image(self) -> UInt8[np.ndarray, "H W 4"] | None: ...
+
+
+def outline_batch(examples: Sequence[StructureExample]) -> OutlineBatch:
+    """The outlines of examples side by side."""
+    return gather_outlines([example.field.table for example in examples])
 
 
 def condition_batch(examples: Sequence[Described], cfg: ConditionConfig) -> ConditionBatch:

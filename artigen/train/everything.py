@@ -17,6 +17,7 @@ import torch
 
 from artigen.errors import SourceError
 from artigen.metrics.structure import score_reconstruction, score_spread
+from artigen.models.outline_flow import OutlineFlow
 from artigen.models.presets import PRESETS, StructurePreset
 from artigen.models.store import save_model
 from artigen.models.structure_flow import StructureFlow
@@ -24,6 +25,7 @@ from artigen.models.structure_vae import StructureVae
 from artigen.models.trellis import load_strictly, read_tensors
 from artigen.train.examples import StructureExample
 from artigen.train.loop import LoopConfig
+from artigen.train.outline import train_outline_flow
 from artigen.train.presets import TRAINING, StageConfig
 from artigen.train.real import real_examples
 from artigen.train.run import RunConfig, Stage, claim_run
@@ -52,7 +54,7 @@ def train_everything(
 
     Args:
         cfg: The run.
-        stage: Both networks, or one of them; the flow needs a VAE in the same folder.
+        stage: All networks, or one of them; the flow needs a VAE in the same folder.
         on_report: Called with every line of metrics; logged when None.
 
     Raises:
@@ -64,10 +66,13 @@ def train_everything(
     claim_run(cfg)
     report = on_report or _log
     data = make_data(cfg)
-    vae = load_vae(cfg) if stage == "structure-flow" else train_vae(cfg, data, report)
-    if stage != "structure-vae":
-        train_flow(cfg, vae, data, report)
-    return json.loads(scores.read_text())
+    if stage in ("structure", "structure-outline"):
+        train_outline(cfg, data, report)
+    if stage in ("structure", "structure-vae"):
+        train_vae(cfg, data, report)
+    if stage in ("structure", "structure-flow"):
+        train_flow(cfg, load_vae(cfg), data, report)
+    return json.loads(scores.read_text()) if scores.is_file() else {}
 
 
 def make_data(cfg: RunConfig) -> RunData:
@@ -127,6 +132,26 @@ def load_vae(cfg: RunConfig) -> StructureVae:
     load_strictly(vae, read_tensors(weights), str(weights))
     device = "cuda" if torch.cuda.is_available() else "cpu"
     return vae.to(device).eval()
+
+
+def train_outline(cfg: RunConfig, data: RunData, report: Report) -> OutlineFlow | None:
+    """Trains the flow of outlines and stores it; None where the preset has none."""
+    preset, training = PRESETS[cfg.preset], TRAINING[cfg.preset]
+    if preset.outline is None or training.outline is None:
+        return None
+    torch.manual_seed(2)
+    flow = OutlineFlow(preset.outline, preset.conditions)
+    train_outline_flow(
+        flow,
+        data.trained,
+        cfg.folder / "outline",
+        _loop(training.outline, cfg.minutes),
+        batch=training.outline.batch,
+        conditions=preset.conditions,
+        on_report=lambda line: report("outline", line),
+    )
+    save_model(flow, cfg.folder / "model", _describe(cfg, data), "outline")
+    return flow
 
 
 def train_flow(cfg: RunConfig, vae: StructureVae, data: RunData, report: Report) -> StructureFlow:
@@ -202,7 +227,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="python -m artigen.train.everything", description=__doc__)
     parser.add_argument("folder", type=Path, help="run folder")
     parser.add_argument("--preset", choices=sorted(PRESETS), default="compact")
-    parser.add_argument("--minutes", type=float, default=30.0, help="training time of both networks")
+    parser.add_argument("--minutes", type=float, default=30.0, help="training time of all networks")
     parser.add_argument("--shards", type=int, default=100, help="shards of training data")
     parser.add_argument("--held-out", type=int, default=2, help="shards of held-out data")
     parser.add_argument("--objects", type=int, default=256, help="objects per shard")

@@ -32,6 +32,8 @@ class TrainingPreset:
     """Training of the VAE."""
     flow: StageConfig
     """Training of the flow."""
+    outline: StageConfig | None = None
+    """Training of the flow of outlines, where the preset has one."""
     losses: StructureLossConfig = field(default_factory=StructureLossConfig)
     """Weights of the VAE's loss terms."""
     latent_noise: float = 0.0
@@ -42,16 +44,19 @@ class TrainingPreset:
 TRAINING: dict[PresetName, TrainingPreset] = {
     "tiny": TrainingPreset(
         vae=StageConfig(batch=4, learning_rate=2e-3, warmup=5, decay=1.0, ema=0.9, share=0.5),
-        flow=StageConfig(batch=8, learning_rate=1e-3, warmup=5, decay=0.5, ema=0.9, share=0.5),
+        outline=StageConfig(batch=8, learning_rate=1e-3, warmup=5, decay=0.5, ema=0.9, share=0.2),
+        flow=StageConfig(batch=8, learning_rate=1e-3, warmup=5, decay=0.5, ema=0.9, share=0.3),
     ),
     "small": TrainingPreset(
-        vae=StageConfig(batch=4, learning_rate=1.5e-3, warmup=100, decay=1.0, ema=0.995, share=0.5),
-        flow=StageConfig(batch=8, learning_rate=6e-4, warmup=100, decay=0.3, ema=0.998, share=0.5),
+        vae=StageConfig(batch=4, learning_rate=1.5e-3, warmup=100, decay=1.0, ema=0.995, share=0.35),
+        outline=StageConfig(batch=16, learning_rate=5e-4, warmup=100, decay=0.4, ema=0.998, share=0.25),
+        flow=StageConfig(batch=8, learning_rate=6e-4, warmup=100, decay=0.3, ema=0.998, share=0.4),
         losses=StructureLossConfig(kl=5e-3),
     ),
     "compact": TrainingPreset(
-        vae=StageConfig(batch=64, learning_rate=1e-3, warmup=200, decay=1.0, ema=0.999, share=0.4),
-        flow=StageConfig(batch=256, learning_rate=4e-4, warmup=300, decay=0.3, ema=0.999, share=0.6),
+        vae=StageConfig(batch=64, learning_rate=1e-3, warmup=200, decay=1.0, ema=0.999, share=0.35),
+        outline=StageConfig(batch=256, learning_rate=6e-4, warmup=300, decay=0.4, ema=0.999, share=0.2),
+        flow=StageConfig(batch=256, learning_rate=4e-4, warmup=300, decay=0.3, ema=0.999, share=0.45),
     ),
     "paper": TrainingPreset(
         vae=StageConfig(batch=4, learning_rate=1e-4, warmup=0, decay=0.0, ema=0.9999, share=0.5),

@@ -10,8 +10,8 @@ from artigen.errors import ArtigenError
 from artigen.models.presets import PRESETS, PresetName
 from artigen.train.real import list_split
 
-Stage = Literal["structure", "structure-vae", "structure-flow"]
-"""Both networks, or one of them."""
+Stage = Literal["structure", "structure-vae", "structure-outline", "structure-flow"]
+"""All networks, or one of them."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -23,7 +23,7 @@ class RunConfig:
     preset: PresetName = "compact"
     """Sizes."""
     minutes: float = 30.0
-    """Budget of the training of both networks; making data comes on top."""
+    """Budget of the training of all networks; making data comes on top."""
     shards: int = 100
     """Shards of training data, 256 objects each."""
     held_out: int = 2

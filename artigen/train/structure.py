@@ -9,11 +9,19 @@ from torch import Tensor, nn
 
 from artigen.models.conditions import ConditionConfig, drop_conditions
 from artigen.models.conv_vae import kl_divergence
+from artigen.models.outlines import blur_outlines
 from artigen.models.patches import PatchBatch
 from artigen.models.structure_flow import StructureFlow
 from artigen.models.structure_vae import StructureVae
 from artigen.sampling import diffuse, draw_times, target_velocity
-from artigen.train.batches import LatentBatch, condition_batch, draw_batches, patch_batch, prefetch
+from artigen.train.batches import (
+    LatentBatch,
+    condition_batch,
+    draw_batches,
+    outline_batch,
+    patch_batch,
+    prefetch,
+)
 from artigen.train.examples import StructureExample
 from artigen.train.loop import LoopConfig, train
 from artigen.train.structure_losses import StructureLossConfig, structure_losses
@@ -109,7 +117,8 @@ def train_structure_flow(
         x_0 = flow.normalise(drawn.mean.float() + drawn.std.float() * jitter)
         times = draw_times(len(x_0), generator)
         asked = drop_conditions(drawn.conditions, DROPOUT, generator)
-        said = network(diffuse(x_0, noise, times), times, asked)
+        outlines = blur_outlines(drawn.outlines, DROPOUT, generator) if flow.takes_outlines else None
+        said = network(diffuse(x_0, noise, times), times, asked, outlines)
         return {"velocity": torch.mean((said.float() - target_velocity(x_0, noise)) ** 2)}
 
     make = partial(_latent_batch, latents=latents, conditions=conditions)
@@ -125,8 +134,10 @@ def _latent_batch(
     conditions: ConditionConfig,
 ) -> LatentBatch:
     rows = torch.tensor([number for number, _ in chosen], device=latents[0].device)
+    examples = [example for _, example in chosen]
     return LatentBatch(
         mean=latents[0][rows],
         std=latents[1][rows],
-        conditions=condition_batch([example for _, example in chosen], conditions),
+        conditions=condition_batch(examples, conditions),
+        outlines=outline_batch(examples),
     )

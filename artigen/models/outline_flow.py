@@ -1,0 +1,203 @@
+"""The outline flow: a transformer over the parts of an object that draws their joints and boxes.
+
+How many parts of each label there are is a condition; what of it is left open is drawn first, label by
+label, from the network's own guess. Attention over a few parts costs a small share of attention over a
+latent, so this network sees many more objects in the time that both are given.
+"""
+
+from dataclasses import dataclass, replace
+
+import torch
+from jaxtyping import Bool, Float, Int
+from torch import Tensor, nn
+from torch.nn import functional
+
+from artigen.fields import DEFAULT_LAYOUT, FieldLayout
+from artigen.models.attention import plain_norm
+from artigen.models.conditions import MAX_COUNT, ConditionBatch, ConditionConfig, ConditionEncoder
+from artigen.models.embeddings import TimestepEmbedder
+from artigen.models.latent_dit import velocity_of
+from artigen.models.outlines import OutlineBatch, part_labels
+from artigen.models.structure_dit import ModulatedBlock, StructureDitConfig
+from artigen.sampling import SamplerConfig, sample_flow
+from artigen.types import PART_LABELS
+
+
+@dataclass(frozen=True, kw_only=True)
+class OutlineFlowConfig:
+    """Sizes of the outline flow."""
+
+    width: int = 256
+    """Width of a token, also of a condition token."""
+    blocks: int = 6
+    """Transformer blocks."""
+    heads: int = 4
+    """Attention heads."""
+    layout: FieldLayout = DEFAULT_LAYOUT
+    """Channels of the field whose parts are drawn."""
+
+    @property
+    def drawn(self) -> slice:
+        """What is drawn of a row: joint type, axis, origin, range, box."""
+        return slice(self.layout.joint_type.start - 1, self.layout.box.stop - 1)
+
+
+class OutlineFlow(nn.Module):
+    """Velocity of outlines under a condition, and what a condition says about open counts and category.
+
+    ``mean`` and ``std`` per channel belong to the weights: rows are ``drawn * std + mean``, origins
+    counted from the centre of the part's box.
+    """
+
+    mean: Tensor
+    std: Tensor
+
+    def __init__(self, cfg: OutlineFlowConfig, conditions: ConditionConfig) -> None:
+        super().__init__()
+        self.cfg = cfg
+        channels = cfg.drawn.stop - cfg.drawn.start
+        inner = StructureDitConfig(
+            model_channels=cfg.width, cond_channels=cfg.width, num_heads=cfg.heads, share_mod=True
+        )
+        self.conditions = ConditionEncoder(conditions)
+        self.t_embedder = TimestepEmbedder(cfg.width)
+        self.modulation = nn.Sequential(nn.SiLU(), nn.Linear(cfg.width, 6 * cfg.width))
+        self.table = nn.Parameter(torch.zeros(cfg.blocks, 6 * cfg.width))
+        self.pooled = nn.Linear(cfg.width, cfg.width)
+        self.names = nn.Embedding(len(PART_LABELS) * (MAX_COUNT + 1), cfg.width)
+        self.input_layer = nn.Linear(channels, cfg.width)
+        self.blocks = nn.ModuleList(ModulatedBlock(inner) for _ in range(cfg.blocks))
+        self.out_layer = nn.Linear(cfg.width, channels)
+        self.guess = nn.Sequential(
+            nn.LayerNorm(cfg.width),
+            nn.Linear(cfg.width, cfg.width),
+            nn.SiLU(),
+            nn.Linear(cfg.width, len(PART_LABELS) * (MAX_COUNT + 1) + len(conditions.categories)),
+        )
+        self.register_buffer("mean", torch.zeros(channels))
+        self.register_buffer("std", torch.ones(channels))
+        for name, parameter in self.named_parameters():
+            if name.startswith(("modulation", "out_layer", "pooled")):
+                nn.init.zeros_(parameter)
+
+    def velocity(
+        self,
+        x: Float[Tensor, "B N C"],
+        times: Float[Tensor, "B"],
+        tokens: Float[Tensor, "B M K"],
+        labels: Int[Tensor, "B N"],
+        given: Bool[Tensor, "B N"],
+    ) -> Float[Tensor, "B N C"]:
+        """Velocity of normalised rows of parts with these labels, at times in [0, 1]."""
+        ordinal = (functional.one_hot(labels, len(PART_LABELS)) * given[..., None]).cumsum(dim=1)
+        number = ordinal.gather(2, labels[..., None])[..., 0].clamp(1, MAX_COUNT + 1) - 1
+        h = self.input_layer(x) + self.names(labels * (MAX_COUNT + 1) + number)
+        mod = self.modulation(self.t_embedder(1000.0 * times) + self.pooled(tokens.mean(dim=1)))
+        for block, row in zip(self.blocks, self.table, strict=True):
+            assert isinstance(block, ModulatedBlock)
+            h = block(h, mod + row, block.cross_attn.project(tokens), given[:, None, None, :])
+        return velocity_of(x, self.out_layer(plain_norm(h, eps=1e-5)).float(), times)
+
+    def guesses(self, tokens: Float[Tensor, "B M K"]) -> tuple[Float[Tensor, "B L K"], Float[Tensor, "B G"]]:
+        """Logits of the counts of every label, and of the category, under embedded conditions."""
+        said = self.guess(tokens.mean(dim=1)).float()
+        counts = len(PART_LABELS) * (MAX_COUNT + 1)
+        return said[:, :counts].unflatten(1, (len(PART_LABELS), -1)), said[:, counts:]
+
+    def normalise(self, rows: Float[Tensor, "B N C"]) -> Float[Tensor, "B N D"]:
+        """The drawn channels of rows as the flow sees them."""
+        return (self._shift_origins(rows, -1.0)[..., self.cfg.drawn] - self.mean) / self.std
+
+    def restore(
+        self, x: Float[Tensor, "B N D"], labels: Int[Tensor, "B N"], given: Bool[Tensor, "B N"]
+    ) -> OutlineBatch:
+        """Inverse of `normalise`, with labels; the category stays zero and joint types become whole."""
+        layout, drawn = self.cfg.layout, self.cfg.drawn
+        rows = x.new_zeros(*x.shape[:2], layout.channels - 1)
+        rows[..., drawn] = x * self.std + self.mean
+        rows[..., : drawn.start] = functional.one_hot(labels, len(layout.labels)).to(rows.dtype)
+        kinds = slice(layout.joint_type.start - 1, layout.joint_type.stop - 1)
+        rows[..., kinds] = functional.one_hot(rows[..., kinds].argmax(dim=-1), len(layout.joint_types)).to(
+            rows.dtype
+        )
+        return OutlineBatch(rows=self._shift_origins(rows, 1.0) * given[..., None], given=given)
+
+    def _shift_origins(self, rows: Float[Tensor, "B N C"], sign: float) -> Float[Tensor, "B N C"]:
+        """Origins counted from the box centre (-1), or back (+1)."""
+        layout = self.cfg.layout
+        out = rows.clone()
+        center = rows[..., layout.box.start - 1 : layout.box.start + 2]
+        out[..., layout.origin.start - 1 : layout.origin.stop - 1] += sign * center
+        return out
+
+
+@torch.no_grad()
+def complete_conditions(
+    flow: OutlineFlow, asked: ConditionBatch, generator: torch.Generator
+) -> ConditionBatch:
+    """Conditions with category and counts: what is open is drawn from the guesses, one after another."""
+    if (asked.category < 0).any():
+        _, said = flow.guesses(flow.conditions(asked))
+        asked = replace(
+            asked, category=torch.where(asked.category < 0, _draw(said, generator), asked.category)
+        )
+    for label in range(len(PART_LABELS)):
+        is_open = asked.counts[:, label] < 0
+        if is_open.any():
+            said, _ = flow.guesses(flow.conditions(asked))
+            counts = asked.counts.clone()
+            counts[is_open, label] = _draw(said[:, label], generator)[is_open]
+            asked = replace(asked, counts=counts)
+    return asked
+
+
+@torch.no_grad()
+def sample_outlines(
+    flow: OutlineFlow,
+    asked: ConditionBatch,
+    nothing: ConditionBatch,
+    generator: torch.Generator,
+    cfg: SamplerConfig,
+) -> OutlineBatch:
+    """Draws one outline per condition, whose counts must be known (`complete_conditions`).
+
+    Args:
+        flow: the trained flow.
+        asked: conditions with counts.
+        nothing: as many conditions with everything open.
+        generator: of the noise, on the CPU.
+        cfg: steps and guidance.
+    """
+    labels, given = _name_parts(asked.counts)
+    channels = flow.cfg.drawn.stop - flow.cfg.drawn.start
+    noise = torch.randn((*labels.shape, channels), generator=generator).to(labels.device)
+    tokens = flow.conditions(asked)
+    both = torch.cat([tokens, flow.conditions(nothing)])
+
+    def pair(x: Tensor, times: Tensor) -> tuple[Tensor, Tensor]:
+        said = flow.velocity(
+            torch.cat([x, x]), torch.cat([times] * 2), both, torch.cat([labels] * 2), torch.cat([given] * 2)
+        )
+        return said[: len(x)], said[len(x) :]
+
+    drawn = sample_flow(noise, lambda x, t: flow.velocity(x, t, tokens, labels, given), pair, cfg)
+    return flow.restore(drawn, labels, given)
+
+
+def outline_labels(outlines: OutlineBatch) -> Int[Tensor, "B N"]:
+    """Labels of the parts; padding counts as the first."""
+    return part_labels(outlines.rows) * outlines.given
+
+
+def _name_parts(counts: Int[Tensor, "B L"]) -> tuple[Int[Tensor, "B N"], Bool[Tensor, "B N"]]:
+    """Labels of the parts that counts ask for, label by label; padded to the most."""
+    rows = [torch.arange(len(PART_LABELS), device=counts.device).repeat_interleave(row) for row in counts]
+    longest = max(1, *(len(row) for row in rows))
+    labels = torch.stack([functional.pad(row, (0, longest - len(row))) for row in rows])
+    given = torch.stack([torch.arange(longest, device=counts.device) < len(row) for row in rows])
+    return labels, given
+
+
+def _draw(logits: Float[Tensor, "B K"], generator: torch.Generator) -> Int[Tensor, "B"]:
+    chances = logits.softmax(dim=1).cpu()
+    return torch.multinomial(chances, 1, generator=generator)[:, 0].to(logits.device)

@@ -1,0 +1,129 @@
+"""Outlines: which parts an object has, where each lies and how it moves, as one row of numbers per part.
+
+An outline is what a voxel field says about its parts and leaves out their shapes: label, joint, box. The
+paper draws everything at once (section 4.1); `artigen.models.outline_flow` draws the outline first, in
+which neighbouring fronts are apart by construction, and the structure flow fills it with cells.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+from jaxtyping import Bool, Float, Int
+from torch import Tensor
+
+from artigen.fields import DEFAULT_LAYOUT, FieldLayout
+
+BLUR = 0.25 / 64
+"""Standard deviation of the error of drawn boxes, in unit-cube lengths."""
+FACES = 6
+"""Distances to the faces of a box, in a hint."""
+DEPTH = 2
+"""How many parts a cell is told about: the smallest that reach into it."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class OutlineBatch:
+    """Outlines side by side: the channels after occupancy, a row per part; rows not ``given`` are padding."""
+
+    rows: Float[Tensor, "B N C"]
+    given: Bool[Tensor, "B N"]
+
+    def to(self, device: torch.device | str) -> "OutlineBatch":
+        """The same batch on another device."""
+        return OutlineBatch(rows=self.rows.to(device), given=self.given.to(device))
+
+
+def sort_rows(
+    table: Float[np.ndarray, "N C"], layout: FieldLayout = DEFAULT_LAYOUT
+) -> Float[np.ndarray, "N C"]:
+    """Parts in the order of reading: by label, then from top to bottom, left to right, front to back."""
+    shifted = _after_occupancy(layout)
+    label = table[:, shifted["label"]].argmax(axis=1)
+    center = np.round(table[:, shifted["box"]][:, :3] * 32)  # what is level to half a cell is level
+    return table[np.lexsort((center[:, 0], -center[:, 1], -center[:, 2], label))]
+
+
+def gather_outlines(tables: Sequence[Float[np.ndarray, "N C"]]) -> OutlineBatch:
+    """Outlines of several objects, in the order of reading, padded to the longest."""
+    longest = max(len(table) for table in tables)
+    rows = np.zeros((len(tables), longest, tables[0].shape[1]), dtype=np.float32)
+    given = np.zeros((len(tables), longest), dtype=bool)
+    for number, table in enumerate(tables):
+        rows[number, : len(table)] = sort_rows(table)
+        given[number, : len(table)] = True
+    return OutlineBatch(rows=torch.from_numpy(rows), given=torch.from_numpy(given))
+
+
+def blur_outlines(outlines: OutlineBatch, share: float, generator: torch.Generator) -> OutlineBatch:
+    """Outlines as a flow would draw them: boxes off by a quarter of a 64th, and with ``share`` none at all.
+
+    A network trained with exact boxes alone would follow every error of drawn ones.
+    """
+    rows, box = outlines.rows.clone(), _after_occupancy(DEFAULT_LAYOUT)["box"]
+    noise = torch.randn(rows[..., box].shape, generator=generator, device=generator.device)
+    rows[..., box] += BLUR * noise
+    kept = torch.rand(len(rows), generator=generator, device=generator.device) >= share
+    return OutlineBatch(rows=rows, given=outlines.given & kept[:, None])
+
+
+def hint_channels(layout: FieldLayout = DEFAULT_LAYOUT) -> int:
+    """Channels of a hint."""
+    return DEPTH * (_said_of_parts(layout) + FACES + 1)
+
+
+def draw_hint(
+    outlines: OutlineBatch, edge: int, layout: FieldLayout = DEFAULT_LAYOUT
+) -> Float[Tensor, "B H X Y Z"]:
+    """Outlines on a grid: for every cell, the smallest parts that reach into it.
+
+    Each is told by its attributes (places relative to the cell), the distances from the cell's centre to
+    the six faces of its box in cells, at most 2, and a one. Zero where no part reaches.
+
+    Args:
+        outlines: of the batch.
+        edge: cells along an edge of the grid over the unit cube.
+        layout: channels.
+    """
+    at = _after_occupancy(layout)
+    rows, box = outlines.rows, outlines.rows[..., at["box"]]
+    low, high = box[..., :3] - box[..., 3:] / 2, box[..., :3] + box[..., 3:] / 2
+    line = (torch.arange(edge, device=rows.device) + 0.5) / edge - 0.5
+    half = 0.5 / edge
+    reaches = [
+        (low[..., axis, None] < line + half) & (high[..., axis, None] > line - half) for axis in range(3)
+    ]
+    inside = reaches[0][..., :, None, None] & reaches[1][..., None, :, None] & reaches[2][..., None, None, :]
+    inside = (inside & outlines.given[..., None, None, None]).flatten(2)  # B N cells
+    volume = box[..., 3:].clamp(min=1e-4).prod(dim=-1)
+    rank = torch.where(inside, volume[..., None], torch.inf)
+    if rank.shape[1] < DEPTH:
+        rank = torch.nn.functional.pad(rank, (0, 0, 0, DEPTH - rank.shape[1]), value=torch.inf)
+    size, chosen = rank.topk(DEPTH, dim=1, largest=False)  # B depth cells
+    found = size.isfinite()
+    chosen = torch.where(found, chosen, 0)
+    batch = torch.arange(len(rows), device=rows.device)[:, None, None]
+    center = torch.stack(torch.meshgrid(line, line, line, indexing="ij"), dim=-1).reshape(-1, 3)
+    said = rows[batch, chosen][..., : _said_of_parts(layout)].clone()
+    said[..., at["origin"]] -= center
+    said[..., at["box"].start : at["box"].start + 3] -= center
+    faces = torch.cat([center - low[batch, chosen], high[batch, chosen] - center], dim=-1)
+    told = torch.cat([said, (faces * edge).clamp(-2.0, 2.0), torch.ones_like(faces[..., :1])], dim=-1)
+    told = told * found[..., None]  # B depth cells channels
+    return told.permute(0, 1, 3, 2).reshape(len(rows), -1, edge, edge, edge)
+
+
+def part_labels(rows: Float[Tensor, "B N C"], layout: FieldLayout = DEFAULT_LAYOUT) -> Int[Tensor, "B N"]:
+    """Label of each row."""
+    return rows[..., _after_occupancy(layout)["label"]].argmax(dim=-1)
+
+
+def _said_of_parts(layout: FieldLayout) -> int:
+    """Channels that tell parts apart: all but occupancy and category, which come first and last."""
+    return layout.box.stop - 1
+
+
+def _after_occupancy(layout: FieldLayout) -> dict[str, slice]:
+    names = ("label", "joint_type", "axis", "origin", "range", "box")
+    return {name: slice(getattr(layout, name).start - 1, getattr(layout, name).stop - 1) for name in names}
