@@ -10,7 +10,6 @@ from artigen.models.gaussian_decoder import GaussianDecoder, GaussianDecoderConf
 from artigen.models.slat_vae import SlatEncoder, SlatVaeConfig
 from artigen.splats.render.splats import Splats
 
-
 APPEARANCE_VAE, APPEARANCE_FLOW = "appearance-vae", "appearance-flow"
 """Names of the networks in a model folder."""
 

@@ -119,8 +119,8 @@ def write_appearance_shard(path: Path, examples: Sequence[AppearanceExample]) ->
         "names": np.array([one.name for one in examples]),
         "categories": np.array([one.category for one in examples]),
         "resolution": np.array([one.resolution for one in examples]),
-        "voxels": np.array([len(one.coords) for one in examples]),
-        "parts": np.array([len(one.table) for one in examples]),
+        "voxel_counts": np.array([len(one.coords) for one in examples]),
+        "part_counts": np.array([len(one.table) for one in examples]),
         "table": np.concatenate([one.table for one in examples]),
         "displacements": np.concatenate([one.pictures.displacements for one in examples], axis=1),
     }
@@ -149,10 +149,10 @@ def read_appearance_shard(path: Path) -> Iterator[AppearanceExample]:
     width = arrays["rgb"].shape[-2]
     for name in PACKED:
         arrays[name] = np.unpackbits(arrays[name], axis=-1, count=width).astype(bool)
-    voxel_ends, part_ends = np.cumsum(arrays["voxels"]), np.cumsum(arrays["parts"])
+    voxel_ends, part_ends = np.cumsum(arrays["voxel_counts"]), np.cumsum(arrays["part_counts"])
     for number, name in enumerate(arrays["names"]):
-        at = slice(voxel_ends[number] - arrays["voxels"][number], voxel_ends[number])
-        of = slice(part_ends[number] - arrays["parts"][number], part_ends[number])
+        at = slice(voxel_ends[number] - arrays["voxel_counts"][number], voxel_ends[number])
+        of = slice(part_ends[number] - arrays["part_counts"][number], part_ends[number])
         yield AppearanceExample(
             name=str(name),
             category=str(arrays["categories"][number]),

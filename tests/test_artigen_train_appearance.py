@@ -1,0 +1,341 @@
+"""What appearance is learnt from: joint states, visible features, exposed pixels; and that it is learnt."""
+
+import itertools
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+from drawer_chest import COLOR, LIGHT, make_cabinet, make_chest, make_example, small_curation
+
+from artigen.models.appearance_vae import AppearanceVae, Encoded
+from artigen.models.conditions import ConditionConfig
+from artigen.models.features import PyramidFeatures
+from artigen.models.gaussian_decoder import GaussianConfig, GaussianDecoderConfig
+from artigen.models.slat_flow import SlatFlow
+from artigen.models.slat_patch_dit import SlatPatchDitConfig
+from artigen.models.slat_vae import SlatVaeConfig
+from artigen.shapes.asset import shape_to_asset
+from artigen.shapes.render import build_scene, render
+from artigen.splats.render import rasterize
+from artigen.train.appearance.batches import PictureBatch, draw_picture_batches, picture_batch
+from artigen.train.appearance.examples import AppearanceExample
+from artigen.train.appearance.exposure import find_exposed
+from artigen.train.appearance.flow import measure_slats, train_appearance_flow
+from artigen.train.appearance.losses import (
+    AppearanceLossConfig,
+    appearance_losses,
+    draw_pictures,
+    raster_config,
+)
+from artigen.train.appearance.photographs import take_pictures
+from artigen.train.appearance.run import close_curation
+from artigen.train.appearance.shards import read_appearance_shard, write_appearance_shard
+from artigen.train.appearance.states import asset_coordinates, plan_fractions, shape_coordinates
+from artigen.train.appearance.vae import encode_appearance, train_appearance_vae
+from artigen.train.appearance.views import ViewConfig, place_cameras, spread_directions
+from artigen.train.loop import LoopConfig
+from artigen.types import Asset
+
+TRUNK = SlatVaeConfig(resolution=16, in_channels=16, model_channels=16, num_blocks=2, num_heads=2)
+DECODER = GaussianDecoderConfig(
+    trunk=TRUNK, gaussians=GaussianConfig(count=2, scale_bias=0.02, opacity_bias=0.5)
+)
+
+
+@pytest.fixture(scope="module")
+def chest() -> tuple[Asset, AppearanceExample]:
+    return make_example(make_chest())
+
+
+def make_vae() -> AppearanceVae:
+    torch.manual_seed(0)
+    return AppearanceVae(TRUNK, DECODER)
+
+
+def interior(asset: Asset) -> np.ndarray:
+    """Voxels of the drawer's bottom, well inside of the chest."""
+    assert asset.voxels is not None
+    x, y, z = asset.voxels.centers().T
+    drawer = [part.name for part in asset.parts].index("drawer")
+    inner = (np.abs(x) < 0.2) & (np.abs(y) < 0.25) & (z < -0.3)
+    return inner & (asset.voxels.part_ids == drawer)
+
+
+def test_staggered_joints_visit_every_share_once_and_start_closed():
+    fractions = plan_fractions(make_cabinet(), 8, staggered=True)
+    door, inner, upper, lower = fractions[:, 1:].T
+    for joint in (door, upper, lower):
+        assert sorted(joint) == pytest.approx(np.linspace(0, 1, 8))
+    assert (fractions[0] == 0).all()
+    assert (door != upper)[1:].any()
+    assert (upper != lower)[1:].any()
+    assert (inner[door < 0.95] == 0).all()
+    assert inner[door >= 0.95] == pytest.approx([1.0])
+
+
+def test_joints_open_together_as_in_the_paper():
+    fractions = plan_fractions(make_cabinet(), 5, staggered=False)
+    assert np.array_equal(fractions[:, 3], np.linspace(0, 1, 5))
+    assert np.array_equal(fractions[:, 3], fractions[:, 4])
+    assert np.array_equal(fractions[:, 2], [0, 0, 0, 0, 1])
+
+
+def test_both_coordinates_of_a_state_are_the_same_state():
+    shape = make_chest()
+    asset = shape_to_asset(shape, 16)
+    fractions = plan_fractions(shape, 3, staggered=True)
+    assert shape_coordinates(shape, asset, fractions)[2].tolist() == [0.0, 0.7]
+    assert asset_coordinates(shape, asset, fractions)[2, 0] * asset.scale == pytest.approx(0.7)
+
+
+def test_cameras_stand_all_around_and_more_of_them_in_front():
+    directions = spread_directions(ViewConfig(count=200), 0.3)
+    assert np.linalg.norm(directions, axis=1) == pytest.approx(np.ones(200))
+    assert 0.7 < (directions[:, 0] < 0).mean() < 0.8
+    assert directions[:, 2].min() > -0.46
+    assert {tuple(row) for row in np.sign(directions[:, :2]).astype(int).tolist()} == {
+        (-1, -1),
+        (-1, 1),
+        (1, -1),
+        (1, 1),
+    }
+
+
+def test_features_of_one_colour_are_that_colour_where_a_voxel_was_seen(
+    chest: tuple[Asset, AppearanceExample],
+):
+    example = chest[1]
+    seen = example.views > 0
+    assert 0.6 < seen.mean() < 1
+    np.testing.assert_allclose(example.features[seen, :3], np.tile(COLOR, (seen.sum(), 1)), atol=0.01)
+    assert not example.features[~seen].any()
+
+
+def test_voxels_of_a_closed_drawer_are_seen_in_open_states_only(chest: tuple[Asset, AppearanceExample]):
+    asset, opened = chest
+    inner = interior(asset)
+    assert inner.sum() > 10
+    _, closed = make_example(make_chest(), states=1, kept=0)
+    _, plain = make_example(make_chest(), states=1, kept=0, weighting="plain")
+    assert not closed.views[inner].any()
+    assert (opened.views[inner] > 0).mean() > 0.5
+    assert (plain.views == 12).all()
+
+
+def test_what_hides_a_voxel_does_not_colour_it():
+    asset, seen = make_example(make_chest(inside="inside"), kept=0)
+    _, plain = make_example(make_chest(inside="inside"), kept=0, weighting="plain")
+    inner = interior(asset) & (seen.views > 0)
+    wanted = np.array([0.1, 0.3, 0.8])
+    off = [np.abs(one.features[inner, :3] - wanted).mean() for one in (seen, plain)]
+    assert off[0] < 0.03
+    assert off[1] > 0.1
+
+
+def test_directional_features_tell_the_sides_of_a_board_apart():
+    asset, example = make_example(make_chest(), directional=True, kept=0)
+    assert asset.voxels is not None
+    assert example.features.shape[1] == 16 + 12
+    away = example.features[:, 16:19].astype(float)
+    back = asset.voxels.coords[:, 0] == 15
+    right = (asset.voxels.coords[:, 1] == 0) & (asset.voxels.coords[:, 0] < 15)
+    seen = example.views > 0
+    assert away[back & seen, 0].mean() > 0.3
+    assert away[right & seen, 1].mean() < -0.3
+
+
+def test_nothing_is_newly_exposed_while_closed_and_only_hidden_surface_when_open():
+    shape = make_chest(inside="inside")
+    asset = shape_to_asset(shape, 16)
+    cfg = ViewConfig(count=8, size=32, light=LIGHT)
+    pictures = take_pictures(shape, asset, plan_fractions(shape, 2, staggered=False), cfg)
+    closed, opened = pictures.state == 0, pictures.state == 1
+    assert not pictures.exposed[closed].any()
+    assert pictures.exposed[opened].any()
+    blue = pictures.rgb[..., 2].astype(int) > pictures.rgb[..., 0].astype(int) + 50
+    inside = blue[opened] & pictures.mask[opened]
+    assert inside.sum() > 100
+    assert pictures.exposed[opened][inside].mean() > 0.98
+    behind = pictures.position[:, 0] > 1.0
+    assert (opened & behind).any()
+    assert not pictures.exposed[opened & behind].any()
+
+
+def test_the_test_of_exposure_finds_the_closed_object_visible_everywhere():
+    shape = make_chest()
+    scene, qpos = build_scene([shape]), np.zeros(2)
+    cameras = place_cameras(shape, qpos, ViewConfig(count=6, size=32), 0.0)
+    images = render(scene, cameras, [qpos] * 6, cfg=LIGHT)
+    hidden = find_exposed(scene, cameras, images, qpos)
+    assert images.mask.sum() > 500
+    assert hidden.sum() < 0.01 * images.mask.sum()  # into the gaps around the drawer, none of the directions
+
+
+def test_one_looks_through_glass():
+    fractions = np.array([[0.0, 1.0]])
+    cfg = ViewConfig(count=4, size=32, light=LIGHT, front=1.0)
+    shares = []
+    for front in ("plain", "glass"):
+        shape = make_chest(inside="inside", front=front)
+        pictures = take_pictures(shape, shape_to_asset(shape, 16), fractions, cfg)
+        shares.append(pictures.exposed.mean())
+    assert shares[1] < 0.5 * shares[0]
+
+
+def test_a_closed_run_has_as_many_pictures():
+    closed = close_curation(small_curation(states=3, views=6, kept=2))
+    assert (closed.states, closed.views.count, closed.kept) == (1, 18, 6)
+    _, example = make_example(make_chest(), states=1, views=6, kept=6)
+    assert set(example.pictures.state.tolist()) == {0}
+    assert {tuple(row) for row in example.pictures.background.tolist()} == {(0, 0, 0), (255, 255, 255)}
+
+
+def test_shards_give_back_what_was_written(tmp_path: Path, chest: tuple[Asset, AppearanceExample]):
+    example = replace(chest[1], image=np.zeros((8, 8, 4), dtype=np.uint8))
+    path = tmp_path / "shard.npz"
+    write_appearance_shard(path, [example, replace(example, name="again")])
+    first, second = read_appearance_shard(path)
+    assert (first.name, second.name, second.resolution) == (example.name, "again", 16)
+    for one in (first, second):
+        for name in ("coords", "part_ids", "features", "views", "table", "counts", "size", "image"):
+            assert np.array_equal(getattr(one, name), getattr(example, name))
+        for name, value in vars(example.pictures).items():
+            assert np.array_equal(getattr(one.pictures, name), value)
+    assert [file.name for file in tmp_path.iterdir()] == ["shard.npz"]
+
+
+def losses_of(vae: AppearanceVae, batch: PictureBatch) -> tuple[Encoded, torch.Tensor]:
+    encoded = vae(batch.coords, batch.feats, torch.zeros(len(batch.coords), 8))
+    return encoded, draw_pictures(encoded.splats, batch, raster_config(vae, torch.device("cpu")))
+
+
+@torch.no_grad()
+def test_at_rest_the_articulated_loss_is_the_plain_one(chest: tuple[Asset, AppearanceExample]):
+    vae, example = make_vae(), chest[1]
+    batch = picture_batch([example, example], [np.array([0, 1]), np.array([2, 3])])
+    assert not (example.pictures.state[:4]).any()
+    encoded, drawn = losses_of(vae, batch)
+    half = len(encoded.splats.means) // 2
+    plain = rasterize(
+        type(encoded.splats)(**{name: value[:half] for name, value in vars(encoded.splats).items()}),
+        example.pictures.cameras(np.array([0, 1])),
+        background=batch.background[0],
+        cfg=raster_config(vae, torch.device("cpu")),
+    ).color
+    torch.testing.assert_close(drawn[0], plain, atol=1e-5, rtol=0)
+    one = appearance_losses(encoded, drawn, batch, AppearanceLossConfig())
+    two = appearance_losses(encoded, torch.stack([plain, drawn[1]]), batch, AppearanceLossConfig())
+    for name, value in one.items():
+        torch.testing.assert_close(value, two[name])
+
+
+@torch.no_grad()
+def test_open_pictures_show_moved_gaussians(chest: tuple[Asset, AppearanceExample]):
+    vae, example = make_vae(), chest[1]
+    opened = int(np.flatnonzero(example.pictures.state == 1)[0])
+    batch = picture_batch([example], [np.array([opened])])
+    still = replace(batch, displacements=(np.tile(np.eye(4), (1, 2, 1, 1)),))
+    assert (losses_of(vae, batch)[1] - losses_of(vae, still)[1]).abs().max() > 0.1
+
+
+def test_terms_have_their_weights_and_the_perceptual_one_its_extractor(
+    chest: tuple[Asset, AppearanceExample],
+):
+    vae, example = make_vae(), chest[1]
+    batch = picture_batch([example], [np.array([0, 5])])
+    encoded, drawn = losses_of(vae, batch)
+    cfg = AppearanceLossConfig(perceptual=0.3)
+    terms = appearance_losses(encoded, drawn, batch, cfg, PyramidFeatures())
+    double = appearance_losses(encoded, drawn, batch, replace(cfg, perceptual=0.6, l1=2.0), PyramidFeatures())
+    assert double["perceptual"].item() == pytest.approx(2 * terms["perceptual"].item())
+    assert double["l1"].item() == pytest.approx(2 * (drawn - batch.rgb).abs().mean().item())
+    assert terms["volume"].item() == pytest.approx(1e4 * (0.02**2 + 9e-4**2) ** 1.5, rel=1e-3)
+    assert terms["opacity"].item() == pytest.approx(1e-3 * 0.25, rel=1e-3)
+    terms["perceptual"].backward()
+    assert vae.decoder.out_layer.weight.grad is not None
+    assert vae.decoder.out_layer.weight.grad.abs().max() > 0
+    with pytest.raises(ValueError, match="feature extractor"):
+        appearance_losses(encoded, drawn, batch, cfg)
+
+
+def test_batches_follow_from_their_number_and_epochs_hold_every_object(
+    chest: tuple[Asset, AppearanceExample],
+):
+    examples = [replace(chest[1], name=str(number)) for number in range(3)]
+    shifted = [
+        replace(one, features=np.full_like(one.features, number)) for number, one in enumerate(examples)
+    ]
+    first = list(itertools.islice(draw_picture_batches(shifted, 1, 2, seed=4), 6))
+    later = list(itertools.islice(draw_picture_batches(shifted, 1, 2, seed=4, start=2), 4))
+    for one, two in zip(first[2:], later, strict=True):
+        assert torch.equal(one.rgb, two.rgb)
+        assert torch.equal(one.feats, two.feats)
+    for epoch in (first[:3], first[3:]):
+        assert sorted(float(batch.feats[0, 0]) for batch in epoch) == [0.0, 1.0, 2.0]
+
+
+def fit(example: AppearanceExample, folder: Path, stop: int = 100) -> AppearanceVae:
+    """Six steps, or fewer where the run is stopped."""
+
+    def on_report(line) -> None:
+        if line["step"] >= stop:
+            raise KeyboardInterrupt
+
+    vae = make_vae()
+    cfg = LoopConfig(steps=6, learning_rate=1e-2, warmup=1, ema=0.0, report_every=1, checkpoint_minutes=0.0)
+    train_appearance_vae(
+        vae, [example], folder, cfg, batch=1, pictures=2, losses=AppearanceLossConfig(), on_report=on_report
+    )
+    return vae
+
+
+def test_training_lowers_the_loss_and_goes_on_as_if_never_stopped(
+    tmp_path: Path, chest: tuple[Asset, AppearanceExample]
+):
+    whole = fit(chest[1], tmp_path / "whole")
+    with torch.no_grad():
+        batch = picture_batch([chest[1]], [np.array([0, 1, 4, 5])])
+        off = [float((losses_of(vae, batch)[1] - batch.rgb).abs().mean()) for vae in (make_vae(), whole)]
+    assert off[1] < 0.8 * off[0]
+    with pytest.raises(KeyboardInterrupt):
+        fit(chest[1], tmp_path / "parts", stop=4)
+    resumed = fit(chest[1], tmp_path / "parts")
+    for name, value in whole.state_dict().items():
+        torch.testing.assert_close(resumed.state_dict()[name], value, msg=name)
+
+
+def test_the_spread_of_latents_is_that_of_draws_from_them():
+    center, spread = measure_slats([torch.zeros(500, 3), torch.ones(500, 3)], [torch.full((500, 3), 0.5)] * 2)
+    torch.testing.assert_close(center, torch.full((3,), 0.5))
+    torch.testing.assert_close(spread, torch.full((3,), 0.5**0.5), atol=1e-3, rtol=0)
+
+
+def test_the_flow_is_trained_on_normalised_latents_of_all_voxels(
+    tmp_path: Path, chest: tuple[Asset, AppearanceExample]
+):
+    examples = [chest[1], chest[1]]
+    means, stds = encode_appearance(make_vae(), examples)
+    assert [len(one) for one in means] == [len(chest[1].coords)] * 2
+    means = [3.0 + 0.1 * one for one in means]
+    conditions = ConditionConfig(width=32, image_size=0)
+    torch.manual_seed(0)
+    flow = SlatFlow(SlatPatchDitConfig(resolution=16, stem=8, width=32, blocks=1, heads=2), conditions)
+    before = flow.network.get_parameter("out_layer.weight").detach().clone()
+    lines: list[float] = []
+    train_appearance_flow(
+        flow,
+        (means, stds),
+        examples,
+        tmp_path,
+        LoopConfig(steps=3, learning_rate=3e-3, warmup=1, report_every=1),
+        batch=2,
+        conditions=conditions,
+        on_report=lambda line: lines.append(line["velocity"]),
+    )
+    assert len(lines) == 3
+    assert np.isfinite(lines).all()
+    assert (flow.network.get_parameter("out_layer.weight") != before).any()
+    torch.testing.assert_close(flow.latent_mean, torch.full((8,), 3.0), atol=0.01, rtol=0)
+    torch.testing.assert_close(flow.latent_std, torch.ones(8), atol=0.05, rtol=0)
