@@ -22,6 +22,7 @@ from envs.maniskill.solver.solve import solve_open_part, solve_put_inside
 from sim_export.report import report_from_json
 
 OPEN, PUT, STOCK = "ArtiGen-OpenPart-v1", "ArtiGen-PutInside-v1", "ArtiGen-OpenCabinetDrawer-v1"
+TASKS = {"open": OPEN, "put": PUT, "stock-drawer": STOCK, "stock-door": "ArtiGen-OpenCabinetDoor-v1"}
 CPU: dict[str, Any] = {"sim_backend": "physx_cpu", "render_backend": "none", "obs_mode": "state"}
 
 TURNS: tuple[tuple[str, dict[str, Any]], ...] = ((OPEN, {"part": "drawer"}), (STOCK, {}))
@@ -42,9 +43,9 @@ class Config:
     second beside ManiSkill's own task. ``table``: only prints."""
 
     robot: Literal["panda", "fetch"] = "panda"
-    """Who does it."""
+    """Who does it; ManiSkill's own tasks have Fetch only."""
 
-    task: Literal["open", "put"] = "open"
+    task: Literal["open", "put", "stock-drawer", "stock-door"] = "open"
     """Which task ``steps`` is about."""
 
     count: int = 100
@@ -64,7 +65,7 @@ def passed(folder: Path) -> bool:
 
 
 def evenly(folders: list[Path], count: int) -> list[Path]:
-    """Folders named ``<category>_<seed>``, category by category in turn."""
+    """The first folders, category by category in turn."""
     groups: dict[str, list[Path]] = {}
     for folder in folders:
         groups.setdefault(category_of(folder), []).append(folder)
@@ -80,8 +81,7 @@ def category_of(folder: Path) -> str:
 
 def random_steps(cfg: Config, folder: Path) -> Iterator[dict]:
     """Resets and random actions: finite observations and rewards?"""
-    name = OPEN if cfg.task == "open" else PUT
-    env = gym.make(name, packages=str(folder), robot_uids=cfg.robot, **CPU)
+    env = gym.make(TASKS[cfg.task], packages=str(folder), robot_uids=cfg.robot, **CPU)
     env.action_space.seed(0)
     for seed in range(cfg.seeds):
         begin = time.perf_counter()

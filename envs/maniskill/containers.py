@@ -31,14 +31,16 @@ class Container:
     """Where a cube may come to rest.
 
     ``region`` is a box [low, high] in the object frame at rest, its lower face the floor; it moves with
-    ``link``. ``aim`` is the place on the floor that is easiest to reach with the part open, in the same
-    frame; ``entry`` is the direction from which a hand comes: down for a drawer, inwards for a compartment.
+    ``link``. ``aim`` is the middle of what can be reached of the floor with the part open, in the same
+    frame; ``inwards`` is the horizontal direction into the room, and ``down`` says that a hand comes from
+    above, into a drawer.
     """
 
     link: str
     region: Float[np.ndarray, "2 3"]
     aim: Float[np.ndarray, "3"]
-    entry: Float[np.ndarray, "3"]
+    inwards: Float[np.ndarray, "3"]
+    down: bool
 
 
 @functools.lru_cache(maxsize=1024)
@@ -126,7 +128,8 @@ def _in_drawer(entry: TaskObject, part: TaskPart, opened: float, size: float) ->
         floor,
         float(np.median(walls)),
         size,
-        np.array([0, 0, -1.0]),
+        -part.joint.axis,
+        down=True,
     )
 
 
@@ -149,7 +152,7 @@ def _behind_door(entry: TaskObject, part: TaskPart, size: float) -> Container | 
         roof = np.where(tops > floor + LEVEL, bottoms, np.inf).min(axis=0, initial=np.inf)
         free = flat & (roof > floor + HEADROOM)
         top = float(min(floor + HEADROOM, high[2]))
-        found = _fit(part.joint.parent, xs, ys, free, free, float(floor), top, size, inwards)
+        found = _fit(part.joint.parent, xs, ys, free, free, float(floor), top, size, inwards, down=False)
         area = 0.0 if found is None else float(np.prod((found.region[1] - found.region[0])[:2]))
         if found is not None and (best is None or area > np.prod((best.region[1] - best.region[0])[:2])):
             best = found
@@ -158,7 +161,7 @@ def _behind_door(entry: TaskObject, part: TaskPart, size: float) -> Container | 
 
 def _fit(
     link: str, xs: np.ndarray, ys: np.ndarray, flat: np.ndarray, reachable: np.ndarray, floor: float,
-    top: float, size: float, entry: np.ndarray,
+    top: float, size: float, inwards: np.ndarray, *, down: bool,
 ) -> Container | None:  # fmt: skip
     """The largest flat rectangle as a region, and the middle of what is reachable of it."""
     shape = (len(xs), len(ys))
@@ -170,7 +173,9 @@ def _fit(
     aim = np.array([(xs[a0] + xs[a1 - 1]) / 2.0, (ys[b0] + ys[b1 - 1]) / 2.0, floor])
     low = np.array([min(xs[x0], xs[a0]), min(ys[y0], ys[b0]), floor])
     high = np.array([max(xs[x1 - 1], xs[a1 - 1]), max(ys[y1 - 1], ys[b1 - 1]), top])
-    return Container(link=link, region=np.stack([low, high]), aim=aim, entry=entry.astype(np.float64))
+    level = np.array([inwards[0], inwards[1], 0.0])
+    level /= np.linalg.norm(level)
+    return Container(link=link, region=np.stack([low, high]), aim=aim, inwards=level, down=down)
 
 
 def _grid(low: np.ndarray, high: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import sapien
 import torch
+from jaxtyping import Float
 from mani_skill.utils.geometry.rotation_conversions import quaternion_apply, quaternion_invert
 from mani_skill.utils.structs import Pose
 
@@ -14,9 +15,14 @@ from artigen.transforms import transform_points
 
 from .containers import Container, find_container
 from .folders import TaskError
+from .hulls import hulls_at, hulls_on_ground, open_above_ground, opened_qpos
 from .load import SURFACE
 from .objects import PartKind, TaskObject, TaskPart, Validation
 from .placement import Stand, find_stand, free_radius, part_motion
+from .postures import Goal, Postures, find_putting_stand, sample_postures
+from .solver.body import read_body
+from .solver.chain import read_arm
+from .solver.field import Field, build_field
 from .task import PackageTask
 
 REST_STEPS = 10
@@ -28,6 +34,18 @@ SPARE = 0.01
 SIDE = {"panda": (np.radians(100.0), 0.45, 0.42), "fetch": (np.radians(75.0), 0.65, 0.50)}
 """Where the cube waits: angle from straight ahead, distance, and height above the robot's base."""
 CUBE_NOISE = 0.02
+PLACES = (
+    (0.0, 0.0), (0.4, 0.0), (0.7, 0.0), (0.0, 0.5), (0.0, -0.5),
+    (0.4, 0.5), (0.4, -0.5), (0.7, 0.5), (0.7, -0.5),
+)  # fmt: skip
+"""Where on a floor a cube may lie, beside its middle: parts of the way to the front and to the sides."""
+HOLD_IN, HOLD_DOWN = (0.04,), (0.04, 0.10, 0.15)
+"""Height of the hand above the floor where the arm is to have room, metres; it may let go into a deep drawer
+from above."""
+LEAST_OPEN = 0.7
+"""How much of what was asked for a part has to open before it meets the ground."""
+COARSE = 0.06
+"""Distance of the points that stand for the arm where its base is looked for, metres."""
 STAND_HALF = (0.025, 0.025, 1.0)
 FULL_REWARD = 6.0
 
@@ -47,7 +65,7 @@ class PutInsideEnv(PackageTask):
         packages: a folder of packages, one package, or a list of either.
         part: ``drawer``, ``door`` (the compartment behind it) or ``any``.
         joint: only parts on a joint of that name.
-        initial_open: how far the part stands open.
+        initial_open: how far the part stands open; less where it would reach below the ground.
         cube_size: edge of the cube, metres.
         validation: ``any`` takes packages without a passed ``validation.json``.
         kwargs: everything that ManiSkill's environments take.
@@ -62,7 +80,7 @@ class PutInsideEnv(PackageTask):
         packages: str | Path | Sequence[str | Path],
         part: PartKind = "any",
         joint: str | None = None,
-        initial_open: float = 0.9,
+        initial_open: float = 1.0,
         cube_size: float = 0.04,
         validation: Validation = "passed",
         **kwargs: Any,
@@ -70,6 +88,9 @@ class PutInsideEnv(PackageTask):
         if not 0.01 <= cube_size <= 0.06:
             raise ValueError(f"cube_size {cube_size} m, expected 0.01 to 0.06, what the grippers can hold")
         self.cube_size = cube_size
+        self._known_stands: dict[tuple[Path, str], Stand] = {}
+        self._known_fields: dict[tuple[Path, str], Field] = {}
+        self._sampled: Postures | None = None
         super().__init__(
             *args, packages=packages, part=part, joint=joint, handles="optional", validation=validation,
             initial_open=initial_open, goal_open=initial_open, **kwargs,
@@ -87,18 +108,62 @@ class PutInsideEnv(PackageTask):
         )
 
     def container_of(self, entry: TaskObject, part: TaskPart) -> Container | None:
-        """The room that belongs to a part, as the task sees it."""
-        return find_container(entry, part, self.initial_open, self.cube_size)
+        """The room that belongs to a part, as the task sees it; none if the ground keeps the part from
+        opening."""
+        opened = self._opened(entry, part)
+        if opened < LEAST_OPEN * self.initial_open:
+            return None
+        return find_container(entry, part, opened, self.cube_size)
+
+    def _opened(self, entry: TaskObject, part: TaskPart) -> float:
+        return open_above_ground(entry, part, self.initial_open)
 
     def _stand(self, entry: TaskObject, part: TaskPart) -> Stand:
-        container = self.container_of(entry, part)
+        """Where the arm can hold the cube inside with the most room around it; equal parts are looked at
+        once."""
+        key = (entry.folder, part.joint.name)
+        if key not in self._known_stands:
+            self._known_stands[key] = self._look_for_stand(entry, part)
+        return self._known_stands[key]
+
+    def _look_for_stand(self, entry: TaskObject, part: TaskPart) -> Stand:
+        container, opened = self.container_of(entry, part), self._opened(entry, part)
         assert container is not None
-        aim = aim_in_world(entry, part, container, self.initial_open)
-        down = container.entry[2] < -0.5
-        top = float(container.region[1, 2] - container.region[0, 2]) + 0.1 if down else 0.15
-        path = aim + np.array([[0.0, 0.0, 0.05], [0.0, 0.0, top]])
-        reach = self.robot_spec.down if down else self.robot_spec.forward
-        return find_stand(entry, part, self.robot_spec, np.array([self.initial_open]), path, reach)
+        places = resting_places(entry, part, container, opened)
+        heights = HOLD_DOWN if container.down else HOLD_IN
+        hands = np.concatenate([places + np.array([0.0, 0.0, height]) for height in heights])
+        found = find_putting_stand(
+            entry, part, self.robot_spec, postures=self._postures(), opened=opened,
+            field=self._field(entry, part),
+            goal=Goal(places=hands, inwards=container.inwards, down=container.down),
+        )  # fmt: skip
+        if found is not None:
+            return found
+        depth = float(container.region[1, 2] - container.region[0, 2])
+        top = depth + 0.1 if container.down else 0.15
+        path = places[0] + np.array([[0.0, 0.0, 0.05], [0.0, 0.0, top]])
+        reach = self.robot_spec.down if container.down else self.robot_spec.forward
+        return find_stand(entry, part, self.robot_spec, np.array([opened]), path, reach)
+
+    def solid_at_start(self, index: int) -> Field:
+        """Distances in the world to one scene's object as an episode finds it, and to the ground."""
+        return self._field(*self.drawn[index])
+
+    def _field(self, entry: TaskObject, part: TaskPart) -> Field:
+        key = (entry.folder, part.joint.name)
+        if key not in self._known_fields:
+            qpos = opened_qpos(entry, part, self._opened(entry, part))
+            carried, others = hulls_at(entry, part, qpos)
+            self._known_fields[key] = build_field(hulls_on_ground(entry, carried + others))
+        return self._known_fields[key]
+
+    def _postures(self) -> Postures:
+        if self._sampled is None:
+            arm = self.agent.robot._objs[0]
+            chain = read_arm(arm, self.robot_spec)
+            body = read_body(arm, chain, self.robot_spec.hand, COARSE)
+            self._sampled = sample_postures(chain, body, self.robot_spec)
+        return self._sampled
 
     def _load_scene(self, options: dict) -> None:
         super()._load_scene(options)
@@ -123,7 +188,7 @@ class PutInsideEnv(PackageTask):
             moves = container.link == part.joint.child
             region = transform_points(into_link, container.region) if moves else container.region
             regions.append(np.sort(region, axis=0) if moves else region - [0.0, 0.0, entry.floor])
-            aims.append(aim_in_world(entry, part, container, self.initial_open))
+            aims.append(aim_in_world(entry, part, container, self._opened(entry, part)))
             spots.append(self._cube_spot(entry, part, place))
             self.containers.append(container)
         self._regions, self.aims, self._spots = (
@@ -136,13 +201,18 @@ class PutInsideEnv(PackageTask):
         self._moves = torch.tensor(moving, device=self.device)[:, None]
         self._rest_steps = torch.zeros(self.num_envs, dtype=torch.int32, device=self.device)
 
+    def resting_places(self, index: int) -> Float[np.ndarray, "A 3"]:
+        """Places in the world where the cube of one scene may come to rest, the favourite first."""
+        entry, part = self.drawn[index]
+        return resting_places(entry, part, self.containers[index], self._opened(entry, part))
+
     def _cube_spot(self, entry: TaskObject, part: TaskPart, place: Stand) -> np.ndarray:
         """Top of the cube's stand: on that side of the robot where there is more room."""
         angle, distance, height = SIDE[self.robot_spec.name]
         yaws = place.yaw + np.array([angle, -angle])
         spots = np.stack([place.x + distance * np.cos(yaws), place.y + distance * np.sin(yaws)], axis=1)
         spots = np.c_[spots, np.full(2, place.z)]
-        room = free_radius(entry, part, spots, height + 0.1, np.array([self.initial_open]))
+        room = free_radius(entry, part, spots, height + 0.1, np.array([self._opened(entry, part)]))
         return spots[int(room.argmax())] + [0.0, 0.0, height + place.lift]
 
     def _initialize_episode(self, env_idx: torch.Tensor, options: dict) -> None:
@@ -211,7 +281,19 @@ class PutInsideEnv(PackageTask):
 
 def aim_in_world(entry: TaskObject, part: TaskPart, container: Container, opened: float) -> np.ndarray:
     """The place on the floor of the container, for an object at the origin with the part open."""
-    aim = container.aim
+    return resting_places(entry, part, container, opened)[0]
+
+
+def resting_places(
+    entry: TaskObject, part: TaskPart, container: Container, opened: float
+) -> Float[np.ndarray, "A 3"]:
+    """Places on the floor of the container where a cube may lie, the aim first, then some that are nearer to
+    the front or to the sides; in the world, for an object at the origin with the part open."""
+    inwards = container.inwards
+    side = np.array([-inwards[1], inwards[0], 0.0])
+    spare = np.minimum(container.aim - container.region[0], container.region[1] - container.aim)
+    deep, wide = (float(np.abs(direction) @ spare) for direction in (inwards, side))
+    aims = container.aim + np.array([-a * deep * inwards + b * wide * side for a, b in PLACES])
     if container.link != part.joint.parent:
-        aim = transform_points(part_motion(part, np.array([opened]))[0], aim[None])[0]
-    return aim - [0.0, 0.0, entry.floor]
+        aims = transform_points(part_motion(part, np.array([opened]))[0], aims)
+    return aims - [0.0, 0.0, entry.floor]

@@ -30,7 +30,7 @@ class RobotSpec:
     ``ready`` are the angles of ``arm`` at an episode's start, the gripper open; ``heights`` are stands that
     the robot may be put on, and ``lift`` the travel of a torso. The columns of ``tool_axes`` are, in the
     frame of the link ``tool``, where the gripper points, where its fingers close, and the third direction;
-    ``opening`` is the width between open fingers.
+    ``opening`` is the width between open fingers; the names of the links of the hand end in ``hand``.
     """
 
     name: RobotName
@@ -45,6 +45,7 @@ class RobotSpec:
     tool: str
     tool_axes: Float[np.ndarray, "3 3"]
     opening: float
+    hand: tuple[str, ...]
 
 
 PANDA = RobotSpec(
@@ -60,6 +61,7 @@ PANDA = RobotSpec(
     tool="panda_hand_tcp",
     tool_axes=np.array([[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]]),
     opening=0.08,
+    hand=("_hand", "finger"),
 )
 FETCH = RobotSpec(
     name="fetch",
@@ -77,5 +79,6 @@ FETCH = RobotSpec(
     tool="gripper_link",
     tool_axes=np.eye(3),
     opening=0.10,
+    hand=("gripper_link", "finger_link"),
 )  # fmt: skip
 ROBOTS: dict[str, RobotSpec] = {robot.name: robot for robot in (PANDA, FETCH)}

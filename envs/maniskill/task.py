@@ -133,6 +133,10 @@ class PackageTask(BaseEnv):
         entry = self.objects[rng.randint(len(self.objects))]
         return entry, entry.parts[rng.randint(len(entry.parts))]
 
+    def _opened(self, entry: TaskObject, part: TaskPart) -> float:
+        """How far the part stands open when an episode begins, fraction of its range."""
+        return self.initial_open
+
     def _stand(self, entry: TaskObject, part: TaskPart) -> Stand:
         """Where the robot works from: all of the grip's path is in reach."""
         fractions = np.linspace(self.initial_open, self.goal_open, PATH_SAMPLES)
@@ -150,7 +154,7 @@ class PackageTask(BaseEnv):
         columns, starts, self.stands = [], [], []
         for (entry, part), articulation in zip(self.drawn, built, strict=True):
             columns.append(_column(articulation, part.joint.name))
-            starts.append(_start(entry, part, articulation, self.initial_open, self.object.max_dof))
+            starts.append(_start(entry, part, articulation, self._opened(entry, part), self.object.max_dof))
             self.stands.append(self._stand(entry, part))
         lower = [part.joint.lower for _, part in self.drawn]
         span = [part.span for _, part in self.drawn]
@@ -239,7 +243,7 @@ def _column(articulation: Articulation, joint: str) -> int:
 
 
 def _start(
-    entry: TaskObject, part: TaskPart, articulation: Articulation, initial_open: float, width: int
+    entry: TaskObject, part: TaskPart, articulation: Articulation, opened: float, width: int
 ) -> Float[np.ndarray, "Q"]:
     """Joint vector of an episode's start, padded to the widest object of the batch."""
     specs = {joint.name: joint for joint in entry.package.joints}
@@ -249,5 +253,5 @@ def _start(
         limited = spec.type != "continuous"
         rest = float(np.clip(0.0, spec.lower, spec.upper)) if limited else 0.0
         qpos[column] = spec.upper if spec.name in part.needs else rest
-    qpos[_column(articulation, part.joint.name)] = part.joint.lower + initial_open * part.span
+    qpos[_column(articulation, part.joint.name)] = part.joint.lower + opened * part.span
     return qpos

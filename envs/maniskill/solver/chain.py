@@ -12,6 +12,8 @@ from jaxtyping import Float
 
 from artigen.transforms import rotation_about
 
+from ..robots import RobotSpec
+
 if TYPE_CHECKING:
     from sapien.physx import PhysxArticulation
 
@@ -32,6 +34,13 @@ class Chain:
     lower: Float[np.ndarray, "J"]
     upper: Float[np.ndarray, "J"]
     columns: tuple[int, ...]
+
+
+def read_arm(articulation: "PhysxArticulation", robot: RobotSpec) -> Chain:
+    """The arm of a robot that is in the engine, everything else held as it stands."""
+    prefix = next(link.name for link in articulation.links if link.name.endswith(robot.tool))
+    qpos = np.asarray(articulation.qpos, dtype=np.float64)
+    return read_chain(articulation, prefix.removesuffix(robot.tool), robot.tool, robot.arm, qpos)
 
 
 def read_chain(
@@ -66,7 +75,7 @@ def read_chain(
             moving.append(columns[joint.name])
             constant = np.eye(4)
         elif joint.name in columns:
-            constant = constant @ _held(joint.type, float(qpos[columns[joint.name]]))
+            constant = constant @ held_motion(joint.type, float(qpos[columns[joint.name]]))
         constant = constant @ np.linalg.inv(_matrix(joint.pose_in_child))
     lower, upper = np.array(limits).T
     return Chain(before=np.stack(before), tool=constant, lower=lower, upper=upper, columns=tuple(moving))
@@ -75,6 +84,19 @@ def read_chain(
 def tool_pose(chain: Chain, q: Float[np.ndarray, "B J"]) -> Float[np.ndarray, "B 4 4"]:
     """``T_root_tool`` for joint angles."""
     return _forward(chain, np.asarray(q, dtype=np.float64))[0]
+
+
+def joint_frames(chain: Chain, q: Float[np.ndarray, "B J"]) -> Float[np.ndarray, "B J 4 4"]:
+    """``T_root_frame`` of the frame that every joint leaves; the joint's axis is its x axis."""
+    steps = np.zeros((*q.shape, 4, 4))
+    steps[..., :3, :3] = rotation_about(X_AXIS, q)
+    steps[..., 3, 3] = 1.0
+    steps = chain.before @ steps
+    out = np.empty_like(steps)
+    out[:, 0] = steps[:, 0]
+    for k in range(1, len(chain.before)):
+        np.matmul(out[:, k - 1], steps[:, k], out=out[:, k])
+    return out
 
 
 def solve(
@@ -129,22 +151,15 @@ def pose_error(
 
 def _forward(chain: Chain, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Tool poses and geometric Jacobians ``[B, 6, J]``."""
-    T = np.broadcast_to(np.eye(4), (len(q), 4, 4))
-    axes, origins = [], []
-    for k, before in enumerate(chain.before):
-        frame = T @ before
-        axes.append(frame[:, :3, 0])
-        origins.append(frame[:, :3, 3])
-        turn = np.broadcast_to(np.eye(4), (len(q), 4, 4)).copy()
-        turn[:, :3, :3] = rotation_about(X_AXIS, q[:, k])
-        T = frame @ turn
-    T = T @ chain.tool
-    arms = [np.cross(axis, T[:, :3, 3] - origin) for axis, origin in zip(axes, origins, strict=True)]
-    jacobian = np.concatenate([np.stack(arms, axis=2), np.stack(axes, axis=2)], axis=1)
-    return T, jacobian
+    frames = joint_frames(chain, q)
+    T = frames[:, -1] @ chain.tool
+    axes = frames[..., :3, 0]
+    arms = np.cross(axes, T[:, None, :3, 3] - frames[..., :3, 3])
+    return T, np.concatenate([arms, axes], axis=2).swapaxes(1, 2)
 
 
-def _held(kind: str, value: float) -> np.ndarray:
+def held_motion(kind: str, value: float) -> Float[np.ndarray, "4 4"]:
+    """What a joint of SAPIEN's does, whose axis is x, at a coordinate in m or rad."""
     T = np.eye(4)
     if kind == "prismatic":
         T[0, 3] = value

@@ -9,9 +9,12 @@ import torch
 from jaxtyping import Float
 
 from artigen.transforms import inverse
+from sim_export.package import Hull
 
+from ..hulls import hulls_at
 from ..robots import RobotSpec
-from .chain import Chain, read_chain
+from .body import Body, read_body
+from .chain import Chain, read_arm
 
 if TYPE_CHECKING:
     from ..task import PackageTask
@@ -25,13 +28,16 @@ JOINT_STEP = 0.07
 class Driver:
     """One robot in one scene on the CPU, driven by absolute arm angles.
 
-    ``gripper`` is 1 open and -1 closed. ``info`` and ``over`` are those of the last step.
+    ``body`` is its arm with the gripper open, ``begin`` how far the part stood open at first. ``gripper`` is
+    1 open and -1 closed. ``info`` and ``over`` are those of the last step.
     """
 
     env: gym.Env
     task: "PackageTask"
     robot: RobotSpec
     chain: Chain
+    body: Body
+    begin: float
     target: Float[np.ndarray, "J"]
     gripper: float
     info: dict
@@ -52,10 +58,11 @@ def start(env: gym.Env, info: dict) -> Driver:
         raise ValueError(f"control_mode {task.control_mode!r}, the solver needs {CONTROL_MODE!r}")
     articulation = task.agent.robot._objs[0]
     qpos = np.asarray(articulation.qpos, dtype=np.float64)
-    prefix = articulation.links[0].name.removesuffix(task.agent.robot.links[0].name)
-    chain = read_chain(articulation, prefix, task.robot_spec.tool, task.robot_spec.arm, qpos)
+    chain = read_arm(articulation, task.robot_spec)
+    body = read_body(articulation, chain, task.robot_spec.hand)
     return Driver(
-        env=env, task=task, robot=task.robot_spec, chain=chain, target=qpos[list(chain.columns)],
+        env=env, task=task, robot=task.robot_spec, chain=chain, body=body,
+        begin=float(task.open_fraction[0]), target=qpos[list(chain.columns)],
         gripper=1.0, info=info, over=False, steps=0,
     )  # fmt: skip
 
@@ -71,6 +78,14 @@ def object_in_root(driver: Driver) -> Float[np.ndarray, "4 4"]:
     T_world_object = np.eye(4)
     T_world_object[2, 3] = -driver.task.drawn[0][0].floor
     return inverse(root_pose(driver)) @ T_world_object
+
+
+def object_hulls(driver: Driver) -> tuple[tuple[Hull, ...], tuple[Hull, ...]]:
+    """Every hull of the object where it is now, in the object frame: those that the part carries along, and
+    all others."""
+    names = [joint.name for joint in driver.task.built[0].active_joints]
+    qpos = driver.task.object.get_qpos()[0, : len(names)].tolist()
+    return hulls_at(*driver.task.drawn[0], dict(zip(names, qpos, strict=True)))
 
 
 def root_pose(driver: Driver) -> Float[np.ndarray, "4 4"]:

@@ -1,34 +1,51 @@
 """A plan for carrying a cube from its stand to a place on a floor: pick, lift, bring, let go, draw back.
 
-The gripper keeps its slope from the pick to the place, so that the cube stays level.
+Numbers only. Poses and the straight ways at both ends are found by inverse kinematics and kept if nothing is
+touched; between them the arm goes around what is in its way.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
 
 from artigen.errors import ArtigenError
+from artigen.transforms import inverse
 
+from ..hulls import box
 from ..robots import RobotSpec
-from .chain import Chain, solve
-from .reach import NEAR, TURN, starts_of
+from .body import Obstacle, holding
+from .field import build_field
+from .work import Work, detour, free_poses, free_ways
 
-SLOPES_DOWN = np.radians([90.0, 75.0, 60.0, 45.0])
-SLOPES_IN = np.radians([0.0, 25.0, 45.0, 65.0, 90.0])
-"""How steeply the gripper points down, the favourite first: a hand that points into a compartment keeps off
-its floor and its roof."""
-SIDEWAYS = np.radians([0.0, 30.0, -30.0, 60.0, -60.0, 90.0, -90.0])
-"""Turns about the vertical, from where the robot (at the pick) or the room (at the place) faces."""
-PICK = ((0.18, 0.02), (0.08, 0.005), (0.0, 0.005), (0.0, 0.06), (0.0, 0.12))
-"""Stages of the pick: distance behind the cube, along the gripper, and height above its middle, metres."""
-PICKED = 3
-DRAW_BACK = 0.12
-DROP = 0.008
-"""How far above the floor the cube is let go, metres."""
-INTO = 0.30
-"""How far in front of its place in a compartment the cube begins to be pushed in, metres."""
-STEP = 0.03
+SLOPES = np.radians([0.0, 15.0, 30.0, 45.0, 65.0, 90.0])
+"""How steeply the gripper points down."""
+FLAT, STEEP = 0, len(SLOPES) - 1
+HEADINGS = np.radians([0.0, 20.0, -20.0, 45.0, -45.0, 90.0, -90.0])
+"""Turns of the hand about the vertical from the way into the room."""
+UP = np.array([0.0, 0.0, 1.0])
+BEHIND = (0.03, 0.08, 0.14)
+"""How far behind the cube, along the gripper, the hand comes from, metres."""
+LIFT = (0.04, 0.09)
+"""How far the cube is lifted straight up, metres."""
+INTO = (0.03, 0.06, 0.10, 0.14, 0.18)
+"""How far from its place the cube comes straight in, metres."""
+RISE = 0.1
+"""Slope of the way into a compartment: it comes down a little."""
+HIGHER = 0.006
+"""How far above the cube's middle the fingers close, metres."""
+DROPS = (0.012, 0.06, 0.12)
+"""How far above the floor the cube is let go, metres; more than the first only into drawers that are too deep
+for the hand."""
+LEAST_DOWN = 0.5
+"""Least slope of a hand that reaches into a drawer, rad."""
+GAP_SHARES = (1.0, 0.4)
+"""Parts of the gaps that are kept: all, or, if that leaves no way, just enough not to touch."""
+KEPT = 48
+PAIRS = 8
+"""Pairs of a pick and a place between which a way is looked for."""
+CUBE_GAP = 0.003
+"""What the cube keeps away from everything, metres: it is let go just above a floor."""
 
 
 class NoPutPlan(ArtigenError):
@@ -45,92 +62,146 @@ class PutPlan:
     leave: Float[np.ndarray, "N J"]
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Ways:
+    """Ways of one kind ``[N, K, J]``, the first pose at the cube's place; the slope and cost of each."""
+
+    q: np.ndarray
+    slope: np.ndarray
+    cost: np.ndarray
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Wanted:
+    """Ways of tool poses; each of the groups ``[W, N, 4, 4]`` starts from the same W first poses."""
+
+    ways: tuple[np.ndarray, ...]
+    slope: np.ndarray
+    cost: np.ndarray
+
+
 def plan_put(
-    chain: Chain,
-    robot: RobotSpec,
-    T_root_cube: Float[np.ndarray, "4 4"],
-    aim: Float[np.ndarray, "3"],
-    entry: Float[np.ndarray, "3"],
+    work: Work,
     q: Float[np.ndarray, "J"],
-    clear: float,
+    T_root_cube: Float[np.ndarray, "4 4"],
+    *,
+    size: float,
+    aims: Float[np.ndarray, "A 3"],
+    inwards: Float[np.ndarray, "3"],
+    down: bool,
 ) -> PutPlan:
     """A plan for one cube.
 
     Args:
-        chain: the arm, in the frame of the robot's root.
-        robot: its gripper.
-        T_root_cube: the cube, upright.
-        aim: where its middle is to come, root frame.
-        entry: the direction from which a hand comes there.
+        work: the arm and what it must not touch; the cube itself is not among it.
         q: arm angles now.
-        clear: height above the aim that is above every rim, metres.
+        T_root_cube: the cube, upright, in the frame of the robot's root.
+        size: its edge, metres.
+        aims: where its middle may come to rest, root frame, the favourite first.
+        inwards: the horizontal direction into the room.
+        down: whether the cube comes in from above, into a drawer, or straight inwards.
 
     Raises:
-        NoPutPlan: if no slope of the gripper works at both places.
+        NoPutPlan: if it cannot be reached, cannot be put down, or no way leads from one to the other.
     """
-    down = entry[2] < -0.5
-    best: PutPlan | None = None
-    least = np.inf
-    for rank, slope in enumerate(SLOPES_DOWN if down else SLOPES_IN):
-        pick = _pick_ways(T_root_cube, slope, robot)
-        place = _place_ways(aim, entry, slope, robot, clear, down=down)
-        first, bad_first = _solve_ways(chain, pick, starts_of(chain, robot, q))
-        second, bad_second = _solve_ways(
-            chain, place, np.concatenate([first[-1, :4], starts_of(chain, robot, q)])
-        )
-        if not len(first[0]) or not len(second[0]):
-            continue
-        far = np.abs(first[-1][:, None] - second[0][None]).max(axis=2)
-        cost = bad_first[:, None] + bad_second[None] + 0.2 * far + 0.3 * rank
-        i, j = np.unravel_index(int(cost.argmin()), cost.shape)
-        if cost[i, j] < least:
-            least = float(cost[i, j])
-            count = len(place) - 3
-            best = PutPlan(
-                pick=first[:PICKED, i],
-                lift=first[PICKED:, i],
-                place=second[:count, j],
-                leave=second[count:, j],
+    reason = ""
+    for share in GAP_SHARES:
+        closer = replace(work, body=replace(work.body, gap=share * work.body.gap))
+        places = _place_ways(work.robot, aims, inwards, down=down)
+        plan, reason = _plan(closer, q, T_root_cube, size, places)
+        if plan is not None:
+            return plan
+    raise NoPutPlan(reason)
+
+
+def _plan(
+    work: Work, q: np.ndarray, T_root_cube: np.ndarray, size: float, wanted: _Wanted
+) -> tuple[PutPlan | None, str]:
+    """A plan that keeps the gaps of ``work``, or why there is none."""
+    corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * size / 2.0
+    cube = Obstacle(field=build_field((box(corners[0], corners[-1]),)), T_field_root=inverse(T_root_cube))
+    careful = replace(work, obstacles=(*work.obstacles, cube))
+    loaded = replace(work, body=holding(work.body, work.chain, corners, CUBE_GAP))
+    picks = _solved(work, q, _pick_ways(work.robot, T_root_cube))
+    if not len(picks.cost):
+        return None, "no free pose of the arm reaches the cube on its stand"
+    places = _solved(loaded, picks.q[-1, 0], wanted)
+    if not len(places.cost):
+        return None, "no free pose of the arm reaches the place where the cube is to come"
+    for i, j in _pairs(picks, places)[:PAIRS]:
+        lift, place = picks.q[-len(LIFT) :, i], places.q[:, j]
+        approach = picks.q[len(BEHIND) :: -1, i]
+        there = detour(careful, q, approach[0], seed=0)
+        carried = None if there is None else detour(loaded, lift[-1], place[-1], seed=0)
+        if there is not None and carried is not None:
+            plan = PutPlan(
+                pick=np.concatenate([there, approach[1:]]),
+                lift=lift,
+                place=np.concatenate([carried, place[-2::-1]]),
+                leave=place[1:],
             )
-    if best is None:
-        raise NoPutPlan("no slope of the gripper reaches both the cube and its place within 12 mm")
-    return best
+            return plan, ""
+    return None, (
+        f"no way of the arm from the cube to its place past the object, from {len(picks.cost)} picks to "
+        f"{len(places.cost)} places"
+    )
 
 
-def _pick_ways(T_root_cube: np.ndarray, slope: float, robot: RobotSpec) -> np.ndarray:
-    """Tool poses ``[stage, way, 4, 4]``: behind the cube, near it, at it, lifted."""
-    ways = []
-    facing = np.arctan2(T_root_cube[1, 3], T_root_cube[0, 3])
+def _pick_ways(robot: RobotSpec, T_root_cube: np.ndarray) -> _Wanted:
+    """From the cube backwards, and up."""
     yaw = np.arctan2(T_root_cube[1, 0], T_root_cube[0, 0])
-    for turn in (0.0, 0.5 * np.pi, np.pi, 1.5 * np.pi):
-        heading = yaw + turn
-        if slope < 1.5 and np.cos(heading - facing) < 0.2:
-            continue
-        R, point = _gripper(heading, slope, robot)
-        middle = T_root_cube[:3, 3]
-        ways.append(_poses(R, [middle - d * point + np.array([0.0, 0.0, z]) for d, z in PICK]))
-    return np.stack(ways, axis=1)
+    middle = T_root_cube[:3, 3] + HIGHER * UP
+    behind, lifted, slopes = [], [], []
+    for index, slope in enumerate(SLOPES):
+        for turn in (0.0, 0.5 * np.pi, np.pi, 1.5 * np.pi):
+            R, point = _gripper(yaw + turn, slope, robot)
+            behind.append(_poses(R, [middle - d * point for d in (0.0, *BEHIND)]))
+            lifted.append(_poses(R, [middle + d * UP for d in (0.0, *LIFT)]))
+            slopes.append(index)
+    return _Wanted(
+        ways=(np.array(behind), np.array(lifted)), slope=np.array(slopes), cost=np.zeros(len(slopes))
+    )
 
 
-def _place_ways(
-    aim: np.ndarray, entry: np.ndarray, slope: float, robot: RobotSpec, clear: float, *, down: bool
-) -> np.ndarray:
-    """Tool poses ``[stage, way, 4, 4]``: the way in, at the place, and out again in three."""
-    ways = []
-    facing = np.arctan2(aim[1], aim[0]) if down else np.arctan2(entry[1], entry[0])
-    middle = aim + np.array([0.0, 0.0, DROP])
-    for turn in SIDEWAYS if down else SIDEWAYS[:3]:
-        R, point = _gripper(facing + turn, slope, robot)
-        if down:
-            heights = np.linspace(clear, 0.0, max(3, int(np.ceil(clear / STEP))))
-            way = [middle + np.array([0.0, 0.0, z]) for z in heights]
-            out = [middle - d * point for d in (0.04, 0.08)] + [middle - 0.08 * point + [0.0, 0.0, clear]]
-        else:
-            lengths = np.linspace(INTO, 0.0, int(np.ceil(INTO / STEP)) + 1)
-            way = [middle - s * entry + [0.0, 0.0, 0.03 * min(1.0, s / 0.05)] for s in lengths]
-            out = [middle - d * entry + [0.0, 0.0, 0.3 * d] for d in (0.05, DRAW_BACK, INTO)]
-        ways.append(_poses(R, way + out))
-    return np.stack(ways, axis=1)
+def _place_ways(robot: RobotSpec, aims: np.ndarray, inwards: np.ndarray, *, down: bool) -> _Wanted:
+    """From just above a place straight out of the room."""
+    facing = np.arctan2(inwards[1], inwards[0])
+    back = UP if down else RISE * UP - inwards
+    slopes = [k for k in range(len(SLOPES)) if not down or SLOPES[k] > LEAST_DOWN]
+    ways, which, cost = [], [], []
+    for rank, aim in enumerate(aims):
+        for drop in DROPS if down else DROPS[:1]:
+            for index in slopes:
+                for turn in HEADINGS:
+                    R, _ = _gripper(facing + turn, SLOPES[index], robot)
+                    ways.append(_poses(R, [aim + drop * UP + d * back for d in (0.0, *INTO)]))
+                    which.append(index)
+                    cost.append(0.1 * rank + 0.3 * abs(turn) + 4.0 * drop)
+    return _Wanted(ways=(np.array(ways),), slope=np.array(which), cost=np.array(cost))
+
+
+def _solved(work: Work, q: np.ndarray, wanted: _Wanted) -> _Ways:
+    """The ways that the arm can go to their ends without touching anything."""
+    hold, order = free_poses(work, wanted.ways[0][:, 0], q, KEPT)
+    found, good = [hold[None]], np.ones(len(hold), dtype=bool)
+    for ways in wanted.ways:
+        way, free = free_ways(work, ways[order].swapaxes(0, 1), hold)
+        good &= free
+        found.append(way[1:])
+    everything = np.concatenate(found)
+    travel = np.abs(np.diff(everything, axis=0)).max(axis=2).sum(axis=0)
+    total = wanted.cost[order] + 0.3 * travel
+    return _Ways(q=everything[:, good], slope=wanted.slope[order][good], cost=total[good])
+
+
+def _pairs(picks: _Ways, places: _Ways) -> list[tuple[int, int]]:
+    """Picks and places that leave the cube level, those that belong together best first."""
+    apart = np.abs(picks.slope[:, None] - places.slope[None])
+    level = (apart == 0) | (apart == STEEP - FLAT)
+    far = np.abs(picks.q[-1][:, None] - places.q[-1][None]).max(axis=2)
+    total = np.where(level, picks.cost[:, None] + places.cost[None] + 0.3 * far, np.inf)
+    order = np.argsort(total, axis=None, kind="stable")[: int(level.sum())]
+    return [(int(k // len(places.cost)), int(k % len(places.cost))) for k in order]
 
 
 def _gripper(heading: float, slope: float, robot: RobotSpec) -> tuple[np.ndarray, np.ndarray]:
@@ -145,21 +216,3 @@ def _poses(R: np.ndarray, points: list[np.ndarray]) -> np.ndarray:
     T = np.tile(np.eye(4), (len(points), 1, 1))
     T[:, :3, :3], T[:, :3, 3] = R, points
     return T
-
-
-def _solve_ways(chain: Chain, ways: np.ndarray, starts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Arm angles ``[stage, K, J]`` of the ways that can be gone to their end, and their costs."""
-    count = ways.shape[1]
-    q = np.repeat(starts, count, axis=0)
-    goals = np.tile(ways, (1, len(starts), 1, 1))
-    out, ok, change = [], np.ones(len(q), dtype=bool), np.zeros(len(q))
-    for stage, targets in enumerate(goals):
-        solved, miss, turn = solve(chain, targets, q, posture_weight=0.0, iterations=50 if stage == 0 else 15)
-        if stage:
-            ok &= np.abs(solved - q).max(axis=1) < 0.7
-            change += np.abs(solved - q).max(axis=1)
-        ok &= (miss < NEAR) & (turn < TURN)
-        q = solved
-        out.append(q)
-    cost = change + 0.1 * np.abs(out[0] - starts[0]).max(axis=1)
-    return np.array(out)[:, ok], cost[ok]

@@ -11,12 +11,16 @@ import gymnasium as gym
 import numpy as np
 from jaxtyping import Float
 
-from artigen.transforms import inverse
+from artigen.transforms import inverse, transform_points
 
-from .drive import Driver, arm_angles, grip, move, object_in_root, root_pose, start, wait
+from ..hulls import box, hulls_on_ground
+from .body import Obstacle
+from .drive import Driver, arm_angles, grip, move, object_hulls, object_in_root, root_pose, start, wait
+from .field import build_field
 from .plan_open import NoPlan, OpenPlan, plan_open
 from .plan_push import plan_push
 from .plan_put import NoPutPlan, PutPlan, plan_put
+from .work import Work
 
 if TYPE_CHECKING:
     from ..open_part import OpenPartEnv
@@ -29,8 +33,10 @@ PULL_SPEED = 0.6
 PICKS = 3
 LIFTED = 0.05
 """How far a cube has to have come up to be in the gripper, metres."""
-CLEAR_OF_RIM = 0.07
-"""How far above a drawer's rim the cube is brought in, metres."""
+STAND_HALF = np.array([0.03, 0.03, 0.2])
+"""Of the upper end of the column under the cube, with some to spare, metres."""
+MOVED = 0.02
+"""Change of a part's open fraction from which on the arm has to look anew where the object is."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -148,12 +154,24 @@ def _put_plan(driver: Driver, task: "PutInsideEnv") -> PutPlan:
     """A plan from where the cube lies now."""
     T_root_world = inverse(root_pose(driver))
     cube = np.asarray(task.cube.pose.to_transformation_matrix()[0].numpy(), dtype=np.float64)
+    stand = np.asarray(task.cube_stand.pose.p[0].numpy(), dtype=np.float64)
+    stand[2] += 1.0 - STAND_HALF[2]
+    column = build_field((box(stand - STAND_HALF, stand + STAND_HALF),))
+    solid = task.solid_at_start(0)
+    if abs(float(task.open_fraction[0]) - driver.begin) > MOVED:
+        carried, others = object_hulls(driver)
+        solid = build_field(hulls_on_ground(task.drawn[0][0], carried + others))
+    T = root_pose(driver)
+    work = Work(
+        chain=driver.chain, robot=driver.robot, body=driver.body,
+        obstacles=tuple(Obstacle(field=field, T_field_root=T) for field in (solid, column)),
+    )  # fmt: skip
     container = task.containers[0]
-    aim = task.aims[0].numpy().astype(np.float64) + np.array([0.0, 0.0, task.cube_size / 2.0])
-    depth = float(container.region[1, 2] - container.region[0, 2])
+    aims = task.resting_places(0) + np.array([0.0, 0.0, task.cube_size / 2.0])
     return plan_put(
-        driver.chain, driver.robot, T_root_world @ cube, T_root_world[:3, :3] @ aim + T_root_world[:3, 3],
-        T_root_world[:3, :3] @ container.entry, arm_angles(driver), depth + CLEAR_OF_RIM,
+        work, arm_angles(driver), T_root_world @ cube, size=task.cube_size,
+        aims=transform_points(T_root_world, aims), down=container.down,
+        inwards=T_root_world[:3, :3] @ container.inwards,
     )  # fmt: skip
 
 

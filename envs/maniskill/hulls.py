@@ -1,0 +1,78 @@
+"""Hulls of an object where its joints put them, and plain boxes."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from jaxtyping import Float
+
+from artigen.transforms import transform_points
+from sim_export.collision.hulls import convex_hull
+from sim_export.collision.motion import link_displacements
+from sim_export.package import Hull
+
+from .objects import TaskObject, TaskPart, carried_links
+from .placement import part_motion
+
+CLEAR_OF_GROUND = 0.001
+FRACTIONS = 41
+GROUND = 0.02
+"""Thickness of the slab that stands for the ground, metres."""
+
+
+def hulls_at(
+    entry: TaskObject, part: TaskPart, qpos: Mapping[str, float]
+) -> tuple[tuple[Hull, ...], tuple[Hull, ...]]:
+    """Every hull in the object frame: those that the part carries along, and all others.
+
+    Args:
+        entry: the object.
+        part: one of its parts.
+        qpos: joint coordinates by name, m or rad; joints that are not named are at 0.
+    """
+    links = entry.package.links
+    T = link_displacements(links, entry.package.joints, qpos)
+    inside = carried_links(entry.package, part.joint.child)
+    carried: list[Hull] = []
+    others: list[Hull] = []
+    for link, displacement in zip(links, T, strict=True):
+        group = carried if link.name in inside else others
+        group += [move_hull(hull, displacement) for hull in link.hulls]
+    return tuple(carried), tuple(others)
+
+
+def opened_qpos(entry: TaskObject, part: TaskPart, opened: float) -> dict[str, float]:
+    """Joint coordinates with the part at a fraction of its range, what it needs open wide open, and all else
+    closed."""
+    out = {joint.name: joint.upper for joint in entry.package.joints if joint.name in part.needs}
+    return out | {part.joint.name: part.joint.lower + opened * part.span}
+
+
+def open_above_ground(entry: TaskObject, part: TaskPart, wanted: float) -> float:
+    """How far the part may stand open, ``wanted`` at most, without reaching below the object's lowest point:
+    the handle of a leaf that folds down may."""
+    fractions = np.linspace(0.0, wanted, FRACTIONS)
+    heights = transform_points(part_motion(part, fractions), part.moved[None])[..., 2].min(axis=1)
+    below = np.flatnonzero(heights < min(entry.floor, float(heights[0])) - CLEAR_OF_GROUND)
+    return float(fractions[max(0, below[0] - 1)]) if len(below) else wanted
+
+
+def hulls_on_ground(entry: TaskObject, hulls: Sequence[Hull]) -> tuple[Hull, ...]:
+    """Hulls in the world, for an object that stands at the origin, and a slab of the ground below them."""
+    up = np.eye(4)
+    up[2, 3] = -entry.floor
+    lifted = tuple(move_hull(hull, up) for hull in hulls)
+    corners = np.concatenate([hull.vertices for hull in lifted])
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    return (*lifted, box(np.array([low[0], low[1], -GROUND]), np.array([high[0], high[1], 0.0])))
+
+
+def box(low: Float[np.ndarray, "3"], high: Float[np.ndarray, "3"]) -> Hull:
+    """A box between two corners."""
+    ends = np.stack([low, high])
+    corners = [[ends[i, 0], ends[j, 1], ends[k, 2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)]
+    return convex_hull(np.array(corners))
+
+
+def move_hull(hull: Hull, T: Float[np.ndarray, "4 4"]) -> Hull:
+    """A hull after a rigid motion."""
+    return Hull(vertices=transform_points(T, hull.vertices), faces=hull.faces)

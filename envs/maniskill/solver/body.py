@@ -1,0 +1,150 @@
+"""The solid parts of a robot's arm as points on their surfaces, and whether they touch anything."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from artigen.transforms import inverse, transform_points
+from sim_export.collision.hulls import convex_hull
+
+from ...hand import pose_matrix, shape_vertices
+from .chain import Chain, held_motion, joint_frames
+from .field import Field, distances
+
+if TYPE_CHECKING:
+    from sapien.physx import PhysxArticulation, PhysxArticulationLinkComponent
+
+SPACING = 0.03
+"""Distance between neighbouring points, metres; on the hand, which comes nearer to things, half of it."""
+ARM_GAP = 0.016
+HAND_GAP = 0.008
+"""What arm and hand keep away from everything, metres: half a cell of the field more or less is true."""
+BLOCK = 400
+"""Arm poses that are looked at together."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Body:
+    """Points in the frame that the turning joint ``carrier`` leaves, and the gap that each of them keeps."""
+
+    points: Float[np.ndarray, "P 3"]
+    carrier: Int[np.ndarray, "P"]
+    gap: Float[np.ndarray, "P"]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Obstacle:
+    """Something solid, and the pose of its frame for a point in the frame of the robot's root.
+
+    ``T_field_root`` is one pose, or one per arm pose for what moves along with the arm.
+    """
+
+    field: Field
+    T_field_root: Float[np.ndarray, "*B 4 4"]
+
+
+def read_body(
+    articulation: "PhysxArticulation", chain: Chain, hand: tuple[str, ...], spacing: float = SPACING
+) -> Body:
+    """Everything that the chain's joints move, as the engine has it now.
+
+    Args:
+        articulation: the robot in the engine.
+        chain: its arm.
+        hand: how the names of links end that may come near to things.
+        spacing: of the points, metres.
+    """
+    names = [joint.name for joint in articulation.active_joints]
+    coordinates = dict(zip(names, np.asarray(articulation.qpos, dtype=np.float64).tolist(), strict=True))
+    movers = [names[column] for column in chain.columns]
+    points, carriers, gaps = [], [], []
+    for link in articulation.links:
+        carrier, T = _carried(link, movers, coordinates)
+        if carrier is None or not link.collision_shapes:
+            continue
+        near = link.name.endswith(hand)
+        for shape in link.collision_shapes:
+            found = surface_points(shape_vertices(shape), spacing / 2.0 if near else spacing)
+            points.append(transform_points(T, found))
+            carriers.append(np.full(len(found), carrier))
+            gaps.append(np.full(len(found), HAND_GAP if near else ARM_GAP))
+    return Body(points=np.concatenate(points), carrier=np.concatenate(carriers), gap=np.concatenate(gaps))
+
+
+def holding(body: Body, chain: Chain, held: Float[np.ndarray, "V 3"], gap: float) -> Body:
+    """The body with something in its hand, given as corner points in the frame of the tool."""
+    found = transform_points(chain.tool, surface_points(held, SPACING / 2.0))
+    last = np.full(len(found), len(chain.before) - 1)
+    return Body(
+        points=np.concatenate([body.points, found]),
+        carrier=np.concatenate([body.carrier, last]),
+        gap=np.concatenate([body.gap, np.full(len(found), gap)]),
+    )
+
+
+def body_points(chain: Chain, body: Body, q: Float[np.ndarray, "B J"]) -> Float[np.ndarray, "B P 3"]:
+    """The points in the frame of the robot's root."""
+    frames = joint_frames(chain, q)
+    points = np.empty((len(q), len(body.points), 3))
+    for carrier in np.unique(body.carrier):
+        mine = body.carrier == carrier
+        points[:, mine] = transform_points(frames[:, carrier], body.points[mine])
+    return points
+
+
+def spare_room(
+    chain: Chain, body: Body, obstacles: tuple[Obstacle, ...], q: Float[np.ndarray, "B J"]
+) -> Float[np.ndarray, "B"]:
+    """The least of what every point has beyond its gap, metres; negative where something is too near."""
+    out = [np.zeros(0)]
+    for begin in range(0, len(q), BLOCK):
+        points = body_points(chain, body, q[begin : begin + BLOCK])
+        least = np.full(len(points), np.inf)
+        for obstacle in obstacles:
+            T = obstacle.T_field_root
+            T = T if T.ndim == 2 else T[begin : begin + BLOCK]
+            near = distances(obstacle.field, transform_points(T, points)) - body.gap
+            least = np.minimum(least, near.min(axis=1))
+        out.append(least)
+    return np.concatenate(out)
+
+
+def is_free(
+    chain: Chain, body: Body, obstacles: tuple[Obstacle, ...], q: Float[np.ndarray, "B J"]
+) -> Bool[np.ndarray, "B"]:
+    """Which arm poses keep every gap."""
+    return spare_room(chain, body, obstacles, q) >= 0.0
+
+
+def surface_points(vertices: Float[np.ndarray, "V 3"], spacing: float) -> Float[np.ndarray, "N 3"]:
+    """Points all over the convex hull of ``vertices``, at most about ``spacing`` metres apart."""
+    hull = convex_hull(vertices)
+    found = [hull.vertices]
+    for a, b, c in hull.vertices[hull.faces]:
+        longest = max(np.linalg.norm(b - a), np.linalg.norm(c - a), np.linalg.norm(c - b))
+        count = int(np.ceil(longest / spacing))
+        u, v = np.meshgrid(np.arange(count + 1) / count, np.arange(count + 1) / count)
+        u, v = u[u + v <= 1.0 + 1e-9], v[u + v <= 1.0 + 1e-9]
+        found.append(a + u[:, None] * (b - a) + v[:, None] * (c - a))
+    points = np.concatenate(found)
+    _, first = np.unique(np.rint(points / spacing), axis=0, return_index=True)
+    return points[np.sort(first)]
+
+
+def _carried(
+    link: "PhysxArticulationLinkComponent", movers: list[str], coordinates: dict[str, float]
+) -> tuple[int | None, Float[np.ndarray, "4 4"]]:
+    """The last of the joints ``movers`` before a link, and the link's pose in the frame that it leaves."""
+    T = np.eye(4)
+    while link.parent is not None:
+        joint = link.joint
+        T = inverse(pose_matrix(joint.pose_in_child)) @ T
+        if joint.name in movers:
+            return movers.index(joint.name), T
+        if joint.name in coordinates:
+            T = held_motion(joint.type, coordinates[joint.name]) @ T
+        T = pose_matrix(joint.pose_in_parent) @ T
+        link = link.parent
+    return None, T

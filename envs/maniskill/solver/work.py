@@ -1,0 +1,93 @@
+"""An arm among things that it must not touch: what every plan that looks at obstacles begins with."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from ..robots import RobotSpec
+from .body import Body, Obstacle, is_free
+from .chain import Chain, solve
+from .detour import find_detour
+from .reach import follow, starts_of
+
+EXACT = 0.004
+"""What a pose among obstacles may be missed by, metres."""
+TURN = 0.1
+PROMISING = 0.25
+"""What is left to go, metres or rad, where it is worth going on."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Work:
+    """A robot's arm, in the frame of its root, its surface, and what is solid around it."""
+
+    chain: Chain
+    robot: RobotSpec
+    body: Body
+    obstacles: tuple[Obstacle, ...]
+
+    def free(self, q: Float[np.ndarray, "B J"]) -> Bool[np.ndarray, "B"]:
+        """Which arm poses touch nothing."""
+        return is_free(self.chain, self.body, self.obstacles, q)
+
+
+def free_poses(
+    work: Work, targets: Float[np.ndarray, "G 4 4"], q: Float[np.ndarray, "J"], most: int
+) -> tuple[Float[np.ndarray, "K J"], np.ndarray]:
+    """Arm angles that reach targets and touch nothing, and which targets they are.
+
+    Args:
+        work: the arm and its surroundings.
+        targets: tool poses in the root's frame.
+        q: where the arm is; solutions near to it come first.
+        most: how many solutions are kept.
+    """
+    found, which = [], []
+    for start in starts_of(work.chain, work.robot, q):
+        solved, good = _solved(work.chain, targets, start)
+        free = work.free(solved[good])
+        found.append(solved[good[free]])
+        which.append(good[free])
+        if sum(map(len, which)) >= 2 * most:
+            break
+    solutions, order = np.concatenate(found), np.concatenate(which)
+    _, first = np.unique(np.c_[order, np.round(solutions, 1)], axis=0, return_index=True)
+    near = first[np.argsort(np.abs(solutions[first] - q).max(axis=1), kind="stable")][:most]
+    return solutions[near], order[near]
+
+
+def _solved(
+    chain: Chain, targets: Float[np.ndarray, "G 4 4"], start: Float[np.ndarray, "J"]
+) -> tuple[Float[np.ndarray, "G J"], Int[np.ndarray, "S"]]:
+    """Arm angles found from one start, and for which targets they are exact; hopeless ones are left early."""
+    q, miss, turn = solve(
+        chain, targets, np.repeat(start[None], len(targets), axis=0), posture_weight=0.0, iterations=15
+    )
+    near = np.flatnonzero((miss < PROMISING) & (turn < PROMISING))
+    q[near], miss, turn = solve(chain, targets[near], q[near], posture_weight=0.0, iterations=20)
+    return q, near[(miss < EXACT) & (turn < TURN)]
+
+
+def free_ways(
+    work: Work, targets: Float[np.ndarray, "N K 4 4"], hold: Float[np.ndarray, "K J"]
+) -> tuple[Float[np.ndarray, "N K J"], Bool[np.ndarray, "K"]]:
+    """Goes along K ways of tool poses; ``hold`` solves the first of each.
+
+    Returns:
+        Arm angles, and which ways are exact, without jumps, and touch nothing.
+    """
+    ways, missed, turned = follow(work.chain, targets, hold, turn_weight=0.3)
+    good = (missed < EXACT) & (turned < TURN)
+    for q in ways[1:]:
+        good[good] = work.free(q[good])
+    return ways, good
+
+
+def detour(
+    work: Work, begin: Float[np.ndarray, "J"], end: Float[np.ndarray, "J"], seed: int
+) -> Float[np.ndarray, "N J"] | None:
+    """Waypoints from one arm pose to another around everything, the first left out; ``None`` if none was
+    found."""
+    way = find_detour(work.chain, work.free, begin, end, seed)
+    return None if way is None else way[1:]
