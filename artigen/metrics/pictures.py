@@ -7,7 +7,6 @@ only results with the same.
 import numpy as np
 import torch
 from jaxtyping import Bool, Float
-from scipy.linalg import sqrtm
 from torch import Tensor
 from torch.nn import functional
 
@@ -67,9 +66,11 @@ def frechet_distance(first: Float[np.ndarray, "N D"], second: Float[np.ndarray, 
     """
     _check_sets(first, second)
     a, b = (np.cov(values, rowvar=False).reshape(values.shape[1], -1) for values in (first, second))
-    root = np.real(sqrtm(a @ b))
+    values, axes = np.linalg.eigh(a)
+    half = (axes * np.sqrt(values.clip(min=0.0))) @ axes.T
+    common = np.sqrt(np.linalg.eigvalsh(half @ b @ half).clip(min=0.0)).sum()  # trace of the root of a b
     apart = ((first.mean(axis=0) - second.mean(axis=0)) ** 2).sum()
-    return float(apart + np.trace(a) + np.trace(b) - 2.0 * np.trace(root))
+    return float(apart + np.trace(a) + np.trace(b) - 2.0 * common)
 
 
 def kernel_distance(first: Float[np.ndarray, "N D"], second: Float[np.ndarray, "M D"]) -> float:

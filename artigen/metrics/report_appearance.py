@@ -50,8 +50,8 @@ def format_appearance(evaluation: AppearanceEvaluation) -> str:
     )
     lines += [
         "",
-        f"{len(evaluation.objects)} objects, {evaluation.pictures} pictures in each of the two sets; PSNR is",
-        f"a mean over objects. Distances between sets are those of {evaluation.extractor} features: they are",
-        "comparable with results that have the same features and as many pictures, and with no others.",
+        f"{len(evaluation.objects)} objects, {evaluation.pictures} pictures in each of the two sets. PSNR is",
+        f"a mean over objects. Distances between sets are those of {evaluation.extractor} features: compare",
+        "them only with results that have the same features and as many pictures.",
     ]
     return "\n".join(lines) + "\n"
