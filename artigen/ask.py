@@ -7,7 +7,7 @@ from typing import TypeVar
 from artigen.errors import ArtigenError
 from artigen.models.conditions import StructureCondition
 from artigen.pictures import read_picture
-from artigen.shapes.draw import Wish, categories, draw_shape
+from artigen.shapes.draw import Wish, categories, check_wish, draw_shape
 from artigen.text import ParsedText, parse_text
 
 Value = TypeVar("Value")
@@ -59,6 +59,8 @@ def read_request(request: Request, seed: int, image_size: int) -> Asked:
     height = _agree("height", wish.height, text.height)
     notes = [f"no meaning was found in: {', '.join(text.unused)}"] if text.unused else []
     given = tuple(sorted(counts.items()))
+    asked = Wish(depth=depth, width=width, height=height, counts=given)
+    check_wish(asked)
     if request.image is not None:
         if not image_size:
             raise ArtigenError(f"{request.image}: this model takes no pictures")
@@ -68,7 +70,7 @@ def read_request(request: Request, seed: int, image_size: int) -> Asked:
         return Asked(condition=condition, notes=(*notes, *picture.notes))
     if category is None:
         raise ArtigenError("no category is asked for: name one, in words if you like, or give a picture")
-    drawn = draw_shape(category, seed, Wish(depth=depth, width=width, height=height, counts=given)).condition
+    drawn = draw_shape(category, seed, asked).condition
     factors = dict(text.stretch)  # "tall" says nothing where a height is given
     size = (
         drawn.depth * (factors.get("depth", 1.0) if depth is None else 1.0),

@@ -1,5 +1,6 @@
 """Photos as conditions: any picture file to a small premultiplied RGBA square, the object filling it."""
 
+import warnings
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,6 +15,8 @@ if TYPE_CHECKING:
 
 MIN_EDGE = 16
 MAX_PIXELS = 64_000_000
+MAX_EDGE = 2048
+"""Larger pictures are scaled down first: their background is told from the object as well, in less memory."""
 BACKGROUND_TOLERANCE = 0.12
 """How far (in RGB, 0 to 1) a colour may be from the border's to count as background."""
 
@@ -44,17 +47,30 @@ def read_picture(path: Path, size: int, *, margin: float = 0.06) -> Picture:
     from PIL import Image, UnidentifiedImageError
 
     try:
-        with Image.open(path) as opened:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", Image.DecompressionBombWarning)  # refused below
+            opened = Image.open(path)
+        with opened:
             _check_extent(path, opened.size)
             image = _to_rgba(opened)
     except FileNotFoundError as error:
         raise SourceError(f"{path}: there is no such picture") from error
-    except (UnidentifiedImageError, Image.DecompressionBombError) as error:
+    except IsADirectoryError as error:
+        raise SourceError(f"{path}: is a folder, expected a picture") from error
+    except Image.DecompressionBombError as error:
+        raise SourceError(
+            f"{path}: is far too large ({error}), expected at most {MAX_PIXELS // 10**6} million pixels; "
+            "scale it down"
+        ) from error
+    except UnidentifiedImageError as error:
         raise SourceError(f"{path}: is no picture that can be read ({error})") from error
     except (OSError, SyntaxError) as error:
         raise SourceError(f"{path}: is damaged ({error})") from error
-    values = np.asarray(image, dtype=np.float32) / 255.0
     notes: list[str] = []
+    if max(image.size) > MAX_EDGE:
+        notes.append(f"{image.width} x {image.height} pixels were scaled down to {MAX_EDGE} at most")
+        image.thumbnail((MAX_EDGE, MAX_EDGE), Image.Resampling.BOX)
+    values = np.asarray(image, dtype=np.float32) / 255.0
     object_mask = values[..., 3] > 0.5
     if object_mask.all():
         object_mask, said = find_object(values[..., :3])

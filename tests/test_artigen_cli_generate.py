@@ -1,6 +1,7 @@
 """`artigen generate`: what fails is drawn again and recorded; what cannot be is said and nothing written."""
 
 import json
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -68,6 +69,17 @@ def test_a_package_tells_condition_model_and_all_draws(
         ({"category": None}, "no category"),
         ({"category": "Oven", "cfg": GenerateSettings(counts=("door",))}, "label=number"),
         ({"category": "Oven", "count": 0}, "at least one"),
+        ({"category": "Oven", "workers": 0}, "one worker"),
+        ({"category": "Cart"}, "this model knows Dishwasher"),
+        ({"category": "Oven", "cfg": GenerateSettings(counts=("door=1", "door=2"))}, "both are asked for"),
+        ({"category": "Oven", "cfg": GenerateSettings(counts=("base=2",))}, "2 parts called base"),
+        ({"category": "Oven", "cfg": GenerateSettings(height=-1.0)}, "height -1 m"),
+        ({"category": "Oven", "cfg": GenerateSettings(width=float("nan"))}, "width nan m"),
+        ({"category": "Oven", "cfg": GenerateSettings(steps=0)}, "at least one step"),
+        ({"category": "Oven", "cfg": GenerateSettings(strength=float("nan"))}, "strength nan"),
+        ({"cfg": GenerateSettings(text="a green sofa")}, "no word names a category"),
+        ({"cfg": GenerateSettings(text="a table with a drawer", counts=("drawer=2",))}, "number of drawers"),
+        ({"cfg": GenerateSettings(image=Path("nothing.png"))}, "no such picture"),
     ],
 )
 def test_what_cannot_be_is_said_and_nothing_written(model: Path, tmp_path: Path, wrong: dict, message: str):
@@ -76,6 +88,44 @@ def test_what_cannot_be_is_said_and_nothing_written(model: Path, tmp_path: Path,
     assert not (tmp_path / "out").exists()
 
 
+def test_a_picture_that_is_none_is_said_and_nothing_written(model: Path, tmp_path: Path):
+    wrong = {"words.png": b"hello", "nothing.png": b"", "cut.png": b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR"}
+    for name, content in wrong.items():
+        (tmp_path / name).write_bytes(content)
+        with pytest.raises(SourceError, match=name):
+            generate(out=tmp_path / "out", model=model, cfg=GenerateSettings(image=tmp_path / name))
+    assert not (tmp_path / "out").exists()
+
+
 def test_a_folder_without_a_model_is_named(tmp_path: Path):
-    with pytest.raises(SourceError, match="no such model"):
-        generate(out=tmp_path / "out", model=tmp_path, category="Oven")
+    for folder in (tmp_path, tmp_path / "file"):
+        (tmp_path / "file").write_text("no model")
+        with pytest.raises(SourceError, match="no such model"):
+            generate(out=tmp_path / "out", model=folder, category="Oven")
+
+
+@pytest.mark.parametrize(
+    ("spoil", "message"),
+    [
+        (lambda folder: cut(folder / "flow-0.safetensors"), "no whole safetensors"),
+        (
+            lambda folder: shutil.copy(folder / "vae-0.safetensors", folder / "flow-0.safetensors"),
+            "does not fit",
+        ),
+        (lambda folder: (folder / "model.json").write_bytes(b"\xff\xfe\x00"), "is no JSON"),
+    ],
+)
+def test_a_truncated_or_foreign_model_is_named_and_nothing_written(
+    model: Path, tmp_path: Path, spoil, message: str
+):
+    folder = Path(shutil.copytree(model, tmp_path / "model"))
+    spoil(folder)
+    with pytest.raises(SourceError, match=message):
+        generate(out=tmp_path / "out", model=folder, category="Oven")
+    assert not (tmp_path / "out").exists()
+
+
+def cut(path: Path) -> None:
+    """Leaves the first half of a file."""
+    content = path.read_bytes()
+    path.write_bytes(content[: len(content) // 2])

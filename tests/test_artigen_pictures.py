@@ -79,14 +79,36 @@ def test_what_is_no_picture_is_refused(tmp_path: Path):
     broken.write_bytes(broken.read_bytes()[:2000])
     clear = saved(tmp_path, Image.new("RGBA", (64, 64)), "clear.png")
     dot = saved(tmp_path, Image.new("RGB", (1, 1)), "dot.png")
-    huge = saved(tmp_path, Image.new("1", (20000, 4000)), "huge.png")
+    huge = saved(tmp_path, Image.new("1", (20000, 6000)), "huge.png")  # Pillow warns of it
+    bomb = saved(tmp_path, Image.new("1", (20000, 20000)), "bomb.png")  # and does not open this
     for path, match in (
         (tmp_path / "nothing.png", "no such picture"),
         (text, "no picture that can be read"),
         (broken, "damaged"),
         (clear, "transparent everywhere"),
         (dot, "1 x 1 pixels"),
-        (huge, "20000 x 4000 pixels"),
+        (huge, "20000 x 6000 pixels"),
+        (bomb, "far too large"),
+        (tmp_path, "is a folder"),
     ):
         with pytest.raises(SourceError, match=match):
             read_picture(path, SIZE)
+
+
+def test_a_large_picture_is_scaled_down_and_gives_the_same_object(tmp_path: Path):
+    small = Image.fromarray(drawn())
+    large = small.resize((3000, 2250), Image.Resampling.NEAREST)
+    one, two = (
+        read_picture(saved(tmp_path, image, name), SIZE)
+        for image, name in ((small, "small.png"), (large, "large.png"))
+    )
+    assert one.notes == two.notes[1:]
+    assert "3000 x 2250 pixels were scaled down" in two.notes[0]
+    assert np.abs(one.rgba - two.rgba).mean() < 0.02
+
+
+def test_a_strip_of_many_pixels_is_read(tmp_path: Path):
+    strip = np.full((64, 20000, 3), 250, dtype=np.uint8)
+    strip[16:48, 100:19900] = RED
+    picture = read_picture(saved(tmp_path, Image.fromarray(strip)), SIZE)
+    assert picture.rgba[3].any()

@@ -1,6 +1,7 @@
 """`artigen generate`: from a category, words or a picture to proven packages, drawn again where one fails."""
 
 import json
+import math
 import resource
 import sys
 import time
@@ -175,16 +176,27 @@ def generate(
     """
     from artigen.ask import read_request
 
-    if count < 1 or seed < 0 or cfg.redraws < 0:
+    if count < 1 or seed < 0 or cfg.redraws < 0 or workers < 1:
         raise ArtigenError(
-            f"{count} objects from seed {seed} with {cfg.redraws} redraws: at least one object, none below 0"
+            f"{count} objects from seed {seed} with {cfg.redraws} redraws by {workers} workers: expected at "
+            "least one object and one worker, and nothing below 0"
+        )
+    if cfg.steps < 1 or not 0 <= cfg.strength < math.inf:
+        raise ArtigenError(
+            f"{cfg.steps} steps, strength {cfg.strength:g}: expected at least one step, no strength below 0"
         )
     jobs = [
         GenerateJob(model=model, category=category, seed=number, out=out, cfg=cfg)
         for number in range(seed, seed + count)
     ]
     # Says at once what cannot be: no such model, category, sentence or picture.
-    read_request(read_job(jobs[0]), seed, _load(model).preset.conditions.image_size)
+    known = _load(model).preset.conditions
+    asked = read_request(read_job(jobs[0]), seed, known.image_size).condition
+    if asked.category is not None and asked.category not in known.categories:
+        raise ArtigenError(
+            f"category {asked.category!r}: this model knows {', '.join(sorted(known.categories))}; "
+            "artigen shape draws others"
+        )
     results = run_shown(generate_and_validate, jobs, out, workers=workers)
     passed = sum(bool(finished.passed) for finished in results)
     written = sum(finished.error is None for finished in results)

@@ -97,7 +97,7 @@ def read_counts(texts: Sequence[str]) -> tuple[tuple[PartLabel, int], ...]:
     """Counts of parts written as ``label=number``, in the order of their labels.
 
     Raises:
-        ArtigenError: If a text is not of that form.
+        ArtigenError: If a text is not of that form, or two say different things about one label.
     """
     labels: dict[str, PartLabel] = {label: label for label in get_args(PartLabel)}
     counts: dict[PartLabel, int] = {}
@@ -107,7 +107,8 @@ def read_counts(texts: Sequence[str]) -> tuple[tuple[PartLabel, int], ...]:
             raise ArtigenError(
                 f"count {text!r} is not of the form label=number; labels are {', '.join(labels)}"
             )
-        counts[labels[label]] = int(number)
+        if counts.setdefault(labels[label], int(number)) != int(number):
+            raise ArtigenError(f"counts {label}={counts[labels[label]]} and {text}: both are asked for")
     return tuple(sorted(counts.items()))
 
 

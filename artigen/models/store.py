@@ -59,9 +59,11 @@ def read_description(folder: Path) -> dict[str, dict[str, object]]:
     path = folder / DESCRIPTION
     try:
         said = json.loads(path.read_text())
-    except FileNotFoundError as error:
+    except (FileNotFoundError, NotADirectoryError) as error:
         raise SourceError(f"{path}: there is no such model; train one, or give the folder of one") from error
-    except json.JSONDecodeError as error:
+    except OSError as error:
+        raise SourceError(f"{path}: cannot be read ({error.strerror})") from error
+    except ValueError as error:  # no JSON, or not even text
         raise SourceError(f"{path}: is no JSON ({error})") from error
     if not isinstance(said, dict) or not all(isinstance(value, dict) for value in said.values()):
         raise SourceError(f"{path}: expected what a model says about its networks, by their names")

@@ -20,6 +20,8 @@ from artigen.shapes.surfaces.finishes import Finish
 from artigen.types import PartLabel
 
 MAX_DRAWS = 1000
+LENGTHS = (0.02, 10.0)
+"""Lengths that can be wished for (m)."""
 
 
 class ShapeError(ArtigenError):
@@ -61,9 +63,11 @@ def draw_shape(category: str, seed: int, wish: Wish | None = None) -> Shape:
     Counts are met by drawing again, at most `MAX_DRAWS` times, from streams that follow from the seed.
 
     Raises:
-        ShapeError: If the category is unknown, or no draw has the counts wished for.
+        ShapeError: If the category is unknown, a length is out of bounds, or no draw has the counts
+            wished for.
     """
     wish = wish or Wish()
+    check_wish(wish)
     known = categories()
     if category not in known:
         raise ShapeError(f"category {category!r} is not known, expected one of {', '.join(known)}")
@@ -80,6 +84,21 @@ def draw_shape(category: str, seed: int, wish: Wish | None = None) -> Shape:
     wanted = ", ".join(f"{count} {label}" for label, count in wish.counts)
     near = "; ".join(text for text, _ in seen.most_common(5))
     raise ShapeError(f"{category}: no draw of {MAX_DRAWS} has {wanted}; most frequent were {near}")
+
+
+def check_wish(wish: Wish) -> None:
+    """Refuses what no object of any category can be.
+
+    Raises:
+        ShapeError: If a length is out of bounds, or more or less than one base is wished for.
+    """
+    for name in ("width", "depth", "height"):
+        length = getattr(wish, name)
+        if length is not None and not LENGTHS[0] <= length <= LENGTHS[1]:
+            raise ShapeError(f"{name} {length:g} m: expected from {LENGTHS[0]:g} to {LENGTHS[1]:g} m")
+    for label, count in wish.counts:
+        if label == "base" and count != 1:
+            raise ShapeError(f"{count} parts called base: every object has one")
 
 
 def choose(rng: np.random.Generator, low: float, high: float, wished: float | None = None) -> float:
