@@ -12,6 +12,7 @@ from artigen.cli.evaluate import AppearanceViews, EvaluateSettings, evaluate
 from artigen.cli.train import AppearanceSettings, TrainSettings, train
 from artigen.errors import ArtigenError, SourceError
 from artigen.metrics.appearance import Comparison, score_comparisons, score_sets, split_states
+from artigen.metrics.part_colors import borrow_colors, color_error, mean_colors
 from artigen.metrics.pictures import (
     frechet_distance,
     kernel_distance,
@@ -25,10 +26,12 @@ from artigen.models.slat_flow import SlatFlow
 from artigen.models.store import load_model
 from artigen.train.appearance.curation import CurationConfig
 from artigen.train.appearance.examples import draw_appearance
+from artigen.train.appearance.photographs import NOTHING
 from artigen.train.appearance.presets import APPEARANCE_TRAINING
 from artigen.train.appearance.shards import write_appearance_shard
 from artigen.train.appearance.views import ViewConfig
 from artigen.train.shards import HELD_OUT
+from artigen.types import FIXED, Part
 
 
 @pytest.fixture
@@ -81,6 +84,31 @@ def test_kernel_distance_is_unbiased_and_has_its_closed_form():
     assert min(same) < 0
     with pytest.raises(ValueError, match="at least two"):
         kernel_distance(first[:1], second)
+
+
+def test_colours_of_parts_are_compared_and_borrowed_part_by_part():
+    parts = np.full((1, 8, 8), NOTHING, dtype=np.uint8)
+    parts[0, :4], parts[0, 4:, :2], parts[0, 4:, 7] = 0, 1, 2
+    rgb = np.zeros((1, 8, 8, 3))
+    rgb[parts == 0] = (0.2, 0.4, 0.6)
+    rgb[0, 0, 0] = (0.2 + 32 * 0.1, 0.4, 0.6)
+    found = mean_colors(rgb, parts)
+    assert sorted(found) == [0]  # eight and four pixels are too few
+    assert found[0] == pytest.approx([0.3, 0.4, 0.6])
+    truth = {0: np.zeros(3), 1: np.ones(3)}
+    assert color_error({0: np.full(3, 0.2), 1: np.ones(3), 2: np.zeros(3)}, truth) == pytest.approx(0.1)
+    with pytest.raises(ValueError, match="expected those of"):
+        color_error({0: np.zeros(3)}, truth)
+
+    def part(label, height: float) -> Part:
+        box = np.array([[0.0, 0.0, height], [0.1, 0.1, 0.1]])
+        return Part(name=f"{label} {height}", label=label, parent=-1, joint=FIXED, box=box)
+
+    mine = [part("base", 0.0), part("drawer", 0.3), part("door", 0.1)]
+    others = [part("base", 0.4), part("drawer", -0.4), part("drawer", 0.2)]
+    lent = {index: np.full(3, 0.1 * index) for index in range(3)}
+    borrowed = borrow_colors({0: truth[0], 1: truth[0], 2: truth[0]}, mine, lent, others)
+    assert [float(color[0]) for color in borrowed.values()] == pytest.approx([0.0, 0.2, 0.2])
 
 
 def test_regions_and_states_are_scored_apart():
@@ -178,7 +206,8 @@ def test_an_evaluation_names_states_features_and_the_model(
 ):
     monkeypatch.setitem(APPEARANCE_TRAINING, "tiny", replace(APPEARANCE_TRAINING["tiny"], curation=TINY))
     views = AppearanceViews(states=2, views=2)
-    assert evaluate("appearance", tmp_path, run / "model", EvaluateSettings(held_out=1), 1, views) == 0
+    settings = EvaluateSettings(held_out=1, training=1, steps=2)
+    assert evaluate("appearance", tmp_path, run / "model", settings, 1, views) == 0
     found = json.loads((tmp_path / "evaluation.json").read_text())
     assert list(found["states"]) == ["0.00", "1.00"]
     assert found["pictures"] == 4
@@ -188,6 +217,8 @@ def test_an_evaluation_names_states_features_and_the_model(
     table = (tmp_path / "evaluation.md").read_text()
     assert "| joints open by | PSNR (dB) |" in table
     assert "pyramid-16 features" in table
+    assert found["colors"].keys() == {"model", "autoencoded", "retrieval"}
+    assert all(0 < error < 1 for error in found["colors"].values())
     (tmp_path / "model.json").write_text("{}")
     with pytest.raises(SourceError, match="holds no appearance-vae"):
         evaluate("appearance", tmp_path, tmp_path, EvaluateSettings(held_out=1), 1, views)

@@ -69,8 +69,6 @@ def evaluate(
         workers: Processes that read real objects and make packages.
         appearance: What only appearance asks for.
     """
-    if what == "appearance":
-        return _evaluate_appearance(out, model, cfg.held_out, appearance)
     from artigen.cli.prove import prove_assets
     from artigen.metrics.evaluate import EvaluateConfig, evaluate_structure
     from artigen.metrics.report import write_report
@@ -81,6 +79,8 @@ def evaluate(
             f"{cfg.steps} steps, strength {cfg.strength:g}, seed {cfg.seed}, {workers} workers: expected at "
             "least one step and one worker, and nothing below 0"
         )
+    if what == "appearance":
+        return _evaluate_appearance(out, model, cfg, appearance)
     settings = EvaluateConfig(
         held_out=cfg.held_out,
         training=cfg.training,
@@ -106,11 +106,18 @@ def evaluate(
     return 0
 
 
-def _evaluate_appearance(out: Path, model: Path, held_out: int, cfg: AppearanceViews) -> int:
+def _evaluate_appearance(out: Path, model: Path, cfg: EvaluateSettings, own: AppearanceViews) -> int:
     from artigen.metrics.evaluate_appearance import EvaluateAppearanceConfig, evaluate_appearance
     from artigen.metrics.report_appearance import write_appearance_report
+    from artigen.sampling import SamplerConfig
 
-    settings = EvaluateAppearanceConfig(held_out=held_out, **vars(cfg))
+    settings = EvaluateAppearanceConfig(
+        held_out=cfg.held_out,
+        training=cfg.training,
+        sampler=SamplerConfig(steps=cfg.steps, strength=cfg.strength),
+        seed=cfg.seed,
+        **vars(own),
+    )
     with tqdm(disable=not sys.stderr.isatty()) as bar:
 
         def on_progress(stage: str, done: int, total: int) -> None:

@@ -1,7 +1,7 @@
 """The whole measurement of an appearance model on held-out procedural objects."""
 
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 
 import torch
@@ -16,13 +16,17 @@ from artigen.metrics.appearance import (
     score_sets,
     split_states,
 )
+from artigen.metrics.conditioned import PictureAsk, PictureTask, score_colors
+from artigen.metrics.subjects import draw_subjects
 from artigen.models.appearance_presets import APPEARANCE_PRESETS
-from artigen.models.appearance_vae import APPEARANCE_VAE, AppearanceVae
+from artigen.models.appearance_vae import APPEARANCE_FLOW, APPEARANCE_VAE, AppearanceVae
 from artigen.models.conditions import ConditionConfig
 from artigen.models.extractors import ExtractorConfig, make_extractor
 from artigen.models.features import FeatureExtractor, PyramidFeatures
 from artigen.models.presets import PresetName
+from artigen.models.slat_flow import SlatFlow
 from artigen.models.store import hash_model, load_model, read_description
+from artigen.sampling import SamplerConfig
 from artigen.shapes.draw import draw_shape
 from artigen.train.appearance.curation import CurationConfig
 from artigen.train.appearance.examples import AppearanceExample, draw_appearance_of
@@ -30,6 +34,8 @@ from artigen.train.appearance.photographs import take_pictures
 from artigen.train.appearance.run import AppearanceRunConfig, run_curation, run_encoder, run_extractor
 from artigen.train.appearance.states import plan_fractions
 from artigen.train.appearance.views import ViewConfig
+from artigen.train.shards import HELD_OUT
+from artigen.types import Asset
 
 Progress = Callable[[str, int, int], None]
 """Called with the stage, what is done of it, and all of it."""
@@ -47,6 +53,12 @@ class EvaluateAppearanceConfig:
     """Pictures of each state."""
     size: int = 128
     """Their edge in pixels."""
+    training: int = 70
+    """Training objects that the baseline of looking up a picture looks in; 0 leaves that question out."""
+    sampler: SamplerConfig = field(default_factory=SamplerConfig)
+    """Steps and guidance."""
+    seed: int = 0
+    """Of the noise."""
     dinov2: Path | None = None
     """Folder with the weights of DINOv2: the model's features, where it was trained with them, and those of
     the distances between sets."""
@@ -70,24 +82,28 @@ class AppearanceEvaluation:
     states: dict[str, Scores]
     """By the share of their ranges that joints are open by."""
     objects: dict[str, Scores]
+    colors: Scores
+    """Colour errors under a picture, by method; empty where there is no flow or no picture to ask with."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class AppearanceModel:
-    """A trained VAE, and how the features that it reads are made."""
+class TrainedAppearance:
+    """Trained networks, and how the features that they read are made."""
 
     vae: AppearanceVae
+    flow: SlatFlow | None
+    """None where only the VAE was trained."""
     curation: CurationConfig
     extractor: FeatureExtractor
     conditions: ConditionConfig
     description: dict[str, object]
 
 
-def load_appearance_vae(folder: Path, device: torch.device, dinov2: Path | None = None) -> AppearanceModel:
-    """Reads the VAE of a model folder.
+def load_trained(folder: Path, device: torch.device, dinov2: Path | None = None) -> TrainedAppearance:
+    """Reads the appearance networks of a model folder.
 
     Raises:
-        SourceError: If the folder holds none, it is of an unknown preset, or its features need weights that
+        SourceError: If the folder holds no VAE, it is of an unknown preset, or its features need weights that
             are not given.
     """
     said = read_description(folder).get(APPEARANCE_VAE)
@@ -110,8 +126,9 @@ def load_appearance_vae(folder: Path, device: torch.device, dinov2: Path | None 
     )
     vae = AppearanceVae(run_encoder(run), APPEARANCE_PRESETS[preset].decoder)
     load_model(vae, folder, APPEARANCE_VAE)
-    return AppearanceModel(
+    return TrainedAppearance(
         vae=vae.to(device),
+        flow=_load_flow(folder, preset, device),
         curation=replace(run_curation(run), kept=0),
         extractor=make_extractor(run_extractor(run)),
         conditions=APPEARANCE_PRESETS[preset].conditions,
@@ -135,14 +152,16 @@ def evaluate_appearance(
         )
     device = torch.device("cuda" if torch.cuda.is_available() else "cpu")
     tell = on_progress or (lambda stage, done, total: None)
-    model = load_appearance_vae(folder, device, cfg.dinov2)
+    model = load_trained(folder, device, cfg.dinov2)
     if cfg.dinov2 is None:
         extractor: FeatureExtractor = PyramidFeatures()
     else:
         extractor = make_extractor(ExtractorConfig(name="dinov2", folder=cfg.dinov2))
     comparisons: dict[str, Comparison] = {}
+    tasks = []
     for number in range(cfg.held_out):
-        example = draw_subject(model, number, cfg)
+        asset, example = draw_subject(model, number, cfg)
+        tasks.append(PictureTask(asset=asset, example=example))
         splats = reconstruct_splats(model.vae, example)
         comparisons[example.name] = compare_pictures(model.vae, splats, example)
         tell("held-out objects", number + 1, cfg.held_out)
@@ -160,10 +179,13 @@ def evaluate_appearance(
             for share, some in split_states(every).items()
         },
         objects={name: score_comparisons([one]) for name, one in comparisons.items()},
+        colors=_ask_pictures(model, tasks, cfg, tell),
     )
 
 
-def draw_subject(model: AppearanceModel, number: int, cfg: EvaluateAppearanceConfig) -> AppearanceExample:
+def draw_subject(
+    model: TrainedAppearance, number: int, cfg: EvaluateAppearanceConfig
+) -> tuple[Asset, AppearanceExample]:
     """A held-out object with the features that the model reads, and the pictures that it is measured on."""
     categories = model.conditions.categories
     category, seed = categories[number % len(categories)], number // len(categories)
@@ -178,4 +200,39 @@ def draw_subject(model: AppearanceModel, number: int, cfg: EvaluateAppearanceCon
     shape = draw_shape(category, seed)
     views = ViewConfig(count=cfg.views, size=cfg.size, sharpness=2)
     fractions = plan_fractions(shape, cfg.states, staggered=False)
-    return replace(example, pictures=take_pictures(shape, asset, fractions, views))
+    return asset, replace(example, pictures=take_pictures(shape, asset, fractions, views))
+
+
+def _ask_pictures(
+    model: TrainedAppearance, tasks: list[PictureTask], cfg: EvaluateAppearanceConfig, tell: Progress
+) -> Scores:
+    """Colour errors of the flow and its baselines, where there is something to ask and to look in."""
+    if model.flow is None or not model.conditions.image_size or not cfg.training:
+        return {}
+    tell("training objects", 0, cfg.training)
+    library = draw_subjects(
+        model.conditions.categories,
+        HELD_OUT,
+        cfg.training,
+        resolution=model.vae.encoder.cfg.resolution,
+        image_size=model.conditions.image_size,
+    )
+    done = iter(range(1, len(tasks) + 1))
+    return score_colors(
+        model.vae,
+        model.flow,
+        tasks,
+        library,
+        model.conditions,
+        PictureAsk(sampler=cfg.sampler, seed=cfg.seed),
+        on_done=lambda: tell("draws by picture", next(done), len(tasks)),
+    )
+
+
+def _load_flow(folder: Path, preset: PresetName, device: torch.device) -> SlatFlow | None:
+    if APPEARANCE_FLOW not in read_description(folder):
+        return None
+    sizes = APPEARANCE_PRESETS[preset]
+    flow = SlatFlow(sizes.flow, sizes.conditions)
+    load_model(flow, folder, APPEARANCE_FLOW)
+    return flow.to(device)

@@ -54,4 +54,16 @@ def format_appearance(evaluation: AppearanceEvaluation) -> str:
         f"a mean over objects. Distances between sets are those of {evaluation.extractor} features: compare",
         "them only with results that have the same features and as many pictures.",
     ]
+    if evaluation.colors:
+        lines += ["", "## Asked for by one picture", ""]
+        lines += format_table(
+            ("method", "error of the mean colour of a part"),
+            [(name, format_score(value, "plain")) for name, value in evaluation.colors.items()],
+        )
+        lines += [
+            "",
+            "Mean absolute difference of sRGB values in [0, 1], over the parts that the closed object shows.",
+            "The model draws on the true voxels; retrieval takes the colours of the training object whose",
+            "picture is most alike.",
+        ]
     return "\n".join(lines) + "\n"

@@ -1,0 +1,129 @@
+"""Do the colours of an object follow the picture it was asked for? The sparse flow beside looking up."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+import torch
+
+from artigen.errors import SourceError
+from artigen.metrics.appearance import Scores, compare_pictures, reconstruct_splats
+from artigen.metrics.part_colors import Colors, borrow_colors, color_error, mean_colors
+from artigen.metrics.retrieval import retrieve
+from artigen.metrics.subjects import Subject
+from artigen.models.appearance_vae import AppearanceVae
+from artigen.models.conditions import ConditionConfig, StructureCondition, gather_conditions
+from artigen.models.slat_flow import SlatFlow, sample_slats
+from artigen.sampling import SamplerConfig
+from artigen.shapes.draw import draw_shape
+from artigen.splats.render.splats import Splats
+from artigen.train.appearance.batches import voxel_batch
+from artigen.train.appearance.examples import AppearanceExample
+from artigen.train.appearance.photographs import Pictures, take_pictures
+from artigen.train.appearance.views import ViewConfig
+from artigen.types import Asset
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PictureTask:
+    """A held-out object, and all that is asked about it is its picture."""
+
+    asset: Asset
+    example: AppearanceExample
+    """Its pictures are those that colours are read off."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class PictureAsk:
+    """How answers are found."""
+
+    sampler: SamplerConfig = field(default_factory=SamplerConfig)
+    """Steps and guidance of the flow."""
+    seed: int = 0
+    """Of the noise."""
+
+
+@torch.no_grad()
+def sample_splats(
+    vae: AppearanceVae,
+    flow: SlatFlow,
+    example: AppearanceExample,
+    asked: StructureCondition,
+    conditions: ConditionConfig,
+    ask: PictureAsk,
+) -> Splats:
+    """Draws Gaussians for an object's true voxels under a condition."""
+    device = next(flow.parameters()).device
+    coords = voxel_batch([example])[0].to(device)
+    noise = torch.randn(len(coords), flow.channels, generator=torch.Generator().manual_seed(ask.seed)).to(
+        device
+    )
+    latents = sample_slats(
+        flow,
+        coords,
+        gather_conditions([asked], conditions).to(device),
+        gather_conditions([StructureCondition()], conditions).to(device),
+        noise,
+        ask.sampler,
+        attributes=torch.from_numpy(example.labels()).to(device) if flow.attribute_channels else None,
+    )
+    return vae.decoder(coords, latents)
+
+
+def score_colors(
+    vae: AppearanceVae,
+    flow: SlatFlow,
+    tasks: list[PictureTask],
+    library: list[Subject],
+    conditions: ConditionConfig,
+    ask: PictureAsk,
+    *,
+    on_done: Callable[[], None] | None = None,
+) -> Scores:
+    """Mean absolute error of the mean colour of each part that the closed object shows, over objects.
+
+    ``model`` draws under the picture alone, on the true voxels; ``autoencoded`` knows the object;
+    ``retrieval`` takes the colours of the library's object with the most similar picture.
+
+    Raises:
+        SourceError: If an example has no picture.
+    """
+    rows: dict[str, list[float]] = {"model": [], "autoencoded": [], "retrieval": []}
+    for task in tasks:
+        example = _closed(task.example)
+        if example.image is None:
+            raise SourceError(f"{example.name}: has no picture to ask with")
+        asked = StructureCondition(image=example.image.transpose(2, 0, 1).astype(np.float32) / 255.0)
+        truth = mean_colors(example.pictures.rgb / 255.0, example.pictures.parts)
+        answers = {
+            "model": sample_splats(vae, flow, example, asked, conditions, ask),
+            "autoencoded": reconstruct_splats(vae, example),
+        }
+        for name, splats in answers.items():
+            drawn = compare_pictures(vae, splats, example).drawn.double().numpy()
+            rows[name].append(color_error(mean_colors(drawn, example.pictures.parts), truth))
+        found = retrieve(asked, library)
+        lent = _colors_of(
+            found, ViewConfig(count=len(example.pictures.rgb), size=example.pictures.rgb.shape[1])
+        )
+        borrowed = borrow_colors(truth, task.asset.parts, lent, found.asset.parts)
+        rows["retrieval"].append(color_error(borrowed, truth))
+        if on_done is not None:
+            on_done()
+    return {name: float(np.mean(values)) for name, values in rows.items() if values}
+
+
+def _closed(example: AppearanceExample) -> AppearanceExample:
+    """The example with the pictures of its closed state alone."""
+    pictures = example.pictures
+    rows = pictures.state == 0
+    kept = {name: value if name == "displacements" else value[rows] for name, value in vars(pictures).items()}
+    return replace(example, pictures=Pictures(**kept))
+
+
+def _colors_of(subject: Subject, views: ViewConfig) -> Colors:
+    """Colours of a procedural object's parts, from photographs of the closed object."""
+    category, seed = subject.asset.name.rsplit("_", 1)
+    shape = draw_shape(category, int(seed))
+    pictures = take_pictures(shape, subject.asset, np.zeros((1, len(shape.parts))), views)
+    return mean_colors(pictures.rgb / 255.0, pictures.parts)
