@@ -93,7 +93,7 @@ def generate_structure(
         known = complete_conditions(model.outline, known, generator)
         outlines = sample_outlines(model.outline, known, nothing, generator, cfg.outline)
     latent = sample_latents(model.flow, known, nothing, noise, cfg.sampler, outlines)
-    fields, notes = remove_strays(decode_fields(model.vae, latent)[0], cfg.clean)
+    fields, notes = remove_strays(decode_fields(model.vae, latent, outlines)[0], cfg.clean)
     asset = segment(
         fields,
         cfg.segment,

@@ -18,6 +18,8 @@ from artigen.models.conditions import (
 )
 from artigen.models.conv_vae import ConvVaeConfig
 from artigen.models.latent_dit import EARLIEST, velocity_of
+from artigen.models.outline_flow import OutlineFlow
+from artigen.models.outlines import gather_outlines
 from artigen.models.patches import PackedField, PatchBatch, collate, fold, pack_asset, patch_centers, unfold
 from artigen.models.presets import PRESETS
 from artigen.models.store import load_model, save_model
@@ -80,7 +82,7 @@ def test_a_perfect_reconstruction_costs_nothing_and_reads_back(small: Asset, pat
         assert all(float(term) < 1e-4 for term in terms.values()), terms
 
     class Oracle(StructureVae):
-        def decode(self, z, index=None):
+        def decode(self, z, index=None, outlines=None):
             return logits, attributes, patches.index
 
     oracle = Oracle(TINY.vae)
@@ -114,7 +116,7 @@ def test_dice_is_one_minus_the_overlap():
 @pytest.mark.parametrize(
     "cfg", [TINY.vae, ConvVaeConfig(channels=(4, 8, 8), res_blocks=1, middle_blocks=1)], ids=["patch", "conv"]
 )
-def test_both_vaes_have_one_interface_and_learn(patches: PatchBatch, cfg):
+def test_both_vaes_have_one_interface_and_learn(patches: PatchBatch, packed: PackedField, cfg):
     torch.manual_seed(0)
     vae = StructureVae(cfg)
     mean, logvar = vae.encode(patches)
@@ -124,7 +126,7 @@ def test_both_vaes_have_one_interface_and_learn(patches: PatchBatch, cfg):
     optimizer = torch.optim.Adam(vae.parameters(), lr=3e-3)
     seen = []
     for _ in range(12):
-        made = vae(patches, torch.zeros_like(mean))
+        made = vae(patches, torch.zeros_like(mean), outlines=gather_outlines([packed.table] * 2))
         loss = torch.stack(
             list(structure_losses(made.logits, made.attributes, patches, StructureLossConfig()).values())
         ).sum()
@@ -216,7 +218,9 @@ def test_wrong_conditions_are_refused():
 def test_the_shipped_size_fits_its_limit():
     preset = PRESETS["compact"]
     with torch.device("meta"):
-        networks = StructureVae(preset.vae), StructureFlow(preset.flow, preset.conditions)
+        networks = [StructureVae(preset.vae), StructureFlow(preset.flow, preset.conditions)]
+        assert preset.outline is not None
+        networks.append(OutlineFlow(preset.outline, preset.conditions))
     assert 2 * sum(value.numel() for network in networks for value in network.state_dict().values()) < 40e6
 
 

@@ -10,7 +10,7 @@ import torch
 
 from artigen.models.presets import PRESETS
 from artigen.models.structure_vae import StructureVae
-from artigen.train.batches import draw_batches, patch_batch, prefetch
+from artigen.train.batches import draw_batches, outline_batch, patch_batch, prefetch
 from artigen.train.curves import read_metrics
 from artigen.train.examples import StructureExample, draw_example
 from artigen.train.loop import LoopConfig, train
@@ -150,9 +150,9 @@ def test_a_disturbance_is_measured_in_deviations_of_its_channel(examples: list[S
     decoded = []
 
     class Listening(StructureVae):
-        def decode(self, z, index=None):
+        def decode(self, z, index=None, outlines=None):
             decoded.append(z)
-            return super().decode(z, index)
+            return super().decode(z, index, outlines)
 
     torch.manual_seed(0)
     vae = Listening(PRESETS["tiny"].vae)
@@ -160,6 +160,6 @@ def test_a_disturbance_is_measured_in_deviations_of_its_channel(examples: list[S
     noise = torch.randn_like(vae.encode(patches)[0])
     with torch.no_grad():
         for disturbance in (None, torch.full_like(noise, 0.25)):
-            vae(patches, noise, disturbance)
+            vae(patches, noise, disturbance, outline_batch(examples))
     deviation = decoded[0].std(dim=(0, 2, 3, 4), keepdim=True).expand_as(noise)
     torch.testing.assert_close(decoded[1] - decoded[0], 0.25 * deviation)

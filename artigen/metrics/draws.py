@@ -1,6 +1,5 @@
 """Objects drawn to be measured: one draw for each condition, kept on disk as it is made."""
 
-import json
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -11,13 +10,13 @@ import torch
 from artigen.errors import SegmentationError
 from artigen.generate import GenerateConfig, StructureModel, generate_structure
 from artigen.io import read_asset, write_asset
-from artigen.journal import read_lines
+from artigen.journal import append_line, read_lines
 from artigen.metrics.subjects import Subject
 from artigen.models.conditions import StructureCondition
 from artigen.models.structure_vae import decode_fields
 from artigen.segment import segment
 from artigen.segmentation.clean import remove_strays
-from artigen.train.batches import patch_batch
+from artigen.train.batches import outline_batch, patch_batch
 from artigen.types import Asset
 
 JOURNAL = "draws.jsonl"
@@ -73,8 +72,7 @@ def draw_all(
             if draw.asset is not None:
                 write_asset(draw.asset, kept)
             said = {"key": job.key, "seed": job.seed, "seconds": draw.seconds, "error": draw.error}
-            with (folder / JOURNAL).open("a") as journal:
-                journal.write(json.dumps(said) + "\n")
+            append_line(folder / JOURNAL, said)
         out.append(draw)
         if on_done is not None:
             on_done()
@@ -89,7 +87,9 @@ def reconstruct(model: StructureModel, subject: Subject, cfg: GenerateConfig) ->
     device = next(model.vae.parameters()).device
     with torch.no_grad():
         mean, _ = model.vae.encode(patch_batch([subject.example]).to(device))
-    fields, _ = remove_strays(decode_fields(model.vae, mean)[0], cfg.clean)
+    fields, _ = remove_strays(
+        decode_fields(model.vae, mean, outline_batch([subject.example]).to(device))[0], cfg.clean
+    )
     asset = subject.asset
     try:
         return segment(fields, cfg.segment, name=asset.name, scale=asset.scale, category=asset.category)

@@ -11,8 +11,10 @@ from torch import Tensor
 
 from artigen.fields import FieldLayout
 from artigen.metrics.deviations import part_deviations
+from artigen.models.outlines import OutlineBatch
+from artigen.models.patches import PatchBatch
 from artigen.models.structure_vae import StructureVae
-from artigen.train.batches import patch_batch
+from artigen.train.batches import outline_batch, patch_batch
 from artigen.train.examples import StructureExample
 
 
@@ -32,8 +34,8 @@ def score_reconstruction(
     device = next(vae.parameters()).device
     sums: dict[str, list[float]] = {}
     for start in range(0, len(examples), batch):
-        patches = patch_batch(examples[start : start + batch]).to(device)
-        logits, values, _ = vae.decode(vae.encode(patches)[0], patches.index)
+        patches, outlines = _subjects(examples[start : start + batch], device)
+        logits, values, _ = vae.decode(vae.encode(patches)[0], patches.index, outlines)
         occupancy = patches.occupancy().flatten(0, 1) > 0
         found = logits > 0
         _count(sums, "occupancy_recall", found[occupancy])
@@ -58,8 +60,8 @@ def score_spread(
     device = next(vae.parameters()).device
     spreads, kinds = [], []
     for start in range(0, len(examples), batch):
-        patches = patch_batch(examples[start : start + batch]).to(device)
-        logits, values, _ = vae.decode(vae.encode(patches)[0], patches.index)
+        patches, outlines = _subjects(examples[start : start + batch], device)
+        logits, values, _ = vae.decode(vae.encode(patches)[0], patches.index, outlines)
         common = patches.occupied() & (logits[patches.index] > 0)
         ids, spread = part_deviations(
             values[common].float().cpu().numpy(), patches.rows[common].cpu().numpy()
@@ -84,6 +86,10 @@ def score_spread(
         name: tuple((unit * spread[chosen][:, channels].mean(axis=0)).tolist()) if chosen.any() else ()
         for name, (channels, chosen, unit) in rows.items()
     }
+
+
+def _subjects(examples: Sequence[StructureExample], device: torch.device) -> tuple[PatchBatch, OutlineBatch]:
+    return patch_batch(examples).to(device), outline_batch(examples).to(device)
 
 
 def _inner(channels: slice) -> slice:

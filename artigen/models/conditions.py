@@ -53,7 +53,7 @@ class ConditionBatch:
 class ConditionConfig:
     """How a condition is embedded."""
 
-    width: int = 320
+    width: int = 256
     """Width of a token."""
     categories: tuple[str, ...] = PAPER_CATEGORIES
     """Categories that have a token of their own."""
@@ -61,9 +61,9 @@ class ConditionConfig:
     """Edge of the picture in pixels; 0 leaves pictures out."""
     image_patch: int = 16
     """Edge of a picture token in pixels."""
-    image_width: int = 192
+    image_width: int = 128
     """Width of the picture encoder."""
-    image_blocks: int = 4
+    image_blocks: int = 3
     """Transformer blocks of the picture encoder."""
 
 

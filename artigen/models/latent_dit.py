@@ -31,11 +31,11 @@ class LatentDitConfig:
     """Channels of the latent."""
     patch: int = 2
     """Latent cells per token along an edge."""
-    width: int = 320
+    width: int = 256
     """Width of a token, also of a condition token."""
-    blocks: int = 6
+    blocks: int = 5
     """Transformer blocks."""
-    heads: int = 5
+    heads: int = 4
     """Attention heads."""
     hint: int = 0
     """Channels of a hint on the latent's grid (`artigen.models.outlines`); 0 takes none."""

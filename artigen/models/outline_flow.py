@@ -29,7 +29,7 @@ class OutlineFlowConfig:
 
     width: int = 256
     """Width of a token, also of a condition token."""
-    blocks: int = 6
+    blocks: int = 5
     """Transformer blocks."""
     heads: int = 4
     """Attention heads."""
@@ -111,7 +111,7 @@ class OutlineFlow(nn.Module):
     def restore(
         self, x: Float[Tensor, "B N D"], labels: Int[Tensor, "B N"], given: Bool[Tensor, "B N"]
     ) -> OutlineBatch:
-        """Inverse of `normalise`, with labels; the category stays zero and joint types become whole."""
+        """Inverse of `normalise`, with labels; joint types become whole, the category is not said."""
         layout, drawn = self.cfg.layout, self.cfg.drawn
         rows = x.new_zeros(*x.shape[:2], layout.channels - 1)
         rows[..., drawn] = x * self.std + self.mean
@@ -159,7 +159,7 @@ def sample_outlines(
     generator: torch.Generator,
     cfg: SamplerConfig,
 ) -> OutlineBatch:
-    """Draws one outline per condition, whose counts must be known (`complete_conditions`).
+    """Draws one outline per condition, whose category and counts must be known (`complete_conditions`).
 
     Args:
         flow: the trained flow.
@@ -181,7 +181,11 @@ def sample_outlines(
         return said[: len(x)], said[len(x) :]
 
     drawn = sample_flow(noise, lambda x, t: flow.velocity(x, t, tokens, labels, given), pair, cfg)
-    return flow.restore(drawn, labels, given)
+    outlines = flow.restore(drawn, labels, given)
+    start = flow.cfg.layout.category.start - 1
+    kinds = functional.one_hot(asked.category, len(flow.cfg.layout.categories)).to(outlines.rows.dtype)
+    outlines.rows[..., start : start + kinds.shape[1]] = kinds[:, None] * given[..., None]
+    return outlines
 
 
 def outline_labels(outlines: OutlineBatch) -> Int[Tensor, "B N"]:

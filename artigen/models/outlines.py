@@ -12,6 +12,7 @@ import numpy as np
 import torch
 from jaxtyping import Bool, Float, Int
 from torch import Tensor
+from torch.nn import functional
 
 from artigen.fields import DEFAULT_LAYOUT, FieldLayout
 
@@ -19,8 +20,20 @@ BLUR = 0.25 / 64
 """Standard deviation of the error of drawn boxes, in unit-cube lengths."""
 FACES = 6
 """Distances to the faces of a box, in a hint."""
-DEPTH = 2
+DEPTH = 4
 """How many parts a cell is told about: the smallest that reach into it."""
+MARGIN = 0.5 / 64
+"""How far beyond its box a part reaches, in unit-cube lengths: boxes that were drawn are a little off."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Candidates:
+    """The parts that the cells of a grid may belong to: rows of the outlines, smallest box first."""
+
+    chosen: Int[Tensor, "B D V"]
+    """Part of each candidate; 0 where there is none."""
+    found: Bool[Tensor, "B D V"]
+    """Whether there is one."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -73,45 +86,40 @@ def hint_channels(layout: FieldLayout = DEFAULT_LAYOUT) -> int:
     return DEPTH * (_said_of_parts(layout) + FACES + 1)
 
 
+def find_candidates(outlines: OutlineBatch, edge: int, layout: FieldLayout = DEFAULT_LAYOUT) -> Candidates:
+    """The `DEPTH` smallest parts that reach into each cell of a grid of ``edge`` over the unit cube."""
+    low, high = _faces(outlines, layout)
+    line, half = _cell_line(edge, outlines.rows.device), 0.5 / edge + MARGIN
+    near = [(low[..., axis, None] < line + half) & (high[..., axis, None] > line - half) for axis in range(3)]
+    inside = near[0][..., :, None, None] & near[1][..., None, :, None] & near[2][..., None, None, :]
+    inside = (inside & outlines.given[..., None, None, None]).flatten(2)
+    volume = (high - low).clamp(min=1e-4).prod(dim=-1)
+    rank = torch.where(inside, volume[..., None], torch.inf)
+    rank = functional.pad(rank, (0, 0, 0, max(DEPTH - rank.shape[1], 0)), value=torch.inf)
+    size, chosen = rank.topk(DEPTH, dim=1, largest=False)
+    return Candidates(chosen=torch.where(size.isfinite(), chosen, 0), found=size.isfinite())
+
+
 def draw_hint(
-    outlines: OutlineBatch, edge: int, layout: FieldLayout = DEFAULT_LAYOUT
+    outlines: OutlineBatch, candidates: Candidates, edge: int, layout: FieldLayout = DEFAULT_LAYOUT
 ) -> Float[Tensor, "B H X Y Z"]:
-    """Outlines on a grid: for every cell, the smallest parts that reach into it.
+    """What is known of the cells of a grid: the parts they may belong to, one after another.
 
     Each is told by its attributes (places relative to the cell), the distances from the cell's centre to
-    the six faces of its box in cells, at most 2, and a one. Zero where no part reaches.
-
-    Args:
-        outlines: of the batch.
-        edge: cells along an edge of the grid over the unit cube.
-        layout: channels.
+    the six faces of its box in cells, at most 2, and a one. Zero where there is no such part.
     """
     at = _after_occupancy(layout)
-    rows, box = outlines.rows, outlines.rows[..., at["box"]]
-    low, high = box[..., :3] - box[..., 3:] / 2, box[..., :3] + box[..., 3:] / 2
-    line = (torch.arange(edge, device=rows.device) + 0.5) / edge - 0.5
-    half = 0.5 / edge
-    reaches = [
-        (low[..., axis, None] < line + half) & (high[..., axis, None] > line - half) for axis in range(3)
-    ]
-    inside = reaches[0][..., :, None, None] & reaches[1][..., None, :, None] & reaches[2][..., None, None, :]
-    inside = (inside & outlines.given[..., None, None, None]).flatten(2)  # B N cells
-    volume = box[..., 3:].clamp(min=1e-4).prod(dim=-1)
-    rank = torch.where(inside, volume[..., None], torch.inf)
-    if rank.shape[1] < DEPTH:
-        rank = torch.nn.functional.pad(rank, (0, 0, 0, DEPTH - rank.shape[1]), value=torch.inf)
-    size, chosen = rank.topk(DEPTH, dim=1, largest=False)  # B depth cells
-    found = size.isfinite()
-    chosen = torch.where(found, chosen, 0)
-    batch = torch.arange(len(rows), device=rows.device)[:, None, None]
+    line = _cell_line(edge, outlines.rows.device)
     center = torch.stack(torch.meshgrid(line, line, line, indexing="ij"), dim=-1).reshape(-1, 3)
-    said = rows[batch, chosen][..., : _said_of_parts(layout)].clone()
+    batch = torch.arange(len(outlines.rows), device=line.device)[:, None, None]
+    said = outlines.rows[batch, candidates.chosen][..., : _said_of_parts(layout)].clone()
     said[..., at["origin"]] -= center
     said[..., at["box"].start : at["box"].start + 3] -= center
-    faces = torch.cat([center - low[batch, chosen], high[batch, chosen] - center], dim=-1)
+    low, high = (face[batch, candidates.chosen] for face in _faces(outlines, layout))
+    faces = torch.cat([center - low, high - center], dim=-1)
     told = torch.cat([said, (faces * edge).clamp(-2.0, 2.0), torch.ones_like(faces[..., :1])], dim=-1)
-    told = told * found[..., None]  # B depth cells channels
-    return told.permute(0, 1, 3, 2).reshape(len(rows), -1, edge, edge, edge)
+    told = told * candidates.found[..., None]
+    return told.permute(0, 1, 3, 2).reshape(len(told), -1, edge, edge, edge)
 
 
 def part_labels(rows: Float[Tensor, "B N C"], layout: FieldLayout = DEFAULT_LAYOUT) -> Int[Tensor, "B N"]:
@@ -127,3 +135,14 @@ def _said_of_parts(layout: FieldLayout) -> int:
 def _after_occupancy(layout: FieldLayout) -> dict[str, slice]:
     names = ("label", "joint_type", "axis", "origin", "range", "box")
     return {name: slice(getattr(layout, name).start - 1, getattr(layout, name).stop - 1) for name in names}
+
+
+def _faces(outlines: OutlineBatch, layout: FieldLayout) -> tuple[Float[Tensor, "B N 3"], ...]:
+    """Lowest and highest corners of the boxes."""
+    box = outlines.rows[..., _after_occupancy(layout)["box"]]
+    return box[..., :3] - box[..., 3:] / 2, box[..., :3] + box[..., 3:] / 2
+
+
+def _cell_line(edge: int, device: torch.device) -> Float[Tensor, "E"]:
+    """Centres of cells along an edge."""
+    return (torch.arange(edge, device=device) + 0.5) / edge - 0.5

@@ -2,8 +2,10 @@
 
 It differs from the paper's network (`artigen.models.conv_vae`) where that buys speed on two CPU cores:
 4^3 patches instead of convolutions at 64^3 and 32^3 (ten times fewer operations); a stem and a head for
-occupancy of their own; attributes only where there are cells; places relative to the patch; attention over
-8^3 tokens, because the box and the hinge of a part lie beyond a convolution's reach. See docs/training.md.
+occupancy of their own; places relative to the patch; attention over 8^3 tokens, because what a part is for
+lies beyond a convolution's reach. And it decodes in view of an outline (`artigen.models.outlines`): what a
+part is called, its joint and its box are known, the latent says where its cells are, and each cell only
+chooses which of the parts that reach it it belongs to. See docs/training.md.
 """
 
 from dataclasses import dataclass
@@ -16,6 +18,7 @@ from torch.nn import functional
 from artigen.fields import DEFAULT_LAYOUT, FieldLayout
 from artigen.models.attention import FeedForward, SelfAttention, plain_norm
 from artigen.models.embeddings import embed_positions, grid_positions
+from artigen.models.outlines import DEPTH, Candidates, OutlineBatch, hint_channels
 from artigen.models.patches import CELLS, PATCH, PatchBatch, patch_centers, relative
 from artigen.models.volumes import (
     ChannelLayerNorm,
@@ -25,6 +28,9 @@ from artigen.models.volumes import (
     as_volume,
     shuffle_pixels,
 )
+
+LEAST = 1e-6
+"""Least probability of a class, so that its logarithm is finite."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,7 +47,7 @@ class PatchVaeConfig:
     """Residual blocks of the encoder."""
     decoder_blocks: int = 4
     """Residual blocks of the decoder."""
-    global_width: int = 192
+    global_width: int = 160
     """Width of the tokens that see the whole object."""
     global_blocks: int = 2
     """Transformer blocks over those tokens, in encoder and decoder each."""
@@ -120,13 +126,14 @@ class PatchEncoder(nn.Module):
 
 
 class PatchDecoder(nn.Module):
-    """Latent to features of patches, and features to occupancy and attributes of their cells."""
+    """Latent and hint to features of patches, and those to occupancy and parts of their cells."""
 
     def __init__(self, cfg: PatchVaeConfig) -> None:
         super().__init__()
         self.cfg = cfg
         half = cfg.decoder_blocks // 2
         self.input_layer = nn.Conv3d(cfg.latent_channels, cfg.width, 3, padding=1)
+        self.hint_layer = nn.Conv3d(hint_channels(cfg.layout), cfg.width, 1, bias=False)
         self.before = nn.ModuleList(ResBlock3d(cfg.width) for _ in range(half))
         self.mixer = GlobalMixer(cfg)
         self.after = nn.ModuleList(ResBlock3d(cfg.width) for _ in range(cfg.decoder_blocks - half))
@@ -134,15 +141,15 @@ class PatchDecoder(nn.Module):
         self.occupancy_head = nn.Sequential(
             nn.Linear(cfg.width, 4 * cfg.width), nn.SiLU(), nn.Linear(4 * cfg.width, CELLS)
         )
-        self.attribute_head = nn.Sequential(
-            nn.Linear(cfg.width, 4 * cfg.width),
-            nn.SiLU(),
-            nn.Linear(4 * cfg.width, CELLS * (cfg.layout.channels - 1)),
+        self.choice_head = nn.Sequential(
+            nn.Linear(cfg.width, 4 * cfg.width), nn.SiLU(), nn.Linear(4 * cfg.width, CELLS * DEPTH)
         )
 
-    def forward(self, z: Float[Tensor, "B C X Y Z"]) -> Float[Tensor, "N D"]:
+    def forward(
+        self, z: Float[Tensor, "B C X Y Z"], hint: Float[Tensor, "B H X Y Z"]
+    ) -> Float[Tensor, "N D"]:
         """Features of every patch of the batch, ``N = B * edge^3``."""
-        x = self.input_layer(z)
+        x = self.input_layer(z) + self.hint_layer(hint)
         for block in self.before:
             x = block(x)
         x = self.mixer(x)
@@ -154,7 +161,44 @@ class PatchDecoder(nn.Module):
         """Logits of the cells of patches."""
         return self.occupancy_head(features).float()
 
-    def attributes(self, features: Float[Tensor, "N D"], index: Int[Tensor, "P"]) -> Float[Tensor, "P K C"]:
-        """Channels after occupancy (class channels as logits) of the cells of chosen patches."""
-        values = self.attribute_head(features[index]).float().unflatten(-1, (CELLS, -1))
-        return relative(values, patch_centers(index, self.cfg.edge), 1.0, self.cfg.layout)
+    def attributes(
+        self,
+        features: Float[Tensor, "N D"],
+        index: Int[Tensor, "P"],
+        outlines: OutlineBatch,
+        candidates: Candidates,
+    ) -> Float[Tensor, "P K C"]:
+        """Channels after occupancy (class channels as logits) of the cells of chosen patches.
+
+        In training a mean over the parts that a cell may belong to, by their probabilities; in evaluation
+        those of the likeliest part.
+        """
+        cells = self.cfg.edge**3
+        sample, patch = index // cells, index % cells
+        rows = outlines.rows[sample[:, None], candidates.chosen[sample, :, patch]]  # P D C
+        found = candidates.found[sample, :, patch]
+        said = self.choice_head(features[index]).float().unflatten(-1, (CELLS, DEPTH))
+        chances = said.masked_fill(~found[:, None, :], -30.0).softmax(dim=-1)
+        if not self.training:
+            chances = functional.one_hot(chances.argmax(dim=-1), DEPTH).to(chances.dtype)
+        mixed = chances @ rows
+        return torch.cat(
+            [
+                mixed[..., part].clamp(min=LEAST).log() if is_class else mixed[..., part]
+                for part, is_class in channel_groups(self.cfg.layout)
+            ],
+            dim=-1,
+        )
+
+
+def channel_groups(layout: FieldLayout) -> tuple[tuple[slice, bool], ...]:
+    """The channels after occupancy, in order: attributes side by side, and whether they are classes."""
+    groups = []
+    for channels, is_class in (
+        (layout.label, True),
+        (layout.joint_type, True),
+        (slice(layout.axis.start, layout.box.stop), False),
+        (slice(layout.category.start, layout.channels), True),
+    ):
+        groups.append((slice(channels.start - 1, channels.stop - 1), is_class))
+    return tuple(groups)

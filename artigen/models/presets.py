@@ -46,15 +46,15 @@ PRESETS: dict[PresetName, StructurePreset] = {
     ),
     "small": StructurePreset(
         vae=PatchVaeConfig(width=64, encoder_blocks=1, decoder_blocks=3, global_width=128, global_blocks=2),
-        flow=LatentDitConfig(width=256, blocks=6, heads=4, hint=hint_channels()),
-        conditions=ConditionConfig(width=256, image_width=128, image_blocks=3),
-        outline=OutlineFlowConfig(),
+        flow=LatentDitConfig(blocks=6, hint=hint_channels()),
+        conditions=ConditionConfig(),
+        outline=OutlineFlowConfig(blocks=6),
     ),
     "compact": StructurePreset(
         vae=PatchVaeConfig(),
         flow=LatentDitConfig(hint=hint_channels()),
         conditions=ConditionConfig(),
-        outline=OutlineFlowConfig(width=320, heads=5),
+        outline=OutlineFlowConfig(),
     ),
     "paper": StructurePreset(
         vae=ConvVaeConfig(),

@@ -10,7 +10,7 @@ from torch import Tensor, nn
 
 from artigen.models.conditions import ConditionBatch, ConditionConfig, ConditionEncoder
 from artigen.models.latent_dit import LatentDit, LatentDitConfig, velocity_of
-from artigen.models.outlines import OutlineBatch, draw_hint
+from artigen.models.outlines import OutlineBatch, draw_hint, find_candidates
 from artigen.models.structure_dit import StructureDit, StructureDitConfig
 from artigen.sampling import SamplerConfig, sample_flow
 
@@ -60,8 +60,13 @@ class StructureFlow(nn.Module):
         outlines: OutlineBatch | None = None,
     ) -> Float[Tensor, "B C X Y Z"]:
         """Velocity at times in [0, 1], under conditions and, where known, outlines."""
-        hint = None if outlines is None else draw_hint(outlines, self.edge)
-        return self.velocity(x, times, self.conditions(asked), hint)
+        return self.velocity(x, times, self.conditions(asked), self.hint(outlines))
+
+    def hint(self, outlines: OutlineBatch | None) -> Float[Tensor, "B H X Y Z"] | None:
+        """Outlines on the latent's grid."""
+        if outlines is None:
+            return None
+        return draw_hint(outlines, find_candidates(outlines, self.edge), self.edge)
 
     def normalise(self, z: Float[Tensor, "B C X Y Z"]) -> Float[Tensor, "B C X Y Z"]:
         """Latents as the flow sees them: zero mean and unit deviation per channel."""
@@ -95,7 +100,7 @@ def sample_latents(
     """
     tokens = flow.conditions(asked)
     both = torch.cat([tokens, flow.conditions(nothing)])
-    hint = None if outlines is None else draw_hint(outlines, flow.edge)
+    hint = flow.hint(outlines)
     hints = None if hint is None else torch.cat([hint, hint])
 
     def pair(x: Tensor, times: Tensor) -> tuple[Tensor, Tensor]:

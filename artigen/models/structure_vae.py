@@ -12,6 +12,7 @@ from torch import Tensor, nn
 
 from artigen.fields import DEFAULT_LAYOUT, FieldLayout, VoxelFields
 from artigen.models.conv_vae import ConvDecoder, ConvEncoder, ConvVaeConfig
+from artigen.models.outlines import OutlineBatch, draw_hint, find_candidates
 from artigen.models.patch_vae import PatchDecoder, PatchEncoder, PatchVaeConfig
 from artigen.models.patches import PATCH, PatchBatch, fold, unfold
 from artigen.models.volumes import sample_gaussian
@@ -46,17 +47,26 @@ class StructureVae(nn.Module):
         return mean.float(), logvar.float()
 
     def decode(
-        self, z: Float[Tensor, "B D X Y Z"], index: Int[Tensor, "P"] | None = None
+        self,
+        z: Float[Tensor, "B D X Y Z"],
+        index: Int[Tensor, "P"] | None = None,
+        outlines: OutlineBatch | None = None,
     ) -> tuple[Float[Tensor, "N K"], Float[Tensor, "P K C"], Int[Tensor, "P"]]:
         """Occupancy logits of every cell, and the channels of the patches ``index``.
 
         Without ``index``, those of every patch that is found to hold a cell; the index is returned.
+
+        Raises:
+            ValueError: If the network decodes in view of outlines and there are none.
         """
         if isinstance(self.decoder, PatchDecoder):
-            features = self.decoder(z)
+            if outlines is None:
+                raise ValueError("this network decodes in view of outlines, and was given none")
+            candidates = find_candidates(outlines, z.shape[2], self.layout)
+            features = self.decoder(z, draw_hint(outlines, candidates, z.shape[2], self.layout))
             logits = self.decoder.occupancy(features)
             index = _occupied_patches(logits) if index is None else index
-            return logits, self.decoder.attributes(features, index), index
+            return logits, self.decoder.attributes(features, index, outlines, candidates), index
         dense = fold(self.decoder(z)).float().flatten(0, 1)
         logits = dense[..., 0]
         index = _occupied_patches(logits) if index is None else index
@@ -67,6 +77,7 @@ class StructureVae(nn.Module):
         patches: PatchBatch,
         noise: Float[Tensor, "B D X Y Z"],
         disturbance: Float[Tensor, "B D X Y Z"] | None = None,
+        outlines: OutlineBatch | None = None,
     ) -> Reconstruction:
         """Reconstructs a batch through a draw from its posterior.
 
@@ -77,14 +88,16 @@ class StructureVae(nn.Module):
         z = sample_gaussian(mean, logvar, noise)
         if disturbance is not None:
             z = z + disturbance * z.detach().std(dim=(0, 2, 3, 4), keepdim=True)
-        logits, attributes, _ = self.decode(z, patches.index)
+        logits, attributes, _ = self.decode(z, patches.index, outlines)
         return Reconstruction(logits=logits, attributes=attributes, mean=mean, logvar=logvar)
 
 
 @torch.no_grad()
-def decode_fields(vae: StructureVae, z: Float[Tensor, "B D X Y Z"]) -> list[VoxelFields]:
+def decode_fields(
+    vae: StructureVae, z: Float[Tensor, "B D X Y Z"], outlines: OutlineBatch | None = None
+) -> list[VoxelFields]:
     """Latents to what their occupied cells say; cells count as occupied from a logit above 0."""
-    logits, attributes, index = vae.decode(z)
+    logits, attributes, index = vae.decode(z, outlines=outlines)
     per_sample = len(logits) // len(z)
     edge = round(per_sample ** (1 / 3))
     out = []

@@ -21,6 +21,18 @@ Example = TypeVar("Example")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
+class FieldBatch:
+    """Fields of objects with their outlines."""
+
+    patches: PatchBatch
+    outlines: OutlineBatch
+
+    def to(self, device: torch.device | str) -> "FieldBatch":
+        """The same batch on another device."""
+        return FieldBatch(patches=self.patches.to(device), outlines=self.outlines.to(device))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
 class LatentBatch:
     """Posterior means and deviations of objects with the conditions and the outlines they answer."""
 
@@ -58,6 +70,11 @@ class Described(Protocol):
 
     @property
     def image(self) -> UInt8[np.ndarray, "H W 4"] | None: ...
+
+
+def field_batch(examples: Sequence[StructureExample]) -> FieldBatch:
+    """Fields and outlines of examples side by side."""
+    return FieldBatch(patches=patch_batch(examples), outlines=outline_batch(examples))
 
 
 def outline_batch(examples: Sequence[StructureExample]) -> OutlineBatch:

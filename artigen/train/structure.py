@@ -10,14 +10,15 @@ from torch import Tensor, nn
 from artigen.models.conditions import ConditionConfig, drop_conditions
 from artigen.models.conv_vae import kl_divergence
 from artigen.models.outlines import blur_outlines
-from artigen.models.patches import PatchBatch
 from artigen.models.structure_flow import StructureFlow
 from artigen.models.structure_vae import StructureVae
 from artigen.sampling import diffuse, draw_times, target_velocity
 from artigen.train.batches import (
+    FieldBatch,
     LatentBatch,
     condition_batch,
     draw_batches,
+    field_batch,
     outline_batch,
     patch_batch,
     prefetch,
@@ -55,19 +56,20 @@ def train_structure_vae(
         on_report: Called with every line of metrics.
     """
 
-    def terms(network: nn.Module, patches: PatchBatch, generator: torch.Generator) -> dict[str, Tensor]:
-        edge = patches.edge
+    def terms(network: nn.Module, fields: FieldBatch, generator: torch.Generator) -> dict[str, Tensor]:
+        patches, edge = fields.patches, fields.patches.edge
         shape = (patches.samples, vae.latent_channels, edge, edge, edge)
         noise = torch.randn(shape, generator=generator, device=generator.device)
         disturbance = None  # nothing is drawn for it, so that all else stays as without it
         if latent_noise:
             extra = torch.randn(shape, generator=generator, device=generator.device)
             disturbance = latent_noise * extra
-        made = network(patches, noise, disturbance)
+        outlines = blur_outlines(fields.outlines, 0.0, generator)
+        made = network(patches, noise, disturbance, outlines)
         out = structure_losses(made.logits, made.attributes, patches, losses, vae.layout)
         return {**out, "kl": losses.kl * kl_divergence(made.mean, made.logvar)}
 
-    batches = prefetch(draw_batches(examples, patch_batch, batch, cfg.seed))
+    batches = prefetch(draw_batches(examples, field_batch, batch, cfg.seed))
     train(vae, terms, batches, folder, cfg, on_report=on_report)
     return vae
 

@@ -1,0 +1,171 @@
+"""Outlines: order, candidates, hints, and the flow that draws them."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import torch
+
+from artigen.fields import DEFAULT_LAYOUT, part_attributes
+from artigen.models.conditions import StructureCondition, gather_conditions
+from artigen.models.outline_flow import OutlineFlow, complete_conditions, sample_outlines
+from artigen.models.outlines import (
+    DEPTH,
+    OutlineBatch,
+    blur_outlines,
+    draw_hint,
+    find_candidates,
+    gather_outlines,
+    hint_channels,
+    part_labels,
+)
+from artigen.models.presets import PRESETS
+from artigen.models.structure_vae import StructureVae
+from artigen.sampling import SamplerConfig
+from artigen.types import PART_LABELS, Asset
+from artigen.voxels import voxelize
+
+TINY = PRESETS["tiny"]
+EDGE = 16
+BOX = slice(DEFAULT_LAYOUT.box.start - 1, DEFAULT_LAYOUT.box.stop - 1)
+
+
+@pytest.fixture(scope="module")
+def table(cabinet: Asset) -> np.ndarray:
+    rows = np.stack([part_attributes(part, cabinet.category) for part in cabinet.parts])
+    return rows[:, DEFAULT_LAYOUT.occupancy.stop :].astype(np.float32)
+
+
+@pytest.fixture(scope="module")
+def outlines(table: np.ndarray) -> OutlineBatch:
+    return gather_outlines([table, table[:3]])
+
+
+def make_flow() -> OutlineFlow:
+    torch.manual_seed(0)
+    assert TINY.outline is not None
+    flow = OutlineFlow(TINY.outline, TINY.conditions).eval()
+    for parameter in flow.parameters():  # what starts at zero would hide what it is multiplied with
+        if not parameter.any():
+            torch.nn.init.normal_(parameter, std=0.1)
+    return flow
+
+
+def test_parts_are_read_in_one_order_whatever_order_they_come_in(table: np.ndarray, outlines: OutlineBatch):
+    shuffled = gather_outlines([table[::-1].copy()])
+    assert torch.equal(shuffled.rows[0], outlines.rows[0])
+    labels = part_labels(outlines.rows)[0]
+    assert (labels.diff() >= 0).all()
+    assert outlines.given.sum(dim=1).tolist() == [len(table), 3]
+
+
+def test_every_cell_of_a_part_has_its_part_among_its_candidates(cabinet: Asset, outlines: OutlineBatch):
+    assert cabinet.surface is not None
+    voxels = voxelize(cabinet.surface, 4 * EDGE)
+    found = find_candidates(outlines, EDGE)
+    labels = part_labels(outlines.rows)[0]
+    flat = np.ravel_multi_index(tuple((voxels.coords // 4).T.astype(np.int64)), (EDGE,) * 3)
+    offered = torch.where(found.found[0], labels[found.chosen[0]], -1)[:, flat].numpy()
+    wanted = np.array([PART_LABELS.index(part.label) for part in cabinet.parts])[voxels.part_ids]
+    assert (offered == wanted).any(axis=0).mean() > 0.999
+
+
+def test_candidates_come_smallest_first_and_a_missing_one_is_told_by_zeros(outlines: OutlineBatch):
+    found = find_candidates(outlines, EDGE)
+    volumes = outlines.rows[0, :, BOX][:, 3:].prod(dim=1)[found.chosen[0]]
+    both = found.found[0, 1:] & found.found[0, :-1]
+    assert both.any()
+    assert (volumes.diff(dim=0)[both] >= 0).all()
+    assert (found.found[0, 1:] <= found.found[0, :-1]).all()
+    hint = draw_hint(outlines, found, EDGE)
+    assert hint.shape == (2, hint_channels(), EDGE, EDGE, EDGE)
+    told = hint[0].reshape(DEPTH, -1, EDGE**3)
+    assert not told.movedim(1, 2)[~found.found[0]].any()
+    assert torch.equal(told[:, -1], found.found[0].float())
+
+
+def test_faces_are_told_in_cells_from_the_centre_of_the_cell(table: np.ndarray):
+    row = table[:1].copy()
+    row[:, BOX] = [0.0, 0.0, 0.0, 4 / EDGE, 4 / EDGE, 2 / EDGE]
+    alone = gather_outlines([row])
+    hint = draw_hint(alone, find_candidates(alone, EDGE), EDGE)[0].reshape(DEPTH, -1, EDGE, EDGE, EDGE)
+    middle = EDGE // 2  # its centre is half a cell above the origin
+    low, high = hint[0, -7:-4, middle, middle, middle], hint[0, -4:-1, middle, middle, middle]
+    torch.testing.assert_close(low, torch.tensor([2.0, 2.0, 1.5]))  # at most two cells are told
+    torch.testing.assert_close(high, torch.tensor([1.5, 1.5, 0.5]))
+    assert not hint[:, :, 0, 0, 0].any()
+
+
+def test_blur_moves_boxes_alone_and_takes_whole_outlines_away(outlines: OutlineBatch):
+    generator = torch.Generator().manual_seed(0)
+    blurred = blur_outlines(outlines, 0.0, generator)
+    moved = (blurred.rows - outlines.rows)[outlines.given]
+    assert 0.1 < 64 * float(moved[:, BOX].std()) < 0.5
+    assert not moved[:, : BOX.start].any()
+    assert torch.equal(blurred.given, outlines.given)
+    assert not blur_outlines(outlines, 1.0, generator).given.any()
+
+
+def test_rows_come_back_from_what_the_flow_sees(outlines: OutlineBatch):
+    flow = make_flow()
+    flow.mean.copy_(torch.linspace(-1, 1, len(flow.mean)))
+    flow.std.copy_(torch.linspace(0.5, 2, len(flow.std)))
+    again = flow.restore(flow.normalise(outlines.rows), part_labels(outlines.rows), outlines.given)
+    said = slice(0, BOX.stop)  # all but the category, which a flow is told
+    torch.testing.assert_close(again.rows[..., said], outlines.rows[..., said], atol=1e-5, rtol=1e-5)
+
+
+def test_counts_that_are_asked_for_are_drawn_exactly_and_the_rest_is_completed():
+    flow = make_flow()
+    asked = [
+        StructureCondition(category="Oven", counts=(("base", 1), ("door", 2), ("drawer", 0), ("knob", 5))),
+        StructureCondition(counts=(("base", 1),)),
+    ]
+    nothing = gather_conditions([StructureCondition()] * 2, TINY.conditions)
+    generator = torch.Generator().manual_seed(0)
+    known = complete_conditions(flow, gather_conditions(asked, TINY.conditions), generator)
+    assert (known.category >= 0).all()
+    assert (known.counts >= 0).all()
+    drawn = sample_outlines(flow, known, nothing, generator, SamplerConfig(steps=2, strength=1.0))
+    for row, given, counts, category in zip(
+        drawn.rows, drawn.given, known.counts, known.category, strict=True
+    ):
+        assert torch.equal(torch.bincount(part_labels(row[given][None])[0], minlength=8), counts)
+        kinds = row[given][:, DEFAULT_LAYOUT.category.start - 1 :]
+        assert torch.equal(kinds.argmax(dim=1), category.expand(len(kinds)))
+    named = dict(zip(PART_LABELS, known.counts[0].tolist(), strict=True))
+    assert {name: named[name] for name in ("base", "door", "drawer", "knob")} == {
+        "base": 1, "door": 2, "drawer": 0, "knob": 5,
+    }  # fmt: skip
+
+
+def test_padding_does_not_change_what_is_drawn(outlines: OutlineBatch):
+    flow = make_flow()
+    tokens = flow.conditions(gather_conditions([StructureCondition(category="Oven")] * 2, TINY.conditions))
+    labels, given = part_labels(outlines.rows) * outlines.given, outlines.given
+    x = torch.randn(2, outlines.rows.shape[1], len(flow.mean))
+    times = torch.tensor([0.5, 0.8])
+    said = flow.velocity(x, times, tokens, labels, given)
+    alone = flow.velocity(x[1:, :3], times[1:], tokens[1:], labels[1:, :3], given[1:, :3])
+    torch.testing.assert_close(said[1, :3], alone[0], atol=1e-5, rtol=1e-5)
+
+
+def test_cells_get_the_attributes_of_the_part_they_choose(cabinet: Asset, outlines: OutlineBatch):
+    torch.manual_seed(0)
+    vae = StructureVae(TINY.vae).eval()
+    edge = TINY.resolution // 4
+    z = torch.randn(2, 8, edge, edge, edge)
+    every = torch.arange(2 * edge**3)
+    with torch.no_grad():
+        _, values, index = vae.decode(z, every, outlines)
+    reached = find_candidates(outlines, edge).found.any(dim=1).flatten()[index]
+    numbers = slice(DEFAULT_LAYOUT.axis.start - 1, DEFAULT_LAYOUT.box.stop - 1)
+    said = values[reached][..., numbers].reshape(-1, numbers.stop - numbers.start)
+    known = outlines.rows[outlines.given][:, numbers]
+    assert (
+        torch.cdist(said, known, compute_mode="donot_use_mm_for_euclid_dist").min(dim=1).values.max() < 1e-5
+    )
+    with pytest.raises(ValueError, match="in view of outlines"):
+        vae.decode(z)
+    changed = replace(outlines, rows=outlines.rows.roll(1, dims=-1))
+    assert not torch.allclose(vae.decode(z, every, changed)[0], vae.decode(z, every, outlines)[0])
