@@ -35,6 +35,13 @@ def inverse(T: Float[np.ndarray, "*B 4 4"]) -> Float[np.ndarray, "*B 4 4"]:
     return out
 
 
+def shift(offset: Float[np.ndarray, "3"]) -> Float[np.ndarray, "4 4"]:
+    """The motion by ``offset`` without a turn."""
+    T = np.eye(4)
+    T[:3, 3] = offset
+    return T
+
+
 def rotation_about(
     axis: Float[np.ndarray, "3"], angle: Float[np.ndarray, "*B"]
 ) -> Float[np.ndarray, "*B 3 3"]:

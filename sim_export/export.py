@@ -6,7 +6,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from artigen.types import Asset
-from sim_export.appearance.texture import TextureConfig, bake_parts
+from sim_export.appearance.splats import attach_splats
+from sim_export.appearance.texture import BakedParts, TextureConfig, bake_parts
 from sim_export.collision.attachment import attach_links
 from sim_export.collision.clearance import clear_joints
 from sim_export.collision.decompose import Decomposition, decompose_parts
@@ -63,7 +64,8 @@ def export_asset(
     """Turns an articulated object into a simulation package.
 
     Args:
-        asset: parts, joints and voxels; its surface samples, where it has any, colour the textures.
+        asset: parts, joints and voxels; its Gaussians, or else its surface samples, colour the textures,
+            and Gaussians go into the package link by link.
         cfg: settings of all stages.
         source_meshes: meshes to show instead of those made from the voxels, by part; a part without
             any is invisible. Collision, mass and annotations come from the voxels all the same.
@@ -119,7 +121,10 @@ def export_asset(
         filled = fill_meshes(tree.links, solid, asset.scale / voxels.resolution, cfg.filling)
         trimmed = trim_meshes(tree.links, tree.joints, needs, filled.meshes, cfg.trimming)
         trimmed = replace(trimmed, records=(*filled.records, *trimmed.records))
-        tree = replace(tree, links=_paint(asset, tree.links, trimmed.meshes, cfg.texture))
+        links, painted = _paint(asset, tree.links, trimmed.meshes, cfg.texture)
+        tree = replace(tree, links=links, records=(*tree.records, *painted))
+    if asset.gaussians is not None:
+        tree = replace(tree, links=attach_splats(tree.links, asset))
     body = replace(tree.links[-1], visuals=(*tree.links[-1].visuals, *levelled.feet))
     tree = replace(tree, links=(*tree.links[:-1], body))
     watch.lap("texture")
@@ -165,13 +170,16 @@ def export_asset(
 
 def _paint(
     asset: Asset, links: Sequence[Link], meshes: Mapping[str, Mesh], cfg: TextureConfig
-) -> tuple[Link, ...]:
-    """Links that show these meshes, in the colours of the asset where it has any."""
+) -> tuple[tuple[Link, ...], tuple[str, ...]]:
+    """Links that show these meshes, in the colours of the asset where it has any, and what was covered."""
     plain = [meshes[part.name] for part in asset.parts]
-    colored = asset.surface is not None or asset.gaussians is not None
-    painted = bake_parts(asset, plain, cfg) if colored else plain
-    by_part = {part.name: mesh for part, mesh in zip(asset.parts, painted, strict=True)}
-    return tuple(
+    if asset.surface is None and asset.gaussians is None:
+        baked = BakedParts(meshes=tuple(plain), records=())
+    else:
+        baked = bake_parts(asset, plain, cfg)
+    by_part = {part.name: mesh for part, mesh in zip(asset.parts, baked.meshes, strict=True)}
+    shown = tuple(
         replace(link, visuals=tuple(replace(visual, mesh=by_part[visual.part]) for visual in link.visuals))
         for link in links
     )
+    return shown, baked.records

@@ -12,7 +12,7 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float, Int, UInt8
 
-from artigen.types import JointType, PartLabel, frozen_array
+from artigen.types import Gaussians, JointType, PartLabel, frozen_array
 
 UrdfJointType = Literal["fixed", "revolute", "prismatic", "continuous"]
 VisualSource = Literal["voxels", "source"]
@@ -101,7 +101,8 @@ class Link:
     """A rigid body: a movable part together with everything fixed to it.
 
     ``label`` and ``parts`` (names, the movable part first) come from the asset; a package that
-    somebody else wrote has label ``None`` where its semantics say nothing we know.
+    somebody else wrote has label ``None`` where its semantics say nothing we know. ``splats`` are the
+    Gaussians that show the link, if there are any; their part ids count the package's links.
     """
 
     name: str
@@ -110,6 +111,7 @@ class Link:
     visuals: tuple[Visual, ...]
     hulls: tuple[Hull, ...]
     inertial: Inertial | None
+    splats: Gaussians | None = None
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

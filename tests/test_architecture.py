@@ -12,9 +12,10 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 PACKAGES = ("artigen", "sim_export", "envs")
-SHARED = {"types", "transforms", "kinematics", "io", "errors", "workers", "shapes"}
+SHARED = {"types", "transforms", "kinematics", "io", "errors", "workers", "shapes", "splats"}
 """Modules of artigen that the other two packages may use."""
 MODEL_CODE = (
+    "artigen.appearance",
     "artigen.ask",
     "artigen.models",
     "artigen.train",

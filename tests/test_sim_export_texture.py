@@ -1,4 +1,4 @@
-"""Laws of textures: every texel filled, colours where they were sampled, sides of thin walls apart."""
+"""Laws of textures: every texel filled, colours where the Gaussians are, sides of thin walls apart."""
 
 from dataclasses import replace
 
@@ -6,9 +6,13 @@ import numpy as np
 import pytest
 import trimesh
 
-from artigen.types import Asset, Gaussians
+from artigen.splats.colors import linear_from_srgb
+from artigen.splats.surface import SurfaceSplatConfig, splat_surface
+from artigen.transforms import matrix_from_quat
+from artigen.types import Asset, Gaussians, SurfaceSamples
 from sim_export.appearance.atlas import make_atlas
-from sim_export.appearance.texture import TextureConfig, bake_parts, bake_texture
+from sim_export.appearance.blending import BlendConfig
+from sim_export.appearance.texture import BakedMesh, TextureConfig, bake_mesh, bake_parts
 from sim_export.geometry.meshing import mesh_parts
 from sim_export.package import Mesh
 
@@ -31,6 +35,25 @@ def sample(mesh: Mesh, count: int = 20000) -> tuple[np.ndarray, np.ndarray]:
     return np.asarray(points), np.asarray(solid.face_normals[faces])
 
 
+def bake(
+    mesh: Mesh,
+    points: np.ndarray,
+    colors: np.ndarray,
+    texel: float,
+    normals: np.ndarray,
+    *,
+    facing: bool = True,
+) -> BakedMesh:
+    """The mesh in the colours of samples; without ``facing``, of Gaussians that have no front."""
+    samples = SurfaceSamples(
+        points=points, normals=normals, colors=colors, part_ids=np.zeros(len(points), dtype=np.int64)
+    )
+    discs = splat_surface(samples, SurfaceSplatConfig(edge=1.0))
+    ahead = matrix_from_quat(discs.quats)[:, :, 2] if facing else None
+    cfg = TextureConfig()
+    return bake_mesh(mesh, discs, voxel=texel * cfg.texels_per_voxel, normals=ahead, cfg=cfg)
+
+
 def look_up(mesh: Mesh, faces: np.ndarray, weights: np.ndarray) -> np.ndarray:
     """Colours of a textured mesh at barycentric places, as a renderer would read them."""
     height, width = mesh.texture.shape[:2]
@@ -48,8 +71,17 @@ def random_places(mesh: Mesh, count: int = 3000) -> tuple[np.ndarray, np.ndarray
 
 
 @pytest.fixture(scope="session")
+def cabinet(cabinet: Asset) -> Asset:
+    """The sample cabinet with as many samples as its few colours need."""
+    assert cabinet.surface is not None
+    return replace(
+        cabinet, surface=SurfaceSamples(**{name: value[::8] for name, value in vars(cabinet.surface).items()})
+    )
+
+
+@pytest.fixture(scope="session")
 def textured(cabinet: Asset) -> tuple[Mesh, ...]:
-    return bake_parts(cabinet, mesh_parts(cabinet))
+    return bake_parts(cabinet, mesh_parts(cabinet)).meshes
 
 
 @pytest.mark.parametrize("mesh", [box_mesh(1.0, 0.4, 0.02), ball_mesh()], ids=["box", "ball"])
@@ -81,13 +113,15 @@ def test_charts_do_not_overlap():
             assert gap.max() >= 2.0
 
 
-def test_colours_come_back_where_they_were_sampled():
+@pytest.mark.parametrize("facing", [True, False])
+def test_colours_come_back_where_they_were_sampled(*, facing: bool):
     mesh = ball_mesh()
     points, normals = sample(mesh)
     colors = np.rint((points + 0.5) * 255).astype(np.uint8)
-    baked = bake_texture(mesh, points, colors, texel_size=0.02, normals=normals)
-    faces, weights, at = random_places(baked)
-    error = np.abs(look_up(baked, faces, weights).astype(float) - (at + 0.5) * 255)
+    baked = bake(mesh, points, colors, 0.02, normals, facing=facing)
+    assert baked.covered == baked.texels > 1000
+    faces, weights, at = random_places(baked.mesh)
+    error = np.abs(look_up(baked.mesh, faces, weights).astype(float) - (at + 0.5) * 255)
     assert error.mean() < 3.0
     assert np.percentile(error, 99) < 15.0
 
@@ -97,7 +131,7 @@ def test_both_sides_of_a_thin_plate_keep_their_colour():
     points, normals = sample(mesh)
     points[:, 2] = 0.0
     colors = np.where((normals[:, 2] > 0)[:, None], RED, BLUE)
-    baked = bake_texture(mesh, points, colors, texel_size=0.02, normals=normals)
+    baked = bake(mesh, points, colors, 0.02, normals).mesh
     faces, weights, at = random_places(baked)
     inside = np.ptp(mesh.vertices[mesh.faces[faces], 2], axis=1) == 0
     assert inside.sum() > 100
@@ -105,43 +139,110 @@ def test_both_sides_of_a_thin_plate_keep_their_colour():
     np.testing.assert_array_equal(seen, np.where((at[inside, 2] > 0)[:, None], RED, BLUE))
 
 
+def test_gaussians_without_a_front_show_the_side_they_lie_on():
+    """Two sheets 0.04 apart, looked at from both sides: each hides the other."""
+    mesh = box_mesh(1.0, 1.0, 0.04)
+    points, normals = sample(mesh, 60000)
+    colors = np.where((normals[:, 2] > 0)[:, None], RED, BLUE)
+    baked = bake(mesh, points, colors, 0.02, normals, facing=False).mesh
+    faces, weights, at = random_places(baked)
+    inside = (np.ptp(mesh.vertices[mesh.faces[faces], 2], axis=1) == 0) & (np.abs(at[:, :2]) < 0.45).all(
+        axis=1
+    )
+    assert inside.sum() > 100
+    seen = look_up(baked, faces[inside], weights[inside]).astype(float)
+    wrong = np.abs(seen - np.where((at[inside, 2] > 0)[:, None], RED, BLUE)).max(axis=1)
+    assert np.median(wrong) < 8
+    assert np.percentile(wrong, 99) < 60
+
+
 def test_a_lone_sheet_colours_both_sides():
     mesh = box_mesh(1.0, 1.0, 0.01)
     points, _ = sample(mesh)
     up = np.tile([0.0, 0.0, 1.0], (len(points), 1))
     colors = np.where((points[:, 0] > 0)[:, None], RED, BLUE)
-    baked = bake_texture(mesh, points, colors, texel_size=0.02, normals=up)
+    baked = bake(mesh, points, colors, 0.02, up).mesh
     faces, weights, at = random_places(baked)
-    clear = np.abs(at[:, 0]) > 0.03
+    clear = np.abs(at[:, 0]) > 0.06
     seen = look_up(baked, faces[clear], weights[clear])
     np.testing.assert_array_equal(seen, np.where((at[clear, 0] > 0)[:, None], RED, BLUE))
 
 
+def test_an_edge_between_materials_is_straight_and_smooth():
+    """Of random samples, the border at x = 0 wanders in what is nearest; in the texture it does not."""
+    mesh = box_mesh(1.0, 1.0, 0.1)
+    points, normals = sample(mesh, 25000)
+    colors = np.where((points[:, 0] > 0)[:, None], RED, BLUE)
+    baked = bake(mesh, points, colors, 0.008, normals).mesh
+    at = np.stack(np.meshgrid(np.linspace(-0.05, 0.05, 101), np.linspace(-0.3, 0.3, 40)), axis=-1)
+    top = np.flatnonzero((mesh.vertices[mesh.faces][:, :, 2] > 0).all(axis=1))
+    triangles = mesh.vertices[mesh.faces[top]]
+    crossings = []
+    for row in at:
+        places = np.column_stack([row, np.full(len(row), 0.05)])
+        weights = np.stack(
+            [trimesh.triangles.points_to_barycentric(triangles[[k] * len(row)], places) for k in (0, 1)]
+        )
+        chosen = weights.min(axis=2).argmax(axis=0)
+        shown = look_up(baked, top[chosen], weights[chosen, np.arange(len(row))])[:, 0].astype(float)
+        assert (np.diff(shown) >= -25).all()
+        crossings.append(row[np.abs(shown - (RED[0] + BLUE[0]) / 2).argmin(), 0])
+    assert np.std(crossings) < 0.008
+    assert abs(np.mean(crossings)) < 0.008
+
+
 def test_one_colour_needs_no_image():
     mesh = box_mesh(1.0, 1.0, 1.0)
-    points, _ = sample(mesh, 100)
-    baked = bake_texture(mesh, points, np.tile(RED, (100, 1)), texel_size=0.1)
+    points, normals = sample(mesh, 100)
+    baked = bake(mesh, points, np.tile(RED, (100, 1)), 0.1, normals).mesh
     assert baked.texture is None
     assert baked.uv is None
-    np.testing.assert_allclose(baked.color, RED / 255)
+    np.testing.assert_allclose(baked.color, RED / 255, atol=1e-6)
 
 
-def test_no_texel_is_left_black(cabinet: Asset, textured: tuple[Mesh, ...]):
+def test_no_texel_is_left_black_and_all_are_between_the_colours_there_are(
+    cabinet: Asset, textured: tuple[Mesh, ...]
+):
     images = [mesh for mesh in textured if mesh.texture is not None]
     assert images
+    palette = cabinet.surface.colors
     for mesh in images:
         assert mesh.texture.min() > 0
         assert mesh.uv.min() >= 0
         assert mesh.uv.max() <= 1
-    palette = np.unique(cabinet.surface.colors, axis=0)
-    for mesh in images:
-        seen = np.unique(mesh.texture.reshape(-1, 3), axis=0)
-        assert all((palette == color).all(axis=1).any() for color in seen)
+        seen = mesh.texture.reshape(-1, 3)
+        assert (seen >= palette.min(axis=0)).all()
+        assert (seen <= palette.max(axis=0)).all()
+
+
+def test_what_nothing_covers_is_filled_and_counted():
+    mesh = box_mesh(1.0, 1.0, 0.1)
+    points, normals = sample(mesh, 40000)
+    near = points[:, 0] < 0
+    colors = np.where((points[near, 1] > 0)[:, None], RED, BLUE)
+    baked = bake(mesh, points[near], colors, 0.02, normals[near])
+    assert baked.covered / baked.texels == pytest.approx(0.5, abs=0.08)
+    faces, weights, at = random_places(baked.mesh)
+    far = (at[:, 0] > 0.1) & (np.abs(at[:, 1]) > 0.1)
+    assert far.sum() > 200
+    seen = look_up(baked.mesh, faces[far], weights[far])
+    np.testing.assert_array_equal(seen, np.where((at[far, 1] > 0)[:, None], RED, BLUE))
+
+
+def test_the_neighbouring_part_lends_no_colour(cabinet: Asset):
+    """Each part in one colour of its own: no texture, and exactly that colour."""
+    surface = cabinet.surface
+    own = np.random.default_rng(0).integers(20, 250, (len(cabinet.parts), 3)).astype(np.uint8)
+    asset = replace(cabinet, surface=replace(surface, colors=own[surface.part_ids]))
+    baked = bake_parts(asset, mesh_parts(cabinet))
+    for index, mesh in enumerate(baked.meshes):
+        assert mesh.texture is None
+        np.testing.assert_allclose(mesh.color, own[index] / 255, atol=1e-6)
 
 
 def test_baking_keeps_the_mesh_and_repeats_exactly(cabinet: Asset, textured: tuple[Mesh, ...]):
     meshes = mesh_parts(cabinet)
-    for plain, one, two in zip(meshes, textured, bake_parts(cabinet, meshes), strict=True):
+    for plain, one, two in zip(meshes, textured, bake_parts(cabinet, meshes).meshes, strict=True):
         np.testing.assert_array_equal(plain.vertices, one.vertices)
         np.testing.assert_array_equal(plain.faces, one.faces)
         assert (one.texture is None) == (two.texture is None)
@@ -152,41 +253,66 @@ def test_baking_keeps_the_mesh_and_repeats_exactly(cabinet: Asset, textured: tup
 
 def test_large_parts_get_larger_texels():
     mesh = box_mesh(1.0, 1.0, 1.0)
-    points, normals = sample(mesh)
+    points, normals = sample(mesh, 4000)
     colors = np.rint((points + 0.5) * 255).astype(np.uint8)
-    baked = bake_texture(
-        mesh, points, colors, texel_size=1e-4, normals=normals, cfg=TextureConfig(max_size=64)
+    samples = SurfaceSamples(
+        points=points, normals=normals, colors=colors, part_ids=np.zeros(4000, dtype=int)
     )
+    baked = bake_mesh(mesh, splat_surface(samples), voxel=0.05, cfg=TextureConfig(max_size=64)).mesh
     assert max(baked.texture.shape[:2]) <= 64
     with pytest.raises(ValueError, match="do not fit"):
         make_atlas(mesh, 0.1, 4)
 
 
-def test_gaussians_give_colours_too(cabinet: Asset):
+def test_gaussians_come_before_samples_and_are_counted(cabinet: Asset):
     surface = cabinet.surface
-    rows = slice(None, None, 200)
-    count = len(surface.points[rows])
-    gaussians = Gaussians(
-        means=surface.points[rows],
-        quats=np.tile([1.0, 0, 0, 0], (count, 1)),
-        scales=np.full((count, 3), 0.01),
-        opacities=np.ones(count),
-        colors=(surface.colors[rows] / 255.0) ** 2.2,
-        part_ids=surface.part_ids[rows],
-    )
-    asset = replace(cabinet, surface=None, gaussians=gaussians)
+    rows = slice(None, None, 3)
+    few = SurfaceSamples(**{name: value[rows] for name, value in vars(surface).items()})
     meshes = mesh_parts(cabinet)
-    for mesh, reference in zip(bake_parts(asset, meshes), bake_parts(cabinet, meshes), strict=True):
-        np.testing.assert_allclose(mesh.color, reference.color, atol=0.12)
-    with pytest.raises(ValueError, match="neither surface samples nor Gaussians"):
+    asset = replace(
+        cabinet, gaussians=splat_surface(few), surface=replace(surface, colors=255 - surface.colors)
+    )
+    baked, reference = bake_parts(asset, meshes), bake_parts(cabinet, meshes)
+    for mesh, wanted in zip(baked.meshes, reference.meshes, strict=True):
+        np.testing.assert_allclose(mesh.color, wanted.color, atol=0.05)
+    said = baked.records[-1]
+    assert said.startswith("textures: Gaussians of the own part cover ")
+    assert float(said.split("cover ")[1].split(" %")[0]) > 99.0
+    assert reference.records[-1].startswith("textures: surface samples")
+    with pytest.raises(ValueError, match="neither Gaussians nor surface samples"):
         bake_parts(replace(cabinet, surface=None), meshes)
 
 
-def test_wrong_settings_and_missing_samples_are_errors():
+def test_a_part_without_gaussians_is_on_record(cabinet: Asset):
+    gaussians = splat_surface(cabinet.surface)
+    kept = gaussians.part_ids != 1
+    asset = replace(
+        cabinet, gaussians=Gaussians(**{name: value[kept] for name, value in vars(gaussians).items()})
+    )
+    meshes = mesh_parts(cabinet)
+    baked = bake_parts(asset, meshes)
+    assert baked.meshes[1] is meshes[1]
+    assert f"{cabinet.parts[1].name}: nothing says its colour, which stays plain" in baked.records
+
+
+def test_colours_of_gaussians_are_light_and_those_of_textures_are_not():
+    mesh = box_mesh(1.0, 1.0, 1.0)
+    points, normals = sample(mesh, 2000)
+    grey = np.full((2000, 3), 128, dtype=np.uint8)
+    samples = SurfaceSamples(points=points, normals=normals, colors=grey, part_ids=np.zeros(2000, dtype=int))
+    discs = splat_surface(samples)
+    np.testing.assert_allclose(discs.colors, linear_from_srgb(np.array(128 / 255.0)), rtol=1e-4)
+    np.testing.assert_allclose(bake_mesh(mesh, discs, voxel=0.1).mesh.color, 128 / 255, atol=1e-6)
+
+
+def test_wrong_settings_and_missing_gaussians_are_errors(cabinet: Asset):
     with pytest.raises(ValueError, match="max_size is 4"):
         TextureConfig(max_size=4)
-    with pytest.raises(ValueError, match="no colour samples"):
-        bake_texture(box_mesh(1, 1, 1), np.zeros((0, 3)), np.zeros((0, 3), dtype=np.uint8), texel_size=0.1)
+    with pytest.raises(ValueError, match="near 2"):
+        BlendConfig(near=2.0)
+    none = Gaussians(**{name: value[:0] for name, value in vars(splat_surface(cabinet.surface)).items()})
+    with pytest.raises(ValueError, match="no Gaussians"):
+        bake_mesh(box_mesh(1, 1, 1), none, voxel=0.1)
 
 
 def test_of_two_sheets_a_hair_apart_only_the_outer_one_shows():
@@ -200,14 +326,17 @@ def test_of_two_sheets_a_hair_apart_only_the_outer_one_shows():
     points = np.concatenate([inner, outer])
     colors = np.concatenate([np.tile(RED, (len(inner), 1)), np.tile(BLUE, (len(outer), 1))])
     normals = np.tile([-1.0, 0.0, 0.0], (len(points), 1))
-    baked = bake_texture(mesh, points, colors, texel_size=texel, normals=normals)
+    baked = bake(mesh, points, colors, texel, normals).mesh
     corners = mesh.vertices[mesh.faces]
     front = np.flatnonzero((corners[:, :, 0] < 0).all(axis=1))
     faces, weights = rng.choice(front, 4000), rng.dirichlet(np.ones(3), 4000)
     at = np.einsum("nc,ncd->nd", weights, corners[faces])
     shown = look_up(baked, faces, weights)
-    window = (np.abs(at[:, 1:]) < 0.2 - 2 * texel).all(axis=1)
-    frame = (np.abs(at[:, 1:]) > 0.2 + 2 * texel).any(axis=1)
-    assert window.sum() > 300
+    window = (np.abs(at[:, 1:]) < 0.2 - 3 * texel).all(axis=1)
+    frame = (np.abs(at[:, 1:]) > 0.2 + 3 * texel).any(axis=1)
+    assert window.sum() > 200
     np.testing.assert_array_equal(shown[window], np.tile(RED, (window.sum(), 1)))
-    np.testing.assert_array_equal(shown[frame], np.tile(BLUE, (frame.sum(), 1)))
+    # Discs of random samples leave gaps; hardly anything of the inner sheet is seen through them.
+    wrong = np.abs(shown[frame].astype(float) - BLUE).max(axis=1)
+    assert np.median(wrong) < 8
+    assert wrong.mean() < 12

@@ -11,6 +11,7 @@ import pytest
 import trimesh
 
 from artigen.transforms import matrix_from_quat
+from artigen.types import Gaussians
 from sim_export.collision.motion import link_displacements
 from sim_export.package import HandleAnnotation, Hull, Link, Mesh, PackageJoint, SimPackage, Visual
 from sim_export.picture.view import GROUPS, PackageView, build_view, slider_scale, view_qpos
@@ -69,12 +70,15 @@ def package() -> SimPackage:
     )  # fmt: skip
 
 
-@pytest.fixture(scope="module")
-def view(package: SimPackage) -> Iterator[PackageView]:
+def free_port() -> int:
     with socket.socket() as probe:
         probe.bind(("127.0.0.1", 0))
-        port = probe.getsockname()[1]
-    view = build_view(package, port=port)
+        return probe.getsockname()[1]
+
+
+@pytest.fixture(scope="module")
+def view(package: SimPackage) -> Iterator[PackageView]:
+    view = build_view(package, port=free_port())
     yield view
     view.server.stop()
 
@@ -132,7 +136,7 @@ def test_buttons_open_and_close_everything(view: PackageView, package: SimPackag
 
 
 def test_toggles_show_and_hide_their_group(view: PackageView):
-    assert [view.branches[group].visible for group in GROUPS] == [True, False, False, False, False]
+    assert [view.branches[group].visible for group in GROUPS] == [True, False, False, False, False, False]
     for group in GROUPS:
         before = view.branches[group].visible
         view.toggles[group].value = not before
@@ -141,3 +145,28 @@ def test_toggles_show_and_hide_their_group(view: PackageView):
 
 def test_slider_units(package: SimPackage):
     assert [slider_scale(joint) for joint in package.joints] == pytest.approx([np.pi / 180, np.pi / 180, 1.0])
+
+
+def test_gaussians_stand_beside_the_meshes_and_move_with_their_links(package: SimPackage):
+    one = package.links[1].visuals[0].mesh.vertices
+    splats = Gaussians(
+        means=one,
+        quats=np.tile([1.0, 0.0, 0.0, 0.0], (len(one), 1)),
+        scales=np.full((len(one), 3), 0.01),
+        opacities=np.ones(len(one)),
+        colors=np.full((len(one), 3), 0.5),
+        part_ids=np.ones(len(one), dtype=np.int64),
+    )
+    links = (package.links[0], replace(package.links[1], splats=splats), *package.links[2:])
+    page = build_view(replace(package, links=links), port=free_port())
+    try:
+        assert page.branches["splats"].visible
+        width = np.ptp(np.concatenate([link.visuals[0].mesh.vertices for link in links])[:, 1])
+        assert page.branches["splats"].position[1] < -width
+        page.sliders["hinge"].value = 45.0
+        turned, beside = page.frames["visual", "link_0"], page.frames["splats", "link_0"]
+        assert settle(lambda: abs(beside.wxyz[0]) < 0.99)
+        np.testing.assert_allclose(beside.wxyz, turned.wxyz)
+        np.testing.assert_allclose(beside.position, turned.position)
+    finally:
+        page.server.stop()

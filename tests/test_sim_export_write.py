@@ -1,6 +1,7 @@
 """Packages on disk: bytes repeat, folders move, reading undoes writing, nothing half-written stays."""
 
 import errno
+import io
 import json
 import shutil
 from dataclasses import replace
@@ -8,11 +9,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
 
 from artigen.datasets.sample import SAMPLE_PARTS, sample_box_arrays
-from artigen.types import Asset
+from artigen.splats.surface import splat_surface
+from artigen.types import Asset, SurfaceSamples
+from sim_export.appearance.splats import attach_splats
 from sim_export.collision.hulls import box_hull
 from sim_export.errors import PackageError
+from sim_export.files.glb import Y_UP, glb_bytes
 from sim_export.files.obj import corner_normals, obj_text, parse_obj, read_mesh
 from sim_export.files.read import read_package
 from sim_export.files.write import manifest_problems, package_files, write_package
@@ -464,3 +469,44 @@ def test_real_folders_can_all_be_read(real_objects):
         assert len(package.links) == len(package.joints) + 1
         assert any(link.hulls for link in package.links)
         assert any(link.label is not None for link in package.links)
+
+
+def test_a_glb_has_a_node_per_link_and_the_meshes_where_they_are(cabinet: Asset):
+    package = as_package(scaled(cabinet), box_geometry())
+    data = glb_bytes(package)
+    assert data == glb_bytes(package)
+    scene = trimesh.load(io.BytesIO(data), file_type="glb")
+    assert {link.name for link in package.links} <= set(scene.graph.nodes)
+    moved = scene.copy()
+    moved.apply_transform(np.linalg.inv(Y_UP))
+    corners = np.concatenate([v.mesh.vertices for link in package.links for v in link.visuals])
+    np.testing.assert_allclose(moved.bounds, [corners.min(axis=0), corners.max(axis=0)], atol=1e-5)
+    # Up is y and the front faces +z, as glTF says.
+    assert Y_UP[:3, :3] @ [0, 0, 1] == pytest.approx([0, 1, 0])
+    assert Y_UP[:3, :3] @ [-1, 0, 0] == pytest.approx([0, 0, 1])
+
+
+def test_gaussians_of_links_come_back(cabinet: Asset, tmp_path: Path):
+    asset = replace(scaled(cabinet), gaussians=splat_surface(few_samples(cabinet)))
+    plain = as_package(asset, box_geometry())
+    package = replace(plain, links=attach_splats(plain.links, asset))
+    write_package(package, tmp_path / "one")
+    back = read_package(tmp_path / "one")
+    shown = [link.name for link in package.links if link.splats is not None]
+    assert sorted(path.stem for path in (tmp_path / "one" / "splats").iterdir()) == sorted(shown)
+    assert sum(len(link.splats.means) for link in package.links if link.splats) == len(asset.gaussians.means)
+    for index, (one, two) in enumerate(zip(package.links, back.links, strict=True)):
+        assert (one.splats is None) == (two.splats is None)
+        if one.splats is not None:
+            np.testing.assert_allclose(two.splats.means, one.splats.means, atol=1e-6)
+            np.testing.assert_allclose(two.splats.scales, one.splats.scales, rtol=1e-5)
+            np.testing.assert_array_equal(two.splats.part_ids, index)
+    assert manifest_problems(tmp_path / "one") == ()
+    (tmp_path / "one" / "splats" / f"{shown[0]}.ply").write_bytes(b"ply\n")
+    with pytest.raises(PackageError, match="PLY"):
+        read_package(tmp_path / "one")
+
+
+def few_samples(asset: Asset) -> SurfaceSamples:
+    assert asset.surface is not None
+    return SurfaceSamples(**{name: value[::40] for name, value in vars(asset.surface).items()})

@@ -20,6 +20,7 @@ from artigen.errors import ArtigenError
 from artigen.workers import Worker
 
 if TYPE_CHECKING:
+    from artigen.appearance import AppearanceModel
     from artigen.ask import Request
     from artigen.generate import StructureModel
 
@@ -84,16 +85,19 @@ def read_job(job: GenerateJob) -> "Request":
 
 
 @lru_cache(maxsize=1)
-def _load(folder: Path) -> "StructureModel":
-    """The model of a worker process, loaded once."""
+def _load(folder: Path) -> tuple["StructureModel", "AppearanceModel | None"]:
+    """The models of a worker process, loaded once; without appearance where the folder has none."""
+    from artigen.appearance import has_appearance, load_appearance_model
     from artigen.generate import load_structure_model
 
-    return load_structure_model(folder)
+    structure = load_structure_model(folder)
+    return structure, load_appearance_model(folder) if has_appearance(folder) else None
 
 
 def generate_object(job: GenerateJob) -> Made:
     """Draws one object, exports it and writes its package; runs in a worker process."""
     from artigen import __version__
+    from artigen.appearance import AppearanceConfig, generate_appearance
     from artigen.ask import read_request
     from artigen.generate import GenerateConfig, generate_structure
     from artigen.models.store import hash_model
@@ -101,14 +105,18 @@ def generate_object(job: GenerateJob) -> Made:
     from sim_export.export import export_asset
     from sim_export.files.write import write_package
 
-    model = _load(job.model)
+    model, appearance = _load(job.model)
     started = time.perf_counter()
     asked = read_request(read_job(job), job.seed, model.preset.conditions.image_size)
-    noise = int(np.random.SeedSequence([job.seed, len(job.draws)]).generate_state(1)[0])
-    cfg = GenerateConfig(sampler=SamplerConfig(steps=job.cfg.steps, strength=job.cfg.strength))
-    asset = generate_structure(model, asked.condition, noise, cfg)
+    noise = np.random.SeedSequence([job.seed, len(job.draws)]).generate_state(2).tolist()
+    sampler = SamplerConfig(steps=job.cfg.steps, strength=job.cfg.strength)
+    asset = generate_structure(model, asked.condition, noise[0], GenerateConfig(sampler=sampler))
     asset = replace(asset, name=job.key, notes=(*asked.notes, *asset.notes))
     drawn = time.perf_counter()
+    if appearance is not None:
+        look = read_request(read_job(job), job.seed, appearance.preset.conditions.image_size).condition
+        asset = generate_appearance(appearance, asset, look, noise[1], AppearanceConfig(sampler=sampler))
+    painted = time.perf_counter()
     condition = asked.condition
     provenance = {
         "generator": f"artigen {__version__} generate",
@@ -131,7 +139,8 @@ def generate_object(job: GenerateJob) -> Made:
     return Made(
         seconds=(
             ("draw", drawn - started),
-            ("export", exported - drawn),
+            ("paint", painted - drawn),
+            ("export", exported - painted),
             ("write", time.perf_counter() - exported),
         ),
         peak_mib=resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
@@ -167,7 +176,8 @@ def generate(
 
     Args:
         out: Folder for the packages and the journal run.jsonl.
-        model: Folder of the trained model: model.json and its weights.
+        model: Folder of the trained model: model.json and its weights. Where it has those of appearance too,
+            packages have textures made from Gaussians, and the Gaussians themselves.
         category: What to generate, such as StorageFurniture; not needed beside --text or --image.
         seed: Seed of the first object.
         count: Number of objects; seeds follow each other.
@@ -190,7 +200,7 @@ def generate(
         for number in range(seed, seed + count)
     ]
     # Says at once what cannot be: no such model, category, sentence or picture.
-    known = _load(model).preset.conditions
+    known = _load(model)[0].preset.conditions
     asked = read_request(read_job(jobs[0]), seed, known.image_size).condition
     if asked.category is not None and asked.category not in known.categories:
         raise ArtigenError(

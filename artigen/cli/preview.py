@@ -1,18 +1,50 @@
 """`artigen preview`: pictures of packages."""
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from artigen.cli.arguments import Out, Packages
+from artigen.errors import ArtigenError
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from artigen.types import Gaussians
+    from sim_export.picture.camera import Camera
 
 
 def preview(packages: Packages, out: Out = Path("preview.png")) -> int:
     """Draws packages: one in detail (closed, half open, open, exploded, collision), several as a sheet.
 
+    Packages that hold Gaussians show them below their meshes, from the same cameras.
+
     Args:
         packages: Package folders.
-        out: The PNG to write.
+        out: The PNG to write; or, for one package, a .glb with its textured meshes, a node per link.
     """
+    if out.suffix == ".glb":
+        from sim_export.files.glb import write_glb
+        from sim_export.files.read import read_package
+
+        if len(packages) != 1:
+            raise ArtigenError(f"{out}: a GLB holds one package, {len(packages)} are given")
+        write_glb(read_package(packages[0]), out)
+        return 0
     from sim_export.picture.preview import write_preview
 
-    write_preview(packages, out)
+    write_preview(packages, out, draw_splats=draw_splats)
     return 0
+
+
+def draw_splats(gaussians: "Gaussians", camera: "Camera", background: tuple[int, int, int]) -> "np.ndarray":
+    """Gaussians (metres) as a camera of the previews sees them."""
+    from artigen.splats.render.picture import draw_gaussians
+
+    return draw_gaussians(
+        gaussians,
+        camera.position,
+        camera.target,
+        fov=camera.fov,
+        size=(camera.width, camera.height),
+        background=[level / 255.0 for level in background],
+    )

@@ -8,7 +8,7 @@ import tyro
 
 
 def view(package: tyro.conf.Positional[Path], port: int = 8080) -> int:
-    """Serves a page with joint sliders, visual and collision meshes, and handle annotations.
+    """Serves a page with joint sliders, visual and collision meshes, Gaussians, and handle annotations.
 
     Args:
         package: A package folder.

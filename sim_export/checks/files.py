@@ -12,6 +12,7 @@ from sim_export.checks.registry import CheckSpec, Finding, always, count_problem
 from sim_export.checks.subject import MAIN_URDF, Subject
 from sim_export.checks.urdf_file import UrdfJoint, tree_problems
 from sim_export.errors import PackageError
+from sim_export.files.urdf import splats_path
 from sim_export.files.write import MANIFEST, manifest_problems
 from sim_export.package import URDF_JOINT_TYPES
 
@@ -86,6 +87,8 @@ def check_paths(subject: Subject, cfg: CheckConfig) -> Finding:
         if name.endswith(".mjcf.xml"):
             used |= {name, *_mjcf_files(subject, name, problems)}
     known = {*SIDECARS, *LATER, MANIFEST, *(() if subject.is_package else PARTNET_SIDECARS)}
+    if subject.is_package and not isinstance(subject.urdfs.get(MAIN_URDF), PackageError):
+        known |= {splats_path(link.name) for link in subject.urdf.links}
     problems += [(n, f"{n}: no file refers to it") for n in subject.files if n not in used | known]
     return count_problems(problems, f"all {len(used)} files that are named exist, and none is left over")
 

@@ -13,8 +13,11 @@ from pathlib import Path
 import numpy as np
 from jaxtyping import Float
 
+from artigen.errors import SourceError
+from artigen.splats.motion import transform_gaussians
+from artigen.splats.ply import read_ply
 from artigen.transforms import transform_points, transform_vectors
-from artigen.types import FULL_TURN, JOINT_TYPES, PartLabel
+from artigen.types import FULL_TURN, JOINT_TYPES, Gaussians, PartLabel
 from sim_export.checks.urdf_file import (
     UrdfFile,
     UrdfInertial,
@@ -28,6 +31,7 @@ from sim_export.collision.hulls import convex_hull
 from sim_export.errors import DegeneratePart, PackageError
 from sim_export.files.obj import parse_obj, read_mesh
 from sim_export.files.sidecars import FORMAT, VERSION, handles_from_json
+from sim_export.files.urdf import splats_path
 from sim_export.geometry.primitives import primitive_mesh
 from sim_export.package import (
     URDF_JOINT_TYPES,
@@ -201,7 +205,8 @@ def _read_own(
         facts = {entry["name"]: entry for entry in meta["links"]}
         motion = {entry["name"]: entry for entry in physics["joints"]}
         links = tuple(
-            _own_link(folder, urdf, link, poses[link.name], facts[link.name]) for link in urdf.links
+            _own_link(folder, urdf, index, poses[link.name], facts[link.name])
+            for index, link in enumerate(urdf.links)
         )
         joints = tuple(
             _own_joint(_joint(urdf, joint, poses), motion.get(joint.name)) for joint in urdf.joints
@@ -233,9 +238,11 @@ def _own_joint(joint: PackageJoint, motion: dict | None) -> PackageJoint:
     return replace(joint, kind=motion["kind"])
 
 
-def _own_link(folder: Path, urdf: UrdfFile, link: UrdfLink, T: Float[np.ndarray, "4 4"], facts: dict) -> Link:
+def _own_link(folder: Path, urdf: UrdfFile, index: int, T: Float[np.ndarray, "4 4"], facts: dict) -> Link:
+    link = urdf.links[index]
     owner = f"{urdf.path}: link {link.name!r}"
     visual_facts = {entry["name"]: entry for entry in facts["visuals"]}
+    splats = folder / splats_path(link.name)
     visuals = []
     for shape in link.visuals:
         entry = visual_facts[shape.name]
@@ -253,7 +260,16 @@ def _own_link(folder: Path, urdf: UrdfFile, link: UrdfLink, T: Float[np.ndarray,
         visuals=tuple(visuals),
         hulls=tuple(hulls),
         inertial=_inertial(link.inertial, T, owner),
+        splats=_own_splats(splats, T, index) if splats.is_file() else None,
     )
+
+
+def _own_splats(path: Path, T: Float[np.ndarray, "4 4"], index: int) -> Gaussians:
+    """The Gaussians of a link, moved into the object frame."""
+    try:
+        return transform_gaussians(read_ply(path, part_id=index), T)
+    except SourceError as err:
+        raise PackageError(str(err)) from err
 
 
 def _source_mesh(path: Path, shape: UrdfShape, T: Float[np.ndarray, "4 4"], owner: str) -> SourceMesh:

@@ -29,6 +29,11 @@ def hull_path(link: Link, index: int) -> str:
     return f"collision/{link.name}_{index}.obj"
 
 
+def splats_path(link: str) -> str:
+    """Where the Gaussians of a link lie in the package, in the link's frame; no URDF refers to them."""
+    return f"splats/{link}.ply"
+
+
 def format_number(value: float, decimals: int = DECIMALS) -> str:
     """Fixed decimals without trailing zeros or a negative zero."""
     text = f"{value:.{decimals}f}"

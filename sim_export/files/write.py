@@ -12,6 +12,9 @@ import tempfile
 from pathlib import Path
 from typing import Literal
 
+from artigen.splats.motion import transform_gaussians
+from artigen.splats.ply import encode_ply
+from artigen.transforms import shift
 from sim_export.errors import PackageError
 from sim_export.files.mjcf import mjcf_text
 from sim_export.files.obj import Material, hull_obj_text, mtl_text, obj_text, png_bytes
@@ -26,7 +29,7 @@ from sim_export.files.sidecars import (
     semantics_text,
 )
 from sim_export.files.srdf import srdf_text, touching_pairs
-from sim_export.files.urdf import hull_path, urdf_text, visual_path
+from sim_export.files.urdf import hull_path, link_origins, splats_path, urdf_text, visual_path
 from sim_export.package import SimPackage, SourceMesh, Visual
 from sim_export.physics.links import check_kinematics
 
@@ -44,11 +47,15 @@ def package_files(package: SimPackage) -> dict[str, bytes]:
     """
     check_kinematics(package)
     files: dict[str, bytes] = {}
+    origins = link_origins(package)
     for link in package.links:
         for visual in link.visuals:
             files |= _visual_files(visual)
         for index, hull in enumerate(link.hulls):
             files[hull_path(link, index)] = hull_obj_text(hull, f"{link.name}_{index}").encode()
+        if link.splats is not None:
+            own = transform_gaussians(link.splats, shift(-origins[link.name]))
+            files[splats_path(link.name)] = encode_ply(own)
     pairs = touching_pairs(package)
     texts = {
         "mobility.urdf": urdf_text(package),

@@ -1,5 +1,8 @@
 """Pictures of packages: one row of states for an object, and a contact sheet for many.
 
+Below the meshes stand the object's Gaussians from the same cameras, where it has any and the caller can draw
+them. They carry no light of their own making: meshes are shaded, Gaussians show the colours they hold.
+
 All panels of a row share one camera in front of the object, to its left and above, placed so that
 everything stays in the frame in every state.
 """
@@ -25,8 +28,11 @@ from sim_export.picture.draw import (
 from sim_export.picture.lighting import RenderConfig
 from sim_export.picture.raycast import Surface
 from sim_export.picture.render import render_scene, surface_points
+from sim_export.picture.splats import DrawSplats, has_splats, pose_splats
 
 Panel = Literal["closed", "half", "open", "exploded", "collision", "inside", "labels"]
+SPLAT_PANELS: tuple[Panel, ...] = ("closed", "half", "open", "exploded")
+"""Panels in which Gaussians have something to show."""
 PANEL_CAPTIONS: dict[Panel, str] = {
     "closed": "closed",
     "half": "half open",
@@ -90,8 +96,12 @@ def describe_joints(package: SimPackage) -> str:
     return f"{len(types)} {plural}" + (f" ({kinds})" if kinds else "")
 
 
-def preview_package(package: SimPackage, cfg: PreviewConfig | None = None) -> UInt8[np.ndarray, "H W 3"]:
+def preview_package(
+    package: SimPackage, cfg: PreviewConfig | None = None, draw_splats: DrawSplats | None = None
+) -> UInt8[np.ndarray, "H W 3"]:
     """One row: the states of ``cfg.panels`` side by side, under the object's name and measures.
+
+    A second row shows the Gaussians of the package, if it has any and ``draw_splats`` is given.
 
     Raises:
         ValueError: the package has nothing to draw.
@@ -104,14 +114,27 @@ def preview_package(package: SimPackage, cfg: PreviewConfig | None = None) -> UI
         for panel in cfg.panels
     ]
     row = np.concatenate(tiles, axis=1)
+    if draw_splats is not None and has_splats(package):
+        drawn = [
+            caption_below(
+                _draw_splats(shapes, panel, camera, cfg, draw_splats),
+                f"Gaussians, {PANEL_CAPTIONS[panel]}" if panel in SPLAT_PANELS else "",
+                cfg.render.background,
+            )
+            for panel in cfg.panels
+        ]
+        row = np.concatenate([row, np.concatenate(drawn, axis=1)], axis=0)
     facts = "     ".join([package.category, describe_size(package), describe_joints(package)])
     return title_above(row, package.name, facts, cfg.render.background)
 
 
 def contact_sheet(
-    packages: Sequence[SimPackage], cfg: PreviewConfig | None = None
+    packages: Sequence[SimPackage], cfg: PreviewConfig | None = None, draw_splats: DrawSplats | None = None
 ) -> UInt8[np.ndarray, "H W 3"]:
-    """Many packages, each closed beside open, in a grid of ``cfg.columns`` objects per row."""
+    """Many packages, each closed beside open, in a grid of ``cfg.columns`` objects per row.
+
+    Gaussians stand below the meshes if any package has some and ``draw_splats`` is given.
+    """
     cfg = PreviewConfig() if cfg is None else cfg
     if not packages:
         raise ValueError("a contact sheet of no packages")
@@ -121,6 +144,9 @@ def contact_sheet(
         shapes = _prepare(package, cfg)
         camera = _frame(shapes, cfg, pairs)
         pair = np.concatenate([_draw(shapes, panel, camera, cfg) for panel in pairs], axis=1)
+        if draw_splats is not None and any(has_splats(one) for one in packages):
+            below = [_draw_splats(shapes, panel, camera, cfg, draw_splats) for panel in pairs]
+            pair = np.concatenate([pair, np.concatenate(below, axis=1)], axis=0)
         cells.append(
             caption_below(pair, f"{package.name}     {describe_joints(package)}", cfg.render.background)
         )
@@ -131,8 +157,19 @@ def contact_sheet(
     return np.concatenate(rows, axis=0)
 
 
-def write_preview(folders: Sequence[Path], png: Path, cfg: PreviewConfig | None = None) -> None:
+def write_preview(
+    folders: Sequence[Path],
+    png: Path,
+    cfg: PreviewConfig | None = None,
+    draw_splats: DrawSplats | None = None,
+) -> None:
     """Writes the row of one package, or the contact sheet of several, as a PNG.
+
+    Args:
+        folders: The packages.
+        png: The file.
+        cfg: What a preview shows and how large.
+        draw_splats: Draws Gaussians; without it packages are shown by their meshes alone.
 
     Raises:
         PackageError: a folder holds no readable package.
@@ -142,7 +179,10 @@ def write_preview(folders: Sequence[Path], png: Path, cfg: PreviewConfig | None 
     from sim_export.files.read import read_package
 
     packages = [read_package(folder) for folder in folders]
-    image = preview_package(packages[0], cfg) if len(packages) == 1 else contact_sheet(packages, cfg)
+    if len(packages) == 1:
+        image = preview_package(packages[0], cfg, draw_splats)
+    else:
+        image = contact_sheet(packages, cfg, draw_splats)
     scratch = png.with_name(png.name + ".partial")
     Image.fromarray(image).save(scratch, format="png", optimize=True)
     scratch.replace(png)
@@ -218,6 +258,17 @@ def _draw(shapes: _Shapes, panel: Panel, camera: Camera, cfg: PreviewConfig) -> 
     if floor is None:
         floor = float(surface_points(shapes.visual)[:, 2].min())
     return render_scene(surfaces, camera, replace(cfg.render, ground_height=floor))
+
+
+def _draw_splats(
+    shapes: _Shapes, panel: Panel, camera: Camera, cfg: PreviewConfig, draw_splats: DrawSplats
+) -> UInt8[np.ndarray, "H W 3"]:
+    """The Gaussians in a panel's pose; a blank where there are none, or nothing to show."""
+    if panel not in SPLAT_PANELS or not has_splats(shapes.package):
+        return np.full((camera.height, camera.width, 3), cfg.render.background, dtype=np.uint8)
+    fraction = {"closed": 0.0, "half": 0.5}.get(panel, 1.0)
+    T = shapes.exploded if panel == "exploded" else open_links(shapes.package, fraction)
+    return draw_splats(pose_splats(shapes.package, T), camera, cfg.render.background)
 
 
 def caption_below(

@@ -1,8 +1,9 @@
-"""A package in the browser: joint sliders, visual and collision meshes, handle annotations.
+"""A package in the browser: joint sliders, visual and collision meshes, Gaussians, handle annotations.
 
 `build_view` starts a viser server and returns its handles without blocking; `view_package` does so
 for a folder. Each group of things that can be shown or hidden is one branch of the
-scene with one frame per link, so that a pose is set by moving frames and no mesh is sent twice.
+scene with one frame per link, so that a pose is set by moving frames and no mesh is sent twice. Gaussians,
+where the package has some, stand to the right of the meshes, as seen from the front, and move with them.
 """
 
 import threading
@@ -14,21 +15,24 @@ from typing import TYPE_CHECKING, Literal, get_args
 import numpy as np
 from jaxtyping import Float
 
-from artigen.transforms import quat_from_matrix
+from artigen.splats.colors import srgb_from_linear
+from artigen.transforms import matrix_from_quat, quat_from_matrix
 from sim_export.collision.motion import driven_joints, link_displacements
 from sim_export.package import HandleAnnotation, PackageJoint, SimPackage
 from sim_export.picture.camera import Viewpoint, frame_points
 from sim_export.picture.draw import open_end, package_surfaces
 from sim_export.picture.raycast import Surface
 from sim_export.picture.render import surface_points
+from sim_export.picture.splats import has_splats
 
 if TYPE_CHECKING:
     import trimesh
     import viser
 
-Group = Literal["visual", "collision", "grasp_line", "normal", "opening_direction"]
+Group = Literal["visual", "splats", "collision", "grasp_line", "normal", "opening_direction"]
 GROUPS: tuple[Group, ...] = get_args(Group)
-SHOWN_AT_FIRST: tuple[Group, ...] = ("visual",)
+BESIDE = 0.25
+"""Room between the meshes and the Gaussians beside them, over the object's width."""
 
 COLORS: Mapping[str, tuple[int, int, int]] = {
     "grasp_line": (214, 39, 40),
@@ -85,6 +89,7 @@ def build_view(package: SimPackage, *, host: str = "127.0.0.1", port: int = 8080
             server.scene.add_mesh_trimesh(path, _trimesh(surface))
     for index, handle in enumerate(package.handles):
         _add_handle(server, handle, index)
+    _add_splats(server, package, branches["splats"], visual)
     view = _add_controls(server, package, branches, frames)
     _connect(view, package)
     return view
@@ -123,11 +128,15 @@ def _add_branches(
 ) -> tuple[dict[Group, "viser.FrameHandle"], dict[tuple[Group, str], "viser.FrameHandle"]]:
     branches, frames = {}, {}
     for group in GROUPS:
-        shown = group in SHOWN_AT_FIRST
+        shown = _shown_at_first(package, group)
         branches[group] = server.scene.add_frame(f"/{group}", show_axes=False, visible=shown)
         for link in package.links:
             frames[group, link.name] = server.scene.add_frame(f"/{group}/{link.name}", show_axes=False)
     return branches, frames
+
+
+def _shown_at_first(package: SimPackage, group: Group) -> bool:
+    return group == "visual" or (group == "splats" and has_splats(package))
 
 
 def _trimesh(surface: Surface) -> "trimesh.Trimesh":
@@ -154,6 +163,29 @@ def _trimesh(surface: Surface) -> "trimesh.Trimesh":
     )
 
 
+def _add_splats(
+    server: "viser.ViserServer",
+    package: SimPackage,
+    branch: "viser.FrameHandle",
+    visual: tuple[Surface, ...],
+) -> None:
+    """Adds the Gaussians of all links, the whole branch beside the meshes."""
+    for link in package.links:
+        if link.splats is None:
+            continue
+        axes = matrix_from_quat(link.splats.quats) * link.splats.scales[:, None, :]
+        server.scene.add_gaussian_splats(
+            f"/splats/{link.name}/0",
+            centers=link.splats.means,
+            covariances=(axes @ np.swapaxes(axes, 1, 2)).astype(np.float32),
+            rgbs=np.clip(srgb_from_linear(link.splats.colors), 0.0, 1.0).astype(np.float32),
+            opacities=link.splats.opacities[:, None],
+        )
+    points = surface_points(visual)
+    if has_splats(package) and len(points):
+        branch.position = (0.0, -(1.0 + BESIDE) * float(np.ptp(points[:, 1])), 0.0)
+
+
 def _add_handle(server: "viser.ViserServer", handle: HandleAnnotation, index: int) -> None:
     middle = handle.grasp_line.mean(axis=0)
     size = 0.5 * float(np.linalg.norm(np.ptp(handle.corners, axis=0)))
@@ -176,7 +208,7 @@ def _add_controls(
 ) -> PackageView:
     with server.gui.add_folder("Show"):
         toggles: dict[Group, viser.GuiCheckboxHandle] = {
-            group: server.gui.add_checkbox(group.replace("_", " "), group in SHOWN_AT_FIRST)
+            group: server.gui.add_checkbox(group.replace("_", " "), _shown_at_first(package, group))
             for group in GROUPS
         }
     with server.gui.add_folder("Joints"):

@@ -1,0 +1,252 @@
+"""What Gaussians look like at places of a surface, each seen from straight outside.
+
+Every place is a pixel of an orthographic picture taken along the axis that the surface faces most: the
+Gaussians nearby are projected, filtered as the rasteriser filters them, and blended front to back. So a
+texture shows between samples what a picture shows, edges of materials are smooth, and of two sheets the
+outer one is seen.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+from scipy.spatial import KDTree
+
+from artigen.splats.colors import srgb_from_linear
+from artigen.transforms import matrix_from_quat
+from artigen.types import Gaussians
+
+MAX_ALPHA = 0.99
+"""One Gaussian covers a place by at most this share, as in the rasteriser."""
+EDGE = 0.1
+"""Less than this share of a place is not enough of a Gaussian to tell the height of its sheet."""
+CLOSED = 0.8
+"""Shares that add up to this are a sheet without gaps."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class BlendConfig:
+    """Which Gaussians count at a place."""
+
+    neighbours: int = 16
+    """Nearest Gaussians looked at per place; fewer leave out what is behind or wide, more take time."""
+    near: float = 0.8
+    """Voxels above or below the surface within which Gaussians count fully."""
+    far: float = 1.6
+    """Voxels beyond which they do not count; in between they fade."""
+    filter_variance: float = 0.1
+    """Square texels added to every footprint, opacities falling so that its sum stays."""
+    flattening: float = 0.5
+    """Weight of the distance across the surface in what is nearest, over that along it."""
+    rim: float = 0.35
+    """Voxels to which Gaussians are widened, all round, at places that none covers: those on the rim of a
+    mesh that reaches beyond them."""
+    least_cover: float = 0.2
+    """Share of a place that Gaussians must hide for it to count as covered."""
+    sheet: float = 0.04
+    """Voxels; where normals are known, Gaussians of one side further below each other are different sheets,
+    of which the highest is seen."""
+    least_facing: float = 0.2
+    """Where normals are known: least cosine between a Gaussian's normal and the axis the place faces."""
+
+    def __post_init__(self) -> None:
+        if not (self.neighbours >= 1 and 0 < self.near < self.far and self.filter_variance >= 0):
+            raise ValueError(
+                f"blending: {self.neighbours} neighbours, near {self.near}, far {self.far}, filter_variance "
+                f"{self.filter_variance}; expected at least 1, 0 < near < far, and at least 0"
+            )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Places:
+    """Points of a surface with its unit normals, in the unit of the Gaussians."""
+
+    points: Float[np.ndarray, "T 3"]
+    normals: Float[np.ndarray, "T 3"]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Blended:
+    """Colours (sRGB in [0, 1]) at places, and how much of each place is hidden by Gaussians."""
+
+    colors: Float[np.ndarray, "T 3"]
+    cover: Float[np.ndarray, "T"]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Sheet:
+    """Gaussians that are looked at along one axis, and the places that are looked at."""
+
+    places: Places
+    means: Float[np.ndarray, "N 3"]
+    footprints: Float[np.ndarray, "N 4"]
+    """Conic ``a, b, c`` of the filtered projection, and the opacity after filtering."""
+    wide: Float[np.ndarray, "N 4"]
+    """The same of widened Gaussians."""
+    colors: Float[np.ndarray, "N 3"]
+    normals: Float[np.ndarray, "N 3"] | None
+    axis: int
+
+
+def blend_places(
+    places: Places,
+    gaussians: Gaussians,
+    *,
+    voxel: float,
+    texel: float,
+    normals: Float[np.ndarray, "N 3"] | None = None,
+    cfg: BlendConfig | None = None,
+) -> Blended:
+    """Colours at places of a surface, sRGB values being blended as in pictures of splats.
+
+    Args:
+        places: Where to look.
+        gaussians: What may be seen there.
+        voxel: Edge of a voxel; how far the surface may be from the Gaussians.
+        texel: Distance between places; the filter's width.
+        normals: Outward directions of the Gaussians, where they have a front: only those that face the way
+            of a place are seen there, so that sheets of two colours may lie in one place.
+        cfg: What counts.
+    """
+    cfg = cfg or BlendConfig()
+    colors, cover = np.zeros((len(places.points), 3)), np.zeros(len(places.points))
+    axis = np.abs(places.normals).argmax(axis=1)
+    side = np.take_along_axis(places.normals, axis[:, None], axis=1)[:, 0] >= 0
+    covariance, srgb = _covariances(gaussians), srgb_from_linear(gaussians.colors)
+    widened = _covariances(replace(gaussians, scales=np.maximum(gaussians.scales, cfg.rim * voxel)))
+    for number in range(3):
+        variance = cfg.filter_variance * texel**2
+        narrow = _project(covariance, gaussians.opacities, number, variance)
+        wide = _project(widened, gaussians.opacities, number, variance)
+        ahead = np.full(len(narrow), np.nan) if normals is None else normals[:, number]
+        for rows, seen in _pair_sides(axis == number, side, ahead, cfg.least_facing):
+            if not len(rows) or not len(seen):
+                continue
+            sheet = _Sheet(
+                places=Places(points=places.points[rows], normals=places.normals[rows]),
+                means=gaussians.means[seen].astype(np.float64),
+                footprints=narrow[seen],
+                wide=wide[seen],
+                colors=srgb[seen],
+                normals=None if normals is None else normals[seen],
+                axis=number,
+            )
+            found = _blend_sheet(sheet, voxel, cfg)
+            colors[rows], cover[rows] = found.colors, found.cover
+    return Blended(colors=colors, cover=cover)
+
+
+def _pair_sides(
+    facing: Bool[np.ndarray, "T"],
+    side: Bool[np.ndarray, "T"],
+    ahead: Float[np.ndarray, "N"],
+    least: float,
+) -> Iterator[tuple[Int[np.ndarray, "M"], Int[np.ndarray, "K"]]]:
+    """Places that face along an axis, and the Gaussians they may see: those that face their way, or all."""
+    if np.isnan(ahead).all():
+        yield np.flatnonzero(facing), np.arange(len(ahead))
+        return
+    for way in (False, True):
+        yield np.flatnonzero(facing & (side == way)), np.flatnonzero((ahead if way else -ahead) > least)
+
+
+def _covariances(gaussians: Gaussians) -> Float[np.ndarray, "N 3 3"]:
+    axes = matrix_from_quat(gaussians.quats) * gaussians.scales[:, None, :].astype(np.float64)
+    return axes @ np.swapaxes(axes, 1, 2)
+
+
+def _project(
+    covariance: Float[np.ndarray, "N 3 3"], opacities: Float[np.ndarray, "N"], axis: int, variance: float
+) -> Float[np.ndarray, "N 4"]:
+    """Conics of the projections along an axis, and opacities after the filter."""
+    first, second = (k for k in range(3) if k != axis)
+    xx, yy, xy = covariance[:, first, first], covariance[:, second, second], covariance[:, first, second]
+    area = np.maximum(xx * yy - xy**2, 0.0)
+    xx, yy = xx + variance, yy + variance
+    filtered = np.maximum(xx * yy - xy**2, 1e-30)
+    strength = opacities * np.sqrt(area / filtered)
+    return np.stack([yy / filtered, -xy / filtered, xx / filtered, strength], axis=1)
+
+
+def _blend_sheet(sheet: _Sheet, voxel: float, cfg: BlendConfig) -> Blended:
+    stretch = np.where(np.arange(3) == sheet.axis, cfg.flattening, 1.0)
+    tree = KDTree(sheet.means * stretch, balanced_tree=False, compact_nodes=False)
+    colors, cover = np.zeros_like(sheet.places.points), np.zeros(len(sheet.places.points))
+    reach, count = cfg.far * voxel, min(cfg.neighbours, len(sheet.means))
+    for rows in _chunks(len(cover), count):
+        nearest = tree.query(sheet.places.points[rows] * stretch, k=count, distance_upper_bound=reach)[1]
+        index = np.reshape(np.asarray(nearest), (len(rows), count))
+        colors[rows], cover[rows] = _blend_rows(sheet, rows, index, sheet.footprints, (voxel, cfg))
+        bare = cover[rows] < cfg.least_cover
+        if bare.any():
+            colors[rows[bare]], cover[rows[bare]] = _blend_rows(
+                sheet, rows[bare], index[bare], sheet.wide, (voxel, cfg)
+            )
+    return Blended(colors=colors, cover=cover)
+
+
+def _blend_rows(
+    sheet: _Sheet,
+    rows: Int[np.ndarray, "M"],
+    index: Int[np.ndarray, "M K"],
+    footprints: Float[np.ndarray, "N 4"],
+    reach: tuple[float, BlendConfig],
+) -> tuple[Float[np.ndarray, "M 3"], Float[np.ndarray, "M"]]:
+    """Colours and cover of some places by the Gaussians listed for each, front to back."""
+    voxel, cfg = reach
+    there: Bool[np.ndarray, "M K"] = index < len(sheet.means)
+    index = np.where(there, index, 0)
+    points, normals = sheet.places.points[rows], sheet.places.normals[rows]
+    offset = sheet.means[index] - points[:, None]
+    first, second = (offset[..., k] for k in range(3) if k != sheet.axis)
+    a, b, c, strength = np.moveaxis(footprints[index], -1, 0)
+    power = 0.5 * (a * first**2 + 2.0 * b * first * second + c * second**2)
+    away = np.abs(np.einsum("tkc,tc->tk", offset, normals)) / voxel
+    fade = np.clip((cfg.far - away) / (cfg.far - cfg.near), 0.0, 1.0)
+    alpha = np.minimum(np.where(there, strength * np.exp(-np.maximum(power, 0.0)) * fade, 0.0), MAX_ALPHA)
+    outward = np.where(normals[:, sheet.axis] >= 0, 1.0, -1.0)[:, None]
+    if sheet.normals is None:
+        weight = _weigh_in_order(alpha, outward * offset[..., sheet.axis])
+    else:
+        heights = np.einsum("tkc,tkc->tk", offset, sheet.normals[index])
+        weight = _weigh_sheets(alpha, heights, cfg.sheet * voxel)
+    cover = weight.sum(axis=1)
+    total = np.einsum("tk,tkc->tc", weight, sheet.colors[index])
+    return total / np.maximum(cover, 1e-9)[:, None], cover
+
+
+def _weigh_in_order(
+    alpha: Float[np.ndarray, "M K"], heights: Float[np.ndarray, "M K"]
+) -> Float[np.ndarray, "M K"]:
+    """How much of each Gaussian is seen when they are blended from the highest down."""
+    order = np.argsort(-heights, axis=1)
+    weight = np.take_along_axis(alpha, order, axis=1)
+    left = np.cumprod(1.0 - weight, axis=1)
+    weight[:, 1:] *= left[:, :-1]
+    out = np.empty_like(weight)
+    np.put_along_axis(out, order, weight, axis=1)
+    return out
+
+
+def _weigh_sheets(
+    alpha: Float[np.ndarray, "M K"], heights: Float[np.ndarray, "M K"], sheet: float
+) -> Float[np.ndarray, "M K"]:
+    """The same where Gaussians are parts of opaque sheets: gaps between those of one sheet are closed.
+
+    Heights above the place along their own normals are equal within a sheet, slanted or not. Those of the
+    highest sheet share what it covers; the others show where it ends.
+    """
+    highest = np.where(alpha > EDGE, heights, -np.inf).max(axis=1, keepdims=True)
+    top = np.where(heights >= highest - sheet, alpha, 0.0)
+    total = top.sum(axis=1, keepdims=True)
+    closed = np.minimum(total / CLOSED, 1.0)
+    below = _weigh_in_order(alpha - top, heights)
+    return top * closed / np.maximum(total, 1e-9) + (1.0 - closed) * below
+
+
+def _chunks(count: int, width: int) -> Iterator[Int[np.ndarray, "M"]]:
+    """Rows in blocks of bounded working memory."""
+    size = max(1, (1 << 20) // width)
+    for start in range(0, count, size):
+        yield np.arange(start, min(start + size, count))

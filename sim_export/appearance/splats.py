@@ -1,0 +1,31 @@
+"""The Gaussians of an asset, shared out to the links of its package."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from artigen.splats.motion import scale_gaussians
+from artigen.splats.parts import select_gaussians
+from artigen.types import Asset
+from sim_export.package import Link
+from sim_export.physics.links import link_names, link_owners
+
+
+def attach_splats(links: Sequence[Link], asset: Asset) -> tuple[Link, ...]:
+    """Links with the Gaussians of their parts, in metres in the object frame at rest.
+
+    Raises:
+        ValueError: If the asset has no Gaussians.
+    """
+    if asset.gaussians is None:
+        raise ValueError(f"asset {asset.name!r} has no Gaussians to show")
+    metres = scale_gaussians(asset.gaussians, asset.scale)
+    names = link_names(asset)
+    owner = np.array([names[leader] for leader in link_owners(asset)])[metres.part_ids]
+    out = []
+    for index, link in enumerate(links):
+        rows = np.flatnonzero(owner == link.name)
+        splats = replace(select_gaussians(metres, rows), part_ids=np.full(len(rows), index))
+        out.append(replace(link, splats=splats if len(rows) else None))
+    return tuple(out)

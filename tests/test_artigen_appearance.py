@@ -1,0 +1,161 @@
+"""Appearance drawn for a structure: same seed same bytes, parts follow voxels, one file per link."""
+
+import json
+from dataclasses import fields, replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+import torch
+
+import artigen.generate
+from artigen.appearance import (
+    AppearanceConfig,
+    generate_appearance,
+    has_appearance,
+    label_voxels,
+    load_appearance_model,
+)
+from artigen.cli.generate import GenerateJob, generate_object
+from artigen.errors import SourceError
+from artigen.io import read_asset, write_asset
+from artigen.models.appearance_presets import APPEARANCE_PRESETS
+from artigen.models.appearance_vae import APPEARANCE_FLOW, APPEARANCE_VAE, AppearanceVae
+from artigen.models.conditions import StructureCondition
+from artigen.models.outline_flow import OutlineFlow
+from artigen.models.presets import PRESETS
+from artigen.models.slat_flow import SlatFlow
+from artigen.models.store import save_model
+from artigen.models.structure_flow import StructureFlow
+from artigen.models.structure_vae import StructureVae
+from artigen.sampling import SamplerConfig
+from artigen.shapes.asset import shape_to_asset
+from artigen.shapes.draw import draw_shape
+from artigen.splats.ply import read_ply
+from artigen.types import PART_LABELS, Asset, Gaussians
+from sim_export.files.read import read_package
+from sim_export.package import Link
+from sim_export.physics.links import link_owners
+
+FEW = AppearanceConfig(sampler=SamplerConfig(steps=2))
+ASKED = StructureCondition(category="StorageFurniture")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A model that knows nothing, in both halves."""
+    torch.manual_seed(0)
+    preset, look = PRESETS["tiny"], APPEARANCE_PRESETS["tiny"]
+    path = tmp_path_factory.mktemp("model")
+    save_model(StructureVae(preset.vae), path, {"preset": "tiny"}, "vae")
+    save_model(StructureFlow(preset.flow, preset.conditions), path, {"preset": "tiny"}, "flow")
+    if preset.outline is not None:
+        save_model(OutlineFlow(preset.outline, preset.conditions), path, {"preset": "tiny"}, "outline")
+    assert not has_appearance(path)
+    # The encoder depends on the feature extractor, which generating does not need.
+    vae = AppearanceVae(replace(look.encoder, in_channels=7), look.decoder)
+    flow = SlatFlow(look.flow, look.conditions)
+    for layer in (vae.decoder.out_layer, flow.network.out_layer):  # zero in untrained networks
+        torch.nn.init.normal_(layer.weight, std=0.1)
+    save_model(vae, path, {"preset": "tiny"}, APPEARANCE_VAE)
+    save_model(flow, path, {"preset": "tiny"}, APPEARANCE_FLOW)
+    return path
+
+
+@pytest.fixture(scope="module")
+def structure() -> Asset:
+    """What a structure model of 32 cells would give: no surface, no Gaussians."""
+    return shape_to_asset(draw_shape("StorageFurniture", 3), resolution=32)
+
+
+def test_the_same_seed_gives_the_same_gaussians_and_another_seed_others(folder: Path, structure: Asset):
+    model = load_appearance_model(folder)
+    one, two, other = (generate_appearance(model, structure, ASKED, seed, FEW) for seed in (5, 5, 6))
+    for item in fields(Gaussians):
+        np.testing.assert_array_equal(getattr(one.gaussians, item.name), getattr(two.gaussians, item.name))
+    assert np.abs(one.gaussians.colors - other.gaussians.colors).max() > 0.01
+
+
+def test_gaussians_belong_to_the_parts_of_their_voxels(folder: Path, structure: Asset):
+    model = load_appearance_model(folder)
+    asset = generate_appearance(model, structure, ASKED, 5, FEW)
+    count = model.preset.decoder.gaussians.count
+    assert len(asset.gaussians.means) == count * len(structure.voxels.coords)
+    own = np.repeat(structure.voxels.part_ids, count)
+    strays = np.count_nonzero(asset.gaussians.part_ids != own)
+    assert strays < 0.2 * len(own)
+    # They are where their voxels are.
+    away = np.abs(asset.gaussians.means - np.repeat(structure.voxels.centers(), count, axis=0))
+    assert away.max() <= 0.75 / 32 + 1e-6
+    said = [note for note in asset.notes if "another part's cells" in note]
+    assert len(said) == (1 if strays else 0)
+
+
+def test_the_flow_is_told_the_labels_of_the_voxels(structure: Asset):
+    labels = label_voxels(structure)
+    assert labels.shape == (len(structure.voxels.coords), len(PART_LABELS))
+    named = [PART_LABELS[k] for k in labels.argmax(axis=1)]
+    assert named == [structure.parts[part].label for part in structure.voxels.part_ids]
+    np.testing.assert_array_equal(labels.sum(axis=1), 1.0)
+
+
+def test_assets_keep_their_gaussians(folder: Path, structure: Asset, tmp_path: Path):
+    asset = generate_appearance(load_appearance_model(folder), structure, ASKED, 5, FEW)
+    write_asset(asset, tmp_path / "asset")
+    back = read_asset(tmp_path / "asset")
+    for item in fields(Gaussians):
+        np.testing.assert_array_equal(getattr(back.gaussians, item.name), getattr(asset.gaussians, item.name))
+
+
+def test_packages_have_one_file_of_gaussians_per_link_and_textures_made_of_them(
+    folder: Path, structure: Asset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr(artigen.generate, "generate_structure", lambda *_: structure)
+    job = GenerateJob(model=folder, category="StorageFurniture", seed=9, out=tmp_path)
+    generate_object(job)
+    place = tmp_path / job.key
+    package = read_package(place)
+    files = sorted(path.stem for path in (place / "splats").iterdir())
+    shown = sorted(link.name for link in package.links if link.visuals)
+    assert files == shown
+    assert len(files) == len(set(link_owners(structure)))
+    counts = {name: len(read_ply(place / "splats" / f"{name}.ply").means) for name in files}
+    assert sum(counts.values()) == 4 * len(structure.voxels.coords)
+    for index, link in enumerate(package.links):
+        if link.splats is None:
+            assert not link.visuals
+            continue
+        assert len(link.splats.means) == counts[link.name]
+        assert (link.splats.part_ids == index).all()
+        assert_near(link)
+    textures = [visual.mesh.texture for link in package.links for visual in link.visuals]
+    assert all(texture is not None and texture.min() > 0 for texture in textures)
+    assert any(record.startswith("textures: Gaussians of the own part cover") for record in package.records)
+    before = {path.name: path.read_bytes() for path in place.rglob("*") if path.is_file()}
+    generate_object(job)
+    assert before == {path.name: path.read_bytes() for path in place.rglob("*") if path.is_file()}
+
+
+def assert_near(link: Link) -> None:
+    """Gaussians are in the object frame, where the link's meshes are."""
+    corners = np.concatenate([visual.mesh.vertices for visual in link.visuals])
+    low, high = corners.min(axis=0) - 0.1, corners.max(axis=0) + 0.1
+    assert ((link.splats.means > low) & (link.splats.means < high)).all()
+
+
+def test_what_does_not_fit_is_said(folder: Path, structure: Asset, tmp_path: Path):
+    model = load_appearance_model(folder)
+    with pytest.raises(ValueError, match="voxels are none"):
+        generate_appearance(model, replace(structure, voxels=None), ASKED, 0)
+    finer = replace(structure.voxels, resolution=64)
+    with pytest.raises(ValueError, match=r"of 64\^3, this model draws on those of 32\^3"):
+        generate_appearance(model, replace(structure, voxels=finer), ASKED, 0)
+    with pytest.raises(SourceError, match="there is no such model"):
+        load_appearance_model(tmp_path)
+    (tmp_path / "model.json").write_text(json.dumps({"flow": {"preset": "tiny"}}))
+    with pytest.raises(SourceError, match="describes flow, expected appearance-vae"):
+        load_appearance_model(tmp_path)
+    named = {APPEARANCE_VAE: {"preset": "tiny"}, APPEARANCE_FLOW: {"preset": "compact"}}
+    (tmp_path / "model.json").write_text(json.dumps(named))
+    with pytest.raises(SourceError, match="for both"):
+        load_appearance_model(tmp_path)
