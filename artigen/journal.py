@@ -1,6 +1,8 @@
 """Journals: a JSON object per line, appended as work is done, so that a killed run can go on."""
 
 import json
+import os
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -17,3 +19,13 @@ def read_lines(path: Path) -> list[dict[str, Any]]:
         except json.JSONDecodeError:
             continue
     return out
+
+
+def append_line(path: Path, line: Mapping[str, object]) -> None:
+    """Adds a line to a journal; one that a killed run has cut short before it stays a line of its own."""
+    with path.open("a+b") as file:
+        whole = file.seek(0, os.SEEK_END) == 0
+        if not whole:
+            file.seek(-1, os.SEEK_END)
+            whole = file.read(1) == b"\n"
+        file.write((b"" if whole else b"\n") + json.dumps(dict(line)).encode() + b"\n")

@@ -5,7 +5,6 @@ does it. Draws go in rounds, as `artigen generate` does for a single object: wha
 other noise.
 """
 
-import json
 import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -15,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from artigen.generate import GenerateConfig, StructureModel
-from artigen.journal import read_lines
+from artigen.journal import append_line, read_lines
 from artigen.metrics.draws import DrawJob, draw_all
 
 JOURNAL = "packages.jsonl"
@@ -144,8 +143,7 @@ def _prove_round(
     assets = [out / "draws" / job.key for job in missing if job.key not in known]
     for proof in prove(assets) if assets else ():
         known[proof.key] = proof
-        with journal.open("a") as file:
-            file.write(json.dumps(asdict(proof)) + "\n")
+        append_line(journal, asdict(proof))
         tell(sum(job.key in known for job in jobs), len(jobs))
     return [known[job.key] for job in jobs]
 
