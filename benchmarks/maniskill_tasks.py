@@ -4,6 +4,7 @@ Writes one JSON line per episode, so that an interrupted run goes on where it st
 tables as Markdown.
 """
 
+import gc
 import json
 import time
 from collections.abc import Iterator
@@ -204,6 +205,7 @@ def table(rows: list[dict]) -> str:
 
 def main(cfg: Config) -> None:
     """Measures what is asked for and prints all that has been measured."""
+    gc.freeze()  # ManiSkill collects garbage at every reset; what has been imported need not be looked at
     if cfg.what == "speed":
         speed(cfg)
     elif cfg.what != "table":

@@ -111,7 +111,7 @@ def test_the_grip_follows_the_joint(cabinet):
 
 def test_grasps_straddle_the_handle(cabinet):
     part = next(part for part in cabinet.parts if part.handle is not None)
-    grasps = find_grasps(part.handle, ROBOTS["panda"])
+    grasps = find_grasps(part.handle, part.held, ROBOTS["panda"])
     R = grasps.poses[:, :3, :3]
     np.testing.assert_allclose(R @ np.swapaxes(R, 1, 2), np.tile(np.eye(3), (len(R), 1, 1)), atol=1e-9)
     np.testing.assert_allclose(np.linalg.det(R), 1.0)
@@ -120,7 +120,7 @@ def test_grasps_straddle_the_handle(cabinet):
     assert abs(best[:3, 1] @ bar) < 1e-6
     assert best[:3, 0] @ part.handle.normal < -0.99
     thick = replace(part.handle, width=0.2)
-    assert len(find_grasps(thick, ROBOTS["panda"]).poses) == 0
+    assert len(find_grasps(thick, (), ROBOTS["panda"]).poses) == 0
 
 
 def test_columns_meet_a_box_where_it_is():

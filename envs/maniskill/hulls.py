@@ -56,14 +56,12 @@ def open_above_ground(entry: TaskObject, part: TaskPart, wanted: float) -> float
     return float(fractions[max(0, below[0] - 1)]) if len(below) else wanted
 
 
-def hulls_on_ground(entry: TaskObject, hulls: Sequence[Hull]) -> tuple[Hull, ...]:
-    """Hulls in the world, for an object that stands at the origin, and a slab of the ground below them."""
-    up = np.eye(4)
-    up[2, 3] = -entry.floor
-    lifted = tuple(move_hull(hull, up) for hull in hulls)
-    corners = np.concatenate([hull.vertices for hull in lifted])
+def ground_under(entry: TaskObject, hulls: Sequence[Hull]) -> Hull:
+    """A slab of the ground that an object stands on, below its hulls, in the object frame."""
+    corners = np.concatenate([hull.vertices for hull in hulls])
     low, high = corners.min(axis=0), corners.max(axis=0)
-    return (*lifted, box(np.array([low[0], low[1], -GROUND]), np.array([high[0], high[1], 0.0])))
+    low[2], high[2] = entry.floor - GROUND, entry.floor
+    return box(low, high)
 
 
 def box(low: Float[np.ndarray, "3"], high: Float[np.ndarray, "3"]) -> Hull:

@@ -14,13 +14,15 @@ import numpy as np
 from jaxtyping import Float
 
 from sim_export.files.read import read_package
-from sim_export.package import HandleAnnotation, PackageJoint, SimPackage
+from sim_export.package import HandleAnnotation, Hull, PackageJoint, SimPackage
 
 from .folders import TaskError, demand_validation, find_packages
 
 PartKind = Literal["drawer", "door", "any"]
 Validation = Literal["passed", "any"]
 HandleNeed = Literal["required", "optional"]
+HANDLE_SLACK = 0.005
+"""How far hulls of a handle may reach out of its box, metres."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -29,7 +31,8 @@ class TaskPart:
 
     ``grip`` is where a gripper takes hold (object frame at rest, metres): the middle of ``handle``, or
     of the free edge of the part where no handle is annotated. ``moved`` are the part's hull vertices in the
-    same frame, with those of everything it carries; ``needs`` are joints that must stand open first.
+    same frame, with those of everything it carries; ``held`` are the hulls that make up the handle;
+    ``needs`` are joints that must stand open first.
     """
 
     kind: Literal["drawer", "door"]
@@ -37,6 +40,7 @@ class TaskPart:
     handle: HandleAnnotation | None
     grip: Float[np.ndarray, "3"]
     moved: Float[np.ndarray, "V 3"]
+    held: tuple[Hull, ...]
     needs: tuple[str, ...]
 
     @property
@@ -191,8 +195,15 @@ def _part(
         handle=handle,
         grip=handle.corners.mean(axis=0) if handle is not None else _edge_point(joint, moved),
         moved=moved,
+        held=() if handle is None else _hulls_of_handle(links[handle.link].hulls, handle),
         needs=needed_joints(package, joint.name),
     )
+
+
+def _hulls_of_handle(hulls: tuple[Hull, ...], handle: HandleAnnotation) -> tuple[Hull, ...]:
+    """The hulls that lie in the handle's box."""
+    low, high = handle.corners.min(axis=0) - HANDLE_SLACK, handle.corners.max(axis=0) + HANDLE_SLACK
+    return tuple(x for x in hulls if (x.vertices >= low).all() and (x.vertices <= high).all())
 
 
 def carried_links(package: SimPackage, link: str) -> tuple[str, ...]:

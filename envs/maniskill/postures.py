@@ -112,7 +112,7 @@ def find_putting_stand(
         part: its open part.
         robot: what is to stand.
         postures: of its arm.
-        field: everything solid, in the world.
+        field: everything solid, in the object frame.
         opened: how far the part is open.
         goal: of the hand.
 
@@ -141,7 +141,8 @@ def find_putting_stand(
     if not len(keep):
         return None
     points = _turned(postures.points[which[keep]], yaw[keep]) + (base[keep] + _up(lift[keep]))[:, None]
-    solid = np.minimum(distances(field, points), points[..., 2])
+    up = np.array([0.0, 0.0, entry.floor])
+    solid = np.minimum(distances(field, points + up), points[..., 2])
     room = (solid - postures.gap).min(axis=1)
     bearing = np.arctan2(postures.tool[which[keep], 1], postures.tool[which[keep], 0])
     score = np.minimum(room, ENOUGH) - ASKEW * (np.abs(turn[keep]) + np.abs(bearing))

@@ -15,7 +15,7 @@ from artigen.transforms import transform_points
 
 from .containers import Container, find_container
 from .folders import TaskError
-from .hulls import hulls_at, hulls_on_ground, open_above_ground, opened_qpos
+from .hulls import ground_under, hulls_at, open_above_ground, opened_qpos
 from .load import SURFACE
 from .objects import PartKind, TaskObject, TaskPart, Validation
 from .placement import Stand, find_stand, free_radius, part_motion
@@ -146,7 +146,7 @@ class PutInsideEnv(PackageTask):
         return find_stand(entry, part, self.robot_spec, np.array([opened]), path, reach)
 
     def solid_at_start(self, index: int) -> Field:
-        """Distances in the world to one scene's object as an episode finds it, and to the ground."""
+        """Distances to one scene's object as an episode finds it, and to the ground, in the object frame."""
         return self._field(*self.drawn[index])
 
     def _field(self, entry: TaskObject, part: TaskPart) -> Field:
@@ -154,7 +154,8 @@ class PutInsideEnv(PackageTask):
         if key not in self._known_fields:
             qpos = opened_qpos(entry, part, self._opened(entry, part))
             carried, others = hulls_at(entry, part, qpos)
-            self._known_fields[key] = build_field(hulls_on_ground(entry, carried + others))
+            hulls = carried + others
+            self._known_fields[key] = build_field((*hulls, ground_under(entry, hulls)))
         return self._known_fields[key]
 
     def _postures(self) -> Postures:

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from ..task import PackageTask
 
 CONTROL_MODE = "pd_joint_pos"
+FINGERS_SHUT = -0.01
+"""Finger position that ManiSkill's grippers aim for at action -1, metres."""
 JOINT_STEP = 0.07
 """Largest change of an arm joint in one control step, rad: 1.4 rad/s."""
 
@@ -118,6 +120,12 @@ def wait(driver: Driver, count: int) -> None:
     """Holds still for some control steps."""
     for _ in range(count):
         step(driver, driver.target)
+
+
+def finger_action(robot: RobotSpec, width: float) -> float:
+    """The action that opens a gripper to a width in metres: 1 is as wide as it goes."""
+    widest = robot.opening / 2.0
+    return float(np.clip(2.0 * (width / 2.0 - FINGERS_SHUT) / (widest - FINGERS_SHUT) - 1.0, -1.0, 1.0))
 
 
 def grip(driver: Driver, opening: float, count: int) -> None:

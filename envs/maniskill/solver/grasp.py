@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.transforms import rotation_about
-from sim_export.package import HandleAnnotation
+from sim_export.package import HandleAnnotation, Hull
 
 from ..robots import RobotSpec
 
@@ -16,6 +16,15 @@ TILTS = np.radians([0.0, 20.0, -20.0, 40.0, -40.0])
 """Turns about the bar itself, which the fingers then hold at its edges."""
 ALONG = (0.0, 0.5, -0.5)
 """Where along half of the grasp line, from its middle."""
+LEAST_HUB = 0.010
+"""How far a hub has to stand out from the rest of a handle, metres."""
+EVEN = 0.003
+"""Hulls that end this near to the foremost one belong to the hub, metres."""
+TIP, TIP_GAP = 0.009, 0.002
+"""How far fingers reach beyond the middle of their tips, and what they keep off what is behind, metres."""
+HUB_YAWS = np.radians([0.0, 15.0, -15.0, 30.0, -30.0])
+ROOMY = 0.024
+"""How much wider than the handle fingers open: neighbours may stand close, metres."""
 SPARE = 0.008
 """How much wider than the handle the open gripper has to be, metres."""
 
@@ -24,17 +33,26 @@ SPARE = 0.008
 class Grasps:
     """Poses of the gripper in the object frame at rest: x points, y is where the fingers close.
 
-    ``cost`` ranks them: small turns first.
+    ``cost`` ranks them: small turns first. ``width`` is how wide the fingers open before they close, metres.
     """
 
     poses: Float[np.ndarray, "G 4 4"]
     cost: Float[np.ndarray, "G"]
+    width: float
 
 
-def find_grasps(handle: HandleAnnotation, robot: RobotSpec) -> Grasps:
-    """Every grasp of a handle that the gripper opens wide enough for; none if it is too thick."""
+def find_grasps(handle: HandleAnnotation, held: tuple[Hull, ...], robot: RobotSpec) -> Grasps:
+    """Every grasp of a handle that the gripper opens wide enough for.
+
+    A wheel that is too thick is taken at its hub, where that stands out; none if there is no such place.
+
+    Args:
+        handle: its box and grasp line.
+        held: the hulls it is made of.
+        robot: the gripper.
+    """
     if handle.width + SPARE > robot.opening:
-        return Grasps(poses=np.zeros((0, 4, 4)), cost=np.zeros(0))
+        return _hub_grasps(handle, held, robot)
     middle = handle.corners.mean(axis=0)
     half = (handle.grasp_line[1] - handle.grasp_line[0]) / 2.0
     length = float(np.linalg.norm(half))
@@ -54,7 +72,38 @@ def find_grasps(handle: HandleAnnotation, robot: RobotSpec) -> Grasps:
                     T[:3, 3] = middle + along * half
                     poses.append(T)
                     cost.append(0.1 * abs(along) + 0.3 * abs(yaw) + 0.6 * abs(tilt))
-    return Grasps(poses=np.array(poses), cost=np.array(cost))
+    width = min(robot.opening, handle.width + ROOMY)
+    return Grasps(poses=np.array(poses), cost=np.array(cost), width=width)
+
+
+def _hub_grasps(handle: HandleAnnotation, held: tuple[Hull, ...], robot: RobotSpec) -> Grasps:
+    """Grasps of what stands out farthest from a thick handle, straight from in front, upright or level."""
+    none = Grasps(poses=np.zeros((0, 4, 4)), cost=np.zeros(0), width=robot.opening)
+    if not held:
+        return none
+    reach = np.array([(hull.vertices @ handle.normal).max() for hull in held])
+    foremost = reach > reach.max() - EVEN
+    behind = float(reach[~foremost].max(initial=(handle.corners @ handle.normal).min()))
+    if reach.max() - behind < LEAST_HUB:
+        return none
+    hub = np.concatenate([hull.vertices for hull, flag in zip(held, foremost, strict=True) if flag])
+    level = _across(handle.normal)
+    poses, cost = [], []
+    for close in (level, np.cross(handle.normal, level)):
+        if np.ptp(hub @ close) + SPARE > robot.opening:
+            continue
+        middle = (hub.min(axis=0) + hub.max(axis=0)) / 2.0
+        middle += (behind + TIP + TIP_GAP - middle @ handle.normal) * handle.normal
+        for yaw in HUB_YAWS:
+            for sign in (1.0, -1.0):
+                T = np.eye(4)
+                third = np.cross(-handle.normal, sign * close)
+                turn = rotation_about(close, yaw)
+                T[:3, :3] = turn @ np.stack([-handle.normal, sign * close, third], axis=1)
+                T[:3, 3] = middle
+                poses.append(T)
+                cost.append(0.3 * abs(yaw))
+    return Grasps(poses=np.array(poses), cost=np.array(cost), width=robot.opening) if poses else none
 
 
 def _across(normal: np.ndarray) -> np.ndarray:

@@ -1,7 +1,7 @@
 """A plan for opening or closing by the handle: take hold of it and go along the joint's own path.
 
 Numbers only. Grasps are tried by inverse kinematics along the whole path, and the one that stays most exact
-wins; obstacles are not looked at, the robot stands where there are few.
+and keeps the arm off everything wins.
 """
 
 from dataclasses import dataclass
@@ -12,10 +12,10 @@ from jaxtyping import Float
 from artigen.errors import ArtigenError
 
 from ..objects import TaskPart
-from ..placement import part_motion
 from ..robots import RobotSpec
 from .chain import Chain, solve, tool_pose
 from .grasp import find_grasps
+from .opening import PRESSED, Opening, pressure, way_around
 from .reach import NEAR, follow, reach, starts_of
 
 BACK = 0.10
@@ -25,6 +25,8 @@ STEP = 0.025
 BEYOND = 0.06
 """How much farther than asked the plan goes, part of the range: a pulled joint lags behind."""
 LOOSE = 0.01
+COMPARED = 12
+"""Ways along the path whose distances from everything are compared."""
 MOST_TURN = 0.9
 """How far the gripper may turn about what it holds, rad, where the arm cannot turn along with a door."""
 
@@ -37,34 +39,24 @@ class NoPlan(ArtigenError):
 class OpenPlan:
     """Waypoints of the arm (rad): on the way to the part, the last one at it; along the joint's path; away.
 
-    ``gripper`` says whether the fingers close on a handle or are closed all the time. ``miss`` is the
-    largest position error along the path, metres.
+    ``width`` is how wide the fingers open (m) before they close on a handle, 0 if they push and are closed
+    all the time. ``miss`` is the largest position error along the path, metres.
     """
 
     approach: Float[np.ndarray, "A J"]
     path: Float[np.ndarray, "N J"]
     leave: Float[np.ndarray, "L J"]
-    grasps: bool
+    width: float
     miss: float
 
 
 def plan_open(
-    chain: Chain,
-    robot: RobotSpec,
-    part: TaskPart,
-    T_root_object: Float[np.ndarray, "4 4"],
-    q: Float[np.ndarray, "J"],
-    begin: float,
-    end: float,
-    skip: int = 0,
+    opening: Opening, q: Float[np.ndarray, "J"], begin: float, end: float, *, skip: int = 0
 ) -> OpenPlan:
-    """A plan that moves ``part`` from fraction ``begin`` of its range to ``end`` by its handle.
+    """A plan that moves a part from fraction ``begin`` of its range to ``end`` by its handle.
 
     Args:
-        chain: the arm, in the frame of the robot's root.
-        robot: its gripper.
-        part: what to move.
-        T_root_object: the object frame in the root's.
+        opening: the arm and the part.
         q: arm angles now, rad.
         begin: where the part is.
         end: where it is to go.
@@ -73,15 +65,16 @@ def plan_open(
     Raises:
         NoPlan: if there is no handle, it is too thick, or no grasp is in reach along the path.
     """
+    chain, robot, part = opening.chain, opening.robot, opening.part
     if part.handle is None:
         raise NoPlan(f"joint {part.joint.name!r}: no handle is annotated, so there is nothing to pull at")
-    grasps = find_grasps(part.handle, robot)
+    grasps = find_grasps(part.handle, part.held, robot)
     if not len(grasps.poses):
         raise NoPlan(
             f"joint {part.joint.name!r}: the handle is {1e3 * part.handle.width:.0f} mm thick, the gripper "
             f"opens {1e3 * robot.opening:.0f} mm"
         )
-    motions = T_root_object @ part_motion(part, path_fractions(part, begin, end))  # [N, 4, 4]
+    motions = opening.motions(path_fractions(part, begin, end))  # [N, 4, 4]
     tools = np.eye(4)
     tools[:3, :3] = robot.tool_axes.T
     poses = grasps.poses @ tools
@@ -100,12 +93,15 @@ def plan_open(
             f"joint {part.joint.name!r}: {len(good)} grasps can be carried along the path within "
             f"{1e3 * NEAR:.0f} mm, the best misses it by {1e3 * missed.min():.0f} mm"
         )
-    best = good[np.argsort(cost[good], kind="stable")][skip]
+    good = good[np.argsort(cost[good], kind="stable")][: skip + COMPARED]
+    cost = cost[good] + PRESSED * pressure(opening, path[:, good], motions)
+    best = good[np.argsort(cost, kind="stable")[skip]]
+    before = way_around(opening, begin, q, drawn_back(chain, robot, path[0, best]))
     return OpenPlan(
-        approach=np.stack([drawn_back(chain, robot, path[0, best]), path[0, best]]),
+        approach=np.concatenate([before, path[:1, best]]),
         path=path[1:, best],
         leave=drawn_back(chain, robot, path[-1, best])[None],
-        grasps=True,
+        width=grasps.width,
         miss=float(missed[best]),
     )
 

@@ -9,10 +9,9 @@ from jaxtyping import Float
 from artigen.transforms import rotation_about
 
 from ..objects import TaskPart
-from ..placement import part_motion
 from ..robots import RobotSpec
-from .chain import Chain
-from .plan_open import NoPlan, OpenPlan, path_fractions
+from .opening import PRESSED, Opening, pressure, way_around
+from .plan_open import COMPARED, NoPlan, OpenPlan, path_fractions
 from .reach import NEAR, follow, reach, starts_of
 
 AJAR = 0.22
@@ -30,15 +29,7 @@ SPREAD = 0.10
 MOST_TURN = 1.3
 
 
-def plan_push(
-    chain: Chain,
-    robot: RobotSpec,
-    part: TaskPart,
-    T_root_object: Float[np.ndarray, "4 4"],
-    q: Float[np.ndarray, "J"],
-    begin: float,
-    end: float,
-) -> OpenPlan:
+def plan_push(opening: Opening, q: Float[np.ndarray, "J"], begin: float, end: float) -> OpenPlan:
     """A plan that pushes a turning part from fraction ``begin`` of its range to ``end``, from behind.
 
     Arguments as for `plan_open`.
@@ -46,6 +37,7 @@ def plan_push(
     Raises:
         NoPlan: if the part slides, stands less than 0.22 rad open, or cannot be followed.
     """
+    chain, robot, part = opening.chain, opening.robot, opening.part
     name = part.joint.name
     if part.joint.type == "prismatic" or end < begin:
         raise NoPlan(f"joint {name!r}: only turning parts are pushed, and only open")
@@ -53,7 +45,7 @@ def plan_push(
     if angle < AJAR:
         raise NoPlan(f"joint {name!r}: {angle:.2f} rad open, fingers need {AJAR} rad to get behind the edge")
     contacts, cost, outside = _contacts(part, robot)
-    motions = T_root_object @ part_motion(part, path_fractions(part, begin, end))
+    motions = opening.motions(path_fractions(part, begin, end))
     hold, order = reach(chain, motions[0] @ contacts, cost, starts_of(chain, robot, q))
     if not len(order):
         raise NoPlan(f"joint {name!r}: the inside of its edge is out of reach")
@@ -71,12 +63,14 @@ def plan_push(
             f"joint {name!r}: no way along the inside of its edge, the best misses by "
             f"{1e3 * missed.min():.0f} mm"
         )
-    best = good[np.argmin(total[good])]
+    good = good[np.argsort(total[good], kind="stable")][:COMPARED]
+    best = good[np.argmin(total[good] + PRESSED * pressure(opening, path[:, good], motions))]
+    before = way_around(opening, begin, q, entry[-1, best])
     return OpenPlan(
-        approach=entry[::-1, best],
+        approach=np.concatenate([before, entry[-2::-1, best]]),
         path=path[1:, best],
         leave=path[-1:, best],
-        grasps=False,
+        width=0.0,
         miss=float(missed[best]),
     )
 

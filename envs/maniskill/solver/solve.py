@@ -13,10 +13,23 @@ from jaxtyping import Float
 
 from artigen.transforms import inverse, transform_points
 
-from ..hulls import box, hulls_on_ground
+from ..hulls import box, ground_under, move_hull
+from ..placement import part_motion
 from .body import Obstacle
-from .drive import Driver, arm_angles, grip, move, object_hulls, object_in_root, root_pose, start, wait
+from .drive import (
+    Driver,
+    arm_angles,
+    finger_action,
+    grip,
+    move,
+    object_hulls,
+    object_in_root,
+    root_pose,
+    start,
+    wait,
+)
 from .field import build_field
+from .opening import Opening
 from .plan_open import NoPlan, OpenPlan, plan_open
 from .plan_push import plan_push
 from .plan_put import NoPutPlan, PutPlan, plan_put
@@ -62,10 +75,11 @@ def solve_open_part(env: gym.Env, seed: int) -> Outcome:
     _, info = env.reset(seed=seed)
     driver = start(env, info)
     task: OpenPartEnv = env.unwrapped  # type: ignore[assignment]
+    opening = _opening(driver)
     reason = ""
     for attempt in range(ATTEMPTS):
         try:
-            plan = _next_plan(driver, task, attempt)
+            plan = _next_plan(driver, task, opening, attempt)
         except NoPlan as none:
             reason = str(none)
             break
@@ -82,27 +96,43 @@ def solve_open_part(env: gym.Env, seed: int) -> Outcome:
     )
 
 
-def _next_plan(driver: Driver, task: "OpenPartEnv", attempt: int) -> OpenPlan:
+def _opening(driver: Driver) -> Opening:
+    """The part and everything around it, as an episode finds it."""
+    entry, part = driver.task.drawn[0]
+    carried, others = object_hulls(driver)
+    closed = inverse(part_motion(part, np.array([driver.begin]))[0])
+    return Opening(
+        chain=driver.chain,
+        robot=driver.robot,
+        body=driver.body,
+        part=part,
+        T_root_object=object_in_root(driver),
+        others=build_field((*others, ground_under(entry, carried + others))),
+        carried=build_field([move_hull(hull, closed) for hull in carried]),
+    )
+
+
+def _next_plan(driver: Driver, task: "OpenPartEnv", opening: Opening, attempt: int) -> OpenPlan:
     """Pull to the end; or else push to the end; or else pull only as far as a push needs.
 
     Raises:
         NoPlan: if none of them works, with what kept the first from it.
     """
-    part, begin, end = task.drawn[0][1], float(task.open_fraction[0]), task.goal_open
-    at = (driver.chain, driver.robot, part, object_in_root(driver), arm_angles(driver), begin)
+    part, begin, end = opening.part, float(task.open_fraction[0]), task.goal_open
+    q = arm_angles(driver)
     whole: NoPlan | None = None
     try:
-        return plan_open(*at, end, skip=attempt)
+        return plan_open(opening, q, begin, end, skip=attempt)
     except NoPlan as none:
         whole = none
     try:
-        return plan_push(*at, end)
+        return plan_push(opening, q, begin, end)
     except NoPlan:
         pass
     for angle in AJAR_ANGLES:
         if part.joint.type != "prismatic" and begin < angle / part.span < end:
             try:
-                return plan_open(*at, angle / part.span, skip=attempt)
+                return plan_open(opening, q, begin, angle / part.span, skip=attempt)
             except NoPlan:
                 continue
     raise whole
@@ -110,16 +140,16 @@ def _next_plan(driver: Driver, task: "OpenPartEnv", attempt: int) -> OpenPlan:
 
 def _follow_plan(driver: Driver, plan: OpenPlan) -> None:
     """To the part, along the joint's path, a moment for the part to come to rest, and away."""
-    grip(driver, 1.0 if plan.grasps else -1.0, 1)
+    grip(driver, finger_action(driver.robot, plan.width) if plan.width else -1.0, 1)
     for index, q in enumerate(plan.approach):
         move(driver, q, speed=1.0 if index == 0 else 0.5)
         wait(driver, 2)
-    if plan.grasps:
+    if plan.width:
         grip(driver, -1.0, 6)
     for q in plan.path:
         move(driver, q, speed=PULL_SPEED)
     wait(driver, 8)
-    if plan.grasps:
+    if plan.width:
         grip(driver, 1.0, 4)
     for q in plan.leave:
         move(driver, q)
@@ -156,15 +186,18 @@ def _put_plan(driver: Driver, task: "PutInsideEnv") -> PutPlan:
     cube = np.asarray(task.cube.pose.to_transformation_matrix()[0].numpy(), dtype=np.float64)
     stand = np.asarray(task.cube_stand.pose.p[0].numpy(), dtype=np.float64)
     stand[2] += 1.0 - STAND_HALF[2]
-    column = build_field((box(stand - STAND_HALF, stand + STAND_HALF),))
     solid = task.solid_at_start(0)
     if abs(float(task.open_fraction[0]) - driver.begin) > MOVED:
         carried, others = object_hulls(driver)
-        solid = build_field(hulls_on_ground(task.drawn[0][0], carried + others))
-    T = root_pose(driver)
+        hulls = carried + others
+        solid = build_field((*hulls, ground_under(task.drawn[0][0], hulls)))
+    column = build_field((box(stand - STAND_HALF, stand + STAND_HALF),))
     work = Work(
         chain=driver.chain, robot=driver.robot, body=driver.body,
-        obstacles=tuple(Obstacle(field=field, T_field_root=T) for field in (solid, column)),
+        obstacles=(
+            Obstacle(field=solid, T_field_root=inverse(object_in_root(driver))),
+            Obstacle(field=column, T_field_root=root_pose(driver)),
+        ),
     )  # fmt: skip
     container = task.containers[0]
     aims = task.resting_places(0) + np.array([0.0, 0.0, task.cube_size / 2.0])
