@@ -8,7 +8,13 @@ import torch
 
 from artigen.fields import DEFAULT_LAYOUT, part_attributes
 from artigen.models.conditions import StructureCondition, gather_conditions
-from artigen.models.outline_flow import OutlineFlow, complete_conditions, sample_outlines
+from artigen.models.outline_flow import (
+    OutlineFlow,
+    OutlineFrame,
+    complete_conditions,
+    frame_outlines,
+    sample_outlines,
+)
 from artigen.models.outlines import (
     DEPTH,
     OutlineBatch,
@@ -17,6 +23,7 @@ from artigen.models.outlines import (
     find_candidates,
     gather_outlines,
     hint_channels,
+    measure_extents,
     part_labels,
 )
 from artigen.models.presets import PRESETS
@@ -110,9 +117,24 @@ def test_rows_come_back_from_what_the_flow_sees(outlines: OutlineBatch):
     flow = make_flow()
     flow.mean.copy_(torch.linspace(-1, 1, len(flow.mean)))
     flow.std.copy_(torch.linspace(0.5, 2, len(flow.std)))
-    again = flow.restore(flow.normalise(outlines.rows), part_labels(outlines.rows), outlines.given)
+    frame = frame_outlines(outlines)
+    again = flow.restore(flow.normalise(outlines.rows, frame.extents), frame)
     said = slice(0, BOX.stop)  # all but the category, which a flow is told
     torch.testing.assert_close(again.rows[..., said], outlines.rows[..., said], atol=1e-5, rtol=1e-5)
+
+
+def test_shares_do_not_change_when_an_object_is_stretched(outlines: OutlineBatch):
+    flow, stretch = make_flow(), torch.tensor([0.5, 0.8, 1.0])
+    rows = outlines.rows.clone()
+    for start in (DEFAULT_LAYOUT.origin.start, DEFAULT_LAYOUT.box.start, DEFAULT_LAYOUT.box.start + 3):
+        rows[..., start - 1 : start + 2] *= stretch
+    rows[..., DEFAULT_LAYOUT.range.stop - 2] *= stretch[0]
+    narrow = OutlineBatch(rows=rows, given=outlines.given)
+    extents = measure_extents(narrow)
+    torch.testing.assert_close(extents, measure_extents(outlines) * stretch)
+    torch.testing.assert_close(
+        flow.normalise(rows, extents), flow.normalise(outlines.rows, measure_extents(outlines))
+    )
 
 
 def test_counts_that_are_asked_for_are_drawn_exactly_and_the_rest_is_completed():
@@ -142,11 +164,12 @@ def test_counts_that_are_asked_for_are_drawn_exactly_and_the_rest_is_completed()
 def test_padding_does_not_change_what_is_drawn(outlines: OutlineBatch):
     flow = make_flow()
     tokens = flow.conditions(gather_conditions([StructureCondition(category="Oven")] * 2, TINY.conditions))
-    labels, given = part_labels(outlines.rows) * outlines.given, outlines.given
+    frame = frame_outlines(outlines)
+    first = OutlineFrame(labels=frame.labels[1:, :3], given=frame.given[1:, :3], extents=frame.extents[1:])
     x = torch.randn(2, outlines.rows.shape[1], len(flow.mean))
     times = torch.tensor([0.5, 0.8])
-    said = flow.velocity(x, times, tokens, labels, given)
-    alone = flow.velocity(x[1:, :3], times[1:], tokens[1:], labels[1:, :3], given[1:, :3])
+    said = flow.velocity(x, times, tokens, frame)
+    alone = flow.velocity(x[1:, :3], times[1:], tokens[1:], first)
     torch.testing.assert_close(said[1, :3], alone[0], atol=1e-5, rtol=1e-5)
 
 

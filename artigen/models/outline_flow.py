@@ -17,7 +17,7 @@ from artigen.models.attention import plain_norm
 from artigen.models.conditions import MAX_COUNT, ConditionBatch, ConditionConfig, ConditionEncoder
 from artigen.models.embeddings import TimestepEmbedder
 from artigen.models.latent_dit import velocity_of
-from artigen.models.outlines import OutlineBatch, part_labels
+from artigen.models.outlines import OutlineBatch, measure_extents, part_labels
 from artigen.models.structure_dit import ModulatedBlock, StructureDitConfig
 from artigen.sampling import SamplerConfig, sample_flow
 from artigen.types import PART_LABELS
@@ -43,10 +43,11 @@ class OutlineFlowConfig:
 
 
 class OutlineFlow(nn.Module):
-    """Velocity of outlines under a condition, and what a condition says about open counts and category.
+    """Velocity of outlines under a condition, and what a condition says of open counts, category and extents.
 
-    ``mean`` and ``std`` per channel belong to the weights: rows are ``drawn * std + mean``, origins
-    counted from the centre of the part's box.
+    Rows are drawn in shares of the object's extents, so that a door over half the width says so in wide and
+    narrow objects alike; origins are counted from the centre of the part's box. ``mean`` and ``std`` per
+    channel belong to the weights: rows are ``drawn * std + mean``.
     """
 
     mean: Tensor
@@ -64,6 +65,7 @@ class OutlineFlow(nn.Module):
         self.modulation = nn.Sequential(nn.SiLU(), nn.Linear(cfg.width, 6 * cfg.width))
         self.table = nn.Parameter(torch.zeros(cfg.blocks, 6 * cfg.width))
         self.pooled = nn.Linear(cfg.width, cfg.width)
+        self.shape = nn.Linear(3, cfg.width)
         self.names = nn.Embedding(len(PART_LABELS) * (MAX_COUNT + 1), cfg.width)
         self.input_layer = nn.Linear(channels, cfg.width)
         self.blocks = nn.ModuleList(ModulatedBlock(inner) for _ in range(cfg.blocks))
@@ -72,7 +74,7 @@ class OutlineFlow(nn.Module):
             nn.LayerNorm(cfg.width),
             nn.Linear(cfg.width, cfg.width),
             nn.SiLU(),
-            nn.Linear(cfg.width, len(PART_LABELS) * (MAX_COUNT + 1) + len(conditions.categories)),
+            nn.Linear(cfg.width, len(PART_LABELS) * (MAX_COUNT + 1) + len(conditions.categories) + 3),
         )
         self.register_buffer("mean", torch.zeros(channels))
         self.register_buffer("std", torch.ones(channels))
@@ -85,42 +87,50 @@ class OutlineFlow(nn.Module):
         x: Float[Tensor, "B N C"],
         times: Float[Tensor, "B"],
         tokens: Float[Tensor, "B M K"],
-        labels: Int[Tensor, "B N"],
-        given: Bool[Tensor, "B N"],
+        frame: "OutlineFrame",
     ) -> Float[Tensor, "B N C"]:
-        """Velocity of normalised rows of parts with these labels, at times in [0, 1]."""
+        """Velocity of normalised rows at times in [0, 1]."""
+        labels, given = frame.labels, frame.given
         ordinal = (functional.one_hot(labels, len(PART_LABELS)) * given[..., None]).cumsum(dim=1)
         number = ordinal.gather(2, labels[..., None])[..., 0].clamp(1, MAX_COUNT + 1) - 1
         h = self.input_layer(x) + self.names(labels * (MAX_COUNT + 1) + number)
-        mod = self.modulation(self.t_embedder(1000.0 * times) + self.pooled(tokens.mean(dim=1)))
+        known = self.pooled(tokens.mean(dim=1)) + self.shape(frame.extents.log())
+        mod = self.modulation(self.t_embedder(1000.0 * times) + known)
         for block, row in zip(self.blocks, self.table, strict=True):
             assert isinstance(block, ModulatedBlock)
             h = block(h, mod + row, block.cross_attn.project(tokens), given[:, None, None, :])
         return velocity_of(x, self.out_layer(plain_norm(h, eps=1e-5)).float(), times)
 
-    def guesses(self, tokens: Float[Tensor, "B M K"]) -> tuple[Float[Tensor, "B L K"], Float[Tensor, "B G"]]:
-        """Logits of the counts of every label, and of the category, under embedded conditions."""
+    def guess_open(self, tokens: Float[Tensor, "B M K"]) -> "OutlineGuess":
+        """What embedded conditions let one expect of what they leave open."""
         said = self.guess(tokens.mean(dim=1)).float()
-        counts = len(PART_LABELS) * (MAX_COUNT + 1)
-        return said[:, :counts].unflatten(1, (len(PART_LABELS), -1)), said[:, counts:]
+        counts, rest = said.tensor_split((len(PART_LABELS) * (MAX_COUNT + 1),), dim=1)
+        ratios = rest[:, -3:]
+        return OutlineGuess(
+            counts=counts.unflatten(1, (len(PART_LABELS), -1)),
+            category=rest[:, :-3],
+            log_extents=ratios - ratios.amax(dim=1, keepdim=True),
+        )
 
-    def normalise(self, rows: Float[Tensor, "B N C"]) -> Float[Tensor, "B N D"]:
+    def normalise(
+        self, rows: Float[Tensor, "B N C"], extents: Float[Tensor, "B 3"]
+    ) -> Float[Tensor, "B N D"]:
         """The drawn channels of rows as the flow sees them."""
-        return (self._shift_origins(rows, -1.0)[..., self.cfg.drawn] - self.mean) / self.std
+        shares = self._shift_origins(self._scale(rows, 1.0 / extents), -1.0)
+        return (shares[..., self.cfg.drawn] - self.mean) / self.std
 
-    def restore(
-        self, x: Float[Tensor, "B N D"], labels: Int[Tensor, "B N"], given: Bool[Tensor, "B N"]
-    ) -> OutlineBatch:
+    def restore(self, x: Float[Tensor, "B N D"], frame: "OutlineFrame") -> OutlineBatch:
         """Inverse of `normalise`, with labels; joint types become whole, the category is not said."""
         layout, drawn = self.cfg.layout, self.cfg.drawn
         rows = x.new_zeros(*x.shape[:2], layout.channels - 1)
         rows[..., drawn] = x * self.std + self.mean
-        rows[..., : drawn.start] = functional.one_hot(labels, len(layout.labels)).to(rows.dtype)
+        rows[..., : drawn.start] = functional.one_hot(frame.labels, len(layout.labels)).to(rows.dtype)
         kinds = slice(layout.joint_type.start - 1, layout.joint_type.stop - 1)
         rows[..., kinds] = functional.one_hot(rows[..., kinds].argmax(dim=-1), len(layout.joint_types)).to(
             rows.dtype
         )
-        return OutlineBatch(rows=self._shift_origins(rows, 1.0) * given[..., None], given=given)
+        rows = self._scale(self._shift_origins(rows, 1.0), frame.extents)
+        return OutlineBatch(rows=rows * frame.given[..., None], given=frame.given)
 
     def _shift_origins(self, rows: Float[Tensor, "B N C"], sign: float) -> Float[Tensor, "B N C"]:
         """Origins counted from the box centre (-1), or back (+1)."""
@@ -130,6 +140,38 @@ class OutlineFlow(nn.Module):
         out[..., layout.origin.start - 1 : layout.origin.stop - 1] += sign * center
         return out
 
+    def _scale(self, rows: Float[Tensor, "B N C"], factors: Float[Tensor, "B 3"]) -> Float[Tensor, "B N C"]:
+        """Places, sizes and travels along each axis times a factor; travels go by the factor of the depth."""
+        layout, out = self.cfg.layout, rows.clone()
+        for start in (layout.origin.start, layout.box.start, layout.box.start + 3):
+            out[..., start - 1 : start + 2] *= factors[:, None]
+        out[..., layout.range.stop - 2] *= factors[:, None, 0]
+        return out
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class OutlineFrame:
+    """What is known of outlines before they are drawn: labels of the parts, which are given, and extents."""
+
+    labels: Int[Tensor, "B N"]
+    given: Bool[Tensor, "B N"]
+    extents: Float[Tensor, "B 3"]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class OutlineGuess:
+    """Logits of the counts of every label and of the category, and logarithms of the extents."""
+
+    counts: Float[Tensor, "B L K"]
+    category: Float[Tensor, "B G"]
+    log_extents: Float[Tensor, "B 3"]
+
+
+def frame_outlines(outlines: OutlineBatch) -> OutlineFrame:
+    """The frame of outlines that are known."""
+    labels = part_labels(outlines.rows) * outlines.given
+    return OutlineFrame(labels=labels, given=outlines.given, extents=measure_extents(outlines))
+
 
 @torch.no_grad()
 def complete_conditions(
@@ -137,16 +179,14 @@ def complete_conditions(
 ) -> ConditionBatch:
     """Conditions with category and counts: what is open is drawn from the guesses, one after another."""
     if (asked.category < 0).any():
-        _, said = flow.guesses(flow.conditions(asked))
-        asked = replace(
-            asked, category=torch.where(asked.category < 0, _draw(said, generator), asked.category)
-        )
+        drawn = _draw(flow.guess_open(flow.conditions(asked)).category, generator)
+        asked = replace(asked, category=torch.where(asked.category < 0, drawn, asked.category))
     for label in range(len(PART_LABELS)):
         is_open = asked.counts[:, label] < 0
         if is_open.any():
-            said, _ = flow.guesses(flow.conditions(asked))
+            said = flow.guess_open(flow.conditions(asked)).counts[:, label]
             counts = asked.counts.clone()
-            counts[is_open, label] = _draw(said[:, label], generator)[is_open]
+            counts[is_open, label] = _draw(said, generator)[is_open]
             asked = replace(asked, counts=counts)
     return asked
 
@@ -168,29 +208,31 @@ def sample_outlines(
         generator: of the noise, on the CPU.
         cfg: steps and guidance.
     """
-    labels, given = _name_parts(asked.counts)
-    channels = flow.cfg.drawn.stop - flow.cfg.drawn.start
-    noise = torch.randn((*labels.shape, channels), generator=generator).to(labels.device)
     tokens = flow.conditions(asked)
+    frame = _frame_of(asked, flow.guess_open(tokens))
+    channels = flow.cfg.drawn.stop - flow.cfg.drawn.start
+    noise = torch.randn((*frame.labels.shape, channels), generator=generator).to(tokens.device)
     both = torch.cat([tokens, flow.conditions(nothing)])
+    twice = OutlineFrame(**{name: torch.cat([value, value]) for name, value in vars(frame).items()})
 
     def pair(x: Tensor, times: Tensor) -> tuple[Tensor, Tensor]:
-        said = flow.velocity(
-            torch.cat([x, x]), torch.cat([times] * 2), both, torch.cat([labels] * 2), torch.cat([given] * 2)
-        )
+        said = flow.velocity(torch.cat([x, x]), torch.cat([times, times]), both, twice)
         return said[: len(x)], said[len(x) :]
 
-    drawn = sample_flow(noise, lambda x, t: flow.velocity(x, t, tokens, labels, given), pair, cfg)
-    outlines = flow.restore(drawn, labels, given)
+    drawn = sample_flow(noise, lambda x, times: flow.velocity(x, times, tokens, frame), pair, cfg)
+    outlines = flow.restore(drawn, frame)
     start = flow.cfg.layout.category.start - 1
     kinds = functional.one_hot(asked.category, len(flow.cfg.layout.categories)).to(outlines.rows.dtype)
-    outlines.rows[..., start : start + kinds.shape[1]] = kinds[:, None] * given[..., None]
+    outlines.rows[..., start : start + kinds.shape[1]] = kinds[:, None] * frame.given[..., None]
     return outlines
 
 
-def outline_labels(outlines: OutlineBatch) -> Int[Tensor, "B N"]:
-    """Labels of the parts; padding counts as the first."""
-    return part_labels(outlines.rows) * outlines.given
+def _frame_of(asked: ConditionBatch, guess: OutlineGuess) -> OutlineFrame:
+    """Labels from counts; extents from the size that is asked for, or as the conditions let one expect."""
+    labels, given = _name_parts(asked.counts)
+    wanted = asked.size / asked.size.amax(dim=1, keepdim=True)
+    extents = torch.where(asked.has_size[:, None], wanted, guess.log_extents.exp())
+    return OutlineFrame(labels=labels, given=given, extents=extents)
 
 
 def _name_parts(counts: Int[Tensor, "B L"]) -> tuple[Int[Tensor, "B N"], Bool[Tensor, "B N"]]:

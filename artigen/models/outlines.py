@@ -69,6 +69,13 @@ def gather_outlines(tables: Sequence[Float[np.ndarray, "N C"]]) -> OutlineBatch:
     return OutlineBatch(rows=torch.from_numpy(rows), given=torch.from_numpy(given))
 
 
+def measure_extents(outlines: OutlineBatch, layout: FieldLayout = DEFAULT_LAYOUT) -> Float[Tensor, "B 3"]:
+    """Edges of the box around all parts, in unit-cube lengths; objects are centred."""
+    low, high = _faces(outlines, layout)
+    given = outlines.given[..., None]
+    return torch.where(given, high, -1.0).amax(dim=1) - torch.where(given, low, 1.0).amin(dim=1)
+
+
 def blur_outlines(outlines: OutlineBatch, share: float, generator: torch.Generator) -> OutlineBatch:
     """Outlines as a flow would draw them: boxes off by a quarter of a 64th, and with ``share`` none at all.
 

@@ -10,8 +10,8 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 from artigen.models.conditions import MAX_COUNT, ConditionBatch, ConditionConfig, drop_conditions
-from artigen.models.outline_flow import OutlineFlow
-from artigen.models.outlines import OutlineBatch, part_labels
+from artigen.models.outline_flow import OutlineFlow, frame_outlines
+from artigen.models.outlines import OutlineBatch, measure_extents
 from artigen.sampling import diffuse, draw_times, target_velocity
 from artigen.train.batches import condition_batch, draw_batches, outline_batch, prefetch
 from artigen.train.examples import StructureExample
@@ -72,28 +72,29 @@ class OutlineLosses(nn.Module):
     def forward(
         self, drawn: DescribedOutlines, asked: ConditionBatch, generator: torch.Generator
     ) -> dict[str, Tensor]:
-        """Velocity of the parts, and cross-entropies of counts and category, each with its weight."""
+        """Velocity of the parts, and guesses of counts, category and extents, each with its weight."""
         outlines, tokens = drawn.outlines, self.flow.conditions(asked)
-        labels = part_labels(outlines.rows) * outlines.given
-        clean = self.flow.normalise(outlines.rows) * outlines.given[..., None]
+        frame = frame_outlines(outlines)
+        clean = self.flow.normalise(outlines.rows, frame.extents) * outlines.given[..., None]
         noise = torch.randn(clean.shape, generator=generator, device=generator.device)
         times = draw_times(len(clean), generator)
-        said = self.flow.velocity(diffuse(clean, noise, times), times, tokens, labels, outlines.given)
+        said = self.flow.velocity(diffuse(clean, noise, times), times, tokens, frame)
         error = ((said - target_velocity(clean, noise)) ** 2).mean(dim=-1)
-        counts, category = self.flow.guesses(tokens)
+        guess = self.flow.guess_open(tokens)
         held = drawn.conditions.counts.clamp(max=MAX_COUNT)
         known = drawn.conditions.category
         return {
             "velocity": (error * outlines.given).sum() / outlines.given.sum(),
-            "counts": GUESS * functional.cross_entropy(counts.flatten(0, 1), held.flatten()),
-            "category": GUESS * functional.cross_entropy(category, known, ignore_index=-1),
+            "counts": GUESS * functional.cross_entropy(guess.counts.flatten(0, 1), held.flatten()),
+            "category": GUESS * functional.cross_entropy(guess.category, known, ignore_index=-1),
+            "extents": GUESS * functional.mse_loss(guess.log_extents, frame.extents.log()),
         }
 
 
 def measure_outlines(flow: OutlineFlow, examples: Sequence[StructureExample]) -> None:
     """Sets mean and deviation of every channel over the parts of the examples."""
     outlines = outline_batch(examples)
-    parts = flow.normalise(outlines.rows)[outlines.given] * flow.std + flow.mean
+    parts = flow.normalise(outlines.rows, measure_extents(outlines))[outlines.given] * flow.std + flow.mean
     flow.mean.copy_(parts.mean(dim=0))
     flow.std.copy_(parts.std(dim=0).clamp(min=1e-2))
 
