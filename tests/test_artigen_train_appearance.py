@@ -306,6 +306,27 @@ def test_training_lowers_the_loss_and_goes_on_as_if_never_stopped(
         torch.testing.assert_close(resumed.state_dict()[name], value, msg=name)
 
 
+def test_networks_in_half_precision_feed_pictures_in_full(
+    tmp_path: Path, chest: tuple[Asset, AppearanceExample], monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr(artigen.train.loop, "autocast_type", lambda device: torch.bfloat16)
+    vae, kinds = make_vae(), []
+    vae.register_forward_hook(lambda network, given, made: kinds.append(made.splats.means.dtype))
+    lines = []
+    train_appearance_vae(
+        vae,
+        [chest[1]],
+        tmp_path,
+        LoopConfig(steps=1, report_every=1),
+        batch=1,
+        pictures=1,
+        losses=AppearanceLossConfig(),
+        on_report=lines.append,
+    )
+    assert kinds == [torch.float32]
+    assert np.isfinite(lines[0]["loss"])
+
+
 def test_the_spread_of_latents_is_that_of_draws_from_them():
     center, spread = measure_slats([torch.zeros(500, 3), torch.ones(500, 3)], [torch.full((500, 3), 0.5)] * 2)
     torch.testing.assert_close(center, torch.full((3,), 0.5))

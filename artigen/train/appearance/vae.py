@@ -52,8 +52,9 @@ def train_appearance_vae(
         shape = (len(drawn.coords), vae.encoder.cfg.latent_channels)
         noise = torch.randn(shape, generator=generator, device=generator.device)
         encoded = network(drawn.coords, drawn.feats, noise)
-        made = draw_pictures(encoded.splats, drawn, raster_config(vae, drawn.coords.device))
-        return appearance_losses(encoded, made, drawn, losses, extractor)
+        with torch.autocast(drawn.coords.device.type, enabled=False):  # places need all of their digits
+            made = draw_pictures(encoded.splats, drawn, raster_config(vae, drawn.coords.device))
+            return appearance_losses(encoded, made, drawn, losses, extractor)
 
     start = finished_steps(folder)
     batches = prefetch(draw_picture_batches(examples, batch, pictures, cfg.seed, start=start))
