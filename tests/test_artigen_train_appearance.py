@@ -9,6 +9,7 @@ import pytest
 import torch
 from drawer_chest import COLOR, LIGHT, make_cabinet, make_chest, make_example, small_curation
 
+import artigen.train.loop
 from artigen.models.appearance_vae import AppearanceVae, Encoded
 from artigen.models.conditions import ConditionConfig
 from artigen.models.features import PyramidFeatures
