@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import torch
 
+from artigen.errors import SourceError
 from artigen.models.presets import PRESETS
 from artigen.models.structure_vae import StructureVae
 from artigen.train.batches import draw_batches, outline_batch, patch_batch, prefetch
@@ -53,6 +54,19 @@ def test_shards_give_back_what_was_written(tmp_path: Path, examples: list[Struct
     write_shard(path, [replace(example, image=None) for example in examples])
     assert all(example.image is None for example in read_shard(path))
     assert [file.name for file in tmp_path.iterdir()] == ["shard.npz"]
+
+
+def test_what_is_no_whole_shard_is_named(tmp_path: Path, examples: list[StructureExample]):
+    path = tmp_path / "shard.npz"
+    write_shard(path, examples)
+    whole = path.read_bytes()
+    for content in (whole[: len(whole) // 2], b"", b"hello"):
+        path.write_bytes(content)
+        with pytest.raises(SourceError, match=r"shard.npz: is no whole shard .* delete it"):
+            list(read_shard(path))
+    np.savez(path, names=np.array(["one"]))
+    with pytest.raises(SourceError, match="it lacks categories, resolution"):
+        list(read_shard(path))
 
 
 def test_every_epoch_holds_every_example_once():
@@ -111,6 +125,25 @@ def test_a_run_that_is_stopped_ends_like_one_that_is_not(tmp_path: Path):
         torch.testing.assert_close(one, two)
     assert float(whole.weight.detach()) == pytest.approx(2.0, abs=0.1)
     assert (tmp_path / "parts" / "weights.safetensors").is_file()
+
+
+def test_a_checkpoint_that_is_cut_short_or_of_something_else_is_named(tmp_path: Path):
+    fit(tmp_path / "run", 2, 2)
+    path = tmp_path / "run" / "checkpoint.pt"
+    whole = path.read_bytes()
+    for content in (whole[: len(whole) // 2], b"", b"hello"):
+        path.write_bytes(content)
+        with pytest.raises(SourceError, match=r"checkpoint.pt: is no whole checkpoint; delete it"):
+            fit(tmp_path / "run", 2, 4)
+        assert path.read_bytes() == content
+    torch.save({"step": 3}, path)
+    with pytest.raises(SourceError, match="no checkpoint of this training"):
+        fit(tmp_path / "run", 2, 4)
+    path.write_bytes(whole)
+    stored = torch.load(path)
+    torch.save({**stored, "network": {"weight": torch.zeros(7, 7)}}, path)
+    with pytest.raises(SourceError, match=r"weight is \[7, 7\], expected \[1, 1\]"):
+        fit(tmp_path / "run", 2, 4)
 
 
 def test_nothing_that_is_not_a_number_is_trained_on(tmp_path: Path):

@@ -6,7 +6,9 @@ A stage is a folder: ``metrics.jsonl``, ``curves.svg``, ``checkpoint.pt`` (every
 
 import json
 import math
+import pickle
 import time
+import zipfile
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,8 +17,13 @@ from typing import Any
 import torch
 from torch import Tensor, nn
 
+from artigen.errors import SourceError
 from artigen.models.precision import autocast_type
+from artigen.models.trellis import load_strictly
 from artigen.train.curves import METRICS, draw_curves, read_metrics
+
+CHECKPOINT = {"network", "optimizer", "average", "generator", "step", "elapsed"}
+"""What a checkpoint holds."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -100,8 +107,8 @@ def train(
     progress = _Progress()
     checkpoint = folder / "checkpoint.pt"
     if checkpoint.is_file():
-        stored = torch.load(checkpoint, map_location=device, weights_only=True)
-        network.load_state_dict(stored["network"])
+        stored = _read_checkpoint(checkpoint, device)
+        load_strictly(network, stored["network"], str(checkpoint))
         optimizer.load_state_dict(stored["optimizer"])
         average = stored["average"]
         generator.set_state(stored["generator"].cpu())
@@ -161,7 +168,27 @@ def finished_steps(folder: Path) -> int:
     checkpoint = folder / "checkpoint.pt"
     if not checkpoint.is_file():
         return 0
-    return int(torch.load(checkpoint, map_location="cpu", weights_only=True)["step"])
+    return int(_read_checkpoint(checkpoint, "cpu")["step"])
+
+
+def _read_checkpoint(path: Path, device: torch.device | str) -> dict[str, Any]:
+    """What `_save` has stored.
+
+    Raises:
+        SourceError: If the file is damaged or something else.
+    """
+    hint = "delete it to train this stage from its start"
+    if not zipfile.is_zipfile(path):  # torch's unpickler would raise anything on other files
+        raise SourceError(f"{path}: is no whole checkpoint; {hint}")
+    try:
+        stored = torch.load(path, map_location=device, weights_only=True)
+    except (RuntimeError, pickle.UnpicklingError) as error:
+        raise SourceError(f"{path}: is no whole checkpoint ({str(error).splitlines()[0]}); {hint}") from error
+    if not isinstance(stored, dict) or not stored.keys() >= CHECKPOINT:
+        raise SourceError(
+            f"{path}: is no checkpoint of this training, expected {', '.join(sorted(CHECKPOINT))}"
+        )
+    return stored
 
 
 def _rate(progress: _Progress, cfg: LoopConfig) -> float:

@@ -5,6 +5,8 @@ what is there while the rest is being made.
 """
 
 import tempfile
+import zipfile
+import zlib
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -20,7 +22,8 @@ from artigen.workers import Outcome, Worker, run_supervised
 
 HELD_OUT = 10_000
 """Seeds below this are never trained on."""
-PARTS_OF_EXAMPLE = ("index", "rows", "table", "counts", "size", "image")
+ARRAYS = ("names", "categories", "resolution", "patches", "parts", "index", "rows", "table", "counts", "size")
+"""What every shard holds; pictures are there if all examples have one."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -99,9 +102,19 @@ def write_shard(path: Path, examples: Sequence[StructureExample]) -> None:
 
 
 def read_shard(path: Path) -> Iterator[StructureExample]:
-    """The examples of a shard."""
-    with np.load(path) as stored:
-        arrays = {name: stored[name] for name in stored.files}
+    """The examples of a shard.
+
+    Raises:
+        SourceError: If the file is damaged or something else.
+    """
+    try:
+        with np.load(path) as stored:
+            arrays = {name: stored[name] for name in stored.files}
+    except (OSError, EOFError, ValueError, zipfile.BadZipFile, zlib.error) as error:
+        raise SourceError(f"{path}: is no whole shard ({error}); delete it to have it made again") from error
+    missing = [name for name in ARRAYS if name not in arrays]
+    if missing:
+        raise SourceError(f"{path}: is no shard of examples, it lacks {', '.join(missing)}")
     patch_ends, part_ends = np.cumsum(arrays["patches"]), np.cumsum(arrays["parts"])
     for number, name in enumerate(arrays["names"]):
         at = slice(patch_ends[number] - arrays["patches"][number], patch_ends[number])
