@@ -27,7 +27,7 @@ class StructureModel:
     preset: StructurePreset
     vae: StructureVae
     flow: StructureFlow
-    outline: OutlineFlow | None = None
+    outline: OutlineFlow | None
     """Draws where the parts lie, where the preset has such a network."""
 
 
@@ -45,6 +45,17 @@ class GenerateConfig:
     """How parts are found."""
 
 
+def build_structure_model(preset: StructurePreset) -> StructureModel:
+    """The networks of a preset, untrained."""
+    outline = None if preset.outline is None else OutlineFlow(preset.outline, preset.conditions)
+    return StructureModel(
+        preset=preset,
+        vae=StructureVae(preset.vae).eval(),
+        flow=StructureFlow(preset.flow, preset.conditions).eval(),
+        outline=None if outline is None else outline.eval(),
+    )
+
+
 def load_structure_model(folder: Path, device: torch.device | str = "cpu") -> StructureModel:
     """Loads a model folder that `artigen.train.everything` wrote.
 
@@ -56,15 +67,13 @@ def load_structure_model(folder: Path, device: torch.device | str = "cpu") -> St
     preset = next((known for key, known in PRESETS.items() if key == name), None)
     if preset is None:
         raise SourceError(f"{folder}: preset {name!r}, expected one of {', '.join(PRESETS)}")
-    vae, flow = StructureVae(preset.vae), StructureFlow(preset.flow, preset.conditions)
-    load_model(vae, folder, "vae")
-    load_model(flow, folder, "flow")
-    outline = None
-    if preset.outline is not None:
-        outline = OutlineFlow(preset.outline, preset.conditions)
-        load_model(outline, folder, "outline")
-        outline.to(device)
-    return StructureModel(preset=preset, vae=vae.to(device), flow=flow.to(device), outline=outline)
+    model = build_structure_model(preset)
+    networks = {"vae": model.vae, "outline": model.outline, "flow": model.flow}
+    for key, network in networks.items():
+        if network is not None:
+            load_model(network, folder, key)
+            network.to(device)
+    return model
 
 
 def generate_structure(

@@ -9,12 +9,9 @@ import torch
 from artigen.ask import Request, read_request
 from artigen.errors import SegmentationError, SourceError
 from artigen.fields import VoxelFields, decode, encode
-from artigen.generate import generate_structure, load_structure_model
-from artigen.models.outline_flow import OutlineFlow
+from artigen.generate import build_structure_model, generate_structure, load_structure_model
 from artigen.models.presets import PRESETS
 from artigen.models.store import save_model
-from artigen.models.structure_flow import StructureFlow
-from artigen.models.structure_vae import StructureVae
 from artigen.segmentation.clean import CleanConfig, remove_strays, select_cells
 from artigen.types import Asset
 
@@ -49,10 +46,10 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A model that knows nothing."""
     torch.manual_seed(0)
     preset, path = PRESETS["tiny"], tmp_path_factory.mktemp("model")
-    save_model(StructureVae(preset.vae), path, {"preset": "tiny"}, "vae")
-    save_model(StructureFlow(preset.flow, preset.conditions), path, {"preset": "tiny"}, "flow")
-    assert preset.outline is not None
-    save_model(OutlineFlow(preset.outline, preset.conditions), path, {"preset": "tiny"}, "outline")
+    model = build_structure_model(preset)
+    for name, network in (("vae", model.vae), ("outline", model.outline), ("flow", model.flow)):
+        assert network is not None
+        save_model(network, path, {"preset": "tiny"}, name)
     return path
 
 

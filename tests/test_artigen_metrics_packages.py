@@ -10,7 +10,7 @@ import torch
 
 import artigen.metrics.draws
 from artigen.errors import SegmentationError
-from artigen.generate import GenerateConfig, StructureModel
+from artigen.generate import GenerateConfig, StructureModel, build_structure_model
 from artigen.metrics.draws import DrawJob
 from artigen.metrics.instantiation import InstantiationConfig
 from artigen.metrics.neighbours import Neighbour, draw_neighbours, find_neighbours, pose_library
@@ -19,8 +19,6 @@ from artigen.metrics.subjects import draw_subjects
 from artigen.metrics.voxel_pictures import draw_voxels, list_squares
 from artigen.models.conditions import StructureCondition
 from artigen.models.presets import PRESETS
-from artigen.models.structure_flow import StructureFlow
-from artigen.models.structure_vae import StructureVae
 from artigen.types import Asset, VoxelGrid
 
 POSES = InstantiationConfig(poses=2, points=60)
@@ -29,10 +27,7 @@ POSES = InstantiationConfig(poses=2, points=60)
 @pytest.fixture(scope="module")
 def model() -> StructureModel:
     torch.manual_seed(0)
-    preset = PRESETS["tiny"]
-    return StructureModel(
-        preset=preset, vae=StructureVae(preset.vae), flow=StructureFlow(preset.flow, preset.conditions)
-    )
+    return build_structure_model(PRESETS["tiny"])
 
 
 def passed(key: str) -> Proof:
@@ -133,6 +128,8 @@ def test_a_sheet_shows_objects_closed_and_open_in_the_colours_of_their_parts(cab
     asset = replace(cabinet, surface=None)
     closed, opened = (draw_voxels(asset, share, 48) for share in (0.0, 0.7))
     assert closed.shape == (48, 48, 3)
+    larger = draw_voxels(replace(asset, scale=3.0 * asset.scale), 0.0, 48)
+    assert ((larger < 250).any(axis=2) == (closed < 250).any(axis=2)).mean() > 0.99
     assert (closed[0] == 255).all()
     assert (closed != opened).any(axis=2).mean() > 0.1
     seen = closed[(closed < 250).any(axis=2)].astype(int)
