@@ -340,7 +340,7 @@ def test_the_flow_is_trained_on_normalised_latents_of_all_voxels(
     examples = [chest[1], chest[1]]
     means, stds = encode_appearance(make_vae(), examples)
     assert [len(one) for one in means] == [len(chest[1].coords)] * 2
-    means = [3.0 + 0.1 * one for one in means]
+    means = [3.0 + one for one in means]
     conditions = ConditionConfig(width=32, image_size=0)
     torch.manual_seed(0)
     flow = SlatFlow(SlatPatchDitConfig(resolution=16, stem=8, width=32, blocks=1, heads=2), conditions)
@@ -359,5 +359,7 @@ def test_the_flow_is_trained_on_normalised_latents_of_all_voxels(
     assert len(lines) == 3
     assert np.isfinite(lines).all()
     assert (flow.network.get_parameter("out_layer.weight") != before).any()
-    torch.testing.assert_close(flow.latent_mean, torch.full((8,), 3.0), atol=0.01, rtol=0)
-    torch.testing.assert_close(flow.latent_std, torch.ones(8), atol=0.05, rtol=0)
+    normal = flow.normalise(torch.cat(means).float())
+    torch.testing.assert_close(normal.mean(dim=0), torch.zeros(8), atol=1e-2, rtol=0)
+    drawn = normal.var(dim=0) + ((torch.cat(stds).float() / flow.latent_std) ** 2).mean(dim=0)
+    torch.testing.assert_close(drawn, torch.ones(8), atol=1e-2, rtol=0)

@@ -12,6 +12,8 @@ from artigen.splats.render.splats import Splats
 
 APPEARANCE_VAE, APPEARANCE_FLOW = "appearance-vae", "appearance-flow"
 """Names of the networks in a model folder."""
+NARROW = -6.0
+"""Log-variance of an untrained posterior: what the features say reaches the decoder from the first step."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -39,6 +41,9 @@ class AppearanceVae(nn.Module):
                 raise ValueError(f"{name} is {one} in the encoder and {other} in the decoder")
         self.encoder = SlatEncoder(encoder)
         self.decoder = GaussianDecoder(decoder)
+        last, width = self.encoder.out_layer, encoder.latent_channels
+        nn.init.xavier_uniform_(last.weight[:width])
+        nn.init.constant_(last.bias[width:], NARROW)
 
     @property
     def count(self) -> int:
