@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 import torch
 
+from artigen.cli.shape import make_package
+from artigen.shapes.draw import draw_shape
 from artigen.splats.colors import linear_from_srgb
 from artigen.splats.render import Cameras, make_splats, rasterize
-from artigen.splats.surface import SurfaceSplatConfig, splat_surface
+from artigen.splats.surface import SurfaceSplatConfig, splat_surface, thin_samples
 from artigen.transforms import matrix_from_quat
 from artigen.types import Asset, SurfaceSamples
 
@@ -89,3 +91,25 @@ def test_what_cannot_be_a_disc_is_an_error():
         splat_surface(replace(sheet(3), part_ids=np.arange(3)))
     with pytest.raises(ValueError, match="spread 0"):
         SurfaceSplatConfig(spread=0)
+
+
+def test_thinning_keeps_at_most_so_many_and_all_if_there_are_no_more():
+    surface = sheet(1000)
+    assert len(thin_samples(surface, 1000).points) == 1000
+    assert len(thin_samples(surface, 999).points) == 500
+    assert 2 * 100 > len(thin_samples(surface, 150).points) > 100
+
+
+def test_a_procedural_package_can_hold_discs_where_its_meshes_are():
+    package = make_package(draw_shape("Safe", 2), "reference", splats=True)
+    assert "discs on the sampled surface" in package.records[-1]
+    shown = [link for link in package.links if link.visuals]
+    assert len(shown) > 1
+    for link in shown:
+        assert link.splats is not None
+        corners = np.concatenate([visual.mesh.vertices for visual in link.visuals])
+        means = link.splats.means
+        assert (means > corners.min(axis=0) - 1e-3).all()
+        assert (means < corners.max(axis=0) + 1e-3).all()
+        reached = (means.max(axis=0) - means.min(axis=0)) / np.ptp(corners, axis=0)
+        assert reached.min() > 0.8

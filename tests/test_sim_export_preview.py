@@ -11,6 +11,7 @@ from jaxtyping import Bool, UInt8
 from PIL import Image
 
 from artigen.datasets.sample import SAMPLE_PARTS, SamplePart, sample_box_arrays
+from artigen.types import Gaussians
 from sim_export.errors import PackageError
 from sim_export.files.write import write_package
 from sim_export.package import Hull, Link, Mesh, PackageJoint, SimPackage, SourceMesh, Visual
@@ -312,3 +313,41 @@ def test_real_objects_open_inside_the_frame(real_objects: Path, name: str):
         assert not seen[-4:].any()
         assert not seen[:, :4].any()
         assert not seen[:, -4:].any()
+
+
+def test_gaussians_stand_below_the_meshes_in_the_same_poses(boxes_package: SimPackage):
+    links = []
+    for index, link in enumerate(boxes_package.links):
+        corners = np.concatenate([np.zeros((0, 3)), *(visual.mesh.vertices for visual in link.visuals)])
+        splats = Gaussians(
+            means=corners,
+            quats=np.tile([1.0, 0.0, 0.0, 0.0], (len(corners), 1)),
+            scales=np.full((len(corners), 3), 0.01),
+            opacities=np.ones(len(corners)),
+            colors=np.full((len(corners), 3), 0.5),
+            part_ids=np.full(len(corners), index),
+        )
+        links.append(replace(link, splats=splats if len(corners) else None))
+    package = replace(boxes_package, links=tuple(links))
+    drawn_sets: list[Gaussians] = []
+
+    def draw(gaussians: Gaussians, camera: Camera, background: tuple[int, int, int]) -> np.ndarray:
+        drawn_sets.append(gaussians)
+        seen = project_points(camera, gaussians.means.astype(float))
+        assert ((seen[:, :2] >= 0) & (seen[:, :2] <= [camera.width, camera.height])).all()
+        return np.full((camera.height, camera.width, 3), 7, dtype=np.uint8)
+
+    cfg = replace(SMALL, panels=("closed", "open", "collision"))
+    plain, both = preview_package(package, cfg), preview_package(package, cfg, draw)
+    assert both.shape[0] > plain.shape[0]
+    np.testing.assert_array_equal(both[: len(plain)], plain)
+    assert (both == 7).all(axis=2).sum() == 2 * cfg.viewpoint.width * cfg.viewpoint.height
+    posed = pose_surfaces(package_surfaces(package), open_links(package, 1.0))
+    wanted = np.concatenate([surface.triangles.reshape(-1, 3) for surface in posed])
+    np.testing.assert_allclose(drawn_sets[1].means.min(axis=0), wanted.min(axis=0), atol=1e-5)
+    np.testing.assert_allclose(drawn_sets[1].means.max(axis=0), wanted.max(axis=0), atol=1e-5)
+    assert np.abs(drawn_sets[0].means - drawn_sets[1].means).max() > 0.05
+    # Without Gaussians, nothing is drawn and nothing changes.
+    np.testing.assert_array_equal(preview_package(boxes_package, cfg, draw), plain)
+    sheet = contact_sheet([package, boxes_package], cfg, draw)
+    assert (sheet == 7).all(axis=2).sum() == 2 * cfg.viewpoint.width * cfg.viewpoint.height

@@ -34,6 +34,8 @@ class ConvertSettings:
     """Longest edge of the closed object in metres; None takes it from the category's usual size."""
     seed: int = 0
     """Seed of the surface samples."""
+    splats: bool = False
+    """Whether packages also hold Gaussians: flat discs on the surface, one PLY per link."""
     validation: Literal["full", "none"] = "full"
     """Whether every package is tried (L0 to L3) as soon as it is written."""
 
@@ -61,6 +63,7 @@ def convert_object(job: ConvertJob) -> Made:
     """Reads one object, exports it and writes the package; runs in a worker process."""
     from artigen import __version__
     from artigen.datasets.partnet_mobility import ReaderConfig, read_object
+    from sim_export.appearance.splats import splat_package
     from sim_export.export import export_asset
     from sim_export.files.write import write_package
 
@@ -82,13 +85,14 @@ def convert_object(job: ConvertJob) -> Made:
     else:
         meshes = place_source_meshes(source, asset)
         exported = export_asset(asset, source_meshes=meshes, provenance=provenance)
+    package = splat_package(exported.package, asset) if job.cfg.splats else exported.package
     written = time.perf_counter()
-    write_package(exported.package, job.out / job.key, "replace")
+    write_package(package, job.out / job.key, "replace")
     laps = [(name, now - before) for (_, before), (name, now) in pairwise(watch)]
     return Made(
         seconds=(*laps, *exported.seconds, ("write", time.perf_counter() - written)),
         peak_mib=resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
-        notes=exported.package.records,
+        notes=package.records,
     )
 
 

@@ -45,6 +45,8 @@ class ShapeSettings:
     source: Literal["reference", "voxels"] = "reference"
     """``reference`` takes the object's own primitives as collision; ``voxels`` rebuilds the object from
     its 64^3 articulated voxels, as for a generated one."""
+    splats: bool = False
+    """Whether packages also hold Gaussians: flat discs on the surface, one PLY per link."""
     validation: Literal["full", "none"] = "full"
     """Whether every package is tried (L0 to L3) as soon as it is written."""
 
@@ -119,7 +121,7 @@ def export_shape(job: ShapeJob) -> Made:
     watch = [("start", time.perf_counter())]
     drawn = draw_wished(job)
     watch.append(("draw", time.perf_counter()))
-    package = make_package(drawn, job.cfg.source)
+    package = make_package(drawn, job.cfg.source, splats=job.cfg.splats)
     watch.append(("export", time.perf_counter()))
     write_package(package, job.out / job.key, "replace")
     watch.append(("write", time.perf_counter()))
@@ -130,9 +132,13 @@ def export_shape(job: ShapeJob) -> Made:
     )
 
 
-def make_package(drawn: "Shape", source: Literal["reference", "voxels"]) -> "SimPackage":
+def make_package(
+    drawn: "Shape", source: Literal["reference", "voxels"], *, splats: bool = False
+) -> "SimPackage":
     """The package of an object: exact, or rebuilt from its voxels as that of a generated one would be."""
     from artigen import __version__
+    from artigen.shapes.asset import frame_shape, shape_to_asset
+    from sim_export.appearance.splats import splat_package
 
     provenance = {
         "generator": f"artigen {__version__} shape",
@@ -142,13 +148,17 @@ def make_package(drawn: "Shape", source: Literal["reference", "voxels"]) -> "Sim
     if source == "reference":
         from sim_export.reference import build_reference
 
-        return build_reference(drawn, provenance=provenance)
+        package = build_reference(drawn, provenance=provenance)
+        if not splats:
+            return package
+        sampled = shape_to_asset(drawn, resolution=None, spacing=SPACING * frame_shape(drawn)[1])
+        return splat_package(package, sampled)
     from artigen.cli.convert import rebuild_from_voxels
-    from artigen.shapes.asset import frame_shape, shape_to_asset
     from sim_export.export import export_asset
 
-    asset = shape_to_asset(drawn, spacing=SPACING * frame_shape(drawn)[1])
-    return export_asset(rebuild_from_voxels(asset), provenance=provenance).package
+    asset = rebuild_from_voxels(shape_to_asset(drawn, spacing=SPACING * frame_shape(drawn)[1]))
+    package = export_asset(asset, provenance=provenance).package
+    return splat_package(package, asset) if splats else package
 
 
 def export_and_validate(worker: Worker, job: ShapeJob) -> Finished:

@@ -27,7 +27,7 @@ class SurfaceSplatConfig:
     """Standard deviation along the normal over that distance."""
     neighbours: int = 10
     """Samples of one part and facing that tell how far apart samples are and where the surface ends."""
-    edge: float = 0.5
+    edge: float = 0.3
     """How far the surface reaches beyond its outermost samples, over that distance: discs become narrow
     there, so that they do not stand over."""
 
@@ -86,6 +86,12 @@ def splat_surface(surface: SurfaceSamples, cfg: SurfaceSplatConfig | None = None
     )
 
 
+def thin_samples(surface: SurfaceSamples, most: int) -> SurfaceSamples:
+    """Every n-th sample, n being the least that leaves at most ``most``."""
+    rows = slice(None, None, max(1, -(-len(surface.points) // most)))
+    return SurfaceSamples(**{name: value[rows] for name, value in vars(surface).items()})
+
+
 def _group_rows(surface: SurfaceSamples) -> list[Int[np.ndarray, "M"]]:
     """Samples of one part that face the same of the six sides, group by group."""
     axis = np.abs(surface.normals).argmax(axis=1)
@@ -113,10 +119,8 @@ def _measure_reach(
     )
     sides = []
     for axis in range(2):
-        along, aside = turned[..., axis], np.abs(turned[..., 1 - axis])
-        ahead = np.where(along >= aside, along, 0.0).max(axis=1)
-        behind = np.where(-along >= aside, -along, 0.0).max(axis=1)
-        sides.append(np.minimum(ahead, behind))
+        along = turned[..., axis]
+        sides.append(np.minimum(along.max(axis=1), -along.min(axis=1)))
     return np.stack(sides, axis=1), turn
 
 

@@ -7,9 +7,27 @@ import numpy as np
 
 from artigen.splats.motion import scale_gaussians
 from artigen.splats.parts import select_gaussians
+from artigen.splats.surface import splat_surface, thin_samples
 from artigen.types import Asset
-from sim_export.package import Link
+from sim_export.package import Link, SimPackage
 from sim_export.physics.links import link_names, link_owners
+
+MOST_DISCS = 200_000
+"""Surface samples that become Gaussians of a package; as many take 14 MB."""
+
+
+def splat_package(package: SimPackage, asset: Asset) -> SimPackage:
+    """The package with discs on the asset's sampled surface as its Gaussians, on record.
+
+    Raises:
+        ValueError: If the asset has no surface samples, or too few to tell how far apart they are.
+    """
+    if asset.surface is None:
+        raise ValueError(f"asset {asset.name!r} has no surface samples to make Gaussians of")
+    discs = splat_surface(thin_samples(asset.surface, MOST_DISCS))
+    said = f"{len(discs.means)} Gaussians are discs on the sampled surface, not fitted to pictures"
+    links = attach_splats(package.links, replace(asset, gaussians=discs))
+    return replace(package, links=links, records=(*package.records, said))
 
 
 def attach_splats(links: Sequence[Link], asset: Asset) -> tuple[Link, ...]:

@@ -17,9 +17,9 @@ from scipy.spatial import KDTree
 from artigen.splats.colors import srgb_from_linear
 from artigen.splats.motion import scale_gaussians
 from artigen.splats.parts import select_gaussians
-from artigen.splats.surface import SurfaceSplatConfig, splat_surface
+from artigen.splats.surface import SurfaceSplatConfig, splat_surface, thin_samples
 from artigen.transforms import matrix_from_quat
-from artigen.types import Asset, Gaussians, SurfaceSamples
+from artigen.types import Asset, Gaussians
 from sim_export.appearance.atlas import Atlas, make_atlas
 from sim_export.appearance.blending import BlendConfig, Places, blend_places
 from sim_export.package import Mesh
@@ -172,9 +172,7 @@ def _find_gaussians(asset: Asset, cfg: TextureConfig) -> tuple[Gaussians, Float[
         raise ValueError(
             f"asset {asset.name!r} has neither Gaussians nor surface samples to take colours from"
         )
-    rows = slice(None, None, max(1, -(-len(asset.surface.points) // cfg.max_samples)))
-    samples = SurfaceSamples(**{name: value[rows] for name, value in vars(asset.surface).items()})
-    discs = splat_surface(samples, cfg.discs)
+    discs = splat_surface(thin_samples(asset.surface, cfg.max_samples), cfg.discs)
     return scale_gaussians(discs, asset.scale), matrix_from_quat(discs.quats)[:, :, 2]
 
 

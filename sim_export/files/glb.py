@@ -16,12 +16,13 @@ Y_UP = np.array([[0.0, -1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [-1.0, 0.0, 0.0, 0
 def glb_bytes(package: SimPackage) -> bytes:
     """The content of the file; the same package gives the same bytes.
 
-    Node ``link_k`` stands at the origin of joint ``joint_k`` with the object's axes: turning it turns the link.
+    Node ``link_k`` stands at the origin of joint ``joint_k``: turning it about the joint's axis opens it.
 
     Raises:
         PackageError: If a visual is a kept source mesh, which stays in its own files, or there is none.
     """
     import trimesh
+    from trimesh.exchange.gltf import export_glb
 
     scene = trimesh.Scene(base_frame="world")
     scene.graph.update("object", frame_from="world", matrix=Y_UP)
@@ -44,7 +45,7 @@ def glb_bytes(package: SimPackage) -> bytes:
             )
     if not scene.geometry:
         raise PackageError(f"package {package.name!r} has no visual meshes to write as GLB")
-    return bytes(scene.export(file_type="glb"))
+    return export_glb(scene)
 
 
 def write_glb(package: SimPackage, path: Path) -> None:
