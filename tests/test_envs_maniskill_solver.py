@@ -8,7 +8,7 @@ import pytest
 from sample_packages import SAMPLE_PARTS, build_package
 
 from artigen.transforms import rotation_about
-from envs.maniskill.hulls import box, ground_under, hulls_at, move_hull, open_above_ground, opened_qpos
+from envs.maniskill.hulls import ground_under, hulls_at, move_hull, open_above_ground, opened_qpos
 from envs.maniskill.objects import TaskObject, read_object
 from envs.maniskill.robots import ROBOTS
 from envs.maniskill.solver.body import Body, Obstacle, holding, is_free, spare_room, surface_points
@@ -17,7 +17,7 @@ from envs.maniskill.solver.detour import RESOLUTION, between, find_detour
 from envs.maniskill.solver.drive import finger_action
 from envs.maniskill.solver.field import AROUND, build_field, distances
 from envs.maniskill.solver.grasp import find_grasps
-from sim_export.collision.hulls import convex_hull
+from sim_export.collision.hulls import box_hull
 from sim_export.files.write import write_package
 from sim_export.package import HandleAnnotation
 
@@ -64,7 +64,7 @@ def test_a_small_turn_moves_the_tool_as_the_joint_frame_says():
 
 def test_distances_are_those_to_a_box():
     low, high = np.array([-0.1, -0.2, 0.0]), np.array([0.1, 0.2, 0.3])
-    field = build_field((box(low, high),))
+    field = build_field((box_hull(low, high),))
     points = np.random.default_rng(0).uniform(low - 0.1, high + 0.1, (500, 3))
     true = np.linalg.norm(np.maximum(np.maximum(low - points, points - high), 0.0), axis=1)
     assert (true > 0.02).sum() > 100
@@ -75,7 +75,7 @@ def test_distances_are_those_to_a_box():
 
 
 def test_thin_panels_are_solid():
-    panel = box(np.array([0.0, -0.3, 0.0]), np.array([0.002, 0.3, 0.5]))
+    panel = box_hull(np.array([0.0, -0.3, 0.0]), np.array([0.002, 0.3, 0.5]))
     field = build_field((panel,))
     points = np.c_[np.full(50, 0.001), np.linspace(-0.29, 0.29, 50), np.full(50, 0.25)]
     assert distances(field, points).max() <= field.cell
@@ -83,7 +83,7 @@ def test_thin_panels_are_solid():
 
 def test_surface_points_cover_a_hull():
     size = np.array([0.2, 0.1, 0.06])
-    points = surface_points(box(-size, size).vertices, 0.03)
+    points = surface_points(box_hull(-size, size).vertices, 0.03)
     assert (np.abs(np.abs(points) / size).max(axis=1) > 1.0 - 1e-9).all()
     rng = np.random.default_rng(0)
     there = rng.uniform(-size, size, (300, 3))
@@ -98,7 +98,7 @@ def test_an_arm_is_free_where_its_points_keep_their_gaps():
     body = Body(points=np.zeros((1, 3)), carrier=np.array([3]), gap=np.array([0.02]))
     q = np.random.default_rng(1).uniform(-2.0, 2.0, (40, 4))
     at = joint_frames(chain, q)[:, 3, :3, 3]
-    field = build_field((box(at[0] - 0.05, at[0] + 0.05),))
+    field = build_field((box_hull(at[0] - 0.05, at[0] + 0.05),))
     obstacle = Obstacle(field=field, T_field_root=np.eye(4))
     room = spare_room(chain, body, (obstacle,), q)
     np.testing.assert_allclose(room, distances(field, at) - 0.02, atol=1e-6)
@@ -107,7 +107,7 @@ def test_an_arm_is_free_where_its_points_keep_their_gaps():
     moving = Obstacle(field=field, T_field_root=np.linalg.inv(joint_frames(chain, q)[:, 3]))
     along = spare_room(chain, body, (moving,), q)
     np.testing.assert_allclose(along, along[0], atol=1e-6)
-    held = holding(body, chain, box(np.full(3, -0.02), np.full(3, 0.02)).vertices, 0.0)
+    held = holding(body, chain, box_hull(np.full(3, -0.02), np.full(3, 0.02)).vertices, 0.0)
     assert len(held.points) > 8
     assert np.abs(held.points[1:] - chain.tool[:3, 3]).max() <= 0.02 + 1e-9
 
@@ -139,8 +139,8 @@ def test_there_is_no_detour_out_of_something_solid():
 
 def wheel() -> tuple[HandleAnnotation, tuple]:
     """A wheel of 20 cm, 2 cm thick, with a hub of 5 cm that stands out by 2 cm, in front of x = 0."""
-    rim = box(np.array([-0.02, -0.1, -0.1]), np.array([0.0, 0.1, 0.1]))
-    hub = box(np.array([-0.04, -0.025, -0.025]), np.array([0.0, 0.025, 0.025]))
+    rim = box_hull(np.array([-0.02, -0.1, -0.1]), np.array([0.0, 0.1, 0.1]))
+    hub = box_hull(np.array([-0.04, -0.025, -0.025]), np.array([0.0, 0.025, 0.025]))
     corners = np.array([[x, y, z] for x in (-0.04, 0.0) for y in (-0.1, 0.1) for z in (-0.1, 0.1)])
     line = np.array([[-0.02, 0.0, -0.08], [-0.02, 0.0, 0.08]])
     front = np.array([-1.0, 0.0, 0.0])
@@ -193,10 +193,3 @@ def test_a_leaf_that_would_meet_the_ground_opens_less(cabinet):
     joint = replace(part.joint, axis=np.array([0.0, -1.0, 0.0]), origin=hinge)
     opened = open_above_ground(cabinet, replace(part, joint=joint, moved=moved), 1.0)
     assert opened < 0.1
-
-
-def test_boxes_are_boxes():
-    low, high = np.array([0.0, 1.0, 2.0]), np.array([1.0, 3.0, 5.0])
-    hull = box(low, high)
-    np.testing.assert_array_equal([hull.vertices.min(axis=0), hull.vertices.max(axis=0)], [low, high])
-    assert len(convex_hull(hull.vertices).vertices) == 8

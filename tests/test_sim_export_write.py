@@ -164,6 +164,13 @@ def test_reading_gives_back_what_was_written(package, folder):
     assert package_files(again) == contents(folder)
 
 
+def test_without_appearance_everything_else_is_read(package, folder):
+    bare = read_package(folder, appearance=False)
+    assert sum(len(link.visuals) for link in package.links) > 0
+    assert not any(link.visuals or link.splats for link in bare.links)
+    assert_same(replace(package, links=tuple(replace(link, visuals=()) for link in package.links)), bare)
+
+
 def test_bytes_repeat_and_folders_move(package, folder, tmp_path):
     other = write_package(package, tmp_path / "elsewhere" / "other name")
     assert contents(other) == contents(folder)
@@ -384,6 +391,9 @@ def test_foreign_folders_come_out_in_the_object_frame(foreign):
     np.testing.assert_allclose(np.ptp(box.vertices, axis=0), [0.3, 0.1, 0.2], atol=1e-12)
     assert len(package.records) == 1
     assert "flat.obj" in package.records[0]
+    bare = read_package(foreign, appearance=False)
+    assert not any(link.visuals for link in bare.links)
+    assert [link.parts for link in bare.links] == [link.parts for link in package.links]
     visual = door.visuals[0]
     assert visual.label == "handle"
     assert isinstance(visual.mesh, SourceMesh)

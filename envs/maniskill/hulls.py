@@ -1,4 +1,4 @@
-"""Hulls of an object where its joints put them, and plain boxes."""
+"""Hulls of an object where its joints put them."""
 
 from collections.abc import Mapping, Sequence
 
@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.transforms import transform_points
-from sim_export.collision.hulls import convex_hull
+from sim_export.collision.hulls import box_hull
 from sim_export.collision.motion import link_displacements
 from sim_export.package import Hull
 
@@ -61,14 +61,7 @@ def ground_under(entry: TaskObject, hulls: Sequence[Hull]) -> Hull:
     corners = np.concatenate([hull.vertices for hull in hulls])
     low, high = corners.min(axis=0), corners.max(axis=0)
     low[2], high[2] = entry.floor - GROUND, entry.floor
-    return box(low, high)
-
-
-def box(low: Float[np.ndarray, "3"], high: Float[np.ndarray, "3"]) -> Hull:
-    """A box between two corners."""
-    ends = np.stack([low, high])
-    corners = [[ends[i, 0], ends[j, 1], ends[k, 2]] for i in (0, 1) for j in (0, 1) for k in (0, 1)]
-    return convex_hull(np.array(corners))
+    return box_hull(low, high)
 
 
 def move_hull(hull: Hull, T: Float[np.ndarray, "4 4"]) -> Hull:

@@ -110,8 +110,7 @@ def read_objects(
 @functools.lru_cache(maxsize=256)
 def read_object(folder: Path, kind: PartKind, handles: HandleNeed = "optional") -> TaskObject:
     """One package with its usable parts, of which there may be none."""
-    package = read_package(folder)
-    package = replace(package, links=tuple(replace(link, visuals=()) for link in package.links))
+    package = read_package(folder, appearance=False)
     labels = {link.name: link.label for link in package.links}
     followed = {joint.mimic for joint in package.joints if joint.mimic is not None}
     held = {handle.link: handle for handle in reversed(package.handles)}

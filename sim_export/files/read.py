@@ -73,11 +73,16 @@ class _Foreign:
     records: list[str]
 
 
-def read_package(folder: Path) -> SimPackage:
+def read_package(folder: Path, *, appearance: bool = True) -> SimPackage:
     """Reads our own package, or any folder with a `mobility.urdf` in PartNet-Mobility's layout.
 
     A foreign folder's labels come from `semantics.txt` where we know the word; its visuals stay
     files (`SourceMesh`); its package has no handles, materials or provenance.
+
+    Args:
+        folder: The folder.
+        appearance: Whether visuals and splats are read. What only moves and collides is there much
+            sooner without them; no link has any then.
 
     Raises:
         PackageError: If something is missing or broken; names the file, the element and the value.
@@ -90,8 +95,11 @@ def read_package(folder: Path) -> SimPackage:
     poses = rest_poses(urdf)
     meta = _json(folder / "meta.json") if (folder / "meta.json").is_file() else {}
     if isinstance(meta, dict) and meta.get("format") == FORMAT:
-        return _read_own(folder, urdf, poses, meta)
-    return _read_foreign(folder, urdf, poses, meta if isinstance(meta, dict) else {})
+        return _read_own(folder, urdf, poses, meta, appearance=appearance)
+    package = _read_foreign(folder, urdf, poses, meta if isinstance(meta, dict) else {})
+    if appearance:
+        return package
+    return replace(package, links=tuple(replace(link, visuals=()) for link in package.links))
 
 
 def rest_poses(urdf: UrdfFile) -> dict[str, Float[np.ndarray, "4 4"]]:
@@ -191,7 +199,12 @@ def _inertial(inertial: UrdfInertial | None, T: Float[np.ndarray, "4 4"], owner:
 
 
 def _read_own(
-    folder: Path, urdf: UrdfFile, poses: dict[str, Float[np.ndarray, "4 4"]], meta: dict
+    folder: Path,
+    urdf: UrdfFile,
+    poses: dict[str, Float[np.ndarray, "4 4"]],
+    meta: dict,
+    *,
+    appearance: bool,
 ) -> SimPackage:
     """Our own package: exact meshes and hulls, labels, handles, everything."""
     if meta.get("version") != VERSION:
@@ -205,7 +218,7 @@ def _read_own(
         facts = {entry["name"]: entry for entry in meta["links"]}
         motion = {entry["name"]: entry for entry in physics["joints"]}
         links = tuple(
-            _own_link(folder, urdf, index, poses[link.name], facts[link.name])
+            _own_link(folder, urdf, index, poses[link.name], facts[link.name], appearance=appearance)
             for index, link in enumerate(urdf.links)
         )
         joints = tuple(
@@ -238,13 +251,21 @@ def _own_joint(joint: PackageJoint, motion: dict | None) -> PackageJoint:
     return replace(joint, kind=motion["kind"])
 
 
-def _own_link(folder: Path, urdf: UrdfFile, index: int, T: Float[np.ndarray, "4 4"], facts: dict) -> Link:
+def _own_link(
+    folder: Path,
+    urdf: UrdfFile,
+    index: int,
+    T: Float[np.ndarray, "4 4"],
+    facts: dict,
+    *,
+    appearance: bool,
+) -> Link:
     link = urdf.links[index]
     owner = f"{urdf.path}: link {link.name!r}"
     visual_facts = {entry["name"]: entry for entry in facts["visuals"]}
     splats = folder / splats_path(link.name)
     visuals = []
-    for shape in link.visuals:
+    for shape in link.visuals if appearance else ():
         entry = visual_facts[shape.name]
         path = package_file(folder, shape.file, owner)
         mesh = _source_mesh(path, shape, T, owner) if entry["source"] else read_mesh(path)
@@ -260,7 +281,7 @@ def _own_link(folder: Path, urdf: UrdfFile, index: int, T: Float[np.ndarray, "4 
         visuals=tuple(visuals),
         hulls=tuple(hulls),
         inertial=_inertial(link.inertial, T, owner),
-        splats=_own_splats(splats, T, index) if splats.is_file() else None,
+        splats=_own_splats(splats, T, index) if appearance and splats.is_file() else None,
     )
 
 

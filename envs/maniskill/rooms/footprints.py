@@ -58,8 +58,8 @@ class Footprint:
 
 @lru_cache(maxsize=512)
 def cached_package(folder: Path) -> SimPackage:
-    """A package on disk, read once."""
-    return read_package(folder)
+    """A package on disk without what it looks like, read once."""
+    return read_package(folder, appearance=False)
 
 
 @lru_cache(maxsize=512)

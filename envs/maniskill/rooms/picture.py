@@ -14,7 +14,8 @@ from jaxtyping import Float, UInt8
 from artigen.transforms import transform_points
 from sim_export.collision.hulls import box_hull
 from sim_export.collision.motion import link_displacements
-from sim_export.package import Mesh
+from sim_export.files.read import read_package
+from sim_export.package import Mesh, SimPackage
 from sim_export.picture.camera import Viewpoint, frame_points
 from sim_export.picture.draw import package_surfaces
 from sim_export.picture.lighting import RenderConfig
@@ -54,7 +55,10 @@ def draw_room(room: Room, cfg: RoomPictureConfig | None = None) -> UInt8[np.ndar
     side = _emptier_side(room)
     hidden = {f"{name}_{wall}" for name in ("wall", "wall_a", "wall_b", "lintel") for wall in ("front", side)}
     azimuth = -cfg.azimuth if side == "left" else cfg.azimuth - 180.0
-    surfaces = [surface for place in room.placements for surface in placement_surfaces(place)]
+    packages = {place.package: read_package(place.package) for place in room.placements}
+    surfaces = [
+        surface for place in room.placements for surface in placement_surfaces(place, packages[place.package])
+    ]
     surfaces += [fixture_surface(fixture) for fixture in room.fixtures if fixture.name not in hidden]
     viewpoint = Viewpoint(
         azimuth=azimuth, elevation=cfg.elevation, fov=30.0, margin=0.02, width=cfg.width, height=cfg.height
@@ -74,9 +78,8 @@ def _emptier_side(room: Room) -> Side:
     return "left" if hidden["left"] <= hidden["right"] else "right"
 
 
-def placement_surfaces(placement: Placement) -> tuple[Surface, ...]:
+def placement_surfaces(placement: Placement, package: SimPackage) -> tuple[Surface, ...]:
     """An object's visuals in the room, its joints where the room has them."""
-    package = cached_package(placement.package)
     T = pose_matrix_of(placement) @ link_displacements(package.links, package.joints, dict(placement.joints))
     return tuple(move_surface(surface, T[surface.id]) for surface in package_surfaces(package))
 

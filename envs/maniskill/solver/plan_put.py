@@ -11,8 +11,8 @@ from jaxtyping import Float
 
 from artigen.errors import ArtigenError
 from artigen.transforms import inverse
+from sim_export.collision.hulls import box_hull
 
-from ..hulls import box
 from ..robots import RobotSpec
 from .body import Obstacle, holding
 from .field import build_field
@@ -34,7 +34,7 @@ RISE = 0.1
 """Slope of the way into a compartment: it comes down a little."""
 HIGHER = 0.006
 """How far above the cube's middle the fingers close, metres."""
-DROPS = (0.012, 0.06, 0.12)
+DROPS = (0.02, 0.06, 0.12)
 """How far above the floor the cube is let go, metres; more than the first only into drawers that are too deep
 for the hand."""
 LEAST_DOWN = 0.5
@@ -119,7 +119,9 @@ def _plan(
 ) -> tuple[PutPlan | None, str]:
     """A plan that keeps the gaps of ``work``, or why there is none."""
     corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * size / 2.0
-    cube = Obstacle(field=build_field((box(corners[0], corners[-1]),)), T_field_root=inverse(T_root_cube))
+    cube = Obstacle(
+        field=build_field((box_hull(corners[0], corners[-1]),)), T_field_root=inverse(T_root_cube)
+    )
     careful = replace(work, obstacles=(*work.obstacles, cube))
     loaded = replace(work, body=holding(work.body, work.chain, corners, CUBE_GAP))
     picks = _solved(work, q, _pick_ways(work.robot, T_root_cube))

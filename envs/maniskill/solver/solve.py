@@ -12,8 +12,9 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.transforms import inverse, transform_points
+from sim_export.collision.hulls import box_hull
 
-from ..hulls import box, ground_under, move_hull
+from ..hulls import ground_under, move_hull
 from ..placement import part_motion
 from .body import Obstacle
 from .drive import (
@@ -191,7 +192,7 @@ def _put_plan(driver: Driver, task: "PutInsideEnv") -> PutPlan:
         carried, others = object_hulls(driver)
         hulls = carried + others
         solid = build_field((*hulls, ground_under(task.drawn[0][0], hulls)))
-    column = build_field((box(stand - STAND_HALF, stand + STAND_HALF),))
+    column = build_field((box_hull(stand - STAND_HALF, stand + STAND_HALF),))
     work = Work(
         chain=driver.chain, robot=driver.robot, body=driver.body,
         obstacles=(
