@@ -10,6 +10,8 @@ from artigen.datasets.sizes import estimate_size
 from artigen.errors import SourceError
 from artigen.models.conditions import StructureCondition, gather_conditions
 from artigen.models.outline_flow import OutlineFlow, complete_conditions, sample_outlines
+from artigen.models.outline_regularise import OutlineRegulariseConfig, regularise_outline
+from artigen.models.outlines import OutlineBatch
 from artigen.models.presets import PRESETS, StructurePreset
 from artigen.models.store import load_model, read_description
 from artigen.models.structure_flow import StructureFlow, sample_latents
@@ -39,6 +41,8 @@ class GenerateConfig:
     """Steps and guidance of the latent."""
     outline: SamplerConfig = field(default_factory=lambda: SamplerConfig(steps=25, strength=1.0))
     """Steps and guidance of the outline."""
+    outline_regularise: OutlineRegulariseConfig = field(default_factory=OutlineRegulariseConfig)
+    """What of an outline hardly differs from what is meant."""
     clean: CleanConfig = field(default_factory=CleanConfig)
     """What counts as a stray piece."""
     segment: SegmentConfig = field(default_factory=SegmentConfig)
@@ -97,10 +101,12 @@ def generate_structure(
     noise = torch.randn((1, model.flow.channels, edge, edge, edge), generator=generator).to(device)
     known = gather_conditions([asked], model.preset.conditions).to(device)
     nothing = gather_conditions([StructureCondition()], model.preset.conditions).to(device)
-    outlines = None
+    outlines, said = None, ()
     if model.outline is not None:
         known = complete_conditions(model.outline, known, generator)
-        outlines = sample_outlines(model.outline, known, nothing, generator, cfg.outline)
+        drawn = sample_outlines(model.outline, known, nothing, generator, cfg.outline)
+        rows, said = regularise_outline(drawn.rows[0].cpu().numpy(), cfg.outline_regularise)
+        outlines = OutlineBatch(rows=torch.from_numpy(rows)[None].to(device), given=drawn.given)
     latent = sample_latents(model.flow, known, nothing, noise, cfg.sampler, outlines)
     fields, notes = remove_strays(decode_fields(model.vae, latent, outlines)[0], cfg.clean)
     asset = segment(
@@ -114,4 +120,4 @@ def generate_structure(
         longest, _ = estimate_size(asset.category, np.ptp(fields.coords, axis=0) + 1.0)
         asset = replace(asset, scale=longest)
         notes = (*notes, f"no size was asked for: {longest:.2f} m along the longest edge is usual")
-    return replace(asset, notes=(*notes, *asset.notes))
+    return replace(asset, notes=(*said, *notes, *asset.notes))

@@ -1,0 +1,167 @@
+"""Regularising of drawn outlines, a stage of its own: what hardly differs from what is meant becomes it.
+
+A network draws an axis a degree off the vertical, a hinge half a cell off the edge of its door, and
+neighbouring drawers that overlap by half a cell. Cells are drawn in view of the outline, so it is put
+right before them. A true outline stays as it is, to a third of a cell.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+
+from artigen.fields import DEFAULT_LAYOUT, FieldLayout
+
+CELL = 1 / 64
+
+
+@dataclass(frozen=True, kw_only=True)
+class OutlineRegulariseConfig:
+    """How far off counts as meant."""
+
+    angle: float = 25.0
+    """Degrees between an axis and the principal direction that it becomes."""
+    reach: float = 0.75 * CELL
+    """Unit-cube lengths between a hinge and the edge of its door, or an axis and the centre of what turns."""
+    overlap: float = 0.4
+    """Share of the smaller of two fronts that may overlap for them to be parted at the middle of it."""
+    thinnest: float = 0.2 * CELL
+    """Least edge of a box, in unit-cube lengths."""
+    shortest: float = 0.1 * CELL
+    """Least travel of a sliding part, in unit-cube lengths."""
+    least_turn: float = 1 / 36
+    """Least range of a turning part, in turns."""
+
+
+def regularise_outline(
+    rows: Float[np.ndarray, "N C"],
+    cfg: OutlineRegulariseConfig | None = None,
+    layout: FieldLayout = DEFAULT_LAYOUT,
+) -> tuple[Float[np.ndarray, "N C"], tuple[str, ...]]:
+    """An outline whose parts are what they nearly were, and a note for each kind of change.
+
+    Args:
+        rows: the channels after occupancy, one row per part.
+        cfg: tolerances.
+        layout: channels.
+    """
+    cfg, out = cfg or OutlineRegulariseConfig(), rows.copy()
+    notes = [
+        _clip_boxes(out, cfg, layout),
+        _straighten_axes(out, cfg, layout),
+        _settle_ranges(out, cfg, layout),
+        _part_fronts(out, cfg, layout),
+        _place_axes(out, cfg, layout),
+    ]
+    return out, tuple(note for note in notes if note)
+
+
+def _clip_boxes(rows: np.ndarray, cfg: OutlineRegulariseConfig, layout: FieldLayout) -> str:
+    """Boxes within that of the base and handles, which is the whole, and no thinner than allowed."""
+    center, size = _boxes(rows, layout)
+    thin = size < cfg.thinnest
+    size[thin] = cfg.thinnest
+    low, high = (center - size / 2).clip(-0.5, 0.5), (center + size / 2).clip(-0.5, 0.5)
+    moved = (np.abs(high - low - size) > 1e-6).any(axis=1) | thin.any(axis=1)
+    center[:], size[:] = (low + high) / 2, np.maximum(high - low, cfg.thinnest)
+    return (
+        f"outline: {int(moved.sum())} boxes brought into the unit cube or to half a cell"
+        if moved.any()
+        else ""
+    )
+
+
+def _straighten_axes(rows: np.ndarray, cfg: OutlineRegulariseConfig, layout: FieldLayout) -> str:
+    axis = rows[:, layout.axis.start - 1 : layout.axis.stop - 1]
+    fixed = _types(rows, layout) == layout.joint_types.index("fixed")
+    axis[fixed] = 0.0
+    length = np.linalg.norm(axis, axis=1)
+    turned = []
+    for row in np.flatnonzero(~fixed & (length > 0)):
+        axis[row] /= length[row]
+        main = int(np.abs(axis[row]).argmax())
+        straight = np.eye(3)[main] * np.sign(axis[row, main])
+        angle = float(np.degrees(np.arccos(np.clip(axis[row] @ straight, -1.0, 1.0))))
+        if 0 < angle <= cfg.angle:
+            axis[row] = straight
+            turned.append(angle)
+    if not turned:
+        return ""
+    return (
+        f"outline: {len(turned)} axes turned to a principal direction, by {max(turned):.1f} degrees at most"
+    )
+
+
+def _settle_ranges(rows: np.ndarray, cfg: OutlineRegulariseConfig, layout: FieldLayout) -> str:
+    """Ranges that their joints have, at least a little; fixed parts have none, wheels a full turn."""
+    turn, travel = (rows[:, layout.range.start - 1 + offset] for offset in (0, 1))
+    kinds = np.array(layout.joint_types)[_types(rows, layout)]
+    turn[np.isin(kinds, ("fixed", "prismatic"))] = 0.0
+    travel[np.isin(kinds, ("fixed", "revolute", "continuous"))] = 0.0
+    turn[kinds == "continuous"] = 1.0
+    slides, turns = kinds == "prismatic", np.isin(kinds, ("revolute", "screw"))
+    small = (slides & (travel < cfg.shortest)) | (turns & (turn < cfg.least_turn))
+    travel[slides] = travel[slides].clip(cfg.shortest)
+    turn[turns] = turn[turns].clip(cfg.least_turn)
+    return f"outline: {int(small.sum())} ranges raised to what can be seen" if small.any() else ""
+
+
+def _part_fronts(rows: np.ndarray, cfg: OutlineRegulariseConfig, layout: FieldLayout) -> str:
+    """Doors and drawers that overlap a little are parted at the middle of what they share."""
+    center, size = _boxes(rows, layout)
+    labels = np.array(layout.labels)[rows[:, layout.label.start - 1 : layout.label.stop - 1].argmax(axis=1)]
+    fronts = np.flatnonzero(np.isin(labels, ("door", "drawer")))
+    parted = []
+    for number, one in enumerate(fronts):
+        for other in fronts[number + 1 :]:
+            low = np.maximum(center[one] - size[one] / 2, center[other] - size[other] / 2)
+            high = np.minimum(center[one] + size[one] / 2, center[other] + size[other] / 2)
+            shared = (high - low) / np.minimum(size[one], size[other])
+            if shared.min() <= 0.0 or shared[1:].min() > cfg.overlap:
+                continue
+            axis = 1 + int(shared[1:].argmin())  # beside or above each other, never behind
+            middle = (low[axis] + high[axis]) / 2
+            for part, sign in ((one, 1.0), (other, -1.0)):
+                sign *= 1.0 if center[one, axis] <= center[other, axis] else -1.0
+                far = center[part, axis] - sign * size[part, axis] / 2
+                center[part, axis], size[part, axis] = (far + middle) / 2, abs(middle - far)
+            parted.append(high[axis] - low[axis])
+    if not parted:
+        return ""
+    return f"outline: {len(parted)} pairs of fronts parted, {max(parted) / CELL:.1f} cells at most"
+
+
+def _place_axes(rows: np.ndarray, cfg: OutlineRegulariseConfig, layout: FieldLayout) -> str:
+    """Hinges to the edge of their door, axes of what turns freely to its centre, others to the box centre."""
+    center, size = _boxes(rows, layout)
+    origin = rows[:, layout.origin.start - 1 : layout.origin.stop - 1]
+    axis = rows[:, layout.axis.start - 1 : layout.axis.stop - 1]
+    kinds = np.array(layout.joint_types)[_types(rows, layout)]
+    still = np.isin(kinds, ("fixed", "prismatic"))
+    origin[still] = center[still]
+    moved = []
+    for row in np.flatnonzero(~still):
+        hinged = kinds[row] == "revolute" and size[row].min() < 0.5 * np.sort(size[row])[1]
+        for across in np.flatnonzero(np.abs(axis[row]) < 0.5):
+            faces = center[row, across] + np.array([-0.5, 0.5]) * size[row, across]
+            meant = faces if hinged else center[row, across : across + 1]
+            nearest = meant[np.abs(meant - origin[row, across]).argmin()]
+            off = abs(nearest - origin[row, across])
+            if 0 < off <= cfg.reach:
+                origin[row, across] = nearest
+                moved.append(off)
+        along = np.abs(axis[row]) >= 0.5
+        origin[row, along] = center[row, along]
+    if not moved:
+        return ""
+    return f"outline: {len(moved)} axes put to an edge or a centre, {max(moved) / CELL:.1f} cells at most"
+
+
+def _boxes(rows: np.ndarray, layout: FieldLayout) -> tuple[np.ndarray, np.ndarray]:
+    """Views of centre and size."""
+    start = layout.box.start - 1
+    return rows[:, start : start + 3], rows[:, start + 3 : start + 6]
+
+
+def _types(rows: np.ndarray, layout: FieldLayout) -> np.ndarray:
+    return rows[:, layout.joint_type.start - 1 : layout.joint_type.stop - 1].argmax(axis=1)
