@@ -163,7 +163,8 @@ def evaluation(
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(artigen.metrics.evaluate, "read_subjects", read_here)
-        found = evaluate_structure(sparse, out, replace(COARSE, partnet=partnet))
+        cfg = replace(COARSE, partnet=partnet, packages=2, redraws=1)
+        found = evaluate_structure(sparse, out, cfg, prove=lambda folders: pytest.fail("there is no object"))
     write_report(found, out)
     return out, found
 
@@ -189,7 +190,11 @@ def test_an_evaluation_has_every_row_and_is_written(evaluation: tuple[Path, Eval
     assert json.loads((out / "evaluation.json").read_text())["rows"] == json.loads(
         json.dumps([asdict(row) for row in found.rows])
     )
+    assert found.packages is not None
+    assert (found.packages.scores["all"].valid, found.packages.scores["all"].draws) == (0.0, 2.0)
     table = (out / "evaluation.md").read_text()
+    assert "| all | 2 | 0.00 % | 0.00 % | 0.00 % | 2.00 |" in table
+    assert "| no object: the field has no occupied voxel" in table
     assert "| occupancy recall |" in table
     assert "- other: not there" in table
     assert "| counts and size | retrieval | 7 |" in table
@@ -201,7 +206,7 @@ def test_draws_are_kept_and_belong_to_their_model(
     out, found = evaluation
     monkeypatch.setattr(artigen.metrics.evaluate, "measure_footprint", lambda job: found.footprint)
     journal = (out / "draws" / "draws.jsonl").read_text()
-    assert len(journal.splitlines()) == 3 * 7 + 2
+    assert len(journal.splitlines()) == 3 * 7 + 2 + 2  # real ones, and two drawn again
     again = evaluate_structure(sparse, out, COARSE)
     assert (out / "draws" / "draws.jsonl").read_text() == journal
     assert again.rows == tuple(row for row in found.rows if not row.ask.startswith("real"))

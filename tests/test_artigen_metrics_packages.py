@@ -8,7 +8,10 @@ import numpy as np
 import pytest
 import torch
 
+import artigen.cli.prove
 import artigen.metrics.draws
+from artigen.cli.batch import Finished
+from artigen.cli.prove import prove_assets
 from artigen.errors import SegmentationError
 from artigen.generate import GenerateConfig, StructureModel, build_structure_model
 from artigen.metrics.draws import DrawJob
@@ -97,6 +100,29 @@ def test_only_what_fails_is_drawn_again_and_nothing_is_done_twice(
     for _ in range(2):
         assert prove_draws(model, jobs, tmp_path, cfg, prove, redraws=2) == report
         assert (proven[5:], len(drawn)) == (["one_1_again_2"], 6)
+
+
+def test_a_package_fails_for_its_checks_or_for_what_kept_it_from_being_made(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    said = {
+        "good": {"passed": True},
+        "bad": {"passed": False, "failures": ("V301 link_0: 3 mm", "V103 base: open", "V301 link_1: 4 mm")},
+        "none": {"error": "part door_0 has 12 faces"},
+    }
+
+    def from_memory(worker, job, make, *, timeout, validation):
+        assert validation
+        assert job.source == tmp_path / job.key
+        return Finished(key=job.key, settings="", **said[job.key])
+
+    monkeypatch.setattr(artigen.cli.prove, "make_and_validate", from_memory)
+    proofs = prove_assets([tmp_path / key for key in said], out=tmp_path / "packages", workers=1)
+    assert {proof.key: (proof.passed, proof.causes) for proof in proofs} == {
+        "good": (True, ()),
+        "bad": (False, ("V103", "V301")),
+        "none": (False, ("no package: part door_# has # faces",)),
+    }
 
 
 def test_the_nearest_training_object_of_one_of_them_is_itself():

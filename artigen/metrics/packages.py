@@ -85,6 +85,8 @@ def prove_draws(
     history: dict[str, list[Proof]] = {job.key: [] for job in jobs}
     waiting = list(jobs)
     for number in range(redraws + 1):
+        if not waiting:
+            break
         drawn = waiting if number == 0 else [_draw_again(job, number) for job in waiting]
         found = _prove_round(model, drawn, out, cfg, prove, tell)
         for job, proof in zip(waiting, found, strict=True):
