@@ -1,16 +1,21 @@
 """Pictures of meshes: the depth buffer against rays, and the camera and light that shapes have."""
 
+from pathlib import Path
+
 import numpy as np
 import pytest
+from scipy.ndimage import binary_dilation
 from scipy.spatial import ConvexHull
 
 from artigen.datasets.mesh_raster import Pinhole, project_points, rasterize_mesh
+from artigen.datasets.partnet_mobility import ReaderConfig, read_object
 from artigen.datasets.partnet_surface import FaceTable
 from artigen.datasets.wavefront import Material
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.primitives import place_vertices
+from artigen.shapes.render.cameras import camera_axes, pixel_sizes
 from artigen.shapes.shape import Shape
-from artigen.train.photographs import photograph_mesh, photograph_shape
+from artigen.train.photographs import draw_camera, photograph_mesh, photograph_shape
 
 CAMERA = Pinhole(
     position=np.array([-3.0, 0.1, 0.2]), axes=np.eye(3)[[1, 2, 0]], pixel=0.02, width=40, height=30
@@ -110,3 +115,25 @@ def test_a_picture_of_a_mesh_has_its_colour_light_and_nothing_around():
     red, green = seen[inside][:, 0].astype(float), seen[inside][:, 1].astype(float)
     assert (red > 2 * green).all()
     assert np.ptp(red) > 30  # lit from one side, with shadows
+
+
+@pytest.mark.real
+def test_a_real_object_is_seen_where_its_surface_is(real_objects: Path):
+    source = read_object(real_objects / "partnet_mobility" / "46197", ReaderConfig(samples=60_000))
+    assert source.asset.surface is not None
+    seen = photograph_mesh(source.tables, source.asset.scale, 3, 64)[..., 3] > 0
+    scale = source.asset.scale
+    camera = draw_camera(scale * source.triangles.vertices[np.unique(source.triangles.faces)], 3, 64)
+    view = Pinhole(
+        position=camera.position[0].numpy(),
+        axes=camera_axes(camera)[0].numpy(),
+        pixel=float(pixel_sizes(camera)[0]),
+        width=64,
+        height=64,
+    )
+    screen, _ = project_points(scale * source.asset.surface.points, view)
+    column, row = np.floor(screen).astype(int).T
+    assert binary_dilation(seen, np.ones((3, 3)))[row, column].all()
+    hit = np.zeros_like(seen)
+    hit[row, column] = True
+    assert hit[seen].mean() > 0.98
