@@ -57,7 +57,7 @@ def regularise_outline(
 
 
 def _clip_boxes(rows: np.ndarray, cfg: OutlineRegulariseConfig, layout: FieldLayout) -> str:
-    """Boxes within that of the base and handles, which is the whole, and no thinner than allowed."""
+    """Boxes within the unit cube, and no thinner than allowed."""
     center, size = _boxes(rows, layout)
     thin = size < cfg.thinnest
     size[thin] = cfg.thinnest
@@ -65,7 +65,7 @@ def _clip_boxes(rows: np.ndarray, cfg: OutlineRegulariseConfig, layout: FieldLay
     moved = (np.abs(high - low - size) > 1e-6).any(axis=1) | thin.any(axis=1)
     center[:], size[:] = (low + high) / 2, np.maximum(high - low, cfg.thinnest)
     return (
-        f"outline: {int(moved.sum())} boxes brought into the unit cube or to half a cell"
+        f"outline: {int(moved.sum())} boxes brought into the unit cube or to the least thickness"
         if moved.any()
         else ""
     )
