@@ -20,10 +20,12 @@ from artigen.metrics.pictures import (
     measure_ssim,
     ssim_map,
 )
+from artigen.metrics.splat_distance import score_distances
 from artigen.models.appearance_presets import APPEARANCE_PRESETS
 from artigen.models.features import PyramidFeatures
 from artigen.models.slat_flow import SlatFlow
 from artigen.models.store import load_model
+from artigen.splats.render.splats import Splats
 from artigen.train.appearance.curation import CurationConfig
 from artigen.train.appearance.examples import draw_appearance
 from artigen.train.appearance.photographs import NOTHING
@@ -31,7 +33,7 @@ from artigen.train.appearance.presets import APPEARANCE_TRAINING
 from artigen.train.appearance.shards import write_appearance_shard
 from artigen.train.appearance.views import ViewConfig
 from artigen.train.shards import HELD_OUT
-from artigen.types import FIXED, Part
+from artigen.types import FIXED, Part, SurfaceSamples
 
 
 @pytest.fixture
@@ -109,6 +111,39 @@ def test_colours_of_parts_are_compared_and_borrowed_part_by_part():
     lent = {index: np.full(3, 0.1 * index) for index in range(3)}
     borrowed = borrow_colors({0: truth[0], 1: truth[0], 2: truth[0]}, mine, lent, others)
     assert [float(color[0]) for color in borrowed.values()] == pytest.approx([0.0, 0.2, 0.2])
+
+
+def test_distances_move_gaussians_and_surface_with_their_parts():
+    rng = np.random.default_rng(0)
+    points = rng.uniform(-0.5, 0.5, (4000, 3))
+    part_ids = np.arange(2000) % 2
+    surface = SurfaceSamples(
+        points=points,
+        normals=points,
+        colors=np.zeros((4000, 3), dtype=np.uint8),
+        part_ids=np.repeat(part_ids, 2),
+    )
+    fields = {"quats": torch.ones(4000, 4), "scales": torch.ones(4000, 3), "colors": torch.ones(4000, 3)}
+    kept = torch.ones(4000)
+    kept[2000:] = 0.0  # never drawn
+    moved = np.tile(np.eye(4), (2, 2, 1, 1))
+    moved[1, 1, 0, 3] = 5.0
+
+    def score(shift: float) -> dict[str, float]:
+        means = torch.from_numpy(points + np.array([shift, 0.0, 0.0])).float()
+        splats = Splats(means=means, opacities=kept, **fields)
+        return score_distances(splats, part_ids, surface, moved, points=3000)
+
+    same, off = score(0.0), score(20.0)
+    assert 0 < same["shape_rest"] < 0.01
+    # Apart, both parts are half as dense as together.
+    thinner = (1.0 + 2.0 ** (2.0 / 3.0)) / 2.0
+    assert same["shape_articulated"] == pytest.approx(thinner * same["shape_rest"], rel=0.1)
+    assert off["shape_rest"] == pytest.approx(2 * 20.0**2, rel=0.1)
+    with pytest.raises(ValueError, match="4000 Gaussians for 3 voxels"):
+        score_distances(
+            Splats(means=torch.zeros(4000, 3), opacities=kept, **fields), part_ids[:3], surface, moved
+        )
 
 
 def test_regions_and_states_are_scored_apart():
@@ -217,6 +252,8 @@ def test_an_evaluation_names_states_features_and_the_model(
     table = (tmp_path / "evaluation.md").read_text()
     assert "| joints open by | PSNR (dB) |" in table
     assert "pyramid-16 features" in table
+    assert "closed (RS)" in table
+    assert 0 < found["total"]["shape_rest"] < 0.01
     assert found["colors"].keys() == {"model", "autoencoded", "retrieval"}
     assert all(0 < error < 1 for error in found["colors"].values())
     (tmp_path / "model.json").write_text("{}")

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 
+import numpy as np
 import torch
 
 from artigen.errors import ArtigenError, SourceError
@@ -17,6 +18,7 @@ from artigen.metrics.appearance import (
     split_states,
 )
 from artigen.metrics.conditioned import PictureAsk, PictureTask, score_colors
+from artigen.metrics.splat_distance import score_distances
 from artigen.metrics.subjects import draw_subjects
 from artigen.models.appearance_presets import APPEARANCE_PRESETS
 from artigen.models.appearance_vae import APPEARANCE_FLOW, APPEARANCE_VAE, AppearanceVae
@@ -28,15 +30,18 @@ from artigen.models.slat_flow import SlatFlow
 from artigen.models.store import hash_model, load_model, read_description
 from artigen.sampling import SamplerConfig
 from artigen.shapes.draw import draw_shape
+from artigen.shapes.sampling import sample_shape
 from artigen.train.appearance.curation import CurationConfig
 from artigen.train.appearance.examples import AppearanceExample, draw_appearance_of
 from artigen.train.appearance.photographs import take_pictures
 from artigen.train.appearance.run import AppearanceRunConfig, run_curation, run_encoder, run_extractor
-from artigen.train.appearance.states import plan_fractions
+from artigen.train.appearance.states import part_owners, plan_fractions
 from artigen.train.appearance.views import ViewConfig
 from artigen.train.shards import HELD_OUT
-from artigen.types import Asset
+from artigen.types import Asset, SurfaceSamples
 
+SPACING = 0.02
+"""Between the true points that distances are measured to (unit-cube length)."""
 Progress = Callable[[str, int, int], None]
 """Called with the stage, what is done of it, and all of it."""
 
@@ -158,12 +163,16 @@ def evaluate_appearance(
     else:
         extractor = make_extractor(ExtractorConfig(name="dinov2", folder=cfg.dinov2))
     comparisons: dict[str, Comparison] = {}
+    distances: dict[str, Scores] = {}
     tasks = []
     for number in range(cfg.held_out):
         asset, example = draw_subject(model, number, cfg)
         tasks.append(PictureTask(asset=asset, example=example))
         splats = reconstruct_splats(model.vae, example)
         comparisons[example.name] = compare_pictures(model.vae, splats, example)
+        distances[example.name] = score_distances(
+            splats, example.part_ids, _sample_surface(asset), example.pictures.displacements
+        )
         tell("held-out objects", number + 1, cfg.held_out)
     every = list(comparisons.values())
     return AppearanceEvaluation(
@@ -173,12 +182,12 @@ def evaluate_appearance(
         config={**asdict(cfg), "dinov2": cfg.dinov2 is not None},
         extractor=extractor.name,
         pictures=sum(len(one.drawn) for one in every),
-        total=score_comparisons(every) | score_sets(every, extractor),
+        total=score_comparisons(every) | score_sets(every, extractor) | _mean(list(distances.values())),
         states={
             f"{share:.2f}": score_comparisons(some) | score_sets(some, extractor)
             for share, some in split_states(every).items()
         },
-        objects={name: score_comparisons([one]) for name, one in comparisons.items()},
+        objects={name: score_comparisons([one]) | distances[name] for name, one in comparisons.items()},
         colors=_ask_pictures(model, tasks, cfg, tell),
     )
 
@@ -201,6 +210,18 @@ def draw_subject(
     views = ViewConfig(count=cfg.views, size=cfg.size, sharpness=2)
     fractions = plan_fractions(shape, cfg.states, staggered=False)
     return asset, replace(example, pictures=take_pictures(shape, asset, fractions, views))
+
+
+def _sample_surface(asset: Asset) -> SurfaceSamples:
+    """Points on a procedural object, with the parts of its asset."""
+    category, seed = asset.name.rsplit("_", 1)
+    shape = draw_shape(category, int(seed))
+    surface = sample_shape(shape, SPACING * asset.scale)
+    return replace(surface, part_ids=part_owners(shape, asset)[surface.part_ids])
+
+
+def _mean(scores: list[Scores]) -> Scores:
+    return {name: float(np.mean([one[name] for one in scores])) for name in scores[0]}
 
 
 def _ask_pictures(

@@ -54,6 +54,12 @@ def format_appearance(evaluation: AppearanceEvaluation) -> str:
         f"a mean over objects. Distances between sets are those of {evaluation.extractor} features: compare",
         "them only with results that have the same features and as many pictures.",
     ]
+    lines += [
+        "",
+        f"Gaussians to the true surface (Chamfer, squared, unit cube, whole object): closed (RS) "
+        f"{evaluation.total['shape_rest']:.4g}, mean over states (AS) "
+        f"{evaluation.total['shape_articulated']:.4g}.",
+    ]
     if evaluation.colors:
         lines += ["", "## Asked for by one picture", ""]
         lines += format_table(
