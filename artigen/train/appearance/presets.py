@@ -1,4 +1,8 @@
-"""How the presets of `artigen.models.appearance_presets` are trained, and on what."""
+"""How the presets of `artigen.models.appearance_presets` are trained, and on what.
+
+The weight of the volume term is TRELLIS' for 32 Gaussians in a voxel of a grid of 64; where fewer have to fill a
+voxel, or voxels are larger, it is less by the ratio of the volumes that they have to fill.
+"""
 
 from dataclasses import dataclass, field
 
@@ -31,12 +35,14 @@ APPEARANCE_TRAINING: dict[PresetName, AppearanceTraining] = {
         vae=StageConfig(batch=2, learning_rate=4e-3, warmup=5, decay=1.0, ema=0.9, share=0.6),
         flow=StageConfig(batch=4, learning_rate=1e-3, warmup=5, decay=0.5, ema=0.9, share=0.4),
         pictures=2,
+        losses=AppearanceLossConfig(volume=1e4 / 64),
     ),
     "compact": AppearanceTraining(
         curation=CurationConfig(views=ViewConfig(count=12, sharpness=2), kept=4, directional=True),
         vae=StageConfig(batch=4, learning_rate=1e-3, warmup=200, decay=1.0, ema=0.999, share=0.6),
         flow=StageConfig(batch=16, learning_rate=4e-4, warmup=300, decay=0.3, ema=0.999, share=0.4),
         pictures=3,
+        losses=AppearanceLossConfig(volume=1e4 / 4),
     ),
     "paper": AppearanceTraining(
         curation=CurationConfig(
