@@ -18,8 +18,9 @@ from artigen.cli.train import TrainSettings, train
 from artigen.datasets.sample_partnet import write_sample
 from artigen.errors import ArtigenError, SegmentationError, SourceError
 from artigen.generate import GenerateConfig, load_structure_model
+from artigen.metrics.asks import EvaluateConfig
 from artigen.metrics.draws import DrawJob, draw_all
-from artigen.metrics.evaluate import EvaluateConfig, Evaluation, evaluate_structure
+from artigen.metrics.evaluate import Evaluation, evaluate_structure
 from artigen.metrics.instantiation import InstantiationConfig
 from artigen.metrics.report import write_report
 from artigen.metrics.score import ScoreConfig

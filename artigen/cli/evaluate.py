@@ -70,7 +70,8 @@ def evaluate(
         appearance: What only appearance asks for.
     """
     from artigen.cli.prove import prove_assets
-    from artigen.metrics.evaluate import EvaluateConfig, evaluate_structure
+    from artigen.metrics.asks import EvaluateConfig
+    from artigen.metrics.evaluate import evaluate_structure
     from artigen.metrics.report import write_report
     from artigen.sampling import SamplerConfig
 
