@@ -22,9 +22,12 @@ from artigen.train.appearance.photographs import (
     premultiply,
 )
 from artigen.train.appearance.states import plan_fractions
-from artigen.train.appearance.views import ViewConfig, scale_cameras
+from artigen.train.appearance.views import ViewConfig, pick_cameras, scale_cameras
 from artigen.train.appearance.visibility import MOMENTS, FeatureMean, StateViews, VoxelFeatures, Weighting
 from artigen.types import Asset
+
+AT_ONCE = 16
+"""Pictures whose features are in memory."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -88,16 +91,18 @@ def curate(
     kept = []
     for number, state in enumerate(photograph(scene, asset, fractions, cfg.views)):
         pictures = premultiply(state.images)
-        views = StateViews(
-            cameras=scale_cameras(state.cameras, center, scale),
-            pictures=pictures,
-            depth=state.images.depth / scale,
-            displacements=state.displacements,
-        )
-        with torch.no_grad():
-            maps = extractor(pictures)
-        mean.add(views, maps)
-        kept.append(keep_pictures(scene, state, number, views.cameras, _spread_rows(cfg)))
+        cameras = scale_cameras(state.cameras, center, scale)
+        for rows in torch.arange(len(pictures)).split(AT_ONCE):
+            views = StateViews(
+                cameras=pick_cameras(cameras, rows),
+                pictures=pictures[rows],
+                depth=state.images.depth[rows] / scale,
+                displacements=state.displacements,
+            )
+            with torch.no_grad():
+                maps = extractor(views.pictures)
+            mean.add(views, maps)
+        kept.append(keep_pictures(scene, state, number, cameras, _spread_rows(cfg)))
     return mean.finish(), join_pictures(kept)
 
 

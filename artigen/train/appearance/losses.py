@@ -17,6 +17,7 @@ from artigen.models.gaussian_decoder import select_voxels
 from artigen.splats.render import RasterConfig, move_splats, rasterize
 from artigen.splats.render.splats import Splats
 from artigen.train.appearance.batches import PictureBatch
+from artigen.train.appearance.views import pick_cameras
 
 CPU_FRAGMENTS, GPU_FRAGMENTS = 1 << 19, 1 << 24
 
@@ -106,18 +107,12 @@ def draw_sample(
     cameras = batch.cameras[sample]
     out = []
     for picture, displacements in enumerate(batch.displacements[sample]):
-        one = slice(picture, picture + 1)
+        one = torch.tensor([picture])
         out.append(
             rasterize(
                 move_splats(splats, owners, displacements),
-                type(cameras)(
-                    position=cameras.position[one],
-                    target=cameras.target[one],
-                    fov=cameras.fov[one],
-                    width=cameras.width,
-                    height=cameras.height,
-                ),
-                background=batch.background[sample, one],
+                pick_cameras(cameras, one),
+                background=batch.background[sample, picture],
                 cfg=cfg,
             ).color[0]
         )

@@ -14,11 +14,13 @@ from artigen.shapes.render import Cameras, Images, RenderConfig, Scene, build_sc
 from artigen.shapes.shape import Shape
 from artigen.train.appearance.exposure import find_exposed
 from artigen.train.appearance.states import asset_coordinates, part_owners, shape_coordinates
-from artigen.train.appearance.views import ViewConfig, place_cameras, scale_cameras
+from artigen.train.appearance.views import ViewConfig, pick_cameras, place_cameras, scale_cameras
 from artigen.types import Asset
 
 BACKGROUNDS = ((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
 """Behind even and odd views: what is transparent must be so before both."""
+PIXELS = 1 << 20
+"""Rays cast at once."""
 NOTHING = 255
 """Part of a pixel that shows the background."""
 TURN = 0.7548776662466927
@@ -143,7 +145,7 @@ def keep_pictures(
 ) -> Pictures:
     """Some pictures of a state as plain values; ``cameras`` are the state's, in unit lengths."""
     chosen = torch.from_numpy(rows)
-    behind, apart = state.behind[chosen], _pick(state.cameras, chosen)
+    behind, apart = state.behind[chosen], pick_cameras(state.cameras, chosen)
     images = Images(**{name: value[chosen] for name, value in vars(state.images).items()})
     if state.light.supersampling > 1 and len(rows):
         images = _render_before(scene, apart, state.qpos, behind, state.light)
@@ -171,25 +173,20 @@ def _render_before(
     light: RenderConfig,
 ) -> Images:
     """Pictures of one joint state, each before its background, in the order of the cameras."""
-    rows = [(behind == number).nonzero()[:, 0] for number in range(len(BACKGROUNDS))]
-    parts = [
-        render(scene, _pick(cameras, some), [qpos] * len(some), cfg=replace(light, background=color))
-        for some, color in zip(rows, BACKGROUNDS, strict=True)
+    at_once = max(1, PIXELS // (cameras.width * cameras.height * light.supersampling**2))
+    rows = [
+        (some, color)
+        for number, color in enumerate(BACKGROUNDS)
+        for some in (behind == number).nonzero()[:, 0].split(at_once)
         if len(some)
     ]
-    order = torch.cat(rows).argsort()
+    parts = [
+        render(scene, pick_cameras(cameras, some), [qpos] * len(some), cfg=replace(light, background=color))
+        for some, color in rows
+    ]
+    order = torch.cat([some for some, _ in rows]).argsort()
     return Images(
         **{name: torch.cat([getattr(part, name) for part in parts])[order] for name in vars(parts[0])}
-    )
-
-
-def _pick(cameras: Cameras, rows: Tensor) -> Cameras:
-    return Cameras(
-        position=cameras.position[rows],
-        target=cameras.target[rows],
-        fov=cameras.fov[rows],
-        width=cameras.width,
-        height=cameras.height,
     )
 
 

@@ -1,7 +1,7 @@
 """How the presets of `artigen.models.appearance_presets` are trained, and on what.
 
-The weight of the volume term is TRELLIS' for 32 Gaussians in a voxel of a grid of 64; where fewer have to fill a
-voxel, or voxels are larger, it is less by the ratio of the volumes that they have to fill.
+The weight of the volume term is TRELLIS' for 32 Gaussians in a voxel of a grid of 64; where fewer have to
+fill a voxel, or voxels are larger, it is less by the ratio of the volumes that they have to fill.
 """
 
 from dataclasses import dataclass, field

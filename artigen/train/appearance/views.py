@@ -4,7 +4,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import torch
-from jaxtyping import Float
+from jaxtyping import Float, Int
+from torch import Tensor
 
 from artigen.shapes.poses import pose_parts
 from artigen.shapes.primitives import place_vertices
@@ -82,6 +83,17 @@ def place_cameras(shape: Shape, qpos: Float[np.ndarray, "P"], cfg: ViewConfig, t
         for x, y, z in spread_directions(cfg, turn)
     ]
     return join_cameras(single)
+
+
+def pick_cameras(cameras: Cameras, rows: Int[Tensor, "K"]) -> Cameras:
+    """Some of the cameras, in the order of ``rows``."""
+    return Cameras(
+        position=cameras.position[rows],
+        target=cameras.target[rows],
+        fov=cameras.fov[rows],
+        width=cameras.width,
+        height=cameras.height,
+    )
 
 
 def join_cameras(parts: list[Cameras]) -> Cameras:
