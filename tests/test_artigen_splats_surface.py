@@ -10,12 +10,13 @@ from artigen.cli.shape import make_package
 from artigen.shapes.draw import draw_shape
 from artigen.splats.colors import linear_from_srgb
 from artigen.splats.render import Cameras, make_splats, rasterize
+from artigen.splats.render.picture import draw_gaussians
 from artigen.splats.surface import SurfaceSplatConfig, splat_surface, thin_samples
 from artigen.transforms import matrix_from_quat
 from artigen.types import Asset, SurfaceSamples
 
 
-def sheet(count: int = 6000, edge: float = 0.6, seed: int = 0) -> SurfaceSamples:
+def sheet(count: int = 6000, edge: float = 0.6, seed: float = 0.0) -> SurfaceSamples:
     """A square that faces the camera at -x, evenly sampled."""
     steps = np.arange(1, count + 1)[:, None] * [0.7548776662466927, 0.5698402909980532]
     flat = (np.modf(steps + seed)[0] - 0.5) * edge
@@ -31,7 +32,7 @@ def test_every_sample_has_a_flat_disc_that_faces_its_way(cabinet: Asset):
     assert cabinet.surface is not None
     rows = slice(None, None, 20)
     surface = SurfaceSamples(**{name: value[rows] for name, value in vars(cabinet.surface).items()})
-    gaussians = splat_surface(surface)
+    gaussians = splat_surface(surface, SurfaceSplatConfig(apart=0.0))
     np.testing.assert_array_equal(gaussians.means, surface.points)
     np.testing.assert_array_equal(gaussians.part_ids, surface.part_ids)
     np.testing.assert_allclose(gaussians.colors, linear_from_srgb(surface.colors / 255.0), atol=1e-6)
@@ -79,6 +80,27 @@ def test_a_sheet_is_closed_and_ends_at_its_edge():
     assert alpha[beyond > 2.5 * spacing].max() < 0.05
     # The covered area is that of the sheet.
     assert alpha.mean() == pytest.approx(edge**2, rel=0.03)
+
+
+@pytest.mark.parametrize("side", [-1.0, 1.0])
+def test_a_sheet_without_thickness_shows_the_side_one_looks_at(side: float):
+    one, count = sheet(6000), 6000
+    both = SurfaceSamples(
+        points=np.concatenate([one.points, sheet(6000, seed=0.37).points]),
+        normals=np.concatenate([one.normals, -one.normals]),
+        colors=np.repeat(np.array([[200, 30, 60], [20, 60, 220]], dtype=np.uint8), count, axis=0),
+        part_ids=np.zeros(2 * count, dtype=np.int64),
+    )
+    discs = splat_surface(both)
+    spacing = 0.6 / np.sqrt(count)
+    np.testing.assert_allclose(np.abs(discs.means[:, 0]), 0.5 * spacing, rtol=0.15)
+    picture = draw_gaussians(
+        discs, np.array([side * 4.0, 1.5, 1.0]), np.zeros(3), fov=5.0, size=(96, 96)
+    ).astype(float)
+    wanted = both.colors[0 if side < 0 else -1].astype(float)
+    wrong = np.abs(picture - wanted).max(axis=2)
+    assert np.median(wrong) < 12
+    assert np.percentile(wrong, 95) < 60
 
 
 def test_what_cannot_be_a_disc_is_an_error():

@@ -9,7 +9,7 @@ colour per sample, no light, nothing translucent, and no detail finer than the d
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 from scipy.spatial import KDTree
 
 from artigen.splats.colors import linear_from_srgb
@@ -31,16 +31,28 @@ class SurfaceSplatConfig:
     """How far the surface reaches beyond its outermost samples, over that distance: discs become narrow
     there, so that they do not stand over."""
 
+    widest: float = 2.0
+    """Largest distance to other samples that a disc fills, over that distance: random samples leave gaps."""
+    apart: float = 0.5
+    """How far discs move outward, over that distance, where one that faces the other way lies in their place:
+    sheets without thickness have two sides of different colours, and would show both."""
+
     def __post_init__(self) -> None:
-        if min(self.spread, self.flatness, self.edge) <= 0 or self.neighbours < 1:
+        if (
+            min(self.spread, self.flatness, self.edge) <= 0
+            or self.neighbours < 1
+            or self.widest < 1
+            or self.apart < 0
+        ):
             raise ValueError(
                 f"discs on a surface: spread {self.spread}, flatness {self.flatness}, edge {self.edge}, "
-                f"{self.neighbours} neighbours; expected above 0, and at least 1"
+                f"{self.neighbours} neighbours, widest {self.widest}, apart {self.apart}; expected above 0, "
+                "at least 1 neighbour, widest from 1, apart from 0"
             )
 
 
 def splat_surface(surface: SurfaceSamples, cfg: SurfaceSplatConfig | None = None) -> Gaussians:
-    """A disc for every sample, in its order: at its point, of its colour and part, opaque.
+    """A disc for every sample, in its order: at its point (or lifted off it), of its colour and part, opaque.
 
     The third axis of each disc is its thin one and points along the sample's normal, outward.
 
@@ -73,11 +85,13 @@ def splat_surface(surface: SurfaceSamples, cfg: SurfaceSplatConfig | None = None
             f"discs on a surface: most of {len(quats)} samples have no other of their part that faces their "
             "way; sample the surface more densely"
         )
-    across = np.clip(reach + cfg.edge * spacing, cfg.edge * spacing, spacing)
+    usual = np.clip(distance, spacing, cfg.widest * spacing)
+    across = np.clip(reach + cfg.edge * spacing, cfg.edge * spacing, usual[:, None])
+    lift = cfg.apart * spacing * _find_backed(surface, frames[:, :, 2], cfg.apart * spacing)
     half = turn / 2.0
     about = np.stack([np.cos(half), np.zeros_like(half), np.zeros_like(half), np.sin(half)], axis=1)
     return Gaussians(
-        means=surface.points,
+        means=surface.points + lift[:, None] * frames[:, :, 2],
         quats=quat_multiply(quats, about),
         scales=cfg.spread * np.column_stack([across, np.full(len(across), cfg.flatness * spacing)]),
         opacities=np.ones(len(across)),
@@ -99,6 +113,24 @@ def _group_rows(surface: SurfaceSamples) -> list[Int[np.ndarray, "M"]]:
     groups = surface.part_ids.astype(np.int64) * 6 + 2 * axis + ahead
     order = np.argsort(groups, kind="stable")
     return np.split(order, np.flatnonzero(np.diff(groups[order])) + 1)
+
+
+def _find_backed(
+    surface: SurfaceSamples, normals: Float[np.ndarray, "N 3"], reach: float
+) -> Bool[np.ndarray, "N"]:
+    """Samples with one of their part beside them that faces the other way and lies within ``reach`` below."""
+    backed = np.zeros(len(normals), dtype=bool)
+    if reach <= 0:
+        return backed
+    for part in np.unique(surface.part_ids):
+        rows = np.flatnonzero(surface.part_ids == part)
+        points, facing = surface.points[rows], normals[rows]
+        tree = KDTree(points, balanced_tree=False, compact_nodes=False)
+        index = np.reshape(np.asarray(tree.query(points, k=min(8, len(rows)))[1]), (len(rows), -1))
+        opposite = np.einsum("mc,mkc->mk", facing, facing[index]) < -0.5
+        height = np.einsum("mkc,mc->mk", points[index] - points[:, None], facing)
+        backed[rows] = (opposite & (np.abs(height) < reach)).any(axis=1)
+    return backed
 
 
 def _measure_reach(

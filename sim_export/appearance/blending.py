@@ -21,7 +21,7 @@ MAX_ALPHA = 0.99
 """One Gaussian covers a place by at most this share, as in the rasteriser."""
 EDGE = 0.1
 """Less than this share of a place is not enough of a Gaussian to tell the height of its sheet."""
-CLOSED = 0.8
+CLOSED = 1.3
 """Shares that add up to this are a sheet without gaps."""
 
 

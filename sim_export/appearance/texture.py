@@ -40,10 +40,12 @@ class TextureConfig:
     """A part whose colours span at most this many of 255 levels gets a plain colour, no image."""
     max_samples: int = 300_000
     """Surface samples used per object; more cost time and are finer than the texels."""
+    speck: int = 24
+    """Levels by which a texel may differ from those around it before it counts as a speck."""
     blend: BlendConfig = field(default_factory=BlendConfig)
     """Which Gaussians count at a texel."""
     discs: SurfaceSplatConfig = field(
-        default_factory=lambda: SurfaceSplatConfig(spread=0.6, edge=1.0, neighbours=4)
+        default_factory=lambda: SurfaceSplatConfig(spread=0.6, edge=1.0, neighbours=4, apart=0.0)
     )
     """Discs made of surface samples: round ones, since what stands over an edge lies beside the mesh."""
 
@@ -115,9 +117,10 @@ def bake_mesh(
         return BakedMesh(mesh=plain, texels=len(covered))
     filled = _fill(colors, covered, places.points)
     image = np.rint(255.0 * np.clip(filled, 0.0, 1.0)).astype(np.uint8)
-    return BakedMesh(
-        mesh=color_atlas(plain, atlas, image), texels=len(covered), covered=int(np.count_nonzero(covered))
-    )
+    painted = color_atlas(plain, atlas, image)
+    if normals is not None and painted.texture is not None:
+        painted = replace(painted, texture=_without_specks(painted.texture, cfg.speck))
+    return BakedMesh(mesh=painted, texels=len(covered), covered=int(np.count_nonzero(covered)))
 
 
 def bake_parts(asset: Asset, meshes: Sequence[Mesh], cfg: TextureConfig | None = None) -> BakedParts:
@@ -162,6 +165,16 @@ def color_atlas(mesh: Mesh, atlas: Atlas, colors: UInt8[np.ndarray, "T 3"]) -> M
     uv = (atlas.corners + 0.5) / (width, height)
     uv[:, :, 1] = 1.0 - uv[:, :, 1]
     return replace(mesh, uv=uv, texture=image[tuple(nearest)])
+
+
+def _without_specks(image: UInt8[np.ndarray, "H W 3"], least: int) -> UInt8[np.ndarray, "H W 3"]:
+    """Texels that differ from the median of the nine around them by more than ``least`` levels get that.
+
+    Where sheets of different colours lie close together, the odd texel has no sample of the outer one.
+    """
+    median = ndimage.median_filter(image, size=(3, 3, 1), mode="nearest")
+    odd = np.abs(image.astype(np.int16) - median).max(axis=2) > least
+    return np.where(odd[:, :, None], median, image)
 
 
 def _find_gaussians(asset: Asset, cfg: TextureConfig) -> tuple[Gaussians, Float[np.ndarray, "N 3"] | None]:
