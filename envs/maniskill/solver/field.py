@@ -52,7 +52,7 @@ def build_field(hulls: Sequence[Hull]) -> Field:
 def distances(field: Field, points: Float[np.ndarray, "*N 3"]) -> Float[np.ndarray, "*N"]:
     """Distance of every point to what is solid, metres; `AROUND` for those outside of the grid."""
     at = np.rint((points - field.low) / field.cell).astype(np.int64)
-    inside = ((at >= 0) & (at < field.distance.shape)).all(axis=-1)
+    inside = np.all((at >= 0) & (at < np.array(field.distance.shape)), axis=-1)
     at = np.where(inside[..., None], at, 0)
     return np.where(inside, field.distance[at[..., 0], at[..., 1], at[..., 2]], AROUND)
 

@@ -16,6 +16,8 @@ TILTS = np.radians([0.0, 20.0, -20.0, 40.0, -40.0])
 """Turns about the bar itself, which the fingers then hold at its edges."""
 ALONG = (0.0, 0.5, -0.5)
 """Where along half of the grasp line, from its middle."""
+ACROSS = 0.05
+"""Cost of closing along a short handle instead of across it."""
 LEAST_HUB = 0.010
 """How far a hub has to stand out from the rest of a handle, metres."""
 EVEN = 0.003
@@ -66,13 +68,19 @@ def find_grasps(handle: HandleAnnotation, held: tuple[Hull, ...], robot: RobotSp
             for tilt in TILTS:
                 turn = rotation_about(bar, tilt) @ rotation_about(close, yaw)
                 for sign in (1.0, -1.0):
-                    T = np.eye(4)
-                    T[:3, 0], T[:3, 1] = turn @ point, sign * (turn @ close)
-                    T[:3, 2] = np.cross(T[:3, 0], T[:3, 1])
-                    T[:3, 3] = middle + along * half
-                    poses.append(T)
+                    ahead, between = turn @ point, sign * (turn @ close)
+                    poses.append(_pose((ahead, between, np.cross(ahead, between)), middle + along * half))
                     cost.append(0.1 * abs(along) + 0.3 * abs(yaw) + 0.6 * abs(tilt))
-    width = min(robot.opening, handle.width + ROOMY)
+    width, long = handle.width, float(np.ptp(handle.corners @ bar))
+    if long + SPARE <= robot.opening:  # a knob or a short pull: neighbours may leave room on one way only
+        width = max(width, long)
+        for yaw in HUB_YAWS:
+            for sign in (1.0, -1.0):
+                turn = rotation_about(bar, yaw)
+                axes = (turn @ point, sign * bar, np.cross(turn @ point, sign * bar))
+                poses.append(_pose(axes, middle))
+                cost.append(ACROSS + 0.3 * abs(yaw))
+    width = min(robot.opening, width + ROOMY)
     return Grasps(poses=np.array(poses), cost=np.array(cost), width=width)
 
 
@@ -96,14 +104,17 @@ def _hub_grasps(handle: HandleAnnotation, held: tuple[Hull, ...], robot: RobotSp
         middle += (behind + TIP + TIP_GAP - middle @ handle.normal) * handle.normal
         for yaw in HUB_YAWS:
             for sign in (1.0, -1.0):
-                T = np.eye(4)
-                third = np.cross(-handle.normal, sign * close)
-                turn = rotation_about(close, yaw)
-                T[:3, :3] = turn @ np.stack([-handle.normal, sign * close, third], axis=1)
-                T[:3, 3] = middle
-                poses.append(T)
+                turn, between = rotation_about(close, yaw), sign * close
+                ahead = turn @ -handle.normal
+                poses.append(_pose((ahead, between, np.cross(ahead, between)), middle))
                 cost.append(0.3 * abs(yaw))
     return Grasps(poses=np.array(poses), cost=np.array(cost), width=robot.opening) if poses else none
+
+
+def _pose(axes: tuple[np.ndarray, np.ndarray, np.ndarray], place: np.ndarray) -> np.ndarray:
+    T = np.eye(4)
+    T[:3, :3], T[:3, 3] = np.stack(axes, axis=1), place
+    return T
 
 
 def _across(normal: np.ndarray) -> np.ndarray:
