@@ -25,6 +25,7 @@ from artigen.models.outlines import (
     hint_channels,
     measure_extents,
     part_labels,
+    reach_cells,
 )
 from artigen.models.presets import PRESETS
 from artigen.models.structure_vae import StructureVae
@@ -89,6 +90,23 @@ def test_candidates_come_smallest_first_and_a_missing_one_is_told_by_zeros(outli
     told = hint[0].reshape(DEPTH, -1, EDGE**3)
     assert not told.movedim(1, 2)[~found.found[0]].any()
     assert torch.equal(told[:, -1], found.found[0].float())
+
+
+def test_fine_cells_are_inside_where_they_touch_the_box(table: np.ndarray):
+    row = table[:1].copy()
+    fine = 1 / (4 * EDGE)
+    row[:, BOX] = [0.0, 0.0, 0.0, 2 * fine, 5 * fine, 1.0]  # y ends in the middle of a cell
+    alone = gather_outlines([row])
+    rows, inside = reach_cells(alone, find_candidates(alone, EDGE), EDGE, 4)
+    assert torch.equal(
+        rows[inside.any(dim=1)], torch.from_numpy(row).expand(int(inside.any(dim=1).sum()), -1)
+    )
+    grid = (
+        inside.any(dim=-1).reshape(*(EDGE,) * 3, 4, 4, 4).permute(0, 3, 1, 4, 2, 5).reshape(*(4 * EDGE,) * 3)
+    )
+    for axis, cells in enumerate((4, 6, 64)):  # what lies on the face, or a quarter of a cell from it, counts
+        others = tuple(other for other in range(3) if other != axis)
+        assert int(grid.any(dim=others[1]).any(dim=others[0]).sum()) == cells
 
 
 def test_faces_are_told_in_cells_from_the_centre_of_the_cell(table: np.ndarray):

@@ -107,6 +107,37 @@ def find_candidates(outlines: OutlineBatch, edge: int, layout: FieldLayout = DEF
     return Candidates(chosen=torch.where(size.isfinite(), chosen, 0), found=size.isfinite())
 
 
+def reach_cells(
+    outlines: OutlineBatch,
+    candidates: Candidates,
+    edge: int,
+    patch: int,
+    layout: FieldLayout = DEFAULT_LAYOUT,
+) -> tuple[Float[Tensor, "N D C"], Bool[Tensor, "N K D"]]:
+    """The candidates of every cell of a grid, and whether its finer cells touch their boxes, or nearly do.
+
+    Args:
+        outlines: of the batch.
+        candidates: of the cells of the grid.
+        edge: cells of the grid along an edge.
+        patch: finer cells in one of them, along an edge.
+        layout: channels.
+    """
+    batch = torch.arange(len(outlines.rows), device=outlines.rows.device)[:, None, None]
+    rows = outlines.rows[batch, candidates.chosen]  # B D cells C
+    low, high = (face[batch, candidates.chosen] for face in _faces(outlines, layout))
+    fine, half = _cell_line(edge * patch, rows.device).reshape(edge, patch), 0.5 / (edge * patch) + MARGIN / 2
+    inside = candidates.found[..., None, None, None]
+    places = torch.stack(torch.meshgrid(*[torch.arange(edge, device=rows.device)] * 3, indexing="ij"), dim=-1)
+    for axis, place in enumerate(places.reshape(-1, 3).T):
+        line = fine[place]  # cells patch
+        near = (low[..., axis, None] < line + half) & (high[..., axis, None] > line - half)
+        shape = [1, 1, 1]
+        shape[axis] = patch
+        inside = inside & near.reshape(*near.shape[:3], *shape)
+    return rows.movedim(1, 2).flatten(0, 1), inside.flatten(3).movedim(1, 3).flatten(0, 1)
+
+
 def draw_hint(
     outlines: OutlineBatch, candidates: Candidates, edge: int, layout: FieldLayout = DEFAULT_LAYOUT
 ) -> Float[Tensor, "B H X Y Z"]:

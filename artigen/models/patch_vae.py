@@ -11,14 +11,14 @@ chooses which of the parts that reach it it belongs to. See docs/training.md.
 from dataclasses import dataclass
 
 import torch
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float
 from torch import Tensor, nn
 from torch.nn import functional
 
 from artigen.fields import DEFAULT_LAYOUT, FieldLayout
 from artigen.models.attention import FeedForward, SelfAttention, plain_norm
 from artigen.models.embeddings import embed_positions, grid_positions
-from artigen.models.outlines import DEPTH, Candidates, OutlineBatch, hint_channels
+from artigen.models.outlines import DEPTH, hint_channels
 from artigen.models.patches import CELLS, PATCH, PatchBatch, patch_centers, relative
 from artigen.models.volumes import (
     ChannelLayerNorm,
@@ -31,6 +31,8 @@ from artigen.models.volumes import (
 
 LEAST = 1e-6
 """Least probability of a class, so that its logarithm is finite."""
+NEVER = -12.0
+"""Logit of what cannot be: finite, because outlines are a little off where truth is compared with them."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -157,28 +159,31 @@ class PatchDecoder(nn.Module):
             x = block(x)
         return self.norm(as_tokens(x).flatten(0, 1))
 
-    def occupancy(self, features: Float[Tensor, "N D"]) -> Float[Tensor, "N K"]:
-        """Logits of the cells of patches."""
-        return self.occupancy_head(features).float()
+    def occupancy(
+        self, features: Float[Tensor, "N D"], inside: Bool[Tensor, "N K Q"]
+    ) -> Float[Tensor, "N K"]:
+        """Logits of the cells of patches; a cell in no part's box holds nothing."""
+        logits = self.occupancy_head(features).float()
+        return logits.masked_fill(~inside.any(dim=-1), NEVER)
 
     def attributes(
         self,
-        features: Float[Tensor, "N D"],
-        index: Int[Tensor, "P"],
-        outlines: OutlineBatch,
-        candidates: Candidates,
+        features: Float[Tensor, "P D"],
+        rows: Float[Tensor, "P Q C"],
+        inside: Bool[Tensor, "P K Q"],
     ) -> Float[Tensor, "P K C"]:
-        """Channels after occupancy (class channels as logits) of the cells of chosen patches.
+        """Channels after occupancy (class channels as logits) of the cells of patches.
 
-        In training a mean over the parts that a cell may belong to, by their probabilities; in evaluation
+        In training a mean over the parts in whose box a cell lies, by their probabilities; in evaluation
         those of the likeliest part.
+
+        Args:
+            features: of the patches.
+            rows: parts that may reach into them.
+            inside: in whose boxes their cells lie.
         """
-        cells = self.cfg.edge**3
-        sample, patch = index // cells, index % cells
-        rows = outlines.rows[sample[:, None], candidates.chosen[sample, :, patch]]  # P D C
-        found = candidates.found[sample, :, patch]
-        said = self.choice_head(features[index]).float().unflatten(-1, (CELLS, DEPTH))
-        chances = said.masked_fill(~found[:, None, :], -30.0).softmax(dim=-1)
+        said = self.choice_head(features).float().unflatten(-1, (CELLS, DEPTH))
+        chances = said.masked_fill(~inside, NEVER).softmax(dim=-1)
         if not self.training:
             chances = functional.one_hot(chances.argmax(dim=-1), DEPTH).to(chances.dtype)
         mixed = chances @ rows

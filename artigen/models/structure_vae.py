@@ -12,7 +12,7 @@ from torch import Tensor, nn
 
 from artigen.fields import DEFAULT_LAYOUT, FieldLayout, VoxelFields
 from artigen.models.conv_vae import ConvDecoder, ConvEncoder, ConvVaeConfig
-from artigen.models.outlines import OutlineBatch, draw_hint, find_candidates
+from artigen.models.outlines import OutlineBatch, draw_hint, find_candidates, reach_cells
 from artigen.models.patch_vae import PatchDecoder, PatchEncoder, PatchVaeConfig
 from artigen.models.patches import PATCH, PatchBatch, fold, unfold
 from artigen.models.volumes import sample_gaussian
@@ -64,9 +64,10 @@ class StructureVae(nn.Module):
                 raise ValueError("this network decodes in view of outlines, and was given none")
             candidates = find_candidates(outlines, z.shape[2], self.layout)
             features = self.decoder(z, draw_hint(outlines, candidates, z.shape[2], self.layout))
-            logits = self.decoder.occupancy(features)
+            rows, inside = reach_cells(outlines, candidates, z.shape[2], PATCH, self.layout)
+            logits = self.decoder.occupancy(features, inside)
             index = _occupied_patches(logits) if index is None else index
-            return logits, self.decoder.attributes(features, index, outlines, candidates), index
+            return logits, self.decoder.attributes(features[index], rows[index], inside[index]), index
         dense = fold(self.decoder(z)).float().flatten(0, 1)
         logits = dense[..., 0]
         index = _occupied_patches(logits) if index is None else index
