@@ -34,7 +34,7 @@ from artigen.train.appearance.photographs import take_pictures
 from artigen.train.appearance.run import close_curation
 from artigen.train.appearance.shards import read_appearance_shard, write_appearance_shard
 from artigen.train.appearance.states import asset_coordinates, plan_fractions, shape_coordinates
-from artigen.train.appearance.vae import encode_appearance, train_appearance_vae
+from artigen.train.appearance.vae import encode_appearance, measure_features, train_appearance_vae
 from artigen.train.appearance.views import ViewConfig, place_cameras, spread_directions
 from artigen.train.loop import LoopConfig
 from artigen.types import Asset
@@ -326,6 +326,14 @@ def test_networks_in_half_precision_feed_pictures_in_full(
     )
     assert kinds == [torch.float32]
     assert np.isfinite(lines[0]["loss"])
+
+
+def test_features_are_normalised_over_voxels_that_were_seen(chest: tuple[Asset, AppearanceExample]):
+    views = np.array([1, 0, 3, 2], dtype=np.uint16)
+    features = np.array([[1.0, 5.0], [90.0, 90.0], [3.0, 5.0], [5.0, 5.0]], dtype=np.float16)
+    center, spread = measure_features([replace(chest[1], features=features, views=views)])
+    torch.testing.assert_close(center, torch.tensor([3.0, 5.0]))
+    torch.testing.assert_close(spread, torch.tensor([(8.0 / 3.0) ** 0.5, 1e-2]))
 
 
 def test_the_spread_of_latents_is_that_of_draws_from_them():

@@ -7,7 +7,7 @@ from jaxtyping import Float, Int
 from torch import Tensor, nn
 
 from artigen.models.gaussian_decoder import GaussianDecoder, GaussianDecoderConfig
-from artigen.models.slat_vae import SlatEncoder, SlatVaeConfig
+from artigen.models.slat_vae import SlatEncoder, SlatVaeConfig, WindowPlans
 from artigen.splats.render.splats import Splats
 
 APPEARANCE_VAE, APPEARANCE_FLOW = "appearance-vae", "appearance-flow"
@@ -28,9 +28,15 @@ class Encoded:
 class AppearanceVae(nn.Module):
     """Features of voxels to latents, and those to Gaussians.
 
+    ``feature_mean`` and ``feature_std`` per channel belong to the weights: features are small numbers beside
+    the waves that say where a voxel is, so the encoder reads them normalised.
+
     Raises:
         ValueError: If the two do not fit each other.
     """
+
+    feature_mean: Tensor
+    feature_std: Tensor
 
     def __init__(self, encoder: SlatVaeConfig, decoder: GaussianDecoderConfig) -> None:
         super().__init__()
@@ -41,6 +47,8 @@ class AppearanceVae(nn.Module):
                 raise ValueError(f"{name} is {one} in the encoder and {other} in the decoder")
         self.encoder = SlatEncoder(encoder)
         self.decoder = GaussianDecoder(decoder)
+        self.register_buffer("feature_mean", torch.zeros(encoder.in_channels))
+        self.register_buffer("feature_std", torch.ones(encoder.in_channels))
         last, width = self.encoder.out_layer, encoder.latent_channels
         nn.init.xavier_uniform_(last.weight[:width])
         nn.init.constant_(last.bias[width:], NARROW)
@@ -61,6 +69,12 @@ class AppearanceVae(nn.Module):
             noise: standard normal; zero gives the means.
         """
         plans = self.encoder.plan(coords)
-        mean, logvar = self.encoder(coords, feats, plans)
+        mean, logvar = self.encode(coords, feats, plans)
         latents = mean + noise * torch.exp(0.5 * logvar)
         return Encoded(splats=self.decoder(coords, latents, plans), mean=mean, logvar=logvar)
+
+    def encode(
+        self, coords: Int[Tensor, "N 4"], feats: Float[Tensor, "N C"], plans: WindowPlans | None = None
+    ) -> tuple[Float[Tensor, "N D"], Float[Tensor, "N D"]]:
+        """Mean and log-variance of the latents of voxels (sample, x, y, z) with features."""
+        return self.encoder(coords, (feats - self.feature_mean) / self.feature_std, plans)

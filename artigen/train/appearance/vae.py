@@ -3,7 +3,9 @@
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
+import numpy as np
 import torch
+from jaxtyping import Float
 from torch import Tensor, nn
 
 from artigen.models.appearance_vae import AppearanceVae
@@ -19,6 +21,8 @@ from artigen.train.appearance.losses import (
 from artigen.train.batches import prefetch
 from artigen.train.loop import LoopConfig, finished_steps, train
 
+LEAST = 1e-2
+"""Least deviation of a feature: a smaller one would magnify what half precision rounds off its mean."""
 Report = Callable[[Mapping[str, float]], None]
 
 
@@ -56,10 +60,32 @@ def train_appearance_vae(
             made = draw_pictures(encoded.splats, drawn, raster_config(vae, drawn.coords.device))
             return appearance_losses(encoded, made, drawn, losses, extractor)
 
+    center, spread = measure_features(examples)
+    vae.feature_mean.copy_(center)
+    vae.feature_std.copy_(spread)
     start = finished_steps(folder)
     batches = prefetch(draw_picture_batches(examples, batch, pictures, cfg.seed, start=start))
     train(vae, terms, batches, folder, cfg, on_report=on_report)
     return vae
+
+
+def measure_features(
+    examples: Sequence[AppearanceExample],
+) -> tuple[Float[Tensor, "C"], Float[Tensor, "C"]]:
+    """Mean and standard deviation per channel over the voxels that any view counted for.
+
+    Raises:
+        ValueError: If there is no such voxel.
+    """
+    count, total, squares = 0, 0.0, 0.0
+    for one in examples:
+        seen = one.features[one.views > 0].astype(np.float64)
+        count, total, squares = count + len(seen), total + seen.sum(0), squares + (seen**2).sum(0)
+    if not count:
+        raise ValueError(f"{len(examples)} objects without a voxel that was seen")
+    center = np.asarray(total) / count
+    spread = np.sqrt(np.maximum(np.asarray(squares) / count - center**2, 0.0))
+    return torch.from_numpy(center).float(), torch.from_numpy(spread.clip(min=LEAST)).float()
 
 
 @torch.no_grad()
@@ -71,7 +97,7 @@ def encode_appearance(
     means, stds = [], []
     for one in examples:
         coords, feats = voxel_batch([one])
-        mean, logvar = vae.encoder(coords.to(device), feats.to(device))
+        mean, logvar = vae.encode(coords.to(device), feats.to(device))
         means.append(mean.half().cpu())
         stds.append(torch.exp(0.5 * logvar).half().cpu())
     return means, stds
