@@ -18,6 +18,7 @@ from artigen.models.structure_flow import StructureFlow, sample_latents
 from artigen.models.structure_vae import StructureVae, decode_fields
 from artigen.sampling import SamplerConfig
 from artigen.segment import SegmentConfig, segment
+from artigen.segmentation.claim import claim_cells
 from artigen.segmentation.clean import CleanConfig, remove_strays
 from artigen.types import Asset
 
@@ -109,6 +110,9 @@ def generate_structure(
         outlines = OutlineBatch(rows=torch.from_numpy(rows)[None].to(device), given=drawn.given)
     latent = sample_latents(model.flow, known, nothing, noise, cfg.sampler, outlines)
     fields, notes = remove_strays(decode_fields(model.vae, latent, outlines)[0], cfg.clean)
+    if outlines is not None:
+        fields, claimed = claim_cells(fields, outlines.rows[0].cpu().numpy())
+        notes = (*notes, *claimed)
     asset = segment(
         fields,
         cfg.segment,
