@@ -63,6 +63,7 @@ def convert_object(job: ConvertJob) -> Made:
     """Reads one object, exports it and writes the package; runs in a worker process."""
     from artigen import __version__
     from artigen.datasets.partnet_mobility import ReaderConfig, read_object
+    from artigen.splats.surface import RANDOM
     from sim_export.appearance.splats import splat_package
     from sim_export.export import export_asset
     from sim_export.files.write import write_package
@@ -85,7 +86,7 @@ def convert_object(job: ConvertJob) -> Made:
     else:
         meshes = place_source_meshes(source, asset)
         exported = export_asset(asset, source_meshes=meshes, provenance=provenance)
-    package = splat_package(exported.package, asset) if job.cfg.splats else exported.package
+    package = splat_package(exported.package, asset, RANDOM) if job.cfg.splats else exported.package
     written = time.perf_counter()
     write_package(package, job.out / job.key, "replace")
     laps = [(name, now - before) for (_, before), (name, now) in pairwise(watch)]

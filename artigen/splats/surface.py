@@ -31,8 +31,9 @@ class SurfaceSplatConfig:
     """How far the surface reaches beyond its outermost samples, over that distance: discs become narrow
     there, so that they do not stand over."""
 
-    widest: float = 2.0
-    """Largest distance to other samples that a disc fills, over that distance: random samples leave gaps."""
+    widest: float = 1.0
+    """Largest distance to other samples that a disc fills, over that distance: 1 for even samples; random
+    ones leave gaps."""
     apart: float = 0.5
     """How far discs move outward, over that distance, where one that faces the other way lies in their place:
     sheets without thickness have two sides of different colours, and would show both."""
@@ -49,6 +50,10 @@ class SurfaceSplatConfig:
                 f"{self.neighbours} neighbours, widest {self.widest}, apart {self.apart}; expected above 0, "
                 "at least 1 neighbour, widest from 1, apart from 0"
             )
+
+
+RANDOM = SurfaceSplatConfig(spread=1.0, widest=2.0, apart=1.0)
+"""For samples drawn at random, such as those of PartNet-Mobility objects: closed, and softer."""
 
 
 def splat_surface(surface: SurfaceSamples, cfg: SurfaceSplatConfig | None = None) -> Gaussians:

@@ -7,7 +7,7 @@ import numpy as np
 
 from artigen.splats.motion import scale_gaussians
 from artigen.splats.parts import select_gaussians
-from artigen.splats.surface import splat_surface, thin_samples
+from artigen.splats.surface import SurfaceSplatConfig, splat_surface, thin_samples
 from artigen.types import Asset
 from sim_export.package import Link, SimPackage
 from sim_export.physics.links import link_names, link_owners
@@ -16,7 +16,7 @@ MOST_DISCS = 200_000
 """Surface samples that become Gaussians of a package; as many take 14 MB."""
 
 
-def splat_package(package: SimPackage, asset: Asset) -> SimPackage:
+def splat_package(package: SimPackage, asset: Asset, cfg: SurfaceSplatConfig | None = None) -> SimPackage:
     """The package with discs on the asset's sampled surface as its Gaussians, on record.
 
     Raises:
@@ -24,7 +24,7 @@ def splat_package(package: SimPackage, asset: Asset) -> SimPackage:
     """
     if asset.surface is None:
         raise ValueError(f"asset {asset.name!r} has no surface samples to make Gaussians of")
-    discs = splat_surface(thin_samples(asset.surface, MOST_DISCS))
+    discs = splat_surface(thin_samples(asset.surface, MOST_DISCS), cfg)
     said = f"{len(discs.means)} Gaussians are discs on the sampled surface, not fitted to pictures"
     links = attach_splats(package.links, replace(asset, gaussians=discs))
     return replace(package, links=links, records=(*package.records, said))
