@@ -2,7 +2,7 @@
 
 Parts of furniture mostly face the axes, so every connected set of faces that share their dominant
 axis is flattened by dropping that coordinate: exact for panels, at most a factor 1.7 of stretch on
-round surfaces, and orders of magnitude faster than a general unwrapping.
+round surfaces, and every chart is a picture taken along one axis.
 """
 
 from dataclasses import dataclass
