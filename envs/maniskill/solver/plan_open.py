@@ -37,17 +37,21 @@ class NoPlan(ArtigenError):
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class OpenPlan:
-    """Waypoints of the arm (rad): on the way to the part, the last one at it; along the joint's path; away.
+    """Waypoints of the arm (rad): around everything; on to the part, the last one at it; along the joint's
+    path; away.
 
     ``width`` is how wide the fingers open (m) before they close on a handle, 0 if they push and are closed
-    all the time. ``miss`` is the largest position error along the path, metres.
+    all the time. ``miss`` is the largest position error along the path and ``pressed`` how far the arm comes
+    too near to something on it, metres.
     """
 
+    before: Float[np.ndarray, "B J"]
     approach: Float[np.ndarray, "A J"]
     path: Float[np.ndarray, "N J"]
     leave: Float[np.ndarray, "L J"]
     width: float
     miss: float
+    pressed: float
 
 
 def plan_open(
@@ -94,15 +98,17 @@ def plan_open(
             f"{1e3 * NEAR:.0f} mm, the best misses it by {1e3 * missed.min():.0f} mm"
         )
     good = good[np.argsort(cost[good], kind="stable")][: skip + COMPARED]
-    cost = cost[good] + PRESSED * pressure(opening, path[:, good], motions)
-    best = good[np.argsort(cost, kind="stable")[skip]]
-    before = way_around(opening, begin, q, drawn_back(chain, robot, path[0, best]))
+    pressed = pressure(opening, path[:, good], motions)
+    chosen = np.argsort(cost[good] + PRESSED * pressed, kind="stable")[skip]
+    best = good[chosen]
     return OpenPlan(
-        approach=np.concatenate([before, path[:1, best]]),
+        before=way_around(opening, begin, q, drawn_back(chain, robot, path[0, best])),
+        approach=path[:1, best],
         path=path[1:, best],
         leave=drawn_back(chain, robot, path[-1, best])[None],
         width=grasps.width,
         miss=float(missed[best]),
+        pressed=float(pressed[chosen]),
     )
 
 

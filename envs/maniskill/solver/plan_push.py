@@ -64,14 +64,17 @@ def plan_push(opening: Opening, q: Float[np.ndarray, "J"], begin: float, end: fl
             f"{1e3 * missed.min():.0f} mm"
         )
     good = good[np.argsort(total[good], kind="stable")][:COMPARED]
-    best = good[np.argmin(total[good] + PRESSED * pressure(opening, path[:, good], motions))]
-    before = way_around(opening, begin, q, entry[-1, best])
+    pressed = pressure(opening, path[:, good], motions)
+    chosen = int(np.argmin(total[good] + PRESSED * pressed))
+    best = good[chosen]
     return OpenPlan(
-        approach=np.concatenate([before, entry[-2::-1, best]]),
+        before=way_around(opening, begin, q, entry[-1, best]),
+        approach=entry[-2::-1, best],
         path=path[1:, best],
         leave=path[-1:, best],
         width=0.0,
         miss=float(missed[best]),
+        pressed=float(pressed[chosen]),
     )
 
 

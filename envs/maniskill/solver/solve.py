@@ -43,6 +43,10 @@ if TYPE_CHECKING:
 ATTEMPTS = 4
 AJAR_ANGLES = (0.7, 0.5, 0.35, 0.26)
 """How far a door is pulled before it is pushed, rad; the first that the arm can do."""
+TOUCH = 0.008
+"""Pressing by less than this (m) along a path is no reason for another one: a field is not finer."""
+FARTHER = 0.1
+"""How much farther than asked a part is pushed, part of its range."""
 PULL_SPEED = 0.6
 PICKS = 3
 LIFTED = 0.05
@@ -114,36 +118,65 @@ def _opening(driver: Driver) -> Opening:
 
 
 def _next_plan(driver: Driver, task: "OpenPartEnv", opening: Opening, attempt: int) -> OpenPlan:
-    """Pull to the end; or else push to the end; or else pull only as far as a push needs.
+    """Pull to the end if the arm keeps off everything; or else push to the end; or else pull only as far as
+    a push needs; or else pull and press.
 
     Raises:
         NoPlan: if none of them works, with what kept the first from it.
     """
     part, begin, end = opening.part, float(task.open_fraction[0]), task.goal_open
     q = arm_angles(driver)
-    whole: NoPlan | None = None
+    whole, reason = _plan_or_reason(opening, q, begin, end, attempt)
+    if whole is not None and whole.pressed <= TOUCH:
+        return whole
     try:
-        return plan_open(opening, q, begin, end, skip=attempt)
-    except NoPlan as none:
-        whole = none
-    try:
-        return plan_push(opening, q, begin, end)
+        return _push(opening, q, begin, end)
     except NoPlan:
         pass
-    for angle in AJAR_ANGLES:
-        if part.joint.type != "prismatic" and begin < angle / part.span < end:
-            try:
-                return plan_open(opening, q, begin, angle / part.span, skip=attempt)
-            except NoPlan:
-                continue
-    raise whole
+    partial = None
+    for ajar in [angle / part.span for angle in AJAR_ANGLES if part.joint.type != "prismatic"]:
+        if not begin < ajar < end:
+            continue
+        plan, _ = _plan_or_reason(opening, q, begin, ajar, attempt)
+        partial = partial or plan
+        try:
+            _push(opening, q, ajar, end)
+        except NoPlan:
+            continue
+        if plan is not None:
+            return plan
+    best = whole or partial
+    if best is None:
+        assert reason is not None
+        raise reason
+    return best
+
+
+def _plan_or_reason(
+    opening: Opening, q: Float[np.ndarray, "J"], begin: float, end: float, attempt: int
+) -> tuple[OpenPlan | None, NoPlan | None]:
+    try:
+        return plan_open(opening, q, begin, end, skip=attempt), None
+    except NoPlan as none:
+        return None, none
+
+
+def _push(opening: Opening, q: Float[np.ndarray, "J"], begin: float, end: float) -> OpenPlan:
+    """Pushes farther than asked if the arm can: what stands out inside of a leaf keeps fingers off its face."""
+    try:
+        return plan_push(opening, q, begin, min(1.0, end + FARTHER))
+    except NoPlan:
+        return plan_push(opening, q, begin, end)
 
 
 def _follow_plan(driver: Driver, plan: OpenPlan) -> None:
     """To the part, along the joint's path, a moment for the part to come to rest, and away."""
     grip(driver, finger_action(driver.robot, plan.width) if plan.width else -1.0, 1)
-    for index, q in enumerate(plan.approach):
-        move(driver, q, speed=1.0 if index == 0 else 0.5)
+    for q in plan.before:
+        move(driver, q)
+    wait(driver, 2)
+    for q in plan.approach:
+        move(driver, q, speed=0.5)
         wait(driver, 2)
     if plan.width:
         grip(driver, -1.0, 6)
