@@ -57,6 +57,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     flow = SlatFlow(look.flow, look.conditions)
     for layer in (vae.decoder.out_layer, flow.network.out_layer):  # zero in untrained networks
         torch.nn.init.normal_(layer.weight, std=0.1)
+    with torch.no_grad():  # the last channels are the opacities: Gaussians that hide something
+        vae.decoder.out_layer.bias[-look.decoder.gaussians.count :] = 4.0
     save_model(vae, path, {"preset": "tiny"}, APPEARANCE_VAE)
     save_model(flow, path, {"preset": "tiny"}, APPEARANCE_FLOW)
     return path
