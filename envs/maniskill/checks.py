@@ -18,7 +18,7 @@ from artigen.errors import ArtigenError
 from sim_export.report import CheckResult
 
 from ..titles import TASK_TITLES
-from .containers import find_container
+from .containers import room_when_open
 from .objects import TaskObject, TaskPart, read_object
 from .solver.solve import solve_open_part
 
@@ -121,7 +121,7 @@ def _stock_problem(folder: Path, name: str) -> str:
 
 
 def _check_inside(folder: Path, entry: TaskObject) -> CheckResult:
-    roomy = [part for part in entry.parts if find_container(entry, part, OPENED, CUBE) is not None]
+    roomy = [part for part in entry.parts if room_when_open(entry, part, OPENED, CUBE) is not None]
     if not roomy:
         return _result("V404", verdict="not_applicable", message="no drawer or compartment has room")
     lost = [part.joint.name for part in roomy if not _stays(folder, part)]

@@ -12,6 +12,7 @@ from jaxtyping import Bool, Float
 from artigen.transforms import transform_points
 from sim_export.package import Hull
 
+from .hulls import open_above_ground
 from .objects import TaskObject, TaskPart, carried_links
 from .placement import outward, part_motion
 
@@ -22,6 +23,8 @@ DEPTH_OF_REACH = 0.30
 """How far behind the front a compartment's floor is used, metres."""
 HEADROOM = 0.16
 """Free height that a gripper needs above a compartment's floor, metres."""
+LEAST_OPEN = 0.7
+"""How much of what was asked for a part has to open before it meets the ground."""
 RIM = 0.025
 """Least depth of a drawer's tray, metres."""
 
@@ -59,6 +62,13 @@ def find_container(entry: TaskObject, part: TaskPart, opened: float, size: float
     if part.joint.type == "prismatic" and part.kind == "drawer":
         return _in_drawer(entry, part, opened, size)
     return _behind_door(entry, part, size)
+
+
+def room_when_open(entry: TaskObject, part: TaskPart, wanted: float, size: float) -> Container | None:
+    """The room with the part open as far as ``wanted``, or as far as it gets before it meets the ground; none
+    if that is much less."""
+    opened = open_above_ground(entry, part, wanted)
+    return None if opened < LEAST_OPEN * wanted else find_container(entry, part, opened, size)
 
 
 def column_spans(

@@ -13,7 +13,7 @@ from mani_skill.utils.structs import Pose
 
 from artigen.transforms import transform_points
 
-from .containers import Container, find_container
+from .containers import Container, room_when_open
 from .folders import TaskError
 from .hulls import ground_under, hulls_at, open_above_ground, opened_qpos
 from .load import SURFACE
@@ -42,8 +42,6 @@ PLACES = (
 HOLD_IN, HOLD_DOWN = (0.04,), (0.04, 0.10, 0.15)
 """Height of the hand above the floor where the arm is to have room, metres; it may let go into a deep drawer
 from above."""
-LEAST_OPEN = 0.7
-"""How much of what was asked for a part has to open before it meets the ground."""
 COARSE = 0.06
 """Distance of the points that stand for the arm where its base is looked for, metres."""
 STAND_HALF = (0.025, 0.025, 1.0)
@@ -108,12 +106,8 @@ class PutInsideEnv(PackageTask):
         )
 
     def container_of(self, entry: TaskObject, part: TaskPart) -> Container | None:
-        """The room that belongs to a part, as the task sees it; none if the ground keeps the part from
-        opening."""
-        opened = self._opened(entry, part)
-        if opened < LEAST_OPEN * self.initial_open:
-            return None
-        return find_container(entry, part, opened, self.cube_size)
+        """The room that belongs to a part, as the task sees it."""
+        return room_when_open(entry, part, self.initial_open, self.cube_size)
 
     def _opened(self, entry: TaskObject, part: TaskPart) -> float:
         return open_above_ground(entry, part, self.initial_open)

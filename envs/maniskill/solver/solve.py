@@ -162,7 +162,7 @@ def _plan_or_reason(
 
 
 def _push(opening: Opening, q: Float[np.ndarray, "J"], begin: float, end: float) -> OpenPlan:
-    """Pushes farther than asked if the arm can: what stands out inside of a leaf keeps fingers off its face."""
+    """Pushes farther than asked if the arm can: what stands out of a leaf keeps fingers off it."""
     try:
         return plan_push(opening, q, begin, min(1.0, end + FARTHER))
     except NoPlan:
