@@ -42,7 +42,7 @@ APPEARANCE_PRESETS: dict[PresetName, AppearancePreset] = {
         encoder=SlatVaeConfig(in_channels=64, model_channels=128, num_blocks=2, num_heads=4),
         decoder=GaussianDecoderConfig(
             trunk=SlatVaeConfig(model_channels=128, num_blocks=5, num_heads=4),
-            gaussians=GaussianConfig(count=8),
+            gaussians=GaussianConfig(count=8, opacity_bias=0.4),
         ),
         flow=SlatPatchDitConfig(),
         conditions=ConditionConfig(width=256, image_width=128, image_blocks=3),

@@ -32,7 +32,7 @@ class AppearanceTraining:
 APPEARANCE_TRAINING: dict[PresetName, AppearanceTraining] = {
     "tiny": AppearanceTraining(
         curation=CurationConfig(states=3, views=ViewConfig(count=8, size=48), kept=4),
-        vae=StageConfig(batch=2, learning_rate=4e-3, warmup=5, decay=1.0, ema=0.9, share=0.6),
+        vae=StageConfig(batch=2, learning_rate=2e-3, warmup=5, decay=1.0, ema=0.9, share=0.6),
         flow=StageConfig(batch=4, learning_rate=1e-3, warmup=5, decay=0.5, ema=0.9, share=0.4),
         pictures=2,
         losses=AppearanceLossConfig(volume=1e4 / 64),
