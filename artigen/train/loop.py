@@ -73,6 +73,13 @@ class _Progress:
         return self.step / max(cfg.steps or 1, 1)
 
 
+def process_seed(seed: int) -> int:
+    """A seed for the batches of this process: where several GPUs train, each sees other objects."""
+    from accelerate import PartialState
+
+    return seed + PartialState().process_index
+
+
 def train(
     network: nn.Module,
     losses: LossFunction,

@@ -15,7 +15,7 @@ from artigen.models.outlines import OutlineBatch, measure_extents
 from artigen.sampling import diffuse, draw_times, target_velocity
 from artigen.train.batches import condition_batch, draw_batches, outline_batch, prefetch
 from artigen.train.examples import StructureExample
-from artigen.train.loop import LoopConfig, train
+from artigen.train.loop import LoopConfig, process_seed, train
 
 Report = Callable[[Mapping[str, float]], None]
 DROPOUT = 0.1
@@ -57,7 +57,9 @@ def train_outline_flow(
         return network(drawn, asked, generator)
 
     make = partial(_describe, conditions=conditions)
-    batches: Iterator[DescribedOutlines] = prefetch(draw_batches(examples, make, batch, cfg.seed))
+    batches: Iterator[DescribedOutlines] = prefetch(
+        draw_batches(examples, make, batch, process_seed(cfg.seed))
+    )
     train(OutlineLosses(flow), terms, batches, folder, cfg, on_report=on_report)
     return flow
 

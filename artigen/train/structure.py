@@ -24,7 +24,7 @@ from artigen.train.batches import (
     prefetch,
 )
 from artigen.train.examples import StructureExample
-from artigen.train.loop import LoopConfig, train
+from artigen.train.loop import LoopConfig, process_seed, train
 from artigen.train.structure_losses import StructureLossConfig, structure_losses
 
 Report = Callable[[Mapping[str, float]], None]
@@ -69,7 +69,7 @@ def train_structure_vae(
         out = structure_losses(made.logits, made.attributes, patches, losses, vae.layout)
         return {**out, "kl": losses.kl * kl_divergence(made.mean, made.logvar)}
 
-    batches = prefetch(draw_batches(examples, field_batch, batch, cfg.seed))
+    batches = prefetch(draw_batches(examples, field_batch, batch, process_seed(cfg.seed)))
     train(vae, terms, batches, folder, cfg, on_report=on_report)
     return vae
 
@@ -125,7 +125,7 @@ def train_structure_flow(
 
     make = partial(_latent_batch, latents=latents, conditions=conditions)
     numbered = list(enumerate(examples))
-    batches: Iterator[LatentBatch] = prefetch(draw_batches(numbered, make, batch, cfg.seed))
+    batches: Iterator[LatentBatch] = prefetch(draw_batches(numbered, make, batch, process_seed(cfg.seed)))
     train(flow, terms, batches, folder, cfg, on_report=on_report)
     return flow
 

@@ -17,7 +17,7 @@ from artigen.train.appearance.batches import voxel_batch
 from artigen.train.appearance.examples import AppearanceExample
 from artigen.train.appearance.vae import Report
 from artigen.train.batches import condition_batch, draw_batches, prefetch
-from artigen.train.loop import LoopConfig, train
+from artigen.train.loop import LoopConfig, process_seed, train
 from artigen.train.structure import DROPOUT
 
 
@@ -78,7 +78,9 @@ def train_appearance_flow(
         return {"velocity": torch.mean((said.float() - target_velocity(x_0, noise)) ** 2)}
 
     make = partial(slat_batch, latents=latents, conditions=conditions)
-    batches: Iterator[SlatBatch] = prefetch(draw_batches(list(enumerate(examples)), make, batch, cfg.seed))
+    batches: Iterator[SlatBatch] = prefetch(
+        draw_batches(list(enumerate(examples)), make, batch, process_seed(cfg.seed))
+    )
     train(flow, terms, batches, folder, cfg, on_report=on_report)
     return flow
 

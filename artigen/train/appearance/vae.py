@@ -19,7 +19,7 @@ from artigen.train.appearance.losses import (
     raster_config,
 )
 from artigen.train.batches import prefetch
-from artigen.train.loop import LoopConfig, finished_steps, train
+from artigen.train.loop import LoopConfig, finished_steps, process_seed, train
 
 LEAST = 1e-2
 """Least deviation of a feature: a smaller one would magnify what half precision rounds off its mean."""
@@ -64,7 +64,8 @@ def train_appearance_vae(
     vae.feature_mean.copy_(center)
     vae.feature_std.copy_(spread)
     start = finished_steps(folder)
-    batches = prefetch(draw_picture_batches(examples, batch, pictures, cfg.seed, start=start))
+    seed = process_seed(cfg.seed)
+    batches = prefetch(draw_picture_batches(examples, batch, pictures, seed, start=start))
     train(vae, terms, batches, folder, cfg, on_report=on_report)
     return vae
 
