@@ -29,6 +29,11 @@ def test_nothing_happens_where_every_part_has_a_cell(fields: VoxelFields, rows: 
     assert claim_cells(fields, rows) == (fields, ())
 
 
+def test_nothing_is_claimed_in_an_empty_field(fields: VoxelFields, rows: np.ndarray):
+    empty = select_cells(fields, np.zeros(len(fields.coords), dtype=bool))
+    assert claim_cells(empty, rows) == (empty, ())
+
+
 def test_a_lost_knob_comes_back_where_it_was_and_is_found_again(
     cabinet: Asset, fields: VoxelFields, rows: np.ndarray
 ):

@@ -21,6 +21,8 @@ SAME = 1e-4
 def claim_cells(found: VoxelFields, rows: Float[np.ndarray, "N C"]) -> tuple[VoxelFields, tuple[str, ...]]:
     """Fields in which every handle and knob of an outline has a cell, and a note if one had none.
 
+    Where nothing at all was drawn, there is nothing for them to sit on, and the fields stay empty.
+
     Args:
         found: cells that say the attributes of their part exactly, as they do when decoded in view of an
             outline.
@@ -28,7 +30,7 @@ def claim_cells(found: VoxelFields, rows: Float[np.ndarray, "N C"]) -> tuple[Vox
     """
     layout, count = found.layout, 0
     box = slice(layout.box.start - 1, layout.box.stop - 1)
-    for row in rows:
+    for row in rows if len(found.coords) else ():
         label = layout.labels[int(row[layout.label.start - 1 : layout.label.stop - 1].argmax())]
         if label not in CLAIMING or (np.abs(found.box - row[box]).max(axis=1) < SAME).any():
             continue
