@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from artigen.errors import SourceError
+from artigen.io import write_whole
 
 Setting = str | int | float | bool | None
 
@@ -39,8 +40,6 @@ def claim_folder(path: Path, settings: Mapping[str, Setting]) -> None:
         return
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        scratch = path.with_name(f".{path.name}")
-        scratch.write_text(json.dumps(dict(settings), indent=1, sort_keys=True) + "\n")
-        scratch.replace(path)
+        write_whole(path, json.dumps(dict(settings), indent=1, sort_keys=True) + "\n")
     except OSError as error:
         raise SourceError(f"{path.parent}: cannot be written ({error.strerror})") from error

@@ -60,6 +60,13 @@ def whole_folder(folder: Path) -> Iterator[Path]:
         shutil.rmtree(scratch, ignore_errors=True)
 
 
+def write_whole(path: Path, text: str) -> Path:
+    """Writes a text file, whole or not at all, and returns its path."""
+    scratch = path.with_name(f".{path.name}")
+    scratch.write_text(text, encoding="utf-8")
+    return scratch.replace(path)
+
+
 def write_asset(asset: Asset, folder: Path) -> None:
     """Writes an asset as a folder, replacing an older one in one step.
 

@@ -1,10 +1,11 @@
 """An evaluation as files: everything as JSON, and the tables that a person reads as Markdown."""
 
 import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 
+from artigen.io import write_whole
 from artigen.metrics.evaluate import Evaluation
 from artigen.metrics.packages import PackageReport
 
@@ -54,17 +55,14 @@ ROWS = (
 
 def write_report(evaluation: Evaluation, out: Path) -> tuple[Path, Path]:
     """Writes ``evaluation.json`` and ``evaluation.md``, each whole or not at all."""
+    return write_evaluation(asdict(evaluation), format_report(evaluation), out)
+
+
+def write_evaluation(found: Mapping[str, object], table: str, out: Path) -> tuple[Path, Path]:
+    """Writes ``evaluation.json`` and ``evaluation.md``, each whole or not at all, and returns their paths."""
     out.mkdir(parents=True, exist_ok=True)
-    texts = {
-        "evaluation.json": json.dumps(asdict(evaluation), indent=1) + "\n",
-        "evaluation.md": format_report(evaluation),
-    }
-    paths = []
-    for name, text in texts.items():
-        scratch = out / f".{name}"
-        scratch.write_text(text, encoding="utf-8")
-        paths.append(scratch.replace(out / name))
-    return paths[0], paths[1]
+    text = json.dumps(dict(found), indent=1) + "\n"
+    return write_whole(out / "evaluation.json", text), write_whole(out / "evaluation.md", table)
 
 
 def format_report(evaluation: Evaluation) -> str:

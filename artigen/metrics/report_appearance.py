@@ -1,11 +1,10 @@
 """An evaluation of an appearance model as files: everything as JSON, and a table to read as Markdown."""
 
-import json
 from dataclasses import asdict
 from pathlib import Path
 
 from artigen.metrics.evaluate_appearance import AppearanceEvaluation
-from artigen.metrics.report import format_score, format_table
+from artigen.metrics.report import format_score, format_table, write_evaluation
 
 ROWS = (
     ("psnr", "PSNR (dB)", "plain"),
@@ -22,17 +21,7 @@ ROWS = (
 
 def write_appearance_report(evaluation: AppearanceEvaluation, out: Path) -> tuple[Path, Path]:
     """Writes ``evaluation.json`` and ``evaluation.md``, each whole or not at all."""
-    out.mkdir(parents=True, exist_ok=True)
-    texts = {
-        "evaluation.json": json.dumps(asdict(evaluation), indent=1) + "\n",
-        "evaluation.md": format_appearance(evaluation),
-    }
-    paths = []
-    for name, text in texts.items():
-        scratch = out / f".{name}"
-        scratch.write_text(text, encoding="utf-8")
-        paths.append(scratch.replace(out / name))
-    return paths[0], paths[1]
+    return write_evaluation(asdict(evaluation), format_appearance(evaluation), out)
 
 
 def format_appearance(evaluation: AppearanceEvaluation) -> str:

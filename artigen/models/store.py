@@ -2,7 +2,6 @@
 
 import hashlib
 import json
-import shutil
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -10,6 +9,7 @@ import torch
 from torch import Tensor, nn
 
 from artigen.errors import SourceError
+from artigen.io import write_whole
 from artigen.models.trellis import load_strictly, read_tensors
 
 DESCRIPTION = "model.json"
@@ -44,9 +44,8 @@ def save_model(network: nn.Module, folder: Path, described: Mapping[str, object]
     for path, tensors in zip(paths, files, strict=True):
         save_file(tensors, path)
     known = read_description(folder) if (folder / DESCRIPTION).is_file() else {}
-    scratch = folder / f".{DESCRIPTION}"
-    scratch.write_text(json.dumps({**known, name: dict(described)}, indent=1, sort_keys=True) + "\n")
-    shutil.move(scratch, folder / DESCRIPTION)
+    text = json.dumps({**known, name: dict(described)}, indent=1, sort_keys=True) + "\n"
+    write_whole(folder / DESCRIPTION, text)
     return paths
 
 

@@ -16,6 +16,7 @@ from pathlib import Path
 import torch
 
 from artigen.errors import SourceError
+from artigen.io import write_whole
 from artigen.metrics.structure import score_reconstruction, score_spread
 from artigen.models.outline_flow import OutlineFlow
 from artigen.models.presets import PRESETS, StructurePreset
@@ -29,7 +30,7 @@ from artigen.train.outline import train_outline_flow
 from artigen.train.presets import TRAINING, StageConfig
 from artigen.train.real import real_examples
 from artigen.train.run import RunConfig, Stage, claim_run
-from artigen.train.shards import HELD_OUT, ShardConfig, make_shards, read_shard
+from artigen.train.shards import HELD_OUT, ShardConfig, make_shard, make_shards, read_shard
 from artigen.train.structure import encode_examples, train_structure_flow, train_structure_vae
 
 logger = logging.getLogger(__name__)
@@ -114,9 +115,7 @@ def train_vae(cfg: RunConfig, data: RunData, report: Report) -> StructureVae:
     scores = score_reconstruction(vae, data.held_out)
     spread = score_spread(vae, data.held_out)
     for name, said in (("reconstruction", scores), ("spread", spread)):
-        scratch = cfg.folder / f".{name}.json"
-        scratch.write_text(json.dumps(said, indent=1) + "\n")
-        scratch.replace(cfg.folder / f"{name}.json")
+        write_whole(cfg.folder / f"{name}.json", json.dumps(said, indent=1) + "\n")
     logger.info("held-out reconstruction %s", scores)
     return vae
 
@@ -187,6 +186,7 @@ def _examples(
         cfg.folder / name,
         count,
         shards,
+        make_shard,
         workers=cfg.workers,
         on_done=lambda path: logger.info("%s after %.0f s", path.name, time.monotonic() - started),
     )

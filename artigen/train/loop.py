@@ -18,6 +18,7 @@ import torch
 from torch import Tensor, nn
 
 from artigen.errors import SourceError
+from artigen.io import write_whole
 from artigen.models.precision import autocast_type
 from artigen.models.trellis import load_strictly
 from artigen.train.curves import METRICS, draw_curves, read_metrics
@@ -239,6 +240,4 @@ def _save(
     scratch = folder / ".weights.safetensors"
     save_file({name: value.contiguous().cpu() for name, value in average.items()}, scratch)
     scratch.replace(folder / "weights.safetensors")
-    scratch = folder / ".curves.svg"
-    scratch.write_text(draw_curves(read_metrics(folder / METRICS), folder.name))
-    scratch.replace(folder / "curves.svg")
+    write_whole(folder / "curves.svg", draw_curves(read_metrics(folder / METRICS), folder.name))

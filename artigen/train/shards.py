@@ -11,6 +11,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from typing import Generic, TypeVar
 
 import numpy as np
 
@@ -44,24 +45,44 @@ class ShardConfig:
     """Seconds after which a shard is given up."""
 
 
+Config = TypeVar("Config", bound=ShardConfig)
+
+
 @dataclass(frozen=True, kw_only=True)
-class ShardJob:
+class ShardJob(Generic[Config]):
     """One shard to make."""
 
     path: Path
     number: int
-    cfg: ShardConfig
+    cfg: Config
+
+    def objects(self) -> list[tuple[str, int]]:
+        """Category and seed of every object of the shard."""
+        kinds, first = len(self.cfg.categories), self.number * self.cfg.objects
+        return [
+            (self.cfg.categories[number % kinds], self.cfg.first_seed + number // kinds)
+            for number in range(first, first + self.cfg.objects)
+        ]
 
 
 def make_shards(
     folder: Path,
     count: int,
-    cfg: ShardConfig,
+    cfg: Config,
+    make: Callable[[ShardJob[Config]], Path],
     *,
     workers: int,
     on_done: Callable[[Path], None] | None = None,
 ) -> list[Path]:
     """Makes the shards that are missing and returns all of them, in order.
+
+    Args:
+        folder: Where they are.
+        count: How many there are to be.
+        cfg: What they hold.
+        make: Makes one, in a worker process.
+        workers: Processes.
+        on_done: Called after each.
 
     Raises:
         SourceError: If a shard could not be made; names it and why.
@@ -71,7 +92,7 @@ def make_shards(
         ShardJob(path=folder / f"shard_{number:05d}.npz", number=number, cfg=cfg) for number in range(count)
     ]
     missing = [job for job in jobs if not job.path.is_file()]
-    handle = partial(_run_job, timeout=cfg.timeout)
+    handle = partial(_run_job, make=make, timeout=cfg.timeout)
     for job, outcome in run_supervised(handle, missing, workers=workers):
         if outcome.error is not None:
             raise SourceError(f"{job.path}: {outcome.error}")
@@ -134,28 +155,23 @@ def read_shard(path: Path) -> Iterator[StructureExample]:
         )
 
 
-def make_shard(job: ShardJob) -> Path:
+def make_shard(job: ShardJob[ShardConfig]) -> Path:
     """Draws the objects of one shard and writes it; runs in a worker process."""
     import torch
 
     torch.set_num_threads(1)  # there is a process per core already
     cfg = job.cfg
-    kinds = len(cfg.categories)
-    numbers = range(job.number * cfg.objects, (job.number + 1) * cfg.objects)
     write_shard(
         job.path,
         [
-            draw_example(
-                cfg.categories[number % kinds],
-                cfg.first_seed + number // kinds,
-                resolution=cfg.resolution,
-                image_size=cfg.image_size,
-            )
-            for number in numbers
+            draw_example(category, seed, resolution=cfg.resolution, image_size=cfg.image_size)
+            for category, seed in job.objects()
         ],
     )
     return job.path
 
 
-def _run_job(worker: Worker, job: ShardJob, timeout: float) -> tuple[ShardJob, Outcome[Path]]:
-    return job, worker.call(make_shard, job, timeout)
+def _run_job(
+    worker: Worker, job: ShardJob[Config], make: Callable[[ShardJob[Config]], Path], timeout: float
+) -> tuple[ShardJob[Config], Outcome[Path]]:
+    return job, worker.call(make, job, timeout)

@@ -15,6 +15,7 @@ from pathlib import Path
 import torch
 
 from artigen.errors import SourceError
+from artigen.io import write_whole
 from artigen.metrics.appearance import score_vae
 from artigen.models.appearance_presets import APPEARANCE_PRESETS
 from artigen.models.appearance_vae import APPEARANCE_FLOW, APPEARANCE_VAE, AppearanceVae
@@ -35,13 +36,13 @@ from artigen.train.appearance.run import (
 )
 from artigen.train.appearance.shards import (
     AppearanceShardConfig,
-    make_appearance_shards,
+    make_appearance_shard,
     read_appearance_shard,
 )
 from artigen.train.appearance.vae import encode_appearance, train_appearance_vae
 from artigen.train.loop import LoopConfig
 from artigen.train.presets import StageConfig
-from artigen.train.shards import HELD_OUT
+from artigen.train.shards import HELD_OUT, make_shards
 
 logger = logging.getLogger(__name__)
 Report = Callable[[str, Mapping[str, float]], None]
@@ -108,9 +109,7 @@ def _train_vae(cfg: AppearanceRunConfig, data: AppearanceData, report: Report) -
     )
     save_model(vae, cfg.folder / "model", _describe(cfg), APPEARANCE_VAE)
     scores = score_vae(vae, data.held_out)
-    scratch = cfg.home / ".reconstruction.json"
-    scratch.write_text(json.dumps(scores, indent=1) + "\n")
-    scratch.replace(cfg.home / "reconstruction.json")
+    write_whole(cfg.home / "reconstruction.json", json.dumps(scores, indent=1) + "\n")
     logger.info("held-out reconstruction %s", scores)
     return vae
 
@@ -152,10 +151,11 @@ def _examples(cfg: AppearanceRunConfig, name: str, count: int, first_seed: int) 
         image_size=preset.conditions.image_size,
     )
     started = time.monotonic()
-    paths = make_appearance_shards(
+    paths = make_shards(
         cfg.home / name,
         count,
         shards,
+        make_appearance_shard,
         workers=cfg.workers,
         on_done=lambda path: logger.info("%s after %.0f s", path.name, time.monotonic() - started),
     )

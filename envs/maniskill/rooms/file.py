@@ -6,6 +6,7 @@ from dataclasses import asdict, fields
 from pathlib import Path
 
 from artigen.errors import ArtigenError
+from artigen.io import write_whole
 
 from .room import Entrance, Fixture, Placement, Room
 
@@ -38,11 +39,9 @@ def write_room(room: Room, folder: Path) -> Path:
         SceneFileError: If the folder cannot be written.
     """
     path = folder / SCENE_FILE
-    scratch = path.with_name(f".{path.name}.partial")
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        scratch.write_text(room_json(room, folder))
-        scratch.replace(path)
+        write_whole(path, room_json(room, folder))
     except OSError as err:
         raise SceneFileError(f"{path}: cannot be written ({err.strerror or err})") from err
     return path
