@@ -17,12 +17,13 @@ from artigen.models.conditions import (
     gather_conditions,
 )
 from artigen.models.conv_vae import ConvVaeConfig
-from artigen.models.latent_dit import EARLIEST, velocity_of
+from artigen.models.latent_dit import EARLIEST, SETTLED, velocity_of, weigh_times
 from artigen.models.outline_flow import OutlineFlow
 from artigen.models.outlines import gather_outlines
 from artigen.models.patches import PackedField, PatchBatch, collate, fold, pack_asset, patch_centers, unfold
 from artigen.models.presets import PRESETS
 from artigen.models.store import load_model, save_model
+from artigen.models.structure_dit import StructureDitConfig
 from artigen.models.structure_flow import StructureFlow, sample_latents
 from artigen.models.structure_vae import StructureVae, decode_fields
 from artigen.sampling import SamplerConfig, diffuse, target_velocity
@@ -162,6 +163,20 @@ def make_flow() -> StructureFlow:
         if not parameter.any():
             torch.nn.init.normal_(parameter, std=0.1)
     return flow
+
+
+def test_late_errors_count_as_errors_of_the_velocity_and_early_ones_as_errors_of_the_clean_latent():
+    """A guess that is off by one costs the same at every time before `SETTLED`."""
+    x, clean = torch.randn(5, 2, 4, 4, 4), torch.randn(5, 2, 4, 4, 4)
+    times = torch.tensor([EARLIEST, 0.1, 0.3, SETTLED, 1.0])
+    off = velocity_of(x, clean + 1.0, times) - velocity_of(x, clean, times)
+    cost = weigh_times(times) * (off**2).mean(dim=(1, 2, 3, 4))
+    assert torch.allclose(cost, torch.tensor([1 / SETTLED**2] * 4 + [1.0]), rtol=1e-4)
+    tiny = StructureFlow(TINY.flow, TINY.conditions)
+    narrow = StructureDitConfig(model_channels=64, cond_channels=64, num_blocks=1, num_heads=2)
+    paper = StructureFlow(narrow, TINY.conditions)
+    assert torch.equal(tiny.weights(times), weigh_times(times))
+    assert torch.equal(paper.weights(times), torch.ones(5))
 
 
 def test_latents_are_normalised_and_restored():

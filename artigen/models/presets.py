@@ -39,20 +39,22 @@ PRESETS: dict[PresetName, StructurePreset] = {
         vae=PatchVaeConfig(
             resolution=32, width=32, encoder_blocks=1, decoder_blocks=2, global_width=64, global_blocks=1
         ),
-        flow=LatentDitConfig(edge=8, width=64, blocks=2, heads=2, hint=hint_channels()),
+        flow=LatentDitConfig(
+            edge=8, width=64, blocks=2, heads=2, cell_width=32, cell_blocks=2, hint=hint_channels()
+        ),
         conditions=ConditionConfig(width=64, image_size=32, image_patch=8, image_width=32, image_blocks=1),
         outline=OutlineFlowConfig(width=64, blocks=2, heads=2),
         resolution=32,
     ),
     "small": StructurePreset(
         vae=PatchVaeConfig(width=64, encoder_blocks=1, decoder_blocks=3, global_width=128, global_blocks=2),
-        flow=LatentDitConfig(blocks=6, hint=hint_channels()),
+        flow=LatentDitConfig(hint=hint_channels()),
         conditions=ConditionConfig(),
         outline=OutlineFlowConfig(blocks=6),
     ),
     "compact": StructurePreset(
         vae=PatchVaeConfig(),
-        flow=LatentDitConfig(hint=hint_channels()),
+        flow=LatentDitConfig(cell_width=64, cell_blocks=4, hint=hint_channels()),
         conditions=ConditionConfig(),
         outline=OutlineFlowConfig(),
     ),

@@ -9,7 +9,7 @@ from jaxtyping import Float
 from torch import Tensor, nn
 
 from artigen.models.conditions import ConditionBatch, ConditionConfig, ConditionEncoder
-from artigen.models.latent_dit import LatentDit, LatentDitConfig, velocity_of
+from artigen.models.latent_dit import LatentDit, LatentDitConfig, velocity_of, weigh_times
 from artigen.models.outlines import OutlineBatch, draw_hint, find_candidates
 from artigen.models.structure_dit import StructureDit, StructureDitConfig
 from artigen.sampling import SamplerConfig, sample_flow
@@ -61,6 +61,10 @@ class StructureFlow(nn.Module):
     ) -> Float[Tensor, "B C X Y Z"]:
         """Velocity at times in [0, 1], under conditions and, where known, outlines."""
         return self.velocity(x, times, self.conditions(asked), self.hint(outlines))
+
+    def weights(self, times: Float[Tensor, "B"]) -> Float[Tensor, "B"]:
+        """How much a squared error of the velocity counts at each time in training; 1 in the paper."""
+        return weigh_times(times) if isinstance(self.network, LatentDit) else torch.ones_like(times)
 
     def hint(self, outlines: OutlineBatch | None) -> Float[Tensor, "B H X Y Z"] | None:
         """Outlines on the latent's grid."""

@@ -166,6 +166,7 @@ def train_flow(cfg: RunConfig, vae: StructureVae, data: RunData, report: Report)
         _loop(training.flow, cfg.minutes),
         batch=training.flow.batch,
         conditions=preset.conditions,
+        time_mean=training.time_mean,
         on_report=lambda line: report("flow", line),
     )
     save_model(flow, cfg.folder / "model", _describe(cfg, data), "flow")

@@ -36,6 +36,9 @@ class TrainingPreset:
     """Training of the flow of outlines, where the preset has one."""
     losses: StructureLossConfig = field(default_factory=StructureLossConfig)
     """Weights of the VAE's loss terms."""
+    time_mean: float = 2.0
+    """Mean of the logits of the flow's training times: what a draw will be is decided near pure noise, the
+    more so the more cells repeat what others say."""
     latent_noise: float = 0.0
     """Noise on what the VAE decodes in training, as a share of the latents' standard deviation: a decoder
     that has seen some forgives the flow its errors."""
@@ -50,7 +53,7 @@ TRAINING: dict[PresetName, TrainingPreset] = {
     "small": TrainingPreset(
         vae=StageConfig(batch=4, learning_rate=1.5e-3, warmup=100, decay=1.0, ema=0.995, share=0.35),
         outline=StageConfig(batch=16, learning_rate=5e-4, warmup=100, decay=0.4, ema=0.998, share=0.25),
-        flow=StageConfig(batch=8, learning_rate=6e-4, warmup=100, decay=0.3, ema=0.998, share=0.4),
+        flow=StageConfig(batch=4, learning_rate=6e-4, warmup=100, decay=0.3, ema=0.998, share=0.4),
         losses=StructureLossConfig(kl=5e-3),
     ),
     "compact": TrainingPreset(
@@ -62,5 +65,6 @@ TRAINING: dict[PresetName, TrainingPreset] = {
         vae=StageConfig(batch=4, learning_rate=1e-4, warmup=0, decay=0.0, ema=0.9999, share=0.5),
         flow=StageConfig(batch=4, learning_rate=1e-4, warmup=0, decay=0.0, ema=0.9999, share=0.5),
         losses=PAPER_LOSS,
+        time_mean=1.0,
     ),
 }

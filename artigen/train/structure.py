@@ -105,9 +105,22 @@ def train_structure_flow(
     *,
     batch: int,
     conditions: ConditionConfig,
+    time_mean: float = 1.0,
     on_report: Report | None = None,
 ) -> StructureFlow:
-    """Trains the conditional rectified flow on latents (paper section 4.3)."""
+    """Trains the conditional rectified flow on latents (paper section 4.3).
+
+    Args:
+        flow: On the CPU; it is moved.
+        latents: Posterior means and standard deviations of the examples.
+        examples: What was encoded, with its conditions and outlines.
+        folder: Of the stage.
+        cfg: Budget and rates.
+        batch: Objects per step.
+        conditions: What can be asked for.
+        time_mean: Mean of the logits of the times, 1 in TRELLIS.
+        on_report: Called with every line of metrics.
+    """
     center, spread = measure_latents(*latents)
     flow.latent_mean.copy_(center)
     flow.latent_std.copy_(spread)
@@ -117,11 +130,12 @@ def train_structure_flow(
             torch.randn(drawn.mean.shape, generator=generator, device=generator.device) for _ in range(2)
         )
         x_0 = flow.normalise(drawn.mean.float() + drawn.std.float() * jitter)
-        times = draw_times(len(x_0), generator)
+        times = draw_times(len(x_0), generator, mean=time_mean)
         asked = drop_conditions(drawn.conditions, DROPOUT, generator)
         outlines = blur_outlines(drawn.outlines, DROPOUT, generator) if flow.takes_outlines else None
         said = network(diffuse(x_0, noise, times), times, asked, outlines)
-        return {"velocity": torch.mean((said.float() - target_velocity(x_0, noise)) ** 2)}
+        errors = ((said.float() - target_velocity(x_0, noise)) ** 2).mean(dim=(1, 2, 3, 4))
+        return {"velocity": torch.mean(flow.weights(times) * errors)}
 
     make = partial(_latent_batch, latents=latents, conditions=conditions)
     numbered = list(enumerate(examples))
