@@ -63,9 +63,10 @@ def target_velocity(x_0: Tensor, noise: Tensor) -> Tensor:
     return (1.0 - SIGMA_MIN) * noise - x_0
 
 
-def predict_data(x_t: Tensor, velocity: Tensor, time: float) -> Tensor:
+def predict_data(x_t: Tensor, velocity: Tensor, times: Float[Tensor, "B"]) -> Tensor:
     """The end of the straight path that a velocity points along."""
-    return (1.0 - SIGMA_MIN) * x_t - (SIGMA_MIN + (1.0 - SIGMA_MIN) * time) * velocity
+    t = times.reshape(-1, *[1] * (x_t.ndim - 1))
+    return (1.0 - SIGMA_MIN) * x_t - (SIGMA_MIN + (1.0 - SIGMA_MIN) * t) * velocity
 
 
 def draw_times(count: int, generator: torch.Generator, mean: float = 1.0, std: float = 1.0) -> Tensor:

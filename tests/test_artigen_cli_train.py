@@ -71,11 +71,10 @@ def test_a_run_leaves_weights_metrics_curves_and_what_it_was(run: Path):
         "minutes": 0.02,
         "objects": 2,
         "real_objects": 1,
-        "latent_noise": 0.0,
     }
     assert json.loads((run / "config.json").read_text())["real_share"] == 0.25
     assert set(json.loads((run / "spread.json").read_text())) >= {"axis", "origin", "box_center"}
-    for stage in ("vae", "flow"):
+    for stage in ("vae", "outline", "flow", "decoder"):
         ElementTree.parse(run / stage / "curves.svg")
         assert (run / stage / "weights.safetensors").is_file()
 
@@ -105,9 +104,9 @@ def test_a_finished_run_stays_as_it_is(run: Path, partnet: Path):
         ("structure", {"objects": 0}, "more than 0"),
         ("structure", {"preset": "huge"}, "expected one of tiny, small, compact, paper"),
         ("structure", {"real_share": 1.0}, "between 0 and 1"),
-        ("structure", {"latent_noise": -0.1}, "latent noise -0.1, expected 0 or more"),
         ("structure", {"partnet": Path("nowhere")}, "splits.json: cannot be read"),
         ("structure-flow", {}, "train structure-vae first"),
+        ("structure-decoder", {}, "train structure-vae first"),
     ],
 )
 def test_what_cannot_be_trained_is_said_and_nothing_written(

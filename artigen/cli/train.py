@@ -35,9 +35,6 @@ class TrainSettings:
     research only, as the data is."""
     real_share: float = 0.1
     """Share of real objects among the examples, by repetition."""
-    latent_noise: float | None = None
-    """Noise on what the VAE decodes in training, as a share of the latents' standard deviation; left out,
-    that of the preset."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -59,6 +56,7 @@ What = Literal[
     "structure-vae",
     "structure-outline",
     "structure-flow",
+    "structure-decoder",
     "appearance",
     "appearance-vae",
     "appearance-flow",

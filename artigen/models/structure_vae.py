@@ -77,18 +77,11 @@ class StructureVae(nn.Module):
         self,
         patches: PatchBatch,
         noise: Float[Tensor, "B D X Y Z"],
-        disturbance: Float[Tensor, "B D X Y Z"] | None = None,
         outlines: OutlineBatch | None = None,
     ) -> Reconstruction:
-        """Reconstructs a batch through a draw from its posterior.
-
-        ``disturbance`` is added to the draw, in standard deviations of each of its channels over the batch:
-        it stands for the error of a flow, which the posterior knows nothing of.
-        """
+        """Reconstructs a batch through a draw from its posterior."""
         mean, logvar = self.encode(patches)
         z = sample_gaussian(mean, logvar, noise)
-        if disturbance is not None:
-            z = z + disturbance * z.detach().std(dim=(0, 2, 3, 4), keepdim=True)
         logits, attributes, _ = self.decode(z, patches.index, outlines)
         return Reconstruction(logits=logits, attributes=attributes, mean=mean, logvar=logvar)
 

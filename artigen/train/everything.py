@@ -12,8 +12,10 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeVar
 
 import torch
+from torch import Tensor, nn
 
 from artigen.errors import SourceError
 from artigen.io import write_whole
@@ -24,6 +26,7 @@ from artigen.models.store import save_model
 from artigen.models.structure_flow import StructureFlow
 from artigen.models.structure_vae import StructureVae
 from artigen.models.trellis import load_strictly, read_tensors
+from artigen.train.decoder import train_decoder
 from artigen.train.examples import StructureExample
 from artigen.train.loop import LoopConfig
 from artigen.train.outline import train_outline_flow
@@ -34,6 +37,7 @@ from artigen.train.shards import HELD_OUT, ShardConfig, make_shard, make_shards,
 from artigen.train.structure import encode_examples, train_structure_flow, train_structure_vae
 
 logger = logging.getLogger(__name__)
+Network = TypeVar("Network", bound=nn.Module)
 Report = Callable[[str, Mapping[str, float]], None]
 """Called with the network in training and a line of its metrics."""
 
@@ -55,15 +59,18 @@ def train_everything(
 
     Args:
         cfg: The run.
-        stage: All networks, or one of them; the flow needs a VAE in the same folder.
+        stage: All networks, or one of them; the flow needs a VAE in the same folder, the decoder both.
         on_report: Called with every line of metrics; logged when None.
 
     Raises:
         ArtigenError: If the configuration or the folder does not allow it.
     """
     scores = cfg.folder / "reconstruction.json"  # written when the VAE is done
-    if stage == "structure-flow" and not scores.is_file():
+    if stage in ("structure-flow", "structure-decoder") and not scores.is_file():
         raise SourceError(f"{scores}: there is no finished VAE to train a flow on; train structure-vae first")
+    flow_weights = cfg.folder / "flow" / "weights.safetensors"
+    if stage == "structure-decoder" and not flow_weights.is_file():
+        raise SourceError(f"{flow_weights}: there is no flow that guesses; train structure-flow first")
     claim_run(cfg)
     report = on_report or _log
     data = make_data(cfg)
@@ -71,8 +78,13 @@ def train_everything(
         train_outline(cfg, data, report)
     if stage in ("structure", "structure-vae"):
         train_vae(cfg, data, report)
-    if stage in ("structure", "structure-flow"):
-        train_flow(cfg, load_vae(cfg), data, report)
+    if stage in ("structure", "structure-flow", "structure-decoder"):
+        vae = load_vae(cfg)
+        latents = encode_examples(vae, data.trained)
+        if stage != "structure-decoder":
+            train_flow(cfg, latents, data, report)
+        if stage != "structure-flow":
+            tune_decoder(cfg, vae, latents, data, report)
     return json.loads(scores.read_text()) if scores.is_file() else {}
 
 
@@ -108,29 +120,19 @@ def train_vae(cfg: RunConfig, data: RunData, report: Report) -> StructureVae:
         _loop(training.vae, cfg.minutes),
         batch=training.vae.batch,
         losses=training.losses,
-        latent_noise=_latent_noise(cfg),
         on_report=lambda line: report("VAE", line),
     )
-    save_model(vae, cfg.folder / "model", _describe(cfg, data), "vae")
-    scores = score_reconstruction(vae, data.held_out)
-    spread = score_spread(vae, data.held_out)
-    for name, said in (("reconstruction", scores), ("spread", spread)):
-        write_whole(cfg.folder / f"{name}.json", json.dumps(said, indent=1) + "\n")
-    logger.info("held-out reconstruction %s", scores)
+    _store_vae(cfg, vae, data)
     return vae
 
 
 def load_vae(cfg: RunConfig) -> StructureVae:
-    """The VAE that the run has trained, in full precision.
+    """The VAE that the run has trained, in full precision, its decoder not yet tuned.
 
     Raises:
         SourceError: If its weights are damaged or of another preset.
     """
-    weights = cfg.folder / "vae" / "weights.safetensors"
-    vae = StructureVae(PRESETS[cfg.preset].vae)
-    load_strictly(vae, read_tensors(weights), str(weights))
-    device = "cuda" if torch.cuda.is_available() else "cpu"
-    return vae.to(device).eval()
+    return _load_stage(StructureVae(PRESETS[cfg.preset].vae), cfg.folder / "vae")
 
 
 def train_outline(cfg: RunConfig, data: RunData, report: Report) -> OutlineFlow | None:
@@ -153,14 +155,16 @@ def train_outline(cfg: RunConfig, data: RunData, report: Report) -> OutlineFlow 
     return flow
 
 
-def train_flow(cfg: RunConfig, vae: StructureVae, data: RunData, report: Report) -> StructureFlow:
+def train_flow(
+    cfg: RunConfig, latents: tuple[Tensor, Tensor], data: RunData, report: Report
+) -> StructureFlow:
     """Trains the flow on the VAE's latents and stores it."""
     preset, training = PRESETS[cfg.preset], TRAINING[cfg.preset]
     torch.manual_seed(1)
     flow = StructureFlow(preset.flow, preset.conditions)
     train_structure_flow(
         flow,
-        encode_examples(vae, data.trained),
+        latents,
         data.trained,
         cfg.folder / "flow",
         _loop(training.flow, cfg.minutes),
@@ -171,6 +175,45 @@ def train_flow(cfg: RunConfig, vae: StructureVae, data: RunData, report: Report)
     )
     save_model(flow, cfg.folder / "model", _describe(cfg, data), "flow")
     return flow
+
+
+def tune_decoder(
+    cfg: RunConfig, vae: StructureVae, latents: tuple[Tensor, Tensor], data: RunData, report: Report
+) -> None:
+    """Trains the decoder on the flow's guesses, stores and measures it, where the preset says so."""
+    preset, training = PRESETS[cfg.preset], TRAINING[cfg.preset]
+    if training.decoder is None:
+        return
+    train_decoder(
+        vae,
+        _load_stage(StructureFlow(preset.flow, preset.conditions), cfg.folder / "flow"),
+        latents,
+        data.trained,
+        cfg.folder / "decoder",
+        _loop(training.decoder, cfg.minutes),
+        batch=training.decoder.batch,
+        losses=training.losses,
+        conditions=preset.conditions,
+        on_report=lambda line: report("decoder", line),
+    )
+    _store_vae(cfg, vae, data)
+
+
+def _store_vae(cfg: RunConfig, vae: StructureVae, data: RunData) -> None:
+    """Stores a VAE, and writes how well it reconstructs held-out objects."""
+    save_model(vae, cfg.folder / "model", _describe(cfg, data), "vae")
+    scores = score_reconstruction(vae, data.held_out)
+    spread = score_spread(vae, data.held_out)
+    for name, said in (("reconstruction", scores), ("spread", spread)):
+        write_whole(cfg.folder / f"{name}.json", json.dumps(said, indent=1) + "\n")
+    logger.info("held-out reconstruction %s", scores)
+
+
+def _load_stage(network: Network, folder: Path) -> Network:
+    """A network with the weights that a stage has left, in full precision."""
+    weights = folder / "weights.safetensors"
+    load_strictly(network, read_tensors(weights), str(weights))
+    return network.to("cuda" if torch.cuda.is_available() else "cpu").eval()
 
 
 def _examples(
@@ -200,12 +243,7 @@ def _describe(cfg: RunConfig, data: RunData) -> dict[str, object]:
         "minutes": cfg.minutes,
         "objects": cfg.shards * cfg.objects,
         "real_objects": data.real,
-        "latent_noise": _latent_noise(cfg),
     }
-
-
-def _latent_noise(cfg: RunConfig) -> float:
-    return TRAINING[cfg.preset].latent_noise if cfg.latent_noise is None else cfg.latent_noise
 
 
 def _loop(stage: StageConfig, minutes: float) -> LoopConfig:
@@ -234,7 +272,6 @@ def main() -> None:
     parser.add_argument("--objects", type=int, default=256, help="objects per shard")
     parser.add_argument("--partnet", type=Path, help="folder with real objects to mix in")
     parser.add_argument("--real-share", type=float, default=0.1, help="share of real objects")
-    parser.add_argument("--latent-noise", type=float, help="noise on latents before they are decoded")
     parser.add_argument("--workers", type=int, default=2, help="processes that make data")
     train_everything(RunConfig(**vars(parser.parse_args())))
 

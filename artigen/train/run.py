@@ -1,6 +1,5 @@
 """What a run from nothing to weights is: its configuration, and the folder that belongs to it."""
 
-import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -10,7 +9,7 @@ from artigen.errors import ArtigenError
 from artigen.models.presets import PRESETS, PresetName
 from artigen.train.real import list_split
 
-Stage = Literal["structure", "structure-vae", "structure-outline", "structure-flow"]
+Stage = Literal["structure", "structure-vae", "structure-outline", "structure-flow", "structure-decoder"]
 """All networks, or one of them."""
 
 
@@ -35,9 +34,6 @@ class RunConfig:
     research only, as the data is."""
     real_share: float = 0.1
     """Share of real objects among the examples, by repetition."""
-    latent_noise: float | None = None
-    """Noise on what the VAE decodes in training, as a share of the latents' standard deviation; None takes
-    that of the preset."""
     workers: int = 2
     """Processes that make data."""
 
@@ -60,8 +56,6 @@ def claim_run(cfg: RunConfig) -> None:
         )
     if not 0 < cfg.real_share < 1:
         raise ArtigenError(f"share of real objects {cfg.real_share:g}, expected between 0 and 1")
-    if cfg.latent_noise is not None and not 0 <= cfg.latent_noise < math.inf:
-        raise ArtigenError(f"latent noise {cfg.latent_noise:g}, expected 0 or more")
     if cfg.partnet is not None:
         list_split(cfg.partnet, "train")
     claim_folder(
@@ -72,6 +66,5 @@ def claim_run(cfg: RunConfig) -> None:
             "held_out": cfg.held_out,
             "objects": cfg.objects,
             "real_share": None if cfg.partnet is None else cfg.real_share,
-            "latent_noise": cfg.latent_noise,
         },
     )

@@ -40,7 +40,6 @@ def train_structure_vae(
     *,
     batch: int,
     losses: StructureLossConfig,
-    latent_noise: float = 0.0,
     on_report: Report | None = None,
 ) -> StructureVae:
     """Trains {E, D} on fields (paper section 4.1).
@@ -52,7 +51,6 @@ def train_structure_vae(
         cfg: Budget and rates.
         batch: Objects per step.
         losses: Weights of the terms.
-        latent_noise: Noise on what is decoded, as a share of the latents' standard deviation.
         on_report: Called with every line of metrics.
     """
 
@@ -60,12 +58,8 @@ def train_structure_vae(
         patches, edge = fields.patches, fields.patches.edge
         shape = (patches.samples, vae.latent_channels, edge, edge, edge)
         noise = torch.randn(shape, generator=generator, device=generator.device)
-        disturbance = None  # nothing is drawn for it, so that all else stays as without it
-        if latent_noise:
-            extra = torch.randn(shape, generator=generator, device=generator.device)
-            disturbance = latent_noise * extra
         outlines = blur_outlines(fields.outlines, 0.0, generator)
-        made = network(patches, noise, disturbance, outlines)
+        made = network(patches, noise, outlines)
         out = structure_losses(made.logits, made.attributes, patches, losses, vae.layout)
         return {**out, "kl": losses.kl * kl_divergence(made.mean, made.logvar)}
 
@@ -137,18 +131,19 @@ def train_structure_flow(
         errors = ((said.float() - target_velocity(x_0, noise)) ** 2).mean(dim=(1, 2, 3, 4))
         return {"velocity": torch.mean(flow.weights(times) * errors)}
 
-    make = partial(_latent_batch, latents=latents, conditions=conditions)
+    make = partial(latent_batch, latents=latents, conditions=conditions)
     numbered = list(enumerate(examples))
     batches: Iterator[LatentBatch] = prefetch(draw_batches(numbered, make, batch, process_seed(cfg.seed)))
     train(flow, terms, batches, folder, cfg, on_report=on_report)
     return flow
 
 
-def _latent_batch(
+def latent_batch(
     chosen: Sequence[tuple[int, StructureExample]],
     latents: tuple[Tensor, Tensor],
     conditions: ConditionConfig,
 ) -> LatentBatch:
+    """Numbered examples as a flow is trained on them: their rows of the latents, conditions and outlines."""
     rows = torch.tensor([number for number, _ in chosen], device=latents[0].device)
     examples = [example for _, example in chosen]
     return LatentBatch(

@@ -1,0 +1,133 @@
+"""Training of the decoder once more, on what the flow makes of latents; encoder and flow stay as they are.
+
+A decoder that has seen posteriors alone takes every error of a drawn latent for a shape. Here it sees the
+flow's guesses of clean latents, from anywhere on the path, and is asked for the object they came from.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+import torch
+from jaxtyping import Float
+from torch import Tensor, nn
+
+from artigen.models.conditions import ConditionConfig
+from artigen.models.outlines import OutlineBatch, blur_outlines
+from artigen.models.structure_flow import StructureFlow
+from artigen.models.structure_vae import StructureVae
+from artigen.sampling import diffuse, predict_data
+from artigen.train.batches import FieldBatch, LatentBatch, draw_batches, field_batch, prefetch
+from artigen.train.examples import StructureExample
+from artigen.train.loop import LoopConfig, process_seed, train
+from artigen.train.structure import latent_batch
+from artigen.train.structure_losses import StructureLossConfig, structure_losses
+
+Report = Callable[[Mapping[str, float]], None]
+AGAIN = 0.5
+"""Share of latents that are guessed a second time, from less noise, as a sampler does."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class EncodedFields:
+    """Fields of objects beside their latents."""
+
+    fields: FieldBatch
+    latents: LatentBatch
+
+    def to(self, device: torch.device | str) -> "EncodedFields":
+        """The same batch on another device."""
+        return EncodedFields(fields=self.fields.to(device), latents=self.latents.to(device))
+
+
+class Decoding(nn.Module):
+    """A VAE whose decoder alone learns."""
+
+    def __init__(self, vae: StructureVae) -> None:
+        super().__init__()
+        self.vae = vae
+        vae.encoder.requires_grad_(requires_grad=False)
+
+    def forward(
+        self, z: Float[Tensor, "B D X Y Z"], fields: FieldBatch, outlines: OutlineBatch
+    ) -> tuple[Float[Tensor, "N K"], Float[Tensor, "P K C"]]:
+        """Occupancy logits of every cell, and the channels of the patches that hold cells."""
+        logits, attributes, _ = self.vae.decode(z, fields.patches.index, outlines)
+        return logits, attributes
+
+
+def train_decoder(
+    vae: StructureVae,
+    flow: StructureFlow,
+    latents: tuple[Tensor, Tensor],
+    examples: Sequence[StructureExample],
+    folder: Path,
+    cfg: LoopConfig,
+    *,
+    batch: int,
+    losses: StructureLossConfig,
+    conditions: ConditionConfig,
+    on_report: Report | None = None,
+) -> StructureVae:
+    """Trains the decoder of a VAE on a flow's guesses.
+
+    Args:
+        vae: Trained; its encoder is left alone.
+        flow: Trained on the latents of that encoder.
+        latents: Posterior means and standard deviations of the examples.
+        examples: What was encoded.
+        folder: Of the stage.
+        cfg: Budget and rates.
+        batch: Objects per step.
+        losses: Weights of the terms.
+        conditions: What the flow can be asked.
+        on_report: Called with every line of metrics.
+    """
+
+    def terms(network: nn.Module, drawn: EncodedFields, generator: torch.Generator) -> dict[str, Tensor]:
+        outlines = blur_outlines(drawn.fields.outlines, 0.0, generator)
+        guess = guess_latents(flow.to(drawn.latents.mean.device), drawn.latents, outlines, generator)
+        logits, attributes = network(guess, drawn.fields, outlines)
+        return structure_losses(logits, attributes, drawn.fields.patches, losses, vae.layout)
+
+    flow.eval()
+    make = partial(_encoded_fields, latents=latents, conditions=conditions)
+    numbered = list(enumerate(examples))
+    batches: Iterator[EncodedFields] = prefetch(draw_batches(numbered, make, batch, process_seed(cfg.seed)))
+    train(Decoding(vae), terms, batches, folder, cfg, on_report=on_report)
+    vae.encoder.requires_grad_(requires_grad=True)
+    return vae
+
+
+@torch.no_grad()
+def guess_latents(
+    flow: StructureFlow, drawn: LatentBatch, outlines: OutlineBatch, generator: torch.Generator
+) -> Float[Tensor, "B C X Y Z"]:
+    """What a flow takes for the latents of a batch, from times between data and noise, each as likely."""
+    tokens, hint = flow.conditions(drawn.conditions), flow.hint(outlines)
+    jitter, first, second = (
+        torch.randn(drawn.mean.shape, generator=generator, device=generator.device) for _ in range(3)
+    )
+    times, less, chance = (
+        torch.rand(len(drawn.mean), generator=generator, device=generator.device) for _ in range(3)
+    )
+
+    def guess(clean: Tensor, noise: Tensor, at: Tensor) -> Tensor:
+        x = diffuse(clean, noise, at)
+        return predict_data(x, flow.velocity(x, at, tokens, hint), at)
+
+    once = guess(flow.normalise(drawn.mean.float() + drawn.std.float() * jitter), first, times)
+    twice = guess(once, second, times * less)
+    return flow.restore(torch.where((chance < AGAIN).reshape(-1, 1, 1, 1, 1), twice, once))
+
+
+def _encoded_fields(
+    chosen: Sequence[tuple[int, StructureExample]],
+    latents: tuple[Tensor, Tensor],
+    conditions: ConditionConfig,
+) -> EncodedFields:
+    return EncodedFields(
+        fields=field_batch([example for _, example in chosen]),
+        latents=latent_batch(chosen, latents, conditions),
+    )
