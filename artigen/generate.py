@@ -13,6 +13,7 @@ from artigen.models.outline_flow import OutlineFlow, complete_conditions, sample
 from artigen.models.outline_regularise import OutlineRegulariseConfig, regularise_outline
 from artigen.models.outlines import OutlineBatch
 from artigen.models.presets import PRESETS, StructurePreset
+from artigen.models.steady import SteadyConfig
 from artigen.models.store import load_model, read_description
 from artigen.models.structure_flow import StructureFlow, sample_latents
 from artigen.models.structure_vae import StructureVae, decode_fields
@@ -44,6 +45,8 @@ class GenerateConfig:
     """Steps and guidance of the outline."""
     outline_regularise: OutlineRegulariseConfig = field(default_factory=OutlineRegulariseConfig)
     """What of an outline hardly differs from what is meant."""
+    steady: SteadyConfig | None = field(default_factory=SteadyConfig)
+    """How much cells listen to those in line with them, where outlines are drawn; None: not at all."""
     clean: CleanConfig = field(default_factory=CleanConfig)
     """What counts as a stray piece."""
     segment: SegmentConfig = field(default_factory=SegmentConfig)
@@ -109,7 +112,7 @@ def generate_structure(
         rows, said = regularise_outline(drawn.rows[0].cpu().numpy(), cfg.outline_regularise)
         outlines = OutlineBatch(rows=torch.from_numpy(rows)[None].to(device), given=drawn.given)
     latent = sample_latents(model.flow, known, nothing, noise, cfg.sampler, outlines)
-    fields, notes = remove_strays(decode_fields(model.vae, latent, outlines)[0], cfg.clean)
+    fields, notes = remove_strays(decode_fields(model.vae, latent, outlines, cfg.steady)[0], cfg.clean)
     if outlines is not None:
         fields, claimed = claim_cells(fields, outlines.rows[0].cpu().numpy())
         notes = (*notes, *claimed)

@@ -46,7 +46,7 @@ class Oracle(StructureVae):
         empty = torch.zeros(patches.samples, self.latent_channels, 1, 1, 1)
         return empty, empty
 
-    def decode(self, z, index=None, outlines=None):
+    def decode(self, z, index=None, outlines=None, steady=None):
         assert index is not None
         values = self.shown.attributes().clone()
         values[:, ::2, self.layout.axis.stop - 1 :][..., :3] += self.error  # origins of every second cell

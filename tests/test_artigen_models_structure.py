@@ -83,7 +83,7 @@ def test_a_perfect_reconstruction_costs_nothing_and_reads_back(small: Asset, pat
         assert all(float(term) < 1e-4 for term in terms.values()), terms
 
     class Oracle(StructureVae):
-        def decode(self, z, index=None, outlines=None):
+        def decode(self, z, index=None, outlines=None, steady=None):
             return logits, attributes, patches.index
 
     oracle = Oracle(TINY.vae)

@@ -96,15 +96,23 @@ def hint_channels(layout: FieldLayout = DEFAULT_LAYOUT) -> int:
 def find_candidates(outlines: OutlineBatch, edge: int, layout: FieldLayout = DEFAULT_LAYOUT) -> Candidates:
     """The `DEPTH` smallest parts that reach into each cell of a grid of ``edge`` over the unit cube."""
     low, high = _faces(outlines, layout)
-    line, half = _cell_line(edge, outlines.rows.device), 0.5 / edge + MARGIN
-    near = [(low[..., axis, None] < line + half) & (high[..., axis, None] > line - half) for axis in range(3)]
-    inside = near[0][..., :, None, None] & near[1][..., None, :, None] & near[2][..., None, None, :]
-    inside = (inside & outlines.given[..., None, None, None]).flatten(2)
+    inside = touched_cells(outlines, edge, layout).flatten(2)
     volume = (high - low).clamp(min=1e-4).prod(dim=-1)
     rank = torch.where(inside, volume[..., None], torch.inf)
     rank = functional.pad(rank, (0, 0, 0, max(DEPTH - rank.shape[1], 0)), value=torch.inf)
     size, chosen = rank.topk(DEPTH, dim=1, largest=False)
     return Candidates(chosen=torch.where(size.isfinite(), chosen, 0), found=size.isfinite())
+
+
+def touched_cells(
+    outlines: OutlineBatch, edge: int, layout: FieldLayout = DEFAULT_LAYOUT
+) -> Bool[Tensor, "B N X Y Z"]:
+    """The cells of a grid of ``edge`` over the unit cube that each part's box reaches, or nearly does."""
+    low, high = _faces(outlines, layout)
+    line, half = _cell_line(edge, outlines.rows.device), 0.5 / edge + MARGIN
+    near = [(low[..., axis, None] < line + half) & (high[..., axis, None] > line - half) for axis in range(3)]
+    inside = near[0][..., :, None, None] & near[1][..., None, :, None] & near[2][..., None, None, :]
+    return inside & outlines.given[..., None, None, None]
 
 
 def reach_cells(

@@ -137,6 +137,17 @@ def fold(volume: Float[Tensor, "B C X Y Z"]) -> Float[Tensor, "B N K C"]:
     return stacked.reshape(batch, -1, channels, CELLS).transpose(2, 3)
 
 
+def as_patches(volume: Float[Tensor, "B X Y Z"]) -> Float[Tensor, "N K"]:
+    """Cells of patches, one after another, of a volume."""
+    return fold(volume[:, None])[..., 0].flatten(0, 1)
+
+
+def from_patches(cells: Float[Tensor, "N K"], edge: int) -> Float[Tensor, "B X Y Z"]:
+    """The volumes of ``edge^3`` patches each: inverse of `as_patches`."""
+    stacked = cells.reshape(-1, edge, edge, edge, CELLS).movedim(-1, 1)
+    return shuffle_pixels(stacked, PATCH)[:, 0]
+
+
 def patch_centers(index: Int[Tensor, "P"], edge: int) -> Float[Tensor, "P 3"]:
     """Centres of patches in the unit cube."""
     inside = index % edge**3

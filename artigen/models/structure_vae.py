@@ -13,8 +13,9 @@ from torch import Tensor, nn
 from artigen.fields import DEFAULT_LAYOUT, FieldLayout, VoxelFields
 from artigen.models.conv_vae import ConvDecoder, ConvEncoder, ConvVaeConfig
 from artigen.models.outlines import OutlineBatch, draw_hint, find_candidates, reach_cells
-from artigen.models.patch_vae import PatchDecoder, PatchEncoder, PatchVaeConfig
-from artigen.models.patches import PATCH, PatchBatch, fold, unfold
+from artigen.models.patch_vae import NEVER, PatchDecoder, PatchEncoder, PatchVaeConfig
+from artigen.models.patches import PATCH, PatchBatch, as_patches, fold, from_patches, unfold
+from artigen.models.steady import SteadyConfig, steady_occupancy
 from artigen.models.volumes import sample_gaussian
 
 
@@ -51,10 +52,12 @@ class StructureVae(nn.Module):
         z: Float[Tensor, "B D X Y Z"],
         index: Int[Tensor, "P"] | None = None,
         outlines: OutlineBatch | None = None,
+        steady: SteadyConfig | None = None,
     ) -> tuple[Float[Tensor, "N K"], Float[Tensor, "P K C"], Int[Tensor, "P"]]:
         """Occupancy logits of every cell, and the channels of the patches ``index``.
 
-        Without ``index``, those of every patch that is found to hold a cell; the index is returned.
+        Without ``index``, those of every patch that is found to hold a cell; the index is returned. With
+        ``steady``, cells agree along lines first, where the network decodes in view of outlines.
 
         Raises:
             ValueError: If the network decodes in view of outlines and there are none.
@@ -66,6 +69,9 @@ class StructureVae(nn.Module):
             features = self.decoder(z, draw_hint(outlines, candidates, z.shape[2], self.layout))
             rows, inside = reach_cells(outlines, candidates, z.shape[2], PATCH, self.layout)
             logits = self.decoder.occupancy(features, inside)
+            if steady is not None:
+                agreed = steady_occupancy(from_patches(logits, z.shape[2]), outlines, steady)
+                logits = as_patches(agreed).masked_fill(~inside.any(dim=-1), NEVER)
             index = _occupied_patches(logits) if index is None else index
             return logits, self.decoder.attributes(features[index], rows[index], inside[index]), index
         dense = fold(self.decoder(z)).float().flatten(0, 1)
@@ -88,10 +94,13 @@ class StructureVae(nn.Module):
 
 @torch.no_grad()
 def decode_fields(
-    vae: StructureVae, z: Float[Tensor, "B D X Y Z"], outlines: OutlineBatch | None = None
+    vae: StructureVae,
+    z: Float[Tensor, "B D X Y Z"],
+    outlines: OutlineBatch | None = None,
+    steady: SteadyConfig | None = None,
 ) -> list[VoxelFields]:
     """Latents to what their occupied cells say; cells count as occupied from a logit above 0."""
-    logits, attributes, index = vae.decode(z, outlines=outlines)
+    logits, attributes, index = vae.decode(z, outlines=outlines, steady=steady)
     per_sample = len(logits) // len(z)
     edge = round(per_sample ** (1 / 3))
     out = []
