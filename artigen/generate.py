@@ -39,8 +39,8 @@ class StructureModel:
 class GenerateConfig:
     """How a structure is drawn from its condition."""
 
-    sampler: SamplerConfig = field(default_factory=SamplerConfig)
-    """Steps and guidance of the latent."""
+    sampler: SamplerConfig = field(default_factory=lambda: SamplerConfig(strength=0.0))
+    """Steps and guidance of the latent; where an outline is drawn, the condition is in it."""
     outline: SamplerConfig = field(default_factory=lambda: SamplerConfig(steps=25, strength=1.0))
     """Steps and guidance of the outline."""
     outline_regularise: OutlineRegulariseConfig = field(default_factory=OutlineRegulariseConfig)

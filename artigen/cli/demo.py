@@ -1,4 +1,4 @@
-"""`artigen demo`: the whole way on objects drawn on the spot, with everything to look at afterwards."""
+"""`artigen demo`: the whole way on objects drawn and generated on the spot, with everything to look at."""
 
 import sys
 from pathlib import Path
@@ -6,18 +6,22 @@ from typing import Literal
 
 from artigen.cli.arguments import Out, Workers
 from artigen.cli.batch import Finished, run_batch
+from artigen.weights import STRUCTURE
 
 OBJECTS = (("StorageFurniture", 3), ("Oven", 2), ("Refrigerator", 1), ("Table", 4))
 """Category and seed of what the demo shows."""
+GENERATED = (("Dishwasher", 20), ("Refrigerator", 20))
+"""Category and seed of what the demo generates."""
 
 
 def demo(out: Out = Path("out/demo"), workers: Workers = 2) -> int:
-    """Draws four objects, exports them exactly and rebuilt from voxels, proves and draws the packages.
+    """Draws four objects, exports them exactly and rebuilt from voxels, generates two, proves all.
 
     Args:
         out: Folder for packages, reports and pictures.
         workers: Processes side by side.
     """
+    from artigen.cli.generate import GenerateJob, generate_and_validate
     from artigen.cli.shape import ShapeJob, ShapeSettings, export_and_validate, write_sheet
     from artigen.shapes.draw import draw_shape
     from sim_export.picture.preview import write_preview
@@ -32,10 +36,19 @@ def demo(out: Out = Path("out/demo"), workers: Workers = 2) -> int:
         results = run_batch(export_and_validate, jobs, out / way, workers=workers, on_done=_say)
         good &= all(finished.good for finished in results)
         write_preview(tuple(out / way / shape.name for shape in shapes), out / f"{way}.png")
+    drawn = [
+        GenerateJob(model=STRUCTURE, category=category, seed=seed, out=out / "generated")
+        for category, seed in GENERATED
+    ]
+    results = run_batch(generate_and_validate, drawn, out / "generated", workers=workers, on_done=_say)
+    if any(finished.error for finished in results):  # a generated object may fail a check, and says so
+        good = False
+    else:
+        write_preview(tuple(job.out / job.key for job in drawn), out / "generated.png")
     sys.stdout.write(
-        f"\npackages   {out}/reference (exact)  {out}/voxels (rebuilt from 64^3 voxels)\n"
+        f"\npackages   {out}/reference (exact)  {out}/voxels (rebuilt from 64^3 voxels)  {out}/generated\n"
         f"reports    validation.json in each package\n"
-        f"pictures   {out}/shapes.png  {out}/reference.png  {out}/voxels.png\n"
+        f"pictures   {out}/shapes.png  {out}/reference.png  {out}/voxels.png  {out}/generated.png\n"
         f"look at it artigen view {out}/reference/{shapes[0].name}\n"
     )
     return 0 if good else 1

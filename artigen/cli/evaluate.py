@@ -11,6 +11,7 @@ from tqdm import tqdm
 
 from artigen.cli.arguments import Out, Workers
 from artigen.errors import ArtigenError
+from artigen.weights import STRUCTURE
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -25,7 +26,7 @@ class EvaluateSettings:
     """Folder with partnet_mobility/ and splits.json: its validation split is measured too."""
     steps: int = 12
     """Steps of the sampler."""
-    strength: float = 3.0
+    strength: float = 0.0
     """Guidance; 0 is none."""
     seed: int = 0
     """Of the noise."""
@@ -52,7 +53,7 @@ class AppearanceViews:
 def evaluate(
     what: tyro.conf.Positional[Literal["structure", "appearance"]],
     out: Out,
-    model: Path,
+    model: Path = STRUCTURE,
     cfg: tyro.conf.OmitArgPrefixes[EvaluateSettings] = EvaluateSettings(),
     workers: Workers = 2,
     appearance: tyro.conf.OmitArgPrefixes[AppearanceViews] = AppearanceViews(),
@@ -64,7 +65,7 @@ def evaluate(
     Args:
         what: The model to measure: structure is its networks together, appearance its VAE.
         out: Folder for the results and the drawn objects.
-        model: Folder of the trained model: model.json and its weights.
+        model: Folder of a trained model, model.json and its weights; left out, the one that ships.
         cfg: With what, and how many.
         workers: Processes that read real objects and make packages.
         appearance: What only appearance asks for.

@@ -17,6 +17,7 @@ from artigen.cli.arguments import Count, Out, Workers
 from artigen.cli.batch import Finished, Made, make_and_validate, run_shown
 from artigen.cli.shape import read_counts
 from artigen.errors import ArtigenError
+from artigen.weights import STRUCTURE
 from artigen.workers import Worker
 
 if TYPE_CHECKING:
@@ -48,8 +49,8 @@ class GenerateSettings:
     """How often an object that fails a check is drawn again."""
     steps: int = 12
     """Steps of the sampler."""
-    strength: float = 3.0
-    """Guidance; 0 is none."""
+    strength: float = 0.0
+    """Guidance; 0 is none: a model that draws outlines has the condition in them. The paper: 3."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -163,7 +164,7 @@ def generate_and_validate(worker: Worker, job: GenerateJob) -> Finished:
 
 def generate(
     out: Out,
-    model: Path,
+    model: Path = STRUCTURE,
     category: tyro.conf.Positional[str | None] = None,
     seed: int = 0,
     count: Count = 1,
@@ -176,8 +177,9 @@ def generate(
 
     Args:
         out: Folder for the packages and the journal run.jsonl.
-        model: Folder of the trained model: model.json and its weights. Where it has those of appearance too,
-            packages have textures made from Gaussians, and the Gaussians themselves.
+        model: Folder of a trained model, model.json and its weights; left out, the one that comes with
+            artigen. Where it has weights of appearance too, packages have textures made from Gaussians, and
+            the Gaussians themselves.
         category: What to generate, such as StorageFurniture; not needed beside --text or --image.
         seed: Seed of the first object.
         count: Number of objects; seeds follow each other.
