@@ -12,10 +12,9 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TypeVar
 
 import torch
-from torch import Tensor, nn
+from torch import Tensor
 
 from artigen.errors import SourceError
 from artigen.io import write_whole
@@ -25,19 +24,17 @@ from artigen.models.presets import PRESETS, StructurePreset
 from artigen.models.store import save_model
 from artigen.models.structure_flow import StructureFlow
 from artigen.models.structure_vae import StructureVae
-from artigen.models.trellis import load_strictly, read_tensors
 from artigen.train.decoder import train_decoder
 from artigen.train.examples import StructureExample
-from artigen.train.loop import LoopConfig
 from artigen.train.outline import train_outline_flow
-from artigen.train.presets import TRAINING, StageConfig
+from artigen.train.presets import TRAINING
 from artigen.train.real import real_examples
 from artigen.train.run import RunConfig, Stage, claim_run
 from artigen.train.shards import HELD_OUT, ShardConfig, make_shard, make_shards, read_shard
+from artigen.train.stage import load_stage, log_metrics, plan_loop
 from artigen.train.structure import encode_examples, train_structure_flow, train_structure_vae
 
 logger = logging.getLogger(__name__)
-Network = TypeVar("Network", bound=nn.Module)
 Report = Callable[[str, Mapping[str, float]], None]
 """Called with the network in training and a line of its metrics."""
 
@@ -72,7 +69,7 @@ def train_everything(
     if stage == "structure-decoder" and not flow_weights.is_file():
         raise SourceError(f"{flow_weights}: there is no flow that guesses; train structure-flow first")
     claim_run(cfg)
-    report = on_report or _log
+    report = on_report or log_metrics
     data = make_data(cfg)
     if stage in ("structure", "structure-outline"):
         train_outline(cfg, data, report)
@@ -117,7 +114,7 @@ def train_vae(cfg: RunConfig, data: RunData, report: Report) -> StructureVae:
         vae,
         data.trained,
         cfg.folder / "vae",
-        _loop(training.vae, cfg.minutes),
+        plan_loop(training.vae, cfg.minutes),
         batch=training.vae.batch,
         losses=training.losses,
         on_report=lambda line: report("VAE", line),
@@ -132,7 +129,7 @@ def load_vae(cfg: RunConfig) -> StructureVae:
     Raises:
         SourceError: If its weights are damaged or of another preset.
     """
-    return _load_stage(StructureVae(PRESETS[cfg.preset].vae), cfg.folder / "vae")
+    return load_stage(StructureVae(PRESETS[cfg.preset].vae), cfg.folder / "vae")
 
 
 def train_outline(cfg: RunConfig, data: RunData, report: Report) -> OutlineFlow | None:
@@ -146,7 +143,7 @@ def train_outline(cfg: RunConfig, data: RunData, report: Report) -> OutlineFlow 
         flow,
         data.trained,
         cfg.folder / "outline",
-        _loop(training.outline, cfg.minutes),
+        plan_loop(training.outline, cfg.minutes),
         batch=training.outline.batch,
         conditions=preset.conditions,
         on_report=lambda line: report("outline", line),
@@ -167,7 +164,7 @@ def train_flow(
         latents,
         data.trained,
         cfg.folder / "flow",
-        _loop(training.flow, cfg.minutes),
+        plan_loop(training.flow, cfg.minutes),
         batch=training.flow.batch,
         conditions=preset.conditions,
         time_mean=training.time_mean,
@@ -186,11 +183,11 @@ def tune_decoder(
         return
     train_decoder(
         vae,
-        _load_stage(StructureFlow(preset.flow, preset.conditions), cfg.folder / "flow"),
+        load_stage(StructureFlow(preset.flow, preset.conditions), cfg.folder / "flow"),
         latents,
         data.trained,
         cfg.folder / "decoder",
-        _loop(training.decoder, cfg.minutes),
+        plan_loop(training.decoder, cfg.minutes),
         batch=training.decoder.batch,
         losses=training.losses,
         conditions=preset.conditions,
@@ -207,13 +204,6 @@ def _store_vae(cfg: RunConfig, vae: StructureVae, data: RunData) -> None:
     for name, said in (("reconstruction", scores), ("spread", spread)):
         write_whole(cfg.folder / f"{name}.json", json.dumps(said, indent=1) + "\n")
     logger.info("held-out reconstruction %s", scores)
-
-
-def _load_stage(network: Network, folder: Path) -> Network:
-    """A network with the weights that a stage has left, in full precision."""
-    weights = folder / "weights.safetensors"
-    load_strictly(network, read_tensors(weights), str(weights))
-    return network.to("cuda" if torch.cuda.is_available() else "cpu").eval()
 
 
 def _examples(
@@ -244,20 +234,6 @@ def _describe(cfg: RunConfig, data: RunData) -> dict[str, object]:
         "objects": cfg.shards * cfg.objects,
         "real_objects": data.real,
     }
-
-
-def _loop(stage: StageConfig, minutes: float) -> LoopConfig:
-    return LoopConfig(
-        minutes=minutes * stage.share,
-        learning_rate=stage.learning_rate,
-        warmup=stage.warmup,
-        decay=stage.decay,
-        ema=stage.ema,
-    )
-
-
-def _log(name: str, line: Mapping[str, float]) -> None:
-    logger.info("%s %s", name, " ".join(f"{key}={value:.4g}" for key, value in line.items()))
 
 
 def main() -> None:

@@ -22,7 +22,6 @@ from artigen.models.appearance_vae import APPEARANCE_FLOW, APPEARANCE_VAE, Appea
 from artigen.models.extractors import make_extractor
 from artigen.models.slat_flow import SlatFlow
 from artigen.models.store import save_model
-from artigen.models.trellis import load_strictly, read_tensors
 from artigen.train.appearance.examples import AppearanceExample
 from artigen.train.appearance.flow import train_appearance_flow
 from artigen.train.appearance.presets import APPEARANCE_TRAINING
@@ -40,9 +39,8 @@ from artigen.train.appearance.shards import (
     read_appearance_shard,
 )
 from artigen.train.appearance.vae import encode_appearance, train_appearance_vae
-from artigen.train.loop import LoopConfig
-from artigen.train.presets import StageConfig
 from artigen.train.shards import HELD_OUT, make_shards
+from artigen.train.stage import load_stage, log_metrics, plan_loop
 
 logger = logging.getLogger(__name__)
 Report = Callable[[str, Mapping[str, float]], None]
@@ -77,7 +75,7 @@ def train_appearance(
         )
     claim_appearance_run(cfg)
     make_extractor(run_extractor(cfg))  # weights that do not fit are refused before data is made
-    report = on_report or _log
+    report = on_report or log_metrics
     data = make_appearance_data(cfg)
     vae = _load_vae(cfg) if stage == "appearance-flow" else _train_vae(cfg, data, report)
     if stage != "appearance-vae":
@@ -101,7 +99,7 @@ def _train_vae(cfg: AppearanceRunConfig, data: AppearanceData, report: Report) -
         vae,
         data.trained,
         cfg.home / "vae",
-        _loop(training.vae, cfg.minutes),
+        plan_loop(training.vae, cfg.minutes),
         batch=training.vae.batch,
         pictures=training.pictures,
         losses=training.losses,
@@ -116,11 +114,8 @@ def _train_vae(cfg: AppearanceRunConfig, data: AppearanceData, report: Report) -
 
 def _load_vae(cfg: AppearanceRunConfig) -> AppearanceVae:
     """The VAE that the run has trained, in full precision."""
-    weights = cfg.home / "vae" / "weights.safetensors"
     vae = AppearanceVae(run_encoder(cfg), APPEARANCE_PRESETS[cfg.preset].decoder)
-    load_strictly(vae, read_tensors(weights), str(weights))
-    device = "cuda" if torch.cuda.is_available() else "cpu"
-    return vae.to(device).eval()
+    return load_stage(vae, cfg.home / "vae")
 
 
 def _train_flow(cfg: AppearanceRunConfig, vae: AppearanceVae, data: AppearanceData, report: Report) -> None:
@@ -132,7 +127,7 @@ def _train_flow(cfg: AppearanceRunConfig, vae: AppearanceVae, data: AppearanceDa
         encode_appearance(vae, data.trained),
         data.trained,
         cfg.home / "flow",
-        _loop(training.flow, cfg.minutes),
+        plan_loop(training.flow, cfg.minutes),
         batch=training.flow.batch,
         conditions=preset.conditions,
         on_report=lambda line: report("flow", line),
@@ -171,20 +166,6 @@ def _describe(cfg: AppearanceRunConfig) -> dict[str, object]:
         "weighting": cfg.weighting,
         "features": cfg.features,
     }
-
-
-def _loop(stage: StageConfig, minutes: float) -> LoopConfig:
-    return LoopConfig(
-        minutes=minutes * stage.share,
-        learning_rate=stage.learning_rate,
-        warmup=stage.warmup,
-        decay=stage.decay,
-        ema=stage.ema,
-    )
-
-
-def _log(name: str, line: Mapping[str, float]) -> None:
-    logger.info("%s %s", name, " ".join(f"{key}={value:.4g}" for key, value in line.items()))
 
 
 def main() -> None:
