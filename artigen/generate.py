@@ -1,4 +1,4 @@
-"""Condition and seed to an `Asset`: sample outline and latent, decode, clean, segment; nothing else."""
+"""Condition and seed to an `Asset`: sample outline and latent, decode, mend, segment; nothing else."""
 
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -16,9 +16,10 @@ from artigen.models.presets import PRESETS, StructurePreset
 from artigen.models.steady import SteadyConfig
 from artigen.models.store import load_model, read_description
 from artigen.models.structure_flow import StructureFlow, sample_latents
-from artigen.models.structure_vae import StructureVae, decode_fields
+from artigen.models.structure_vae import StructureVae, decode_cells
 from artigen.sampling import SamplerConfig
 from artigen.segment import SegmentConfig, segment
+from artigen.segmentation.boards import BoardsConfig, make_boards
 from artigen.segmentation.claim import claim_cells
 from artigen.segmentation.clean import CleanConfig, remove_strays
 from artigen.types import Asset
@@ -47,6 +48,8 @@ class GenerateConfig:
     """What of an outline hardly differs from what is meant."""
     steady: SteadyConfig | None = field(default_factory=SteadyConfig)
     """How much cells listen to those in line with them, where outlines are drawn; None: not at all."""
+    boards: BoardsConfig | None = field(default_factory=BoardsConfig)
+    """What counts as a board, where outlines are drawn; None: cells stay as they are."""
     clean: CleanConfig = field(default_factory=CleanConfig)
     """What counts as a stray piece."""
     segment: SegmentConfig = field(default_factory=SegmentConfig)
@@ -105,17 +108,20 @@ def generate_structure(
     noise = torch.randn((1, model.flow.channels, edge, edge, edge), generator=generator).to(device)
     known = gather_conditions([asked], model.preset.conditions).to(device)
     nothing = gather_conditions([StructureCondition()], model.preset.conditions).to(device)
-    outlines, said = None, ()
+    outlines, rows, said = None, None, ()
     if model.outline is not None:
         known = complete_conditions(model.outline, known, generator)
         drawn = sample_outlines(model.outline, known, nothing, generator, cfg.outline)
         rows, said = regularise_outline(drawn.rows[0].cpu().numpy(), cfg.outline_regularise)
         outlines = OutlineBatch(rows=torch.from_numpy(rows)[None].to(device), given=drawn.given)
     latent = sample_latents(model.flow, known, nothing, noise, cfg.sampler, outlines)
-    fields, notes = remove_strays(decode_fields(model.vae, latent, outlines, cfg.steady)[0], cfg.clean)
-    if outlines is not None:
-        fields, claimed = claim_cells(fields, outlines.rows[0].cpu().numpy())
-        notes = (*notes, *claimed)
+    decoded, logits = decode_cells(model.vae, latent, outlines, cfg.steady)
+    fields, made, claimed = decoded[0], (), ()
+    if rows is not None and cfg.boards is not None:
+        fields, made = make_boards(fields, logits[0].cpu().numpy(), rows, cfg.boards)
+    fields, cleaned = remove_strays(fields, cfg.clean)
+    if rows is not None:
+        fields, claimed = claim_cells(fields, rows)
     asset = segment(
         fields,
         cfg.segment,
@@ -123,8 +129,9 @@ def generate_structure(
         scale=1.0 if asked.size is None else max(asked.size),
         category=asked.category,
     )
+    notes = (*said, *made, *cleaned, *claimed, *asset.notes)
     if asked.size is None:
         longest, _ = estimate_size(asset.category, np.ptp(fields.coords, axis=0) + 1.0)
         asset = replace(asset, scale=longest)
         notes = (*notes, f"no size was asked for: {longest:.2f} m along the longest edge is usual")
-    return replace(asset, notes=(*said, *notes, *asset.notes))
+    return replace(asset, notes=notes)

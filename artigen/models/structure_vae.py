@@ -93,13 +93,13 @@ class StructureVae(nn.Module):
 
 
 @torch.no_grad()
-def decode_fields(
+def decode_cells(
     vae: StructureVae,
     z: Float[Tensor, "B D X Y Z"],
     outlines: OutlineBatch | None = None,
     steady: SteadyConfig | None = None,
-) -> list[VoxelFields]:
-    """Latents to what their occupied cells say; cells count as occupied from a logit above 0."""
+) -> tuple[list[VoxelFields], Float[Tensor, "B R R R"]]:
+    """Latents to what their occupied cells say, and the logits of all cells; above 0 a cell is occupied."""
     logits, attributes, index = vae.decode(z, outlines=outlines, steady=steady)
     per_sample = len(logits) // len(z)
     edge = round(per_sample ** (1 / 3))
@@ -111,7 +111,14 @@ def decode_fields(
         row, cell = occupied.nonzero(as_tuple=True)
         coords = PATCH * _unravel(patch[row], edge) + _unravel(cell, PATCH)
         out.append(_read(coords, attributes[mine][occupied], edge * PATCH, vae.layout))
-    return out
+    return out, from_patches(logits, edge)
+
+
+def decode_fields(
+    vae: StructureVae, z: Float[Tensor, "B D X Y Z"], outlines: OutlineBatch | None = None
+) -> list[VoxelFields]:
+    """Latents to what their occupied cells say."""
+    return decode_cells(vae, z, outlines)[0]
 
 
 def _read(
