@@ -31,7 +31,9 @@ def row(label: str, box: tuple[slice, slice, slice]) -> np.ndarray:
     return out
 
 
-ROWS = np.stack([row("base", (slice(4, 28),) * 3), row("door", DOOR), row("knob", KNOB)])
+ROWS = np.stack(
+    [row("base", (slice(4, 28), slice(4, 28), slice(4, 28))), row("door", DOOR), row("knob", KNOB)]
+)
 
 
 @pytest.fixture
@@ -127,7 +129,7 @@ def test_a_slanted_piece_stays_beside_the_boards():
     owners = np.full((EDGE,) * 3, -1)
     for step in range(20):  # a slope that no box of ten cells holds
         owners[4 + step, 4:9, 4 + step] = 0
-    rows = np.stack([row("base", (slice(4, 28),) * 3)])
+    rows = np.stack([row("base", (slice(4, 28), slice(4, 28), slice(4, 28)))])
     fields = fields_of(owners)
     made, _ = make_boards(fields, np.where(owners >= 0, 6.0, -6.0), rows)
     assert len(made.coords) == len(fields.coords)
