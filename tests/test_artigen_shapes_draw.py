@@ -59,6 +59,11 @@ def test_what_cannot_be_drawn_is_said(monkeypatch: pytest.MonkeyPatch):
         draw_shape("Safe", 0, Wish(counts=(("wheel", 77),)))
 
 
+def test_counts_out_of_all_proportion_are_given_up_early():
+    with pytest.raises(ShapeError, match=r"no draw of 100 has 99 handle"):
+        draw_shape("Microwave", 0, Wish(counts=(("handle", 99),)))
+
+
 def test_a_wished_value_takes_its_number_from_the_stream_too():
     free, wished = np.random.default_rng(0), np.random.default_rng(0)
     assert 1.0 <= choose(free, 1.0, 2.0) <= 2.0

@@ -20,6 +20,8 @@ from artigen.shapes.surfaces.finishes import Finish
 from artigen.types import PartLabel
 
 MAX_DRAWS = 1000
+FEW_DRAWS = 100
+"""After so many, a count of more than twice the most seen is given up."""
 LENGTHS = (0.02, 10.0)
 """Lengths that can be wished for (m)."""
 
@@ -60,7 +62,8 @@ def categories() -> dict[str, ModuleType]:
 def draw_shape(category: str, seed: int, wish: Wish | None = None) -> Shape:
     """Draws one object; the same arguments give the same object on every run.
 
-    Counts are met by drawing again, at most `MAX_DRAWS` times, from streams that follow from the seed.
+    Counts are met by drawing again, at most `MAX_DRAWS` times, from streams that follow from the seed; far
+    fewer where they are out of all proportion.
 
     Raises:
         ShapeError: If the category is unknown, a length is out of bounds, or no draw has the counts
@@ -72,7 +75,10 @@ def draw_shape(category: str, seed: int, wish: Wish | None = None) -> Shape:
     if category not in known:
         raise ShapeError(f"category {category!r} is not known, expected one of {', '.join(known)}")
     seen: Counter[str] = Counter()
+    most: Counter[str] = Counter()
     for attempt in range(MAX_DRAWS if wish.counts else 1):
+        if attempt == FEW_DRAWS and any(0 < 2 * most[label] < count for label, count in wish.counts):
+            break
         rng = np.random.default_rng([crc32(category.encode()), seed, attempt])
         draft = known[category].draw(rng, wish)
         held = Counter(part.label for part in draft.parts)
@@ -81,9 +87,10 @@ def draw_shape(category: str, seed: int, wish: Wish | None = None) -> Shape:
                 category=category, seed=seed, style=draft.style, parts=draft.parts, finishes=draft.finishes
             )
         seen[", ".join(f"{held[label]} {label}" for label, _ in wish.counts)] += 1
+        most |= held
     wanted = ", ".join(f"{count} {label}" for label, count in wish.counts)
     near = "; ".join(text for text, _ in seen.most_common(5))
-    raise ShapeError(f"{category}: no draw of {MAX_DRAWS} has {wanted}; most frequent were {near}")
+    raise ShapeError(f"{category}: no draw of {seen.total()} has {wanted}; most frequent were {near}")
 
 
 def check_wish(wish: Wish) -> None:
