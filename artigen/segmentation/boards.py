@@ -23,7 +23,7 @@ class BoardsConfig:
 
     certain: float = 4.0
     """Logits beyond this count as certain."""
-    least_board: int = 10
+    least_board: int = 20
     """Certain cells in a board that no other holds."""
     least_cut: int = 100
     """Certain empty cells in a recess or opening: smaller ones are dents."""
