@@ -17,6 +17,7 @@ from typing import Generic, TypeVar
 
 from artigen.errors import ArtigenError
 
+LESS_MEMORY = "free some, or run fewer --workers"
 Item = TypeVar("Item")
 Value = TypeVar("Value")
 
@@ -43,7 +44,14 @@ def _serve(connection: Connection) -> None:
             connection.send(Outcome(error=str(error)))
         except Exception as error:
             # The boundary of the process: whatever it is, it is this item's outcome, with its type.
-            connection.send(Outcome(error=f"{type(error).__name__}: {error}"))
+            connection.send(Outcome(error=_explain(error)))
+
+
+def _explain(error: Exception) -> str:
+    """One sentence; where memory ran out, with what to do. PyTorch says so by a `RuntimeError`."""
+    if isinstance(error, MemoryError) or "can't allocate memory" in str(error):
+        return f"memory ran out; {LESS_MEMORY}"
+    return f"{type(error).__name__}: {error}"
 
 
 class Worker:
@@ -96,9 +104,12 @@ class Worker:
             return "not started"
         self._process.join(timeout=5)
         code = self._process.exitcode
-        return (
-            f"signal {signal.Signals(-code).name}" if code is not None and code < 0 else f"exit code {code}"
+        if code is None or code >= 0:
+            return f"exit code {code}"
+        killed = (
+            f", which is what systems out of memory send; {LESS_MEMORY}" if -code == signal.SIGKILL else ""
         )
+        return f"signal {signal.Signals(-code).name}{killed}"
 
 
 def run_supervised(

@@ -214,3 +214,10 @@ def test_keys_that_differ_are_listed():
     wrong = {"weight": torch.zeros(3, 4), "gain": torch.zeros(3)}
     with pytest.raises(SourceError, match=r"1 missing \(bias\); 1 unexpected \(gain\); 1 of another shape"):
         load_strictly(network, wrong, "file")
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf")])
+def test_weights_that_are_not_finite_are_refused(value: float):
+    network = torch.nn.Linear(2, 3)
+    with pytest.raises(SourceError, match=r"file: does not fit Linear: 1 not finite \(bias\)"):
+        load_strictly(network, {"weight": torch.zeros(3, 2), "bias": torch.full((3,), value)}, "file")

@@ -1,9 +1,11 @@
 """Supervised processes: what one item does never reaches another."""
 
 import os
+import signal
 import time
 
 import pytest
+import torch
 
 from artigen.errors import SourceError
 from artigen.workers import Outcome, Worker, run_supervised
@@ -17,6 +19,12 @@ def act(item: str) -> str:
         os._exit(7)
     if item == "hang":
         time.sleep(60)
+    if item == "kill":
+        os.kill(os.getpid(), signal.SIGKILL)
+    if item == "memory":
+        bytearray(2**62)
+    if item == "tensor":
+        torch.empty(2**58)
     if item == "raise":
         raise SourceError("mobility.urdf: joint 'joint_0' has no parent")
     if item == "bug":
@@ -31,7 +39,7 @@ def handle(worker: Worker, item: str) -> tuple[str, Outcome]:
 
 @pytest.fixture(scope="module")
 def outcomes() -> dict:
-    items = ["a", "abort", "b", "raise", "exit", "hang", "bug", "c"]
+    items = ["a", "abort", "b", "raise", "exit", "hang", "bug", "kill", "memory", "tensor", "c"]
     return dict(run_supervised(handle, items, workers=2))
 
 
@@ -44,6 +52,13 @@ def test_good_items_survive_their_neighbours(outcomes):
     [
         ("abort", "the worker process died: signal SIGABRT"),
         ("exit", "the worker process died: exit code 7"),
+        (
+            "kill",
+            "the worker process died: signal SIGKILL, which is what systems out of memory send; "
+            "free some, or run fewer --workers",
+        ),
+        ("memory", "memory ran out; free some, or run fewer --workers"),
+        ("tensor", "memory ran out; free some, or run fewer --workers"),
         ("hang", "took longer than 3 s and was stopped"),
         ("raise", "mobility.urdf: joint 'joint_0' has no parent"),
         ("bug", "KeyError: 'oops'"),

@@ -98,7 +98,7 @@ def load_strictly(network: nn.Module, tensors: dict[str, Tensor], owner: str) ->
     """Loads tensors that match a network exactly, in names and shapes.
 
     Raises:
-        SourceError: Lists what is missing, unexpected or of another shape.
+        SourceError: Lists what is missing, unexpected, of another shape or not finite.
     """
     expected = network.state_dict()
     shapes = [
@@ -110,11 +110,19 @@ def load_strictly(network: nn.Module, tensors: dict[str, Tensor], owner: str) ->
         ("missing", sorted(expected.keys() - tensors.keys())),
         ("unexpected", sorted(tensors.keys() - expected.keys())),
         ("of another shape", shapes),
+        (
+            "not finite",
+            [key for key in sorted(expected.keys() & tensors.keys()) if not _is_finite(tensors[key])],
+        ),
     ]
     wrong = [f"{len(keys)} {what} ({_list(keys)})" for what, keys in found if keys]
     if wrong:
         raise SourceError(f"{owner}: does not fit {type(network).__name__}: {'; '.join(wrong)}")
     network.load_state_dict(tensors)
+
+
+def _is_finite(tensor: Tensor) -> bool:
+    return bool(torch.isfinite(tensor).all())
 
 
 def orient_kernels(network: nn.Module, tensors: dict[str, Tensor]) -> dict[str, Tensor]:
