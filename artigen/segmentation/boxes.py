@@ -12,11 +12,12 @@ from jaxtyping import Bool, Float
 from scipy.ndimage import uniform_filter
 
 Box = tuple[slice, slice, slice]
+Sums = tuple[np.ndarray, np.ndarray, np.ndarray]
 ORDERS = tuple(permutations(range(3)))
 """In which faces are moved: a wall that meets a shelf is found along itself or along the shelf."""
 SWEEPS = 12
 """At most this often are all faces moved; they rest after three or four."""
-TRIES = 150
+TRIES = 20
 """So many starts that lead to no box of enough evidence end the search."""
 TOLD = -np.inf
 """Where no box starts."""
@@ -63,12 +64,13 @@ def _seeds(rest: Float[np.ndarray, "X Y Z"]) -> Float[np.ndarray, "X Y Z"]:
     return np.where(rest > 0, uniform_filter(rest, 3, mode="constant", cval=-1.0), TOLD)
 
 
-def _summed(rest: Float[np.ndarray, "X Y Z"]) -> Float[np.ndarray, "X+1 Y+1 Z+1"]:
-    """Sums over all boxes that start in the corner."""
-    return np.pad(rest.cumsum(axis=0).cumsum(axis=1).cumsum(axis=2), ((1, 0), (1, 0), (1, 0)))
+def _summed(rest: Float[np.ndarray, "X Y Z"]) -> Sums:
+    """Sums over all boxes that start in the corner, seen along each axis."""
+    sums = np.pad(rest.cumsum(axis=0).cumsum(axis=1).cumsum(axis=2), ((1, 0), (1, 0), (1, 0)))
+    return sums, sums.transpose(1, 0, 2), sums.transpose(2, 0, 1)
 
 
-def _grow(sums: np.ndarray, start: tuple[np.intp, ...], order: tuple[int, ...]) -> tuple[float, Box]:
+def _grow(sums: Sums, start: tuple[np.intp, ...], order: tuple[int, ...]) -> tuple[float, Box]:
     """The box that grows from a cell when faces are moved in this order of axes, and its sum."""
     faces = [(int(at), int(at) + 1) for at in start]
     gain = -np.inf
@@ -87,8 +89,8 @@ def _grow(sums: np.ndarray, start: tuple[np.intp, ...], order: tuple[int, ...]) 
     return gain, (x, y, z)
 
 
-def _sums_along(sums: np.ndarray, faces: list[tuple[int, int]], axis: int) -> np.ndarray:
+def _sums_along(sums: Sums, faces: list[tuple[int, int]], axis: int) -> np.ndarray:
     """Sums over the cross-section of a box from the start of an axis to each place along it."""
-    (a, b), (c, d) = (faces[other] for other in range(3) if other != axis)
-    lines = np.moveaxis(sums, axis, 0)
+    (a, b), (c, d) = faces[:axis] + faces[axis + 1 :]
+    lines = sums[axis]
     return lines[:, b, d] - lines[:, a, d] - lines[:, b, c] + lines[:, a, c]
