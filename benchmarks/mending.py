@@ -1,0 +1,149 @@
+"""What mending does to drawn cells: how near the truth they are and how rough, with and without each stage.
+
+    python benchmarks/mending.py --out out/mending
+
+takes held-out procedural objects with their true outlines (blurred as drawn ones are) a good part of the way
+to noise, lets the flow bring them back, and measures the cells as decoded, with cells that agree along
+lines, as boards, and with both; and what boards do to the truth itself. Writes ``mending.md``.
+"""
+
+import sys
+from collections import defaultdict
+from dataclasses import dataclass
+from itertools import combinations, pairwise
+from pathlib import Path
+
+import numpy as np
+import torch
+import tyro
+from jaxtyping import Int
+from scipy.ndimage import binary_dilation
+from torch import Tensor
+
+from artigen.fields import VoxelFields, decode, encode
+from artigen.generate import StructureModel, load_structure_model
+from artigen.metrics.report import format_table
+from artigen.metrics.subjects import Subject, draw_subjects
+from artigen.models.outlines import OutlineBatch, blur_outlines
+from artigen.models.steady import SteadyConfig
+from artigen.models.structure_vae import decode_cells
+from artigen.sampling import diffuse
+from artigen.segmentation.boards import make_boards
+from artigen.segmentation.rows import fields_of_owners, read_owners
+from artigen.train.batches import condition_batch, outline_batch, patch_batch
+from artigen.weights import STRUCTURE
+
+Owners = Int[np.ndarray, "X Y Z"]
+CERTAIN = 6.0
+"""Logit of a cell of the truth."""
+SMALLEST = 60
+"""Parts of fewer cells are not scored on their own."""
+NEAR = np.ones((3, 3, 3), dtype=bool)
+"""Cells at most one away."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Options:
+    """What to run."""
+
+    model: Path = STRUCTURE
+    """Folder of the trained model."""
+    out: Path = Path("out/mending")
+    """Where the table goes."""
+    objects: int = 14
+    """Held-out objects, categories in turn."""
+    time: float = 0.85
+    """How far towards noise, at most 1."""
+    steps: int = 12
+    """Steps back."""
+
+
+def bring_back(
+    model: StructureModel, subject: Subject, outlines: OutlineBatch, options: Options, seed: int
+) -> Tensor:
+    """The latent of an object after a way towards noise and back."""
+    generator = torch.Generator().manual_seed(seed)
+    mean, _ = model.vae.encode(patch_batch([subject.example]))
+    clean, flow = model.flow.normalise(mean), model.flow
+    tokens = flow.conditions(condition_batch([subject.example], model.preset.conditions))
+    hint = flow.hint(outlines)
+    times = torch.linspace(options.time, 0.0, options.steps + 1)
+    x = diffuse(clean, torch.randn(clean.shape, generator=generator), times[:1])
+    for time, following in pairwise(times):
+        x = x - (time - following) * flow.velocity(x, time[None], tokens, hint)
+    return flow.restore(x)
+
+
+def score(drawn: Owners, truth: Owners) -> tuple[float, float, float, float]:
+    """Intersection over union; F1 within a cell, of all cells and a mean over parts; bends."""
+    some, true = drawn >= 0, truth >= 0
+    parts = [part for part in np.unique(truth[true]) if (truth == part).sum() >= SMALLEST]
+    return (
+        float((some & true).sum() / (some | true).sum()),
+        _near_f1(some, true),
+        float(np.mean([_near_f1(drawn == part, truth == part) for part in parts])),
+        _roughness(some),
+    )
+
+
+def _near_f1(one: np.ndarray, other: np.ndarray) -> float:
+    precision = (one & binary_dilation(other, NEAR)).sum() / max(one.sum(), 1)
+    recall = (other & binary_dilation(one, NEAR)).sum() / other.sum()
+    return float(2 * precision * recall / max(precision + recall, 1e-9))
+
+
+def _roughness(some: np.ndarray) -> float:
+    """Edges at which the surface bends, over its faces."""
+    padded = np.pad(some, 1).astype(np.int8)
+    faces = sum(np.abs(np.diff(padded, axis=axis)).sum() for axis in range(3))
+    pairs = combinations(range(3), 2)
+    bends = sum((np.diff(np.diff(padded, axis=one), axis=other) != 0).sum() for one, other in pairs)
+    return float(bends / faces)
+
+
+def main(options: Options) -> int:
+    """Runs all objects and writes the table."""
+    model = load_structure_model(options.model)
+    preset = model.preset
+    subjects = draw_subjects(
+        preset.conditions.categories, 0, options.objects, resolution=preset.resolution, image_size=0
+    )
+    scores = defaultdict(list)
+    for number, subject in enumerate(subjects):
+        exact = outline_batch([subject.example])
+        outlines = blur_outlines(exact, 0.0, torch.Generator().manual_seed(number))
+        rows = outlines.rows[0].numpy()
+        with torch.no_grad():
+            latent = bring_back(model, subject, outlines, options, number)
+        truth = true_owners(subject, exact.rows[0].numpy())
+        scores["the truth"].append(score(truth, truth))
+        for name, steady in (("as decoded", None), ("along lines", SteadyConfig())):
+            fields, logits = decode_cells(model.vae, latent, outlines, steady)
+            made, _ = make_boards(fields[0], logits[0].numpy(), rows)
+            scores[name].append(score(read_owners(fields[0], rows), truth))
+            scores[f"{name}, boards"].append(score(read_owners(made, rows), truth))
+        remade = remake_truth(truth, exact.rows[0].numpy(), fields[0])
+        scores["the truth, boards"].append(score(remade, truth))
+        print(f"{number + 1} of {options.objects}: {subject.asset.name}", file=sys.stderr)
+    head = ("", "intersection over union", "F1 within a cell", "of parts", "bends per face")
+    table = [(name, *(f"{value:.3f}" for value in np.mean(found, axis=0))) for name, found in scores.items()]
+    options.out.mkdir(parents=True, exist_ok=True)
+    text = "\n".join(format_table(head, table)) + "\n"
+    (options.out / "mending.md").write_text(text)
+    print(text)
+    return 0
+
+
+def true_owners(subject: Subject, rows: np.ndarray) -> Owners:
+    """The row whose box every cell of an object says."""
+    return read_owners(decode(encode(subject.asset)), rows)
+
+
+def remake_truth(truth: Owners, rows: np.ndarray, like: VoxelFields) -> Owners:
+    """What boards make of cells that are right already."""
+    logits = np.where(truth >= 0, CERTAIN, -CERTAIN)
+    return read_owners(make_boards(fields_of_owners(truth, rows, like), logits, rows)[0], rows)
+
+
+if __name__ == "__main__":
+    sys.exit(main(tyro.cli(Options)))
