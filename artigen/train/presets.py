@@ -51,10 +51,10 @@ TRAINING: dict[PresetName, TrainingPreset] = {
         decoder=StageConfig(batch=4, learning_rate=1e-3, warmup=5, decay=1.0, ema=0.9, share=0.1),
     ),
     "small": TrainingPreset(
-        vae=StageConfig(batch=4, learning_rate=1.5e-3, warmup=100, decay=1.0, ema=0.995, share=0.25),
-        outline=StageConfig(batch=16, learning_rate=5e-4, warmup=100, decay=0.4, ema=0.998, share=0.25),
-        flow=StageConfig(batch=4, learning_rate=6e-4, warmup=100, decay=0.3, ema=0.998, share=0.35),
-        decoder=StageConfig(batch=4, learning_rate=7e-4, warmup=30, decay=1.0, ema=0.995, share=0.15),
+        vae=StageConfig(batch=4, learning_rate=1.5e-3, warmup=100, decay=1.0, ema=0.995, share=0.15),
+        outline=StageConfig(batch=16, learning_rate=5e-4, warmup=100, decay=0.4, ema=0.998, share=0.15),
+        flow=StageConfig(batch=4, learning_rate=6e-4, warmup=100, decay=0.3, ema=0.998, share=0.5),
+        decoder=StageConfig(batch=4, learning_rate=7e-4, warmup=30, decay=1.0, ema=0.995, share=0.2),
         losses=StructureLossConfig(kl=5e-3),
     ),
     "compact": TrainingPreset(
