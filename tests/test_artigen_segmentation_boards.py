@@ -21,11 +21,11 @@ KNOB = (slice(0, 1), slice(14, 16), slice(14, 16))
 """Two cells by two before the door: too little for a board."""
 
 
-def row(label: str, box: tuple[slice, slice, slice]) -> np.ndarray:
+def row(label: str, box: tuple[slice, slice, slice], joint: str = "fixed") -> np.ndarray:
     """What an outline says of a part that fills a box."""
     out = np.zeros(DEFAULT_LAYOUT.channels - 1, dtype=np.float32)
     out[DEFAULT_LAYOUT.label.start - 1 + DEFAULT_LAYOUT.labels.index(label)] = 1.0
-    out[DEFAULT_LAYOUT.joint_type.start - 1] = 1.0
+    out[DEFAULT_LAYOUT.joint_type.start - 1 + DEFAULT_LAYOUT.joint_types.index(joint)] = 1.0
     low, high = np.array([(side.start, side.stop) for side in box]).T / EDGE - 0.5
     out[DEFAULT_LAYOUT.box.start - 1 : DEFAULT_LAYOUT.box.stop - 1] = [*(low + high) / 2, *high - low]
     return out
@@ -46,7 +46,7 @@ def cupboard() -> np.ndarray:
     return owners
 
 
-def fields_of(owners: np.ndarray) -> VoxelFields:
+def fields_of(owners: np.ndarray, rows: np.ndarray = ROWS) -> VoxelFields:
     layout = DEFAULT_LAYOUT
     widths = {
         "label_probs": len(layout.labels),
@@ -63,7 +63,7 @@ def fields_of(owners: np.ndarray) -> VoxelFields:
         coords=np.zeros((0, 3), dtype=int),
         **{name: np.zeros((0, width)) for name, width in widths.items()},
     )
-    return fields_of_owners(owners, ROWS, nothing)
+    return fields_of_owners(owners, rows, nothing)
 
 
 def remake(owners: np.ndarray, cfg: BoardsConfig | None = None) -> np.ndarray:
@@ -120,6 +120,17 @@ def test_small_and_round_parts_stay_as_they_were_drawn(cupboard: np.ndarray):
     assert (remake(worn) == worn).all()
 
 
+def test_a_turntable_stays_round():
+    across, along = np.meshgrid(np.arange(EDGE) - 15.5, np.arange(EDGE) - 15.5, indexing="ij")
+    owners = np.full((EDGE,) * 3, -1)
+    owners[..., 8:10][np.hypot(across, along) < 11] = 0
+    logits = np.where(owners >= 0, 6.0, -6.0)
+    for joint, stays in (("continuous", True), ("fixed", False)):
+        rows = np.stack([row("tray", (slice(5, 27), slice(5, 27), slice(8, 10)), joint)])
+        made, _ = make_boards(fields_of(owners, rows), logits, rows)
+        assert (read_owners(made, rows) == owners).all() == stays
+
+
 def test_a_part_without_cells_is_not_made_up(cupboard: np.ndarray):
     without = np.where(cupboard == 1, -1, cupboard)
     assert not (remake(without) == 1).any()
@@ -130,7 +141,7 @@ def test_a_slanted_piece_stays_beside_the_boards():
     for step in range(20):  # a slope that no box of ten cells holds
         owners[4 + step, 4:9, 4 + step] = 0
     rows = np.stack([row("base", (slice(4, 28), slice(4, 28), slice(4, 28)))])
-    fields = fields_of(owners)
+    fields = fields_of(owners, rows)
     made, _ = make_boards(fields, np.where(owners >= 0, 6.0, -6.0), rows)
     assert len(made.coords) == len(fields.coords)
 

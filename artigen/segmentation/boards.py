@@ -36,7 +36,7 @@ class BoardsConfig:
     rounds: int = 2
     """How often boards and cuts take turns."""
     exempt: tuple[PartLabel, ...] = ("handle", "knob", "wheel")
-    """Parts that stay as they were drawn: small, or round."""
+    """Parts that stay as they were drawn: small, or round. So do parts that turn without end."""
 
 
 def make_boards(
@@ -58,10 +58,15 @@ def make_boards(
     after = np.full_like(before, -1)
     evidence = (logits / cfg.certain).clip(-1.0, 1.0)
     layout = found.layout
-    names = [layout.labels[at] for at in rows[:, layout.label.start - 1 : layout.label.stop - 1].argmax(1)]
+    labels = rows[:, layout.label.start - 1 : layout.label.stop - 1].argmax(axis=1)
+    joints = rows[:, layout.joint_type.start - 1 : layout.joint_type.stop - 1].argmax(axis=1)
     boxes = rows[:, layout.box.start - 1 : layout.box.stop - 1]
     sizes = boxes[:, 3:].prod(axis=1)
-    exempt = [number for number, name in enumerate(names) if name in cfg.exempt]
+    exempt = [
+        number
+        for number, (label, joint) in enumerate(zip(labels, joints, strict=True))
+        if layout.labels[label] in cfg.exempt or layout.joint_types[joint] == "continuous"
+    ]
     for number in np.argsort(-sizes):  # the smaller of two parts is drawn over the larger
         if number in exempt or not (before == number).any():
             continue
