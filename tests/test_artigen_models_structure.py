@@ -15,6 +15,7 @@ from artigen.models.conditions import (
     StructureCondition,
     drop_conditions,
     gather_conditions,
+    isolate_pictures,
 )
 from artigen.models.conv_vae import ConvVaeConfig
 from artigen.models.latent_dit import EARLIEST, SETTLED, velocity_of, weigh_times
@@ -221,6 +222,20 @@ def test_open_fields_do_not_look_at_their_values():
     assert torch.equal(encoder(dropped), encoder(nothing))
     assert torch.equal(encoder(kept), encoder(batch))
     assert not torch.allclose(encoder(batch), encoder(nothing), atol=1e-3)
+
+
+def test_pictures_stand_alone_as_often_as_asked_for():
+    cfg = ConditionConfig(width=32, image_size=16, image_patch=8, image_width=32, image_blocks=1)
+    picture = np.zeros((4, 16, 16), dtype=np.float32)
+    said = {"category": "Oven", "counts": (("door", 1),), "size": (0.6, 0.6, 0.9)}
+    pictured, plain = StructureCondition(**said, image=picture), StructureCondition(**said)
+    batch = gather_conditions([pictured, plain] * 500, cfg)
+    isolated = isolate_pictures(batch, 0.25, torch.Generator().manual_seed(0))
+    alone = (isolated.category < 0) & (isolated.counts < 0).all(dim=1) & ~isolated.has_size
+    assert not alone[1::2].any()
+    assert 0.2 < float(alone[::2].float().mean()) < 0.3
+    assert torch.equal(isolated.category[~alone], batch.category[~alone])
+    assert torch.equal(isolated.has_image, batch.has_image)
 
 
 def test_wrong_conditions_are_refused():

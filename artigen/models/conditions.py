@@ -5,7 +5,7 @@ network answers every subset; dropping everything gives the unconditional veloci
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import torch
@@ -114,6 +114,23 @@ def drop_conditions(batch: ConditionBatch, share: float, generator: torch.Genera
         has_size=batch.has_size & all_kept & kept(count),
         image=batch.image,
         has_image=batch.has_image & all_kept & (kept(count) & kept(count)),
+    )
+
+
+def isolate_pictures(batch: ConditionBatch, share: float, generator: torch.Generator) -> ConditionBatch:
+    """Leaves open all but the picture, for a share of the samples that have one.
+
+    Left open field by field, everything else hardly ever is at once, and a network that is never shown a
+    picture alone learns to look at the rest.
+    """
+    alone = (
+        torch.rand(len(batch.counts), generator=generator, device=generator.device) < share
+    ) & batch.has_image
+    return replace(
+        batch,
+        category=torch.where(alone, -1, batch.category),
+        counts=torch.where(alone[:, None], -1, batch.counts),
+        has_size=batch.has_size & ~alone,
     )
 
 

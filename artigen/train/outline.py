@@ -9,7 +9,13 @@ import torch
 from torch import Tensor, nn
 from torch.nn import functional
 
-from artigen.models.conditions import MAX_COUNT, ConditionBatch, ConditionConfig, drop_conditions
+from artigen.models.conditions import (
+    MAX_COUNT,
+    ConditionBatch,
+    ConditionConfig,
+    drop_conditions,
+    isolate_pictures,
+)
 from artigen.models.outline_flow import OutlineFlow, frame_outlines
 from artigen.models.outlines import OutlineBatch, measure_extents
 from artigen.sampling import diffuse, draw_times, target_velocity
@@ -20,6 +26,8 @@ from artigen.train.loop import LoopConfig, process_seed, train
 Report = Callable[[Mapping[str, float]], None]
 DROPOUT = 0.1
 """Least share of conditions left open."""
+ALONE = 0.25
+"""Share of pictures of which nothing else is said."""
 GUESS = 0.1
 """Weight of the guesses of open counts and categories."""
 
@@ -53,7 +61,8 @@ def train_outline_flow(
         # some batches leave most open: the guesses are asked with any subset of what there is
         chance = torch.rand(2, generator=generator, device=generator.device)
         share = DROPOUT + (0.8 * float(chance[1]) if chance[0] < 0.5 else 0.0)
-        asked = drop_conditions(drawn.conditions, share, generator)
+        known = isolate_pictures(drawn.conditions, ALONE, generator)
+        asked = drop_conditions(known, share, generator)
         return network(drawn, asked, generator)
 
     make = partial(_describe, conditions=conditions)
