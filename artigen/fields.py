@@ -121,6 +121,11 @@ class FieldLayout:
 DEFAULT_LAYOUT = FieldLayout()
 
 
+def after_occupancy(channels: slice) -> slice:
+    """Where channels of a layout lie in rows and tables that leave occupancy out."""
+    return slice(channels.start - 1, channels.stop - 1)
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class VoxelFields:
     """What the occupied cells say, in meaningful units: radians and unit-cube lengths.

@@ -9,7 +9,7 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from artigen.fields import FieldLayout
+from artigen.fields import FieldLayout, after_occupancy
 from artigen.metrics.deviations import part_deviations
 from artigen.models.outlines import OutlineBatch
 from artigen.models.patches import PatchBatch
@@ -67,18 +67,20 @@ def score_spread(
             values[common].float().cpu().numpy(), patches.rows[common].cpu().numpy()
         )
         spreads.append(spread)
-        kinds.append(patches.table[torch.from_numpy(ids).to(device)][:, _inner(layout.joint_type)].argmax(1))
+        kinds.append(
+            patches.table[torch.from_numpy(ids).to(device)][:, after_occupancy(layout.joint_type)].argmax(1)
+        )
     spread, kind = np.concatenate(spreads), torch.cat(kinds).cpu().numpy()
     still, sliding = (layout.joint_types.index(name) for name in ("fixed", "prismatic"))
     everywhere, moving = np.ones(len(kind), dtype=bool), kind != still
-    box = _inner(layout.box)
-    rotation, travel = (_inner(layout.range).start + offset for offset in (0, 1))
+    box = after_occupancy(layout.box)
+    rotation, travel = (after_occupancy(layout.range).start + offset for offset in (0, 1))
     degrees = float(np.degrees(layout.rotation_unit))
     rows = {
         "box_center": (slice(box.start, box.start + 3), everywhere, 1.0),
         "box_size": (slice(box.start + 3, box.stop), everywhere, 1.0),
-        "axis": (_inner(layout.axis), moving, 1.0),
-        "origin": (_inner(layout.origin), moving & (kind != sliding), 1.0),
+        "axis": (after_occupancy(layout.axis), moving, 1.0),
+        "origin": (after_occupancy(layout.origin), moving & (kind != sliding), 1.0),
         "rotation": (slice(rotation, rotation + 1), moving & (kind != sliding), degrees),
         "travel": (slice(travel, travel + 1), kind == sliding, layout.length_unit),
     }
@@ -92,14 +94,9 @@ def _subjects(examples: Sequence[StructureExample], device: torch.device) -> tup
     return patch_batch(examples).to(device), outline_batch(examples).to(device)
 
 
-def _inner(channels: slice) -> slice:
-    """The channels of a layout among those after occupancy."""
-    return slice(channels.start - 1, channels.stop - 1)
-
-
 def _compare(sums: dict[str, list[float]], said: Tensor, truth: Tensor, layout: FieldLayout) -> None:
     def at(channels: slice) -> tuple[Tensor, Tensor]:
-        return said[:, _inner(channels)], truth[:, _inner(channels)]
+        return said[:, after_occupancy(channels)], truth[:, after_occupancy(channels)]
 
     label, right = (values.argmax(dim=1) for values in at(layout.label))
     _count(sums, "label", label == right)

@@ -12,7 +12,7 @@ from jaxtyping import Bool, Float, Int
 from torch import Tensor, nn
 from torch.nn import functional
 
-from artigen.fields import DEFAULT_LAYOUT, FieldLayout
+from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy
 from artigen.models.attention import plain_norm
 from artigen.models.conditions import MAX_COUNT, ConditionBatch, ConditionConfig, ConditionEncoder
 from artigen.models.embeddings import TimestepEmbedder
@@ -39,7 +39,7 @@ class OutlineFlowConfig:
     @property
     def drawn(self) -> slice:
         """What is drawn of a row: joint type, axis, origin, range, box."""
-        return slice(self.layout.joint_type.start - 1, self.layout.box.stop - 1)
+        return after_occupancy(slice(self.layout.joint_type.start, self.layout.box.stop))
 
 
 class OutlineFlow(nn.Module):
@@ -125,7 +125,7 @@ class OutlineFlow(nn.Module):
         rows = x.new_zeros(*x.shape[:2], layout.channels - 1)
         rows[..., drawn] = x * self.std + self.mean
         rows[..., : drawn.start] = functional.one_hot(frame.labels, len(layout.labels)).to(rows.dtype)
-        kinds = slice(layout.joint_type.start - 1, layout.joint_type.stop - 1)
+        kinds = after_occupancy(layout.joint_type)
         rows[..., kinds] = functional.one_hot(rows[..., kinds].argmax(dim=-1), len(layout.joint_types)).to(
             rows.dtype
         )
@@ -137,7 +137,7 @@ class OutlineFlow(nn.Module):
         layout = self.cfg.layout
         out = rows.clone()
         center = rows[..., layout.box.start - 1 : layout.box.start + 2]
-        out[..., layout.origin.start - 1 : layout.origin.stop - 1] += sign * center
+        out[..., after_occupancy(layout.origin)] += sign * center
         return out
 
     def _scale(self, rows: Float[Tensor, "B N C"], factors: Float[Tensor, "B 3"]) -> Float[Tensor, "B N C"]:

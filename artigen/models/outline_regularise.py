@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from artigen.fields import DEFAULT_LAYOUT, FieldLayout
+from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy
 
 CELL = 1 / 64
 
@@ -72,7 +72,7 @@ def _clip_boxes(rows: np.ndarray, cfg: OutlineRegulariseConfig, layout: FieldLay
 
 
 def _straighten_axes(rows: np.ndarray, cfg: OutlineRegulariseConfig, layout: FieldLayout) -> str:
-    axis = rows[:, layout.axis.start - 1 : layout.axis.stop - 1]
+    axis = rows[:, after_occupancy(layout.axis)]
     fixed = _types(rows, layout) == layout.joint_types.index("fixed")
     axis[fixed] = 0.0
     length = np.linalg.norm(axis, axis=1)
@@ -109,7 +109,7 @@ def _settle_ranges(rows: np.ndarray, cfg: OutlineRegulariseConfig, layout: Field
 def _part_fronts(rows: np.ndarray, cfg: OutlineRegulariseConfig, layout: FieldLayout) -> str:
     """Doors and drawers that overlap a little are parted at the middle of what they share."""
     center, size = _boxes(rows, layout)
-    labels = np.array(layout.labels)[rows[:, layout.label.start - 1 : layout.label.stop - 1].argmax(axis=1)]
+    labels = np.array(layout.labels)[rows[:, after_occupancy(layout.label)].argmax(axis=1)]
     fronts = np.flatnonzero(np.isin(labels, ("door", "drawer")))
     parted = []
     for number, one in enumerate(fronts):
@@ -134,8 +134,8 @@ def _part_fronts(rows: np.ndarray, cfg: OutlineRegulariseConfig, layout: FieldLa
 def _place_axes(rows: np.ndarray, cfg: OutlineRegulariseConfig, layout: FieldLayout) -> str:
     """Hinges to the edge of their door, axes of what turns freely to its centre, others to the box centre."""
     center, size = _boxes(rows, layout)
-    origin = rows[:, layout.origin.start - 1 : layout.origin.stop - 1]
-    axis = rows[:, layout.axis.start - 1 : layout.axis.stop - 1]
+    origin = rows[:, after_occupancy(layout.origin)]
+    axis = rows[:, after_occupancy(layout.axis)]
     kinds = np.array(layout.joint_types)[_types(rows, layout)]
     still = np.isin(kinds, ("fixed", "prismatic"))
     origin[still] = center[still]
@@ -164,4 +164,4 @@ def _boxes(rows: np.ndarray, layout: FieldLayout) -> tuple[np.ndarray, np.ndarra
 
 
 def _types(rows: np.ndarray, layout: FieldLayout) -> np.ndarray:
-    return rows[:, layout.joint_type.start - 1 : layout.joint_type.stop - 1].argmax(axis=1)
+    return rows[:, after_occupancy(layout.joint_type)].argmax(axis=1)

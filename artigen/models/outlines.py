@@ -14,7 +14,7 @@ from jaxtyping import Bool, Float, Int
 from torch import Tensor
 from torch.nn import functional
 
-from artigen.fields import DEFAULT_LAYOUT, FieldLayout
+from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy
 
 BLUR = 0.25 / 64
 """Standard deviation of the error of drawn boxes, in unit-cube lengths."""
@@ -52,9 +52,9 @@ def sort_rows(
     table: Float[np.ndarray, "N C"], layout: FieldLayout = DEFAULT_LAYOUT
 ) -> Float[np.ndarray, "N C"]:
     """Parts in the order of reading: by label, then from top to bottom, left to right, front to back."""
-    shifted = _after_occupancy(layout)
-    label = table[:, shifted["label"]].argmax(axis=1)
-    center = np.round(table[:, shifted["box"]][:, :3] * 32)  # what is level to half a cell is level
+    label = table[:, after_occupancy(layout.label)].argmax(axis=1)
+    box = table[:, after_occupancy(layout.box)]
+    center = np.round(box[:, :3] * 32)  # what is level to half a cell is level
     return table[np.lexsort((center[:, 0], -center[:, 1], -center[:, 2], label))]
 
 
@@ -81,7 +81,7 @@ def blur_outlines(outlines: OutlineBatch, share: float, generator: torch.Generat
 
     A network trained with exact boxes alone would follow every error of drawn ones.
     """
-    rows, box = outlines.rows.clone(), _after_occupancy(DEFAULT_LAYOUT)["box"]
+    rows, box = outlines.rows.clone(), after_occupancy(DEFAULT_LAYOUT.box)
     noise = torch.randn(rows[..., box].shape, generator=generator, device=generator.device)
     rows[..., box] += BLUR * noise
     kept = torch.rand(len(rows), generator=generator, device=generator.device) >= share
@@ -154,13 +154,12 @@ def draw_hint(
     Each is told by its attributes (places relative to the cell), the distances from the cell's centre to
     the six faces of its box in cells, at most 2, and a one. Zero where there is no such part.
     """
-    at = _after_occupancy(layout)
     line = _cell_line(edge, outlines.rows.device)
     center = torch.stack(torch.meshgrid(line, line, line, indexing="ij"), dim=-1).reshape(-1, 3)
     batch = torch.arange(len(outlines.rows), device=line.device)[:, None, None]
     said = outlines.rows[batch, candidates.chosen][..., : _said_of_parts(layout)].clone()
-    said[..., at["origin"]] -= center
-    said[..., at["box"].start : at["box"].start + 3] -= center
+    said[..., after_occupancy(layout.origin)] -= center
+    said[..., after_occupancy(layout.box)][..., :3] -= center
     low, high = (face[batch, candidates.chosen] for face in _faces(outlines, layout))
     faces = torch.cat([center - low, high - center], dim=-1)
     told = torch.cat([said, (faces * edge).clamp(-2.0, 2.0), torch.ones_like(faces[..., :1])], dim=-1)
@@ -170,7 +169,7 @@ def draw_hint(
 
 def part_labels(rows: Float[Tensor, "B N C"], layout: FieldLayout = DEFAULT_LAYOUT) -> Int[Tensor, "B N"]:
     """Label of each row."""
-    return rows[..., _after_occupancy(layout)["label"]].argmax(dim=-1)
+    return rows[..., after_occupancy(layout.label)].argmax(dim=-1)
 
 
 def _said_of_parts(layout: FieldLayout) -> int:
@@ -178,14 +177,9 @@ def _said_of_parts(layout: FieldLayout) -> int:
     return layout.box.stop - 1
 
 
-def _after_occupancy(layout: FieldLayout) -> dict[str, slice]:
-    names = ("label", "joint_type", "axis", "origin", "range", "box")
-    return {name: slice(getattr(layout, name).start - 1, getattr(layout, name).stop - 1) for name in names}
-
-
 def _faces(outlines: OutlineBatch, layout: FieldLayout) -> tuple[Float[Tensor, "B N 3"], ...]:
     """Lowest and highest corners of the boxes."""
-    box = outlines.rows[..., _after_occupancy(layout)["box"]]
+    box = outlines.rows[..., after_occupancy(layout.box)]
     return box[..., :3] - box[..., 3:] / 2, box[..., :3] + box[..., 3:] / 2
 
 

@@ -15,7 +15,7 @@ from jaxtyping import Bool, Float
 from torch import Tensor, nn
 from torch.nn import functional
 
-from artigen.fields import DEFAULT_LAYOUT, FieldLayout
+from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy
 from artigen.models.attention import FeedForward, SelfAttention, plain_norm
 from artigen.models.embeddings import embed_positions, grid_positions
 from artigen.models.outlines import DEPTH, hint_channels
@@ -205,5 +205,5 @@ def channel_groups(layout: FieldLayout) -> tuple[tuple[slice, bool], ...]:
         (slice(layout.axis.start, layout.box.stop), False),
         (slice(layout.category.start, layout.channels), True),
     ):
-        groups.append((slice(channels.start - 1, channels.stop - 1), is_class))
+        groups.append((after_occupancy(channels), is_class))
     return tuple(groups)

@@ -12,7 +12,7 @@ import torch
 from jaxtyping import Float, Int, UInt8
 from torch import Tensor
 
-from artigen.fields import DEFAULT_LAYOUT, FieldLayout, part_attributes
+from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, part_attributes
 from artigen.models.volumes import gather_pixels, shuffle_pixels
 from artigen.types import Asset
 
@@ -71,7 +71,7 @@ class PatchBatch:
 
     def labels(self, layout: FieldLayout = DEFAULT_LAYOUT) -> Int[Tensor, "T"]:
         """Part label of each row of the table; row 0 means nothing."""
-        return self.table[:, _after_occupancy(layout.label)].argmax(dim=1)
+        return self.table[:, after_occupancy(layout.label)].argmax(dim=1)
 
 
 def pack_asset(asset: Asset, layout: FieldLayout = DEFAULT_LAYOUT) -> PackedField:
@@ -161,9 +161,5 @@ def relative(
     """Attributes whose places (joint origin, box centre) are counted from the patch (-1), or back (+1)."""
     shift = attributes.new_zeros(len(centers), attributes.shape[2])
     for place in (layout.origin, slice(layout.box.start, layout.box.start + 3)):
-        shift[:, _after_occupancy(place)] = sign * centers.to(attributes.dtype)
+        shift[:, after_occupancy(place)] = sign * centers.to(attributes.dtype)
     return attributes + shift[:, None, :]
-
-
-def _after_occupancy(channels: slice) -> slice:
-    return slice(channels.start - 1, channels.stop - 1)

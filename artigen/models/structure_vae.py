@@ -10,7 +10,7 @@ import torch
 from jaxtyping import Float, Int
 from torch import Tensor, nn
 
-from artigen.fields import DEFAULT_LAYOUT, FieldLayout, VoxelFields
+from artigen.fields import DEFAULT_LAYOUT, FieldLayout, VoxelFields, after_occupancy
 from artigen.models.conv_vae import ConvDecoder, ConvEncoder, ConvVaeConfig
 from artigen.models.outlines import OutlineBatch, draw_hint, find_candidates, reach_cells
 from artigen.models.patch_vae import NEVER, PatchDecoder, PatchEncoder, PatchVaeConfig
@@ -130,7 +130,7 @@ def _read(
     values = values[order].float()
 
     def channels(part: slice) -> Tensor:
-        return values[:, part.start - 1 : part.stop - 1]
+        return values[:, after_occupancy(part)]
 
     units = torch.tensor([layout.rotation_unit, layout.length_unit], device=values.device)
     return VoxelFields(

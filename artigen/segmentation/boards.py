@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy.ndimage import label as number_pieces
 
-from artigen.fields import VoxelFields
+from artigen.fields import VoxelFields, after_occupancy
 from artigen.segmentation.boxes import Box, fill_boxes, find_boxes
 from artigen.segmentation.rows import fields_of_owners, read_owners
 from artigen.types import PartLabel
@@ -58,9 +58,9 @@ def make_boards(
     after = np.full_like(before, -1)
     evidence = (logits / cfg.certain).clip(-1.0, 1.0)
     layout = found.layout
-    labels = rows[:, layout.label.start - 1 : layout.label.stop - 1].argmax(axis=1)
-    joints = rows[:, layout.joint_type.start - 1 : layout.joint_type.stop - 1].argmax(axis=1)
-    boxes = rows[:, layout.box.start - 1 : layout.box.stop - 1]
+    labels = rows[:, after_occupancy(layout.label)].argmax(axis=1)
+    joints = rows[:, after_occupancy(layout.joint_type)].argmax(axis=1)
+    boxes = rows[:, after_occupancy(layout.box)]
     sizes = boxes[:, 3:].prod(axis=1)
     exempt = [
         number

@@ -7,7 +7,7 @@ that there is one, it claims the cells of its box, as in the truth a part smalle
 import numpy as np
 from jaxtyping import Float
 
-from artigen.fields import VoxelFields
+from artigen.fields import VoxelFields, after_occupancy
 from artigen.segmentation.rows import fields_of_owners, read_owners
 from artigen.types import PartLabel
 
@@ -28,7 +28,7 @@ def claim_cells(found: VoxelFields, rows: Float[np.ndarray, "N C"]) -> tuple[Vox
     if not len(found.coords):
         return found, ()
     layout, owners = found.layout, read_owners(found, rows)
-    labels = rows[:, layout.label.start - 1 : layout.label.stop - 1].argmax(axis=1)
+    labels = rows[:, after_occupancy(layout.label)].argmax(axis=1)
     lost = [
         number
         for number, label in enumerate(labels)
@@ -37,7 +37,7 @@ def claim_cells(found: VoxelFields, rows: Float[np.ndarray, "N C"]) -> tuple[Vox
     if not lost:
         return found, ()
     for number in lost:
-        box = rows[number, layout.box.start - 1 : layout.box.stop - 1]
+        box = rows[number, after_occupancy(layout.box)]
         owners[tuple(_cells_of_box(box, found.resolution).T)] = number
     note = f"{len(lost)} handles or knobs without cells were given those of their boxes"
     return fields_of_owners(owners, rows, found), (note,)

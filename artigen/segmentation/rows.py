@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Float, Int
 
-from artigen.fields import VoxelFields
+from artigen.fields import VoxelFields, after_occupancy
 
 
 def read_owners(found: VoxelFields, rows: Float[np.ndarray, "N C"]) -> Int[np.ndarray, "X Y Z"]:
     """The row whose box every occupied cell says, or says most nearly; -1 where nothing is."""
     layout = found.layout
-    box = rows[:, layout.box.start - 1 : layout.box.stop - 1]
+    box = rows[:, after_occupancy(layout.box)]
     owners = np.full((found.resolution,) * 3, -1)
     if len(found.coords):
         off = np.abs(found.box[:, None] - box[None]).max(axis=2)
@@ -33,7 +33,7 @@ def fields_of_owners(
     said = rows[owners[tuple(coords.T)]]
 
     def channels(part: slice) -> np.ndarray:
-        return said[:, part.start - 1 : part.stop - 1]
+        return said[:, after_occupancy(part)]
 
     return replace(
         like,

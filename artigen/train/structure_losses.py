@@ -13,7 +13,7 @@ from jaxtyping import Float
 from torch import Tensor
 from torch.nn import functional
 
-from artigen.fields import DEFAULT_LAYOUT, FieldLayout
+from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy
 from artigen.models.patches import PatchBatch
 from artigen.types import JointType, PartLabel
 
@@ -92,24 +92,26 @@ def structure_losses(
     joint_weight = cell_weight
     if cfg.balanced:
         per_type = torch.tensor([JOINT_WEIGHTS[name] for name in layout.joint_types], device=logits.device)
-        joint_weight = cell_weight.clamp(max=REGRESSION_CAP) * (truth[:, _at(layout.joint_type)] @ per_type)
+        joint_weight = cell_weight.clamp(max=REGRESSION_CAP) * (
+            truth[:, after_occupancy(layout.joint_type)] @ per_type
+        )
     for name, channels, weight in (
         ("label", layout.label, cell_weight),
         ("joint_type", layout.joint_type, joint_weight),
         ("category", layout.category, torch.ones_like(cell_weight)),
     ):
-        right = truth[:, _at(channels)]
-        error = functional.cross_entropy(said[:, _at(channels)], right, reduction="none")
+        right = truth[:, after_occupancy(channels)]
+        error = functional.cross_entropy(said[:, after_occupancy(channels)], right, reduction="none")
         out[name] = cfg.classes * _mean(error, weight)
     capped = cell_weight.clamp(max=REGRESSION_CAP)
-    movable = 1.0 - truth[:, _at(layout.joint_type)][:, layout.joint_types.index("fixed")]
+    movable = 1.0 - truth[:, after_occupancy(layout.joint_type)][:, layout.joint_types.index("fixed")]
     for name, channels, weight in (
         ("axis", layout.axis, capped * movable),
         ("origin", layout.origin, capped * movable),
         ("range", layout.range, capped * movable),
         ("box", layout.box, capped),
     ):
-        error = ((said[:, _at(channels)] - truth[:, _at(channels)]) ** 2).sum(dim=1)
+        error = ((said[:, after_occupancy(channels)] - truth[:, after_occupancy(channels)]) ** 2).sum(dim=1)
         out[name] = cfg.regression * _mean(error, weight)
     return out
 
@@ -134,7 +136,3 @@ def _row_weights(patches: PatchBatch, cfg: StructureLossConfig, layout: FieldLay
 
 def _mean(error: Tensor, weight: Tensor) -> Tensor:
     return (error * weight).sum() / weight.sum().clamp(min=1e-6)
-
-
-def _at(channels: slice) -> slice:
-    return slice(channels.start - 1, channels.stop - 1)

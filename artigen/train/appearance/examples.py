@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float, Int, UInt8
 
-from artigen.fields import DEFAULT_LAYOUT, part_attributes
+from artigen.fields import DEFAULT_LAYOUT, after_occupancy, part_attributes
 from artigen.models.features import FeatureExtractor
 from artigen.shapes.draw import draw_shape
 from artigen.train.appearance.curation import CurationConfig, curate
@@ -41,7 +41,7 @@ class AppearanceExample:
     def labels(self) -> Float[np.ndarray, "N L"]:
         """One-hot part label of every voxel."""
         channels = DEFAULT_LAYOUT.label
-        return self.table[:, channels.start - 1 : channels.stop - 1][self.part_ids].astype(np.float32)
+        return self.table[:, after_occupancy(channels)][self.part_ids].astype(np.float32)
 
 
 def draw_appearance(
