@@ -5,9 +5,11 @@ from pathlib import Path
 
 import numpy as np
 import torch
+from jaxtyping import Float
 
 from artigen.datasets.sizes import estimate_size
 from artigen.errors import SourceError
+from artigen.fields import VoxelFields
 from artigen.models.conditions import StructureCondition, gather_conditions
 from artigen.models.outline_flow import OutlineFlow, complete_conditions, sample_outlines
 from artigen.models.outline_regularise import OutlineRegulariseConfig, regularise_outline
@@ -116,12 +118,7 @@ def generate_structure(
         outlines = OutlineBatch(rows=torch.from_numpy(rows)[None].to(device), given=drawn.given)
     latent = sample_latents(model.flow, known, nothing, noise, cfg.sampler, outlines)
     decoded, logits = decode_cells(model.vae, latent, outlines, cfg.steady)
-    fields, made, claimed = decoded[0], (), ()
-    if rows is not None and cfg.boards is not None:
-        fields, made = make_boards(fields, logits[0].cpu().numpy(), rows, cfg.boards)
-    fields, cleaned = remove_strays(fields, cfg.clean)
-    if rows is not None:
-        fields, claimed = claim_cells(fields, rows)
+    fields, mended = _mend(decoded[0], logits[0].cpu().numpy(), rows, cfg)
     asset = segment(
         fields,
         cfg.segment,
@@ -129,9 +126,26 @@ def generate_structure(
         scale=1.0 if asked.size is None else max(asked.size),
         category=asked.category,
     )
-    notes = (*said, *made, *cleaned, *claimed, *asset.notes)
+    notes = (*said, *mended, *asset.notes)
     if asked.size is None:
         longest, _ = estimate_size(asset.category, np.ptp(fields.coords, axis=0) + 1.0)
         asset = replace(asset, scale=longest)
         notes = (*notes, f"no size was asked for: {longest:.2f} m along the longest edge is usual")
     return replace(asset, notes=notes)
+
+
+def _mend(
+    fields: VoxelFields,
+    logits: Float[np.ndarray, "X Y Z"],
+    rows: Float[np.ndarray, "N C"] | None,
+    cfg: GenerateConfig,
+) -> tuple[VoxelFields, tuple[str, ...]]:
+    """Drawn cells made whole, and what was done; without an outline, only strays are removed."""
+    if rows is None:
+        return remove_strays(fields, cfg.clean)
+    made = ()
+    if cfg.boards is not None:
+        fields, made = make_boards(fields, logits, rows, cfg.boards)
+    fields, cleaned = remove_strays(fields, cfg.clean)
+    fields, claimed = claim_cells(fields, rows)
+    return fields, (*made, *cleaned, *claimed)

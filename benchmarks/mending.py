@@ -20,7 +20,7 @@ from jaxtyping import Int
 from scipy.ndimage import binary_dilation
 from torch import Tensor
 
-from artigen.fields import VoxelFields, decode, encode
+from artigen.fields import decode, encode
 from artigen.generate import StructureModel, load_structure_model
 from artigen.metrics.report import format_table
 from artigen.metrics.subjects import Subject, draw_subjects
@@ -29,7 +29,7 @@ from artigen.models.steady import SteadyConfig
 from artigen.models.structure_vae import decode_cells
 from artigen.sampling import diffuse
 from artigen.segmentation.boards import make_boards
-from artigen.segmentation.rows import fields_of_owners, read_owners
+from artigen.segmentation.rows import read_owners
 from artigen.train.batches import condition_batch, outline_batch, patch_batch
 from artigen.weights import STRUCTURE
 
@@ -115,15 +115,17 @@ def main(options: Options) -> int:
         rows = outlines.rows[0].numpy()
         with torch.no_grad():
             latent = bring_back(model, subject, outlines, options, number)
-        truth = true_owners(subject, exact.rows[0].numpy())
+        whole, exact_rows = decode(encode(subject.asset)), exact.rows[0].numpy()
+        truth = read_owners(whole, exact_rows)
         scores["the truth"].append(score(truth, truth))
         for name, steady in (("as decoded", None), ("along lines", SteadyConfig())):
             fields, logits = decode_cells(model.vae, latent, outlines, steady)
             made, _ = make_boards(fields[0], logits[0].numpy(), rows)
             scores[name].append(score(read_owners(fields[0], rows), truth))
             scores[f"{name}, boards"].append(score(read_owners(made, rows), truth))
-        remade = remake_truth(truth, exact.rows[0].numpy(), fields[0])
-        scores["the truth, boards"].append(score(remade, truth))
+        certain = np.where(truth >= 0, CERTAIN, -CERTAIN)
+        remade, _ = make_boards(whole, certain, exact_rows)
+        scores["the truth, boards"].append(score(read_owners(remade, exact_rows), truth))
         print(f"{number + 1} of {options.objects}: {subject.asset.name}", file=sys.stderr)
     head = ("", "intersection over union", "F1 within a cell", "of parts", "bends per face")
     table = [(name, *(f"{value:.3f}" for value in np.mean(found, axis=0))) for name, found in scores.items()]
@@ -132,17 +134,6 @@ def main(options: Options) -> int:
     (options.out / "mending.md").write_text(text)
     print(text)
     return 0
-
-
-def true_owners(subject: Subject, rows: np.ndarray) -> Owners:
-    """The row whose box every cell of an object says."""
-    return read_owners(decode(encode(subject.asset)), rows)
-
-
-def remake_truth(truth: Owners, rows: np.ndarray, like: VoxelFields) -> Owners:
-    """What boards make of cells that are right already."""
-    logits = np.where(truth >= 0, CERTAIN, -CERTAIN)
-    return read_owners(make_boards(fields_of_owners(truth, rows, like), logits, rows)[0], rows)
 
 
 if __name__ == "__main__":

@@ -101,28 +101,22 @@ def load_strictly(network: nn.Module, tensors: dict[str, Tensor], owner: str) ->
         SourceError: Lists what is missing, unexpected, of another shape or not finite.
     """
     expected = network.state_dict()
+    shared = sorted(expected.keys() & tensors.keys())
     shapes = [
         f"{key} is {list(tensors[key].shape)}, expected {list(expected[key].shape)}"
-        for key in sorted(expected.keys() & tensors.keys())
+        for key in shared
         if tensors[key].shape != expected[key].shape
     ]
     found = [
         ("missing", sorted(expected.keys() - tensors.keys())),
         ("unexpected", sorted(tensors.keys() - expected.keys())),
         ("of another shape", shapes),
-        (
-            "not finite",
-            [key for key in sorted(expected.keys() & tensors.keys()) if not _is_finite(tensors[key])],
-        ),
+        ("not finite", [key for key in shared if not torch.isfinite(tensors[key]).all()]),
     ]
     wrong = [f"{len(keys)} {what} ({_list(keys)})" for what, keys in found if keys]
     if wrong:
         raise SourceError(f"{owner}: does not fit {type(network).__name__}: {'; '.join(wrong)}")
     network.load_state_dict(tensors)
-
-
-def _is_finite(tensor: Tensor) -> bool:
-    return bool(torch.isfinite(tensor).all())
 
 
 def orient_kernels(network: nn.Module, tensors: dict[str, Tensor]) -> dict[str, Tensor]:

@@ -17,25 +17,26 @@ ORDERS = tuple(permutations(range(3)))
 """In which faces are moved: a wall that meets a shelf is found along itself or along the shelf."""
 SWEEPS = 12
 """At most this often are all faces moved; they rest after three or four."""
+MOST = 200
+"""No more boxes are sought: what takes so many is no furniture."""
 TRIES = 20
 """So many starts that lead to no box of enough evidence end the search."""
 TOLD = -np.inf
 """Where no box starts."""
 
 
-def find_boxes(evidence: Float[np.ndarray, "X Y Z"], least: float, most: int = 200) -> list[Box]:
+def find_boxes(evidence: Float[np.ndarray, "X Y Z"], least: float) -> list[Box]:
     """Boxes that each hold at least ``least`` evidence that no box before holds, the surest cells first.
 
     Args:
         evidence: above 0 for cells that belong to a box, below 0 for others.
         least: sum over a box for it to be one.
-        most: how many at most.
     """
     rest = evidence.astype(float)
     seeds, sums = _seeds(rest), _summed(rest)
     in_vain, found = np.zeros(rest.shape, dtype=bool), []
     tries = 0
-    while len(found) < most and tries < TRIES:
+    while len(found) < MOST and tries < TRIES:
         start = np.unravel_index(int(seeds.argmax()), rest.shape)
         if seeds[start] == TOLD:
             break
