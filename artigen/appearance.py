@@ -5,18 +5,21 @@ from pathlib import Path
 
 import numpy as np
 import torch
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from artigen.errors import SourceError
-from artigen.fields import DEFAULT_LAYOUT, part_attributes
+from artigen.fields import tabulate_parts
 from artigen.models.appearance_presets import APPEARANCE_PRESETS, AppearancePreset
-from artigen.models.appearance_vae import APPEARANCE_FLOW, APPEARANCE_VAE
+from artigen.models.appearance_vae import APPEARANCE_FLOW, APPEARANCE_PALETTE, APPEARANCE_VAE
 from artigen.models.conditions import StructureCondition, gather_conditions
 from artigen.models.gaussian_decoder import GaussianDecoder, to_gaussians
+from artigen.models.palette_flow import PaletteFlow, sample_palettes
 from artigen.models.slat_flow import SlatFlow, sample_slats
 from artigen.models.store import DESCRIPTION, load_model, read_description
 from artigen.models.trellis import load_strictly, read_tensors
+from artigen.palettes import describe_voxels
 from artigen.sampling import SamplerConfig
+from artigen.splats.render.splats import Splats
 from artigen.splats.seams import SeamConfig, settle_seams
 from artigen.types import Asset
 
@@ -31,6 +34,8 @@ class AppearanceModel:
     preset: AppearancePreset
     decoder: GaussianDecoder
     flow: SlatFlow
+    palette: PaletteFlow | None = None
+    """Where the preset has one."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,6 +44,8 @@ class AppearanceConfig:
 
     sampler: SamplerConfig = field(default_factory=SamplerConfig)
     """Steps and guidance."""
+    palettes: SamplerConfig = field(default_factory=lambda: SamplerConfig(steps=25, strength=0.0))
+    """Steps and guidance of the palettes, whose steps cost next to nothing."""
     seams: SeamConfig = field(default_factory=SeamConfig)
     """What counts as a Gaussian that strays over a neighbouring part."""
 
@@ -80,10 +87,53 @@ def load_appearance_model(folder: Path, device: torch.device | str = "cpu") -> A
     }
     load_strictly(decoder, tensors, f"{folder / APPEARANCE_VAE} ({DECODER}*)")
     load_model(flow, folder, APPEARANCE_FLOW)
-    return AppearanceModel(preset=preset, decoder=decoder.to(device).eval(), flow=flow.to(device))
+    palette = None
+    if preset.palette is not None:
+        palette = PaletteFlow(preset.palette, preset.conditions)
+        load_model(palette, folder, APPEARANCE_PALETTE)
+        palette = palette.to(device)
+    return AppearanceModel(
+        preset=preset, decoder=decoder.to(device).eval(), flow=flow.to(device), palette=palette
+    )
 
 
 @torch.no_grad()
+def draw_splats(
+    model: AppearanceModel,
+    coords: Int[np.ndarray, "N 3"],
+    part_ids: Int[np.ndarray, "N"],
+    table: Float[np.ndarray, "P C"],
+    asked: StructureCondition,
+    seed: int,
+    cfg: AppearanceConfig,
+) -> Splats:
+    """Draws the Gaussians of given voxels, voxel after voxel.
+
+    Args:
+        model: trained networks.
+        coords: of the voxels, in the model's resolution.
+        part_ids: part of each.
+        table: channels after occupancy of each part (`artigen.fields.tabulate_parts`).
+        asked: the condition.
+        seed: of the noise.
+        cfg: samplers.
+    """
+    device = next(model.flow.parameters()).device
+    generator = torch.Generator().manual_seed(seed)
+    known, nothing = (
+        gather_conditions([condition], model.preset.conditions).to(device)
+        for condition in (asked, StructureCondition())
+    )
+    attributes = None
+    if model.palette is not None:
+        palettes = sample_palettes(model.palette, table, known, nothing, generator, cfg.palettes)
+        attributes = torch.from_numpy(describe_voxels(table, part_ids, palettes)).to(device)
+    places = torch.from_numpy(np.pad(coords.astype(np.int32), ((0, 0), (1, 0)))).to(device)
+    noise = torch.randn((len(coords), model.flow.channels), generator=generator).to(device)
+    latents = sample_slats(model.flow, places, known, nothing, noise, cfg.sampler, attributes=attributes)
+    return model.decoder(places, latents)
+
+
 def generate_appearance(
     model: AppearanceModel,
     asset: Asset,
@@ -100,40 +150,16 @@ def generate_appearance(
         asset: with voxels in the model's resolution.
         asked: the condition that the structure was drawn from.
         seed: of the noise.
-        cfg: sampler and seams.
+        cfg: samplers and seams.
 
     Raises:
         ValueError: If the asset has no voxels, or has them in another resolution.
     """
     cfg = cfg or AppearanceConfig()
-    edge = model.preset.decoder.trunk.resolution
-    if asset.voxels is None or not len(asset.voxels.coords) or asset.voxels.resolution != edge:
-        found = (
-            "none" if asset.voxels is None else f"{len(asset.voxels.coords)} of {asset.voxels.resolution}^3"
-        )
+    edge, voxels = model.preset.decoder.trunk.resolution, asset.voxels
+    if voxels is None or not len(voxels.coords) or voxels.resolution != edge:
+        found = "none" if voxels is None else f"{len(voxels.coords)} of {voxels.resolution}^3"
         raise ValueError(f"asset {asset.name!r}: voxels are {found}, this model draws on those of {edge}^3")
-    device = next(model.flow.parameters()).device
-    generator = torch.Generator().manual_seed(seed)
-    count = len(asset.voxels.coords)
-    coords = torch.zeros((count, 4), dtype=torch.int32)
-    coords[:, 1:] = torch.from_numpy(asset.voxels.coords.astype(np.int32))
-    attributes = torch.from_numpy(label_voxels(asset)).to(device) if model.flow.attribute_channels else None
-    latents = sample_slats(
-        model.flow,
-        coords.to(device),
-        gather_conditions([asked], model.preset.conditions).to(device),
-        gather_conditions([StructureCondition()], model.preset.conditions).to(device),
-        torch.randn((count, model.flow.channels), generator=generator).to(device),
-        cfg.sampler,
-        attributes=attributes,
-    )
-    decoded = model.decoder(coords.to(device), latents)
-    painted = replace(asset, gaussians=to_gaussians(decoded, asset.voxels.part_ids))
+    splats = draw_splats(model, voxels.coords, voxels.part_ids, tabulate_parts(asset), asked, seed, cfg)
+    painted = replace(asset, gaussians=to_gaussians(splats, voxels.part_ids))
     return settle_seams(painted, cfg.seams)
-
-
-def label_voxels(asset: Asset) -> Float[np.ndarray, "N L"]:
-    """One-hot part label of every voxel, as the flow is told in training (float32)."""
-    assert asset.voxels is not None
-    table = np.stack([part_attributes(part, asset.category)[DEFAULT_LAYOUT.label] for part in asset.parts])
-    return table[asset.voxels.part_ids].astype(np.float32)

@@ -235,6 +235,12 @@ def part_attributes(
     return row
 
 
+def tabulate_parts(asset: Asset, layout: FieldLayout = DEFAULT_LAYOUT) -> Float[np.ndarray, "P C"]:
+    """The channels after occupancy of every part, a row each (float32)."""
+    rows = [part_attributes(part, asset.category, layout) for part in asset.parts]
+    return np.stack(rows)[:, layout.occupancy.stop :].astype(np.float32)
+
+
 def encode(asset: Asset, layout: FieldLayout = DEFAULT_LAYOUT) -> Float[np.ndarray, "C X Y Z"]:
     """Writes an asset's voxels and parts into a dense float32 field; empty cells are zero.
 

@@ -13,16 +13,21 @@ from artigen.appearance import (
     AppearanceConfig,
     generate_appearance,
     has_appearance,
-    label_voxels,
     load_appearance_model,
 )
 from artigen.cli.generate import GenerateJob, generate_object
 from artigen.errors import SourceError
 from artigen.io import read_asset, write_asset
 from artigen.models.appearance_presets import APPEARANCE_PRESETS
-from artigen.models.appearance_vae import APPEARANCE_FLOW, APPEARANCE_VAE, AppearanceVae
+from artigen.models.appearance_vae import (
+    APPEARANCE_FLOW,
+    APPEARANCE_PALETTE,
+    APPEARANCE_VAE,
+    AppearanceVae,
+)
 from artigen.models.conditions import StructureCondition
 from artigen.models.outline_flow import OutlineFlow
+from artigen.models.palette_flow import PaletteFlow
 from artigen.models.presets import PRESETS
 from artigen.models.slat_flow import SlatFlow
 from artigen.models.store import save_model
@@ -32,7 +37,7 @@ from artigen.sampling import SamplerConfig
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.draw import draw_shape
 from artigen.splats.ply import read_ply
-from artigen.types import PART_LABELS, Asset, Gaussians
+from artigen.types import Asset, Gaussians
 from sim_export.files.read import read_package
 from sim_export.package import Link
 from sim_export.physics.links import link_owners
@@ -55,6 +60,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     # The encoder depends on the feature extractor, which generating does not need.
     vae = AppearanceVae(replace(look.encoder, in_channels=7), look.decoder)
     flow = SlatFlow(look.flow, look.conditions)
+    save_model(PaletteFlow(look.palette, look.conditions), path, {"preset": "tiny"}, APPEARANCE_PALETTE)
     for layer in (vae.decoder.out_layer, flow.network.out_layer):  # zero in untrained networks
         torch.nn.init.normal_(layer.weight, std=0.1)
     with torch.no_grad():  # the last channels are the opacities: Gaussians that hide something
@@ -91,14 +97,6 @@ def test_gaussians_belong_to_the_parts_of_their_voxels(folder: Path, structure: 
     assert away.max() <= 0.75 / 32 + 1e-6
     said = [note for note in asset.notes if "another part's cells" in note]
     assert len(said) == (1 if strays else 0)
-
-
-def test_the_flow_is_told_the_labels_of_the_voxels(structure: Asset):
-    labels = label_voxels(structure)
-    assert labels.shape == (len(structure.voxels.coords), len(PART_LABELS))
-    named = [PART_LABELS[k] for k in labels.argmax(axis=1)]
-    assert named == [structure.parts[part].label for part in structure.voxels.part_ids]
-    np.testing.assert_array_equal(labels.sum(axis=1), 1.0)
 
 
 def test_assets_keep_their_gaussians(folder: Path, structure: Asset, tmp_path: Path):

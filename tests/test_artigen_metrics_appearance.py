@@ -28,6 +28,7 @@ from artigen.models.store import load_model
 from artigen.splats.render.splats import Splats
 from artigen.train.appearance.curation import CurationConfig
 from artigen.train.appearance.examples import draw_appearance
+from artigen.train.appearance.palettes import draw_palettes, write_palette_shard
 from artigen.train.appearance.photographs import NOTHING
 from artigen.train.appearance.presets import APPEARANCE_TRAINING
 from artigen.train.appearance.shards import write_appearance_shard
@@ -185,6 +186,9 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
             draw_appearance("Microwave", seed, PyramidFeatures(), TINY, resolution=32, image_size=32)
         ] * 2
         write_appearance_shard(folder / "appearance" / name / "shard_00000.npz", drawn)
+    (folder / "appearance" / "painted").mkdir()
+    painted = draw_palettes("Microwave", HELD_OUT, resolution=32, image_size=32)
+    write_palette_shard(folder / "appearance" / "painted" / "shard_00000.npz", [painted] * 2)
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(APPEARANCE_TRAINING, "tiny", replace(APPEARANCE_TRAINING["tiny"], curation=TINY))
         assert train("appearance", folder, SETTINGS, workers=1) == 0
@@ -202,11 +206,12 @@ def test_a_run_leaves_weights_scores_and_what_it_was(run: Path):
         "weighting": "seen",
         "features": "pyramid",
     }
+    assert said["appearance-palette"] == {**said["appearance-vae"], "objects": 16}
     tiny = APPEARANCE_PRESETS["tiny"]
     load_model(SlatFlow(tiny.flow, tiny.conditions), run / "model", "appearance-flow")
     scores = json.loads((run / "appearance" / "reconstruction.json").read_text())
     assert scores.keys() >= {"psnr", "ssim", "exposed", "rest"}
-    for stage in ("vae", "flow"):
+    for stage in ("palette", "vae", "flow"):
         assert (run / "appearance" / stage / "weights.safetensors").is_file()
 
 
@@ -222,7 +227,6 @@ def test_a_finished_run_stays_and_is_no_other_run(run: Path):
     ("what", "changes", "own", "message"),
     [
         ("appearance", {"minutes": 0.0}, {}, "more than 0"),
-        ("appearance", {"preset": "small"}, {}, "expected one of tiny, compact, paper"),
         ("appearance", {"partnet": Path("nowhere")}, {}, "real objects"),
         ("appearance", {}, {"features": "dinov2"}, "both or neither"),
         ("appearance-flow", {}, {}, "train appearance-vae first"),

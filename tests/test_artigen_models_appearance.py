@@ -9,8 +9,10 @@ from sparse_voxels import draw_voxels, redraw
 from torch.nn import functional
 
 from artigen.models.appearance_presets import APPEARANCE_PRESETS
+from artigen.models.appearance_vae import AppearanceVae
 from artigen.models.conditions import StructureCondition, gather_conditions
 from artigen.models.gaussian_decoder import GaussianDecoder, select_voxels, to_gaussians
+from artigen.models.palette_flow import PaletteFlow
 from artigen.models.slat_flow import SlatFlow, sample_slats
 from artigen.models.slat_vae import SlatEncoder
 from artigen.models.store import load_model, save_model
@@ -47,6 +49,17 @@ def test_an_untrained_decoder_gives_the_biases_and_spreads_means_over_each_voxel
     assert torch.equal(decoded.colors, torch.full((8, 3), 0.5))
 
 
+def test_untrained_networks_with_a_way_around_give_each_gaussian_its_voxels_colour(
+    generator: torch.Generator,
+):
+    small = APPEARANCE_PRESETS["small"]
+    vae = AppearanceVae(small.encoder, small.decoder)
+    coords = draw_voxels(generator, (40,), edge=64)
+    feats = torch.randn(40, small.encoder.in_channels, generator=generator).clamp(-1.5, 1.5)
+    made = vae(coords, feats, torch.zeros(40, 8)).splats.colors.unflatten(0, (40, -1))
+    torch.testing.assert_close(made, (0.5 + 0.25 * feats[:, None, :3]).expand_as(made))
+
+
 def test_decoded_gaussians_become_values_with_the_part_of_their_voxel(generator: torch.Generator):
     decoder = redraw(GaussianDecoder(TINY.decoder), generator)
     coords = draw_voxels(generator, (20, 30), edge=32)
@@ -70,7 +83,8 @@ def test_one_step_goes_along_the_guided_velocity(generator: torch.Generator):
     flow.latent_mean.fill_(3.0)
     flow.latent_std.fill_(2.0)
     coords = draw_voxels(generator, (80, 30), edge=32)
-    noise, attributes = (torch.randn(110, 8, generator=generator) for _ in range(2))
+    noise = torch.randn(110, 8, generator=generator)
+    attributes = torch.randn(110, flow.attribute_channels, generator=generator)
     named = [StructureCondition(category=name) for name in ("Oven", "Table")]
     asked = gather_conditions(named, TINY.conditions)
     nothing = gather_conditions([StructureCondition()] * 2, TINY.conditions)
@@ -83,19 +97,25 @@ def test_one_step_goes_along_the_guided_velocity(generator: torch.Generator):
     assert not torch.allclose(with_condition, without, atol=0.01)
     torch.testing.assert_close(drawn, expected, atol=1e-3, rtol=1e-4)
     torch.testing.assert_close(flow.normalise(flow.restore(noise)), noise, atol=1e-5, rtol=0)
-    with pytest.raises(ValueError, match="0 attributes per voxel, expected 8"):
+    with pytest.raises(ValueError, match="0 attributes per voxel, expected 15"):
         sample_slats(flow, coords, asked, nothing, noise, cfg)
 
 
-def test_compact_weights_are_small_enough_to_ship_and_come_back(tmp_path: Path, generator: torch.Generator):
-    compact = APPEARANCE_PRESETS["compact"]
+@pytest.mark.parametrize("name", ["small", "compact"])
+def test_weights_to_ship_are_small_enough(name):
+    preset = APPEARANCE_PRESETS[name]
+    assert preset.palette is not None
     with torch.device("meta"):
         networks = [
-            SlatEncoder(compact.encoder),
-            GaussianDecoder(compact.decoder),
-            SlatFlow(compact.flow, compact.conditions),
+            SlatEncoder(preset.encoder),
+            GaussianDecoder(preset.decoder),
+            SlatFlow(preset.flow, preset.conditions),
+            PaletteFlow(preset.palette, preset.conditions),
         ]
     assert 2 * sum(value.numel() for network in networks for value in network.state_dict().values()) < 16e6
+
+
+def test_weights_come_back(tmp_path: Path, generator: torch.Generator):
     flow = redraw(SlatFlow(TINY.flow, TINY.conditions), generator)
     save_model(flow, tmp_path, {"preset": "tiny"}, "appearance_flow")
     again = load_model(SlatFlow(TINY.flow, TINY.conditions), tmp_path, "appearance_flow")
@@ -129,7 +149,8 @@ def test_compact_flow_learns_the_latents_of_two_objects(generator: torch.Generat
     torch.manual_seed(0)
     flow = SlatFlow(TINY.flow, TINY.conditions)
     coords = draw_voxels(generator, (60, 60), edge=32)
-    latents, attributes = (torch.randn(120, 8, generator=generator) for _ in range(2))
+    latents = torch.randn(120, 8, generator=generator)
+    attributes = torch.randn(120, flow.attribute_channels, generator=generator)
     asked = gather_conditions([StructureCondition()] * 2, TINY.conditions)
     plan = flow.plan(coords, 2)
     with torch.enable_grad():

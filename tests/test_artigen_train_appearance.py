@@ -32,7 +32,12 @@ from artigen.train.appearance.losses import (
 )
 from artigen.train.appearance.photographs import take_pictures
 from artigen.train.appearance.run import close_curation
-from artigen.train.appearance.shards import read_appearance_shard, write_appearance_shard
+from artigen.train.appearance.shards import (
+    PER_OBJECT,
+    PER_VOXEL,
+    read_appearance_shard,
+    write_appearance_shard,
+)
 from artigen.train.appearance.states import asset_coordinates, plan_fractions, shape_coordinates
 from artigen.train.appearance.vae import encode_appearance, measure_features, train_appearance_vae
 from artigen.train.appearance.views import ViewConfig, place_cameras, spread_directions
@@ -200,7 +205,7 @@ def test_shards_give_back_what_was_written(tmp_path: Path, chest: tuple[Asset, A
     first, second = read_appearance_shard(path)
     assert (first.name, second.name, second.resolution) == (example.name, "again", 16)
     for one in (first, second):
-        for name in ("coords", "part_ids", "features", "views", "table", "counts", "size", "image"):
+        for name in (*PER_VOXEL, *PER_OBJECT, "table", "palettes", "image"):
             assert np.array_equal(getattr(one, name), getattr(example, name))
         for name, value in vars(example.pictures).items():
             assert np.array_equal(getattr(one.pictures, name), value)

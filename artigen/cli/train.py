@@ -59,6 +59,7 @@ What = Literal[
     "structure-decoder",
     "appearance",
     "appearance-vae",
+    "appearance-palette",
     "appearance-flow",
 ]
 
@@ -108,7 +109,7 @@ def _prepare(
 ) -> Callable[..., dict[str, float]]:
     """The training that was asked for, ready to begin."""
     given = {name: value for name, value in vars(cfg).items() if value is not None}
-    if what in ("appearance", "appearance-vae", "appearance-flow"):
+    if what in ("appearance", "appearance-vae", "appearance-palette", "appearance-flow"):
         from artigen.train.appearance.everything import train_appearance
         from artigen.train.appearance.run import AppearanceRunConfig
 

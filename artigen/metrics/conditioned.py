@@ -1,23 +1,19 @@
 """Do the colours of an object follow the picture it was asked for? The sparse flow beside looking up."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
-import torch
 
+from artigen.appearance import AppearanceConfig, AppearanceModel, draw_splats
 from artigen.errors import SourceError
 from artigen.metrics.appearance import Scores, compare_pictures, reconstruct_splats
 from artigen.metrics.part_colors import Colors, borrow_colors, color_error, mean_colors
 from artigen.metrics.retrieval import retrieve
 from artigen.metrics.subjects import Subject
 from artigen.models.appearance_vae import AppearanceVae
-from artigen.models.conditions import ConditionConfig, StructureCondition, gather_conditions
-from artigen.models.slat_flow import SlatFlow, sample_slats
-from artigen.sampling import SamplerConfig
+from artigen.models.conditions import StructureCondition
 from artigen.shapes.draw import draw_shape
-from artigen.splats.render.splats import Splats
-from artigen.train.appearance.batches import voxel_batch
 from artigen.train.appearance.examples import AppearanceExample
 from artigen.train.appearance.photographs import Pictures, take_pictures
 from artigen.train.appearance.views import ViewConfig
@@ -33,50 +29,13 @@ class PictureTask:
     """Its pictures are those that colours are read off."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class PictureAsk:
-    """How answers are found."""
-
-    sampler: SamplerConfig = field(default_factory=SamplerConfig)
-    """Steps and guidance of the flow."""
-    seed: int = 0
-    """Of the noise."""
-
-
-@torch.no_grad()
-def sample_splats(
-    vae: AppearanceVae,
-    flow: SlatFlow,
-    example: AppearanceExample,
-    asked: StructureCondition,
-    conditions: ConditionConfig,
-    ask: PictureAsk,
-) -> Splats:
-    """Draws Gaussians for an object's true voxels under a condition."""
-    device = next(flow.parameters()).device
-    coords = voxel_batch([example])[0].to(device)
-    noise = torch.randn(len(coords), flow.channels, generator=torch.Generator().manual_seed(ask.seed)).to(
-        device
-    )
-    latents = sample_slats(
-        flow,
-        coords,
-        gather_conditions([asked], conditions).to(device),
-        gather_conditions([StructureCondition()], conditions).to(device),
-        noise,
-        ask.sampler,
-        attributes=torch.from_numpy(example.labels()).to(device) if flow.attribute_channels else None,
-    )
-    return vae.decoder(coords, latents)
-
-
 def score_colors(
     vae: AppearanceVae,
-    flow: SlatFlow,
+    model: AppearanceModel,
     tasks: list[PictureTask],
     library: list[Subject],
-    conditions: ConditionConfig,
-    ask: PictureAsk,
+    cfg: AppearanceConfig,
+    seed: int,
     *,
     on_done: Callable[[], None] | None = None,
 ) -> Scores:
@@ -96,7 +55,7 @@ def score_colors(
         asked = StructureCondition(image=example.image.transpose(2, 0, 1).astype(np.float32) / 255.0)
         truth = mean_colors(example.pictures.rgb / 255.0, example.pictures.parts)
         answers = {
-            "model": sample_splats(vae, flow, example, asked, conditions, ask),
+            "model": draw_splats(model, example.coords, example.part_ids, example.table, asked, seed, cfg),
             "autoencoded": reconstruct_splats(vae, example),
         }
         for name, splats in answers.items():

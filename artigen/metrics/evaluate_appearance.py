@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import torch
 
+from artigen.appearance import AppearanceConfig, AppearanceModel, has_appearance, load_appearance_model
 from artigen.errors import ArtigenError, SourceError
 from artigen.metrics.appearance import (
     Comparison,
@@ -17,16 +18,15 @@ from artigen.metrics.appearance import (
     score_sets,
     split_states,
 )
-from artigen.metrics.conditioned import PictureAsk, PictureTask, score_colors
+from artigen.metrics.conditioned import PictureTask, score_colors
 from artigen.metrics.splat_distance import score_distances
 from artigen.metrics.subjects import draw_subjects
 from artigen.models.appearance_presets import APPEARANCE_PRESETS
-from artigen.models.appearance_vae import APPEARANCE_FLOW, APPEARANCE_VAE, AppearanceVae
+from artigen.models.appearance_vae import APPEARANCE_VAE, AppearanceVae
 from artigen.models.conditions import ConditionConfig
 from artigen.models.extractors import ExtractorConfig, make_extractor
 from artigen.models.features import FeatureExtractor, PyramidFeatures
 from artigen.models.presets import PresetName
-from artigen.models.slat_flow import SlatFlow
 from artigen.models.store import hash_model, load_model, read_description
 from artigen.sampling import SamplerConfig
 from artigen.shapes.draw import draw_shape
@@ -96,8 +96,8 @@ class TrainedAppearance:
     """Trained networks, and how the features that they read are made."""
 
     vae: AppearanceVae
-    flow: SlatFlow | None
-    """None where only the VAE was trained."""
+    drawer: AppearanceModel | None
+    """What draws; None where only the VAE was trained."""
     curation: CurationConfig
     extractor: FeatureExtractor
     conditions: ConditionConfig
@@ -133,7 +133,7 @@ def load_trained(folder: Path, device: torch.device, dinov2: Path | None = None)
     load_model(vae, folder, APPEARANCE_VAE)
     return TrainedAppearance(
         vae=vae.to(device),
-        flow=_load_flow(folder, preset, device),
+        drawer=load_appearance_model(folder, device) if has_appearance(folder) else None,
         curation=replace(run_curation(run), kept=0),
         extractor=make_extractor(run_extractor(run)),
         conditions=APPEARANCE_PRESETS[preset].conditions,
@@ -228,7 +228,7 @@ def _ask_pictures(
     model: TrainedAppearance, tasks: list[PictureTask], cfg: EvaluateAppearanceConfig, tell: Progress
 ) -> Scores:
     """Colour errors of the flow and its baselines, where there is something to ask and to look in."""
-    if model.flow is None or not model.conditions.image_size or not cfg.training:
+    if model.drawer is None or not model.conditions.image_size or not cfg.training:
         return {}
     tell("training objects", 0, cfg.training)
     library = draw_subjects(
@@ -241,19 +241,10 @@ def _ask_pictures(
     done = iter(range(1, len(tasks) + 1))
     return score_colors(
         model.vae,
-        model.flow,
+        model.drawer,
         tasks,
         library,
-        model.conditions,
-        PictureAsk(sampler=cfg.sampler, seed=cfg.seed),
+        AppearanceConfig(sampler=cfg.sampler),
+        cfg.seed,
         on_done=lambda: tell("draws by picture", next(done), len(tasks)),
     )
-
-
-def _load_flow(folder: Path, preset: PresetName, device: torch.device) -> SlatFlow | None:
-    if APPEARANCE_FLOW not in read_description(folder):
-        return None
-    sizes = APPEARANCE_PRESETS[preset]
-    flow = SlatFlow(sizes.flow, sizes.conditions)
-    load_model(flow, folder, APPEARANCE_FLOW)
-    return flow.to(device)

@@ -1,13 +1,15 @@
 """The sizes that the appearance models come in, named as those of the structure models.
 
-``compact`` decodes 8 Gaussians per voxel instead of 32. ``paper`` has the sizes of TRELLIS, from whose public
-weights the paper starts (section 4.2).
+``small`` decodes 4 Gaussians per voxel instead of 32, ``compact`` 8. In ``small``, what features say leads
+around the transformers too. ``paper`` has the sizes of TRELLIS, from whose public weights the paper starts
+(section 4.2).
 """
 
 from dataclasses import dataclass
 
 from artigen.models.conditions import ConditionConfig
 from artigen.models.gaussian_decoder import GaussianConfig, GaussianDecoderConfig
+from artigen.models.palette_flow import PaletteFlowConfig
 from artigen.models.presets import PresetName
 from artigen.models.slat_dit import SlatDitConfig
 from artigen.models.slat_patch_dit import SlatPatchDitConfig
@@ -26,6 +28,8 @@ class AppearancePreset:
     """Flow on the latents."""
     conditions: ConditionConfig
     """What can be asked for."""
+    palette: PaletteFlowConfig | None = None
+    """Flow of the parts' colours, which the flow of latents is then told; None draws all at once."""
 
 
 APPEARANCE_PRESETS: dict[PresetName, AppearancePreset] = {
@@ -37,6 +41,19 @@ APPEARANCE_PRESETS: dict[PresetName, AppearancePreset] = {
         ),
         flow=SlatPatchDitConfig(resolution=32, stem=16, width=64, blocks=2, heads=2),
         conditions=ConditionConfig(width=64, image_size=32, image_patch=8, image_width=32, image_blocks=1),
+        palette=PaletteFlowConfig(width=64, blocks=2, heads=2),
+    ),
+    "small": AppearancePreset(
+        encoder=SlatVaeConfig(
+            in_channels=64, model_channels=64, num_blocks=1, num_heads=2, mlp_ratio=2.0, skip=True
+        ),
+        decoder=GaussianDecoderConfig(
+            trunk=SlatVaeConfig(model_channels=96, num_blocks=3, num_heads=3, mlp_ratio=2.0, skip=True),
+            gaussians=GaussianConfig(count=4, scale_bias=6e-3, opacity_bias=0.7),
+        ),
+        flow=SlatPatchDitConfig(stem=16, width=192, blocks=4, heads=3),
+        conditions=ConditionConfig(width=192, image_width=96, image_blocks=2),
+        palette=PaletteFlowConfig(),
     ),
     "compact": AppearancePreset(
         encoder=SlatVaeConfig(in_channels=64, model_channels=128, num_blocks=2, num_heads=4),
@@ -44,8 +61,9 @@ APPEARANCE_PRESETS: dict[PresetName, AppearancePreset] = {
             trunk=SlatVaeConfig(model_channels=128, num_blocks=5, num_heads=4),
             gaussians=GaussianConfig(count=8, opacity_bias=0.4),
         ),
-        flow=SlatPatchDitConfig(),
-        conditions=ConditionConfig(width=256, image_width=128, image_blocks=3),
+        flow=SlatPatchDitConfig(width=192, heads=3),
+        conditions=ConditionConfig(width=192, image_width=128, image_blocks=3),
+        palette=PaletteFlowConfig(width=128, heads=2),
     ),
     "paper": AppearancePreset(
         encoder=SlatVaeConfig(),

@@ -6,14 +6,21 @@ import torch
 from jaxtyping import Float, Int
 from torch import Tensor, nn
 
-from artigen.models.gaussian_decoder import GaussianDecoder, GaussianDecoderConfig
+from artigen.models.gaussian_decoder import HARMONIC, GaussianDecoder, GaussianDecoderConfig
 from artigen.models.slat_vae import SlatEncoder, SlatVaeConfig, WindowPlans
 from artigen.splats.render.splats import Splats
 
-APPEARANCE_VAE, APPEARANCE_FLOW = "appearance-vae", "appearance-flow"
+APPEARANCE_VAE, APPEARANCE_PALETTE, APPEARANCE_FLOW = (
+    "appearance-vae",
+    "appearance-palette",
+    "appearance-flow",
+)
 """Names of the networks in a model folder."""
 NARROW = -6.0
 """Log-variance of an untrained posterior: what the features say reaches the decoder from the first step."""
+
+COLOR_SPREAD = 0.25
+"""About the deviation of colours, by which the encoder divides them."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -52,6 +59,8 @@ class AppearanceVae(nn.Module):
         last, width = self.encoder.out_layer, encoder.latent_channels
         nn.init.xavier_uniform_(last.weight[:width])
         nn.init.constant_(last.bias[width:], NARROW)
+        if self.encoder.skip is not None and self.decoder.skip is not None:
+            _lead_colors_through(self.encoder, self.decoder)
 
     @property
     def count(self) -> int:
@@ -78,3 +87,15 @@ class AppearanceVae(nn.Module):
     ) -> tuple[Float[Tensor, "N D"], Float[Tensor, "N D"]]:
         """Mean and log-variance of the latents of voxels (sample, x, y, z) with features."""
         return self.encoder(coords, (feats - self.feature_mean) / self.feature_std, plans)
+
+
+@torch.no_grad()
+def _lead_colors_through(encoder: SlatEncoder, decoder: GaussianDecoder) -> None:
+    """Lets untrained networks give each Gaussian its voxel's colour, with which features start."""
+    assert encoder.skip is not None
+    assert decoder.skip is not None
+    color = torch.arange(3)
+    encoder.out_layer.weight[color] = 0.0
+    encoder.skip.weight[color, color] = 1.0
+    channels = decoder.color_channels()
+    decoder.skip.weight[channels, color] = COLOR_SPREAD / HARMONIC

@@ -93,6 +93,11 @@ class GaussianDecoder(SlatTrunk):
         """
         return self.read(coords, self.transform(coords, latents, plans))
 
+    def color_channels(self) -> Int[Tensor, "K 3"]:
+        """Which raw channels are the colours of a voxel's Gaussians."""
+        first = CHANNELS[0] * self.gaussians.count
+        return first + torch.arange(CHANNELS[1] * self.gaussians.count).unflatten(0, (-1, CHANNELS[1]))
+
     def read(self, coords: Int[Tensor, "N 4"], raw: Float[Tensor, "N K"]) -> Splats:
         """Raw channels to Gaussians, in float32."""
         cfg, edge = self.gaussians, self.cfg.resolution

@@ -12,7 +12,7 @@ import torch
 from jaxtyping import Float, Int, UInt8
 from torch import Tensor
 
-from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, part_attributes
+from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, tabulate_parts
 from artigen.models.volumes import gather_pixels, shuffle_pixels
 from artigen.types import Asset
 
@@ -92,12 +92,11 @@ def pack_asset(asset: Asset, layout: FieldLayout = DEFAULT_LAYOUT) -> PackedFiel
     index, at = np.unique(patch, return_inverse=True)
     rows = np.zeros((len(index), CELLS), dtype=np.uint8)
     rows[at, cell] = voxels.part_ids + 1
-    table = np.stack([part_attributes(part, asset.category, layout) for part in asset.parts])
     return PackedField(
         resolution=voxels.resolution,
         index=index.astype(np.int32),
         rows=rows,
-        table=table[:, layout.occupancy.stop :].astype(np.float32),
+        table=tabulate_parts(asset, layout),
     )
 
 

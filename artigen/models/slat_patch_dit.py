@@ -17,6 +17,7 @@ from artigen.models.embeddings import TimestepEmbedder, embed_positions
 from artigen.models.sparse import Neighbours, Padding, check_voxels, coarsen, find_neighbours, plan_padding
 from artigen.models.sparse_conv import SparseResBlock3d
 from artigen.models.structure_dit import ModulatedBlock, StructureDitConfig
+from artigen.palettes import PALETTE
 from artigen.types import PART_LABELS
 
 
@@ -28,8 +29,8 @@ class SlatPatchDitConfig:
     """Edge of the voxel grid."""
     channels: int = 8
     """Channels of a voxel's latent."""
-    attribute_channels: int = len(PART_LABELS)
-    """What else is known of a voxel: the probabilities of its part labels; 0 leaves them out."""
+    attribute_channels: int = len(PART_LABELS) + PALETTE
+    """What else is known of a voxel (`artigen.palettes.describe_voxels`); 0 leaves it out."""
     patch: int = 4
     """Voxels per token along an edge."""
     stem: int = 24

@@ -35,6 +35,8 @@ class SlatVaeConfig:
     """Hidden width of a feed-forward layer over the model's."""
     window_size: int = 8
     """Edge of an attention window in voxels."""
+    skip: bool = False
+    """Whether a linear layer leads around the transformer; TRELLIS has none."""
 
 
 WindowPlans = tuple[WindowPlan, WindowPlan]
@@ -76,8 +78,9 @@ class SlatTrunk(nn.Module):
         self.input_layer = nn.Linear(in_channels, cfg.model_channels)
         self.blocks = nn.ModuleList(WindowBlock(cfg) for _ in range(cfg.num_blocks))
         self.out_layer = nn.Linear(cfg.model_channels, out_channels)
+        self.skip = nn.Linear(in_channels, out_channels, bias=False) if cfg.skip else None
         for name, parameter in self.named_parameters():
-            if name.startswith("out_layer") or name.endswith("bias"):
+            if name.startswith(("out_layer", "skip")) or name.endswith("bias"):
                 nn.init.zeros_(parameter)
             else:
                 nn.init.xavier_uniform_(parameter)
@@ -101,7 +104,8 @@ class SlatTrunk(nn.Module):
         h = h + embed_positions(coords[:, 1:].float(), self.cfg.model_channels).to(h.dtype)
         for number, block in enumerate(self.blocks):
             h = block(h, plans[number % 2])
-        return self.out_layer(plain_norm(h, eps=1e-5)).to(feats.dtype)
+        said = self.out_layer(plain_norm(h, eps=1e-5)).to(feats.dtype)
+        return said if self.skip is None else said + self.skip(feats)
 
 
 class SlatEncoder(SlatTrunk):

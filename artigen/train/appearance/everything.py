@@ -18,12 +18,19 @@ from artigen.errors import SourceError
 from artigen.io import write_whole
 from artigen.metrics.appearance import score_vae
 from artigen.models.appearance_presets import APPEARANCE_PRESETS
-from artigen.models.appearance_vae import APPEARANCE_FLOW, APPEARANCE_VAE, AppearanceVae
+from artigen.models.appearance_vae import (
+    APPEARANCE_FLOW,
+    APPEARANCE_PALETTE,
+    APPEARANCE_VAE,
+    AppearanceVae,
+)
 from artigen.models.extractors import make_extractor
+from artigen.models.palette_flow import PaletteFlow
 from artigen.models.slat_flow import SlatFlow
 from artigen.models.store import save_model
 from artigen.train.appearance.examples import AppearanceExample
 from artigen.train.appearance.flow import train_appearance_flow
+from artigen.train.appearance.palettes import make_palette_shard, read_palette_shard, train_palette_flow
 from artigen.train.appearance.presets import APPEARANCE_TRAINING
 from artigen.train.appearance.run import (
     AppearanceRunConfig,
@@ -39,7 +46,7 @@ from artigen.train.appearance.shards import (
     read_appearance_shard,
 )
 from artigen.train.appearance.vae import encode_appearance, train_appearance_vae
-from artigen.train.shards import HELD_OUT, make_shards
+from artigen.train.shards import HELD_OUT, Config, ShardConfig, ShardJob, make_shards
 from artigen.train.stage import load_stage, log_metrics, plan_loop
 
 logger = logging.getLogger(__name__)
@@ -62,7 +69,7 @@ def train_appearance(
 
     Args:
         cfg: The run.
-        stage: Both networks, or one of them; the flow needs a VAE in the same folder.
+        stage: All networks, or one of them; the flow needs a VAE in the same folder.
         on_report: Called with every line of metrics; logged when None.
 
     Raises:
@@ -76,11 +83,13 @@ def train_appearance(
     claim_appearance_run(cfg)
     make_extractor(run_extractor(cfg))  # weights that do not fit are refused before data is made
     report = on_report or log_metrics
-    data = make_appearance_data(cfg)
-    vae = _load_vae(cfg) if stage == "appearance-flow" else _train_vae(cfg, data, report)
-    if stage != "appearance-vae":
-        _train_flow(cfg, vae, data, report)
-    return json.loads(scores.read_text())
+    if stage in ("appearance", "appearance-palette"):
+        _train_palette(cfg, report)
+    if stage in ("appearance", "appearance-vae"):
+        _train_vae(cfg, make_appearance_data(cfg), report)
+    if stage in ("appearance", "appearance-flow"):
+        _train_flow(cfg, _load_vae(cfg), make_appearance_data(cfg), report)
+    return json.loads(scores.read_text()) if scores.is_file() else {}
 
 
 def make_appearance_data(cfg: AppearanceRunConfig) -> AppearanceData:
@@ -89,6 +98,32 @@ def make_appearance_data(cfg: AppearanceRunConfig) -> AppearanceData:
         trained=_examples(cfg, "train", cfg.shards, HELD_OUT),
         held_out=_examples(cfg, "held_out", cfg.held_out, 0),
     )
+
+
+def _train_palette(cfg: AppearanceRunConfig, report: Report) -> None:
+    preset, training = APPEARANCE_PRESETS[cfg.preset], APPEARANCE_TRAINING[cfg.preset]
+    if preset.palette is None or training.palette is None:
+        return
+    shards = ShardConfig(
+        objects=cfg.painted * cfg.objects,
+        resolution=preset.encoder.resolution,
+        image_size=preset.conditions.image_size,
+        timeout=3600.0,
+    )
+    paths = _make_shards(cfg, "painted", cfg.shards, shards, make_palette_shard)
+    torch.manual_seed(2)
+    flow = PaletteFlow(preset.palette, preset.conditions)
+    train_palette_flow(
+        flow,
+        [example for path in paths for example in read_palette_shard(path)],
+        cfg.home / "palette",
+        plan_loop(training.palette, cfg.minutes),
+        batch=training.palette.batch,
+        conditions=preset.conditions,
+        on_report=lambda line: report("palette", line),
+    )
+    seen = {"objects": cfg.shards * cfg.objects * cfg.painted}
+    save_model(flow, cfg.folder / "model", {**_describe(cfg), **seen}, APPEARANCE_PALETTE)
 
 
 def _train_vae(cfg: AppearanceRunConfig, data: AppearanceData, report: Report) -> AppearanceVae:
@@ -145,16 +180,27 @@ def _examples(cfg: AppearanceRunConfig, name: str, count: int, first_seed: int) 
         resolution=preset.encoder.resolution,
         image_size=preset.conditions.image_size,
     )
+    paths = _make_shards(cfg, name, count, shards, make_appearance_shard)
+    return [example for path in paths for example in read_appearance_shard(path)]
+
+
+def _make_shards(
+    cfg: AppearanceRunConfig,
+    name: str,
+    count: int,
+    shards: Config,
+    make: Callable[[ShardJob[Config]], Path],
+) -> list[Path]:
+    """The shards of a folder of the run; what is missing is made."""
     started = time.monotonic()
-    paths = make_shards(
+    return make_shards(
         cfg.home / name,
         count,
         shards,
-        make_appearance_shard,
+        make,
         workers=cfg.workers,
         on_done=lambda path: logger.info("%s after %.0f s", path.name, time.monotonic() - started),
     )
-    return [example for path in paths for example in read_appearance_shard(path)]
 
 
 def _describe(cfg: AppearanceRunConfig) -> dict[str, object]:
@@ -176,13 +222,16 @@ def main() -> None:
     )
     parser.add_argument("folder", type=Path, help="run folder")
     parser.add_argument(
-        "--stage", choices=("appearance", APPEARANCE_VAE, APPEARANCE_FLOW), default="appearance"
+        "--stage",
+        choices=("appearance", APPEARANCE_VAE, APPEARANCE_PALETTE, APPEARANCE_FLOW),
+        default="appearance",
     )
     parser.add_argument("--preset", choices=sorted(APPEARANCE_TRAINING), default="compact")
-    parser.add_argument("--minutes", type=float, default=30.0, help="training time of both networks")
+    parser.add_argument("--minutes", type=float, default=30.0, help="training time of all networks")
     parser.add_argument("--shards", type=int, default=100, help="shards of training data")
     parser.add_argument("--held-out", type=int, default=2, help="shards of held-out data")
     parser.add_argument("--objects", type=int, default=16, help="objects per shard")
+    parser.add_argument("--painted", type=int, default=8, help="palettes learnt for every object")
     parser.add_argument("--closed", dest="articulated", action="store_false", help="closed objects only")
     parser.add_argument("--weighting", choices=("seen", "plain"), default="seen", help="views that count")
     parser.add_argument("--features", choices=("pyramid", "dinov2"), default="pyramid")

@@ -3,26 +3,33 @@
 Made of a procedural object by seed; the same arguments give the same example.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float, Int, UInt8
 
-from artigen.fields import DEFAULT_LAYOUT, after_occupancy, part_attributes
+from artigen.fields import tabulate_parts
 from artigen.models.features import FeatureExtractor
+from artigen.palettes import read_palettes
 from artigen.shapes.draw import draw_shape
+from artigen.shapes.sampling import sample_shape
+from artigen.shapes.shape import Shape
 from artigen.train.appearance.curation import CurationConfig, curate
 from artigen.train.appearance.photographs import Pictures
+from artigen.train.appearance.states import part_owners
 from artigen.train.examples import draw_example_of
 from artigen.types import Asset
+
+SPACING = 0.025
+"""Between the samples that palettes are read off (unit-cube length)."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class AppearanceExample:
     """An object's voxels with features, its pictures, and its condition; ``image`` is RGBA, premultiplied.
 
-    ``table`` holds the field's channels after occupancy of each part; ``views`` counts the views that a
-    voxel's features are the mean of.
+    ``table`` holds the field's channels after occupancy of each part, ``palettes`` its colours; ``views``
+    counts the views that a voxel's features are the mean of.
     """
 
     name: str
@@ -33,15 +40,11 @@ class AppearanceExample:
     features: Float[np.ndarray, "N C"]
     views: Int[np.ndarray, "N"]
     table: Float[np.ndarray, "P K"]
+    palettes: Float[np.ndarray, "P 7"]
     pictures: Pictures
     counts: UInt8[np.ndarray, "L"]
     size: Float[np.ndarray, "3"]
     image: UInt8[np.ndarray, "H W 4"] | None = None
-
-    def labels(self) -> Float[np.ndarray, "N L"]:
-        """One-hot part label of every voxel."""
-        channels = DEFAULT_LAYOUT.label
-        return self.table[:, after_occupancy(channels)][self.part_ids].astype(np.float32)
 
 
 def draw_appearance(
@@ -69,8 +72,8 @@ def draw_appearance_of(
     """A procedural object with voxels, and its example as `draw_appearance` gives it."""
     asset, described = draw_example_of(category, seed, resolution=resolution, image_size=image_size)
     assert asset.voxels is not None
-    features, pictures = curate(draw_shape(category, seed), asset, extractor, cfg)
-    rows = np.stack([part_attributes(part, asset.category) for part in asset.parts])
+    shape = draw_shape(category, seed)
+    features, pictures = curate(shape, asset, extractor, cfg)
     return asset, AppearanceExample(
         name=asset.name,
         category=asset.category,
@@ -79,9 +82,17 @@ def draw_appearance_of(
         part_ids=asset.voxels.part_ids.astype(np.uint8),
         features=features.values.astype(np.float16),
         views=features.views.astype(np.uint16),
-        table=rows[:, 1:].astype(np.float32),
+        table=tabulate_parts(asset),
+        palettes=paint_parts(shape, asset),
         pictures=pictures,
         counts=described.counts,
         size=described.size,
         image=described.image,
     )
+
+
+def paint_parts(shape: Shape, asset: Asset) -> Float[np.ndarray, "P 7"]:
+    """Palettes (float32) of the parts of a procedural object's asset."""
+    surface = sample_shape(shape, SPACING * asset.scale)
+    surface = replace(surface, part_ids=part_owners(shape, asset)[surface.part_ids])
+    return read_palettes(surface, len(asset.parts)).astype(np.float32)

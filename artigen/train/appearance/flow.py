@@ -12,6 +12,7 @@ from torch import Tensor, nn
 
 from artigen.models.conditions import ConditionBatch, ConditionConfig, drop_conditions
 from artigen.models.slat_flow import SlatFlow
+from artigen.palettes import PALETTE, describe_voxels
 from artigen.sampling import diffuse, draw_times, target_velocity
 from artigen.train.appearance.batches import voxel_batch
 from artigen.train.appearance.examples import AppearanceExample
@@ -19,6 +20,9 @@ from artigen.train.appearance.vae import Report
 from artigen.train.batches import condition_batch, draw_batches, prefetch
 from artigen.train.loop import LoopConfig, process_seed, train
 from artigen.train.structure import DROPOUT
+
+BLUR = 0.02
+"""About the deviation of palettes in training from the true ones."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -73,7 +77,7 @@ def train_appearance_flow(
         asked = drop_conditions(drawn.conditions, DROPOUT, generator)
         row_times = times[drawn.coords[:, 0]]
         plan = flow.plan(drawn.coords, samples)
-        attributes = drawn.attributes if flow.attribute_channels else None
+        attributes = _blur(drawn.attributes, generator) if flow.attribute_channels else None
         said = network(diffuse(x_0, noise, row_times), times, asked, plan, attributes)
         return {"velocity": torch.mean((said.float() - target_velocity(x_0, noise)) ** 2)}
 
@@ -97,7 +101,9 @@ def slat_batch(
         coords=voxel_batch(examples)[0],
         mean=mean,
         std=std,
-        attributes=torch.from_numpy(np.concatenate([one.labels() for one in examples])),
+        attributes=torch.from_numpy(
+            np.concatenate([describe_voxels(one.table, one.part_ids, one.palettes) for one in examples])
+        ),
         conditions=condition_batch(examples, conditions),
     )
 
@@ -108,3 +114,11 @@ def measure_slats(
     """Mean and standard deviation per channel of draws from the posteriors of all voxels."""
     mean, std = torch.cat(list(means)).float(), torch.cat(list(stds)).float()
     return mean.mean(dim=0), (mean.var(dim=0) + (std**2).mean(dim=0)).sqrt()
+
+
+def _blur(attributes: Float[Tensor, "N A"], generator: torch.Generator) -> Float[Tensor, "N A"]:
+    """Attributes with palettes that are a little off, as drawn ones are: for all voxels of a part alike."""
+    wave = torch.randn(attributes.shape[1], PALETTE, generator=generator, device=generator.device)
+    out = attributes.clone()
+    out[:, -PALETTE:] += BLUR * (attributes @ wave)
+    return out

@@ -71,6 +71,7 @@ def write_appearance_shard(path: Path, examples: Sequence[AppearanceExample]) ->
         "voxel_counts": np.array([len(one.coords) for one in examples]),
         "part_counts": np.array([len(one.table) for one in examples]),
         "table": np.concatenate([one.table for one in examples]),
+        "palettes": np.concatenate([one.palettes for one in examples]),
         "displacements": np.concatenate([one.pictures.displacements for one in examples], axis=1),
     }
     for name in PER_VOXEL:
@@ -107,6 +108,7 @@ def read_appearance_shard(path: Path) -> Iterator[AppearanceExample]:
             category=str(arrays["categories"][number]),
             resolution=int(arrays["resolution"][number]),
             table=arrays["table"][of],
+            palettes=arrays["palettes"][of],
             pictures=Pictures(
                 displacements=arrays["displacements"][:, of],
                 **{key: arrays[key][number] for key in PER_PICTURE},

@@ -1,0 +1,67 @@
+"""Palettes: the colours of each part of an object as a few numbers.
+
+Two colours say most about a part of furniture: a carcass and its lining, a pane and its frame, a handle.
+`artigen.models.palette_flow` draws them for all parts at once, before the flow of structured latents puts
+them where they belong.
+"""
+
+import numpy as np
+from jaxtyping import Float, Int
+from sklearn.cluster import KMeans
+
+from artigen.fields import DEFAULT_LAYOUT, after_occupancy
+from artigen.types import SurfaceSamples
+
+PALETTE = 7
+"""Numbers per part: the colour of the larger area, that of the smaller, and the smaller one's share."""
+MOST = 2000
+"""Samples of a part that are looked at."""
+ALIKE = 1.0
+"""Root mean square distance to the mean (steps of 8 bits) up to which all samples have one colour."""
+
+
+def read_palettes(surface: SurfaceSamples, parts: int) -> Float[np.ndarray, "P 7"]:
+    """Two colours (sRGB in [0, 1]) of each part and the share of its area that has the second.
+
+    A part of one colour has it twice, with a share of 0; one without samples has the whole object's.
+
+    Args:
+        surface: Coloured samples, each standing for the same area.
+        parts: How many parts there are.
+
+    Raises:
+        ValueError: If there is no sample at all.
+    """
+    if not len(surface.points):
+        raise ValueError("a surface without samples has no colours, expected at least one")
+    out = np.zeros((parts, PALETTE))
+    for part in range(parts):
+        colors = surface.colors[surface.part_ids == part]
+        out[part] = _read_palette(colors if len(colors) else surface.colors)
+    return out
+
+
+def describe_voxels(
+    table: Float[np.ndarray, "P C"], part_ids: Int[np.ndarray, "N"], palettes: Float[np.ndarray, "P 7"]
+) -> Float[np.ndarray, "N A"]:
+    """What the flow of structured latents is told of every voxel (float32): label and palette of its part.
+
+    Args:
+        table: Channels after occupancy of each part, in the default layout.
+        part_ids: Part of each voxel.
+        palettes: Of each part.
+    """
+    told = [table[:, after_occupancy(DEFAULT_LAYOUT.label)], palettes]
+    return np.concatenate(told, axis=1).astype(np.float32)[part_ids]
+
+
+def _read_palette(colors: np.ndarray) -> Float[np.ndarray, "7"]:
+    few = colors[:: -(-len(colors) // MOST)].astype(float)
+    mean = few.mean(axis=0)
+    if np.sqrt(((few - mean) ** 2).sum(axis=1).mean()) <= ALIKE:
+        return np.concatenate([mean / 255.0, mean / 255.0, [0.0]])
+    second = KMeans(n_clusters=2, random_state=0).fit_predict(few) == 1
+    if second.mean() > 0.5:
+        second = ~second
+    means = [few[~second].mean(axis=0), few[second].mean(axis=0)]
+    return np.concatenate([*means, [255.0 * second.mean()]]) / 255.0

@@ -1,0 +1,191 @@
+"""Training of the palette flow: examples of painted parts, their shards, and the loop.
+
+An example costs a picture and no more, so there are many more of them than of photographed objects.
+"""
+
+import tempfile
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import torch
+from jaxtyping import Float, UInt8
+from torch import Tensor, nn
+
+from artigen.io import read_arrays
+from artigen.models.conditions import (
+    ConditionBatch,
+    ConditionConfig,
+    drop_conditions,
+    isolate_pictures,
+)
+from artigen.models.palette_flow import Painted, PaletteFlow, gather_painted
+from artigen.sampling import diffuse, draw_times, target_velocity
+from artigen.shapes.draw import draw_shape
+from artigen.train.appearance.examples import paint_parts, tabulate_parts
+from artigen.train.appearance.vae import Report
+from artigen.train.batches import condition_batch, draw_batches, prefetch
+from artigen.train.examples import draw_example_of
+from artigen.train.loop import LoopConfig, process_seed, train
+from artigen.train.shards import ShardConfig, ShardJob
+from artigen.train.structure import DROPOUT
+
+ALONE = 0.25
+"""Share of pictures of which nothing else is said."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PaletteExample:
+    """Parts of an object with their palettes, and its condition; ``image`` is RGBA, premultiplied."""
+
+    name: str
+    category: str
+    table: Float[np.ndarray, "P C"]
+    palettes: Float[np.ndarray, "P 7"]
+    counts: UInt8[np.ndarray, "L"]
+    size: Float[np.ndarray, "3"]
+    image: UInt8[np.ndarray, "H W 4"] | None = None
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PaletteBatch:
+    """Painted parts with the conditions they answer."""
+
+    painted: Painted
+    conditions: ConditionBatch
+
+    def to(self, device: torch.device | str) -> "PaletteBatch":
+        """The same batch on another device."""
+        return PaletteBatch(painted=self.painted.to(device), conditions=self.conditions.to(device))
+
+
+def draw_palettes(category: str, seed: int, *, resolution: int, image_size: int) -> PaletteExample:
+    """Draws a procedural object and reads the colours of its parts."""
+    asset, described = draw_example_of(category, seed, resolution=resolution, image_size=image_size)
+    return PaletteExample(
+        name=described.name,
+        category=described.category,
+        table=tabulate_parts(asset),
+        palettes=paint_parts(draw_shape(category, seed), asset),
+        counts=described.counts,
+        size=described.size,
+        image=described.image,
+    )
+
+
+def make_palette_shard(job: ShardJob[ShardConfig]) -> Path:
+    """Draws the objects of one shard and writes it; runs in a worker process."""
+    torch.set_num_threads(1)  # there is a process per core already
+    cfg = job.cfg
+    write_palette_shard(
+        job.path,
+        [
+            draw_palettes(category, seed, resolution=cfg.resolution, image_size=cfg.image_size)
+            for category, seed in job.objects()
+        ],
+    )
+    return job.path
+
+
+def write_palette_shard(path: Path, examples: Sequence[PaletteExample]) -> None:
+    """Writes examples to one npz file, whole or not at all."""
+    arrays: dict[str, np.ndarray] = {
+        "names": np.array([one.name for one in examples]),
+        "categories": np.array([one.category for one in examples]),
+        "parts": np.array([len(one.table) for one in examples]),
+        "table": np.concatenate([one.table for one in examples]),
+        "palettes": np.concatenate([one.palettes for one in examples]),
+        "counts": np.stack([one.counts for one in examples]),
+        "size": np.stack([one.size for one in examples]),
+    }
+    images = [one.image for one in examples if one.image is not None]
+    if len(images) == len(examples):
+        arrays["image"] = np.stack(images)
+    with tempfile.NamedTemporaryFile(dir=path.parent, prefix=".shard", suffix=".npz", delete=False) as file:
+        np.savez_compressed(file, **arrays)  # type: ignore[arg-type]
+    Path(file.name).replace(path)
+
+
+def read_palette_shard(path: Path) -> Iterator[PaletteExample]:
+    """The examples of a shard.
+
+    Raises:
+        SourceError: If the file is missing or damaged.
+    """
+    arrays = read_arrays(path)
+    ends = np.cumsum(arrays["parts"])
+    for number, name in enumerate(arrays["names"]):
+        of = slice(ends[number] - arrays["parts"][number], ends[number])
+        yield PaletteExample(
+            name=str(name),
+            category=str(arrays["categories"][number]),
+            table=arrays["table"][of],
+            palettes=arrays["palettes"][of],
+            counts=arrays["counts"][number],
+            size=arrays["size"][number],
+            image=arrays["image"][number] if "image" in arrays else None,
+        )
+
+
+def train_palette_flow(
+    flow: PaletteFlow,
+    examples: Sequence[PaletteExample],
+    folder: Path,
+    cfg: LoopConfig,
+    *,
+    batch: int,
+    conditions: ConditionConfig,
+    on_report: Report | None = None,
+) -> PaletteFlow:
+    """Trains the palette flow.
+
+    Args:
+        flow: untrained, or what the folder's checkpoint continues.
+        examples: in memory.
+        folder: of the stage.
+        cfg: budget and rates.
+        batch: objects per step.
+        conditions: what the flow can be asked for.
+        on_report: called with every line of metrics.
+    """
+    every = torch.from_numpy(np.concatenate([one.palettes for one in examples])).float()
+    flow.mean.copy_(every.mean(dim=0))
+    flow.std.copy_(every.std(dim=0).clamp(min=1e-2))
+
+    def terms(network: nn.Module, drawn: PaletteBatch, generator: torch.Generator) -> dict[str, Tensor]:
+        known = isolate_pictures(drawn.conditions, ALONE, generator)
+        return network(drawn.painted, drop_conditions(known, DROPOUT, generator), generator)
+
+    make = partial(_describe, conditions=conditions)
+    batches: Iterator[PaletteBatch] = prefetch(draw_batches(examples, make, batch, process_seed(cfg.seed)))
+    train(PaletteLosses(flow), terms, batches, folder, cfg, on_report=on_report)
+    return flow
+
+
+class PaletteLosses(nn.Module):
+    """The loss of a palette flow as a network of its own, so that several GPUs can share a batch."""
+
+    def __init__(self, flow: PaletteFlow) -> None:
+        super().__init__()
+        self.flow = flow
+
+    def forward(
+        self, painted: Painted, asked: ConditionBatch, generator: torch.Generator
+    ) -> dict[str, Tensor]:
+        """Velocity of the palettes of the parts that are given."""
+        clean = self.flow.normalise(painted.palettes) * painted.given[..., None]
+        noise = torch.randn(clean.shape, generator=generator, device=generator.device)
+        times = draw_times(len(clean), generator)
+        tokens = self.flow.conditions(asked)
+        said = self.flow.velocity(diffuse(clean, noise, times), times, tokens, painted.rows, painted.given)
+        error = ((said - target_velocity(clean, noise)) ** 2).mean(dim=-1)
+        return {"velocity": (error * painted.given).sum() / painted.given.sum()}
+
+
+def _describe(examples: Sequence[PaletteExample], conditions: ConditionConfig) -> PaletteBatch:
+    return PaletteBatch(
+        painted=gather_painted([one.table for one in examples], [one.palettes for one in examples]),
+        conditions=condition_batch(examples, conditions),
+    )
