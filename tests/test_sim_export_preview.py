@@ -14,7 +14,17 @@ from artigen.datasets.sample import SAMPLE_PARTS, SamplePart, sample_box_arrays
 from artigen.types import Gaussians
 from sim_export.errors import PackageError
 from sim_export.files.write import write_package
-from sim_export.package import Hull, Link, Mesh, PackageJoint, SimPackage, SourceMesh, Visual
+from sim_export.package import (
+    Hull,
+    Link,
+    Mesh,
+    PackageJoint,
+    Requirement,
+    SimPackage,
+    SourceMesh,
+    Visual,
+)
+from sim_export.picture.animation import AnimationConfig, animate_packages, write_animation
 from sim_export.picture.camera import Camera, Viewpoint, project_points
 from sim_export.picture.draw import (
     LABEL_COLORS,
@@ -25,6 +35,7 @@ from sim_export.picture.draw import (
     open_links,
     package_surfaces,
     pose_surfaces,
+    sweep_qpos,
     swell_hull,
 )
 from sim_export.picture.lighting import RenderConfig
@@ -231,6 +242,48 @@ def test_contact_sheet_is_a_grid(boxes_package: SimPackage):
     assert (sheet[-(120 + CAPTION) :, 240:] == SMALL.render.background).all()
     closed, opened = sheet[:120, :120], sheet[:120, 120:240]
     assert (closed != opened).any(axis=2).mean() > 0.05
+
+
+def test_a_sweep_goes_from_closed_to_open_and_waits_for_what_must_be_open_first(boxes_package: SimPackage):
+    joints = [joint.name for joint in boxes_package.joints if joint.type != "fixed"]
+    first, second, third = joints[:3]
+    needs = tuple(
+        Requirement(joint=joint, needs=other, fraction=0.9)
+        for joint, other in ((second, first), (third, second))
+    )
+    package = replace(boxes_package, requires_open=needs)
+    ends = {joint.name: open_end(joint) for joint in package.joints}
+    assert set(sweep_qpos(package, 0.0).values()) == {0.0}
+    assert sweep_qpos(package, 1.0) == pytest.approx({name: ends[name] for name in joints})
+    before = dict.fromkeys(joints, 0.0)
+    for time in np.linspace(0.0, 1.0, 40):
+        share = {name: value / ends[name] for name, value in sweep_qpos(package, float(time)).items()}
+        assert all(share[name] >= before[name] - 1e-12 for name in joints)
+        assert share[second] == 0 or share[first] >= 0.9
+        assert share[third] == 0 or share[second] >= 0.9
+        before = share
+
+
+def test_animations_go_there_and_back_in_the_time_they_have(tmp_path: Path, boxes_package: SimPackage):
+    cfg = AnimationConfig(states=3, seconds=2.0, rest=0.4, preview=replace(SMALL, columns=2))
+    write_package(boxes_package, tmp_path / "cabinet")
+    write_animation([tmp_path / "cabinet"] * 3, tmp_path / "three.gif", cfg)
+    gif = Image.open(tmp_path / "three.gif")
+    assert (gif.n_frames, gif.size, gif.info["loop"]) == (4, (240, 240), 0)
+    pictures, times = [], []
+    for frame in range(gif.n_frames):
+        gif.seek(frame)
+        pictures.append(np.asarray(gif.convert("RGB")).astype(int))
+        times.append(gif.info["duration"])
+    assert times == [400, 600, 400, 600]
+    assert np.array_equal(pictures[1], pictures[3])
+    states = animate_packages([boxes_package] * 3, cfg)
+    for picture, state in zip(pictures, states, strict=False):
+        assert np.abs(picture - state).mean() < 3  # 256 colours
+    assert (states[0] != states[2])[:120, :120].any(axis=2).mean() > 0.05
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["cabinet", "three.gif"]
+    with pytest.raises(ValueError, match="leave time"):
+        AnimationConfig(seconds=1.0, rest=0.5)
 
 
 def _write_square(folder: Path, image: str | None) -> SourceMesh:

@@ -20,7 +20,8 @@ def preview(packages: Packages, out: Out = Path("preview.png")) -> int:
 
     Args:
         packages: Package folders.
-        out: The PNG to write; or, for one package, a .glb with its textured meshes, a node per link.
+        out: The PNG to write; or a .gif in which all joints open and close; or, for one package, a .glb with
+            its textured meshes, a node per link.
     """
     if out.suffix == ".glb":
         from sim_export.files.glb import write_glb
@@ -29,6 +30,11 @@ def preview(packages: Packages, out: Out = Path("preview.png")) -> int:
         if len(packages) != 1:
             raise ArtigenError(f"{out}: a GLB holds one package, {len(packages)} are given")
         write_glb(read_package(packages[0]), out)
+        return 0
+    if out.suffix == ".gif":
+        from sim_export.picture.animation import write_animation
+
+        write_animation(packages, out, draw_splats=draw_splats)
         return 0
     from sim_export.picture.preview import write_preview
 

@@ -166,6 +166,27 @@ def open_links(package: SimPackage, fraction: float) -> Float[np.ndarray, "L 4 4
     return link_displacements(package.links, package.joints, open_qpos(package, fraction))
 
 
+def sweep_qpos(package: SimPackage, time: float) -> dict[str, float]:
+    """Coordinates of all driven joints on the way from all closed (0) to all open (1).
+
+    A joint that requires another to be open first waits until that one is, so what is shown could be done.
+    Each starts and ends slowly.
+    """
+    needs = [(need.joint, need.needs) for need in package.requires_open]
+
+    def turn(joint: str) -> int:
+        return max((turn(other) + 1 for name, other in needs if name == joint), default=0)
+
+    joints = driven_joints(package.joints)
+    turns = {joint.name: turn(joint.name) for joint in joints}
+    total = max(turns.values(), default=0) + 1
+    share = {name: min(max(time * total - at, 0.0), 1.0) for name, at in turns.items()}
+    return {
+        joint.name: (0.5 - 0.5 * float(np.cos(np.pi * share[joint.name]))) * open_end(joint)
+        for joint in joints
+    }
+
+
 def explode_links(
     package: SimPackage, surfaces: Sequence[Surface], spread: float
 ) -> Float[np.ndarray, "L 4 4"]:

@@ -72,8 +72,8 @@ class PreviewConfig:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class _Shapes:
-    """What the panels of one package draw, prepared once."""
+class Shapes:
+    """What the pictures of one package draw, prepared once."""
 
     package: SimPackage
     visual: tuple[Surface, ...]
@@ -107,8 +107,8 @@ def preview_package(
         ValueError: the package has nothing to draw.
     """
     cfg = PreviewConfig() if cfg is None else cfg
-    shapes = _prepare(package, cfg)
-    camera = _frame(shapes, cfg, cfg.panels)
+    shapes = prepare_shapes(package, cfg)
+    camera = frame_shapes(shapes, cfg, cfg.panels)
     tiles = [
         caption_below(_draw(shapes, panel, camera, cfg), PANEL_CAPTIONS[panel], cfg.render.background)
         for panel in cfg.panels
@@ -141,8 +141,8 @@ def contact_sheet(
     pairs: tuple[Panel, ...] = ("closed", "open")
     cells = []
     for package in packages:
-        shapes = _prepare(package, cfg)
-        camera = _frame(shapes, cfg, pairs)
+        shapes = prepare_shapes(package, cfg)
+        camera = frame_shapes(shapes, cfg, pairs)
         pair = np.concatenate([_draw(shapes, panel, camera, cfg) for panel in pairs], axis=1)
         if draw_splats is not None and any(has_splats(one) for one in packages):
             below = [_draw_splats(shapes, panel, camera, cfg, draw_splats) for panel in pairs]
@@ -150,10 +150,17 @@ def contact_sheet(
         cells.append(
             caption_below(pair, f"{package.name}     {describe_joints(package)}", cfg.render.background)
         )
+    return arrange_grid(cells, cfg)
+
+
+def arrange_grid(
+    cells: Sequence[UInt8[np.ndarray, "H W 3"]], cfg: PreviewConfig
+) -> UInt8[np.ndarray, "H2 W2 3"]:
+    """Equally large pictures in rows of ``cfg.columns``; what is left of the last row is background."""
     columns = min(cfg.columns, len(cells))
     blank = np.full_like(cells[0], cfg.render.background)
-    cells += [blank] * (-len(cells) % columns)
-    rows = [np.concatenate(cells[at : at + columns], axis=1) for at in range(0, len(cells), columns)]
+    filled = [*cells, *[blank] * (-len(cells) % columns)]
+    rows = [np.concatenate(filled[at : at + columns], axis=1) for at in range(0, len(filled), columns)]
     return np.concatenate(rows, axis=0)
 
 
@@ -222,17 +229,22 @@ def inside_camera(package: SimPackage, surfaces: Sequence[Surface], viewpoint: V
     )
 
 
-def _prepare(package: SimPackage, cfg: PreviewConfig) -> _Shapes:
+def prepare_shapes(package: SimPackage, cfg: PreviewConfig) -> Shapes:
+    """Reads what there is to draw of a package.
+
+    Raises:
+        ValueError: the package has nothing to draw.
+    """
     visual = package_surfaces(package, cfg.look)
     hulls = package_surfaces(package, "collision") if "collision" in cfg.panels else ()
     if not any(len(surface.triangles) for surface in visual):
         raise ValueError(f"package {package.name!r} has no visual triangles, there is nothing to draw")
-    return _Shapes(
+    return Shapes(
         package=package, visual=visual, hulls=hulls, exploded=explode_links(package, visual, cfg.spread)
     )
 
 
-def _panel_surfaces(shapes: _Shapes, panel: Panel) -> tuple[Surface, ...]:
+def _panel_surfaces(shapes: Shapes, panel: Panel) -> tuple[Surface, ...]:
     match panel:
         case "closed" | "half" | "open" | "inside":
             fraction = {"closed": 0.0, "half": 0.5}.get(panel, 1.0)
@@ -245,15 +257,23 @@ def _panel_surfaces(shapes: _Shapes, panel: Panel) -> tuple[Surface, ...]:
             return pose_surfaces(package_surfaces(shapes.package, "label"), open_links(shapes.package, 1.0))
 
 
-def _frame(shapes: _Shapes, cfg: PreviewConfig, panels: Sequence[Panel]) -> Camera:
+def frame_shapes(shapes: Shapes, cfg: PreviewConfig, panels: Sequence[Panel]) -> Camera:
+    """A camera that has everything in the frame in every one of the panels."""
     points = [surface_points(_panel_surfaces(shapes, panel)) for panel in panels]
     return frame_points(np.concatenate(points), cfg.viewpoint)
 
 
-def _draw(shapes: _Shapes, panel: Panel, camera: Camera, cfg: PreviewConfig) -> UInt8[np.ndarray, "H W 3"]:
+def _draw(shapes: Shapes, panel: Panel, camera: Camera, cfg: PreviewConfig) -> UInt8[np.ndarray, "H W 3"]:
     surfaces = _panel_surfaces(shapes, panel)
     if panel == "inside":
         return render_scene(surfaces, inside_camera(shapes.package, surfaces, cfg.viewpoint), cfg.render)
+    return draw_standing(shapes, surfaces, camera, cfg)
+
+
+def draw_standing(
+    shapes: Shapes, surfaces: Sequence[Surface], camera: Camera, cfg: PreviewConfig
+) -> UInt8[np.ndarray, "H W 3"]:
+    """Surfaces of a package in some pose, on the floor that the closed object stands on."""
     floor = cfg.render.ground_height
     if floor is None:
         floor = float(surface_points(shapes.visual)[:, 2].min())
@@ -261,7 +281,7 @@ def _draw(shapes: _Shapes, panel: Panel, camera: Camera, cfg: PreviewConfig) -> 
 
 
 def _draw_splats(
-    shapes: _Shapes, panel: Panel, camera: Camera, cfg: PreviewConfig, draw_splats: DrawSplats
+    shapes: Shapes, panel: Panel, camera: Camera, cfg: PreviewConfig, draw_splats: DrawSplats
 ) -> UInt8[np.ndarray, "H W 3"]:
     """The Gaussians in a panel's pose; a blank where there are none, or nothing to show."""
     if panel not in SPLAT_PANELS or not has_splats(shapes.package):

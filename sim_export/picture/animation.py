@@ -1,0 +1,132 @@
+"""Moving pictures of packages: every joint opens and closes again, in a GIF that goes round."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import UInt8
+
+from sim_export.collision.motion import link_displacements
+from sim_export.package import SimPackage
+from sim_export.picture.camera import Camera, Viewpoint
+from sim_export.picture.draw import pose_surfaces, sweep_qpos
+from sim_export.picture.preview import (
+    PreviewConfig,
+    Shapes,
+    arrange_grid,
+    draw_standing,
+    frame_shapes,
+    prepare_shapes,
+)
+from sim_export.picture.splats import DrawSplats, has_splats, pose_splats
+
+
+@dataclass(frozen=True, kw_only=True)
+class AnimationConfig:
+    """What moves, and how."""
+
+    states: int = 13
+    """Pictures from closed to open, both included; on the way back they are shown again."""
+    seconds: float = 4.0
+    """Time of the way there and back, with a rest at both ends."""
+    rest: float = 0.5
+    """Seconds of each rest."""
+    preview: PreviewConfig = field(
+        default_factory=lambda: PreviewConfig(viewpoint=Viewpoint(width=280, height=280))
+    )
+    """View, light, and objects in a row."""
+
+    def __post_init__(self) -> None:
+        if self.states < 2 or not 0 <= 2 * self.rest < self.seconds:
+            raise ValueError(
+                f"{self.states} states in {self.seconds:g} s with rests of {self.rest:g} s: expected at "
+                "least 2 states, and rests that leave time to move"
+            )
+
+
+def animate_packages(
+    packages: Sequence[SimPackage],
+    cfg: AnimationConfig | None = None,
+    draw_splats: DrawSplats | None = None,
+) -> list[UInt8[np.ndarray, "H W 3"]]:
+    """Pictures of packages in a grid, from all closed to all open.
+
+    Gaussians stand below the meshes if any package has some and ``draw_splats`` is given.
+
+    Raises:
+        ValueError: there are no packages, or one has nothing to draw.
+    """
+    cfg = cfg or AnimationConfig()
+    if not packages:
+        raise ValueError("an animation of no packages")
+    splats = draw_splats if any(has_splats(package) for package in packages) else None
+    every = [prepare_shapes(package, cfg.preview) for package in packages]
+    cameras = [frame_shapes(shapes, cfg.preview, ("closed", "half", "open")) for shapes in every]
+    return [
+        arrange_grid(
+            [
+                _draw_state(shapes, float(time), camera, cfg.preview, splats)
+                for shapes, camera in zip(every, cameras, strict=True)
+            ],
+            cfg.preview,
+        )
+        for time in np.linspace(0.0, 1.0, cfg.states)
+    ]
+
+
+def write_animation(
+    folders: Sequence[Path],
+    gif: Path,
+    cfg: AnimationConfig | None = None,
+    draw_splats: DrawSplats | None = None,
+) -> None:
+    """Writes packages that open and close as a GIF.
+
+    Args:
+        folders: The packages.
+        gif: The file.
+        cfg: What moves, and how.
+        draw_splats: Draws Gaussians; without it packages are shown by their meshes alone.
+
+    Raises:
+        PackageError: a folder holds no readable package.
+    """
+    from PIL import Image
+
+    from sim_export.files.read import read_package
+
+    cfg = cfg or AnimationConfig()
+    states = animate_packages([read_package(folder) for folder in folders], cfg, draw_splats)
+    order = [*range(len(states)), *range(len(states) - 2, 0, -1)]
+    step = (cfg.seconds - 2.0 * cfg.rest) / max(len(order) - 2, 1)
+    times = [1000.0 * (cfg.rest if at in (0, len(states) - 1) else step) for at in order]
+    # One palette for all pictures: what does not move does not flicker.
+    palette = Image.fromarray(np.concatenate([states[0], states[-1]])).quantize(256)
+    frames = [Image.fromarray(states[at]).quantize(palette=palette, dither=Image.Dither.NONE) for at in order]
+    scratch = gif.with_name(gif.name + ".partial")
+    frames[0].save(
+        scratch,
+        format="gif",
+        save_all=True,
+        append_images=frames[1:],
+        duration=[round(time) for time in times],
+        loop=0,
+        optimize=False,
+    )
+    scratch.replace(gif)
+
+
+def _draw_state(
+    shapes: Shapes, time: float, camera: Camera, cfg: PreviewConfig, draw_splats: DrawSplats | None
+) -> UInt8[np.ndarray, "H W 3"]:
+    """Meshes at a time on the way from all closed to all open, and Gaussians below them."""
+    package = shapes.package
+    T = link_displacements(package.links, package.joints, sweep_qpos(package, time))
+    picture = draw_standing(shapes, pose_surfaces(shapes.visual, T), camera, cfg)
+    if draw_splats is None:
+        return picture
+    below = np.full_like(picture, cfg.render.background)
+    if has_splats(package):
+        below = draw_splats(pose_splats(package, T), camera, cfg.render.background)
+    return np.concatenate([picture, below], axis=0)
