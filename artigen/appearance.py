@@ -8,7 +8,7 @@ import torch
 from jaxtyping import Float, Int
 
 from artigen.errors import SourceError
-from artigen.fields import tabulate_parts
+from artigen.fields import name_rows, tabulate_parts
 from artigen.models.appearance_presets import APPEARANCE_PRESETS, AppearancePreset
 from artigen.models.appearance_vae import APPEARANCE_FLOW, APPEARANCE_PALETTE, APPEARANCE_VAE
 from artigen.models.conditions import StructureCondition, gather_conditions
@@ -17,11 +17,12 @@ from artigen.models.palette_flow import PaletteFlow, sample_palettes
 from artigen.models.slat_flow import SlatFlow, sample_slats
 from artigen.models.store import DESCRIPTION, load_model, read_description
 from artigen.models.trellis import load_strictly, read_tensors
-from artigen.palettes import describe_voxels
+from artigen.palettes import ask_colors, describe_voxels
 from artigen.sampling import SamplerConfig
 from artigen.splats.render.splats import Splats
 from artigen.splats.seams import SeamConfig, settle_seams
-from artigen.types import Asset
+from artigen.text import Color
+from artigen.types import Asset, PartLabel
 
 DECODER = "decoder."
 """What the decoder's tensors are called by in a stored VAE; the encoder is not needed to generate."""
@@ -46,6 +47,8 @@ class AppearanceConfig:
     """Steps and guidance."""
     palettes: SamplerConfig = field(default_factory=lambda: SamplerConfig(steps=25, strength=0.0))
     """Steps and guidance of the palettes, whose steps cost next to nothing."""
+    colors: tuple[tuple[PartLabel, Color], ...] = ()
+    """Main colours that parts are to have; that of the base is the object's."""
     seams: SeamConfig = field(default_factory=SeamConfig)
     """What counts as a Gaussian that strays over a neighbouring part."""
 
@@ -126,7 +129,8 @@ def draw_splats(
     )
     attributes = None
     if model.palette is not None:
-        palettes = sample_palettes(model.palette, table, known, nothing, generator, cfg.palettes)
+        fixed = ask_colors(name_rows(table), dict(cfg.colors))
+        palettes = sample_palettes(model.palette, table, known, nothing, generator, cfg.palettes, fixed=fixed)
         attributes = torch.from_numpy(describe_voxels(table, part_ids, palettes)).to(device)
     places = torch.from_numpy(np.pad(coords.astype(np.int32), ((0, 0), (1, 0)))).to(device)
     noise = torch.randn((len(coords), model.flow.channels), generator=generator).to(device)

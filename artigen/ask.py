@@ -8,7 +8,8 @@ from artigen.errors import ArtigenError
 from artigen.models.conditions import StructureCondition
 from artigen.pictures import read_picture
 from artigen.shapes.draw import Wish, categories, check_wish, draw_shape
-from artigen.text import ParsedText, parse_text
+from artigen.text import COLORS, Color, ParsedText, parse_text
+from artigen.types import PartLabel
 
 Value = TypeVar("Value")
 
@@ -28,6 +29,8 @@ class Asked:
     """The condition that a request amounts to, and what was made of it besides."""
 
     condition: StructureCondition
+    colors: tuple[tuple[PartLabel, Color], ...] = ()
+    """Colours that were asked for, by part; that of the object stands at its base."""
     notes: tuple[str, ...] = ()
 
 
@@ -59,6 +62,7 @@ def read_request(request: Request, seed: int, image_size: int) -> Asked:
     height = _agree("height", wish.height, text.height)
     notes = [f"no meaning was found in: {', '.join(text.unused)}"] if text.unused else []
     given = tuple(sorted(counts.items()))
+    colors: tuple[tuple[PartLabel, Color], ...] = tuple((label, COLORS[word]) for label, word in text.colors)
     asked = Wish(depth=depth, width=width, height=height, counts=given)
     check_wish(asked)
     if request.image is not None:
@@ -67,7 +71,7 @@ def read_request(request: Request, seed: int, image_size: int) -> Asked:
         picture = read_picture(request.image, image_size)
         size = None if depth is None or width is None or height is None else (depth, width, height)
         condition = StructureCondition(category=category, counts=given, size=size, image=picture.rgba)
-        return Asked(condition=condition, notes=(*notes, *picture.notes))
+        return Asked(condition=condition, colors=colors, notes=(*notes, *picture.notes))
     if category is None:
         raise ArtigenError("no category is asked for: name one, in words if you like, or give a picture")
     drawn = draw_shape(category, seed, asked).condition
@@ -78,7 +82,9 @@ def read_request(request: Request, seed: int, image_size: int) -> Asked:
         drawn.height * (factors.get("height", 1.0) if height is None else 1.0),
     )
     return Asked(
-        condition=StructureCondition(category=category, counts=drawn.counts, size=size), notes=tuple(notes)
+        condition=StructureCondition(category=category, counts=drawn.counts, size=size),
+        colors=colors,
+        notes=tuple(notes),
     )
 
 

@@ -241,6 +241,11 @@ def tabulate_parts(asset: Asset, layout: FieldLayout = DEFAULT_LAYOUT) -> Float[
     return np.stack(rows)[:, layout.occupancy.stop :].astype(np.float32)
 
 
+def name_rows(table: Float[np.ndarray, "P C"], layout: FieldLayout = DEFAULT_LAYOUT) -> tuple[PartLabel, ...]:
+    """Labels of the rows of `tabulate_parts`."""
+    return tuple(layout.labels[row.argmax()] for row in table[:, after_occupancy(layout.label)])
+
+
 def encode(asset: Asset, layout: FieldLayout = DEFAULT_LAYOUT) -> Float[np.ndarray, "C X Y Z"]:
     """Writes an asset's voxels and parts into a dense float32 field; empty cells are zero.
 

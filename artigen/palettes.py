@@ -5,15 +5,19 @@ Two colours say most about a part of furniture: a carcass and its lining, a pane
 them where they belong.
 """
 
+from collections.abc import Mapping, Sequence
+
 import numpy as np
 from jaxtyping import Float, Int
 from sklearn.cluster import KMeans
 
 from artigen.fields import DEFAULT_LAYOUT, after_occupancy
-from artigen.types import SurfaceSamples
+from artigen.types import PartLabel, SurfaceSamples
 
 PALETTE = 7
 """Numbers per part: the colour of the larger area, that of the smaller, and the smaller one's share."""
+FRONTS: tuple[PartLabel, ...] = ("drawer", "door")
+"""Parts that have the colour of the object, where they are not said to have another."""
 MOST = 2000
 """Samples of a part that are looked at."""
 ALIKE = 1.0
@@ -38,6 +42,26 @@ def read_palettes(surface: SurfaceSamples, parts: int) -> Float[np.ndarray, "P 7
     for part in range(parts):
         colors = surface.colors[surface.part_ids == part]
         out[part] = _read_palette(colors if len(colors) else surface.colors)
+    return out
+
+
+def ask_colors(
+    labels: Sequence[PartLabel], colors: Mapping[PartLabel, Sequence[float]]
+) -> Float[np.ndarray, "P 7"]:
+    """Palettes of parts of which some colours are asked for; NaN is left open.
+
+    A colour is the main one of its parts. That of the base is the object's: fronts share it, unless they have
+    one of their own.
+
+    Args:
+        labels: Of the parts.
+        colors: sRGB in [0, 1] by label.
+    """
+    out = np.full((len(labels), PALETTE), np.nan)
+    for row, label in zip(out, labels, strict=True):
+        color = colors.get(label, colors.get("base") if label in FRONTS else None)
+        if color is not None:
+            row[:3] = color
     return out
 
 

@@ -1,8 +1,8 @@
-"""English words to a condition: category, part counts, sizes; no model, no guessing.
+"""English words to a condition: category, part counts, sizes, colours; no model, no guessing.
 
-"A tall white cabinet with three drawers and two doors, 80 cm wide" says category StorageFurniture, three
-drawers, two doors, a width of 0.8 m and that it is tall. Words that say nothing about structure (colours,
-materials, "a", "with") are listed as unused; a sentence that names nothing we know is an error.
+"A tall white cabinet with three drawers and two black handles, 80 cm wide" says category StorageFurniture,
+three drawers, two handles, a width of 0.8 m, that it is tall, and which colours it has. Words that say
+nothing of these ("a", "with") are listed as unused; a sentence that names nothing we know is an error.
 """
 
 import re
@@ -107,6 +107,36 @@ ADJECTIVES: dict[str, tuple[str, float]] = {
 """Without a number these stretch the category's usual extent along one axis."""
 
 
+Color = tuple[float, float, float]
+"""sRGB in [0, 1]."""
+COLORS: dict[str, Color] = {
+    "white": (0.92, 0.92, 0.91),
+    "ivory": (0.93, 0.90, 0.82),
+    "cream": (0.91, 0.87, 0.76),
+    "beige": (0.83, 0.77, 0.65),
+    "silver": (0.76, 0.76, 0.77),
+    "steel": (0.72, 0.73, 0.74),
+    "grey": (0.53, 0.53, 0.54),
+    "gray": (0.53, 0.53, 0.54),
+    "anthracite": (0.24, 0.25, 0.27),
+    "black": (0.10, 0.10, 0.11),
+    "brown": (0.42, 0.28, 0.19),
+    "oak": (0.80, 0.66, 0.47),
+    "walnut": (0.40, 0.28, 0.20),
+    "red": (0.70, 0.16, 0.15),
+    "orange": (0.86, 0.48, 0.17),
+    "yellow": (0.88, 0.77, 0.32),
+    "green": (0.36, 0.50, 0.36),
+    "mint": (0.67, 0.82, 0.74),
+    "blue": (0.26, 0.38, 0.60),
+    "navy": (0.16, 0.21, 0.35),
+    "pink": (0.86, 0.63, 0.66),
+}
+"""Colours that paint and wood of that name have."""
+BETWEEN = 3
+"""At most so many words stand between a colour and its noun."""
+
+
 class TextError(ArtigenError):
     """A sentence names nothing that can be generated, or contradicts itself."""
 
@@ -121,6 +151,8 @@ class ParsedText:
     depth: float | None = None
     height: float | None = None
     stretch: tuple[tuple[str, float], ...] = ()
+    colors: tuple[tuple[PartLabel, str], ...] = ()
+    """Colour words by part; that of the object stands at its base."""
     unused: tuple[str, ...] = ()
 
 
@@ -134,7 +166,7 @@ def parse_text(text: str) -> ParsedText:
     found = ParsedText()
     at = 0
     while at < len(words):
-        for read in (_read_length, _read_category, _read_count, _read_adjective):
+        for read in (_read_length, _read_category, _read_count, _read_adjective, _read_color):
             found, used = read(words[at:], found)
             if used:
                 break
@@ -142,7 +174,7 @@ def parse_text(text: str) -> ParsedText:
             found = replace(found, unused=(*found.unused, words[at]))
             used = 1
         at += used
-    if found == ParsedText(unused=found.unused):
+    if found == ParsedText(colors=found.colors, unused=found.unused):
         raise TextError(
             f"{text!r}: no word names a category ({', '.join(sorted(CATEGORY_WORDS))}), a part "
             f"({', '.join(sorted(PART_WORDS))}) or a size; for example 'a cabinet with three drawers'"
@@ -193,6 +225,8 @@ def _read_count(words: list[str], found: ParsedText) -> tuple[ParsedText, int]:
                 raise TextError(
                     f"{known[label]} and {number} parts called {label} are asked for; give one number"
                 )
+            for at in range(1, used - 1):  # "three wide oak drawers"
+                found, _ = _read_color(words[at:], found)
             return replace(found, counts=tuple(sorted({**known, label: number}.items()))), used
         if words[used - 1] in NUMBERS or _is_number(words[used - 1]):
             break
@@ -207,6 +241,24 @@ def _read_adjective(words: list[str], found: ParsedText) -> tuple[ParsedText, in
     if known.get(axis, factor) != factor:
         raise TextError(f"{words[0]!r} contradicts an earlier word about the {axis}")
     return replace(found, stretch=tuple(sorted({**known, axis: factor}.items()))), 1
+
+
+def _read_color(words: list[str], found: ParsedText) -> tuple[ParsedText, int]:
+    """A colour and, soon after it, the noun it belongs to: a part, or the object."""
+    if words[0] not in COLORS:
+        return found, 0
+    for at in range(1, min(BETWEEN + 2, len(words))):
+        label = PART_WORDS.get(words[at])
+        if label is None and _read_category(words[at:], ParsedText())[1]:
+            label = "base"
+        if label is None:
+            continue
+        known = dict(found.colors)
+        if known.get(label, words[0]) != words[0]:
+            named = "the object" if label == "base" else f"parts called {label}"
+            raise TextError(f"{known[label]} and {words[0]} are asked for, both of {named}; name one")
+        return replace(found, colors=tuple(sorted({**known, label: words[0]}.items()))), 1
+    return found, 0
 
 
 def _singular(word: str) -> str:

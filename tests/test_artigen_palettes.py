@@ -12,7 +12,7 @@ from artigen.fields import tabulate_parts
 from artigen.models.appearance_presets import APPEARANCE_PRESETS
 from artigen.models.conditions import StructureCondition, gather_conditions
 from artigen.models.palette_flow import PaletteFlow, sample_palettes
-from artigen.palettes import PALETTE, describe_voxels, read_palettes
+from artigen.palettes import PALETTE, ask_colors, describe_voxels, read_palettes
 from artigen.sampling import SamplerConfig
 from artigen.shapes.asset import shape_to_asset
 from artigen.train.appearance.palettes import (
@@ -72,6 +72,16 @@ def test_voxels_are_told_the_label_and_the_palette_of_their_part():
         np.testing.assert_allclose(row[-PALETTE:], palettes[part], atol=1e-6)
 
 
+def test_the_colour_of_the_object_is_that_of_its_fronts_unless_they_have_their_own():
+    said = ask_colors(
+        ("base", "door", "drawer", "handle"), {"base": (0.9, 0.8, 0.7), "door": (0.1, 0.2, 0.3)}
+    )
+    np.testing.assert_array_equal(said[[0, 2], :3], [[0.9, 0.8, 0.7]] * 2)
+    np.testing.assert_array_equal(said[1, :3], [0.1, 0.2, 0.3])
+    assert np.isnan(said[3]).all()
+    assert np.isnan(said[:, 3:]).all()
+
+
 @pytest.fixture(scope="module")
 def microwave() -> PaletteExample:
     return draw_palettes("Microwave", 3, resolution=16, image_size=32)
@@ -88,20 +98,32 @@ def test_shards_give_examples_back(microwave: PaletteExample, tmp_path: Path):
         list(read_palette_shard(path))
 
 
-def test_the_flow_learns_which_object_has_which_colours(microwave: PaletteExample, tmp_path: Path):
-    """Two categories whose parts differ in nothing but colour: each is drawn in its own."""
-    painted = [
-        PaletteExample(**{**vars(microwave), "category": category, "palettes": palettes, "image": None})
-        for category, palettes in (
-            ("Microwave", np.full_like(microwave.palettes, 0.2)),
-            ("Table", np.full_like(microwave.palettes, 0.4)),
+@pytest.fixture(scope="module")
+def painted(microwave: PaletteExample) -> list[PaletteExample]:
+    """Two categories whose parts differ in nothing but colour."""
+    return [
+        PaletteExample(
+            **{
+                **vars(microwave),
+                "category": category,
+                "palettes": np.full_like(microwave.palettes, value),
+                "image": None,
+            }
         )
+        for category, value in (("Microwave", 0.2), ("Table", 0.4))
     ]
+
+
+@pytest.fixture(scope="module")
+def learnt(painted: list[PaletteExample], tmp_path_factory: pytest.TempPathFactory) -> PaletteFlow:
     torch.manual_seed(0)
     flow = PaletteFlow(TINY.palette, TINY.conditions)
-    cfg = LoopConfig(steps=150, learning_rate=2e-3, warmup=5, ema=0.9)
-    train_palette_flow(flow, painted, tmp_path, cfg, batch=8, conditions=TINY.conditions)
-    flow.eval()
+    cfg = LoopConfig(steps=200, learning_rate=2e-3, warmup=5, ema=0.9)
+    folder = tmp_path_factory.mktemp("palette")
+    return train_palette_flow(flow, painted, folder, cfg, batch=8, conditions=TINY.conditions).eval()
+
+
+def test_the_flow_learns_which_object_has_which_colours(painted: list[PaletteExample], learnt: PaletteFlow):
     nothing = gather_conditions([StructureCondition()], TINY.conditions)
     for example in painted:
         asked = StructureCondition(
@@ -110,7 +132,7 @@ def test_the_flow_learns_which_object_has_which_colours(microwave: PaletteExampl
             size=tuple(example.size.tolist()),
         )
         drawn = sample_palettes(
-            flow,
+            learnt,
             example.table,
             gather_conditions([asked], TINY.conditions),
             nothing,
@@ -118,3 +140,22 @@ def test_the_flow_learns_which_object_has_which_colours(microwave: PaletteExampl
             SamplerConfig(steps=8, strength=0.0),
         )
         assert np.abs(drawn - example.palettes).mean() < 0.04
+
+
+def test_what_is_fixed_is_kept_and_the_rest_goes_with_it(microwave: PaletteExample, learnt: PaletteFlow):
+    """Of two ways to paint it, the flow takes the one that main colours fit."""
+    nothing = gather_conditions([StructureCondition()], TINY.conditions)
+    for value in (0.2, 0.4):
+        fixed = np.full_like(microwave.palettes, np.nan)
+        fixed[:, :3] = value
+        drawn = sample_palettes(
+            learnt,
+            microwave.table,
+            nothing,
+            nothing,
+            torch.Generator().manual_seed(1),
+            SamplerConfig(steps=12, strength=0.0),
+            fixed=fixed,
+        )
+        np.testing.assert_allclose(drawn[:, :3], value, atol=1e-6)
+        assert np.abs(drawn[:, 3:] - value).mean() < 0.06

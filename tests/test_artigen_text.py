@@ -2,7 +2,7 @@
 
 import pytest
 
-from artigen.text import CATEGORY_WORDS, NUMBERS, PART_WORDS, ParsedText, TextError, parse_text
+from artigen.text import CATEGORY_WORDS, COLORS, NUMBERS, PART_WORDS, ParsedText, TextError, parse_text
 from artigen.types import PAPER_CATEGORIES, PART_LABELS
 
 
@@ -12,7 +12,18 @@ def test_a_sentence_says_category_counts_and_size():
     assert said.counts == (("door", 2), ("drawer", 3))
     assert (said.width, said.depth, said.height) == (0.8, None, 1.9)
     assert said.stretch == (("height", 1.35),)
-    assert said.unused == ("a", "white", "with", "and", "and")
+    assert said.colors == (("base", "white"),)
+    assert said.unused == ("a", "with", "and", "and")
+
+
+def test_colours_belong_to_the_noun_that_follows():
+    said = parse_text("a white and narrow fridge with two large black handles and blue doors")
+    assert said.colors == (("base", "white"), ("door", "blue"), ("handle", "black"))
+    assert said.counts == (("handle", 2),)
+    assert parse_text("an oven, something white").colors == ()
+    assert all(0 <= level <= 1 for color in COLORS.values() for level in color)
+    with pytest.raises(TextError, match="white and blue are asked for, both of the object"):
+        parse_text("a white oven or a blue oven")
 
 
 @pytest.mark.parametrize("noun", sorted(CATEGORY_WORDS))

@@ -115,8 +115,13 @@ def generate_object(job: GenerateJob) -> Made:
     asset = replace(asset, name=job.key, notes=(*asked.notes, *asset.notes))
     drawn = time.perf_counter()
     if appearance is not None:
-        look = read_request(read_job(job), job.seed, appearance.preset.conditions.image_size).condition
-        asset = generate_appearance(appearance, asset, look, noise[1], AppearanceConfig(sampler=sampler))
+        look = read_request(read_job(job), job.seed, appearance.preset.conditions.image_size)
+        painting = AppearanceConfig(sampler=sampler, colors=look.colors)
+        asset = generate_appearance(appearance, asset, look.condition, noise[1], painting)
+    elif asked.colors:
+        named = ", ".join(f"{label} {color}" for label, color in asked.colors)
+        said = f"colours were asked for ({named}), this model draws none"
+        asset = replace(asset, notes=(*asset.notes, said))
     painted = time.perf_counter()
     condition = asked.condition
     provenance = {

@@ -20,7 +20,7 @@ from artigen.models.embeddings import TimestepEmbedder
 from artigen.models.latent_dit import velocity_of
 from artigen.models.structure_dit import ModulatedBlock, StructureDitConfig
 from artigen.palettes import PALETTE
-from artigen.sampling import SamplerConfig, sample_flow
+from artigen.sampling import SamplerConfig, diffuse, sample_flow
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -130,8 +130,13 @@ def sample_palettes(
     nothing: ConditionBatch,
     generator: torch.Generator,
     cfg: SamplerConfig,
+    *,
+    fixed: Float[np.ndarray, "P 7"] | None = None,
 ) -> Float[np.ndarray, "P 7"]:
     """Draws the palettes of one object's parts.
+
+    What is fixed is put onto its own path from the same noise at every step, so that the rest is drawn to
+    go with it.
 
     Args:
         flow: the trained flow.
@@ -140,16 +145,25 @@ def sample_palettes(
         nothing: one condition with everything open.
         generator: of the noise, on the CPU.
         cfg: steps and guidance.
+        fixed: numbers that are known; NaN where they are to be drawn.
     """
     tokens, without = flow.conditions(asked), flow.conditions(nothing)
     rows = torch.from_numpy(table).float()[None].to(tokens.device)
     given = torch.ones(rows.shape[:2], dtype=torch.bool, device=tokens.device)
     noise = torch.randn((*rows.shape[:2], PALETTE), generator=generator).to(tokens.device)
 
+    known = torch.full_like(noise, torch.nan)
+    if fixed is not None:
+        known = flow.normalise(torch.from_numpy(fixed).float()[None].to(tokens.device))
+
+    def hold(x: Tensor, times: Tensor) -> Tensor:
+        return torch.where(known.isnan(), x, diffuse(known, noise, times))
+
     def conditional(x: Tensor, times: Tensor) -> Tensor:
-        return flow.velocity(x, times, tokens, rows, given)
+        return flow.velocity(hold(x, times), times, tokens, rows, given)
 
     def pair(x: Tensor, times: Tensor) -> tuple[Tensor, Tensor]:
-        return conditional(x, times), flow.velocity(x, times, without, rows, given)
+        return conditional(x, times), flow.velocity(hold(x, times), times, without, rows, given)
 
-    return flow.restore(sample_flow(noise, conditional, pair, cfg))[0].cpu().numpy()
+    drawn = sample_flow(noise, conditional, pair, cfg)
+    return flow.restore(torch.where(known.isnan(), drawn, known))[0].cpu().numpy()
