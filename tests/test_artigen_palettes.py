@@ -8,10 +8,10 @@ import torch
 from drawer_chest import make_chest
 
 from artigen.errors import SourceError
-from artigen.fields import tabulate_parts
+from artigen.fields import DEFAULT_LAYOUT, after_occupancy, tabulate_parts
 from artigen.models.appearance_presets import APPEARANCE_PRESETS
 from artigen.models.conditions import StructureCondition, gather_conditions
-from artigen.models.palette_flow import PaletteFlow, sample_palettes
+from artigen.models.palette_flow import PaletteFlow, look_at_parts, sample_palettes
 from artigen.palettes import PALETTE, ask_colors, describe_voxels, read_palettes
 from artigen.sampling import SamplerConfig
 from artigen.shapes.asset import shape_to_asset
@@ -80,6 +80,25 @@ def test_the_colour_of_the_object_is_that_of_its_fronts_unless_they_have_their_o
     np.testing.assert_array_equal(said[1, :3], [0.1, 0.2, 0.3])
     assert np.isnan(said[3]).all()
     assert np.isnan(said[:, 3:]).all()
+
+
+def test_parts_are_looked_at_where_the_picture_shows_them():
+    """Left half red, right half blue, on a picture with empty borders; y runs to the left of a viewer."""
+    rows = torch.zeros(1, 3, DEFAULT_LAYOUT.channels - 1)
+    box = rows[..., after_occupancy(DEFAULT_LAYOUT.box)]
+    box[0, 0] = torch.tensor([0.0, 0.25, 0.0, 0.5, 0.5, 1.0])  # the viewer's left
+    box[0, 1] = torch.tensor([0.0, -0.25, 0.0, 0.5, 0.5, 1.0])
+    image = torch.zeros(1, 4, 32, 32)
+    image[0, :, 4:28, 8:16] = torch.tensor([1.0, 0.0, 0.0, 1.0])[:, None, None]
+    image[0, :, 4:28, 16:24] = torch.tensor([0.0, 0.0, 1.0, 1.0])[:, None, None]
+    given = torch.tensor([[True, True, False]])
+    asked = gather_conditions([StructureCondition(image=image[0].numpy())], TINY.conditions)
+    seen = look_at_parts(rows, given, asked)
+    torch.testing.assert_close(seen[0, 0, :3], torch.tensor([1.0, 0.0, 0.0]), atol=0.05, rtol=0)
+    torch.testing.assert_close(seen[0, 1, :3], torch.tensor([0.0, 0.0, 1.0]), atol=0.05, rtol=0)
+    assert seen[0, :2, 6:].min() > 0.95
+    assert not seen[0, 2].any()
+    assert not look_at_parts(rows, given, gather_conditions([StructureCondition()], TINY.conditions)).any()
 
 
 @pytest.fixture(scope="module")

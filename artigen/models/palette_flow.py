@@ -12,8 +12,9 @@ import numpy as np
 import torch
 from jaxtyping import Bool, Float
 from torch import Tensor, nn
+from torch.nn import functional
 
-from artigen.fields import DEFAULT_LAYOUT
+from artigen.fields import DEFAULT_LAYOUT, after_occupancy
 from artigen.models.attention import plain_norm
 from artigen.models.conditions import ConditionBatch, ConditionConfig, ConditionEncoder
 from artigen.models.embeddings import TimestepEmbedder
@@ -21,6 +22,11 @@ from artigen.models.latent_dit import velocity_of
 from artigen.models.structure_dit import ModulatedBlock, StructureDitConfig
 from artigen.palettes import PALETTE
 from artigen.sampling import SamplerConfig, diffuse, sample_flow
+
+SEEN = 8
+"""Numbers that say what a picture shows where a part is."""
+LOOKS = 5
+"""Places across and down a part at which a picture is looked at."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -70,7 +76,9 @@ class PaletteFlow(nn.Module):
         self.modulation = nn.Sequential(nn.SiLU(), nn.Linear(cfg.width, 6 * cfg.width))
         self.table = nn.Parameter(torch.zeros(cfg.blocks, 6 * cfg.width))
         self.pooled = nn.Linear(conditions.width, cfg.width)
-        self.parts = nn.Sequential(nn.Linear(cfg.rows, cfg.width), nn.SiLU(), nn.Linear(cfg.width, cfg.width))
+        self.parts = nn.Sequential(
+            nn.Linear(cfg.rows + SEEN, cfg.width), nn.SiLU(), nn.Linear(cfg.width, cfg.width)
+        )
         self.input_layer = nn.Linear(PALETTE, cfg.width)
         self.blocks = nn.ModuleList(ModulatedBlock(inner) for _ in range(cfg.blocks))
         self.out_layer = nn.Linear(cfg.width, PALETTE)
@@ -85,11 +93,19 @@ class PaletteFlow(nn.Module):
         x: Float[Tensor, "B N 7"],
         times: Float[Tensor, "B"],
         tokens: Float[Tensor, "B M K"],
-        rows: Float[Tensor, "B N C"],
+        told: Float[Tensor, "B N K"],
         given: Bool[Tensor, "B N"],
     ) -> Float[Tensor, "B N 7"]:
-        """Velocity of normalised palettes at times in [0, 1], under embedded conditions."""
-        h = self.input_layer(x) + self.parts(rows)
+        """Velocity of normalised palettes at times in [0, 1], under embedded conditions.
+
+        Args:
+            x: noisy palettes.
+            times: one for each object.
+            tokens: of the conditions.
+            told: rows of the parts, and what the picture shows where they are (`look_at_parts`).
+            given: rows that are parts.
+        """
+        h = self.input_layer(x) + self.parts(told)
         mod = self.modulation(self.t_embedder(1000.0 * times) + self.pooled(tokens.mean(dim=1)))
         for block, row in zip(self.blocks, self.table, strict=True):
             assert isinstance(block, ModulatedBlock)
@@ -104,6 +120,50 @@ class PaletteFlow(nn.Module):
         """Inverse of `normalise`, within bounds: colours in [0, 1], a share of at most half."""
         palettes = (x * self.std + self.mean).clamp(0.0, 1.0)
         return torch.cat([palettes[..., :-1], palettes[..., -1:].clamp(max=0.5)], dim=-1)
+
+
+def look_at_parts(
+    rows: Float[Tensor, "B N C"], given: Bool[Tensor, "B N"], asked: ConditionBatch
+) -> Float[Tensor, "B N 8"]:
+    """What the picture shows about where each part is: mean colour, its deviation, coverage, and 1.
+
+    Pictures are taken from near the front, so a part's box, within that of the object, lies about where it
+    does within the pixels that show the object. Where there is no picture, all is 0.
+
+    Args:
+        rows: channels after occupancy of each part.
+        given: rows that are parts.
+        asked: conditions, of which only pictures count.
+    """
+    box = rows[..., after_occupancy(DEFAULT_LAYOUT.box)]
+    sides = torch.stack([-box[..., 1], -box[..., 2]], dim=-1), box[..., 4:6] / 2.0  # to the right, down
+    low, high = sides[0] - sides[1], sides[0] + sides[1]
+    start = torch.where(given[..., None], low, torch.inf).amin(dim=1, keepdim=True)
+    extent = torch.where(given[..., None], high, -torch.inf).amax(dim=1, keepdim=True) - start
+    line = (torch.arange(LOOKS, device=rows.device) + 0.5) / LOOKS
+    shares = torch.stack(torch.meshgrid(line, line, indexing="ij"), dim=-1).reshape(-1, 2)
+    at = (low - start)[:, :, None] + (high - low)[:, :, None] * shares
+    at = at / extent.clamp(min=1e-6)[:, :, None]
+    first, last = _find_object(asked.image[:, 3])
+    places = first[:, None, None] + (last - first)[:, None, None] * at
+    found = functional.grid_sample(asked.image, 2.0 * places - 1.0, align_corners=False)
+    alpha = found[:, 3:].mean(dim=-1)
+    color = found[:, :3].sum(dim=-1) / found[:, 3:].sum(dim=-1).clamp(min=1e-3)
+    seen = torch.cat([color, found[:, :3].std(dim=-1), alpha, torch.ones_like(alpha)], dim=1)
+    return seen.transpose(1, 2) * (given & asked.has_image[:, None])[..., None]
+
+
+def _find_object(alpha: Float[Tensor, "B H W"]) -> tuple[Float[Tensor, "B 2"], Float[Tensor, "B 2"]]:
+    """First and last corner (right, down; shares of the picture) of the pixels that show something."""
+    ends = []
+    for shown in ((alpha > 0.5).any(dim=1), (alpha > 0.5).any(dim=2)):
+        count = shown.shape[1]
+        order = torch.arange(count, device=alpha.device)
+        first = torch.where(shown, order, count).amin(dim=1)
+        last = torch.where(shown, order, -1).amax(dim=1)
+        empty = last < 0
+        ends.append((torch.where(empty, 0, first) / count, torch.where(empty, count, last + 1) / count))
+    return torch.stack([end[0] for end in ends], dim=1), torch.stack([end[1] for end in ends], dim=1)
 
 
 def gather_painted(
@@ -150,6 +210,7 @@ def sample_palettes(
     tokens, without = flow.conditions(asked), flow.conditions(nothing)
     rows = torch.from_numpy(table).float()[None].to(tokens.device)
     given = torch.ones(rows.shape[:2], dtype=torch.bool, device=tokens.device)
+    told, blind = (torch.cat([rows, look_at_parts(rows, given, one)], dim=-1) for one in (asked, nothing))
     noise = torch.randn((*rows.shape[:2], PALETTE), generator=generator).to(tokens.device)
 
     known = torch.full_like(noise, torch.nan)
@@ -160,10 +221,10 @@ def sample_palettes(
         return torch.where(known.isnan(), x, diffuse(known, noise, times))
 
     def conditional(x: Tensor, times: Tensor) -> Tensor:
-        return flow.velocity(hold(x, times), times, tokens, rows, given)
+        return flow.velocity(hold(x, times), times, tokens, told, given)
 
     def pair(x: Tensor, times: Tensor) -> tuple[Tensor, Tensor]:
-        return conditional(x, times), flow.velocity(hold(x, times), times, without, rows, given)
+        return conditional(x, times), flow.velocity(hold(x, times), times, without, blind, given)
 
     drawn = sample_flow(noise, conditional, pair, cfg)
     return flow.restore(torch.where(known.isnan(), drawn, known))[0].cpu().numpy()

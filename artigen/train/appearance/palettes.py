@@ -21,7 +21,7 @@ from artigen.models.conditions import (
     drop_conditions,
     isolate_pictures,
 )
-from artigen.models.palette_flow import Painted, PaletteFlow, gather_painted
+from artigen.models.palette_flow import Painted, PaletteFlow, gather_painted, look_at_parts
 from artigen.sampling import diffuse, draw_times, target_velocity
 from artigen.shapes.draw import draw_shape
 from artigen.train.appearance.examples import paint_parts, tabulate_parts
@@ -179,7 +179,8 @@ class PaletteLosses(nn.Module):
         noise = torch.randn(clean.shape, generator=generator, device=generator.device)
         times = draw_times(len(clean), generator)
         tokens = self.flow.conditions(asked)
-        said = self.flow.velocity(diffuse(clean, noise, times), times, tokens, painted.rows, painted.given)
+        told = torch.cat([painted.rows, look_at_parts(painted.rows, painted.given, asked)], dim=-1)
+        said = self.flow.velocity(diffuse(clean, noise, times), times, tokens, told, painted.given)
         error = ((said - target_velocity(clean, noise)) ** 2).mean(dim=-1)
         return {"velocity": (error * painted.given).sum() / painted.given.sum()}
 
