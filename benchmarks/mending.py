@@ -31,7 +31,7 @@ from artigen.sampling import diffuse
 from artigen.segmentation.boards import make_boards
 from artigen.segmentation.rows import read_owners
 from artigen.train.batches import condition_batch, outline_batch, patch_batch
-from artigen.weights import STRUCTURE
+from artigen.weights import SHIPPED
 
 Owners = Int[np.ndarray, "X Y Z"]
 CERTAIN = 6.0
@@ -46,7 +46,7 @@ NEAR = np.ones((3, 3, 3), dtype=bool)
 class Options:
     """What to run."""
 
-    model: Path = STRUCTURE
+    model: Path = SHIPPED
     """Folder of the trained model."""
     out: Path = Path("out/mending")
     """Where the table goes."""

@@ -6,7 +6,7 @@ from typing import Literal
 
 from artigen.cli.arguments import Out, Workers
 from artigen.cli.batch import Finished, run_batch
-from artigen.weights import STRUCTURE
+from artigen.weights import SHIPPED
 
 OBJECTS = (("StorageFurniture", 3), ("Oven", 2), ("Refrigerator", 1), ("Table", 4))
 """Category and seed of what the demo shows."""
@@ -37,7 +37,7 @@ def demo(out: Out = Path("out/demo"), workers: Workers = 2) -> int:
         good &= all(finished.good for finished in results)
         write_preview(tuple(out / way / shape.name for shape in shapes), out / f"{way}.png")
     drawn = [
-        GenerateJob(model=STRUCTURE, category=category, seed=seed, out=out / "generated")
+        GenerateJob(model=SHIPPED, category=category, seed=seed, out=out / "generated")
         for category, seed in GENERATED
     ]
     results = run_batch(generate_and_validate, drawn, out / "generated", workers=workers, on_done=_say)

@@ -11,7 +11,7 @@ from tqdm import tqdm
 
 from artigen.cli.arguments import Out, Workers
 from artigen.errors import ArtigenError
-from artigen.weights import STRUCTURE
+from artigen.weights import SHIPPED
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,7 +53,7 @@ class AppearanceViews:
 def evaluate(
     what: tyro.conf.Positional[Literal["structure", "appearance"]],
     out: Out,
-    model: Path = STRUCTURE,
+    model: Path = SHIPPED,
     cfg: tyro.conf.OmitArgPrefixes[EvaluateSettings] = EvaluateSettings(),
     workers: Workers = 2,
     appearance: tyro.conf.OmitArgPrefixes[AppearanceViews] = AppearanceViews(),

@@ -17,7 +17,7 @@ from artigen.cli.arguments import Count, Out, Workers
 from artigen.cli.batch import Finished, Made, make_and_validate, run_shown
 from artigen.cli.shape import read_counts
 from artigen.errors import ArtigenError
-from artigen.weights import STRUCTURE
+from artigen.weights import SHIPPED
 from artigen.workers import Worker
 
 if TYPE_CHECKING:
@@ -169,7 +169,7 @@ def generate_and_validate(worker: Worker, job: GenerateJob) -> Finished:
 
 def generate(
     out: Out,
-    model: Path = STRUCTURE,
+    model: Path = SHIPPED,
     category: tyro.conf.Positional[str | None] = None,
     seed: int = 0,
     count: Count = 1,

@@ -2,5 +2,5 @@
 
 from pathlib import Path
 
-STRUCTURE = Path(__file__).parent / "structure"
-"""Folder of the structure model."""
+SHIPPED = Path(__file__).parent / "small"
+"""Folder of the model of preset `small`."""
