@@ -51,7 +51,7 @@ APPEARANCE_PRESETS: dict[PresetName, AppearancePreset] = {
             trunk=SlatVaeConfig(model_channels=96, num_blocks=3, num_heads=3, mlp_ratio=2.0, skip=True),
             gaussians=GaussianConfig(count=4, scale_bias=6e-3, opacity_bias=0.7),
         ),
-        flow=SlatPatchDitConfig(stem=16, width=192, blocks=4, heads=3),
+        flow=SlatPatchDitConfig(patch=8, stem=16, width=128, blocks=4, heads=2),
         conditions=ConditionConfig(width=192, image_width=96, image_blocks=2),
         palette=PaletteFlowConfig(),
     ),

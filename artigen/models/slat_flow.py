@@ -54,7 +54,7 @@ class SlatFlow(nn.Module):
         compact = isinstance(cfg, SlatPatchDitConfig)
         self.channels = cfg.channels if compact else cfg.in_channels
         self.attribute_channels = cfg.attribute_channels if compact else 0
-        self.network = SlatPatchDit(cfg) if compact else SlatDit(cfg)
+        self.network = SlatPatchDit(cfg, conditions.width) if compact else SlatDit(cfg)
         self.conditions = ConditionEncoder(conditions)
         public = not compact and self.channels == len(TRELLIS_MEAN)
         mean = torch.tensor(TRELLIS_MEAN) if public else torch.zeros(self.channels)

@@ -36,7 +36,7 @@ class SlatPatchDitConfig:
     stem: int = 24
     """Channels of the convolutions on the voxels."""
     width: int = 256
-    """Width of a token, also of a condition token."""
+    """Width of a token."""
     blocks: int = 5
     """Transformer blocks."""
     heads: int = 4
@@ -62,13 +62,13 @@ class PatchPlan:
 class SlatPatchDit(nn.Module):
     """The clean latents of voxels, guessed from noisy ones at a time under a condition."""
 
-    def __init__(self, cfg: SlatPatchDitConfig) -> None:
+    def __init__(self, cfg: SlatPatchDitConfig, cond_channels: int) -> None:
         super().__init__()
         self.cfg = cfg
         cells, width = cfg.patch**3, cfg.width
         inner = StructureDitConfig(
             model_channels=width,
-            cond_channels=width,
+            cond_channels=cond_channels,
             num_heads=cfg.heads,
             mlp_ratio=cfg.mlp_ratio,
             share_mod=True,
@@ -76,7 +76,7 @@ class SlatPatchDit(nn.Module):
         self.t_embedder = TimestepEmbedder(width)
         self.modulation = nn.Sequential(nn.SiLU(), nn.Linear(width, 6 * width))
         self.table = nn.Parameter(torch.zeros(cfg.blocks, 6 * width))
-        self.pooled = nn.Linear(width, width)
+        self.pooled = nn.Linear(cond_channels, width)
         self.input_layer = nn.Linear(cfg.channels + cfg.attribute_channels, cfg.stem)
         self.before = SparseResBlock3d(cfg.stem, cfg.stem, width)
         self.gather = nn.Linear((cfg.stem + 1) * cells, width)

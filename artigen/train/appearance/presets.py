@@ -43,7 +43,7 @@ APPEARANCE_TRAINING: dict[PresetName, AppearanceTraining] = {
     "small": AppearanceTraining(
         curation=CurationConfig(states=4, views=ViewConfig(count=6, sharpness=2), kept=3, directional=True),
         vae=StageConfig(batch=1, learning_rate=2e-3, warmup=50, decay=1.0, ema=0.99, share=0.5),
-        flow=StageConfig(batch=4, learning_rate=6e-4, warmup=100, decay=0.3, ema=0.995, share=0.3),
+        flow=StageConfig(batch=1, learning_rate=8e-4, warmup=100, decay=0.5, ema=0.995, share=0.3),
         palette=StageConfig(batch=32, learning_rate=5e-4, warmup=100, decay=0.4, ema=0.998, share=0.2),
         pictures=2,
         losses=AppearanceLossConfig(volume=1e4 / 8),
