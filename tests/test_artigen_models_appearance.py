@@ -82,6 +82,7 @@ def test_one_step_goes_along_the_guided_velocity(generator: torch.Generator):
     redraw(flow.network, generator)
     flow.latent_mean.fill_(3.0)
     flow.latent_std.fill_(2.0)
+    flow.latent_slope.normal_(generator=generator)
     coords = draw_voxels(generator, (80, 30), edge=32)
     noise = torch.randn(110, 8, generator=generator)
     attributes = torch.randn(110, flow.attribute_channels, generator=generator)
@@ -93,10 +94,11 @@ def test_one_step_goes_along_the_guided_velocity(generator: torch.Generator):
     without = flow(noise, start, nothing, plan, attributes)
     cfg = SamplerConfig(steps=1, strength=2.0)
     drawn = sample_slats(flow, coords, asked, nothing, noise, cfg, attributes=attributes)
-    expected = 2.0 * (noise - (3.0 * with_condition - 2.0 * without)) + 3.0
+    expected = 2.0 * (noise - (3.0 * with_condition - 2.0 * without)) + 3.0 + attributes @ flow.latent_slope
     assert not torch.allclose(with_condition, without, atol=0.01)
     torch.testing.assert_close(drawn, expected, atol=1e-3, rtol=1e-4)
-    torch.testing.assert_close(flow.normalise(flow.restore(noise)), noise, atol=1e-5, rtol=0)
+    back = flow.normalise(flow.restore(noise, attributes), attributes)
+    torch.testing.assert_close(back, noise, atol=1e-5, rtol=0)
     with pytest.raises(ValueError, match="0 attributes per voxel, expected 15"):
         sample_slats(flow, coords, asked, nothing, noise, cfg)
 

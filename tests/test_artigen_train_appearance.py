@@ -17,6 +17,7 @@ from artigen.models.gaussian_decoder import GaussianConfig, GaussianDecoderConfi
 from artigen.models.slat_flow import SlatFlow
 from artigen.models.slat_patch_dit import SlatPatchDitConfig
 from artigen.models.slat_vae import SlatVaeConfig
+from artigen.palettes import describe_voxels
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.render import build_scene, render
 from artigen.splats.render import rasterize
@@ -342,9 +343,23 @@ def test_features_are_normalised_over_voxels_that_were_seen(chest: tuple[Asset, 
 
 
 def test_the_spread_of_latents_is_that_of_draws_from_them():
-    center, spread = measure_slats([torch.zeros(500, 3), torch.ones(500, 3)], [torch.full((500, 3), 0.5)] * 2)
-    torch.testing.assert_close(center, torch.full((3,), 0.5))
-    torch.testing.assert_close(spread, torch.full((3,), 0.5**0.5), atol=1e-3, rtol=0)
+    found = measure_slats([torch.zeros(500, 3), torch.ones(500, 3)], [torch.full((500, 3), 0.5)] * 2)
+    torch.testing.assert_close(found.mean, torch.full((3,), 0.5))
+    torch.testing.assert_close(found.std, torch.full((3,), 0.5**0.5), atol=1e-3, rtol=0)
+    assert found.slope.shape == (0, 3)
+
+
+def test_what_is_told_of_voxels_leaves_only_the_rest_to_be_drawn():
+    rng = np.random.default_rng(0)
+    label = np.eye(2, dtype=np.float32)[rng.integers(0, 2, 4000)]
+    told = np.concatenate([label, rng.random((4000, 1), dtype=np.float32)], axis=1)
+    slope = rng.normal(size=(3, 5))
+    mean = torch.from_numpy(told @ slope + 0.7 + 0.2 * rng.normal(size=(4000, 5))).float()
+    means, known = [mean[:3000], mean[3000:]], [told[:3000], told[3000:]]
+    found = measure_slats(means, [torch.zeros_like(one) for one in means], known)
+    expected = torch.from_numpy(told @ slope + 0.7).float()
+    torch.testing.assert_close(found.mean + torch.from_numpy(told) @ found.slope, expected, atol=0.03, rtol=0)
+    torch.testing.assert_close(found.std, torch.full((5,), 0.2), atol=0.01, rtol=0)
 
 
 def test_the_flow_is_trained_on_normalised_latents_of_all_voxels(
@@ -372,7 +387,8 @@ def test_the_flow_is_trained_on_normalised_latents_of_all_voxels(
     assert len(lines) == 3
     assert np.isfinite(lines).all()
     assert (flow.network.get_parameter("out_layer.weight") != before).any()
-    normal = flow.normalise(torch.cat(means).float())
+    told = [describe_voxels(one.table, one.part_ids, one.palettes) for one in examples]
+    normal = flow.normalise(torch.cat(means).float(), torch.from_numpy(np.concatenate(told)))
     torch.testing.assert_close(normal.mean(dim=0), torch.zeros(8), atol=1e-2, rtol=0)
     drawn = normal.var(dim=0) + ((torch.cat(stds).float() / flow.latent_std) ** 2).mean(dim=0)
     torch.testing.assert_close(drawn, torch.ones(8), atol=1e-2, rtol=0)

@@ -42,12 +42,14 @@ TRELLIS_STD = (
 class SlatFlow(nn.Module):
     """Velocity of normalised latents under a condition.
 
-    ``latent_mean`` and ``latent_std`` per channel belong to the weights: latents are
-    ``normalised * std + mean``.
+    Mean and deviation per channel belong to the weights, and so does how the mean goes with what is told of
+    a voxel: latents are ``normalised * latent_std + latent_mean + attributes @ latent_slope``. What palettes
+    say already is not left to be drawn.
     """
 
     latent_mean: Tensor
     latent_std: Tensor
+    latent_slope: Tensor
 
     def __init__(self, cfg: SlatPatchDitConfig | SlatDitConfig, conditions: ConditionConfig) -> None:
         super().__init__()
@@ -61,6 +63,7 @@ class SlatFlow(nn.Module):
         std = torch.tensor(TRELLIS_STD) if public else torch.ones(self.channels)
         self.register_buffer("latent_mean", mean)
         self.register_buffer("latent_std", std)
+        self.register_buffer("latent_slope", torch.zeros(self.attribute_channels, self.channels))
 
     def plan(self, coords: Int[Tensor, "N 4"], samples: int) -> SlatDitPlan | PatchPlan:
         """What the network needs to know about voxels (sample, x, y, z): compute once per set.
@@ -104,13 +107,20 @@ class SlatFlow(nn.Module):
         """Velocity at times in [0, 1], under conditions."""
         return self.velocity(x, times, self.conditions(asked), plan, attributes)
 
-    def normalise(self, z: Float[Tensor, "N C"]) -> Float[Tensor, "N C"]:
+    def normalise(
+        self, z: Float[Tensor, "N C"], attributes: Float[Tensor, "N A"] | None = None
+    ) -> Float[Tensor, "N C"]:
         """Latents as the flow sees them: zero mean and unit deviation per channel."""
-        return (z - self.latent_mean) / self.latent_std
+        return (z - self._expect(attributes)) / self.latent_std
 
-    def restore(self, x: Float[Tensor, "N C"]) -> Float[Tensor, "N C"]:
+    def restore(
+        self, x: Float[Tensor, "N C"], attributes: Float[Tensor, "N A"] | None = None
+    ) -> Float[Tensor, "N C"]:
         """Inverse of `normalise`."""
-        return x * self.latent_std + self.latent_mean
+        return x * self.latent_std + self._expect(attributes)
+
+    def _expect(self, attributes: Tensor | None) -> Tensor:
+        return self.latent_mean if attributes is None else self.latent_mean + attributes @ self.latent_slope
 
 
 @torch.no_grad()
@@ -153,4 +163,4 @@ def sample_slats(
     def conditional(x: Tensor, times: Tensor) -> Tensor:
         return flow.velocity(x, times, tokens, plan, attributes)
 
-    return flow.restore(sample_flow(noise, conditional, pair, cfg, samples=samples))
+    return flow.restore(sample_flow(noise, conditional, pair, cfg, samples=samples), attributes)

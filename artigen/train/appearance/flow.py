@@ -9,6 +9,7 @@ import numpy as np
 import torch
 from jaxtyping import Float, Int
 from torch import Tensor, nn
+from torch.nn import functional
 
 from artigen.models.conditions import ConditionBatch, ConditionConfig, drop_conditions
 from artigen.models.slat_flow import SlatFlow
@@ -63,21 +64,23 @@ def train_appearance_flow(
         conditions: what the flow can be asked for.
         on_report: called with every line of metrics.
     """
-    center, spread = measure_slats(*latents)
-    flow.latent_mean.copy_(center)
-    flow.latent_std.copy_(spread)
+    told = [describe_voxels(one.table, one.part_ids, one.palettes) for one in examples]
+    measured = measure_slats(*latents, told if flow.attribute_channels else None)
+    flow.latent_mean.copy_(measured.mean)
+    flow.latent_std.copy_(measured.std)
+    flow.latent_slope.copy_(measured.slope)
 
     def terms(network: nn.Module, drawn: SlatBatch, generator: torch.Generator) -> dict[str, Tensor]:
         noise, jitter = (
             torch.randn(drawn.mean.shape, generator=generator, device=generator.device) for _ in range(2)
         )
         samples = len(drawn.conditions.category)
-        x_0 = flow.normalise(drawn.mean + drawn.std * jitter)
         times = draw_times(samples, generator)
         asked = drop_conditions(drawn.conditions, DROPOUT, generator)
         row_times = times[drawn.coords[:, 0]]
         plan = flow.plan(drawn.coords, samples)
         attributes = _blur(drawn.attributes, generator) if flow.attribute_channels else None
+        x_0 = flow.normalise(drawn.mean + drawn.std * jitter, attributes)
         said = network(diffuse(x_0, noise, row_times), times, asked, plan, attributes)
         return {"velocity": torch.mean((said.float() - target_velocity(x_0, noise)) ** 2)}
 
@@ -108,12 +111,44 @@ def slat_batch(
     )
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SlatMoments:
+    """What latents are like: ``mean + attributes @ slope`` and the deviation from it, per channel."""
+
+    mean: Float[Tensor, "D"]
+    std: Float[Tensor, "D"]
+    slope: Float[Tensor, "A D"]
+
+
 def measure_slats(
-    means: Sequence[Tensor], stds: Sequence[Tensor]
-) -> tuple[Float[Tensor, "D"], Float[Tensor, "D"]]:
-    """Mean and standard deviation per channel of draws from the posteriors of all voxels."""
-    mean, std = torch.cat(list(means)).float(), torch.cat(list(stds)).float()
-    return mean.mean(dim=0), (mean.var(dim=0) + (std**2).mean(dim=0)).sqrt()
+    means: Sequence[Tensor],
+    stds: Sequence[Tensor],
+    told: Sequence[Float[np.ndarray, "N A"]] | None = None,
+) -> SlatMoments:
+    """Moments of draws from the posteriors of all voxels, by least squares on what is told of them.
+
+    Args:
+        means: posterior means, object by object.
+        stds: posterior deviations.
+        told: attributes of the voxels; without them, mean and deviation alone.
+    """
+    attributes = told or [np.zeros((len(mean), 0), dtype=np.float32) for mean in means]
+
+    def rows() -> Iterator[tuple[Tensor, Tensor]]:
+        for mean, known in zip(means, attributes, strict=True):
+            yield functional.pad(torch.from_numpy(known), (1, 0), value=1.0).double(), mean.double()
+
+    squares = torch.stack([known.T @ known for known, _ in rows()]).sum(dim=0)
+    products = torch.stack([known.T @ mean for known, mean in rows()]).sum(dim=0)
+    count = sum(len(mean) for mean in means)
+    # palettes will be a little off, which shrinks what can be concluded from them as this does
+    squares[1:, 1:] += count * BLUR**2 * torch.eye(len(squares) - 1)
+    found = torch.linalg.solve(squares, products)
+    rest = torch.stack([(mean - known @ found).square().sum(dim=0) for known, mean in rows()]).sum(dim=0)
+    noise = torch.stack([std.double().square().sum(dim=0) for std in stds]).sum(dim=0)
+    return SlatMoments(
+        mean=found[0].float(), slope=found[1:].float(), std=((rest + noise) / count).sqrt().float()
+    )
 
 
 def _blur(attributes: Float[Tensor, "N A"], generator: torch.Generator) -> Float[Tensor, "N A"]:
