@@ -43,8 +43,8 @@ class AppearanceModel:
 class AppearanceConfig:
     """How an appearance is drawn for a structure."""
 
-    sampler: SamplerConfig = field(default_factory=SamplerConfig)
-    """Steps and guidance."""
+    sampler: SamplerConfig | None = None
+    """Steps and guidance; None leaves them to the model's preset."""
     palettes: SamplerConfig = field(default_factory=lambda: SamplerConfig(steps=25, strength=0.0))
     """Steps and guidance of the palettes, whose steps cost next to nothing."""
     colors: tuple[tuple[PartLabel, Color], ...] = ()
@@ -134,7 +134,8 @@ def draw_splats(
         attributes = torch.from_numpy(describe_voxels(table, part_ids, palettes)).to(device)
     places = torch.from_numpy(np.pad(coords.astype(np.int32), ((0, 0), (1, 0)))).to(device)
     noise = torch.randn((len(coords), model.flow.channels), generator=generator).to(device)
-    latents = sample_slats(model.flow, places, known, nothing, noise, cfg.sampler, attributes=attributes)
+    sampler = cfg.sampler or model.preset.sampler
+    latents = sample_slats(model.flow, places, known, nothing, noise, sampler, attributes=attributes)
     return model.decoder(places, latents)
 
 

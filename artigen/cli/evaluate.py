@@ -25,7 +25,7 @@ class EvaluateSettings:
     partnet: Path | None = None
     """Folder with partnet_mobility/ and splits.json: its validation split is measured too."""
     steps: int = 12
-    """Steps of the sampler."""
+    """Steps of the structure's sampler; appearance is drawn as the model's preset says."""
     strength: float = 0.0
     """Guidance; 0 is none."""
     seed: int = 0
@@ -111,12 +111,10 @@ def evaluate(
 def _evaluate_appearance(out: Path, model: Path, cfg: EvaluateSettings, own: AppearanceViews) -> int:
     from artigen.metrics.evaluate_appearance import EvaluateAppearanceConfig, evaluate_appearance
     from artigen.metrics.report_appearance import write_appearance_report
-    from artigen.sampling import SamplerConfig
 
     settings = EvaluateAppearanceConfig(
         held_out=cfg.held_out,
         training=cfg.training,
-        sampler=SamplerConfig(steps=cfg.steps, strength=cfg.strength),
         seed=cfg.seed,
         **vars(own),
     )

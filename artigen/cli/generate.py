@@ -48,7 +48,7 @@ class GenerateSettings:
     redraws: int = 3
     """How often an object that fails a check is drawn again."""
     steps: int = 12
-    """Steps of the sampler."""
+    """Steps of the structure's sampler."""
     strength: float = 0.0
     """Guidance; 0 is none: a model that draws outlines has the condition in them. The paper: 3."""
 
@@ -116,7 +116,7 @@ def generate_object(job: GenerateJob) -> Made:
     drawn = time.perf_counter()
     if appearance is not None:
         look = read_request(read_job(job), job.seed, appearance.preset.conditions.image_size)
-        painting = AppearanceConfig(sampler=sampler, colors=look.colors)
+        painting = AppearanceConfig(colors=look.colors)
         asset = generate_appearance(appearance, asset, look.condition, noise[1], painting)
     elif asked.colors:
         named = ", ".join(f"{label} {color}" for label, color in asked.colors)

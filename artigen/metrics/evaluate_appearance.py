@@ -1,7 +1,7 @@
 """The whole measurement of an appearance model on held-out procedural objects."""
 
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -60,8 +60,8 @@ class EvaluateAppearanceConfig:
     """Their edge in pixels."""
     training: int = 70
     """Training objects that the baseline of looking up a picture looks in; 0 leaves that question out."""
-    sampler: SamplerConfig = field(default_factory=SamplerConfig)
-    """Steps and guidance."""
+    sampler: SamplerConfig | None = None
+    """Steps and guidance; None leaves them to the model's preset."""
     seed: int = 0
     """Of the noise."""
     dinov2: Path | None = None

@@ -5,7 +5,7 @@ around the transformers too. ``paper`` has the sizes of TRELLIS, from whose publ
 (section 4.2).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from artigen.models.conditions import ConditionConfig
 from artigen.models.gaussian_decoder import GaussianConfig, GaussianDecoderConfig
@@ -14,6 +14,7 @@ from artigen.models.presets import PresetName
 from artigen.models.slat_dit import SlatDitConfig
 from artigen.models.slat_patch_dit import SlatPatchDitConfig
 from artigen.models.slat_vae import SlatVaeConfig
+from artigen.sampling import SamplerConfig
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,6 +31,9 @@ class AppearancePreset:
     """What can be asked for."""
     palette: PaletteFlowConfig | None = None
     """Flow of the parts' colours, which the flow of latents is then told; None draws all at once."""
+    sampler: SamplerConfig = field(default_factory=SamplerConfig)
+    """How latents are drawn. One step gives the mean of what palettes and places let one expect: of little
+    training, cleaner than a draw."""
 
 
 APPEARANCE_PRESETS: dict[PresetName, AppearancePreset] = {
@@ -54,6 +58,7 @@ APPEARANCE_PRESETS: dict[PresetName, AppearancePreset] = {
         flow=SlatPatchDitConfig(patch=8, stem=16, width=128, blocks=4, heads=2),
         conditions=ConditionConfig(width=192, image_width=96, image_blocks=2),
         palette=PaletteFlowConfig(),
+        sampler=SamplerConfig(steps=1, strength=0.0),
     ),
     "compact": AppearancePreset(
         encoder=SlatVaeConfig(in_channels=64, model_channels=128, num_blocks=2, num_heads=4),
@@ -64,6 +69,7 @@ APPEARANCE_PRESETS: dict[PresetName, AppearancePreset] = {
         flow=SlatPatchDitConfig(width=192, heads=3),
         conditions=ConditionConfig(width=192, image_width=128, image_blocks=3),
         palette=PaletteFlowConfig(width=128, heads=2),
+        sampler=SamplerConfig(strength=0.0),
     ),
     "paper": AppearancePreset(
         encoder=SlatVaeConfig(),
