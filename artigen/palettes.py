@@ -9,7 +9,6 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 from jaxtyping import Float, Int
-from sklearn.cluster import KMeans
 
 from artigen.fields import DEFAULT_LAYOUT, after_occupancy
 from artigen.types import PartLabel, SurfaceSamples
@@ -80,6 +79,8 @@ def describe_voxels(
 
 
 def _read_palette(colors: np.ndarray) -> Float[np.ndarray, "7"]:
+    from sklearn.cluster import KMeans  # takes seconds to load, and drawing does not need it
+
     few = colors[:: -(-len(colors) // MOST)].astype(float)
     mean = few.mean(axis=0)
     if np.sqrt(((few - mean) ** 2).sum(axis=1).mean()) <= ALIKE:

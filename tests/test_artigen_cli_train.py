@@ -29,12 +29,15 @@ from artigen.models.conditions import StructureCondition
 from artigen.models.presets import PRESETS
 from artigen.models.store import load_model, save_model
 from artigen.models.structure_vae import StructureVae
+from artigen.models.trellis import read_tensors
 from artigen.sampling import SamplerConfig
 from artigen.train.curves import draw_curves, read_metrics
 from artigen.train.examples import draw_example
+from artigen.train.loop import finished_steps
 from artigen.train.real import RealJob, list_split, read_real
 from artigen.train.shards import HELD_OUT, read_shard, write_shard
 from artigen.types import Asset
+from artigen.weights import SHIPPED
 
 SETTINGS = TrainSettings(preset="tiny", minutes=0.02, shards=1, held_out=1, objects=2, real_share=0.25)
 
@@ -68,10 +71,11 @@ def test_a_run_leaves_weights_metrics_curves_and_what_it_was(run: Path):
     said = json.loads((run / "model" / "model.json").read_text())
     assert said["flow"] == {
         "preset": "tiny",
-        "minutes": 0.02,
+        "steps": finished_steps(run / "flow"),
         "objects": 2,
         "real_objects": 1,
     }
+    assert said["vae"]["decoder_steps"] == finished_steps(run / "decoder") > 0
     assert json.loads((run / "config.json").read_text())["real_share"] == 0.25
     assert set(json.loads((run / "spread.json").read_text())) >= {"axis", "origin", "box_center"}
     for stage in ("vae", "outline", "flow", "decoder"):
@@ -105,6 +109,8 @@ def test_a_finished_run_stays_as_it_is(run: Path, partnet: Path):
         ("structure", {"preset": "huge"}, "expected one of tiny, small, compact, paper"),
         ("structure", {"real_share": 1.0}, "between 0 and 1"),
         ("structure", {"partnet": Path("nowhere")}, "splits.json: cannot be read"),
+        ("structure", {"start": Path("nowhere")}, "there is no such model"),
+        ("structure", {"start": SHIPPED}, "has the sizes of preset 'small'"),
         ("structure-flow", {}, "train structure-vae first"),
         ("structure-decoder", {}, "train structure-vae first"),
     ],
@@ -116,6 +122,24 @@ def test_what_cannot_be_trained_is_said_and_nothing_written(
     with pytest.raises(ArtigenError, match=message):
         train(what, tmp_path / "run", settings, workers=1)
     assert not (tmp_path / "run").exists()
+
+
+def test_a_run_begins_with_the_weights_of_a_model_and_says_so(run: Path, tmp_path: Path):
+    shutil.copytree(run / "train", tmp_path / "new" / "train")
+    shutil.copytree(run / "held_out", tmp_path / "new" / "held_out")
+    settings = replace(SETTINGS, minutes=1e-9, start=run / "model")  # one step, of 2e-4 in every weight
+    assert train("structure-outline", tmp_path / "new", settings, workers=1) == 0
+    said = json.loads((tmp_path / "new" / "model" / "model.json").read_text())["outline"]
+    before = json.loads((run / "model" / "model.json").read_text())["outline"]
+    assert said == {"preset": "tiny", "steps": 1, "objects": 2, "real_objects": 0, "start": before}
+    old, new = (
+        read_tensors(folder / "model" / "outline-0.safetensors") for folder in (run, tmp_path / "new")
+    )
+    learnt = [name for name in old if name not in ("mean", "std")]  # those are measured anew
+    moved = max(float((old[name].float() - new[name].float()).abs().max()) for name in learnt)
+    assert 1e-4 < moved < 1e-3
+    with pytest.raises(SourceError, match="started with start"):
+        train("structure-outline", tmp_path / "new", replace(settings, start=None), workers=1)
 
 
 def test_a_run_is_not_gone_on_with_as_another(run: Path, partnet: Path):

@@ -33,8 +33,10 @@ from artigen.train.appearance.photographs import NOTHING
 from artigen.train.appearance.presets import APPEARANCE_TRAINING
 from artigen.train.appearance.shards import write_appearance_shard
 from artigen.train.appearance.views import ViewConfig
+from artigen.train.loop import finished_steps
 from artigen.train.shards import HELD_OUT
 from artigen.types import FIXED, Part, SurfaceSamples
+from artigen.weights import SHIPPED
 
 
 @pytest.fixture
@@ -197,16 +199,15 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_a_run_leaves_weights_scores_and_what_it_was(run: Path):
     said = json.loads((run / "model" / "model.json").read_text())
-    assert said["appearance-vae"] == said["appearance-flow"]
-    assert said["appearance-vae"] == {
-        "preset": "tiny",
-        "minutes": 0.002,
-        "objects": 2,
-        "articulated": True,
-        "weighting": "seen",
-        "features": "pyramid",
-    }
-    assert said["appearance-palette"] == {**said["appearance-vae"], "objects": 16}
+    for stage, objects in (("vae", 2), ("flow", 2), ("palette", 16)):
+        assert said[f"appearance-{stage}"] == {
+            "preset": "tiny",
+            "steps": finished_steps(run / "appearance" / stage),
+            "objects": objects,
+            "articulated": True,
+            "weighting": "seen",
+            "features": "pyramid",
+        }
     tiny = APPEARANCE_PRESETS["tiny"]
     load_model(SlatFlow(tiny.flow, tiny.conditions), run / "model", "appearance-flow")
     scores = json.loads((run / "appearance" / "reconstruction.json").read_text())
@@ -229,6 +230,7 @@ def test_a_finished_run_stays_and_is_no_other_run(run: Path):
         ("appearance", {"minutes": 0.0}, {}, "more than 0"),
         ("appearance", {"partnet": Path("nowhere")}, {}, "real objects"),
         ("appearance", {}, {"features": "dinov2"}, "both or neither"),
+        ("appearance", {"start": SHIPPED}, {}, "has the sizes of preset 'small'"),
         ("appearance-flow", {}, {}, "train appearance-vae first"),
     ],
 )

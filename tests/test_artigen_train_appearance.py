@@ -17,7 +17,6 @@ from artigen.models.gaussian_decoder import GaussianConfig, GaussianDecoderConfi
 from artigen.models.slat_flow import SlatFlow
 from artigen.models.slat_patch_dit import SlatPatchDitConfig
 from artigen.models.slat_vae import SlatVaeConfig
-from artigen.palettes import describe_voxels
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.render import build_scene, render
 from artigen.splats.render import rasterize
@@ -33,16 +32,12 @@ from artigen.train.appearance.losses import (
 )
 from artigen.train.appearance.photographs import take_pictures
 from artigen.train.appearance.run import close_curation
-from artigen.train.appearance.shards import (
-    PER_OBJECT,
-    PER_VOXEL,
-    read_appearance_shard,
-    write_appearance_shard,
-)
+from artigen.train.appearance.shards import PER_VOXEL, read_appearance_shard, write_appearance_shard
 from artigen.train.appearance.states import asset_coordinates, plan_fractions, shape_coordinates
 from artigen.train.appearance.vae import encode_appearance, measure_features, train_appearance_vae
 from artigen.train.appearance.views import ViewConfig, place_cameras, spread_directions
 from artigen.train.loop import LoopConfig
+from artigen.train.shards import PER_OBJECT
 from artigen.types import Asset
 
 TRUNK = SlatVaeConfig(resolution=16, in_channels=16, model_channels=16, num_blocks=2, num_heads=2)
@@ -387,8 +382,8 @@ def test_the_flow_is_trained_on_normalised_latents_of_all_voxels(
     assert len(lines) == 3
     assert np.isfinite(lines).all()
     assert (flow.network.get_parameter("out_layer.weight") != before).any()
-    told = [describe_voxels(one.table, one.part_ids, one.palettes) for one in examples]
-    normal = flow.normalise(torch.cat(means).float(), torch.from_numpy(np.concatenate(told)))
+    told = np.concatenate([one.attributes() for one in examples])
+    normal = flow.normalise(torch.cat(means).float(), torch.from_numpy(told))
     torch.testing.assert_close(normal.mean(dim=0), torch.zeros(8), atol=1e-2, rtol=0)
     drawn = normal.var(dim=0) + ((torch.cat(stds).float() / flow.latent_std) ** 2).mean(dim=0)
     torch.testing.assert_close(drawn, torch.ones(8), atol=1e-2, rtol=0)

@@ -35,12 +35,16 @@ class TrainSettings:
     research only, as the data is."""
     real_share: float = 0.1
     """Share of real objects among the examples, by repetition."""
+    start: Path | None = None
+    """Folder of a model whose weights every network begins with, artigen's own for instance."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class AppearanceSettings:
     """What only appearance asks for."""
 
+    painted: int = 8
+    """Objects whose palettes are learnt, for every one that is photographed."""
     articulated: bool = True
     """Whether objects are seen in all joint states, or in as many pictures of the closed one."""
     weighting: Literal["seen", "plain"] = "seen"
@@ -99,8 +103,10 @@ def train(
             )
 
         scores = begin(on_report=on_report if shown else None)
-    rows = "\n".join(f"  {name:20} {value:.4g}" for name, value in scores.items())
-    sys.stdout.write(f"held-out reconstruction:\n{rows}\nweights are in {run / 'model'}\n")
+    if scores:
+        rows = "\n".join(f"  {name:20} {value:.4g}" for name, value in scores.items())
+        sys.stdout.write(f"held-out reconstruction:\n{rows}\n")
+    sys.stdout.write(f"weights are in {run / 'model'}\n")
     return 0
 
 
@@ -117,7 +123,7 @@ def _prepare(
             raise ArtigenError("real objects cannot be photographed for appearance yet: leave --partnet out")
         shared = {
             name: given[name]
-            for name in ("preset", "minutes", "shards", "held_out", "objects")
+            for name in ("preset", "minutes", "shards", "held_out", "objects", "start")
             if name in given
         }
         return partial(

@@ -15,7 +15,7 @@ from torch import Tensor, nn
 
 from artigen.models.attention import plain_norm
 from artigen.models.embeddings import TimestepEmbedder, embed_positions, grid_positions
-from artigen.models.structure_dit import ModulatedBlock, StructureDitConfig
+from artigen.models.structure_dit import ModulatedBlock, StructureDitConfig, run_blocks
 from artigen.models.volumes import (
     ChannelLayerNorm,
     ResBlock3d,
@@ -114,9 +114,7 @@ class LatentDit(nn.Module):
             cells = block(cells)
         h = self.input_layer(as_tokens(gather_pixels(cells, patch))) + self.positions
         mod = self.modulation(moment)
-        for block, row in zip(self.blocks, self.table, strict=True):
-            assert isinstance(block, ModulatedBlock)
-            h = block(h, mod + row, block.cross_attn.project(cond))
+        h = run_blocks(self.blocks, self.table, h, mod, cond)
         said = as_volume(self.out_layer(plain_norm(h, eps=1e-5)), self.cfg.edge // patch)
         cells = cells + shuffle_pixels(said, patch)
         for block in self.after:

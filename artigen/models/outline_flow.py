@@ -18,7 +18,7 @@ from artigen.models.conditions import MAX_COUNT, ConditionBatch, ConditionConfig
 from artigen.models.embeddings import TimestepEmbedder
 from artigen.models.latent_dit import velocity_of
 from artigen.models.outlines import OutlineBatch, measure_extents, part_labels
-from artigen.models.structure_dit import ModulatedBlock, StructureDitConfig
+from artigen.models.structure_dit import ModulatedBlock, StructureDitConfig, run_blocks
 from artigen.sampling import SamplerConfig, sample_flow
 from artigen.types import PART_LABELS
 
@@ -96,9 +96,7 @@ class OutlineFlow(nn.Module):
         h = self.input_layer(x) + self.names(labels * (MAX_COUNT + 1) + number)
         known = self.pooled(tokens.mean(dim=1)) + self.shape(frame.extents.log())
         mod = self.modulation(self.t_embedder(1000.0 * times) + known)
-        for block, row in zip(self.blocks, self.table, strict=True):
-            assert isinstance(block, ModulatedBlock)
-            h = block(h, mod + row, block.cross_attn.project(tokens), given[:, None, None, :])
+        h = run_blocks(self.blocks, self.table, h, mod, tokens, given[:, None, None, :])
         return velocity_of(x, self.out_layer(plain_norm(h, eps=1e-5)).float(), times)
 
     def guess_open(self, tokens: Float[Tensor, "B M K"]) -> "OutlineGuess":

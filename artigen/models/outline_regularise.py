@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy
+from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_rows
 
 CELL = 1 / 64
 
@@ -109,8 +109,7 @@ def _settle_ranges(rows: np.ndarray, cfg: OutlineRegulariseConfig, layout: Field
 def _part_fronts(rows: np.ndarray, cfg: OutlineRegulariseConfig, layout: FieldLayout) -> str:
     """Doors and drawers that overlap a little are parted at the middle of what they share."""
     center, size = _boxes(rows, layout)
-    labels = np.array(layout.labels)[rows[:, after_occupancy(layout.label)].argmax(axis=1)]
-    fronts = np.flatnonzero(np.isin(labels, ("door", "drawer")))
+    fronts = np.flatnonzero(np.isin(name_rows(rows, layout), ("door", "drawer")))
     parted = []
     for number, one in enumerate(fronts):
         for other in fronts[number + 1 :]:

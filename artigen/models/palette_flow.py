@@ -19,7 +19,7 @@ from artigen.models.attention import plain_norm
 from artigen.models.conditions import ConditionBatch, ConditionConfig, ConditionEncoder
 from artigen.models.embeddings import TimestepEmbedder
 from artigen.models.latent_dit import velocity_of
-from artigen.models.structure_dit import ModulatedBlock, StructureDitConfig
+from artigen.models.structure_dit import ModulatedBlock, StructureDitConfig, run_blocks
 from artigen.palettes import PALETTE
 from artigen.sampling import SamplerConfig, diffuse, sample_flow
 
@@ -107,9 +107,7 @@ class PaletteFlow(nn.Module):
         """
         h = self.input_layer(x) + self.parts(told)
         mod = self.modulation(self.t_embedder(1000.0 * times) + self.pooled(tokens.mean(dim=1)))
-        for block, row in zip(self.blocks, self.table, strict=True):
-            assert isinstance(block, ModulatedBlock)
-            h = block(h, mod + row, block.cross_attn.project(tokens), given[:, None, None, :])
+        h = run_blocks(self.blocks, self.table, h, mod, tokens, given[:, None, None, :])
         return velocity_of(x, self.out_layer(plain_norm(h, eps=1e-5)).float(), times)
 
     def normalise(self, palettes: Float[Tensor, "B N 7"]) -> Float[Tensor, "B N 7"]:

@@ -16,7 +16,7 @@ from artigen.models.attention import plain_norm
 from artigen.models.embeddings import TimestepEmbedder, embed_positions
 from artigen.models.sparse import Neighbours, Padding, check_voxels, coarsen, find_neighbours, plan_padding
 from artigen.models.sparse_conv import SparseResBlock3d
-from artigen.models.structure_dit import ModulatedBlock, StructureDitConfig
+from artigen.models.structure_dit import ModulatedBlock, StructureDitConfig, run_blocks
 from artigen.palettes import PALETTE
 from artigen.types import PART_LABELS
 
@@ -125,9 +125,7 @@ class SlatPatchDit(nn.Module):
         dense = dense.index_copy(0, plan.slots, marked).reshape(len(plan.places), -1)
         h = self.gather(dense) + embed_positions(plan.places[:, 1:].float(), width)
         tokens, mod = plan.padding.pad(h), self.modulation(emb)
-        for block, row in zip(self.blocks, self.table, strict=True):
-            assert isinstance(block, ModulatedBlock)
-            tokens = block(tokens, mod + row, block.cross_attn.project(cond), plan.padding.mask)
+        tokens = run_blocks(self.blocks, self.table, tokens, mod, cond, plan.padding.mask)
         spread = self.scatter(plain_norm(plan.padding.unpad(tokens)))
         spread = spread.reshape(-1, self.cfg.stem).index_select(0, plan.slots)
         joined = torch.cat([spread, fine], dim=1)

@@ -85,6 +85,21 @@ class ModulatedBlock(nn.Module):
         return x + h * gate_mlp.unsqueeze(1)
 
 
+def run_blocks(
+    blocks: nn.ModuleList,
+    table: Float[Tensor, "K D"],
+    x: Float[Tensor, "B L C"],
+    mod: Float[Tensor, "B D"],
+    cond: Float[Tensor, "B M E"],
+    mask: Bool[Tensor, "B 1 1 L"] | None = None,
+) -> Float[Tensor, "B L C"]:
+    """Tokens through blocks that share one modulation, to which each adds its row of a table."""
+    for block, row in zip(blocks, table, strict=True):
+        assert isinstance(block, ModulatedBlock)
+        x = block(x, mod + row, block.cross_attn.project(cond), mask)
+    return x
+
+
 class StructureDit(nn.Module):
     """Velocity of a latent at a time, given a condition."""
 

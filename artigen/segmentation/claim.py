@@ -7,7 +7,7 @@ that there is one, it claims the cells of its box, as in the truth a part smalle
 import numpy as np
 from jaxtyping import Float
 
-from artigen.fields import VoxelFields, after_occupancy
+from artigen.fields import VoxelFields, after_occupancy, name_rows
 from artigen.segmentation.rows import fields_of_owners, read_owners
 from artigen.types import PartLabel
 
@@ -28,11 +28,10 @@ def claim_cells(found: VoxelFields, rows: Float[np.ndarray, "N C"]) -> tuple[Vox
     if not len(found.coords):
         return found, ()
     layout, owners = found.layout, read_owners(found, rows)
-    labels = rows[:, after_occupancy(layout.label)].argmax(axis=1)
     lost = [
         number
-        for number, label in enumerate(labels)
-        if layout.labels[label] in CLAIMING and not (owners == number).any()
+        for number, label in enumerate(name_rows(rows, layout))
+        if label in CLAIMING and not (owners == number).any()
     ]
     if not lost:
         return found, ()

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import torch
-from torch import Tensor
+from torch import Tensor, nn
 
 from artigen.errors import SourceError
 from artigen.io import write_whole
@@ -26,12 +26,13 @@ from artigen.models.structure_flow import StructureFlow
 from artigen.models.structure_vae import StructureVae
 from artigen.train.decoder import train_decoder
 from artigen.train.examples import StructureExample
+from artigen.train.loop import finished_steps
 from artigen.train.outline import train_outline_flow
 from artigen.train.presets import TRAINING
 from artigen.train.real import real_examples
 from artigen.train.run import RunConfig, Stage, claim_run
 from artigen.train.shards import HELD_OUT, ShardConfig, make_shard, make_shards, read_shard
-from artigen.train.stage import load_stage, log_metrics, plan_loop
+from artigen.train.stage import begin_stage, describe_stage, load_stage, log_metrics, plan_loop
 from artigen.train.structure import encode_examples, train_structure_flow, train_structure_vae
 
 logger = logging.getLogger(__name__)
@@ -109,7 +110,7 @@ def train_vae(cfg: RunConfig, data: RunData, report: Report) -> StructureVae:
     """Trains the VAE, stores it, and writes how well it reconstructs held-out objects."""
     training = TRAINING[cfg.preset]
     torch.manual_seed(0)
-    vae = StructureVae(PRESETS[cfg.preset].vae)
+    vae = begin_stage(StructureVae(PRESETS[cfg.preset].vae), cfg.start, "vae")
     train_structure_vae(
         vae,
         data.trained,
@@ -138,7 +139,7 @@ def train_outline(cfg: RunConfig, data: RunData, report: Report) -> OutlineFlow 
     if preset.outline is None or training.outline is None:
         return None
     torch.manual_seed(2)
-    flow = OutlineFlow(preset.outline, preset.conditions)
+    flow = begin_stage(OutlineFlow(preset.outline, preset.conditions), cfg.start, "outline")
     train_outline_flow(
         flow,
         data.trained,
@@ -148,7 +149,7 @@ def train_outline(cfg: RunConfig, data: RunData, report: Report) -> OutlineFlow 
         conditions=preset.conditions,
         on_report=lambda line: report("outline", line),
     )
-    save_model(flow, cfg.folder / "model", _describe(cfg, data), "outline")
+    _store(cfg, data, flow, "outline")
     return flow
 
 
@@ -158,7 +159,7 @@ def train_flow(
     """Trains the flow on the VAE's latents and stores it."""
     preset, training = PRESETS[cfg.preset], TRAINING[cfg.preset]
     torch.manual_seed(1)
-    flow = StructureFlow(preset.flow, preset.conditions)
+    flow = begin_stage(StructureFlow(preset.flow, preset.conditions), cfg.start, "flow")
     train_structure_flow(
         flow,
         latents,
@@ -170,7 +171,7 @@ def train_flow(
         time_mean=training.time_mean,
         on_report=lambda line: report("flow", line),
     )
-    save_model(flow, cfg.folder / "model", _describe(cfg, data), "flow")
+    _store(cfg, data, flow, "flow")
     return flow
 
 
@@ -198,7 +199,7 @@ def tune_decoder(
 
 def _store_vae(cfg: RunConfig, vae: StructureVae, data: RunData) -> None:
     """Stores a VAE, and writes how well it reconstructs held-out objects."""
-    save_model(vae, cfg.folder / "model", _describe(cfg, data), "vae")
+    _store(cfg, data, vae, "vae")
     scores = score_reconstruction(vae, data.held_out)
     spread = score_spread(vae, data.held_out)
     for name, said in (("reconstruction", scores), ("spread", spread)):
@@ -227,13 +228,16 @@ def _examples(
     return [example for path in paths for example in read_shard(path)]
 
 
-def _describe(cfg: RunConfig, data: RunData) -> dict[str, object]:
-    return {
+def _store(cfg: RunConfig, data: RunData, network: nn.Module, name: str) -> None:
+    """Stores a network with what it was trained on and for how long."""
+    described = {
         "preset": cfg.preset,
-        "minutes": cfg.minutes,
         "objects": cfg.shards * cfg.objects,
         "real_objects": data.real,
+        **describe_stage(cfg.folder / name, cfg.start, name),
     }
+    tuning = finished_steps(cfg.folder / "decoder") if name == "vae" else 0
+    save_model(network, cfg.folder / "model", described | ({"decoder_steps": tuning} if tuning else {}), name)
 
 
 def main() -> None:
@@ -248,6 +252,9 @@ def main() -> None:
     parser.add_argument("--objects", type=int, default=256, help="objects per shard")
     parser.add_argument("--partnet", type=Path, help="folder with real objects to mix in")
     parser.add_argument("--real-share", type=float, default=0.1, help="share of real objects")
+    parser.add_argument(
+        "--start", type=Path, help="folder of a model whose weights every network begins with"
+    )
     parser.add_argument("--workers", type=int, default=2, help="processes that make data")
     train_everything(RunConfig(**vars(parser.parse_args())))
 

@@ -7,6 +7,7 @@ from typing import Literal
 from artigen.claim import claim_folder
 from artigen.errors import ArtigenError
 from artigen.models.presets import PRESETS, PresetName
+from artigen.models.store import hash_model, read_description
 from artigen.train.real import list_split
 
 Stage = Literal["structure", "structure-vae", "structure-outline", "structure-flow", "structure-decoder"]
@@ -34,6 +35,8 @@ class RunConfig:
     research only, as the data is."""
     real_share: float = 0.1
     """Share of real objects among the examples, by repetition."""
+    start: Path | None = None
+    """Folder of a model whose weights every network begins with."""
     workers: int = 2
     """Processes that make data."""
 
@@ -66,5 +69,23 @@ def claim_run(cfg: RunConfig) -> None:
             "held_out": cfg.held_out,
             "objects": cfg.objects,
             "real_share": None if cfg.partnet is None else cfg.real_share,
+            "start": claim_start(cfg.start, cfg.preset),
         },
     )
+
+
+def claim_start(start: Path | None, preset: str) -> str | None:
+    """The hash of the model that a run begins with, if it begins with one.
+
+    Raises:
+        ArtigenError: If there is no such model, or one of its networks has another preset.
+    """
+    if start is None:
+        return None
+    for name, said in read_description(start).items():
+        if said.get("preset") != preset:
+            raise ArtigenError(
+                f"{start}: {name} has the sizes of preset {said.get('preset')!r}, and the run those of "
+                f"{preset!r}; ask for the former, or leave --start out"
+            )
+    return hash_model(start)

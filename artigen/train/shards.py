@@ -11,18 +11,21 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Generic, TypeVar
+from typing import Any, Generic, Protocol, TypeVar
 
 import numpy as np
 
 from artigen.errors import SourceError
 from artigen.models.patches import PackedField
+from artigen.train.batches import Described
 from artigen.train.examples import StructureExample, draw_example
 from artigen.types import PAPER_CATEGORIES
 from artigen.workers import Outcome, Worker, run_supervised
 
 HELD_OUT = 10_000
 """Seeds below this are never trained on."""
+PER_OBJECT = ("counts", "size")
+"""Numbers that an example's condition has as many of, whatever the object."""
 ARRAYS = ("names", "categories", "resolution", "patches", "parts", "index", "rows", "table", "counts", "size")
 """What every shard holds; pictures are there if all examples have one."""
 
@@ -46,6 +49,14 @@ class ShardConfig:
 
 
 Config = TypeVar("Config", bound=ShardConfig)
+Example = TypeVar("Example")
+
+
+class Conditioned(Described, Protocol):
+    """An example with a name and what a condition can ask for."""
+
+    @property
+    def name(self) -> str: ...
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -101,25 +112,58 @@ def make_shards(
     return [job.path for job in jobs]
 
 
-def write_shard(path: Path, examples: Sequence[StructureExample]) -> None:
-    """Writes examples to one npz file, whole or not at all."""
-    arrays: dict[str, np.ndarray] = {
+def draw_shard(
+    job: ShardJob[Config],
+    draw: Callable[[str, int], Example],
+    write: Callable[[Path, Sequence[Example]], None],
+) -> Path:
+    """Draws the objects of one shard by category and seed, and writes it; for worker processes."""
+    import torch
+
+    torch.set_num_threads(1)  # there is a process per core already
+    write(job.path, [draw(category, seed) for category, seed in job.objects()])
+    return job.path
+
+
+def condition_arrays(examples: Sequence[Conditioned]) -> dict[str, np.ndarray]:
+    """What examples are called and can be asked for, as arrays; pictures if all have one."""
+    arrays = {
         "names": np.array([one.name for one in examples]),
         "categories": np.array([one.category for one in examples]),
+        **{name: np.stack([getattr(one, name) for one in examples]) for name in PER_OBJECT},
+    }
+    images = [one.image for one in examples if one.image is not None]
+    return arrays | ({"image": np.stack(images)} if len(images) == len(examples) else {})
+
+
+def pick_condition(arrays: dict[str, np.ndarray], number: int) -> dict[str, Any]:
+    """The fields that `condition_arrays` has stored, of one example."""
+    return {
+        "name": str(arrays["names"][number]),
+        "category": str(arrays["categories"][number]),
+        "image": arrays["image"][number] if "image" in arrays else None,
+        **{name: arrays[name][number] for name in PER_OBJECT},
+    }
+
+
+def save_shard(path: Path, arrays: dict[str, np.ndarray], *, packed: bool) -> None:
+    """Writes arrays to one npz file, whole or not at all; ``packed`` takes time and saves room."""
+    save = np.savez_compressed if packed else np.savez
+    with tempfile.NamedTemporaryFile(dir=path.parent, prefix=".shard", suffix=".npz", delete=False) as file:
+        save(file, **arrays)  # type: ignore[arg-type]
+    Path(file.name).replace(path)
+
+
+def write_shard(path: Path, examples: Sequence[StructureExample]) -> None:
+    """Writes examples to one npz file, whole or not at all."""
+    arrays = condition_arrays(examples) | {
         "resolution": np.array([one.field.resolution for one in examples]),
         "patches": np.array([len(one.field.index) for one in examples]),
         "parts": np.array([len(one.field.table) for one in examples]),
     }
     for name in ("index", "rows", "table"):
         arrays[name] = np.concatenate([getattr(one.field, name) for one in examples])
-    for name in ("counts", "size"):
-        arrays[name] = np.stack([getattr(one, name) for one in examples])
-    images = [one.image for one in examples if one.image is not None]
-    if len(images) == len(examples):
-        arrays["image"] = np.stack(images)
-    with tempfile.NamedTemporaryFile(dir=path.parent, prefix=".shard", suffix=".npz", delete=False) as file:
-        np.savez(file, **arrays)  # type: ignore[arg-type]
-    Path(file.name).replace(path)
+    save_shard(path, arrays, packed=False)
 
 
 def read_shard(path: Path) -> Iterator[StructureExample]:
@@ -137,38 +181,24 @@ def read_shard(path: Path) -> Iterator[StructureExample]:
     if missing:
         raise SourceError(f"{path}: is no shard of examples, it lacks {', '.join(missing)}")
     patch_ends, part_ends = np.cumsum(arrays["patches"]), np.cumsum(arrays["parts"])
-    for number, name in enumerate(arrays["names"]):
+    for number in range(len(arrays["names"])):
         at = slice(patch_ends[number] - arrays["patches"][number], patch_ends[number])
         of = slice(part_ends[number] - arrays["parts"][number], part_ends[number])
         yield StructureExample(
-            name=str(name),
-            category=str(arrays["categories"][number]),
             field=PackedField(
                 resolution=int(arrays["resolution"][number]),
                 index=arrays["index"][at],
                 rows=arrays["rows"][at],
                 table=arrays["table"][of],
             ),
-            counts=arrays["counts"][number],
-            size=arrays["size"][number],
-            image=arrays["image"][number] if "image" in arrays else None,
+            **pick_condition(arrays, number),
         )
 
 
 def make_shard(job: ShardJob[ShardConfig]) -> Path:
     """Draws the objects of one shard and writes it; runs in a worker process."""
-    import torch
-
-    torch.set_num_threads(1)  # there is a process per core already
-    cfg = job.cfg
-    write_shard(
-        job.path,
-        [
-            draw_example(category, seed, resolution=cfg.resolution, image_size=cfg.image_size)
-            for category, seed in job.objects()
-        ],
-    )
-    return job.path
+    draw = partial(draw_example, resolution=job.cfg.resolution, image_size=job.cfg.image_size)
+    return draw_shard(job, draw, write_shard)
 
 
 def _run_job(

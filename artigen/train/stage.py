@@ -1,4 +1,4 @@
-"""A stage of a run, whatever is trained in it: its loop, the weights it leaves, a line of its metrics."""
+"""A stage of a run, whatever is trained in it: its loop, the weights it begins with and those it leaves."""
 
 import logging
 from collections.abc import Mapping
@@ -8,8 +8,9 @@ from typing import TypeVar
 import torch
 from torch import nn
 
+from artigen.models.store import load_model, read_description
 from artigen.models.trellis import load_strictly, read_tensors
-from artigen.train.loop import LoopConfig
+from artigen.train.loop import LoopConfig, finished_steps
 from artigen.train.presets import StageConfig
 
 logger = logging.getLogger(__name__)
@@ -25,6 +26,28 @@ def plan_loop(stage: StageConfig, minutes: float) -> LoopConfig:
         decay=stage.decay,
         ema=stage.ema,
     )
+
+
+def begin_stage(network: Network, start: Path | None, name: str) -> Network:
+    """A network as its stage finds it: as it was made, or with the weights of a model to go on from.
+
+    Args:
+        network: new.
+        start: Folder of the model; None leaves the network as it is.
+        name: What the model calls the network.
+
+    Raises:
+        SourceError: If the model has no such network, or one of other sizes.
+    """
+    if start is not None:
+        load_model(network, start, name)
+    return network.train()
+
+
+def describe_stage(folder: Path, start: Path | None, name: str) -> dict[str, object]:
+    """How far a stage has come, and what the model it began with says of itself."""
+    steps: dict[str, object] = {"steps": finished_steps(folder)}
+    return steps if start is None else {**steps, "start": read_description(start)[name]}
 
 
 def load_stage(network: Network, folder: Path) -> Network:

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import torch
+from torch import nn
 
 from artigen.errors import SourceError
 from artigen.io import write_whole
@@ -47,7 +48,7 @@ from artigen.train.appearance.shards import (
 )
 from artigen.train.appearance.vae import encode_appearance, train_appearance_vae
 from artigen.train.shards import HELD_OUT, Config, ShardConfig, ShardJob, make_shards
-from artigen.train.stage import load_stage, log_metrics, plan_loop
+from artigen.train.stage import begin_stage, describe_stage, load_stage, log_metrics, plan_loop
 
 logger = logging.getLogger(__name__)
 Report = Callable[[str, Mapping[str, float]], None]
@@ -85,10 +86,11 @@ def train_appearance(
     report = on_report or log_metrics
     if stage in ("appearance", "appearance-palette"):
         _train_palette(cfg, report)
-    if stage in ("appearance", "appearance-vae"):
-        _train_vae(cfg, make_appearance_data(cfg), report)
-    if stage in ("appearance", "appearance-flow"):
-        _train_flow(cfg, _load_vae(cfg), make_appearance_data(cfg), report)
+    if stage != "appearance-palette":
+        data = make_appearance_data(cfg)
+        vae = _load_vae(cfg) if stage == "appearance-flow" else _train_vae(cfg, data, report)
+        if stage != "appearance-vae":
+            _train_flow(cfg, vae, data, report)
     return json.loads(scores.read_text()) if scores.is_file() else {}
 
 
@@ -112,7 +114,7 @@ def _train_palette(cfg: AppearanceRunConfig, report: Report) -> None:
     )
     paths = _make_shards(cfg, "painted", cfg.shards, shards, make_palette_shard)
     torch.manual_seed(2)
-    flow = PaletteFlow(preset.palette, preset.conditions)
+    flow = begin_stage(PaletteFlow(preset.palette, preset.conditions), cfg.start, APPEARANCE_PALETTE)
     train_palette_flow(
         flow,
         [example for path in paths for example in read_palette_shard(path)],
@@ -122,14 +124,14 @@ def _train_palette(cfg: AppearanceRunConfig, report: Report) -> None:
         conditions=preset.conditions,
         on_report=lambda line: report("palette", line),
     )
-    seen = {"objects": cfg.shards * cfg.objects * cfg.painted}
-    save_model(flow, cfg.folder / "model", {**_describe(cfg), **seen}, APPEARANCE_PALETTE)
+    _store(cfg, flow, APPEARANCE_PALETTE, cfg.shards * cfg.objects * cfg.painted)
 
 
 def _train_vae(cfg: AppearanceRunConfig, data: AppearanceData, report: Report) -> AppearanceVae:
     training = APPEARANCE_TRAINING[cfg.preset]
     torch.manual_seed(0)
     vae = AppearanceVae(run_encoder(cfg), APPEARANCE_PRESETS[cfg.preset].decoder)
+    begin_stage(vae, cfg.start, APPEARANCE_VAE)
     train_appearance_vae(
         vae,
         data.trained,
@@ -140,7 +142,7 @@ def _train_vae(cfg: AppearanceRunConfig, data: AppearanceData, report: Report) -
         losses=training.losses,
         on_report=lambda line: report("VAE", line),
     )
-    save_model(vae, cfg.folder / "model", _describe(cfg), APPEARANCE_VAE)
+    _store(cfg, vae, APPEARANCE_VAE, cfg.shards * cfg.objects)
     scores = score_vae(vae, data.held_out)
     write_whole(cfg.home / "reconstruction.json", json.dumps(scores, indent=1) + "\n")
     logger.info("held-out reconstruction %s", scores)
@@ -156,7 +158,7 @@ def _load_vae(cfg: AppearanceRunConfig) -> AppearanceVae:
 def _train_flow(cfg: AppearanceRunConfig, vae: AppearanceVae, data: AppearanceData, report: Report) -> None:
     preset, training = APPEARANCE_PRESETS[cfg.preset], APPEARANCE_TRAINING[cfg.preset]
     torch.manual_seed(1)
-    flow = SlatFlow(preset.flow, preset.conditions)
+    flow = begin_stage(SlatFlow(preset.flow, preset.conditions), cfg.start, APPEARANCE_FLOW)
     train_appearance_flow(
         flow,
         encode_appearance(vae, data.trained),
@@ -167,7 +169,7 @@ def _train_flow(cfg: AppearanceRunConfig, vae: AppearanceVae, data: AppearanceDa
         conditions=preset.conditions,
         on_report=lambda line: report("flow", line),
     )
-    save_model(flow, cfg.folder / "model", _describe(cfg), APPEARANCE_FLOW)
+    _store(cfg, flow, APPEARANCE_FLOW, cfg.shards * cfg.objects)
 
 
 def _examples(cfg: AppearanceRunConfig, name: str, count: int, first_seed: int) -> list[AppearanceExample]:
@@ -203,15 +205,17 @@ def _make_shards(
     )
 
 
-def _describe(cfg: AppearanceRunConfig) -> dict[str, object]:
-    return {
+def _store(cfg: AppearanceRunConfig, network: nn.Module, name: str, objects: int) -> None:
+    """Stores a network with what it was trained on and for how long."""
+    described = {
         "preset": cfg.preset,
-        "minutes": cfg.minutes,
-        "objects": cfg.shards * cfg.objects,
+        "objects": objects,
         "articulated": cfg.articulated,
         "weighting": cfg.weighting,
         "features": cfg.features,
+        **describe_stage(cfg.home / name.removeprefix("appearance-"), cfg.start, name),
     }
+    save_model(network, cfg.folder / "model", described, name)
 
 
 def main() -> None:
@@ -236,6 +240,9 @@ def main() -> None:
     parser.add_argument("--weighting", choices=("seen", "plain"), default="seen", help="views that count")
     parser.add_argument("--features", choices=("pyramid", "dinov2"), default="pyramid")
     parser.add_argument("--dinov2", type=Path, help="folder with the weights of DINOv2")
+    parser.add_argument(
+        "--start", type=Path, help="folder of a model whose weights every network begins with"
+    )
     parser.add_argument("--workers", type=int, default=2, help="processes that make data")
     given = vars(parser.parse_args())
     train_appearance(AppearanceRunConfig(**{k: v for k, v in given.items() if k != "stage"}), given["stage"])

@@ -8,9 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float, Int, UInt8
 
-from artigen.fields import tabulate_parts
 from artigen.models.features import FeatureExtractor
-from artigen.palettes import read_palettes
+from artigen.palettes import describe_voxels, read_palettes
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.sampling import sample_shape
 from artigen.shapes.shape import Shape
@@ -45,6 +44,10 @@ class AppearanceExample:
     counts: UInt8[np.ndarray, "L"]
     size: Float[np.ndarray, "3"]
     image: UInt8[np.ndarray, "H W 4"] | None = None
+
+    def attributes(self) -> Float[np.ndarray, "N A"]:
+        """What the flow is told of every voxel."""
+        return describe_voxels(self.table, self.part_ids, self.palettes)
 
 
 def draw_appearance(
@@ -82,7 +85,7 @@ def draw_appearance_of(
         part_ids=asset.voxels.part_ids.astype(np.uint8),
         features=features.values.astype(np.float16),
         views=features.views.astype(np.uint16),
-        table=tabulate_parts(asset),
+        table=described.field.table,
         palettes=paint_parts(shape, asset),
         pictures=pictures,
         counts=described.counts,

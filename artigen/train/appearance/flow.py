@@ -13,7 +13,7 @@ from torch.nn import functional
 
 from artigen.models.conditions import ConditionBatch, ConditionConfig, drop_conditions
 from artigen.models.slat_flow import SlatFlow
-from artigen.palettes import PALETTE, describe_voxels
+from artigen.palettes import PALETTE
 from artigen.sampling import diffuse, draw_times, target_velocity
 from artigen.train.appearance.batches import voxel_batch
 from artigen.train.appearance.examples import AppearanceExample
@@ -64,8 +64,9 @@ def train_appearance_flow(
         conditions: what the flow can be asked for.
         on_report: called with every line of metrics.
     """
-    told = [describe_voxels(one.table, one.part_ids, one.palettes) for one in examples]
-    measured = measure_slats(*latents, told if flow.attribute_channels else None)
+    measured = measure_slats(
+        *latents, [one.attributes() for one in examples] if flow.attribute_channels else None
+    )
     flow.latent_mean.copy_(measured.mean)
     flow.latent_std.copy_(measured.std)
     flow.latent_slope.copy_(measured.slope)
@@ -104,9 +105,7 @@ def slat_batch(
         coords=voxel_batch(examples)[0],
         mean=mean,
         std=std,
-        attributes=torch.from_numpy(
-            np.concatenate([describe_voxels(one.table, one.part_ids, one.palettes) for one in examples])
-        ),
+        attributes=torch.from_numpy(np.concatenate([one.attributes() for one in examples])),
         conditions=condition_batch(examples, conditions),
     )
 

@@ -3,7 +3,6 @@
 An example costs a picture and no more, so there are many more of them than of photographed objects.
 """
 
-import tempfile
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -24,16 +23,21 @@ from artigen.models.conditions import (
 from artigen.models.palette_flow import Painted, PaletteFlow, gather_painted, look_at_parts
 from artigen.sampling import diffuse, draw_times, target_velocity
 from artigen.shapes.draw import draw_shape
-from artigen.train.appearance.examples import paint_parts, tabulate_parts
+from artigen.train.appearance.examples import paint_parts
 from artigen.train.appearance.vae import Report
 from artigen.train.batches import condition_batch, draw_batches, prefetch
 from artigen.train.examples import draw_example_of
 from artigen.train.loop import LoopConfig, process_seed, train
-from artigen.train.shards import ShardConfig, ShardJob
+from artigen.train.outline import ALONE
+from artigen.train.shards import (
+    ShardConfig,
+    ShardJob,
+    condition_arrays,
+    draw_shard,
+    pick_condition,
+    save_shard,
+)
 from artigen.train.structure import DROPOUT
-
-ALONE = 0.25
-"""Share of pictures of which nothing else is said."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -67,7 +71,7 @@ def draw_palettes(category: str, seed: int, *, resolution: int, image_size: int)
     return PaletteExample(
         name=described.name,
         category=described.category,
-        table=tabulate_parts(asset),
+        table=described.field.table,
         palettes=paint_parts(draw_shape(category, seed), asset),
         counts=described.counts,
         size=described.size,
@@ -77,35 +81,18 @@ def draw_palettes(category: str, seed: int, *, resolution: int, image_size: int)
 
 def make_palette_shard(job: ShardJob[ShardConfig]) -> Path:
     """Draws the objects of one shard and writes it; runs in a worker process."""
-    torch.set_num_threads(1)  # there is a process per core already
-    cfg = job.cfg
-    write_palette_shard(
-        job.path,
-        [
-            draw_palettes(category, seed, resolution=cfg.resolution, image_size=cfg.image_size)
-            for category, seed in job.objects()
-        ],
-    )
-    return job.path
+    draw = partial(draw_palettes, resolution=job.cfg.resolution, image_size=job.cfg.image_size)
+    return draw_shard(job, draw, write_palette_shard)
 
 
 def write_palette_shard(path: Path, examples: Sequence[PaletteExample]) -> None:
     """Writes examples to one npz file, whole or not at all."""
-    arrays: dict[str, np.ndarray] = {
-        "names": np.array([one.name for one in examples]),
-        "categories": np.array([one.category for one in examples]),
+    arrays = condition_arrays(examples) | {
         "parts": np.array([len(one.table) for one in examples]),
         "table": np.concatenate([one.table for one in examples]),
         "palettes": np.concatenate([one.palettes for one in examples]),
-        "counts": np.stack([one.counts for one in examples]),
-        "size": np.stack([one.size for one in examples]),
     }
-    images = [one.image for one in examples if one.image is not None]
-    if len(images) == len(examples):
-        arrays["image"] = np.stack(images)
-    with tempfile.NamedTemporaryFile(dir=path.parent, prefix=".shard", suffix=".npz", delete=False) as file:
-        np.savez_compressed(file, **arrays)  # type: ignore[arg-type]
-    Path(file.name).replace(path)
+    save_shard(path, arrays, packed=True)
 
 
 def read_palette_shard(path: Path) -> Iterator[PaletteExample]:
@@ -116,16 +103,10 @@ def read_palette_shard(path: Path) -> Iterator[PaletteExample]:
     """
     arrays = read_arrays(path)
     ends = np.cumsum(arrays["parts"])
-    for number, name in enumerate(arrays["names"]):
-        of = slice(ends[number] - arrays["parts"][number], ends[number])
+    for number, end in enumerate(ends):
+        of = slice(end - arrays["parts"][number], end)
         yield PaletteExample(
-            name=str(name),
-            category=str(arrays["categories"][number]),
-            table=arrays["table"][of],
-            palettes=arrays["palettes"][of],
-            counts=arrays["counts"][number],
-            size=arrays["size"][number],
-            image=arrays["image"][number] if "image" in arrays else None,
+            table=arrays["table"][of], palettes=arrays["palettes"][of], **pick_condition(arrays, number)
         )
 
 

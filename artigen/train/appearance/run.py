@@ -14,6 +14,7 @@ from artigen.models.slat_vae import SlatVaeConfig
 from artigen.train.appearance.curation import CurationConfig
 from artigen.train.appearance.presets import APPEARANCE_TRAINING
 from artigen.train.appearance.visibility import MOMENTS, Weighting
+from artigen.train.run import claim_start
 
 AppearanceStage = Literal["appearance", "appearance-vae", "appearance-palette", "appearance-flow"]
 """All networks, or one of them."""
@@ -46,6 +47,8 @@ class AppearanceRunConfig:
     """What is read off pictures."""
     dinov2: Path | None = None
     """Folder with the weights of DINOv2, where they are the features."""
+    start: Path | None = None
+    """Folder of a model whose weights every network begins with."""
     workers: int = 2
     """Processes that make data."""
 
@@ -116,5 +119,6 @@ def claim_appearance_run(cfg: AppearanceRunConfig) -> None:
             "articulated": cfg.articulated,
             "weighting": cfg.weighting,
             "features": cfg.features,
+            "start": claim_start(cfg.start, cfg.preset),
         },
     )

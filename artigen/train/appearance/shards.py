@@ -3,9 +3,9 @@
 A shard appears whole or not at all, so a run that was stopped goes on where it was.
 """
 
-import tempfile
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, fields
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -15,11 +15,18 @@ from artigen.models.extractors import ExtractorConfig, make_extractor
 from artigen.train.appearance.curation import CurationConfig
 from artigen.train.appearance.examples import AppearanceExample, draw_appearance
 from artigen.train.appearance.photographs import Pictures
-from artigen.train.shards import ShardConfig, ShardJob
+from artigen.train.shards import (
+    ShardConfig,
+    ShardJob,
+    condition_arrays,
+    draw_shard,
+    pick_condition,
+    save_shard,
+)
 
 PER_VOXEL = ("coords", "part_ids", "features", "views")
 PER_PICTURE = tuple(one.name for one in fields(Pictures) if one.name != "displacements")
-PER_OBJECT = ("counts", "size")
+PER_PART = ("table", "palettes")
 PACKED = ("exposed",)
 """Stored as bits."""
 
@@ -40,53 +47,32 @@ class AppearanceShardConfig(ShardConfig):
 
 def make_appearance_shard(job: ShardJob[AppearanceShardConfig]) -> Path:
     """Draws and photographs the objects of one shard and writes it; runs in a worker process."""
-    import torch
-
-    torch.set_num_threads(1)  # there is a process per core already
     cfg = job.cfg
     extractor = make_extractor(cfg.extractor)
-    write_appearance_shard(
-        job.path,
-        [
-            draw_appearance(
-                category,
-                seed,
-                extractor,
-                cfg.curation,
-                resolution=cfg.resolution,
-                image_size=cfg.image_size,
-            )
-            for category, seed in job.objects()
-        ],
+    draw = partial(
+        draw_appearance,
+        extractor=extractor,
+        cfg=cfg.curation,
+        resolution=cfg.resolution,
+        image_size=cfg.image_size,
     )
-    return job.path
+    return draw_shard(job, draw, write_appearance_shard)
 
 
 def write_appearance_shard(path: Path, examples: Sequence[AppearanceExample]) -> None:
     """Writes examples, all with as many pictures and states, to one npz file, whole or not at all."""
-    arrays: dict[str, np.ndarray] = {
-        "names": np.array([one.name for one in examples]),
-        "categories": np.array([one.category for one in examples]),
+    arrays = condition_arrays(examples) | {
         "resolution": np.array([one.resolution for one in examples]),
         "voxel_counts": np.array([len(one.coords) for one in examples]),
         "part_counts": np.array([len(one.table) for one in examples]),
-        "table": np.concatenate([one.table for one in examples]),
-        "palettes": np.concatenate([one.palettes for one in examples]),
         "displacements": np.concatenate([one.pictures.displacements for one in examples], axis=1),
     }
-    for name in PER_VOXEL:
+    for name in (*PER_VOXEL, *PER_PART):
         arrays[name] = np.concatenate([getattr(one, name) for one in examples])
-    for name in PER_OBJECT:
-        arrays[name] = np.stack([getattr(one, name) for one in examples])
     for name in PER_PICTURE:
         values = np.stack([getattr(one.pictures, name) for one in examples])
         arrays[name] = np.packbits(values, axis=-1) if name in PACKED else values
-    images = [one.image for one in examples if one.image is not None]
-    if len(images) == len(examples):
-        arrays["image"] = np.stack(images)
-    with tempfile.NamedTemporaryFile(dir=path.parent, prefix=".shard", suffix=".npz", delete=False) as file:
-        np.savez_compressed(file, **arrays)  # type: ignore[arg-type]
-    Path(file.name).replace(path)
+    save_shard(path, arrays, packed=True)
 
 
 def read_appearance_shard(path: Path) -> Iterator[AppearanceExample]:
@@ -100,20 +86,16 @@ def read_appearance_shard(path: Path) -> Iterator[AppearanceExample]:
     for name in PACKED:
         arrays[name] = np.unpackbits(arrays[name], axis=-1, count=width).astype(bool)
     voxel_ends, part_ends = np.cumsum(arrays["voxel_counts"]), np.cumsum(arrays["part_counts"])
-    for number, name in enumerate(arrays["names"]):
+    for number in range(len(arrays["names"])):
         at = slice(voxel_ends[number] - arrays["voxel_counts"][number], voxel_ends[number])
         of = slice(part_ends[number] - arrays["part_counts"][number], part_ends[number])
         yield AppearanceExample(
-            name=str(name),
-            category=str(arrays["categories"][number]),
             resolution=int(arrays["resolution"][number]),
-            table=arrays["table"][of],
-            palettes=arrays["palettes"][of],
             pictures=Pictures(
                 displacements=arrays["displacements"][:, of],
                 **{key: arrays[key][number] for key in PER_PICTURE},
             ),
-            image=arrays["image"][number] if "image" in arrays else None,
             **{key: arrays[key][at] for key in PER_VOXEL},
-            **{key: arrays[key][number] for key in PER_OBJECT},
+            **{key: arrays[key][of] for key in PER_PART},
+            **pick_condition(arrays, number),
         )
