@@ -11,8 +11,8 @@ from artigen.datasets.sizes import estimate_size
 from artigen.errors import SourceError
 from artigen.fields import VoxelFields
 from artigen.models.conditions import StructureCondition, gather_conditions
-from artigen.models.outline_flow import OutlineFlow, complete_conditions, sample_outlines
-from artigen.models.outline_regularise import OutlineRegulariseConfig, regularise_outline
+from artigen.models.outline_draw import OutlineConfig, draw_outline
+from artigen.models.outline_flow import OutlineFlow, complete_conditions
 from artigen.models.outlines import OutlineBatch
 from artigen.models.presets import PRESETS, StructurePreset
 from artigen.models.steady import SteadyConfig
@@ -44,10 +44,8 @@ class GenerateConfig:
 
     sampler: SamplerConfig = field(default_factory=lambda: SamplerConfig(strength=0.0))
     """Steps and guidance of the latent; where an outline is drawn, the condition is in it."""
-    outline: SamplerConfig = field(default_factory=lambda: SamplerConfig(steps=25, strength=1.0))
-    """Steps and guidance of the outline."""
-    outline_regularise: OutlineRegulariseConfig = field(default_factory=OutlineRegulariseConfig)
-    """What of an outline hardly differs from what is meant."""
+    outline: OutlineConfig = field(default_factory=OutlineConfig)
+    """How the outline is drawn."""
     steady: SteadyConfig | None = field(default_factory=SteadyConfig)
     """How much cells listen to those in line with them, where outlines are drawn; None: not at all."""
     boards: BoardsConfig | None = field(default_factory=BoardsConfig)
@@ -113,9 +111,10 @@ def generate_structure(
     outlines, rows, said = None, None, ()
     if model.outline is not None:
         known = complete_conditions(model.outline, known, generator)
-        drawn = sample_outlines(model.outline, known, nothing, generator, cfg.outline)
-        rows, said = regularise_outline(drawn.rows[0].cpu().numpy(), cfg.outline_regularise)
-        outlines = OutlineBatch(rows=torch.from_numpy(rows)[None].to(device), given=drawn.given)
+        extents = None if asked.size is None else np.array(asked.size)
+        rows, said = draw_outline(model.outline, known, nothing, generator, cfg.outline, extents=extents)
+        given = torch.ones(1, len(rows), dtype=torch.bool, device=device)
+        outlines = OutlineBatch(rows=torch.from_numpy(rows)[None].to(device), given=given)
     latent = sample_latents(model.flow, known, nothing, noise, cfg.sampler, outlines)
     decoded, logits = decode_cells(model.vae, latent, outlines, cfg.steady)
     fields, mended = _mend(decoded[0], logits[0].cpu().numpy(), rows, cfg)

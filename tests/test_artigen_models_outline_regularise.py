@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from artigen.fields import DEFAULT_LAYOUT, part_attributes
-from artigen.models.outline_regularise import CELL, regularise_outline
+from artigen.models.outline_boxes import CELL
+from artigen.models.outline_regularise import regularise_outline
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.draw import draw_shape
 from artigen.types import PAPER_CATEGORIES, Asset
@@ -30,11 +31,11 @@ def row_of(asset: Asset, label: str) -> int:
 
 
 @pytest.mark.parametrize("category", PAPER_CATEGORIES)
-def test_what_procedural_objects_mean_stays_to_a_third_of_a_cell(category: str):
+def test_what_procedural_objects_mean_stays_to_two_thirds_of_a_cell(category: str):
     for seed in (1, 2):
         truth = table_of(shape_to_asset(draw_shape(category, seed), 32))
         kept, _ = regularise_outline(truth)
-        assert np.abs(kept - truth).max() < 0.4 * CELL
+        assert np.abs(kept - truth).max() < 0.67 * CELL
 
 
 def test_an_axis_that_is_nearly_upright_becomes_upright_and_a_slanted_one_stays(
@@ -53,7 +54,7 @@ def test_an_axis_that_is_nearly_upright_becomes_upright_and_a_slanted_one_stays(
 def test_a_hinge_comes_to_the_edge_of_its_door_only_from_near(cabinet: Asset, rows: np.ndarray):
     door = row_of(cabinet, "door")
     truth = regularise_outline(rows)[0][door, ORIGIN]
-    for off, found in ((0.5 * CELL, True), (3.0 * CELL, False)):
+    for off, found in ((3.0 * CELL, True), (6.0 * CELL, False)):
         moved = rows.copy()
         moved[door, ORIGIN] += [0.0, off, 0.0]
         fixed = regularise_outline(moved)[0][door, ORIGIN]

@@ -1,30 +1,43 @@
 """Regularising of drawn outlines, a stage of its own: what hardly differs from what is meant becomes it.
 
-A network draws an axis a degree off the vertical, a hinge half a cell off the edge of its door, and
-neighbouring drawers that overlap by half a cell. Cells are drawn in view of the outline, so it is put
-right before them. A true outline stays as it is, to a third of a cell.
+A network draws an axis a degree off the vertical, a hinge half a cell off the edge of its door,
+neighbouring drawers that overlap by half a cell, and a knob a cell in front of its panel. Cells are drawn
+in view of the outline, so it is put right before them. A true outline stays as it is, to two thirds of a
+cell.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from jaxtyping import Float
 
 from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_rows
-
-CELL = 1 / 64
+from artigen.models.outline_align import OutlineAlignConfig, align_outline
+from artigen.models.outline_boxes import CELL, box_views
+from artigen.types import PartLabel
 
 
 @dataclass(frozen=True, kw_only=True)
 class OutlineRegulariseConfig:
     """How far off counts as meant."""
 
+    align: OutlineAlignConfig = field(default_factory=OutlineAlignConfig)
+    """What is in line."""
     angle: float = 25.0
     """Degrees between an axis and the principal direction that it becomes."""
     reach: float = 0.75 * CELL
-    """Unit-cube lengths between a hinge and the edge of its door, or an axis and the centre of what turns."""
+    """Unit-cube lengths between an axis and the face or the centre that it is put to."""
+    hinge_reach: float = 4.0 * CELL
+    """The same between a hinge and the edge of its door: there is no other place for it."""
+    gap: float = 2.5 * CELL
+    """Unit-cube lengths between a handle or knob and its panel that are closed."""
+    sunk: float = 2.5 * CELL
+    """Unit-cube lengths that a handle or knob may be sunk into its panel for it to be put before it."""
+    recess: float = 1.0 * CELL
+    """What a handle or knob may be sunk by as it is meant: some sit in a recess."""
     overlap: float = 0.4
-    """Share of the smaller of two fronts that may overlap for them to be parted at the middle of it."""
+    """Share of the smaller of two fronts, knobs or handles that may overlap for them to be parted at the
+    middle of it."""
     thinnest: float = 0.2 * CELL
     """Least edge of a box, in unit-cube lengths."""
     shortest: float = 0.1 * CELL
@@ -37,6 +50,8 @@ def regularise_outline(
     rows: Float[np.ndarray, "N C"],
     cfg: OutlineRegulariseConfig | None = None,
     layout: FieldLayout = DEFAULT_LAYOUT,
+    *,
+    extents: Float[np.ndarray, "3"] | None = None,
 ) -> tuple[Float[np.ndarray, "N C"], tuple[str, ...]]:
     """An outline whose parts are what they nearly were, and a note for each kind of change.
 
@@ -44,13 +59,19 @@ def regularise_outline(
         rows: the channels after occupancy, one row per part.
         cfg: tolerances.
         layout: channels.
+        extents: edges of the object that is asked for, up to a factor; None keeps the ratios drawn.
     """
     cfg, out = cfg or OutlineRegulariseConfig(), rows.copy()
     notes = [
         _clip_boxes(out, cfg, layout),
         _straighten_axes(out, cfg, layout),
         _settle_ranges(out, cfg, layout),
-        _part_fronts(out, cfg, layout),
+        align_outline(out, cfg.align, layout),
+        _part_neighbours(out, ("door", "drawer"), "fronts", cfg, layout),
+        _part_neighbours(out, ("knob",), "knobs", cfg, layout),
+        _part_neighbours(out, ("handle",), "handles", cfg, layout),
+        _rest_on_panels(out, cfg, layout),
+        _fit_extents(out, extents, layout),
         _place_axes(out, cfg, layout),
     ]
     return out, tuple(note for note in notes if note)
@@ -58,7 +79,7 @@ def regularise_outline(
 
 def _clip_boxes(rows: np.ndarray, cfg: OutlineRegulariseConfig, layout: FieldLayout) -> str:
     """Boxes within the unit cube, and no thinner than allowed."""
-    center, size = _boxes(rows, layout)
+    center, size = box_views(rows, layout)
     thin = size < cfg.thinnest
     size[thin] = cfg.thinnest
     low, high = (center - size / 2).clip(-0.5, 0.5), (center + size / 2).clip(-0.5, 0.5)
@@ -106,10 +127,16 @@ def _settle_ranges(rows: np.ndarray, cfg: OutlineRegulariseConfig, layout: Field
     return f"outline: {int(small.sum())} ranges raised to what can be seen" if small.any() else ""
 
 
-def _part_fronts(rows: np.ndarray, cfg: OutlineRegulariseConfig, layout: FieldLayout) -> str:
-    """Doors and drawers that overlap a little are parted at the middle of what they share."""
-    center, size = _boxes(rows, layout)
-    fronts = np.flatnonzero(np.isin(name_rows(rows, layout), ("door", "drawer")))
+def _part_neighbours(
+    rows: np.ndarray,
+    labels: tuple[PartLabel, ...],
+    called: str,
+    cfg: OutlineRegulariseConfig,
+    layout: FieldLayout,
+) -> str:
+    """Fronts, or knobs, that overlap a little are parted at the middle of what they share."""
+    center, size = box_views(rows, layout)
+    fronts = np.flatnonzero(np.isin(name_rows(rows, layout), labels))
     parted = []
     for number, one in enumerate(fronts):
         for other in fronts[number + 1 :]:
@@ -127,26 +154,70 @@ def _part_fronts(rows: np.ndarray, cfg: OutlineRegulariseConfig, layout: FieldLa
             parted.append(high[axis] - low[axis])
     if not parted:
         return ""
-    return f"outline: {len(parted)} pairs of fronts parted, {max(parted) / CELL:.1f} cells at most"
+    return f"outline: {len(parted)} pairs of {called} parted, {max(parted) / CELL:.1f} cells at most"
+
+
+def _rest_on_panels(rows: np.ndarray, cfg: OutlineRegulariseConfig, layout: FieldLayout) -> str:
+    """Handles and knobs that nearly touch their panel, or are sunk into it, are put before it."""
+    center, size = box_views(rows, layout)
+    names = np.array(name_rows(rows, layout))
+    front = center[:, 0] - size[:, 0] / 2
+    panels = np.flatnonzero(np.isin(names, ("door", "drawer", "tray")))
+    bases = np.flatnonzero(names == "base")
+    moved = []
+    for row in np.flatnonzero(np.isin(names, ("handle", "knob"))):
+        within = np.abs(center[panels, 1:] - center[row, 1:]) <= size[panels, 1:] / 2
+        behind = panels[within.all(axis=1)]
+        carriers = behind if len(behind) else bases
+        if not len(carriers):
+            continue
+        gaps = front[carriers] - center[row, 0] - size[row, 0] / 2
+        gap = gaps[np.abs(gaps).argmin()]
+        if 0 < gap <= cfg.gap or cfg.recess < -gap <= cfg.sunk:
+            center[row, 0] += gap
+            moved.append(abs(gap))
+    if not moved:
+        return ""
+    worst = max(moved) / CELL
+    return f"outline: {len(moved)} handles and knobs put to their panels, by {worst:.1f} cells at most"
+
+
+def _fit_extents(rows: np.ndarray, extents: np.ndarray | None, layout: FieldLayout) -> str:
+    """The object is centred and stretched to what is asked for, its longest edge to the unit cube's."""
+    center, size = box_views(rows, layout)
+    low, high = (center - size / 2).min(axis=0), (center + size / 2).max(axis=0)
+    drawn = high - low
+    wanted = drawn / drawn.max() if extents is None else np.asarray(extents) / np.max(extents)
+    factor, middle = wanted / drawn, (low + high) / 2
+    center[:], size[:] = (center - middle) * factor, size * factor
+    origin, axis = (rows[:, after_occupancy(channels)] for channels in (layout.origin, layout.axis))
+    origin[:] = (origin - middle) * factor
+    rows[:, layout.range.start] *= np.where(axis.any(axis=1), np.abs(axis) @ factor, 1.0)
+    worst = np.abs(factor - 1.0).max()
+    return f"outline: stretched by {100 * worst:.1f} % at most to the size asked for" if worst > 1e-3 else ""
 
 
 def _place_axes(rows: np.ndarray, cfg: OutlineRegulariseConfig, layout: FieldLayout) -> str:
     """Hinges to the edge of their door, axes of what turns freely to its centre, others to the box centre."""
-    center, size = _boxes(rows, layout)
+    center, size = box_views(rows, layout)
     origin = rows[:, after_occupancy(layout.origin)]
     axis = rows[:, after_occupancy(layout.axis)]
     kinds = np.array(layout.joint_types)[_types(rows, layout)]
+    names = name_rows(rows, layout)
     still = np.isin(kinds, ("fixed", "prismatic"))
     origin[still] = center[still]
     moved = []
     for row in np.flatnonzero(~still):
-        hinged = kinds[row] == "revolute" and size[row].min() < 0.5 * np.sort(size[row])[1]
-        for across in np.flatnonzero(np.abs(axis[row]) < 0.5):
+        flat = size[row].min() < 0.5 * np.sort(size[row])[1]
+        hinged = flat and kinds[row] == "revolute" and names[row] not in ("knob", "wheel")
+        sides = np.flatnonzero(np.abs(axis[row]) < 0.5)
+        for across in sides:
             faces = center[row, across] + np.array([-0.5, 0.5]) * size[row, across]
             meant = faces if hinged else center[row, across : across + 1]
             nearest = meant[np.abs(meant - origin[row, across]).argmin()]
             off = abs(nearest - origin[row, across])
-            if 0 < off <= cfg.reach:
+            is_width = names[row] == "door" and hinged and size[row, across] == size[row, sides].max()
+            if 0 < off <= (cfg.hinge_reach if is_width else cfg.reach):
                 origin[row, across] = nearest
                 moved.append(off)
         along = np.abs(axis[row]) >= 0.5
@@ -154,12 +225,6 @@ def _place_axes(rows: np.ndarray, cfg: OutlineRegulariseConfig, layout: FieldLay
     if not moved:
         return ""
     return f"outline: {len(moved)} axes put to an edge or a centre, {max(moved) / CELL:.1f} cells at most"
-
-
-def _boxes(rows: np.ndarray, layout: FieldLayout) -> tuple[np.ndarray, np.ndarray]:
-    """Views of centre and size."""
-    start = layout.box.start - 1
-    return rows[:, start : start + 3], rows[:, start + 3 : start + 6]
 
 
 def _types(rows: np.ndarray, layout: FieldLayout) -> np.ndarray:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import torch
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 from torch import Tensor
 
 from artigen.shapes.render import Cameras
@@ -22,6 +22,8 @@ class PictureBatch:
     part_ids: Int[Tensor, "N"]
     """Counted within each sample."""
     rgb: Float[Tensor, "B M H W 3"]
+    exposed: Bool[Tensor, "B M H W"]
+    """Pixels of surface that the closed object hides."""
     background: Float[Tensor, "B M 3"]
     cameras: tuple[Cameras, ...]
     """Of each sample."""
@@ -64,6 +66,7 @@ def picture_batch(
         feats=feats,
         part_ids=torch.from_numpy(part_ids),
         rgb=rgb,
+        exposed=torch.from_numpy(np.stack([pictures.exposed[rows] for pictures, rows in taken])),
         background=background,
         cameras=tuple(pictures.cameras(rows) for pictures, rows in taken),
         displacements=tuple(pictures.displacements[pictures.state[rows]] for pictures, rows in taken),

@@ -28,6 +28,8 @@ class AppearanceLossConfig:
 
     l1: float = 1.0
     """Mean absolute difference of pictures."""
+    exposed: float = 1.0
+    """How many times it counts at pixels of newly exposed surface, of which there are few."""
     ssim: float = 0.2
     """One minus structural similarity."""
     kl: float = 1e-6
@@ -61,9 +63,10 @@ def appearance_losses(
         ValueError: If there is a perceptual term and no extractor.
     """
     first, second = (values.flatten(0, 1).permute(0, 3, 1, 2) for values in (drawn, batch.rgb))
+    weight = 1.0 + (cfg.exposed - 1.0) * batch.exposed.flatten(0, 1)[:, None]
     splats = encoded.splats
     terms = {
-        "l1": cfg.l1 * (first - second).abs().mean(),
+        "l1": cfg.l1 * (weight * (first - second).abs()).mean(),
         "ssim": cfg.ssim * (1.0 - ssim_map(first, second).mean()),
         "kl": cfg.kl * kl_divergence(encoded.mean, encoded.logvar),
         "volume": cfg.volume * splats.scales.prod(dim=1).mean(),

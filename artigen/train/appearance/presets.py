@@ -46,7 +46,7 @@ APPEARANCE_TRAINING: dict[PresetName, AppearanceTraining] = {
         flow=StageConfig(batch=1, learning_rate=8e-4, warmup=100, decay=0.5, ema=0.995, share=0.3),
         palette=StageConfig(batch=32, learning_rate=5e-4, warmup=100, decay=0.4, ema=0.998, share=0.2),
         pictures=2,
-        losses=AppearanceLossConfig(volume=1e4 / 8),
+        losses=AppearanceLossConfig(volume=1e4 / 8, exposed=3.0),
     ),
     "compact": AppearanceTraining(
         curation=CurationConfig(views=ViewConfig(count=12, sharpness=2), kept=4, directional=True),
@@ -54,7 +54,7 @@ APPEARANCE_TRAINING: dict[PresetName, AppearanceTraining] = {
         flow=StageConfig(batch=16, learning_rate=4e-4, warmup=300, decay=0.3, ema=0.999, share=0.3),
         palette=StageConfig(batch=256, learning_rate=6e-4, warmup=300, decay=0.4, ema=0.999, share=0.1),
         pictures=3,
-        losses=AppearanceLossConfig(volume=1e4 / 4),
+        losses=AppearanceLossConfig(volume=1e4 / 4, exposed=3.0),
     ),
     "paper": AppearanceTraining(
         curation=CurationConfig(
