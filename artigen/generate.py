@@ -24,6 +24,7 @@ from artigen.segment import SegmentConfig, segment
 from artigen.segmentation.boards import BoardsConfig, make_boards
 from artigen.segmentation.claim import claim_cells
 from artigen.segmentation.clean import CleanConfig, remove_strays
+from artigen.segmentation.shafts import extend_shafts
 from artigen.types import Asset
 
 
@@ -147,4 +148,5 @@ def _mend(
         fields, made = make_boards(fields, logits, rows, cfg.boards)
     fields, cleaned = remove_strays(fields, cfg.clean)
     fields, claimed = claim_cells(fields, rows)
-    return fields, (*made, *cleaned, *claimed)
+    fields, reached = extend_shafts(fields, rows)
+    return fields, (*made, *cleaned, *claimed, *reached)
