@@ -8,7 +8,7 @@ import torch
 from jaxtyping import Float
 
 from artigen.datasets.sizes import estimate_size
-from artigen.errors import SourceError
+from artigen.errors import SegmentationError, SourceError
 from artigen.fields import VoxelFields
 from artigen.models.conditions import StructureCondition, gather_conditions
 from artigen.models.outline_draw import OutlineConfig, draw_outline
@@ -24,6 +24,7 @@ from artigen.segment import SegmentConfig, segment
 from artigen.segmentation.boards import BoardsConfig, make_boards
 from artigen.segmentation.claim import claim_cells
 from artigen.segmentation.clean import CleanConfig, remove_strays
+from artigen.segmentation.faults import AssetFaultsConfig, find_asset_faults
 from artigen.segmentation.shafts import extend_shafts
 from artigen.types import Asset
 
@@ -55,6 +56,14 @@ class GenerateConfig:
     """What counts as a stray piece."""
     segment: SegmentConfig = field(default_factory=SegmentConfig)
     """How parts are found."""
+    faults: AssetFaultsConfig = field(default_factory=AssetFaultsConfig)
+    """What cannot be, so that all is drawn again."""
+    draws: int = 3
+    """Draws at most; if all have faults, that with the fewest stays."""
+
+    def __post_init__(self) -> None:
+        if self.draws < 1:
+            raise ValueError(f"{self.draws} draws, expected at least one")
 
 
 def build_structure_model(preset: StructurePreset) -> StructureModel:
@@ -93,6 +102,8 @@ def generate_structure(
 ) -> Asset:
     """Draws one articulated object; the same arguments give the same object on one machine.
 
+    What has a fault that shows in its voxels is drawn again, at most ``cfg.draws`` times, and noted.
+
     Args:
         model: trained networks.
         asked: the condition, completed (`artigen.ask.read_request`) where it should be.
@@ -100,11 +111,37 @@ def generate_structure(
         cfg: sampler, cleaning, segmentation.
 
     Raises:
-        SegmentationError: If the drawn voxels describe no articulated object; draw again.
+        SegmentationError: If no draw describes an articulated object.
     """
     cfg = cfg or GenerateConfig()
-    device = next(model.flow.parameters()).device
     generator = torch.Generator().manual_seed(seed)
+    drawn: list[tuple[tuple[str, ...], Asset]] = []
+    notes: list[str] = []
+    while len(notes) < cfg.draws and not (drawn and not drawn[-1][0]):
+        try:
+            asset = _draw(model, asked, seed, generator, cfg)
+        except SegmentationError as error:
+            notes.append(f"draw {len(notes) + 1}: {error}")
+            if len(notes) == cfg.draws and not drawn:
+                raise
+            continue
+        drawn.append((find_asset_faults(asset, cfg.faults), asset))
+        notes.append(f"draw {len(notes) + 1}: {'; '.join(drawn[-1][0]) or 'kept'}")
+    faults, asset = min(drawn, key=lambda one: len(one[0]))
+    if len(notes) == 1 and not faults:
+        return asset
+    return replace(asset, notes=(*notes, *asset.notes))
+
+
+def _draw(
+    model: StructureModel,
+    asked: StructureCondition,
+    seed: int,
+    generator: torch.Generator,
+    cfg: GenerateConfig,
+) -> Asset:
+    """One draw of outline and cells."""
+    device = next(model.flow.parameters()).device
     edge = model.flow.edge
     noise = torch.randn((1, model.flow.channels, edge, edge, edge), generator=generator).to(device)
     known = gather_conditions([asked], model.preset.conditions).to(device)

@@ -19,10 +19,12 @@ from artigen.types import Asset
 
 @pytest.fixture(scope="module")
 def model(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A model that knows nothing."""
+    """A model that knows nothing and finds no cell occupied."""
     torch.manual_seed(0)
     preset, path = PRESETS["tiny"], tmp_path_factory.mktemp("model")
     model = build_structure_model(preset)
+    with torch.no_grad():
+        model.vae.get_parameter("decoder.occupancy_head.2.bias").fill_(-1000.0)
     for name, network in (("vae", model.vae), ("outline", model.outline), ("flow", model.flow)):
         assert network is not None
         save_model(network, path, {"preset": "tiny"}, name)

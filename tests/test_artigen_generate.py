@@ -1,15 +1,23 @@
 """Generation: cleaning, completed conditions, and one seed, one object."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 import torch
 
+import artigen.generate
 from artigen.ask import Request, read_request
 from artigen.errors import SegmentationError, SourceError
 from artigen.fields import VoxelFields, decode, encode
-from artigen.generate import build_structure_model, generate_structure, load_structure_model
+from artigen.generate import (
+    GenerateConfig,
+    build_structure_model,
+    generate_structure,
+    load_structure_model,
+)
+from artigen.models.conditions import StructureCondition
 from artigen.models.presets import PRESETS
 from artigen.models.store import save_model
 from artigen.segmentation.clean import CleanConfig, remove_strays, select_cells
@@ -70,3 +78,29 @@ def test_a_folder_without_a_model_says_so(folder: Path, tmp_path: Path):
     (tmp_path / "model.json").write_text('{"flow": {"preset": "huge"}}')
     with pytest.raises(SourceError, match="preset 'huge'"):
         load_structure_model(tmp_path)
+
+
+def test_what_has_a_fault_is_drawn_again_and_the_best_kept(cabinet: Asset, monkeypatch: pytest.MonkeyPatch):
+    """Draws from memory: no object, one with two faults, one with one."""
+    script = iter([SegmentationError("no cells"), ("falls over", "has a hole"), ("has a hole",), ()])
+    faults: dict[str, tuple[str, ...]] = {}
+
+    def draw(*_: object) -> Asset:
+        said = next(script)
+        if isinstance(said, SegmentationError):
+            raise said
+        asset = replace(cabinet, name=f"cabinet_{len(faults)}")
+        faults[asset.name] = said
+        return asset
+
+    monkeypatch.setattr(artigen.generate, "_draw", draw)
+    monkeypatch.setattr(artigen.generate, "find_asset_faults", lambda asset, cfg: faults[asset.name])
+    model = build_structure_model(PRESETS["tiny"])
+    kept = generate_structure(model, StructureCondition(category="Oven"), 0, GenerateConfig(draws=3))
+    assert kept.name == "cabinet_1"
+    assert kept.notes[:3] == (
+        "draw 1: no cells",
+        "draw 2: falls over; has a hole",
+        "draw 3: has a hole",
+    )
+    assert generate_structure(model, StructureCondition(), 0, GenerateConfig(draws=3)).notes == cabinet.notes

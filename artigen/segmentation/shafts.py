@@ -36,7 +36,8 @@ def extend_shafts(found: VoxelFields, rows: Float[np.ndarray, "N C"]) -> tuple[V
         if label not in REACHING or not own.any():
             continue
         carriers = np.isin(owners, [k for k, other in enumerate(labels) if other in ALLOWED_PARENTS[label]])
-        if (ndimage.binary_dilation(own, np.ones((3, 3, 3))) & carriers & ~own).any():
+        around = np.asarray(ndimage.binary_dilation(own, np.ones((3, 3, 3))), dtype=bool)
+        if (around & carriers & ~own).any():
             continue
         cells = np.argwhere(own)
         shafts = [_find_shaft(cells, carriers, owners, axis, sign) for axis, sign in DIRECTIONS]

@@ -1,0 +1,72 @@
+"""Faults of drawn objects that show before anything is exported: they cannot stand, a front is full of holes.
+
+Cells take seconds to draw, a package half a minute to export and check. Thresholds are such that procedural
+objects have none.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import ConvexHull, QhullError
+
+from artigen.types import Asset, Part, VoxelGrid
+
+
+@dataclass(frozen=True, kw_only=True)
+class AssetFaultsConfig:
+    """What no object has."""
+
+    layers: int = 3
+    """Lowest layers of cells that an object stands on; levelling makes up for what is missing in them."""
+    whole: float = 0.7
+    """Share of the front of a door or drawer that its cells show, at least."""
+
+
+def find_asset_faults(asset: Asset, cfg: AssetFaultsConfig | None = None) -> tuple[str, ...]:
+    """What is wrong with the voxels of an object; nothing, if nothing is.
+
+    Args:
+        asset: an object with voxels.
+        cfg: tolerances.
+
+    Raises:
+        ValueError: If it has no voxels.
+    """
+    cfg, voxels = cfg or AssetFaultsConfig(), asset.voxels
+    if voxels is None:
+        raise ValueError(f"asset {asset.name!r} has no voxels to judge; voxelize its surface first")
+    faults = []
+    if not _stands(voxels, cfg.layers):
+        faults.append("its middle lies outside of what it stands on")
+    for number, part in enumerate(asset.parts):
+        if part.label in ("door", "drawer"):
+            shown = _share_of_front(voxels, number, part)
+            if shown < cfg.whole:
+                faults.append(f"{part.name} shows {100 * shown:.0f} % of its front")
+    return tuple(faults)
+
+
+def _stands(voxels: VoxelGrid, layers: int) -> bool:
+    """Whether the mean of all cells lies above the hull of the lowest."""
+    lowest = voxels.coords[voxels.coords[:, 2] < voxels.coords[:, 2].min() + layers, :2]
+    corners = (lowest[:, None] + np.array([[0, 0], [0, 1], [1, 0], [1, 1]])).reshape(-1, 2)
+    middle = voxels.coords[:, :2].mean(axis=0) + 0.5
+    try:
+        sides = ConvexHull(corners).equations
+    except QhullError:
+        return False
+    return bool((sides[:, :2] @ middle + sides[:, 2] <= 0.0).all())
+
+
+def _share_of_front(voxels: VoxelGrid, number: int, part: Part) -> float:
+    """Share of a front that its cells cover, seen along its depth; of a lid, along its least edge."""
+    center, size = part.box
+    edge = voxels.resolution
+    low = np.round((center - size / 2 + 0.5) * edge).astype(int)
+    high = np.maximum(np.round((center + size / 2 + 0.5) * edge).astype(int), low + 1)
+    along = 0 if size[0] <= size[1:].max() else int(size.argmin())
+    sides = [axis for axis in range(3) if axis != along]
+    front = np.zeros(high[sides] - low[sides], dtype=bool)
+    seen = voxels.coords[voxels.part_ids == number][:, sides] - low[sides]
+    front[tuple(seen[((seen >= 0) & (seen < front.shape)).all(axis=1)].T)] = True
+    return float(front.mean())
