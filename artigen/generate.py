@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import torch
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from artigen.datasets.sizes import estimate_size
 from artigen.errors import SegmentationError, SourceError
@@ -25,6 +25,7 @@ from artigen.segmentation.boards import BoardsConfig, make_boards
 from artigen.segmentation.claim import claim_cells
 from artigen.segmentation.clean import CleanConfig, remove_strays
 from artigen.segmentation.faults import AssetFaultsConfig, find_asset_faults
+from artigen.segmentation.roughness import measure_roughness
 from artigen.segmentation.shafts import extend_shafts
 from artigen.types import Asset
 
@@ -58,8 +59,10 @@ class GenerateConfig:
     """How parts are found."""
     faults: AssetFaultsConfig = field(default_factory=AssetFaultsConfig)
     """What cannot be, so that all is drawn again."""
-    draws: int = 3
-    """Draws at most; if all have faults, that with the fewest stays."""
+    smooth: float = 0.15
+    """Bends per face of a surface that no smoother one is sought for (`artigen.segmentation.roughness`)."""
+    draws: int = 4
+    """Draws at most; that with the fewest faults stays, and of those the smoothest."""
 
     def __post_init__(self) -> None:
         if self.draws < 1:
@@ -102,7 +105,8 @@ def generate_structure(
 ) -> Asset:
     """Draws one articulated object; the same arguments give the same object on one machine.
 
-    What has a fault that shows in its voxels is drawn again, at most ``cfg.draws`` times, and noted.
+    What has a fault that shows in its voxels, or is rough, is drawn again, at most ``cfg.draws`` times, and
+    noted: a draw takes seconds, a package half a minute to make and check.
 
     Args:
         model: trained networks.
@@ -115,9 +119,11 @@ def generate_structure(
     """
     cfg = cfg or GenerateConfig()
     generator = torch.Generator().manual_seed(seed)
-    drawn: list[tuple[tuple[str, ...], Asset]] = []
+    drawn: list[tuple[int, float, Asset]] = []
     notes: list[str] = []
-    while len(notes) < cfg.draws and not (drawn and not drawn[-1][0]):
+    while len(notes) < cfg.draws and not any(
+        faults == 0 and rough <= cfg.smooth for faults, rough, _ in drawn
+    ):
         try:
             asset = _draw(model, asked, seed, generator, cfg)
         except SegmentationError as error:
@@ -125,12 +131,18 @@ def generate_structure(
             if len(notes) == cfg.draws and not drawn:
                 raise
             continue
-        drawn.append((find_asset_faults(asset, cfg.faults), asset))
-        notes.append(f"draw {len(notes) + 1}: {'; '.join(drawn[-1][0]) or 'kept'}")
-    faults, asset = min(drawn, key=lambda one: len(one[0]))
-    if len(notes) == 1 and not faults:
-        return asset
+        faults, rough = find_asset_faults(asset, cfg.faults), measure_roughness(_occupied(asset))
+        drawn.append((len(faults), rough, asset))
+        notes.append("; ".join((f"draw {len(notes) + 1}: {rough:.2f} bends per face", *faults)))
+    _, _, asset = min(drawn, key=lambda one: one[:2])
     return replace(asset, notes=(*notes, *asset.notes))
+
+
+def _occupied(asset: Asset) -> Bool[np.ndarray, "X Y Z"]:
+    assert asset.voxels is not None
+    cells = np.zeros((asset.voxels.resolution,) * 3, dtype=bool)
+    cells[tuple(asset.voxels.coords.T)] = True
+    return cells
 
 
 def _draw(

@@ -10,7 +10,7 @@ lines, as boards, and with both; and what boards do to the truth itself. Writes 
 import sys
 from collections import defaultdict
 from dataclasses import dataclass
-from itertools import combinations, pairwise
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -29,6 +29,7 @@ from artigen.models.steady import SteadyConfig
 from artigen.models.structure_vae import decode_cells
 from artigen.sampling import diffuse
 from artigen.segmentation.boards import make_boards
+from artigen.segmentation.roughness import measure_roughness
 from artigen.segmentation.rows import read_owners
 from artigen.train.batches import condition_batch, outline_batch, patch_batch
 from artigen.weights import SHIPPED
@@ -82,7 +83,7 @@ def score(drawn: Owners, truth: Owners) -> tuple[float, float, float, float]:
         float((some & true).sum() / (some | true).sum()),
         _near_f1(some, true),
         float(np.mean([_near_f1(drawn == part, truth == part) for part in parts])),
-        _roughness(some),
+        measure_roughness(some),
     )
 
 
@@ -90,15 +91,6 @@ def _near_f1(one: np.ndarray, other: np.ndarray) -> float:
     precision = (one & binary_dilation(other, NEAR)).sum() / max(one.sum(), 1)
     recall = (other & binary_dilation(one, NEAR)).sum() / other.sum()
     return float(2 * precision * recall / max(precision + recall, 1e-9))
-
-
-def _roughness(some: np.ndarray) -> float:
-    """Edges at which the surface bends, over its faces."""
-    padded = np.pad(some, 1).astype(np.int8)
-    faces = sum(np.abs(np.diff(padded, axis=axis)).sum() for axis in range(3))
-    pairs = combinations(range(3), 2)
-    bends = sum((np.diff(np.diff(padded, axis=one), axis=other) != 0).sum() for one, other in pairs)
-    return float(bends / faces)
 
 
 def main(options: Options) -> int:

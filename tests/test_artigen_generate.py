@@ -80,27 +80,32 @@ def test_a_folder_without_a_model_says_so(folder: Path, tmp_path: Path):
         load_structure_model(tmp_path)
 
 
-def test_what_has_a_fault_is_drawn_again_and_the_best_kept(cabinet: Asset, monkeypatch: pytest.MonkeyPatch):
-    """Draws from memory: no object, one with two faults, one with one."""
-    script = iter([SegmentationError("no cells"), ("falls over", "has a hole"), ("has a hole",), ()])
-    faults: dict[str, tuple[str, ...]] = {}
+def test_what_has_a_fault_or_is_rough_is_drawn_again_and_the_best_kept(
+    cabinet: Asset, monkeypatch: pytest.MonkeyPatch
+):
+    """Draws from memory, each with its faults and its roughness."""
+    script = iter([None, (("falls over",), 0.1), ((), 0.3), ((), 0.2), ((), 0.1), ((), 0.1)])
+    judged: dict[str, tuple[tuple[str, ...], float]] = {}
 
     def draw(*_: object) -> Asset:
         said = next(script)
-        if isinstance(said, SegmentationError):
-            raise said
-        asset = replace(cabinet, name=f"cabinet_{len(faults)}")
-        faults[asset.name] = said
+        if said is None:
+            raise SegmentationError("no cells")
+        asset = replace(cabinet, name=f"cabinet_{len(judged)}")
+        judged[asset.name] = said
         return asset
 
     monkeypatch.setattr(artigen.generate, "_draw", draw)
-    monkeypatch.setattr(artigen.generate, "find_asset_faults", lambda asset, cfg: faults[asset.name])
-    model = build_structure_model(PRESETS["tiny"])
-    kept = generate_structure(model, StructureCondition(category="Oven"), 0, GenerateConfig(draws=3))
-    assert kept.name == "cabinet_1"
-    assert kept.notes[:3] == (
+    monkeypatch.setattr(artigen.generate, "find_asset_faults", lambda asset, cfg: judged[asset.name][0])
+    monkeypatch.setattr(artigen.generate, "measure_roughness", lambda _: list(judged.values())[-1][1])
+    model, asked = build_structure_model(PRESETS["tiny"]), StructureCondition(category="Oven")
+    kept = generate_structure(model, asked, 0, GenerateConfig(draws=4))
+    assert kept.name == "cabinet_2"
+    assert kept.notes[:4] == (
         "draw 1: no cells",
-        "draw 2: falls over; has a hole",
-        "draw 3: has a hole",
+        "draw 2: 0.10 bends per face; falls over",
+        "draw 3: 0.30 bends per face",
+        "draw 4: 0.20 bends per face",
     )
-    assert generate_structure(model, StructureCondition(), 0, GenerateConfig(draws=3)).notes == cabinet.notes
+    assert generate_structure(model, asked, 0, GenerateConfig(draws=4)).name == "cabinet_3"
+    assert next(script) == ((), 0.1)  # the first that is good ends the search
