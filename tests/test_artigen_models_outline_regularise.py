@@ -79,6 +79,40 @@ def test_fronts_that_overlap_a_little_meet_and_their_outer_edges_stay(cabinet: A
     )
 
 
+@pytest.mark.parametrize(("axis", "off"), [(0, -2.0), (0, 2.0), (2, 30.0)])
+def test_a_handle_sits_on_its_front_and_within_it(cabinet: Asset, rows: np.ndarray, axis: int, off: float):
+    truth, _ = regularise_outline(rows)
+    handle = next(n for n, part in enumerate(cabinet.parts) if part.label == "handle")
+    front = cabinet.parts[handle].parent
+    moved = truth.copy()
+    moved[handle, BOX][axis] += (
+        off * CELL if axis == 0 else moved[front, BOX][5] / 2 - moved[handle, BOX][5] / 4
+    )
+    fixed, notes = regularise_outline(moved)
+    assert any("put to their panels" in note for note in notes)
+    (low, high), (front_low, front_high) = (
+        (row[BOX][:3] - row[BOX][3:] / 2, row[BOX][:3] + row[BOX][3:] / 2)
+        for row in (fixed[handle], fixed[front])
+    )
+    assert high[0] == pytest.approx(front_low[0], abs=1e-5)
+    assert (low[1:] >= front_low[1:] - 1e-5).all()
+    assert (high[1:] <= front_high[1:] + 1e-5).all()
+
+
+def test_the_object_gets_the_extents_that_are_asked_for(rows: np.ndarray):
+    asked = np.array([0.5, 1.2, 2.0])
+    fitted, notes = regularise_outline(rows, extents=asked)
+    low, high = (
+        fitted[:, BOX][:, :3] - fitted[:, BOX][:, 3:] / 2,
+        fitted[:, BOX][:, :3] + fitted[:, BOX][:, 3:] / 2,
+    )
+    assert high.max(axis=0) - low.min(axis=0) == pytest.approx(asked / 2.0, abs=1e-5)
+    assert high.max(axis=0) + low.min(axis=0) == pytest.approx(np.zeros(3), abs=1e-5)
+    assert any("to the size asked for" in note for note in notes)
+    again, notes = regularise_outline(fitted, extents=asked)
+    assert again == pytest.approx(fitted, abs=1e-5)
+
+
 def test_the_input_is_not_touched(rows: np.ndarray):
     moved = rows + np.float32(0.01)
     before = moved.copy()

@@ -158,7 +158,7 @@ def _part_neighbours(
 
 
 def _rest_on_panels(rows: np.ndarray, cfg: OutlineRegulariseConfig, layout: FieldLayout) -> str:
-    """Handles and knobs that nearly touch their panel, or are sunk into it, are put before it."""
+    """Handles and knobs near their panel, or sunk into it, are put before it and within its edges."""
     center, size = box_views(rows, layout)
     names = np.array(name_rows(rows, layout))
     front = center[:, 0] - size[:, 0] / 2
@@ -172,10 +172,20 @@ def _rest_on_panels(rows: np.ndarray, cfg: OutlineRegulariseConfig, layout: Fiel
         if not len(carriers):
             continue
         gaps = front[carriers] - center[row, 0] - size[row, 0] / 2
-        gap = gaps[np.abs(gaps).argmin()]
-        if 0 < gap <= cfg.gap or cfg.recess < -gap <= cfg.sunk:
+        nearest = int(np.abs(gaps).argmin())
+        gap, carrier = gaps[nearest], carriers[nearest]
+        if not -cfg.sunk <= gap <= cfg.gap:
+            continue
+        before = np.concatenate([center[row], size[row]])
+        if gap > 0 or gap < -cfg.recess:
             center[row, 0] += gap
-            moved.append(abs(gap))
+        if carrier in panels:  # none reaches over the edge of its front
+            size[row, 1:] = np.minimum(size[row, 1:], size[carrier, 1:])
+            room = (size[carrier, 1:] - size[row, 1:]) / 2
+            center[row, 1:] = center[row, 1:].clip(center[carrier, 1:] - room, center[carrier, 1:] + room)
+        off = np.abs(np.concatenate([center[row], size[row]]) - before).max()
+        if off > 0:
+            moved.append(off)
     if not moved:
         return ""
     worst = max(moved) / CELL
