@@ -12,10 +12,9 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from artigen.fields import DEFAULT_LAYOUT, FieldLayout, name_rows
-from artigen.models.outline_boxes import CELL, box_views
+from artigen.models.outline_boxes import CELL, FRONTS, box_views
 from artigen.types import PartLabel
 
-FRONTS: tuple[PartLabel, ...] = ("door", "drawer")
 REPEATED: tuple[tuple[PartLabel, ...], ...] = (("handle",), ("knob",), ("tray",), ("shelf",), ("wheel",))
 """Parts of which an object has several of one size, in rows and columns."""
 

@@ -4,9 +4,12 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.fields import DEFAULT_LAYOUT, FieldLayout
+from artigen.types import PartLabel
 
 CELL = 1 / 64
 """Edge of a cell of the shipped models' grid, in unit-cube lengths."""
+FRONTS: tuple[PartLabel, ...] = ("door", "drawer")
+"""Parts that lie side by side in the front of an object."""
 
 
 def box_views(

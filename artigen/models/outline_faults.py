@@ -13,11 +13,10 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_rows
-from artigen.models.outline_boxes import CELL
+from artigen.models.outline_boxes import CELL, FRONTS
 from artigen.segmentation.tree import ALLOWED_PARENTS
 from artigen.types import JointType, PartLabel
 
-FRONTS = ("door", "drawer")
 APART = (
     {"drawer"},
     {"tray"},

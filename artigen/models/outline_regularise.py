@@ -13,7 +13,7 @@ from jaxtyping import Float
 
 from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_rows
 from artigen.models.outline_align import OutlineAlignConfig, align_outline
-from artigen.models.outline_boxes import CELL, box_views
+from artigen.models.outline_boxes import CELL, FRONTS, box_views
 from artigen.types import PartLabel
 
 
@@ -67,7 +67,7 @@ def regularise_outline(
         _straighten_axes(out, cfg, layout),
         _settle_ranges(out, cfg, layout),
         align_outline(out, cfg.align, layout),
-        _part_neighbours(out, ("door", "drawer"), "fronts", cfg, layout),
+        _part_neighbours(out, FRONTS, "fronts", cfg, layout),
         _part_neighbours(out, ("knob",), "knobs", cfg, layout),
         _part_neighbours(out, ("handle",), "handles", cfg, layout),
         _rest_on_panels(out, cfg, layout),
