@@ -96,3 +96,10 @@ def test_fronts_of_different_sizes_stay_apart(chest: np.ndarray):
     size[first, 1] -= 5.0 * CELL  # its right edge lies five cells to the left of the others'
     align_outline(chest)
     assert len(np.unique(edges_of(chest, "drawer")[:, 4].round(6))) == COLUMNS + 1
+
+
+def test_a_drawer_behind_the_others_is_not_in_line_with_them(chest: np.ndarray):
+    inner = make_part("drawer", (3 * CELL, CELL, CELL), (9 * CELL, WIDTH - CELL, HEIGHT - CELL))
+    rows = np.concatenate([chest, inner])
+    align_outline(rows)
+    assert np.abs(rows[-1] - inner[0]).max() < 1e-9

@@ -31,8 +31,9 @@ class OutlineAlignConfig:
     """What may lie between two fronts side by side for them to be widened until only a slit is left."""
     slit: float = 0.2 * CELL
     """What is then left between them."""
-    level: float = 2.0 * CELL
-    """Fronts less than this behind each other are side by side."""
+    level: float = 1.5 * CELL
+    """Spread of the depths of fronts that are side by side: what lies behind, in a drawer behind a door, is
+    in line with other things."""
     sizes: float = 0.75 * CELL
     """Spread of the edges of small parts that become equal."""
     centres: float = 0.75 * CELL
@@ -47,8 +48,9 @@ def align_outline(
 ) -> str:
     """Aligns the boxes of an outline in place, and says what was done.
 
-    Fronts agree in their faces, with the body's where they are near, and widen until they meet; small parts
-    agree in their sizes and centres; a handle or knob near the middle of its front comes to the middle.
+    Fronts side by side agree in their faces and widen until they meet; the foremost agree with the body's
+    faces, too. Small parts agree in their sizes and centres; a handle or knob near the middle of its front
+    comes to the middle.
 
     Args:
         rows: the channels after occupancy, one row per part.
@@ -61,16 +63,19 @@ def align_outline(
     before = np.concatenate([center - size / 2, center + size / 2], axis=1)
     fronts = np.flatnonzero(np.isin(names, FRONTS))
     low, high = center[fronts] - size[fronts] / 2, center[fronts] + size[fronts] / 2
-    for faces in (low, high):
-        for axis in range(3):
-            faces[:, axis] = _agree(faces[:, axis], cfg.faces)
-    for body in np.flatnonzero(names == "base"):
-        for faces, sign in ((low, -1.0), (high, 1.0)):
-            rim = center[body] + sign * size[body] / 2
-            near = np.abs(faces - rim) <= cfg.rim
-            faces[:, 1:] = np.where(near, rim, faces)[:, 1:]
-    for axis, other in ((1, 2), (2, 1)):
-        _close_gaps(low, high, axis, other, cfg)
+    for number, level in enumerate(_levels(low[:, 0], cfg.level)):
+        sides = (low[level], high[level])
+        for faces in sides:
+            for axis in range(3):
+                faces[:, axis] = _agree(faces[:, axis], cfg.faces)
+        for body in np.flatnonzero(names == "base") if number == 0 else ():
+            for faces, sign in zip(sides, (-1.0, 1.0), strict=True):
+                rim = center[body] + sign * size[body] / 2
+                near = np.abs(faces - rim) <= cfg.rim
+                faces[:, 1:] = np.where(near, rim, faces)[:, 1:]
+        for axis, other in ((1, 2), (2, 1)):
+            _close_gaps(*sides, axis, other, cfg)
+        low[level], high[level] = sides
     center[fronts], size[fronts] = (low + high) / 2, high - low
     for labels in REPEATED:
         alike = np.flatnonzero(np.isin(names, labels))
@@ -90,12 +95,17 @@ def _close_gaps(low: np.ndarray, high: np.ndarray, axis: int, other: int, cfg: O
     shared = shared - np.maximum(low[:, None, other], low[None, :, other])
     height = high[:, other] - low[:, other]
     beside = shared >= 0.5 * np.minimum(height[:, None], height[None, :])
-    beside &= np.abs(low[:, None, 0] - low[None, :, 0]) < cfg.level
     gap = low[None, :, axis] - high[:, None, axis]
     for one, two in np.argwhere(beside & (gap > 1.5 * cfg.slit) & (gap <= cfg.gap)):
         middle = (high[one, axis] + low[two, axis]) / 2
         if not (beside[one] & (low[:, axis] < middle) & (high[:, axis] > middle)).any():  # nobody between
             high[one, axis], low[two, axis] = middle - cfg.slit / 2, middle + cfg.slit / 2
+
+
+def _levels(depths: Float[np.ndarray, "K"], spread: float) -> Sequence[Int[np.ndarray, "G"]]:
+    """Numbers of the fronts side by side, the foremost first."""
+    order = np.argsort(depths)
+    return [order[group] for group in _groups(depths[order], spread)] if len(depths) else []
 
 
 def _agree(values: Float[np.ndarray, "K"], spread: float) -> Float[np.ndarray, "K"]:
