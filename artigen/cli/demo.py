@@ -10,7 +10,7 @@ from artigen.weights import SHIPPED
 
 OBJECTS = (("StorageFurniture", 3), ("Oven", 2), ("Refrigerator", 1), ("Table", 4))
 """Category and seed of what the demo shows."""
-GENERATED = (("Dishwasher", 20), ("Refrigerator", 20))
+GENERATED = (("StorageFurniture", 20), ("Oven", 20))
 """Category and seed of what the demo generates."""
 
 
