@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_rows
-from artigen.models.outline_boxes import CELL, FRONTS
+from artigen.models.outline_boxes import CELL, FRONTS, box_views
 from artigen.segmentation.tree import ALLOWED_PARENTS
 from artigen.types import JointType, PartLabel
 
@@ -142,13 +142,13 @@ def _read(rows: np.ndarray, layout: FieldLayout) -> _Boxes:
     for label in labels:
         names.append(f"{label}_{before[label]}")
         before[label] += 1
-    box = rows[:, after_occupancy(layout.box)]
+    center, size = box_views(rows, layout)
     return _Boxes(
         names=tuple(names),
         labels=labels,
         kinds=tuple(layout.joint_types[row.argmax()] for row in rows[:, after_occupancy(layout.joint_type)]),
-        low=box[:, :3] - box[:, 3:] / 2,
-        high=box[:, :3] + box[:, 3:] / 2,
+        low=center - size / 2,
+        high=center + size / 2,
         axis=rows[:, after_occupancy(layout.axis)],
         origin=rows[:, after_occupancy(layout.origin)],
     )
