@@ -11,9 +11,9 @@ from artigen.datasets.sizes import estimate_size
 from artigen.errors import SegmentationError, SourceError
 from artigen.fields import VoxelFields
 from artigen.models.conditions import StructureCondition, gather_conditions
-from artigen.models.outline_draw import OutlineConfig, draw_outline
-from artigen.models.outline_flow import OutlineFlow, complete_conditions
-from artigen.models.outlines import OutlineBatch
+from artigen.models.outline.batch import OutlineBatch
+from artigen.models.outline.draw import OutlineConfig, draw_outline
+from artigen.models.outline.flow import OutlineFlow, complete_conditions
 from artigen.models.presets import PRESETS, StructurePreset
 from artigen.models.steady import SteadyConfig
 from artigen.models.store import load_model, read_description

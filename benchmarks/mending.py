@@ -24,7 +24,7 @@ from artigen.fields import decode, encode
 from artigen.generate import StructureModel, load_structure_model
 from artigen.metrics.report import format_table
 from artigen.metrics.subjects import Subject, draw_subjects
-from artigen.models.outlines import OutlineBatch, blur_outlines
+from artigen.models.outline.batch import OutlineBatch, blur_outlines
 from artigen.models.steady import SteadyConfig
 from artigen.models.structure_vae import decode_cells
 from artigen.sampling import diffuse

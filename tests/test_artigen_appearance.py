@@ -26,7 +26,7 @@ from artigen.models.appearance_vae import (
     AppearanceVae,
 )
 from artigen.models.conditions import StructureCondition
-from artigen.models.outline_flow import OutlineFlow
+from artigen.models.outline.flow import OutlineFlow
 from artigen.models.palette_flow import PaletteFlow
 from artigen.models.presets import PRESETS
 from artigen.models.slat_flow import SlatFlow

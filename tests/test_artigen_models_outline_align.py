@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from artigen.fields import DEFAULT_LAYOUT
-from artigen.models.outline_align import align_outline
-from artigen.models.outline_boxes import CELL, box_views
+from artigen.models.outline.align import align_outline
+from artigen.models.outline.boxes import CELL, box_views
 from artigen.types import PART_LABELS
 
 COLUMNS, ROWS = 2, 3

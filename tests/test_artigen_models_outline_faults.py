@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 import torch
 
-import artigen.models.outline_draw
+import artigen.models.outline.draw
 from artigen.fields import DEFAULT_LAYOUT, after_occupancy, name_rows, tabulate_parts
-from artigen.models.outline_boxes import CELL
-from artigen.models.outline_draw import OutlineConfig, draw_outline
-from artigen.models.outline_faults import find_faults
-from artigen.models.outline_regularise import regularise_outline
-from artigen.models.outlines import OutlineBatch
+from artigen.models.outline.batch import OutlineBatch
+from artigen.models.outline.boxes import CELL
+from artigen.models.outline.draw import OutlineConfig, draw_outline
+from artigen.models.outline.faults import find_faults
+from artigen.models.outline.regularise import regularise_outline
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.draw import draw_shape
 from artigen.types import PAPER_CATEGORIES, Asset
@@ -73,7 +73,7 @@ def draw(outlines: Sequence[np.ndarray], monkeypatch: pytest.MonkeyPatch, draws:
         table = torch.from_numpy(next(left))[None].float()
         return OutlineBatch(rows=table, given=torch.ones(table.shape[:2], dtype=torch.bool))
 
-    monkeypatch.setattr(artigen.models.outline_draw, "sample_outlines", sample)
+    monkeypatch.setattr(artigen.models.outline.draw, "sample_outlines", sample)
     nothing = torch.Generator()
     rows, notes = draw_outline(None, None, None, nothing, OutlineConfig(draws=draws))  # type: ignore[arg-type]
     return rows, notes, len(asked)

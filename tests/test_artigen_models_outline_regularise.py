@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from artigen.fields import DEFAULT_LAYOUT, part_attributes
-from artigen.models.outline_boxes import CELL
-from artigen.models.outline_regularise import regularise_outline
+from artigen.models.outline.boxes import CELL
+from artigen.models.outline.regularise import regularise_outline
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.draw import draw_shape
 from artigen.types import PAPER_CATEGORIES, Asset

@@ -19,8 +19,8 @@ from artigen.models.conditions import (
 )
 from artigen.models.conv_vae import ConvVaeConfig
 from artigen.models.latent_dit import EARLIEST, SETTLED, velocity_of, weigh_times
-from artigen.models.outline_flow import OutlineFlow
-from artigen.models.outlines import gather_outlines
+from artigen.models.outline.batch import gather_outlines
+from artigen.models.outline.flow import OutlineFlow
 from artigen.models.patches import PackedField, PatchBatch, collate, fold, pack_asset, patch_centers, unfold
 from artigen.models.presets import PRESETS
 from artigen.models.store import load_model, save_model

@@ -53,7 +53,7 @@ class LatentDitConfig:
     heads: int = 4
     """Attention heads."""
     hint: int = 0
-    """Channels of a hint on the latent's grid (`artigen.models.outlines`); 0 takes none."""
+    """Channels of a hint on the latent's grid (`artigen.models.outline`); 0 takes none."""
 
 
 class LatentDit(nn.Module):

@@ -3,7 +3,7 @@
 It differs from the paper's network (`artigen.models.conv_vae`) where that buys speed on two CPU cores:
 4^3 patches instead of convolutions at 64^3 and 32^3 (ten times fewer operations); a stem and a head for
 occupancy of their own; places relative to the patch; attention over 8^3 tokens, because what a part is for
-lies beyond a convolution's reach. And it decodes in view of an outline (`artigen.models.outlines`): what a
+lies beyond a convolution's reach. And it decodes in view of an outline (`artigen.models.outline`): what a
 part is called, its joint and its box are known, the latent says where its cells are, and each cell only
 chooses which of the parts that reach it it belongs to. See docs/training.md.
 """
@@ -18,7 +18,7 @@ from torch.nn import functional
 from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy
 from artigen.models.attention import FeedForward, SelfAttention, plain_norm
 from artigen.models.embeddings import embed_positions, grid_positions
-from artigen.models.outlines import DEPTH, hint_channels
+from artigen.models.outline.batch import DEPTH, hint_channels
 from artigen.models.patches import CELLS, PATCH, PatchBatch, patch_centers, relative
 from artigen.models.volumes import (
     ChannelLayerNorm,

@@ -10,8 +10,8 @@ from typing import Literal
 from artigen.models.conditions import ConditionConfig
 from artigen.models.conv_vae import ConvVaeConfig
 from artigen.models.latent_dit import LatentDitConfig
-from artigen.models.outline_flow import OutlineFlowConfig
-from artigen.models.outlines import hint_channels
+from artigen.models.outline.batch import hint_channels
+from artigen.models.outline.flow import OutlineFlowConfig
 from artigen.models.patch_vae import PatchVaeConfig
 from artigen.models.structure_dit import StructureDitConfig
 

@@ -19,7 +19,7 @@ from torch import Tensor, nn
 from artigen.errors import SourceError
 from artigen.io import write_whole
 from artigen.metrics.structure import score_reconstruction, score_spread
-from artigen.models.outline_flow import OutlineFlow
+from artigen.models.outline.flow import OutlineFlow
 from artigen.models.presets import PRESETS, StructurePreset
 from artigen.models.store import save_model
 from artigen.models.structure_flow import StructureFlow

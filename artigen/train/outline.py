@@ -16,8 +16,8 @@ from artigen.models.conditions import (
     drop_conditions,
     isolate_pictures,
 )
-from artigen.models.outline_flow import OutlineFlow, frame_outlines
-from artigen.models.outlines import OutlineBatch, measure_extents
+from artigen.models.outline.batch import OutlineBatch, measure_extents
+from artigen.models.outline.flow import OutlineFlow, frame_outlines
 from artigen.sampling import diffuse, draw_times, target_velocity
 from artigen.train.batches import condition_batch, draw_batches, outline_batch, prefetch
 from artigen.train.examples import StructureExample

@@ -17,7 +17,7 @@ from artigen.models.attention import plain_norm
 from artigen.models.conditions import MAX_COUNT, ConditionBatch, ConditionConfig, ConditionEncoder
 from artigen.models.embeddings import TimestepEmbedder
 from artigen.models.latent_dit import velocity_of
-from artigen.models.outlines import OutlineBatch, measure_extents, part_labels
+from artigen.models.outline.batch import OutlineBatch, measure_extents, part_labels
 from artigen.models.structure_dit import ModulatedBlock, StructureDitConfig, run_blocks
 from artigen.sampling import SamplerConfig, sample_flow
 from artigen.types import PART_LABELS

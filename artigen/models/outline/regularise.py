@@ -12,8 +12,8 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_rows
-from artigen.models.outline_align import OutlineAlignConfig, align_outline
-from artigen.models.outline_boxes import CELL, FRONTS, box_views
+from artigen.models.outline.align import OutlineAlignConfig, align_outline
+from artigen.models.outline.boxes import CELL, FRONTS, box_views
 from artigen.types import PartLabel
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_rows
-from artigen.models.outline_boxes import CELL, FRONTS, box_views
+from artigen.models.outline.boxes import CELL, FRONTS, box_views
 from artigen.segmentation.tree import ALLOWED_PARENTS
 from artigen.types import JointType, PartLabel
 

@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from artigen.fields import DEFAULT_LAYOUT, FieldLayout, name_rows
-from artigen.models.outline_boxes import CELL, FRONTS, box_views
+from artigen.models.outline.boxes import CELL, FRONTS, box_views
 from artigen.types import PartLabel
 
 REPEATED: tuple[tuple[PartLabel, ...], ...] = (("handle",), ("knob",), ("tray",), ("shelf",), ("wheel",))

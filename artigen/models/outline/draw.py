@@ -7,9 +7,9 @@ import torch
 from jaxtyping import Float
 
 from artigen.models.conditions import ConditionBatch
-from artigen.models.outline_faults import Fault, OutlineFaultsConfig, find_faults
-from artigen.models.outline_flow import OutlineFlow, sample_outlines
-from artigen.models.outline_regularise import OutlineRegulariseConfig, regularise_outline
+from artigen.models.outline.faults import Fault, OutlineFaultsConfig, find_faults
+from artigen.models.outline.flow import OutlineFlow, sample_outlines
+from artigen.models.outline.regularise import OutlineRegulariseConfig, regularise_outline
 from artigen.sampling import SamplerConfig
 
 

@@ -8,14 +8,7 @@ import torch
 
 from artigen.fields import DEFAULT_LAYOUT, part_attributes
 from artigen.models.conditions import StructureCondition, gather_conditions
-from artigen.models.outline_flow import (
-    OutlineFlow,
-    OutlineFrame,
-    complete_conditions,
-    frame_outlines,
-    sample_outlines,
-)
-from artigen.models.outlines import (
+from artigen.models.outline.batch import (
     DEPTH,
     OutlineBatch,
     blur_outlines,
@@ -26,6 +19,13 @@ from artigen.models.outlines import (
     measure_extents,
     part_labels,
     reach_cells,
+)
+from artigen.models.outline.flow import (
+    OutlineFlow,
+    OutlineFrame,
+    complete_conditions,
+    frame_outlines,
+    sample_outlines,
 )
 from artigen.models.presets import PRESETS
 from artigen.models.structure_vae import StructureVae
