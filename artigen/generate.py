@@ -23,9 +23,14 @@ from artigen.sampling import SamplerConfig
 from artigen.segment import SegmentConfig, segment
 from artigen.segmentation.boards import BoardsConfig, make_boards
 from artigen.segmentation.claim import claim_cells
-from artigen.segmentation.clean import CleanConfig, remove_strays
+from artigen.segmentation.clean import CleanConfig, find_strays, remove_strays
+from artigen.segmentation.doorways import clear_doorways
 from artigen.segmentation.faults import AssetFaultsConfig, find_asset_faults
+from artigen.segmentation.fronts import fill_fronts
+from artigen.segmentation.paths import clear_paths
+from artigen.segmentation.revolve import revolve_parts
 from artigen.segmentation.roughness import measure_roughness
+from artigen.segmentation.rows import fields_of_owners, read_owners
 from artigen.segmentation.shafts import extend_shafts
 from artigen.types import Asset
 
@@ -45,7 +50,7 @@ class StructureModel:
 class GenerateConfig:
     """How a structure is drawn from its condition."""
 
-    sampler: SamplerConfig = field(default_factory=lambda: SamplerConfig(strength=0.0))
+    sampler: SamplerConfig = field(default_factory=lambda: SamplerConfig(steps=6, strength=0.0))
     """Steps and guidance of the latent; where an outline is drawn, the condition is in it."""
     outline: OutlineConfig = field(default_factory=OutlineConfig)
     """How the outline is drawn."""
@@ -61,7 +66,7 @@ class GenerateConfig:
     """What cannot be, so that all is drawn again."""
     smooth: float = 0.15
     """Bends per face of a surface that no smoother one is sought for (`artigen.segmentation.roughness`)."""
-    draws: int = 4
+    draws: int = 6
     """Draws at most; that with the fewest faults stays, and of those the smoothest."""
 
     def __post_init__(self) -> None:
@@ -125,13 +130,14 @@ def generate_structure(
         faults == 0 and rough <= cfg.smooth for faults, rough, _ in drawn
     ):
         try:
-            asset = _draw(model, asked, seed, generator, cfg)
+            asset, left = _draw(model, asked, seed, generator, cfg)
         except SegmentationError as error:
             notes.append(f"draw {len(notes) + 1}: {error}")
             if len(notes) == cfg.draws and not drawn:
                 raise
             continue
-        faults, rough = find_asset_faults(asset, cfg.faults), measure_roughness(_occupied(asset))
+        faults = (*left, *find_asset_faults(asset, cfg.faults))
+        rough = measure_roughness(_occupied(asset))
         drawn.append((len(faults), rough, asset))
         notes.append("; ".join((f"draw {len(notes) + 1}: {rough:.2f} bends per face", *faults)))
     _, _, asset = min(drawn, key=lambda one: one[:2])
@@ -151,18 +157,19 @@ def _draw(
     seed: int,
     generator: torch.Generator,
     cfg: GenerateConfig,
-) -> Asset:
-    """One draw of outline and cells."""
+) -> tuple[Asset, tuple[str, ...]]:
+    """One draw of outline and cells, and the faults that are left in the outline."""
     device = next(model.flow.parameters()).device
     edge = model.flow.edge
     noise = torch.randn((1, model.flow.channels, edge, edge, edge), generator=generator).to(device)
     known = gather_conditions([asked], model.preset.conditions).to(device)
     nothing = gather_conditions([StructureCondition()], model.preset.conditions).to(device)
-    outlines, rows, said = None, None, ()
+    outlines, rows, said, left = None, None, (), ()
     if model.outline is not None:
         known = complete_conditions(model.outline, known, generator)
         extents = None if asked.size is None else np.array(asked.size)
-        rows, said = draw_outline(model.outline, known, nothing, generator, cfg.outline, extents=extents)
+        drawn = draw_outline(model.outline, known, nothing, generator, cfg.outline, extents=extents)
+        rows, said, left = drawn.rows, drawn.notes, tuple(fault.what for fault in drawn.faults)
         given = torch.ones(1, len(rows), dtype=torch.bool, device=device)
         outlines = OutlineBatch(rows=torch.from_numpy(rows)[None].to(device), given=given)
     latent = sample_latents(model.flow, known, nothing, noise, cfg.sampler, outlines)
@@ -180,7 +187,7 @@ def _draw(
         longest, _ = estimate_size(asset.category, np.ptp(fields.coords, axis=0) + 1.0)
         asset = replace(asset, scale=longest)
         notes = (*notes, f"no size was asked for: {longest:.2f} m along the longest edge is usual")
-    return replace(asset, notes=notes)
+    return replace(asset, notes=notes), left
 
 
 def _mend(
@@ -192,10 +199,15 @@ def _mend(
     """Drawn cells made whole, and what was done; without an outline, only strays are removed."""
     if rows is None:
         return remove_strays(fields, cfg.clean)
-    made = ()
+    owners, made = read_owners(fields, rows), ()
     if cfg.boards is not None:
-        fields, made = make_boards(fields, logits, rows, cfg.boards)
-    fields, cleaned = remove_strays(fields, cfg.clean)
-    fields, claimed = claim_cells(fields, rows)
-    fields, reached = extend_shafts(fields, rows)
-    return fields, (*made, *cleaned, *claimed, *reached)
+        owners, made = make_boards(owners, logits, rows, cfg.boards)
+    owners, filled = fill_fronts(owners, rows)
+    owners, cleared = clear_paths(owners, logits, rows)
+    owners, opened = clear_doorways(owners, rows)
+    strays, cleaned = find_strays(owners >= 0, cfg.clean)
+    owners, claimed = claim_cells(np.where(strays, -1, owners), rows)
+    owners, reached = extend_shafts(owners, rows)
+    owners, turned = revolve_parts(owners, rows)
+    notes = (*made, *filled, *cleared, *opened, *cleaned, *claimed, *reached, *turned)
+    return fields_of_owners(owners, rows, fields), notes

@@ -3,11 +3,14 @@
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from jaxtyping import install_import_hook
 
 with install_import_hook(["artigen", "sim_export", "envs"], "beartype.beartype"):
     from artigen.datasets.sample import sample_asset
+    from artigen.fields import VoxelFields, decode, encode, tabulate_parts
+    from artigen.segmentation.rows import Owners, read_owners
     from artigen.types import Asset
     from artigen.voxels import voxelize
 
@@ -24,6 +27,24 @@ def cabinet() -> Asset:
     asset = sample_asset()
     assert asset.surface is not None
     return replace(asset, voxels=voxelize(asset.surface))
+
+
+@pytest.fixture(scope="session")
+def cabinet_fields(cabinet: Asset) -> VoxelFields:
+    """The fields of the sample cabinet."""
+    return decode(encode(cabinet))
+
+
+@pytest.fixture(scope="session")
+def cabinet_rows(cabinet: Asset) -> np.ndarray:
+    """Its outline, one row per part."""
+    return tabulate_parts(cabinet)
+
+
+@pytest.fixture(scope="session")
+def cabinet_owners(cabinet_fields: VoxelFields, cabinet_rows: np.ndarray) -> Owners:
+    """The row of that outline that each of its cells belongs to."""
+    return read_owners(cabinet_fields, cabinet_rows)
 
 
 @pytest.fixture(scope="session")

@@ -84,19 +84,24 @@ def test_what_has_a_fault_or_is_rough_is_drawn_again_and_the_best_kept(
     cabinet: Asset, monkeypatch: pytest.MonkeyPatch
 ):
     """Draws from memory, each with its faults and its roughness."""
-    script = iter([None, (("falls over",), 0.1), ((), 0.3), ((), 0.2), ((), 0.1), ((), 0.1)])
+    script = iter(
+        [None, (("falls over",), 0.1), ((), 0.3), ((), 0.2), (("overlap",), 0.1), ((), 0.1), ((), 0.1)]
+    )
     judged: dict[str, tuple[tuple[str, ...], float]] = {}
 
-    def draw(*_: object) -> Asset:
+    def draw(*_: object) -> tuple[Asset, tuple[str, ...]]:
         said = next(script)
         if said is None:
             raise SegmentationError("no cells")
         asset = replace(cabinet, name=f"cabinet_{len(judged)}")
         judged[asset.name] = said
-        return asset
+        return asset, tuple(fault for fault in said[0] if fault == "overlap")  # of the outline
+
+    def find(asset: Asset, _: object) -> tuple[str, ...]:
+        return tuple(fault for fault in judged[asset.name][0] if fault != "overlap")
 
     monkeypatch.setattr(artigen.generate, "_draw", draw)
-    monkeypatch.setattr(artigen.generate, "find_asset_faults", lambda asset, cfg: judged[asset.name][0])
+    monkeypatch.setattr(artigen.generate, "find_asset_faults", find)
     monkeypatch.setattr(artigen.generate, "measure_roughness", lambda _: list(judged.values())[-1][1])
     model, asked = build_structure_model(PRESETS["tiny"]), StructureCondition(category="Oven")
     kept = generate_structure(model, asked, 0, GenerateConfig(draws=4))
@@ -107,5 +112,7 @@ def test_what_has_a_fault_or_is_rough_is_drawn_again_and_the_best_kept(
         "draw 3: 0.30 bends per face",
         "draw 4: 0.20 bends per face",
     )
-    assert generate_structure(model, asked, 0, GenerateConfig(draws=4)).name == "cabinet_3"
+    again = generate_structure(model, asked, 0, GenerateConfig(draws=4))
+    assert again.name == "cabinet_4"
+    assert again.notes[0] == "draw 1: 0.10 bends per face; overlap"
     assert next(script) == ((), 0.1)  # the first that is good ends the search

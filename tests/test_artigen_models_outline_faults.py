@@ -75,8 +75,8 @@ def draw(outlines: Sequence[np.ndarray], monkeypatch: pytest.MonkeyPatch, draws:
 
     monkeypatch.setattr(artigen.models.outline.draw, "sample_outlines", sample)
     nothing = torch.Generator()
-    rows, notes = draw_outline(None, None, None, nothing, OutlineConfig(draws=draws))  # type: ignore[arg-type]
-    return rows, notes, len(asked)
+    drawn = draw_outline(None, None, None, nothing, OutlineConfig(draws=draws))  # type: ignore[arg-type]
+    return drawn.rows, drawn.notes, len(asked)
 
 
 def test_another_is_drawn_until_one_has_no_fault(rows: np.ndarray, monkeypatch: pytest.MonkeyPatch):

@@ -2,82 +2,31 @@
 
 import numpy as np
 import pytest
+from cupboard import BASE, DOOR, EDGE, KNOB, carcass, row
 
-from artigen.fields import DEFAULT_LAYOUT, VoxelFields
 from artigen.segmentation.boards import BoardsConfig, make_boards
 from artigen.segmentation.boxes import fill_boxes, find_boxes
-from artigen.segmentation.rows import fields_of_owners, read_owners
 
-EDGE = 32
-CARCASS = [
-    (slice(4, 28), slice(4, 28), slice(4, 6)),
-    (slice(4, 28), slice(4, 28), slice(26, 28)),
-    (slice(4, 28), slice(4, 6), slice(4, 28)),
-    (slice(4, 28), slice(26, 28), slice(4, 28)),
-    (slice(26, 28), slice(4, 28), slice(4, 28)),
-]
-DOOR = (slice(1, 3), slice(4, 28), slice(4, 28))
-KNOB = (slice(0, 1), slice(14, 16), slice(14, 16))
-"""Two cells by two before the door: too little for a board."""
-
-
-def row(label: str, box: tuple[slice, slice, slice], joint: str = "fixed") -> np.ndarray:
-    """What an outline says of a part that fills a box."""
-    out = np.zeros(DEFAULT_LAYOUT.channels - 1, dtype=np.float32)
-    out[DEFAULT_LAYOUT.label.start - 1 + DEFAULT_LAYOUT.labels.index(label)] = 1.0
-    out[DEFAULT_LAYOUT.joint_type.start - 1 + DEFAULT_LAYOUT.joint_types.index(joint)] = 1.0
-    low, high = np.array([(side.start, side.stop) for side in box]).T / EDGE - 0.5
-    out[DEFAULT_LAYOUT.box.start - 1 : DEFAULT_LAYOUT.box.stop - 1] = [*(low + high) / 2, *high - low]
-    return out
-
-
-ROWS = np.stack(
-    [row("base", (slice(4, 28), slice(4, 28), slice(4, 28))), row("door", DOOR), row("knob", KNOB)]
-)
+ROWS = np.stack([BASE, row("door", DOOR), row("knob", KNOB)])
 
 
 @pytest.fixture
 def cupboard() -> np.ndarray:
     """Owner of every cell of an open carcass with a door before it and a knob on that."""
-    owners = np.full((EDGE,) * 3, -1)
-    for board in CARCASS:
-        owners[board] = 0
+    owners = carcass()
     owners[DOOR], owners[KNOB] = 1, 2
     return owners
 
 
-def fields_of(owners: np.ndarray, rows: np.ndarray = ROWS) -> VoxelFields:
-    layout = DEFAULT_LAYOUT
-    widths = {
-        "label_probs": len(layout.labels),
-        "joint_probs": len(layout.joint_types),
-        "axis": 3,
-        "origin": 3,
-        "ranges": 2,
-        "box": 6,
-        "category_probs": len(layout.categories),
-    }
-    nothing = VoxelFields(
-        resolution=EDGE,
-        layout=layout,
-        coords=np.zeros((0, 3), dtype=int),
-        **{name: np.zeros((0, width)) for name, width in widths.items()},
-    )
-    return fields_of_owners(owners, rows, nothing)
-
-
 def remake(owners: np.ndarray, cfg: BoardsConfig | None = None) -> np.ndarray:
     logits = np.where(owners >= 0, 6.0, -6.0)
-    return read_owners(make_boards(fields_of(owners), logits, ROWS, cfg)[0], ROWS)
-
-
-def test_owners_are_read_back_from_fields(cupboard: np.ndarray):
-    assert (read_owners(fields_of(cupboard), ROWS) == cupboard).all()
+    return make_boards(owners, logits, ROWS, cfg)[0]
 
 
 def test_what_is_made_of_boards_stays_and_is_not_noted(cupboard: np.ndarray):
-    fields = fields_of(cupboard)
-    assert make_boards(fields, np.where(cupboard >= 0, 6.0, -6.0), ROWS) == (fields, ())
+    made, notes = make_boards(cupboard, np.where(cupboard >= 0, 6.0, -6.0), ROWS)
+    assert (made == cupboard).all()
+    assert notes == ()
 
 
 @pytest.mark.parametrize("axes", [(0, 2, 1), (2, 1, 0), (1, 2, 0)])
@@ -127,8 +76,8 @@ def test_a_turntable_stays_round():
     logits = np.where(owners >= 0, 6.0, -6.0)
     for joint, stays in (("continuous", True), ("fixed", False)):
         rows = np.stack([row("tray", (slice(5, 27), slice(5, 27), slice(8, 10)), joint)])
-        made, _ = make_boards(fields_of(owners, rows), logits, rows)
-        assert (read_owners(made, rows) == owners).all() == stays
+        made, _ = make_boards(owners, logits, rows)
+        assert (made == owners).all() == stays
 
 
 def test_a_part_without_cells_is_not_made_up(cupboard: np.ndarray):
@@ -141,16 +90,15 @@ def test_a_slanted_piece_stays_beside_the_boards():
     for step in range(20):  # a slope that no box of ten cells holds
         owners[4 + step, 4:9, 4 + step] = 0
     rows = np.stack([row("base", (slice(4, 28), slice(4, 28), slice(4, 28)))])
-    fields = fields_of(owners, rows)
-    made, _ = make_boards(fields, np.where(owners >= 0, 6.0, -6.0), rows)
-    assert len(made.coords) == len(fields.coords)
+    made, _ = make_boards(owners, np.where(owners >= 0, 6.0, -6.0), rows)
+    assert (made == owners).all()
 
 
 def test_the_note_counts_what_changed(cupboard: np.ndarray):
     torn = cupboard.copy()
     torn[1, 10:12, 10:12] = -1
     torn[3, 20, 20] = 1
-    _, notes = make_boards(fields_of(torn), np.where(torn >= 0, 6.0, -6.0), ROWS)
+    _, notes = make_boards(torn, np.where(torn >= 0, 6.0, -6.0), ROWS)
     assert notes == (f"boards: 4 cells were filled and 1 cleared, of {(torn >= 0).sum()}",)
 
 

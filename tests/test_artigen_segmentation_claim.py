@@ -1,54 +1,46 @@
 """Handles and knobs without a cell claim those of their boxes; what has cells, and all else, stays."""
 
 import numpy as np
-import pytest
 
-from artigen.fields import DEFAULT_LAYOUT, VoxelFields, decode, encode, part_attributes
+from artigen.fields import VoxelFields, name_rows
 from artigen.segment import segment
 from artigen.segmentation.claim import claim_cells
-from artigen.segmentation.clean import select_cells
+from artigen.segmentation.rows import Owners, fields_of_owners
 from artigen.types import Asset
 
 
-@pytest.fixture(scope="module")
-def rows(cabinet: Asset) -> np.ndarray:
-    table = np.stack([part_attributes(part, cabinet.category) for part in cabinet.parts])
-    return table[:, DEFAULT_LAYOUT.occupancy.stop :].astype(np.float32)
+def lose(owners: Owners, rows: np.ndarray, label: str) -> Owners:
+    return np.where(np.isin(owners, np.flatnonzero(np.array(name_rows(rows)) == label)), -1, owners)
 
 
-@pytest.fixture(scope="module")
-def fields(cabinet: Asset) -> VoxelFields:
-    return decode(encode(cabinet))
+def test_nothing_happens_where_every_part_has_a_cell(cabinet_owners: Owners, cabinet_rows: np.ndarray):
+    made, notes = claim_cells(cabinet_owners, cabinet_rows)
+    assert (made == cabinet_owners).all()
+    assert notes == ()
 
 
-def of_label(fields: VoxelFields, label: str) -> np.ndarray:
-    return fields.label_probs.argmax(axis=1) == DEFAULT_LAYOUT.labels.index(label)
-
-
-def test_nothing_happens_where_every_part_has_a_cell(fields: VoxelFields, rows: np.ndarray):
-    assert claim_cells(fields, rows) == (fields, ())
-
-
-def test_nothing_is_claimed_in_an_empty_field(fields: VoxelFields, rows: np.ndarray):
-    empty = select_cells(fields, np.zeros(len(fields.coords), dtype=bool))
-    assert claim_cells(empty, rows) == (empty, ())
+def test_nothing_is_claimed_where_nothing_was_drawn(cabinet_owners: Owners, cabinet_rows: np.ndarray):
+    made, notes = claim_cells(np.full_like(cabinet_owners, -1), cabinet_rows)
+    assert (made < 0).all()
+    assert notes == ()
 
 
 def test_a_lost_knob_comes_back_where_it_was_and_is_found_again(
-    cabinet: Asset, fields: VoxelFields, rows: np.ndarray
+    cabinet: Asset, cabinet_fields: VoxelFields, cabinet_owners: Owners, cabinet_rows: np.ndarray
 ):
-    lost = select_cells(fields, ~of_label(fields, "knob"))
-    again, notes = claim_cells(lost, rows)
+    knob = name_rows(cabinet_rows).index("knob")
+    again, notes = claim_cells(lose(cabinet_owners, cabinet_rows, "knob"), cabinet_rows)
     assert notes == ("1 handles or knobs without cells were given those of their boxes",)
-    place = again.centers()[of_label(again, "knob")]
-    box = next(part.box for part in cabinet.parts if part.label == "knob")
+    place = (np.argwhere(again == knob) + 0.5) / len(again) - 0.5
+    center, size = cabinet.parts[knob].box
     assert len(place)
-    assert (np.abs(place - box[0]) <= box[1] / 2 + 1.0 / fields.resolution).all()
-    assert len(again.coords) == len(np.unique(again.coords, axis=0))
-    found = segment(again, name="again", scale=cabinet.scale)
+    assert (np.abs(place - center) <= size / 2 + 1.0 / len(again)).all()
+    found = segment(fields_of_owners(again, cabinet_rows, cabinet_fields), name="again", scale=cabinet.scale)
     assert sorted(part.label for part in found.parts) == sorted(part.label for part in cabinet.parts)
 
 
-def test_a_lost_drawer_is_not_made_up(fields: VoxelFields, rows: np.ndarray):
-    lost = select_cells(fields, ~of_label(fields, "drawer"))
-    assert claim_cells(lost, rows) == (lost, ())
+def test_a_lost_drawer_is_not_made_up(cabinet_owners: Owners, cabinet_rows: np.ndarray):
+    lost = lose(cabinet_owners, cabinet_rows, "drawer")
+    made, notes = claim_cells(lost, cabinet_rows)
+    assert (made == lost).all()
+    assert notes == ()

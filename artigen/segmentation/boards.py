@@ -11,9 +11,9 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy.ndimage import label as number_pieces
 
-from artigen.fields import VoxelFields, after_occupancy, name_rows
+from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_rows
 from artigen.segmentation.boxes import Box, fill_boxes, find_boxes
-from artigen.segmentation.rows import fields_of_owners, read_owners
+from artigen.segmentation.rows import Owners
 from artigen.types import PartLabel
 
 
@@ -40,24 +40,24 @@ class BoardsConfig:
 
 
 def make_boards(
-    found: VoxelFields,
+    owners: Owners,
     logits: Float[np.ndarray, "X Y Z"],
     rows: Float[np.ndarray, "N C"],
     cfg: BoardsConfig | None = None,
-) -> tuple[VoxelFields, tuple[str, ...]]:
-    """Fields whose parts are made of boards, and a note of how much that changed.
+    layout: FieldLayout = DEFAULT_LAYOUT,
+) -> tuple[Owners, tuple[str, ...]]:
+    """Owners by which parts are made of boards, and a note of how much that changed.
 
     Args:
-        found: cells that say the attributes of their part, as they do when decoded in view of an outline.
+        owners: a row per cell, -1 where nothing is.
         logits: of occupancy, of all cells.
-        rows: that outline, the channels after occupancy, one row per part.
+        rows: an outline, the channels after occupancy, one row per part.
         cfg: what counts as a board.
+        layout: channels.
     """
-    cfg = cfg or BoardsConfig()
-    before = read_owners(found, rows)
+    cfg, before = cfg or BoardsConfig(), owners
     after = np.full_like(before, -1)
     evidence = (logits / cfg.certain).clip(-1.0, 1.0)
-    layout = found.layout
     joints = rows[:, after_occupancy(layout.joint_type)].argmax(axis=1)
     boxes = rows[:, after_occupancy(layout.box)]
     sizes = boxes[:, 3:].prod(axis=1)
@@ -69,17 +69,17 @@ def make_boards(
     for number in np.argsort(-sizes):  # the smaller of two parts is drawn over the larger
         if number in exempt or not (before == number).any():
             continue
-        box = _reach(boxes[number], found.resolution)
+        box = _reach(boxes[number], len(owners))
         owned = before[box]
         within = (owned >= 0) & (sizes[owned] < sizes[number])
         after[box][_make_part(owned, number, evidence[box], cfg) & ~within] = number
     for number in exempt:
         after[before == number] = number
     if (after == before).all():
-        return found, ()
+        return owners, ()
     filled, cleared = ((before < 0) & (after >= 0)).sum(), ((before >= 0) & (after < 0)).sum()
-    note = f"boards: {filled} cells were filled and {cleared} cleared, of {len(found.coords)}"
-    return fields_of_owners(after, rows, found), (note,)
+    note = f"boards: {filled} cells were filled and {cleared} cleared, of {(before >= 0).sum()}"
+    return after, (note,)
 
 
 def _make_part(

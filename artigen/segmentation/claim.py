@@ -7,39 +7,41 @@ that there is one, it claims the cells of its box, as in the truth a part smalle
 import numpy as np
 from jaxtyping import Float
 
-from artigen.fields import VoxelFields, after_occupancy, name_rows
-from artigen.segmentation.rows import fields_of_owners, read_owners
+from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_rows
+from artigen.segmentation.rows import Owners
 from artigen.types import PartLabel
 
 CLAIMING: frozenset[PartLabel] = frozenset({"handle", "knob"})
 """Parts that are as good as their box; a drawer is not."""
 
 
-def claim_cells(found: VoxelFields, rows: Float[np.ndarray, "N C"]) -> tuple[VoxelFields, tuple[str, ...]]:
-    """Fields in which every handle and knob of an outline has a cell, and a note if one had none.
+def claim_cells(
+    owners: Owners, rows: Float[np.ndarray, "N C"], layout: FieldLayout = DEFAULT_LAYOUT
+) -> tuple[Owners, tuple[str, ...]]:
+    """Owners by which every handle and knob of an outline has a cell, and a note if one had none.
 
-    Where nothing at all was drawn, there is nothing for them to sit on, and the fields stay empty.
+    Where nothing at all was drawn, there is nothing for them to sit on, and nothing is claimed.
 
     Args:
-        found: cells that say the attributes of their part exactly, as they do when decoded in view of an
-            outline.
-        rows: that outline, the channels after occupancy, one row per part.
+        owners: a row per cell, -1 where nothing is.
+        rows: an outline, the channels after occupancy, one row per part.
+        layout: channels.
     """
-    if not len(found.coords):
-        return found, ()
-    layout, owners = found.layout, read_owners(found, rows)
+    if (owners < 0).all():
+        return owners, ()
+    owners = owners.copy()
     lost = [
         number
         for number, label in enumerate(name_rows(rows, layout))
         if label in CLAIMING and not (owners == number).any()
     ]
     if not lost:
-        return found, ()
+        return owners, ()
     for number in lost:
         box = rows[number, after_occupancy(layout.box)]
-        owners[tuple(_cells_of_box(box, found.resolution).T)] = number
+        owners[tuple(_cells_of_box(box, len(owners)).T)] = number
     note = f"{len(lost)} handles or knobs without cells were given those of their boxes"
-    return fields_of_owners(owners, rows, found), (note,)
+    return owners, (note,)
 
 
 def _cells_of_box(box: Float[np.ndarray, "6"], resolution: int) -> np.ndarray:

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
+from jaxtyping import Bool
 from scipy.ndimage import label
 
 from artigen.fields import VoxelFields
@@ -21,20 +22,28 @@ class CleanConfig:
 def remove_strays(found: VoxelFields, cfg: CleanConfig | None = None) -> tuple[VoxelFields, tuple[str, ...]]:
     """Fields without small loose pieces, and a note if there were any; the largest piece always stays."""
     cfg = cfg or CleanConfig()
-    if not len(found.coords):
-        return found, ()
-    dense = np.zeros((found.resolution,) * 3, dtype=bool)
-    dense[tuple(found.coords.T)] = True
-    pieces = np.zeros(dense.shape, dtype=np.int64)
-    count = label(dense, structure=np.ones((3, 3, 3)), output=pieces)
+    occupied = np.zeros((found.resolution,) * 3, dtype=bool)
+    occupied[tuple(found.coords.T)] = True
+    strays, notes = find_strays(occupied, cfg)
+    return (select_cells(found, ~strays[tuple(found.coords.T)]), notes) if notes else (found, ())
+
+
+def find_strays(
+    occupied: Bool[np.ndarray, "X Y Z"], cfg: CleanConfig
+) -> tuple[Bool[np.ndarray, "X Y Z"], tuple[str, ...]]:
+    """The cells of small loose pieces, and a note if there are any; the largest piece is none."""
+    if not occupied.any():
+        return np.zeros_like(occupied), ()
+    pieces = np.zeros(occupied.shape, dtype=np.int64)
+    count = label(occupied, structure=np.ones((3, 3, 3)), output=pieces)
     sizes = np.bincount(pieces.ravel())[1:]
-    kept = sizes >= max(cfg.min_cells, cfg.min_share * len(found.coords))
-    kept[sizes.argmax()] = True
-    if kept.all():
-        return found, ()
-    stays = kept[pieces[tuple(found.coords.T)] - 1]
-    note = f"{int((~stays).sum())} cells in {int((~kept).sum())} of {count} loose pieces were removed"
-    return select_cells(found, stays), (note,)
+    loose = sizes < max(cfg.min_cells, cfg.min_share * np.count_nonzero(occupied))
+    loose[sizes.argmax()] = False
+    if not loose.any():
+        return np.zeros_like(occupied), ()
+    strays = np.concatenate([[False], loose])[pieces]
+    note = f"{int(strays.sum())} cells in {int(loose.sum())} of {count} loose pieces were removed"
+    return strays, (note,)
 
 
 def select_cells(found: VoxelFields, stays: np.ndarray) -> VoxelFields:

@@ -7,8 +7,11 @@ from jaxtyping import Float, Int
 
 from artigen.fields import VoxelFields, after_occupancy
 
+Owners = Int[np.ndarray, "X Y Z"]
+"""The row of an outline that every cell belongs to; -1 where nothing is."""
 
-def read_owners(found: VoxelFields, rows: Float[np.ndarray, "N C"]) -> Int[np.ndarray, "X Y Z"]:
+
+def read_owners(found: VoxelFields, rows: Float[np.ndarray, "N C"]) -> Owners:
     """The row whose box every occupied cell says, or says most nearly; -1 where nothing is."""
     layout = found.layout
     box = rows[:, after_occupancy(layout.box)]
@@ -19,9 +22,7 @@ def read_owners(found: VoxelFields, rows: Float[np.ndarray, "N C"]) -> Int[np.nd
     return owners
 
 
-def fields_of_owners(
-    owners: Int[np.ndarray, "X Y Z"], rows: Float[np.ndarray, "N C"], like: VoxelFields
-) -> VoxelFields:
+def fields_of_owners(owners: Owners, rows: Float[np.ndarray, "N C"], like: VoxelFields) -> VoxelFields:
     """Fields in which every cell says the row of its owner.
 
     Args:

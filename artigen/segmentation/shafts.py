@@ -8,8 +8,8 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy import ndimage
 
-from artigen.fields import VoxelFields, name_rows
-from artigen.segmentation.rows import fields_of_owners, read_owners
+from artigen.fields import DEFAULT_LAYOUT, FieldLayout, name_rows
+from artigen.segmentation.rows import Owners
 from artigen.segmentation.tree import ALLOWED_PARENTS
 from artigen.types import PartLabel
 
@@ -21,15 +21,17 @@ DIRECTIONS = ((0, 1), (2, -1), (2, 1), (1, -1), (1, 1), (0, -1))
 """Axis and sign, the likeliest first: to the back, down, up, to the sides."""
 
 
-def extend_shafts(found: VoxelFields, rows: Float[np.ndarray, "N C"]) -> tuple[VoxelFields, tuple[str, ...]]:
-    """Fields in which handles and knobs touch what may carry them, where it is near, and a note of how many.
+def extend_shafts(
+    owners: Owners, rows: Float[np.ndarray, "N C"], layout: FieldLayout = DEFAULT_LAYOUT
+) -> tuple[Owners, tuple[str, ...]]:
+    """Owners by which handles and knobs touch what may carry them, where it is near, and a note of how many.
 
     Args:
-        found: cells that say the attributes of their part exactly, as they do when decoded in view of an
-            outline.
-        rows: that outline, the channels after occupancy, one row per part.
+        owners: a row per cell, -1 where nothing is.
+        rows: an outline, the channels after occupancy, one row per part.
+        layout: channels.
     """
-    owners, labels = read_owners(found, rows), name_rows(rows, found.layout)
+    owners, labels = owners.copy(), name_rows(rows, layout)
     lengths = []
     for number, label in enumerate(labels):
         own = owners == number
@@ -47,17 +49,17 @@ def extend_shafts(found: VoxelFields, rows: Float[np.ndarray, "N C"]) -> tuple[V
             owners[tuple(shaft.reshape(-1, 3).T)] = number
             lengths.append(shaft.shape[1])
     if not lengths:
-        return found, ()
+        return owners, ()
     note = (
         f"{len(lengths)} handles or knobs reach what carries them by shafts, of {max(lengths)} cells at most"
     )
-    return fields_of_owners(owners, rows, found), (note,)
+    return owners, (note,)
 
 
 def _find_shaft(
     cells: Int[np.ndarray, "K 3"],
     carriers: Bool[np.ndarray, "X Y Z"],
-    owners: Int[np.ndarray, "X Y Z"],
+    owners: Owners,
     axis: int,
     sign: int,
 ) -> Int[np.ndarray, "S L 3"]:

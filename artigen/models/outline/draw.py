@@ -1,6 +1,6 @@
 """An outline under a condition: drawn, regularised, judged, and drawn again while it has a fault."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import torch
@@ -31,6 +31,16 @@ class OutlineConfig:
             raise ValueError(f"{self.draws} outlines to draw, expected at least one")
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class DrawnOutline:
+    """An outline, what is still wrong with it, and what was done to it."""
+
+    rows: Float[np.ndarray, "N C"]
+    """The channels after occupancy, one row per part."""
+    faults: tuple[Fault, ...]
+    notes: tuple[str, ...]
+
+
 def draw_outline(
     flow: OutlineFlow,
     asked: ConditionBatch,
@@ -39,8 +49,8 @@ def draw_outline(
     cfg: OutlineConfig,
     *,
     extents: Float[np.ndarray, "3"] | None = None,
-) -> tuple[Float[np.ndarray, "N C"], tuple[str, ...]]:
-    """The first outline without a fault, or that with the least of all, and notes of what was done.
+) -> DrawnOutline:
+    """The first outline without a fault, or that with the least of all.
 
     Args:
         flow: the trained flow.
@@ -50,16 +60,19 @@ def draw_outline(
         cfg: how it is drawn.
         extents: edges of the object that is asked for, up to a factor.
     """
-    drawn: list[tuple[tuple[Fault, ...], np.ndarray, tuple[str, ...]]] = []
-    while len(drawn) < cfg.draws and not (drawn and not drawn[-1][0]):
+    drawn: list[DrawnOutline] = []
+    while len(drawn) < cfg.draws and not (drawn and not drawn[-1].faults):
         outline = sample_outlines(flow, asked, nothing, generator, cfg.sampler).rows[0].cpu().numpy()
         rows, notes = regularise_outline(outline, cfg.regularise, extents=extents)
-        drawn.append((find_faults(rows, cfg.faults), rows, notes))
-    faults, rows, notes = min(drawn, key=lambda one: sum(fault.cells for fault in one[0]))
+        drawn.append(DrawnOutline(rows=rows, faults=find_faults(rows, cfg.faults), notes=notes))
+    best = min(drawn, key=lambda one: sum(fault.cells for fault in one.faults))
+    notes = best.notes
     if len(drawn) > 1:
-        worst = max(drawn[0][0], key=lambda fault: fault.cells)
-        notes = (*notes, f"outline: {len(drawn)} were drawn, of the first {worst.what}")
-    if faults:
-        worst = max(faults, key=lambda fault: fault.cells)
-        notes = (*notes, f"outline: {len(faults)} faults are left, {worst.what}")
-    return rows, notes
+        notes = (*notes, f"outline: {len(drawn)} were drawn, of the first {_worst(drawn[0].faults)}")
+    if best.faults:
+        notes = (*notes, f"outline: {len(best.faults)} faults are left, {_worst(best.faults)}")
+    return replace(best, notes=notes)
+
+
+def _worst(faults: tuple[Fault, ...]) -> str:
+    return max(faults, key=lambda fault: fault.cells).what

@@ -14,6 +14,7 @@ from jaxtyping import Float
 from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_rows
 from artigen.models.outline.align import OutlineAlignConfig, align_outline
 from artigen.models.outline.boxes import CELL, FRONTS, box_views
+from artigen.models.outline.depths import OutlineDepthsConfig, order_depths
 from artigen.types import PartLabel
 
 
@@ -23,6 +24,8 @@ class OutlineRegulariseConfig:
 
     align: OutlineAlignConfig = field(default_factory=OutlineAlignConfig)
     """What is in line."""
+    depths: OutlineDepthsConfig = field(default_factory=OutlineDepthsConfig)
+    """What lies behind what."""
     angle: float = 25.0
     """Degrees between an axis and the principal direction that it becomes."""
     reach: float = 0.75 * CELL
@@ -67,6 +70,7 @@ def regularise_outline(
         _straighten_axes(out, cfg, layout),
         _settle_ranges(out, cfg, layout),
         align_outline(out, cfg.align, layout),
+        order_depths(out, cfg.depths, layout),
         _part_neighbours(out, FRONTS, "fronts", cfg, layout),
         _part_neighbours(out, ("knob",), "knobs", cfg, layout),
         _part_neighbours(out, ("handle",), "handles", cfg, layout),

@@ -1,0 +1,85 @@
+"""Fronts of doors and drawers are whole: a stage of its own for those drawn in shreds.
+
+Of a true door or drawer, at least three quarters of the front of its box are there: a round door has the
+least. What was drawn with less is a rectangle or an ellipse that lost its cells, and gets them back.
+"""
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_rows
+from artigen.segmentation.rows import Owners
+
+WHOLE = 0.75
+"""Share of the front of its box that a part shows at least; below, it is filled."""
+DEEP = 0.3
+"""Share of a part's depth, from its front, in which its panel is sought."""
+NEAR = 3
+"""Layers of cells in which it is sought at least."""
+
+
+def fill_fronts(
+    owners: Owners, rows: Float[np.ndarray, "N C"], layout: FieldLayout = DEFAULT_LAYOUT
+) -> tuple[Owners, tuple[str, ...]]:
+    """Owners by which doors and drawers have whole fronts, and a note of how many were filled.
+
+    Args:
+        owners: a row per cell, -1 where nothing is.
+        rows: an outline, the channels after occupancy, one row per part.
+        layout: channels.
+    """
+    owners, labels = owners.copy(), name_rows(rows, layout)
+    boxes = rows[:, after_occupancy(layout.box)]
+    base = np.array([label == "base" for label in labels])
+    filled = []
+    for number, label in enumerate(labels):
+        mine = owners == number
+        if label not in ("door", "drawer") or not mine.any():
+            continue
+        missing = _find_missing(mine, boxes[number]) & ((owners < 0) | base[owners])
+        if missing.any():
+            owners[missing] = number
+            filled.append(int(missing.sum()))
+    if not filled:
+        return owners, ()
+    note = f"{len(filled)} fronts of doors and drawers were filled, by {max(filled)} cells at most"
+    return owners, (note,)
+
+
+def _find_missing(mine: Bool[np.ndarray, "X Y Z"], box: Float[np.ndarray, "6"]) -> Bool[np.ndarray, "X Y Z"]:
+    """The cells that a front lacks in its panel; none where it is as whole as others."""
+    center, size = box[:3], box[3:]
+    low = np.round((center - size / 2 + 0.5) * len(mine)).clip(0, len(mine) - 1).astype(int)
+    high = np.round((center + size / 2 + 0.5) * len(mine)).clip(low + 1, len(mine)).astype(int)
+    along = 0 if size[0] <= size[1:].max() else 1 + int(size[1:].argmin())  # fronts face -x, lids lie
+    sides = [axis for axis in range(3) if axis != along]
+    face = tuple(slice(low[axis], high[axis]) for axis in sides)
+    missing = np.zeros_like(mine)
+    layers, lacks = (np.moveaxis(cells, along, 0)[(slice(None), *face)] for cells in (mine, missing))
+    shown = layers.any(axis=0)
+    if shown.any() and shown.mean() < WHOLE:
+        lacks[find_panel(layers)] = _complete(shown) & ~shown
+    return missing
+
+
+def find_panel(layers: Bool[np.ndarray, "D H W"]) -> slice:
+    """The layers of the panel: those around the fullest near the front that hold half as much as it."""
+    held = layers.sum(axis=(1, 2)).astype(float)
+    there = np.flatnonzero(held)
+    deepest = there[0] + max(NEAR, round(DEEP * (there[-1] - there[0] + 1)))
+    fullest = int(held[:deepest].argmax())
+    full = 2 * held >= held[fullest]
+    first = last = fullest
+    while first > 0 and full[first - 1]:
+        first -= 1
+    while last + 1 < deepest and full[last + 1]:
+        last += 1
+    return slice(first, last + 1)
+
+
+def _complete(shown: Bool[np.ndarray, "H W"]) -> Bool[np.ndarray, "H W"]:
+    """The rectangle or the ellipse of the front, whichever is more like what is shown."""
+    y, z = (np.linspace(-1, 1, 2 * count + 1)[1::2] for count in shown.shape)
+    ellipse = y[:, None] ** 2 + z[None] ** 2 <= 1.0
+    shapes = (np.ones_like(shown), ellipse)
+    return max(shapes, key=lambda shape: (shape & shown).sum() / (shape | shown).sum())

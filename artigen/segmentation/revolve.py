@@ -1,0 +1,89 @@
+"""Parts that turn without end have room to: a stage of its own for drums, turntables and dials.
+
+What turns about an axis sweeps rings. A drum drawn with a dent here and a bulge there meets the tub that it
+turns in; so each ring of it becomes whole or goes, by what most of its cells say, and the body leaves the
+rings that a part sweeps.
+"""
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_rows
+from artigen.segmentation.rows import Owners
+from artigen.types import PartLabel
+
+TURNED: frozenset[PartLabel] = frozenset({"tray"})
+"""Parts that are bodies of revolution where they turn without end: drums and turntables. Paddles go."""
+CLEARED: frozenset[PartLabel] = frozenset({"tray", "knob"})
+"""Parts that the body makes room for; a wheel is held by what it turns in."""
+WIDTH = 0.5
+"""Half the width of a ring, in cells: what is nearer than this to a radius speaks for it."""
+
+
+def revolve_parts(
+    owners: Owners, rows: Float[np.ndarray, "N C"], layout: FieldLayout = DEFAULT_LAYOUT
+) -> tuple[Owners, tuple[str, ...]]:
+    """Owners by which what turns without end is round and does not meet the body, and a note of the change.
+
+    Args:
+        owners: a row per cell, -1 where nothing is.
+        rows: an outline, the channels after occupancy, one row per part.
+        layout: channels.
+    """
+    before, owners, labels = owners, owners.copy(), name_rows(rows, layout)
+    kinds = rows[:, after_occupancy(layout.joint_type)].argmax(axis=1)
+    endless = kinds == layout.joint_types.index("continuous")
+    base = np.array([label == "base" for label in labels])
+    for number in np.flatnonzero(endless & np.isin(labels, list(CLEARED))):
+        mine = owners == number
+        if not mine.any():
+            continue
+        along = int(np.abs(rows[number, after_occupancy(layout.axis)]).argmax())
+        radii = _radii(owners.shape, rows[number, after_occupancy(layout.origin)], along)
+        if labels[number] in TURNED:
+            whole = _make_round(mine, radii, along)
+            free = (owners < 0) | base[owners]
+            owners[mine & ~whole] = -1
+            owners[whole & free] = number
+            mine = owners == number
+        owners[_swept(mine, radii, along) & (owners >= 0) & base[owners]] = -1
+    changed = int((owners != before).sum())
+    if not changed:
+        return owners, ()
+    return owners, (f"{changed} cells were changed so that parts turn freely",)
+
+
+def _radii(shape: tuple[int, ...], origin: Float[np.ndarray, "3"], along: int) -> Float[np.ndarray, "X Y Z"]:
+    """Distances of the middles of all cells from an axis, in cells."""
+    sides = [axis for axis in range(3) if axis != along]
+    off = np.indices(shape) + 0.5 - ((np.asarray(origin) + 0.5) * shape[0])[:, None, None, None]
+    return np.hypot(off[sides[0]], off[sides[1]])
+
+
+def _make_round(
+    mine: Bool[np.ndarray, "X Y Z"], radii: Float[np.ndarray, "X Y Z"], along: int
+) -> Bool[np.ndarray, "X Y Z"]:
+    """In every layer, the rings of which a part holds the greater share."""
+    layers, ring = np.moveaxis(mine, along, 0), np.moveaxis(radii, along, 0)[0]
+    out = np.zeros_like(layers)
+    order = np.argsort(ring, axis=None)
+    sorted_radii = ring.ravel()[order]
+    first = np.searchsorted(sorted_radii, sorted_radii - WIDTH, side="left")
+    last = np.searchsorted(sorted_radii, sorted_radii + WIDTH, side="right")
+    for layer in np.flatnonzero(layers.any(axis=(1, 2))):
+        sums = np.concatenate([[0], np.cumsum(layers[layer].ravel()[order])])
+        flat = np.zeros(ring.size, dtype=bool)
+        flat[order] = 2 * (sums[last] - sums[first]) >= last - first
+        out[layer] = flat.reshape(ring.shape)
+    return np.moveaxis(out, 0, along)
+
+
+def _swept(
+    mine: Bool[np.ndarray, "X Y Z"], radii: Float[np.ndarray, "X Y Z"], along: int
+) -> Bool[np.ndarray, "X Y Z"]:
+    """In every layer, all between the least and the greatest distance of a part's cells from its axis, and
+    half a cell beyond: convex hulls of the body round off what is hollow."""
+    sides = tuple(axis for axis in range(3) if axis != along)
+    least = np.where(mine, radii, np.inf).min(axis=sides, keepdims=True)
+    most = np.where(mine, radii, -np.inf).max(axis=sides, keepdims=True)
+    return (radii >= least) & (radii <= most + WIDTH)
