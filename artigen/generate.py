@@ -27,6 +27,7 @@ from artigen.segmentation.clean import CleanConfig, find_strays, remove_strays
 from artigen.segmentation.doorways import clear_doorways
 from artigen.segmentation.faults import AssetFaultsConfig, find_asset_faults
 from artigen.segmentation.fronts import fill_fronts
+from artigen.segmentation.legs import extend_legs
 from artigen.segmentation.paths import clear_paths
 from artigen.segmentation.revolve import revolve_parts
 from artigen.segmentation.roughness import measure_roughness
@@ -208,6 +209,7 @@ def _mend(
     strays, cleaned = find_strays(owners >= 0, cfg.clean)
     owners, claimed = claim_cells(np.where(strays, -1, owners), rows)
     owners, reached = extend_shafts(owners, rows)
+    owners, carried = extend_legs(owners, rows)
     owners, turned = revolve_parts(owners, rows)
-    notes = (*made, *filled, *cleared, *opened, *cleaned, *claimed, *reached, *turned)
+    notes = (*made, *filled, *cleared, *opened, *cleaned, *claimed, *reached, *carried, *turned)
     return fields_of_owners(owners, rows, fields), notes

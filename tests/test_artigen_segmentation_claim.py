@@ -30,7 +30,7 @@ def test_a_lost_knob_comes_back_where_it_was_and_is_found_again(
 ):
     knob = name_rows(cabinet_rows).index("knob")
     again, notes = claim_cells(lose(cabinet_owners, cabinet_rows, "knob"), cabinet_rows)
-    assert notes == ("1 handles or knobs without cells were given those of their boxes",)
+    assert notes == ("1 small parts without cells were given those of their boxes",)
     place = (np.argwhere(again == knob) + 0.5) / len(again) - 0.5
     center, size = cabinet.parts[knob].box
     assert len(place)

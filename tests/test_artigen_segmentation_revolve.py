@@ -61,17 +61,28 @@ def test_what_is_made_does_not_depend_on_where_the_dents_are(machine: np.ndarray
     assert (revolve_parts(turned, ROWS)[0] == np.rot90(revolve_parts(worn, ROWS)[0], axes=(1, 2))).all()
 
 
-def test_a_dial_keeps_its_shape_and_gets_room():
+def test_a_dial_flush_with_its_panel_keeps_its_shape_and_gets_room():
     owners = np.full((EDGE,) * 3, -1)
     owners[2:30, 2:30, 2:30] = 0
-    owners[2:4, 12:20, 12:20] = 1  # square, flush with the panel around it
+    owners[2:4, 12:20, 12:20] = 1
     rows = np.stack([row("base", TUB), row("knob", DIAL, "continuous", axis=(1, 0, 0), turn=1.0)])
     made, _ = revolve_parts(owners, rows)
-    assert (made == 1).sum() == (owners == 1).sum()
+    assert ((made == 1) == (owners == 1)).all()
     corner = np.hypot(3.5, 3.5)
     assert (made[2:4][:, corner >= RADII] != 0).all()
-    assert (made[2:4][:, corner + 0.5 < RADII] == owners[2:4][:, corner + 0.5 < RADII]).all()
+    assert (made[2:4][:, corner + 1 < RADII] == owners[2:4][:, corner + 1 < RADII]).all()
     assert (made[4:] == owners[4:]).all()
+
+
+def test_a_dial_sunk_into_its_panel_sits_on_it():
+    owners = np.full((EDGE,) * 3, -1)
+    owners[3:30, 2:30, 2:30] = 0
+    owners[1:6, 12:20, 12:20] = 1
+    sunk = (slice(1, 6), *DIAL[1:])
+    rows = np.stack([row("base", TUB), row("knob", sunk, "continuous", axis=(1, 0, 0), turn=1.0)])
+    made, _ = revolve_parts(owners, rows)
+    assert (made[1:3] == owners[1:3]).all()
+    assert (made[3:6, 12:20, 12:20] == 0).all()
 
 
 def test_what_only_slides_or_turns_a_little_makes_no_room():

@@ -1,4 +1,4 @@
-"""Cells for parts that a network drew none for: a stage of its own for handles and knobs of few cells.
+"""Cells for parts that a network drew none for: a stage of its own for handles, knobs and wheels.
 
 A push button of half a cell is easily decoded as a piece of the panel that it sits on. Where an outline says
 that there is one, it claims the cells of its box, as in the truth a part smaller than a cell does.
@@ -11,14 +11,14 @@ from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_ro
 from artigen.segmentation.rows import Owners
 from artigen.types import PartLabel
 
-CLAIMING: frozenset[PartLabel] = frozenset({"handle", "knob"})
+CLAIMING: frozenset[PartLabel] = frozenset({"handle", "knob", "wheel"})
 """Parts that are as good as their box; a drawer is not."""
 
 
 def claim_cells(
     owners: Owners, rows: Float[np.ndarray, "N C"], layout: FieldLayout = DEFAULT_LAYOUT
 ) -> tuple[Owners, tuple[str, ...]]:
-    """Owners by which every handle and knob of an outline has a cell, and a note if one had none.
+    """Owners by which every handle, knob and wheel of an outline has a cell, and a note if one had none.
 
     Where nothing at all was drawn, there is nothing for them to sit on, and nothing is claimed.
 
@@ -40,7 +40,7 @@ def claim_cells(
     for number in lost:
         box = rows[number, after_occupancy(layout.box)]
         owners[tuple(_cells_of_box(box, len(owners)).T)] = number
-    note = f"{len(lost)} handles or knobs without cells were given those of their boxes"
+    note = f"{len(lost)} small parts without cells were given those of their boxes"
     return owners, (note,)
 
 

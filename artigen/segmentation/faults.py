@@ -7,7 +7,7 @@ objects have none.
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.spatial import ConvexHull, QhullError
+from scipy.spatial import ConvexHull
 
 from artigen.types import Asset, Part, VoxelGrid
 
@@ -18,6 +18,8 @@ class AssetFaultsConfig:
 
     layers: int = 3
     """Lowest layers of cells that an object stands on; levelling makes up for what is missing in them."""
+    margin: float = 2.5
+    """Cells between its middle and the edge of what it stands on, at least."""
     whole: float = 0.7
     """Share of the front of a door or drawer that its cells show, at least."""
 
@@ -36,8 +38,9 @@ def find_asset_faults(asset: Asset, cfg: AssetFaultsConfig | None = None) -> tup
     if voxels is None:
         raise ValueError(f"asset {asset.name!r} has no voxels to judge; voxelize its surface first")
     faults = []
-    if not _stands(voxels, cfg.layers):
-        faults.append("its middle lies outside of what it stands on")
+    margin = _measure_stand(voxels, cfg.layers)
+    if margin < cfg.margin:
+        faults.append(f"its middle lies {margin:.1f} cells within what it stands on")
     for number, part in enumerate(asset.parts):
         if part.label in ("door", "drawer"):
             shown = _share_of_front(voxels, number, part)
@@ -46,16 +49,13 @@ def find_asset_faults(asset: Asset, cfg: AssetFaultsConfig | None = None) -> tup
     return tuple(faults)
 
 
-def _stands(voxels: VoxelGrid, layers: int) -> bool:
-    """Whether the mean of all cells lies above the hull of the lowest."""
+def _measure_stand(voxels: VoxelGrid, layers: int) -> float:
+    """Cells from the mean of all cells to the edge of the hull of the lowest, below 0 outside of it."""
     lowest = voxels.coords[voxels.coords[:, 2] < voxels.coords[:, 2].min() + layers, :2]
     corners = (lowest[:, None] + np.array([[0, 0], [0, 1], [1, 0], [1, 1]])).reshape(-1, 2)
+    sides = ConvexHull(corners).equations
     middle = voxels.coords[:, :2].mean(axis=0) + 0.5
-    try:
-        sides = ConvexHull(corners).equations
-    except QhullError:
-        return False
-    return bool((sides[:, :2] @ middle + sides[:, 2] <= 0.0).all())
+    return float(-(sides[:, :2] @ middle + sides[:, 2]).max())
 
 
 def _share_of_front(voxels: VoxelGrid, number: int, part: Part) -> float:

@@ -2,7 +2,7 @@
 
 What turns about an axis sweeps rings. A drum drawn with a dent here and a bulge there meets the tub that it
 turns in; so each ring of it becomes whole or goes, by what most of its cells say, and the body leaves the
-rings that a part sweeps.
+rings that a part sweeps. A dial sits on its panel, not in it.
 """
 
 import numpy as np
@@ -18,6 +18,10 @@ CLEARED: frozenset[PartLabel] = frozenset({"tray", "knob"})
 """Parts that the body makes room for; a wheel is held by what it turns in."""
 WIDTH = 0.5
 """Half the width of a ring, in cells: what is nearer than this to a radius speaks for it."""
+ROOM = 0.75
+"""Cells that stay free around what turns: convex hulls of the body round off what is hollow."""
+AROUND = 1.5
+"""Cells around a dial in which its panel shows."""
 
 
 def revolve_parts(
@@ -45,12 +49,32 @@ def revolve_parts(
             free = (owners < 0) | base[owners]
             owners[mine & ~whole] = -1
             owners[whole & free] = number
-            mine = owners == number
+        else:
+            _lift_off_panel(owners, number, base, radii, along)
+        mine = owners == number
         owners[_swept(mine, radii, along) & (owners >= 0) & base[owners]] = -1
     changed = int((owners != before).sum())
     if not changed:
         return owners, ()
     return owners, (f"{changed} cells were changed so that parts turn freely",)
+
+
+def _lift_off_panel(
+    owners: Owners, number: int, base: Bool[np.ndarray, "N"], radii: Float[np.ndarray, "X Y Z"], along: int
+) -> None:
+    """Gives the layers of a dial that lie within its panel to the panel, in place, where others are left."""
+    mine, panel = owners == number, (owners >= 0) & base[owners]
+    sides = tuple(axis for axis in range(3) if axis != along)
+    most = radii[mine].max()
+    around = (radii > most) & (radii <= most + AROUND)
+    held = (panel & around).sum(axis=sides) / around.sum(axis=sides)
+    within = (held >= 0.5) & mine.any(axis=sides)
+    if within.any() and (mine.any(axis=sides) & ~within).any():
+        layers = [slice(None)] * 3
+        layers[along] = np.flatnonzero(within)
+        chosen = np.zeros_like(mine)
+        chosen[tuple(layers)] = True
+        owners[mine & chosen] = int(np.flatnonzero(base)[0])
 
 
 def _radii(shape: tuple[int, ...], origin: Float[np.ndarray, "3"], along: int) -> Float[np.ndarray, "X Y Z"]:
@@ -82,8 +106,8 @@ def _swept(
     mine: Bool[np.ndarray, "X Y Z"], radii: Float[np.ndarray, "X Y Z"], along: int
 ) -> Bool[np.ndarray, "X Y Z"]:
     """In every layer, all between the least and the greatest distance of a part's cells from its axis, and
-    half a cell beyond: convex hulls of the body round off what is hollow."""
+    what stays free around."""
     sides = tuple(axis for axis in range(3) if axis != along)
     least = np.where(mine, radii, np.inf).min(axis=sides, keepdims=True)
     most = np.where(mine, radii, -np.inf).max(axis=sides, keepdims=True)
-    return (radii >= least) & (radii <= most + WIDTH)
+    return (radii >= least) & (radii <= most + ROOM)

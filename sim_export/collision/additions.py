@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float
 
 from sim_export.collision.contacts import HullSet, signed_distances
+from sim_export.collision.hull_limits import hull_aspect
 from sim_export.collision.hulls import convex_hull
 from sim_export.collision.motion import driven_joints, link_displacements, moved_links
 from sim_export.collision.requirements import required_openings, sweep_coordinates
@@ -27,6 +28,8 @@ class AdditionConfig:
     """Most hulls of a link; where there would be one more, a hull is stretched instead."""
     max_vertices: int = 32
     """Most vertices of such a stretched hull."""
+    max_aspect: float = 60.0
+    """Its length over its thickness, at most."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -67,7 +70,8 @@ def add_hull(
     if len(hulls) > cfg.max_hulls:
         addition = convex_hull(np.concatenate([stand.vertices, addition.vertices]))
         hulls, least = [addition if hull is stand else hull for hull in sets[slot].hulls], -cfg.tolerance
-    if len(addition.vertices) > cfg.max_vertices or not is_free(addition, slot, sets, sweeps, least):
+    fits = len(addition.vertices) <= cfg.max_vertices and hull_aspect(addition) <= cfg.max_aspect
+    if not fits or not is_free(addition, slot, sets, sweeps, least):
         return None
     return HullSet(hulls=tuple(hulls))
 

@@ -17,6 +17,9 @@ from sim_export.collision.contacts import HullSet, signed_distances
 from sim_export.collision.hulls import box_hull, hull_planes
 from sim_export.package import Hull, Link, Mesh, PackageJoint, Requirement, Visual
 
+NEIGHBOURS = 4
+"""Hulls near a foot that are tried for it to grow out of, where the body has no hull left to give."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class LevellingConfig:
@@ -196,8 +199,11 @@ def _stands(foot: Hull, sets: list[HullSet], sweeps: Sequence[Sweep], cfg: Level
     """Adds a foot to the body's hulls, the last of ``sets``, if it has room."""
     still = np.eye(4)
     found = signed_distances(HullSet(hulls=(foot,)), sets[-1], still, still, max_distance=np.inf)
-    nearest = sets[-1].hulls[int(found.second[found.distance.argmin()])]
-    added = add_hull(sets, sweeps, len(sets) - 1, foot, nearest, cfg.addition)
-    if added is not None:
-        sets[-1] = added
-    return added is not None
+    order = np.argsort(found.distance, kind="stable")[:NEIGHBOURS]
+    nearest = [sets[-1].hulls[int(index)] for index in dict.fromkeys(found.second[order].tolist())]
+    for stand in nearest:
+        added = add_hull(sets, sweeps, len(sets) - 1, foot, stand, cfg.addition)
+        if added is not None:
+            sets[-1] = added
+            return True
+    return False

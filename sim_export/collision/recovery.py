@@ -189,7 +189,8 @@ def _open_notches(
         far = points[(owners[face] == index) & (away > scene.cfg.pad)]
         notch = merge_planes(hull_planes(box_hull(far.min(axis=0) - 1e-4, far.max(axis=0) + 1e-4)))
         pieces = subtract_hull(hulls[index], notch, scene.cfg.limits.min_width)
-        kept = tuple(part for piece in pieces for part in trim_hull(piece, scene.cfg.limits))
+        parts = [part for piece in pieces for part in trim_hull(piece, scene.cfg.limits)]
+        kept = tuple(part for part in parts if hull_width(part)[0] >= scene.cfg.limits.min_width)
         least = (1.0 - scene.cfg.notch_share) * hull_volume(hulls[index])
         most = scene.cfg.addition.max_hulls - len(kept)
         scene.sets[slot] = HullSet(hulls=others)

@@ -1,0 +1,32 @@
+"""Laws of late additions: a full link stretches a hull over what is added, within the limits or not."""
+
+import numpy as np
+import pytest
+
+from sim_export.collision.additions import AdditionConfig, add_hull
+from sim_export.collision.contacts import HullSet
+from sim_export.collision.hull_limits import hull_aspect
+from sim_export.collision.hulls import box_hull
+from sim_export.package import Hull
+
+FOOT = box_hull(np.array([0.0, 0.0, -0.1]), np.array([0.01, 0.01, 0.0]))
+
+
+def column(thick: float) -> Hull:
+    return box_hull(np.zeros(3), np.array([thick, thick, 0.55]))
+
+
+@pytest.mark.parametrize(("thick", "hulls"), [(0.01, 0), (0.02, 1)])
+def test_a_hull_is_not_stretched_to_a_needle(thick: float, hulls: int):
+    stand = column(thick)
+    made = add_hull([HullSet(hulls=(stand,))], [], 0, FOOT, stand, AdditionConfig(max_hulls=1))
+    found = () if made is None else made.hulls
+    assert len(found) == hulls
+    assert all(hull_aspect(hull) <= AdditionConfig().max_aspect for hull in found)
+
+
+def test_where_there_is_room_a_hull_of_its_own_is_added():
+    stand = column(0.01)
+    made = add_hull([HullSet(hulls=(stand,))], [], 0, FOOT, stand, AdditionConfig())
+    assert made is not None
+    assert made.hulls == (stand, FOOT)
