@@ -24,7 +24,7 @@ class EvaluateSettings:
     """Training objects that the baselines look in."""
     partnet: Path | None = None
     """Folder with partnet_mobility/ and splits.json: its validation split is measured too."""
-    steps: int = 12
+    steps: int = 6
     """Steps of the structure's sampler; appearance is drawn as the model's preset says."""
     strength: float = 0.0
     """Guidance; 0 is none."""

@@ -47,7 +47,7 @@ class GenerateSettings:
     """Parts wanted, such as drawer=3 door=0."""
     redraws: int = 3
     """How often an object that fails a check is drawn again."""
-    steps: int = 12
+    steps: int = 6
     """Steps of the structure's sampler."""
     strength: float = 0.0
     """Guidance; 0 is none: a model that draws outlines has the condition in them. The paper: 3."""

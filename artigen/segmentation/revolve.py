@@ -51,8 +51,8 @@ def revolve_parts(
             owners[whole & free] = number
         else:
             _lift_off_panel(owners, number, base, radii, along)
-        mine = owners == number
-        owners[_swept(mine, radii, along) & (owners >= 0) & base[owners]] = -1
+        swept = _find_swept(owners == number, radii, along)
+        owners[swept & (owners >= 0) & base[owners]] = -1
     changed = int((owners != before).sum())
     if not changed:
         return owners, ()
@@ -102,12 +102,11 @@ def _make_round(
     return np.moveaxis(out, 0, along)
 
 
-def _swept(
+def _find_swept(
     mine: Bool[np.ndarray, "X Y Z"], radii: Float[np.ndarray, "X Y Z"], along: int
 ) -> Bool[np.ndarray, "X Y Z"]:
-    """In every layer, all between the least and the greatest distance of a part's cells from its axis, and
-    what stays free around."""
+    """In every layer of a part, all from the least distance of its cells there from the axis to the greatest
+    anywhere, and what stays free around: hulls reach over many layers."""
     sides = tuple(axis for axis in range(3) if axis != along)
     least = np.where(mine, radii, np.inf).min(axis=sides, keepdims=True)
-    most = np.where(mine, radii, -np.inf).max(axis=sides, keepdims=True)
-    return (radii >= least) & (radii <= most + ROOM)
+    return (radii >= least) & (radii <= np.max(radii[mine], initial=-np.inf) + ROOM)
