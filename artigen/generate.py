@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import torch
-from jaxtyping import Bool, Float
+from jaxtyping import Float
 
 from artigen.datasets.sizes import estimate_size
 from artigen.errors import SegmentationError, SourceError
@@ -138,18 +138,12 @@ def generate_structure(
                 raise
             continue
         faults = (*left, *find_asset_faults(asset, cfg.faults))
-        rough = measure_roughness(_occupied(asset))
+        assert asset.voxels is not None
+        rough = measure_roughness(asset.voxels.occupied())
         drawn.append((len(faults), rough, asset))
         notes.append("; ".join((f"draw {len(notes) + 1}: {rough:.2f} bends per face", *faults)))
     _, _, asset = min(drawn, key=lambda one: one[:2])
     return replace(asset, notes=(*notes, *asset.notes))
-
-
-def _occupied(asset: Asset) -> Bool[np.ndarray, "X Y Z"]:
-    assert asset.voxels is not None
-    cells = np.zeros((asset.voxels.resolution,) * 3, dtype=bool)
-    cells[tuple(asset.voxels.coords.T)] = True
-    return cells
 
 
 def _draw(

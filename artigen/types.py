@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 import numpy as np
-from jaxtyping import Float, Int, UInt8
+from jaxtyping import Bool, Float, Int, UInt8
 
 PartLabel = Literal["base", "drawer", "door", "handle", "knob", "tray", "shelf", "wheel"]
 JointType = Literal["fixed", "revolute", "prismatic", "continuous", "screw"]
@@ -126,6 +126,12 @@ class VoxelGrid:
             )
         object.__setattr__(self, "coords", coords)
         object.__setattr__(self, "part_ids", part_ids)
+
+    def occupied(self) -> Bool[np.ndarray, "X Y Z"]:
+        """Whether something is in each cell of the whole grid."""
+        cells = np.zeros((self.resolution,) * 3, dtype=bool)
+        cells[tuple(self.coords.T)] = True
+        return cells
 
     def centers(self) -> Float[np.ndarray, "N 3"]:
         """Cell centres in the unit cube."""

@@ -85,9 +85,33 @@ def test_a_dial_sunk_into_its_panel_sits_on_it():
     assert (made[3:6, 12:20, 12:20] == 0).all()
 
 
-def test_what_only_slides_or_turns_a_little_makes_no_room():
+def test_dials_that_would_meet_are_parted_and_keep_the_greater_part():
+    owners = np.full((EDGE,) * 3, -1)
+    owners[4:30, 2:30, 2:30] = 0
+    first, second = (slice(2, 4), slice(6, 12), slice(12, 18)), (slice(2, 4), slice(12, 18), slice(12, 18))
+    owners[first], owners[second] = 1, 2
+    rows = np.stack(
+        [
+            row("base", TUB),
+            *(row("knob", place, "revolute", axis=(1, 0, 0), turn=0.5) for place in (first, second)),
+        ]
+    )
+    made, _ = revolve_parts(owners, rows)
+    cells = [np.argwhere(made == number)[:, 1:] + 0.5 for number in (1, 2)]
+    middles = np.array([9.0, 15.0]), np.array([15.0, 15.0])
+    reach = [np.hypot(*(place - middle).T).max() for place, middle in zip(cells, middles, strict=True)]
+    assert np.hypot(*(cells[1] - middles[0]).T).min() > reach[0]
+    assert np.hypot(*(cells[0] - middles[1]).T).min() > reach[1]
+    assert min(map(len, cells)) >= 36
+
+
+def test_what_slides_or_turns_about_its_end_makes_no_room():
     owners = np.full((EDGE,) * 3, -1)
     owners[2:30, 2:30, 2:30] = 0
     owners[2:4, 12:20, 12:20] = 1
-    rows = np.stack([row("base", TUB), row("knob", DIAL, "prismatic", axis=(1, 0, 0), travel=1.0)])
-    assert (revolve_parts(owners, rows)[0] == owners).all()
+    for lever in (
+        row("knob", DIAL, "prismatic", axis=(1, 0, 0), travel=1.0),
+        row("knob", DIAL, "revolute", axis=(1, 0, 0), turn=0.2, origin=(3, 12, 16)),
+    ):
+        rows = np.stack([row("base", TUB), lever])
+        assert (revolve_parts(owners, rows)[0] == owners).all()

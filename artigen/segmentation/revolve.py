@@ -12,14 +12,18 @@ from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_ro
 from artigen.segmentation.rows import Owners
 from artigen.types import PartLabel
 
-TURNED: frozenset[PartLabel] = frozenset({"tray"})
-"""Parts that are bodies of revolution where they turn without end: drums and turntables. Paddles go."""
-CLEARED: frozenset[PartLabel] = frozenset({"tray", "knob"})
-"""Parts that the body makes room for; a wheel is held by what it turns in."""
+DRUM: PartLabel = "tray"
+"""Bodies of revolution where they turn without end: drums and turntables. Paddles go."""
+DIAL: PartLabel = "knob"
+"""What keeps its shape and turns in its place, without end or not. A wheel is held by what it turns in."""
+CENTRED = 1 / 64
+"""Unit-cube lengths from the middle of a dial to its axis, at most: a lever turns about its end."""
 WIDTH = 0.5
 """Half the width of a ring, in cells: what is nearer than this to a radius speaks for it."""
 ROOM = 0.75
 """Cells that stay free around what turns: convex hulls of the body round off what is hollow."""
+ALIKE = 0.8
+"""Share of the greatest radius from which layers count as of one."""
 AROUND = 1.5
 """Cells around a dial in which its panel shows."""
 
@@ -34,29 +38,48 @@ def revolve_parts(
         rows: an outline, the channels after occupancy, one row per part.
         layout: channels.
     """
-    before, owners, labels = owners, owners.copy(), name_rows(rows, layout)
-    kinds = rows[:, after_occupancy(layout.joint_type)].argmax(axis=1)
-    endless = kinds == layout.joint_types.index("continuous")
-    base = np.array([label == "base" for label in labels])
-    for number in np.flatnonzero(endless & np.isin(labels, list(CLEARED))):
+    before, owners, labels = owners, owners.copy(), np.array(name_rows(rows, layout))
+    base = labels == "base"
+    for number in np.flatnonzero(_find_turning(rows, labels, layout)):
         mine = owners == number
         if not mine.any():
             continue
         along = int(np.abs(rows[number, after_occupancy(layout.axis)]).argmax())
         radii = _radii(owners.shape, rows[number, after_occupancy(layout.origin)], along)
-        if labels[number] in TURNED:
+        if labels[number] == DRUM:
             whole = _make_round(mine, radii, along)
             free = (owners < 0) | base[owners]
             owners[mine & ~whole] = -1
             owners[whole & free] = number
         else:
             _lift_off_panel(owners, number, base, radii, along)
-        swept = _find_swept(owners == number, radii, along)
-        owners[swept & (owners >= 0) & base[owners]] = -1
+        swept = _find_swept(owners == number, radii, along) & (owners >= 0)
+        owners[swept & base[owners]] = -1
+        if labels[number] == DIAL:
+            _part_dials(owners, number, labels == DIAL, swept)
     changed = int((owners != before).sum())
     if not changed:
         return owners, ()
     return owners, (f"{changed} cells were changed so that parts turn freely",)
+
+
+def _find_turning(rows: np.ndarray, labels: np.ndarray, layout: FieldLayout) -> Bool[np.ndarray, "N"]:
+    """Drums that turn without end, and dials that turn about their middle."""
+    kinds = np.array(layout.joint_types)[rows[:, after_occupancy(layout.joint_type)].argmax(axis=1)]
+    off = rows[:, after_occupancy(layout.origin)] - rows[:, after_occupancy(layout.box)][:, :3]
+    across = np.where(np.abs(rows[:, after_occupancy(layout.axis)]) < 0.5, np.abs(off), 0.0).max(axis=1)
+    dials = (labels == DIAL) & np.isin(kinds, ("continuous", "revolute")) & (across <= CENTRED)
+    return dials | ((labels == DRUM) & (kinds == "continuous"))
+
+
+def _part_dials(
+    owners: Owners, number: int, dials: Bool[np.ndarray, "N"], swept: Bool[np.ndarray, "X Y Z"]
+) -> None:
+    """Takes what a dial sweeps from other dials, in place, where it leaves them the greater part."""
+    for other in np.flatnonzero(dials & (np.arange(len(dials)) != number)):
+        met = swept & (owners == other)
+        if 0 < 2 * np.count_nonzero(met) < np.count_nonzero(owners == other):
+            owners[met] = -1
 
 
 def _lift_off_panel(
@@ -105,8 +128,10 @@ def _make_round(
 def _find_swept(
     mine: Bool[np.ndarray, "X Y Z"], radii: Float[np.ndarray, "X Y Z"], along: int
 ) -> Bool[np.ndarray, "X Y Z"]:
-    """In every layer of a part, all from the least distance of its cells there from the axis to the greatest
-    anywhere, and what stays free around: hulls reach over many layers."""
+    """In every layer, all from the least to the greatest distance of a part's cells from its axis, and what
+    stays free around. Layers of nearly one radius have one: hulls reach over many."""
     sides = tuple(axis for axis in range(3) if axis != along)
     least = np.where(mine, radii, np.inf).min(axis=sides, keepdims=True)
-    return (radii >= least) & (radii <= np.max(radii[mine], initial=-np.inf) + ROOM)
+    most = np.where(mine, radii, -np.inf).max(axis=sides, keepdims=True)
+    most = np.where(most >= ALIKE * most.max(), most.max(), most)
+    return (radii >= least) & (radii <= most + ROOM)
