@@ -28,6 +28,7 @@ from artigen.segmentation.doorways import clear_doorways
 from artigen.segmentation.faults import AssetFaultsConfig, find_asset_faults
 from artigen.segmentation.fronts import fill_fronts
 from artigen.segmentation.legs import extend_legs
+from artigen.segmentation.panels import back_knobs
 from artigen.segmentation.paths import clear_paths
 from artigen.segmentation.revolve import revolve_parts
 from artigen.segmentation.roughness import measure_roughness
@@ -205,5 +206,6 @@ def _mend(
     owners, reached = extend_shafts(owners, rows)
     owners, carried = extend_legs(owners, rows)
     owners, turned = revolve_parts(owners, rows)
-    notes = (*made, *filled, *cleared, *opened, *cleaned, *claimed, *reached, *carried, *turned)
+    owners, backed = back_knobs(owners, rows)
+    notes = (*made, *filled, *cleared, *opened, *cleaned, *claimed, *reached, *carried, *turned, *backed)
     return fields_of_owners(owners, rows, fields), notes
