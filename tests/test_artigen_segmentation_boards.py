@@ -69,6 +69,12 @@ def test_small_and_round_parts_stay_as_they_were_drawn(cupboard: np.ndarray):
     assert (remake(worn) == worn).all()
 
 
+def test_small_parts_keep_within_their_boxes(cupboard: np.ndarray):
+    swollen = cupboard.copy()
+    swollen[0, 13:17, 13:17] = 2
+    assert (remake(swollen) == cupboard).all()
+
+
 def test_a_turntable_stays_round():
     across, along = np.meshgrid(np.arange(EDGE) - 15.5, np.arange(EDGE) - 15.5, indexing="ij")
     owners = np.full((EDGE,) * 3, -1)

@@ -16,6 +16,11 @@ from artigen.segmentation.boxes import Box, fill_boxes, find_boxes
 from artigen.segmentation.rows import Owners
 from artigen.types import PartLabel
 
+SLACK = 0.25
+"""Cells that a board may reach out of the box of its part."""
+ROUNDING = 1e-3
+"""Cells that a box may reach into a cell without being in it."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class BoardsConfig:
@@ -36,7 +41,8 @@ class BoardsConfig:
     rounds: int = 2
     """How often boards and cuts take turns."""
     exempt: tuple[PartLabel, ...] = ("handle", "knob", "wheel")
-    """Parts that stay as they were drawn: small, or round. So do parts that turn without end."""
+    """Parts that stay as they were drawn, within their boxes: small, or round. So do parts that turn without
+    end."""
 
 
 def make_boards(
@@ -69,12 +75,13 @@ def make_boards(
     for number in np.argsort(-sizes):  # the smaller of two parts is drawn over the larger
         if number in exempt or not (before == number).any():
             continue
-        box = _reach(boxes[number], len(owners))
+        box = _reach(boxes[number], len(owners), SLACK)
         owned = before[box]
         within = (owned >= 0) & (sizes[owned] < sizes[number])
         after[box][_make_part(owned, number, evidence[box], cfg) & ~within] = number
     for number in exempt:
-        after[before == number] = number
+        box = _reach(boxes[number], len(owners), 0.0)
+        after[box][before[box] == number] = number
     if (after == before).all():
         return owners, ()
     filled, cleared = ((before < 0) & (after >= 0)).sum(), ((before >= 0) & (after < 0)).sum()
@@ -107,11 +114,11 @@ def _make_part(
     return solid | stays[pieces]
 
 
-def _reach(box: Float[np.ndarray, "6"], resolution: int) -> Box:
-    """The cells that a box reaches or comes within a quarter of a cell of."""
+def _reach(box: Float[np.ndarray, "6"], resolution: int, slack: float) -> Box:
+    """The cells that a box reaches or comes within some share of a cell of."""
     low = (box[:3] - box[3:] / 2 + 0.5) * resolution
     high = (box[:3] + box[3:] / 2 + 0.5) * resolution
-    first = np.floor(low - 0.25).clip(0, resolution - 1).astype(int)
-    last = np.ceil(high + 0.25).clip(first + 1, resolution).astype(int)
+    first = np.floor(low - slack + ROUNDING).clip(0, resolution - 1).astype(int)
+    last = np.ceil(high + slack - ROUNDING).clip(first + 1, resolution).astype(int)
     x, y, z = (slice(a, b) for a, b in zip(first, last, strict=True))
     return x, y, z
