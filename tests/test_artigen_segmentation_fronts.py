@@ -9,7 +9,7 @@ from artigen.segmentation.fronts import fill_fronts
 from artigen.segmentation.rows import read_owners
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.draw import draw_shape
-from artigen.types import PAPER_CATEGORIES
+from artigen.types import PAPER_CATEGORIES, PartLabel
 
 ROWS = np.stack([BASE, row("door", DOOR)])
 BIN = (slice(3, 6), slice(6, 26), slice(8, 12))
@@ -43,10 +43,16 @@ def test_a_torn_front_gets_its_panel_back_and_nothing_else(cupboard: np.ndarray)
     assert notes == ("1 fronts of doors and drawers were filled, by 448 cells at most",)
 
 
-def test_a_front_that_shows_three_quarters_stays(cupboard: np.ndarray):
-    window = cupboard.copy()
-    window[1:3, 10:22, 10:22] = -1
-    assert (fill_fronts(window, ROWS)[0] == window).all()
+@pytest.mark.parametrize(("label", "stays"), [("drawer", True), ("door", False)])
+def test_a_drawer_may_have_a_hole_in_its_front_and_a_door_none(
+    cupboard: np.ndarray, label: PartLabel, *, stays: bool
+):
+    rows = np.stack([BASE, row(label, DOOR)])
+    torn = cupboard.copy()
+    torn[1:3, 10:22, 10:18] = -1
+    torn[BIN] = -1
+    cupboard[BIN] = -1
+    assert (fill_fronts(torn, rows)[0] == (torn if stays else cupboard)).all()
 
 
 def test_a_round_front_stays_round():

@@ -1,8 +1,10 @@
 """Fronts of doors and drawers are whole: a stage of its own for those drawn in shreds.
 
-Of a true door or drawer, at least three quarters of the front of its box are there: a round door has the
-least. What was drawn with less is a rectangle or an ellipse that lost its cells, and gets them back.
+The front of a true door is a whole rectangle or ellipse; a drawer may have a grip cut into it, but shows
+three quarters. What was drawn with less has lost cells, and gets them back.
 """
+
+from collections.abc import Mapping
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -10,8 +12,8 @@ from jaxtyping import Bool, Float
 from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_rows
 from artigen.segmentation.rows import Owners
 
-WHOLE = 0.75
-"""Share of the front of its box that a part shows at least; below, it is filled."""
+WHOLE: Mapping[str, float] = {"door": 0.93, "drawer": 0.75}
+"""Share of the rectangle or ellipse of its front that a part shows at least; below, it is filled."""
 DEEP = 0.3
 """Share of a part's depth, from its front, in which its panel is sought."""
 NEAR = 3
@@ -34,9 +36,9 @@ def fill_fronts(
     filled = []
     for number, label in enumerate(labels):
         mine = owners == number
-        if label not in ("door", "drawer") or not mine.any():
+        if label not in WHOLE or not mine.any():
             continue
-        missing = _find_missing(mine, boxes[number]) & ((owners < 0) | base[owners])
+        missing = _find_missing(mine, boxes[number], WHOLE[label]) & ((owners < 0) | base[owners])
         if missing.any():
             owners[missing] = number
             filled.append(int(missing.sum()))
@@ -46,7 +48,9 @@ def fill_fronts(
     return owners, (note,)
 
 
-def _find_missing(mine: Bool[np.ndarray, "X Y Z"], box: Float[np.ndarray, "6"]) -> Bool[np.ndarray, "X Y Z"]:
+def _find_missing(
+    mine: Bool[np.ndarray, "X Y Z"], box: Float[np.ndarray, "6"], whole: float
+) -> Bool[np.ndarray, "X Y Z"]:
     """The cells that a front lacks in its panel; none where it is as whole as others."""
     center, size = box[:3], box[3:]
     low = np.round((center - size / 2 + 0.5) * len(mine)).clip(0, len(mine) - 1).astype(int)
@@ -57,8 +61,9 @@ def _find_missing(mine: Bool[np.ndarray, "X Y Z"], box: Float[np.ndarray, "6"]) 
     missing = np.zeros_like(mine)
     layers, lacks = (np.moveaxis(cells, along, 0)[(slice(None), *face)] for cells in (mine, missing))
     shown = layers.any(axis=0)
-    if shown.any() and shown.mean() < WHOLE:
-        lacks[find_panel(layers)] = _complete(shown) & ~shown
+    shape = _find_shape(shown)
+    if shown.any() and (shown & shape).sum() < whole * shape.sum():
+        lacks[find_panel(layers)] = shape & ~shown
     return missing
 
 
@@ -77,7 +82,7 @@ def find_panel(layers: Bool[np.ndarray, "D H W"]) -> slice:
     return slice(first, last + 1)
 
 
-def _complete(shown: Bool[np.ndarray, "H W"]) -> Bool[np.ndarray, "H W"]:
+def _find_shape(shown: Bool[np.ndarray, "H W"]) -> Bool[np.ndarray, "H W"]:
     """The rectangle or the ellipse of the front, whichever is more like what is shown."""
     y, z = (np.linspace(-1, 1, 2 * count + 1)[1::2] for count in shown.shape)
     ellipse = y[:, None] ** 2 + z[None] ** 2 <= 1.0
