@@ -60,7 +60,7 @@ def _find_missing(
     face = tuple(slice(low[axis], high[axis]) for axis in sides)
     missing = np.zeros_like(mine)
     layers, lacks = (np.moveaxis(cells, along, 0)[(slice(None), *face)] for cells in (mine, missing))
-    shown = layers.any(axis=0)
+    shown = np.asarray(layers.any(axis=0))
     shape = _find_shape(shown)
     if shown.any() and (shown & shape).sum() < whole * shape.sum():
         lacks[find_panel(layers)] = shape & ~shown

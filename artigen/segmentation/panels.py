@@ -40,8 +40,8 @@ def back_knobs(
             continue
         back, patch = _find_back(mine, along)
         carried = np.isin(owners, carriers)
-        near = owners[binary_dilation(mine, NEAR) & carried]
-        touched = np.count_nonzero(binary_dilation(mine) & carried)
+        near = owners[np.asarray(binary_dilation(mine, NEAR), dtype=bool) & carried]
+        touched = np.count_nonzero(np.asarray(binary_dilation(mine), dtype=bool) & carried)
         if not back.any() or not len(near) or touched >= HELD * back.sum():
             continue
         owners[patch & (owners < 0)] = np.bincount(near).argmax()

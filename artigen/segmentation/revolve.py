@@ -73,7 +73,7 @@ def _find_turning(rows: np.ndarray, labels: np.ndarray, layout: FieldLayout) -> 
 
 
 def _part_dials(
-    owners: Owners, number: int, dials: Bool[np.ndarray, "N"], swept: Bool[np.ndarray, "X Y Z"]
+    owners: Owners, number: np.intp, dials: Bool[np.ndarray, "N"], swept: Bool[np.ndarray, "X Y Z"]
 ) -> None:
     """Takes what a dial sweeps from other dials, in place, where it leaves them the greater part."""
     for other in np.flatnonzero(dials & (np.arange(len(dials)) != number)):
@@ -83,7 +83,11 @@ def _part_dials(
 
 
 def _lift_off_panel(
-    owners: Owners, number: int, base: Bool[np.ndarray, "N"], radii: Float[np.ndarray, "X Y Z"], along: int
+    owners: Owners,
+    number: np.intp,
+    base: Bool[np.ndarray, "N"],
+    radii: Float[np.ndarray, "X Y Z"],
+    along: int,
 ) -> None:
     """Gives the layers of a dial that lie within its panel to the panel, in place, where others are left."""
     mine, panel = owners == number, (owners >= 0) & base[owners]
@@ -93,10 +97,7 @@ def _lift_off_panel(
     held = (panel & around).sum(axis=sides) / around.sum(axis=sides)
     within = (held >= 0.5) & mine.any(axis=sides)
     if within.any() and (mine.any(axis=sides) & ~within).any():
-        layers = [slice(None)] * 3
-        layers[along] = np.flatnonzero(within)
-        chosen = np.zeros_like(mine)
-        chosen[tuple(layers)] = True
+        chosen = np.moveaxis(np.broadcast_to(within, mine.shape), 2, along)
         owners[mine & chosen] = int(np.flatnonzero(base)[0])
 
 
