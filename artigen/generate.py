@@ -1,6 +1,8 @@
 """Condition and seed to an `Asset`: sample outline and latent, decode, mend, segment; nothing else."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -30,9 +32,10 @@ from artigen.segmentation.fronts import fill_fronts
 from artigen.segmentation.legs import extend_legs
 from artigen.segmentation.panels import back_knobs
 from artigen.segmentation.paths import clear_paths
+from artigen.segmentation.relief import flatten_faces
 from artigen.segmentation.revolve import revolve_parts
 from artigen.segmentation.roughness import measure_roughness
-from artigen.segmentation.rows import fields_of_owners, read_owners
+from artigen.segmentation.rows import Owners, fields_of_owners, read_owners
 from artigen.segmentation.shafts import extend_shafts
 from artigen.types import Asset
 
@@ -195,17 +198,27 @@ def _mend(
     """Drawn cells made whole, and what was done; without an outline, only strays are removed."""
     if rows is None:
         return remove_strays(fields, cfg.clean)
-    owners, made = read_owners(fields, rows), ()
+    stages: list[Callable[[Owners], tuple[Owners, tuple[str, ...]]]] = [
+        partial(fill_fronts, rows=rows),
+        partial(flatten_faces, rows=rows),
+        partial(clear_paths, logits=logits, rows=rows),
+        partial(clear_doorways, rows=rows),
+        partial(_clear_strays, cfg=cfg.clean),
+        partial(claim_cells, rows=rows),
+        partial(extend_shafts, rows=rows),
+        partial(extend_legs, rows=rows),
+        partial(revolve_parts, rows=rows),
+        partial(back_knobs, rows=rows),
+    ]
     if cfg.boards is not None:
-        owners, made = make_boards(owners, logits, rows, cfg.boards)
-    owners, filled = fill_fronts(owners, rows)
-    owners, cleared = clear_paths(owners, logits, rows)
-    owners, opened = clear_doorways(owners, rows)
-    strays, cleaned = find_strays(owners >= 0, cfg.clean)
-    owners, claimed = claim_cells(np.where(strays, -1, owners), rows)
-    owners, reached = extend_shafts(owners, rows)
-    owners, carried = extend_legs(owners, rows)
-    owners, turned = revolve_parts(owners, rows)
-    owners, backed = back_knobs(owners, rows)
-    notes = (*made, *filled, *cleared, *opened, *cleaned, *claimed, *reached, *carried, *turned, *backed)
-    return fields_of_owners(owners, rows, fields), notes
+        stages.insert(0, partial(make_boards, logits=logits, rows=rows, cfg=cfg.boards))
+    owners, notes = read_owners(fields, rows), []
+    for stage in stages:
+        owners, said = stage(owners)
+        notes += said
+    return fields_of_owners(owners, rows, fields), tuple(notes)
+
+
+def _clear_strays(owners: Owners, cfg: CleanConfig) -> tuple[Owners, tuple[str, ...]]:
+    strays, said = find_strays(owners >= 0, cfg)
+    return np.where(strays, -1, owners), said
