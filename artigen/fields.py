@@ -246,6 +246,13 @@ def name_rows(table: Float[np.ndarray, "P C"], layout: FieldLayout = DEFAULT_LAY
     return tuple(layout.labels[row.argmax()] for row in table[:, after_occupancy(layout.label)])
 
 
+def name_joints(
+    table: Float[np.ndarray, "P C"], layout: FieldLayout = DEFAULT_LAYOUT
+) -> tuple[JointType, ...]:
+    """Joint types of the rows of `tabulate_parts`."""
+    return tuple(layout.joint_types[row.argmax()] for row in table[:, after_occupancy(layout.joint_type)])
+
+
 def encode(asset: Asset, layout: FieldLayout = DEFAULT_LAYOUT) -> Float[np.ndarray, "C X Y Z"]:
     """Writes an asset's voxels and parts into a dense float32 field; empty cells are zero.
 

@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy.ndimage import label as number_pieces
 
-from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_rows
+from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_joints, name_rows
 from artigen.segmentation.boxes import Box, fill_boxes, find_boxes
 from artigen.segmentation.rows import Owners
 from artigen.types import PartLabel
@@ -64,13 +64,14 @@ def make_boards(
     cfg, before = cfg or BoardsConfig(), owners
     after = np.full_like(before, -1)
     evidence = (logits / cfg.certain).clip(-1.0, 1.0)
-    joints = rows[:, after_occupancy(layout.joint_type)].argmax(axis=1)
     boxes = rows[:, after_occupancy(layout.box)]
     sizes = boxes[:, 3:].prod(axis=1)
     exempt = [
         number
-        for number, (label, joint) in enumerate(zip(name_rows(rows, layout), joints, strict=True))
-        if label in cfg.exempt or layout.joint_types[joint] == "continuous"
+        for number, (label, joint) in enumerate(
+            zip(name_rows(rows, layout), name_joints(rows, layout), strict=True)
+        )
+        if label in cfg.exempt or joint == "continuous"
     ]
     for number in np.argsort(-sizes):  # the smaller of two parts is drawn over the larger
         if number in exempt or not (before == number).any():

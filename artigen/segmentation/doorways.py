@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float
 from scipy.spatial.transform import Rotation
 
-from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_rows
+from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_joints, name_rows
 from artigen.segmentation.fronts import find_panel
 from artigen.segmentation.rows import Owners
 
@@ -24,7 +24,7 @@ def clear_doorways(
         layout: channels.
     """
     owners, labels = owners.copy(), name_rows(rows, layout)
-    kinds = np.array(layout.joint_types)[rows[:, after_occupancy(layout.joint_type)].argmax(axis=1)]
+    kinds = np.array(name_joints(rows, layout))
     boxes = rows[:, after_occupancy(layout.box)]
     gone = 0
     for door in np.flatnonzero((np.array(labels) == "door") & (kinds == "revolute")):

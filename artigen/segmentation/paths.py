@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 from scipy.ndimage import binary_erosion
 
-from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_rows
+from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_joints, name_rows
 from artigen.segmentation.rows import Owners
 from artigen.types import PartLabel
 
@@ -38,8 +38,7 @@ def clear_paths(
         layout: channels.
     """
     owners, labels = owners.copy(), name_rows(rows, layout)
-    kinds = rows[:, after_occupancy(layout.joint_type)].argmax(axis=1)
-    slides = (kinds == layout.joint_types.index("prismatic")) & np.isin(labels, list(SLIDING))
+    slides = (np.array(name_joints(rows, layout)) == "prismatic") & np.isin(labels, list(SLIDING))
     stays = np.isin(owners, np.flatnonzero(np.isin(labels, list(OBSTACLES))))
     boxes, fittings = rows[:, after_occupancy(layout.box)], np.flatnonzero(np.isin(labels, list(FITTINGS)))
     weights = np.abs(logits) + 1.0  # cells that no logit speaks for count, too

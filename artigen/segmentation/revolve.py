@@ -8,7 +8,7 @@ rings that a part sweeps. A dial sits on its panel, not in it.
 import numpy as np
 from jaxtyping import Bool, Float
 
-from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_rows
+from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_joints, name_rows
 from artigen.segmentation.rows import Owners
 from artigen.types import PartLabel
 
@@ -65,7 +65,7 @@ def revolve_parts(
 
 def _find_turning(rows: np.ndarray, labels: np.ndarray, layout: FieldLayout) -> Bool[np.ndarray, "N"]:
     """Drums that turn without end, and dials that turn about their middle."""
-    kinds = np.array(layout.joint_types)[rows[:, after_occupancy(layout.joint_type)].argmax(axis=1)]
+    kinds = np.array(name_joints(rows, layout))
     off = rows[:, after_occupancy(layout.origin)] - rows[:, after_occupancy(layout.box)][:, :3]
     across = np.where(np.abs(rows[:, after_occupancy(layout.axis)]) < 0.5, np.abs(off), 0.0).max(axis=1)
     dials = (labels == DIAL) & np.isin(kinds, ("continuous", "revolute")) & (across <= CENTRED)

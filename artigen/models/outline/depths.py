@@ -11,7 +11,7 @@ from itertools import combinations
 import numpy as np
 from jaxtyping import Bool, Float
 
-from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_rows
+from artigen.fields import DEFAULT_LAYOUT, FieldLayout, name_joints, name_rows
 from artigen.models.outline.boxes import CELL, box_views
 
 INSIDE = ("drawer", "tray", "shelf")
@@ -51,7 +51,7 @@ def order_depths(
         layout: channels.
     """
     cfg, labels = cfg or OutlineDepthsConfig(), np.array(name_rows(rows, layout))
-    kinds = np.array(layout.joint_types)[rows[:, after_occupancy(layout.joint_type)].argmax(axis=1)]
+    kinds = np.array(name_joints(rows, layout))
     tucked = _tuck_inside(rows, labels, kinds, cfg, layout)
     parted = _part_sliding(rows, (labels == "door") & (kinds == "prismatic"), cfg, layout)
     said = [

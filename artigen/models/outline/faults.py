@@ -12,7 +12,7 @@ from itertools import combinations
 import numpy as np
 from jaxtyping import Float
 
-from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_rows
+from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_joints, name_rows
 from artigen.models.outline.boxes import CELL, FRONTS, box_views
 from artigen.segmentation.tree import ALLOWED_PARENTS
 from artigen.types import JointType, PartLabel
@@ -146,7 +146,7 @@ def _read(rows: np.ndarray, layout: FieldLayout) -> _Boxes:
     return _Boxes(
         names=tuple(names),
         labels=labels,
-        kinds=tuple(layout.joint_types[row.argmax()] for row in rows[:, after_occupancy(layout.joint_type)]),
+        kinds=name_joints(rows, layout),
         low=center - size / 2,
         high=center + size / 2,
         axis=rows[:, after_occupancy(layout.axis)],

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from jaxtyping import Float
 
-from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_rows
+from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_joints, name_rows
 from artigen.models.outline.align import OutlineAlignConfig, align_outline
 from artigen.models.outline.boxes import CELL, FRONTS, box_views
 from artigen.models.outline.depths import OutlineDepthsConfig, order_depths
@@ -98,7 +98,7 @@ def _clip_boxes(rows: np.ndarray, cfg: OutlineRegulariseConfig, layout: FieldLay
 
 def _straighten_axes(rows: np.ndarray, cfg: OutlineRegulariseConfig, layout: FieldLayout) -> str:
     axis = rows[:, after_occupancy(layout.axis)]
-    fixed = _types(rows, layout) == layout.joint_types.index("fixed")
+    fixed = np.array(name_joints(rows, layout)) == "fixed"
     axis[fixed] = 0.0
     length = np.linalg.norm(axis, axis=1)
     turned = []
@@ -120,7 +120,7 @@ def _straighten_axes(rows: np.ndarray, cfg: OutlineRegulariseConfig, layout: Fie
 def _settle_ranges(rows: np.ndarray, cfg: OutlineRegulariseConfig, layout: FieldLayout) -> str:
     """Ranges that their joints have, at least a little; fixed parts have none, wheels a full turn."""
     turn, travel = (rows[:, layout.range.start - 1 + offset] for offset in (0, 1))
-    kinds = np.array(layout.joint_types)[_types(rows, layout)]
+    kinds = np.array(name_joints(rows, layout))
     turn[np.isin(kinds, ("fixed", "prismatic"))] = 0.0
     travel[np.isin(kinds, ("fixed", "revolute", "continuous"))] = 0.0
     turn[kinds == "continuous"] = 1.0
@@ -216,7 +216,7 @@ def _place_axes(rows: np.ndarray, cfg: OutlineRegulariseConfig, layout: FieldLay
     center, size = box_views(rows, layout)
     origin = rows[:, after_occupancy(layout.origin)]
     axis = rows[:, after_occupancy(layout.axis)]
-    kinds = np.array(layout.joint_types)[_types(rows, layout)]
+    kinds = np.array(name_joints(rows, layout))
     names = name_rows(rows, layout)
     still = np.isin(kinds, ("fixed", "prismatic"))
     origin[still] = center[still]
@@ -239,7 +239,3 @@ def _place_axes(rows: np.ndarray, cfg: OutlineRegulariseConfig, layout: FieldLay
     if not moved:
         return ""
     return f"outline: {len(moved)} axes put to an edge or a centre, {max(moved) / CELL:.1f} cells at most"
-
-
-def _types(rows: np.ndarray, layout: FieldLayout) -> np.ndarray:
-    return rows[:, after_occupancy(layout.joint_type)].argmax(axis=1)
