@@ -268,3 +268,11 @@ def test_a_panel_with_a_step_on_either_side_is_no_slant():
     assert len(find_slants(planes).planes) == 0
     assert find_slants(planes).flat[1][3, 8:34].all()
     assert find_slants(planes).flat[0][1].all()
+
+
+def test_a_part_of_nothing_but_specks_stays():
+    """Two cells, one behind the other, sunk into a body: each alone in its layer, and all of a knob."""
+    cells = np.argwhere(np.ones((5, 5, 4), dtype=bool)) + 2
+    sunk = (cells[:, :2] == 4).all(axis=1) & np.isin(cells[:, 2], (3, 4))
+    grid = VoxelGrid(resolution=16, coords=cells, part_ids=sunk.astype(int))
+    assert part_occupancy(grid, 1).occupancy.sum() == 2

@@ -104,7 +104,7 @@ def _shave_specks(own: np.ndarray, others: np.ndarray) -> np.ndarray:
     """Without single cells and pairs that stick out of a layer of this part into another part.
 
     Such a cell has this part behind it, in its own layer only cells of others and at most one of
-    this part, and no empty cell.
+    this part, and no empty cell. A part of nothing but specks stays.
     """
     specks = np.zeros_like(own)
     neighbours = {axis: [np.roll(own, shift, axis) for shift in (1, -1)] for axis in range(3)}
@@ -116,7 +116,7 @@ def _shave_specks(own: np.ndarray, others: np.ndarray) -> np.ndarray:
         alone &= np.sum(foreign + beside, axis=0, dtype=np.int8) == 4
         behind, front = neighbours[normal]
         specks |= own & alone & (behind ^ front)
-    return own & ~specks
+    return own & ~specks if (own & ~specks).any() else own
 
 
 def _pits(own: np.ndarray, others: np.ndarray) -> np.ndarray:
