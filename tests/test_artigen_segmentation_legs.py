@@ -60,3 +60,12 @@ def test_a_wheel_without_a_body_above_stays(table: np.ndarray):
     made, notes = extend_legs(torn, ROWS)
     assert (made == torn).all()
     assert notes == ()
+
+
+def test_without_a_body_wheels_stay():
+    x, y, z = WHEELS[0]
+    owners = np.full((EDGE,) * 3, -1)
+    owners[x, y, z] = 0
+    made, notes = extend_legs(owners, ROWS[1:2])
+    assert (made == owners).all()
+    assert notes == ()

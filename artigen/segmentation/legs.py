@@ -27,18 +27,17 @@ def extend_legs(
         layout: channels.
     """
     owners, labels = owners.copy(), np.array(name_rows(rows, layout))
-    body = int(np.flatnonzero(labels == "base")[0])
-    lengths = []
-    for number in np.flatnonzero(labels == "wheel"):
+    bodies, lengths = np.flatnonzero(labels == "base"), []
+    for number in np.flatnonzero(labels == "wheel") if len(bodies) else ():
         own = owners == number
         carriers = np.isin(owners, np.flatnonzero(np.isin(labels, list(ALLOWED_PARENTS["wheel"])))) & ~own
         around = np.asarray(ndimage.binary_dilation(own, np.ones((3, 3, 3))), dtype=bool)
         if not own.any() or (around & carriers).any():
             continue
-        leg = _find_leg(own, owners == body)
+        leg = _find_leg(own, owners == bodies[0])
         if leg.any():
             lengths.append(int(leg.any(axis=(0, 1)).sum()))
-            owners[leg & (owners < 0)] = body
+            owners[leg & (owners < 0)] = bodies[0]
     if not lengths:
         return owners, ()
     return owners, (f"{len(lengths)} wheels were given legs, of {max(lengths)} cells at most",)
