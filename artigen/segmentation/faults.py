@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import ConvexHull
 
+from artigen.segmentation.fronts import view_front
 from artigen.types import Asset, Part, VoxelGrid
 
 
@@ -60,13 +61,6 @@ def _measure_stand(voxels: VoxelGrid, layers: int) -> float:
 
 def _share_of_front(voxels: VoxelGrid, number: int, part: Part) -> float:
     """Share of a front that its cells cover, seen along its depth; of a lid, along its least edge."""
-    center, size = part.box
-    edge = voxels.resolution
-    low = np.round((center - size / 2 + 0.5) * edge).astype(int)
-    high = np.maximum(np.round((center + size / 2 + 0.5) * edge).astype(int), low + 1)
-    along = 0 if size[0] <= size[1:].max() else int(size.argmin())
-    sides = [axis for axis in range(3) if axis != along]
-    front = np.zeros(high[sides] - low[sides], dtype=bool)
-    seen = voxels.coords[voxels.part_ids == number][:, sides] - low[sides]
-    front[tuple(seen[((seen >= 0) & (seen < front.shape)).all(axis=1)].T)] = True
-    return float(front.mean())
+    mine = np.zeros((voxels.resolution,) * 3, dtype=bool)
+    mine[tuple(voxels.coords[voxels.part_ids == number].T)] = True
+    return float(view_front(mine, *part.box).any(axis=0).mean())

@@ -52,19 +52,24 @@ def _find_missing(
     mine: Bool[np.ndarray, "X Y Z"], box: Float[np.ndarray, "6"], whole: float
 ) -> Bool[np.ndarray, "X Y Z"]:
     """The cells that a front lacks in its panel; none where it is as whole as others."""
-    center, size = box[:3], box[3:]
-    low = np.round((center - size / 2 + 0.5) * len(mine)).clip(0, len(mine) - 1).astype(int)
-    high = np.round((center + size / 2 + 0.5) * len(mine)).clip(low + 1, len(mine)).astype(int)
-    along = 0 if size[0] <= size[1:].max() else 1 + int(size[1:].argmin())  # fronts face -x, lids lie
-    sides = [axis for axis in range(3) if axis != along]
-    face = tuple(slice(low[axis], high[axis]) for axis in sides)
     missing = np.zeros_like(mine)
-    layers, lacks = (np.moveaxis(cells, along, 0)[(slice(None), *face)] for cells in (mine, missing))
+    layers, lacks = (view_front(cells, box[:3], box[3:]) for cells in (mine, missing))
     shown = np.asarray(layers.any(axis=0))
     shape = _find_shape(shown)
     if shown.any() and (shown & shape).sum() < whole * shape.sum():
         lacks[find_panel(layers)] = shape & ~shown
     return missing
+
+
+def view_front(
+    cells: Bool[np.ndarray, "X Y Z"], center: Float[np.ndarray, "3"], size: Float[np.ndarray, "3"]
+) -> Bool[np.ndarray, "D H W"]:
+    """A view of the cells along the front of a box, the layers first: those along x, of a lid from below."""
+    low = np.round((center - size / 2 + 0.5) * len(cells)).clip(0, len(cells) - 1).astype(int)
+    high = np.round((center + size / 2 + 0.5) * len(cells)).clip(low + 1, len(cells)).astype(int)
+    along = 0 if size[0] <= size[1:].max() else 1 + int(size[1:].argmin())  # fronts face -x, lids lie
+    face = (slice(low[axis], high[axis]) for axis in range(3) if axis != along)
+    return np.moveaxis(cells, along, 0)[(slice(None), *face)]
 
 
 def find_panel(layers: Bool[np.ndarray, "D H W"]) -> slice:
@@ -84,7 +89,11 @@ def find_panel(layers: Bool[np.ndarray, "D H W"]) -> slice:
 
 def _find_shape(shown: Bool[np.ndarray, "H W"]) -> Bool[np.ndarray, "H W"]:
     """The rectangle or the ellipse of the front, whichever is more like what is shown."""
-    y, z = (np.linspace(-1, 1, 2 * count + 1)[1::2] for count in shown.shape)
-    ellipse = y[:, None] ** 2 + z[None] ** 2 <= 1.0
-    shapes = (np.ones_like(shown), ellipse)
+    shapes = (np.ones_like(shown), draw_ellipse(*shown.shape))
     return max(shapes, key=lambda shape: (shape & shown).sum() / (shape | shown).sum())
+
+
+def draw_ellipse(height: int, width: int) -> Bool[np.ndarray, "H W"]:
+    """The cells of a rectangle whose middles lie in its ellipse."""
+    y, z = (np.linspace(-1, 1, 2 * count + 1)[1::2] for count in (height, width))
+    return y[:, None] ** 2 + z[None] ** 2 <= 1.0

@@ -12,6 +12,7 @@ from jaxtyping import Bool, Float, Int
 from scipy.ndimage import binary_fill_holes, find_objects, label
 
 from artigen.fields import DEFAULT_LAYOUT, FieldLayout, name_rows
+from artigen.segmentation.fronts import draw_ellipse
 from artigen.segmentation.rows import Owners
 
 FACES = {
@@ -79,7 +80,6 @@ def _find_pieces(cells: Bool[np.ndarray, "H W"]) -> Iterator[Bool[np.ndarray, "H
     label(cells, output=pieces)
     for index, place in enumerate(find_objects(pieces), start=1):
         inside = np.asarray(binary_fill_holes(pieces[place] == index))
-        y, z = (np.linspace(-1, 1, 2 * count + 1)[1::2] for count in inside.shape)
-        disc = y[:, None] ** 2 + z[None] ** 2 <= 1.0
+        disc = draw_ellipse(*inside.shape)
         if inside.mean() < REGULAR and (inside & disc).sum() < REGULAR * (inside | disc).sum():
             yield pieces == index

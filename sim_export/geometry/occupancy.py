@@ -116,7 +116,8 @@ def _shave_specks(own: np.ndarray, others: np.ndarray) -> np.ndarray:
         alone &= np.sum(foreign + beside, axis=0, dtype=np.int8) == 4
         behind, front = neighbours[normal]
         specks |= own & alone & (behind ^ front)
-    return own & ~specks if (own & ~specks).any() else own
+    left = own & ~specks
+    return left if left.any() else own
 
 
 def _pits(own: np.ndarray, others: np.ndarray) -> np.ndarray:
