@@ -1,17 +1,16 @@
 """Condition and seed to an `Asset`: sample outline and latent, decode, mend, segment; nothing else."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from functools import partial
 from pathlib import Path
 
 import numpy as np
 import torch
-from jaxtyping import Float
 
 from artigen.datasets.sizes import estimate_size
 from artigen.errors import SegmentationError, SourceError
-from artigen.fields import VoxelFields
+from artigen.mending.faults import AssetFaultsConfig, find_asset_faults
+from artigen.mending.mend import MendConfig, mend_cells
+from artigen.mending.roughness import measure_roughness
 from artigen.models.conditions import StructureCondition, gather_conditions
 from artigen.models.outline.batch import OutlineBatch
 from artigen.models.outline.draw import OutlineConfig, draw_outline
@@ -23,20 +22,6 @@ from artigen.models.structure_flow import StructureFlow, sample_latents
 from artigen.models.structure_vae import StructureVae, decode_cells
 from artigen.sampling import SamplerConfig
 from artigen.segment import SegmentConfig, segment
-from artigen.segmentation.boards import BoardsConfig, make_boards
-from artigen.segmentation.claim import claim_cells
-from artigen.segmentation.clean import CleanConfig, find_strays, remove_strays
-from artigen.segmentation.doorways import clear_doorways
-from artigen.segmentation.faults import AssetFaultsConfig, find_asset_faults
-from artigen.segmentation.fronts import fill_fronts
-from artigen.segmentation.legs import extend_legs
-from artigen.segmentation.panels import back_knobs
-from artigen.segmentation.paths import clear_paths
-from artigen.segmentation.relief import flatten_faces
-from artigen.segmentation.revolve import revolve_parts
-from artigen.segmentation.roughness import measure_roughness
-from artigen.segmentation.rows import Owners, fields_of_owners, read_owners
-from artigen.segmentation.shafts import extend_shafts
 from artigen.types import Asset
 
 
@@ -61,16 +46,14 @@ class GenerateConfig:
     """How the outline is drawn."""
     steady: SteadyConfig | None = field(default_factory=SteadyConfig)
     """How much cells listen to those in line with them, where outlines are drawn; None: not at all."""
-    boards: BoardsConfig | None = field(default_factory=BoardsConfig)
-    """What counts as a board, where outlines are drawn; None: cells stay as they are."""
-    clean: CleanConfig = field(default_factory=CleanConfig)
-    """What counts as a stray piece."""
+    mend: MendConfig = field(default_factory=MendConfig)
+    """How drawn cells are made whole."""
     segment: SegmentConfig = field(default_factory=SegmentConfig)
     """How parts are found."""
     faults: AssetFaultsConfig = field(default_factory=AssetFaultsConfig)
     """What cannot be, so that all is drawn again."""
     smooth: float = 0.15
-    """Bends per face of a surface that no smoother one is sought for (`artigen.segmentation.roughness`)."""
+    """Bends per face of a surface that no smoother one is sought for (`artigen.mending.roughness`)."""
     draws: int = 6
     """Draws at most; that with the fewest faults stays, and of those the smoothest."""
 
@@ -173,7 +156,7 @@ def _draw(
         outlines = OutlineBatch(rows=torch.from_numpy(rows)[None].to(device), given=given)
     latent = sample_latents(model.flow, known, nothing, noise, cfg.sampler, outlines)
     decoded, logits = decode_cells(model.vae, latent, outlines, cfg.steady)
-    fields, mended = _mend(decoded[0], logits[0].cpu().numpy(), rows, cfg)
+    fields, mended = mend_cells(decoded[0], logits[0].cpu().numpy(), rows, cfg.mend)
     asset = segment(
         fields,
         cfg.segment,
@@ -187,38 +170,3 @@ def _draw(
         asset = replace(asset, scale=longest)
         notes = (*notes, f"no size was asked for: {longest:.2f} m along the longest edge is usual")
     return replace(asset, notes=notes), left
-
-
-def _mend(
-    fields: VoxelFields,
-    logits: Float[np.ndarray, "X Y Z"],
-    rows: Float[np.ndarray, "N C"] | None,
-    cfg: GenerateConfig,
-) -> tuple[VoxelFields, tuple[str, ...]]:
-    """Drawn cells made whole, and what was done; without an outline, only strays are removed."""
-    if rows is None:
-        return remove_strays(fields, cfg.clean)
-    stages: list[Callable[[Owners], tuple[Owners, tuple[str, ...]]]] = [
-        partial(fill_fronts, rows=rows),
-        partial(flatten_faces, rows=rows),
-        partial(clear_paths, logits=logits, rows=rows),
-        partial(clear_doorways, rows=rows),
-        partial(_clear_strays, cfg=cfg.clean),
-        partial(claim_cells, rows=rows),
-        partial(extend_shafts, rows=rows),
-        partial(extend_legs, rows=rows),
-        partial(revolve_parts, rows=rows),
-        partial(back_knobs, rows=rows),
-    ]
-    if cfg.boards is not None:
-        stages.insert(0, partial(make_boards, logits=logits, rows=rows, cfg=cfg.boards))
-    owners, notes = read_owners(fields, rows), []
-    for stage in stages:
-        owners, said = stage(owners)
-        notes += said
-    return fields_of_owners(owners, rows, fields), tuple(notes)
-
-
-def _clear_strays(owners: Owners, cfg: CleanConfig) -> tuple[Owners, tuple[str, ...]]:
-    strays, said = find_strays(owners >= 0, cfg)
-    return np.where(strays, -1, owners), said

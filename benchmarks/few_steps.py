@@ -20,6 +20,7 @@ import tyro
 from artigen.claim import claim_folder
 from artigen.errors import ArtigenError
 from artigen.generate import GenerateConfig, StructureModel, load_structure_model
+from artigen.mending.roughness import measure_roughness
 from artigen.metrics.draws import DrawJob, draw_all
 from artigen.metrics.instantiation import PosedSet, pose_set
 from artigen.metrics.report import ROWS, format_score, format_table
@@ -27,7 +28,6 @@ from artigen.metrics.score import ScoreConfig, Scores, score_objects, score_set
 from artigen.metrics.subjects import Subject, describe_subject, draw_subjects
 from artigen.models.store import hash_model
 from artigen.sampling import SamplerConfig, is_guided, plan_times
-from artigen.segmentation.roughness import measure_roughness
 from artigen.types import Asset
 
 SHOWN = ("valid", "counts", "size", "strict_rest", "strict_articulated", "mmd", "coverage", "one_nna")

@@ -10,7 +10,7 @@ from jaxtyping import install_import_hook
 with install_import_hook(["artigen", "sim_export", "envs"], "beartype.beartype"):
     from artigen.datasets.sample import sample_asset
     from artigen.fields import VoxelFields, decode, encode, tabulate_parts
-    from artigen.segmentation.rows import Owners, read_owners
+    from artigen.mending.rows import Owners, read_owners
     from artigen.types import Asset
     from artigen.voxels import voxelize
 

@@ -17,10 +17,10 @@ from artigen.generate import (
     generate_structure,
     load_structure_model,
 )
+from artigen.mending.clean import CleanConfig, remove_strays, select_cells
 from artigen.models.conditions import StructureCondition
 from artigen.models.presets import PRESETS
 from artigen.models.store import save_model
-from artigen.segmentation.clean import CleanConfig, remove_strays, select_cells
 from artigen.types import Asset
 
 

@@ -7,9 +7,9 @@ import pytest
 
 from artigen.errors import SegmentationError
 from artigen.fields import VoxelFields, decode, encode
+from artigen.mending.clean import select_cells
 from artigen.segment import SegmentConfig, segment
 from artigen.segmentation.aggregate import aggregate_part, dominant_axis, fuse_box, nearest_point_to_lines
-from artigen.segmentation.clean import select_cells
 from artigen.segmentation.field_noise import TABLE_4, TABLES_3_AND_4, FieldNoise, add_noise
 from artigen.segmentation.neighbours import connected_groups, neighbour_pairs
 from artigen.segmentation.regularise import RegulariseConfig, regularise

@@ -11,11 +11,11 @@ from artigen.errors import SegmentationError
 from artigen.generate import GenerateConfig, StructureModel, generate_structure
 from artigen.io import read_asset, write_asset
 from artigen.journal import append_line, read_lines
+from artigen.mending.clean import remove_strays
 from artigen.metrics.subjects import Subject
 from artigen.models.conditions import StructureCondition
 from artigen.models.structure_vae import decode_fields
 from artigen.segment import segment
-from artigen.segmentation.clean import remove_strays
 from artigen.train.batches import outline_batch, patch_batch
 from artigen.types import Asset
 
@@ -88,7 +88,7 @@ def reconstruct(model: StructureModel, subject: Subject, cfg: GenerateConfig) ->
     with torch.no_grad():
         mean, _ = model.vae.encode(patch_batch([subject.example]).to(device))
     fields, _ = remove_strays(
-        decode_fields(model.vae, mean, outline_batch([subject.example]).to(device))[0], cfg.clean
+        decode_fields(model.vae, mean, outline_batch([subject.example]).to(device))[0], cfg.mend.clean
     )
     asset = subject.asset
     try:

@@ -1,7 +1,7 @@
 """Boards out of drawn cells, a stage of its own: panels become flat, whole and straight at the rim.
 
 A network draws the panels of furniture with dents, pinholes and ragged rims. Every part is told anew as the
-boxes that its cells speak for most (`artigen.segmentation.boxes`): what is missing in one is filled, what
+boxes that its cells speak for most (`artigen.mending.boxes`): what is missing in one is filled, what
 sticks out of all of them goes, and recesses and openings, which are boxes too, are cut again.
 """
 
@@ -12,8 +12,8 @@ from jaxtyping import Bool, Float, Int
 from scipy.ndimage import label as number_pieces
 
 from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_joints, name_rows
-from artigen.segmentation.boxes import Box, fill_boxes, find_boxes
-from artigen.segmentation.rows import Owners
+from artigen.mending.boxes import Box, fill_boxes, find_boxes
+from artigen.mending.rows import Owners
 from artigen.types import PartLabel
 
 SLACK = 0.25

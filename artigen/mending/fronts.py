@@ -10,7 +10,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_rows
-from artigen.segmentation.rows import Owners
+from artigen.mending.rows import Owners
 
 WHOLE: Mapping[str, float] = {"door": 0.93, "drawer": 0.75}
 """Share of the rectangle or ellipse of its front that a part shows at least; below, it is filled."""

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from cupboard import EDGE, row
 
-from artigen.segmentation.panels import back_knobs
+from artigen.mending.panels import back_knobs
 
 BODY = (slice(4, 28), slice(4, 28), slice(4, 28))
 FRONT, TOP = (slice(2, 4), slice(10, 14), slice(10, 14)), (slice(14, 18), slice(14, 18), slice(28, 30))

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import ConvexHull
 
-from artigen.segmentation.fronts import view_front
+from artigen.mending.fronts import view_front
 from artigen.types import Asset, Part, VoxelGrid
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from cupboard import BASE, carcass, row
 
-from artigen.segmentation.doorways import clear_doorways
+from artigen.mending.doorways import clear_doorways
 
 DOOR = (slice(0, 6), slice(4, 28), slice(4, 28))
 DRAWER = (slice(7, 24), slice(6, 26), slice(8, 14))

@@ -10,7 +10,7 @@ from jaxtyping import Bool, Float
 from scipy.ndimage import binary_erosion
 
 from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_joints, name_rows
-from artigen.segmentation.rows import Owners
+from artigen.mending.rows import Owners
 from artigen.types import PartLabel
 
 SLIDING: frozenset[PartLabel] = frozenset({"drawer", "tray"})

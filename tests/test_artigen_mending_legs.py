@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from cupboard import EDGE, row
 
-from artigen.segmentation.legs import extend_legs
+from artigen.mending.legs import extend_legs
 
 TOP = (slice(4, 28), slice(4, 28), slice(20, 22))
 WHEELS = [(slice(x, x + 3), slice(y, y + 2), slice(0, 3)) for x in (5, 24) for y in (5, 25)]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from cupboard import BASE, EDGE, carcass, row
 
-from artigen.segmentation.relief import flatten_faces
+from artigen.mending.relief import flatten_faces
 
 DOOR = (slice(1, 4), slice(4, 28), slice(4, 28))
 ROWS = np.stack([BASE, row("door", DOOR, "revolute", axis=(0, 0, 1), turn=0.25)])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from cupboard import EDGE, row
 
-from artigen.segmentation.revolve import revolve_parts
+from artigen.mending.revolve import revolve_parts
 
 TUB = (slice(2, 30),) * 3
 DRUM = (slice(8, 24), slice(5, 27), slice(5, 27))

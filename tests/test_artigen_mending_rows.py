@@ -3,7 +3,7 @@
 import numpy as np
 
 from artigen.fields import VoxelFields
-from artigen.segmentation.rows import Owners, fields_of_owners, read_owners
+from artigen.mending.rows import Owners, fields_of_owners, read_owners
 from artigen.types import Asset
 
 

@@ -9,8 +9,8 @@ from jaxtyping import Float
 from scipy.spatial.transform import Rotation
 
 from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_joints, name_rows
-from artigen.segmentation.fronts import find_panel
-from artigen.segmentation.rows import Owners
+from artigen.mending.fronts import find_panel
+from artigen.mending.rows import Owners
 
 
 def clear_doorways(

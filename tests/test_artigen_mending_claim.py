@@ -3,9 +3,9 @@
 import numpy as np
 
 from artigen.fields import VoxelFields, name_rows
+from artigen.mending.claim import claim_cells
+from artigen.mending.rows import Owners, fields_of_owners
 from artigen.segment import segment
-from artigen.segmentation.claim import claim_cells
-from artigen.segmentation.rows import Owners, fields_of_owners
 from artigen.types import Asset
 
 

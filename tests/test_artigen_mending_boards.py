@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from cupboard import BASE, DOOR, EDGE, KNOB, carcass, row
 
-from artigen.segmentation.boards import BoardsConfig, make_boards
-from artigen.segmentation.boxes import fill_boxes, find_boxes
+from artigen.mending.boards import BoardsConfig, make_boards
+from artigen.mending.boxes import fill_boxes, find_boxes
 
 ROWS = np.stack([BASE, row("door", DOOR), row("knob", KNOB)])
 

@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_rows
-from artigen.segmentation.rows import Owners
+from artigen.mending.rows import Owners
 from artigen.types import PartLabel
 
 CLAIMING: frozenset[PartLabel] = frozenset({"handle", "knob", "wheel"})

@@ -5,8 +5,8 @@ import pytest
 from cupboard import BASE, DOOR, EDGE, carcass, row
 
 from artigen.fields import decode, encode, tabulate_parts
-from artigen.segmentation.fronts import fill_fronts
-from artigen.segmentation.rows import read_owners
+from artigen.mending.fronts import fill_fronts
+from artigen.mending.rows import read_owners
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.draw import draw_shape
 from artigen.types import PAPER_CATEGORIES, PartLabel

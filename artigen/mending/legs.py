@@ -9,7 +9,7 @@ from jaxtyping import Bool, Float
 from scipy import ndimage
 
 from artigen.fields import DEFAULT_LAYOUT, FieldLayout, name_rows
-from artigen.segmentation.rows import Owners
+from artigen.mending.rows import Owners
 from artigen.segmentation.tree import ALLOWED_PARENTS
 
 THICK = 3

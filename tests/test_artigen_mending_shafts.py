@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from artigen.fields import VoxelFields
+from artigen.mending.rows import Owners, fields_of_owners
+from artigen.mending.shafts import LONGEST, extend_shafts
 from artigen.segment import SegmentationError, segment
-from artigen.segmentation.rows import Owners, fields_of_owners
-from artigen.segmentation.shafts import LONGEST, extend_shafts
 from artigen.types import Asset
 
 

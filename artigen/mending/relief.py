@@ -12,8 +12,8 @@ from jaxtyping import Bool, Float, Int
 from scipy.ndimage import binary_fill_holes, find_objects, label
 
 from artigen.fields import DEFAULT_LAYOUT, FieldLayout, name_rows
-from artigen.segmentation.fronts import draw_ellipse
-from artigen.segmentation.rows import Owners
+from artigen.mending.fronts import draw_ellipse
+from artigen.mending.rows import Owners
 
 FACES = {
     "door": ((0, 1),),

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from cupboard import BASE, EDGE, carcass, row
 
-from artigen.segmentation.paths import clear_paths
+from artigen.mending.paths import clear_paths
 
 DRAWER = (slice(3, 20), slice(7, 25), slice(8, 20))
 HANDLE = (slice(1, 3), slice(14, 18), slice(13, 15))

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from artigen.segmentation.faults import find_asset_faults
+from artigen.mending.faults import find_asset_faults
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.draw import draw_shape
 from artigen.types import PAPER_CATEGORIES, Asset, VoxelGrid

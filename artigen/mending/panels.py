@@ -9,7 +9,7 @@ from jaxtyping import Bool, Float
 from scipy.ndimage import binary_dilation
 
 from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_rows
-from artigen.segmentation.rows import Owners
+from artigen.mending.rows import Owners
 from artigen.segmentation.tree import ALLOWED_PARENTS
 
 BEHIND = {0: 1, 2: -1}
