@@ -66,3 +66,35 @@ def test_other_parts_on_a_face_stay(cupboard: np.ndarray):
     rows = np.concatenate([ROWS, row("handle", (slice(0, 1), slice(8, 10), slice(8, 14)))[None]])
     cupboard[0, 8:10, 8:14] = 2
     assert (flatten_faces(cupboard, rows)[0] == cupboard).all()
+
+
+HOLES = {
+    "stairs": (STAIR, True),
+    "rectangle": ((Y >= 8) & (Y < 20) & (Z >= 8) & (Z < 24), False),
+    "disc": (DISC, False),
+}
+
+
+@pytest.mark.parametrize("shape", HOLES)
+def test_a_hole_in_a_top_is_closed_unless_it_is_a_figure(cupboard: np.ndarray, shape: str):
+    hole, closed = HOLES[shape]
+    inner = hole & (Y >= 6) & (Y < 26) & (Z >= 6) & (Z < 26)
+    holed = cupboard.copy()
+    holed[:, :, 26:28][inner] = -1
+    made, _ = flatten_faces(holed, ROWS)
+    assert (holed != cupboard).sum() > 100
+    assert (made == (cupboard if closed else holed)).all()
+
+
+def test_what_stands_on_a_top_stays(cupboard: np.ndarray):
+    loaded = cupboard.copy()
+    loaded[:, :, 28:30][STAIR & (Y < 26)] = 0
+    assert (flatten_faces(loaded, ROWS)[0] == loaded).all()
+
+
+def test_feet_beside_a_round_top_are_no_holes_in_it():
+    table = np.full((EDGE,) * 3, -1)
+    table[:, :, 24:26][np.hypot(Y - 15.5, Z - 15.5) < 12] = 0
+    table[4:28, 4:28, 2:4] = 0
+    table[14:18, 14:18, 4:24] = 0
+    assert (flatten_faces(table, BASE[None])[0] == table).all()

@@ -103,3 +103,17 @@ def test_a_drawer_behind_the_others_is_not_in_line_with_them(chest: np.ndarray):
     rows = np.concatenate([chest, inner])
     align_outline(rows)
     assert np.abs(rows[-1] - inner[0]).max() < 1e-9
+
+
+def test_knobs_of_one_size_are_level_and_others_stay():
+    def knob(y: float, z: float, edge: float) -> np.ndarray:
+        return make_part("knob", (-CELL, y * CELL, z * CELL), (0.0, (y + edge) * CELL, (z + edge) * CELL))
+
+    rows = np.concatenate(
+        [knob(0, 0, 3), knob(5, 1.9, 3), knob(10, 0.4, 3), knob(15, 2.0, 6), knob(22, 8, 3)]
+    )
+    align_outline(rows)
+    center, _ = box_views(rows)
+    heights = center[:, 2] / CELL
+    np.testing.assert_allclose(heights[:3], 1.5 + (0 + 1.9 + 0.4) / 3, atol=1e-6)
+    np.testing.assert_allclose(heights[3:], [5.0, 9.5], atol=1e-6)

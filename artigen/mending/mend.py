@@ -13,6 +13,7 @@ from artigen.mending.claim import claim_cells
 from artigen.mending.clean import CleanConfig, find_strays, remove_strays
 from artigen.mending.doorways import clear_doorways
 from artigen.mending.fronts import fill_fronts
+from artigen.mending.knobs import shape_knobs
 from artigen.mending.legs import extend_legs
 from artigen.mending.panels import back_knobs
 from artigen.mending.paths import clear_paths
@@ -59,6 +60,7 @@ def mend_cells(
         partial(clear_doorways, rows=rows),
         partial(_clear_strays, cfg=cfg.clean),
         partial(claim_cells, rows=rows),
+        partial(shape_knobs, rows=rows),
         partial(extend_shafts, rows=rows),
         partial(extend_legs, rows=rows),
         partial(revolve_parts, rows=rows),

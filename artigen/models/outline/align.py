@@ -39,6 +39,9 @@ class OutlineAlignConfig:
     centres: float = 0.75 * CELL
     """Spread of the centres of small parts that come to one line; distance of a handle from the middle of
     its front that comes to it."""
+    lines: float = 2.25 * CELL
+    """Spread of the heights of knobs of one size that come to one line: of true ones, hardly any two differ
+    by so little and are not level."""
 
 
 def align_outline(
@@ -82,6 +85,7 @@ def align_outline(
         for axis in range(3):
             size[alike, axis] = _agree(size[alike, axis], cfg.sizes)
             center[alike, axis] = _agree(center[alike, axis], cfg.centres)
+    _level_knobs(np.flatnonzero(names == "knob"), center, size, cfg)
     _centre_handles(np.flatnonzero(np.isin(names, ("handle", "knob"))), fronts, center, size, cfg)
     after = np.concatenate([center - size / 2, center + size / 2], axis=1)
     moved = np.abs(after - before)
@@ -127,6 +131,16 @@ def _groups(ordered: Float[np.ndarray, "K"], spread: float) -> Sequence[Int[np.n
             break
         groups[nearest : nearest + 2] = [np.concatenate(groups[nearest : nearest + 2])]
     return groups
+
+
+def _level_knobs(knobs: np.ndarray, center: np.ndarray, size: np.ndarray, cfg: OutlineAlignConfig) -> None:
+    """Brings knobs of one size to one height, in place."""
+    if not len(knobs):
+        return
+    kinds = np.unique(np.round(size[knobs] / CELL, 3), axis=0, return_inverse=True)[1].ravel()
+    for kind in np.unique(kinds):
+        alike = knobs[kinds == kind]
+        center[alike, 2] = _agree(center[alike, 2], cfg.lines)
 
 
 def _centre_handles(
