@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from artigen.ask import Request, read_request
 from artigen.generate import GenerateConfig, StructureModel
 from artigen.metrics.draws import DrawJob, draw_all, reconstruct
 from artigen.metrics.instantiation import PosedSet
@@ -166,16 +167,19 @@ def measure_packages(bench: Bench, held: HeldOut, prove: Prove) -> PackageReport
 
 
 def _list_jobs(bench: Bench, ask: str, fields: Sequence[Field], subjects: Sequence[Subject]) -> list[DrawJob]:
-    """One first draw for each subject; equal at every start."""
+    """One first draw for each subject; equal at every start.
+
+    Of a category alone, counts and size are drawn from the grammar, as `artigen generate` draws them.
+    """
     stem = ask.replace(": ", "_").replace(" ", "_")
-    return [
-        DrawJob(
-            key=f"{stem}_{number:04d}",
-            asked=describe_subject(subject, fields),
-            seed=_seed(bench.cfg, number),
-        )
-        for number, subject in enumerate(subjects)
-    ]
+    jobs = []
+    for number, subject in enumerate(subjects):
+        seed = _seed(bench.cfg, number)
+        asked = describe_subject(subject, fields)
+        if tuple(fields) == ASKS["category"]:
+            asked = read_request(Request(category=asked.category), seed, 0).condition
+        jobs.append(DrawJob(key=f"{stem}_{number:04d}", asked=asked, seed=seed))
+    return jobs
 
 
 def _pick(library: Sequence[Subject], subjects: Sequence[Subject], seed: int) -> list[Asset | None]:
