@@ -7,6 +7,7 @@ objects have none.
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Int
 from scipy.spatial import ConvexHull
 
 from artigen.mending.fronts import view_front
@@ -39,7 +40,7 @@ def find_asset_faults(asset: Asset, cfg: AssetFaultsConfig | None = None) -> tup
     if voxels is None:
         raise ValueError(f"asset {asset.name!r} has no voxels to judge; voxelize its surface first")
     faults = []
-    margin = _measure_stand(voxels, cfg.layers)
+    margin = measure_stand(voxels.coords, cfg.layers)
     if margin < cfg.margin:
         faults.append(f"its middle lies {margin:.1f} cells within what it stands on")
     for number, part in enumerate(asset.parts):
@@ -50,12 +51,17 @@ def find_asset_faults(asset: Asset, cfg: AssetFaultsConfig | None = None) -> tup
     return tuple(faults)
 
 
-def _measure_stand(voxels: VoxelGrid, layers: int) -> float:
-    """Cells from the mean of all cells to the edge of the hull of the lowest, below 0 outside of it."""
-    lowest = voxels.coords[voxels.coords[:, 2] < voxels.coords[:, 2].min() + layers, :2]
+def measure_stand(coords: Int[np.ndarray, "N 3"], layers: int) -> float:
+    """Cells from the mean of all cells to the edge of the hull of the lowest, below 0 outside of it.
+
+    Args:
+        coords: Cells (x, y, z), at least one.
+        layers: How many layers count as the lowest.
+    """
+    lowest = coords[coords[:, 2] < coords[:, 2].min() + layers, :2]
     corners = (lowest[:, None] + np.array([[0, 0], [0, 1], [1, 0], [1, 1]])).reshape(-1, 2)
     sides = ConvexHull(corners).equations
-    middle = voxels.coords[:, :2].mean(axis=0) + 0.5
+    middle = coords[:, :2].mean(axis=0) + 0.5
     return float(-(sides[:, :2] @ middle + sides[:, 2]).max())
 
 

@@ -12,6 +12,7 @@ from artigen.mending.boards import BoardsConfig, make_boards
 from artigen.mending.claim import claim_cells
 from artigen.mending.clean import CleanConfig, find_strays, remove_strays
 from artigen.mending.doorways import clear_doorways
+from artigen.mending.feet import extend_feet
 from artigen.mending.fronts import fill_fronts
 from artigen.mending.knobs import shape_knobs
 from artigen.mending.legs import extend_legs
@@ -63,6 +64,7 @@ def mend_cells(
         partial(shape_knobs, rows=rows),
         partial(extend_shafts, rows=rows),
         partial(extend_legs, rows=rows),
+        partial(extend_feet, rows=rows),
         partial(revolve_parts, rows=rows),
         partial(back_knobs, rows=rows),
     ]

@@ -23,8 +23,8 @@ FACES = {
 }
 """Axes along which parts are looked at, and from which end: fronts face -x, a body shows its sides and its
 back."""
-TOP = (2, -1)
-"""How the top of a body is looked at."""
+CLOSED = ((2, -1), (1, 1), (1, -1), (0, -1))
+"""How those sides of a body are looked at that hold no parts: the top, the sides and the back."""
 MAIN = 0.4
 """Share of a face that lies at one depth, at least, for it to be flat there."""
 STEP = 2
@@ -56,8 +56,8 @@ def flatten_faces(
         for axis, end in FACES.get(name, ()):
             face = np.moveaxis(owners, axis, 0)[::end]  # a view: the first layer is the nearest
             _flatten(face, number)
-        if name == "base":
-            _close(np.moveaxis(owners, TOP[0], 0)[:: TOP[1]], number)
+        for axis, end in CLOSED if name == "base" else ():
+            _close(np.moveaxis(owners, axis, 0)[::end], number)
     changed = int((owners != before).sum())
     if not changed:
         return before, ()

@@ -1,0 +1,75 @@
+"""What would fall over gets feet: a stage of its own for feet that a network forgot or drew too short.
+
+Only what stands badly is changed. It gets a post under each corner of its body, as thick as a short foot,
+from the underside down to the floor.
+"""
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from artigen.fields import DEFAULT_LAYOUT, FieldLayout, name_rows
+from artigen.mending.faults import AssetFaultsConfig, measure_stand
+from artigen.mending.rows import Owners
+
+THICK = 2
+"""Edge of a foot in cells."""
+REACH = 10
+"""Cells that a foot is long, at most."""
+
+
+def extend_feet(
+    owners: Owners,
+    rows: Float[np.ndarray, "N C"],
+    cfg: AssetFaultsConfig | None = None,
+    layout: FieldLayout = DEFAULT_LAYOUT,
+) -> tuple[Owners, tuple[str, ...]]:
+    """Owners by which the body stands, and a note of how many feet it was given.
+
+    Args:
+        owners: a row per cell, -1 where nothing is.
+        rows: an outline, the channels after occupancy, one row per part.
+        cfg: what stands badly.
+        layout: channels.
+    """
+    cfg = cfg or AssetFaultsConfig()
+    bodies = np.flatnonzero(np.array(name_rows(rows, layout)) == "base")
+    cells = np.argwhere(owners >= 0)
+    if not len(bodies) or not len(cells) or measure_stand(cells, cfg.layers) >= cfg.margin:
+        return owners, ()
+    owners, floor = owners.copy(), int(cells[:, 2].min())
+    lengths = [
+        length
+        for corner in ((0, 0), (0, 1), (1, 0), (1, 1))
+        if (length := _add_foot(owners, int(bodies[0]), floor, corner))
+    ]
+    if not lengths:
+        return owners, ()
+    return owners, (f"{len(lengths)} feet were added or made longer, by {max(lengths)} cells at most",)
+
+
+def _add_foot(owners: Owners, body: int, floor: int, corner: tuple[int, int]) -> int:
+    """Puts a foot under a corner of a body, in place, and says how long it is: 0 if there is none to add."""
+    mine = owners == body
+    under = _find_undersides(mine)
+    x, y = np.nonzero((under >= 0) & (under <= floor + REACH))
+    if not len(x):
+        return 0
+    outer = [
+        edge.max() if end else edge.min()
+        for edge, end in zip(np.nonzero(mine.any(axis=2)), corner, strict=True)
+    ]
+    nearest = int(np.argmin(np.abs(x - outer[0]) + np.abs(y - outer[1])))
+    place = tuple(
+        slice(int(at) - (THICK - 1 if end else 0), int(at) + (1 if end else THICK))
+        for at, end in zip((x[nearest], y[nearest]), corner, strict=True)
+    )
+    post: Bool[np.ndarray, "X Y Z"] = np.zeros_like(mine)
+    top = int(under[x[nearest], y[nearest]])
+    post[place[0], place[1], floor:top] = True
+    owners[post & (owners < 0)] = body
+    return top - floor
+
+
+def _find_undersides(mine: Bool[np.ndarray, "X Y Z"]) -> Int[np.ndarray, "X Y"]:
+    """Lowest cell of a part in every column, -1 where it has none."""
+    return np.where(mine.any(axis=2), mine.argmax(axis=2), -1)
