@@ -1,5 +1,6 @@
 """Condition and seed to an `Asset`: sample outline and latent, decode, mend, segment; nothing else."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -23,6 +24,9 @@ from artigen.models.structure_vae import StructureVae, decode_cells
 from artigen.sampling import SamplerConfig
 from artigen.segment import SegmentConfig, segment
 from artigen.types import Asset
+
+ROUGH: Mapping[str, float] = {"StorageFurniture": 0.2, "Table": 0.25, "WashingMachine": 0.27}
+"""Bends per face that procedural objects with thin legs or round fronts have, too: smoother draws are no better."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -53,7 +57,8 @@ class GenerateConfig:
     faults: AssetFaultsConfig = field(default_factory=AssetFaultsConfig)
     """What cannot be, so that all is drawn again."""
     smooth: float = 0.15
-    """Bends per face of a surface that no smoother one is sought for (`artigen.mending.roughness`)."""
+    """Bends per face of a surface that no smoother one is sought for (`artigen.mending.roughness`), at least;
+    in categories whose true objects have more, as many as those (`ROUGH`)."""
     draws: int = 6
     """Draws at most; that with the fewest faults stays, and of those the smoothest."""
 
@@ -115,7 +120,8 @@ def generate_structure(
     drawn: list[tuple[int, float, Asset]] = []
     notes: list[str] = []
     while len(notes) < cfg.draws and not any(
-        faults == 0 and rough <= cfg.smooth for faults, rough, _ in drawn
+        faults == 0 and rough <= max(cfg.smooth, ROUGH.get(asset.category, 0.0))
+        for faults, rough, asset in drawn
     ):
         try:
             asset, left = _draw(model, asked, seed, generator, cfg)
