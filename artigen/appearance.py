@@ -8,6 +8,7 @@ import torch
 from jaxtyping import Float, Int
 
 from artigen.errors import SourceError
+from artigen.facings import find_facings
 from artigen.fields import name_rows, tabulate_parts
 from artigen.models.appearance_presets import APPEARANCE_PRESETS, AppearancePreset
 from artigen.models.appearance_vae import APPEARANCE_FLOW, APPEARANCE_PALETTE, APPEARANCE_VAE
@@ -47,6 +48,9 @@ class AppearanceConfig:
     """Steps and guidance; None leaves them to the model's preset."""
     palettes: SamplerConfig = field(default_factory=lambda: SamplerConfig(steps=25, strength=0.0))
     """Steps and guidance of the palettes, whose steps cost next to nothing."""
+    seen: SamplerConfig = field(default_factory=lambda: SamplerConfig(steps=1, strength=0.0))
+    """The same where a picture shows the colours: one step gives the mean of what it lets one expect, which
+    is nearer to them than a draw."""
     colors: tuple[tuple[PartLabel, Color], ...] = ()
     """Main colours that parts are to have; that of the base is the object's."""
     seams: SeamConfig = field(default_factory=SeamConfig)
@@ -128,15 +132,18 @@ def draw_splats(
         for condition in (asked, StructureCondition())
     )
     attributes = None
+    facings = find_facings(coords, part_ids, model.preset.decoder.trunk.resolution)
     if model.palette is not None:
         fixed = ask_colors(name_rows(table), dict(cfg.colors))
-        palettes = sample_palettes(model.palette, table, known, nothing, generator, cfg.palettes, fixed=fixed)
-        attributes = torch.from_numpy(describe_voxels(table, part_ids, palettes)).to(device)
+        steps = cfg.palettes if asked.image is None or cfg.colors else cfg.seen
+        palettes = sample_palettes(model.palette, table, known, nothing, generator, steps, fixed=fixed)
+        attributes = torch.from_numpy(describe_voxels(table, part_ids, palettes, facings)).to(device)
     places = torch.from_numpy(np.pad(coords.astype(np.int32), ((0, 0), (1, 0)))).to(device)
     noise = torch.randn((len(coords), model.flow.channels), generator=generator).to(device)
     sampler = cfg.sampler or model.preset.sampler
     latents = sample_slats(model.flow, places, known, nothing, noise, sampler, attributes=attributes)
-    return model.decoder(places, latents)
+    sided = model.preset.decoder.trunk.sided
+    return model.decoder(places, latents, facings=torch.from_numpy(facings).to(device) if sided else None)
 
 
 def generate_appearance(

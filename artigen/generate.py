@@ -26,7 +26,7 @@ from artigen.segment import SegmentConfig, segment
 from artigen.types import Asset
 
 ROUGH: Mapping[str, float] = {"StorageFurniture": 0.2, "Table": 0.25, "WashingMachine": 0.27}
-"""Bends per face that procedural objects with thin legs or round fronts have, too: smoother draws are no better."""
+"""Bends per face that true objects with thin legs or round fronts have, too: smoother draws are no better."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from jaxtyping import Float, Int
 
+from artigen.facings import FACINGS
 from artigen.fields import DEFAULT_LAYOUT, after_occupancy
 from artigen.types import PartLabel, SurfaceSamples
 
@@ -65,17 +66,23 @@ def ask_colors(
 
 
 def describe_voxels(
-    table: Float[np.ndarray, "P C"], part_ids: Int[np.ndarray, "N"], palettes: Float[np.ndarray, "P 7"]
+    table: Float[np.ndarray, "P C"],
+    part_ids: Int[np.ndarray, "N"],
+    palettes: Float[np.ndarray, "P 7"],
+    facings: Int[np.ndarray, "N"],
 ) -> Float[np.ndarray, "N A"]:
-    """What the flow of structured latents is told of every voxel (float32): label and palette of its part.
+    """What the flow of structured latents is told of every voxel (float32).
+
+    Which way its outer side faces (one of 6), then label and palette of its part.
 
     Args:
         table: Channels after occupancy of each part, in the default layout.
         part_ids: Part of each voxel.
         palettes: Of each part.
+        facings: Direction of each voxel's outer side.
     """
-    told = [table[:, after_occupancy(DEFAULT_LAYOUT.label)], palettes]
-    return np.concatenate(told, axis=1).astype(np.float32)[part_ids]
+    told = np.concatenate([table[:, after_occupancy(DEFAULT_LAYOUT.label)], palettes], axis=1)
+    return np.concatenate([np.eye(FACINGS)[facings], told[part_ids]], axis=1).astype(np.float32)
 
 
 def _read_palette(colors: np.ndarray) -> Float[np.ndarray, "7"]:

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from artigen.facings import find_facings
 from artigen.models.features import PyramidFeatures
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.primitives import box
@@ -92,7 +93,8 @@ def make_example(shape: Shape, resolution: int = 16, **changes) -> tuple[Asset, 
     """An asset, and its example with pyramid features."""
     asset = shape_to_asset(shape, resolution)
     assert asset.voxels is not None
-    features, pictures = curate(shape, asset, PyramidFeatures(), small_curation(**changes))
+    facings = find_facings(asset.voxels.coords, asset.voxels.part_ids, resolution)
+    features, pictures = curate(shape, asset, facings, PyramidFeatures(), small_curation(**changes))
     labels = np.zeros((len(asset.parts), 35 - 1), dtype=np.float32)
     labels[:, 0] = 1.0
     return asset, AppearanceExample(
@@ -101,6 +103,7 @@ def make_example(shape: Shape, resolution: int = 16, **changes) -> tuple[Asset, 
         resolution=resolution,
         coords=asset.voxels.coords.astype(np.uint8),
         part_ids=asset.voxels.part_ids.astype(np.uint8),
+        facings=facings.astype(np.uint8),
         features=features.values.astype(np.float16),
         views=features.views.astype(np.uint16),
         table=labels,

@@ -58,7 +58,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         save_model(OutlineFlow(preset.outline, preset.conditions), path, {"preset": "tiny"}, "outline")
     assert not has_appearance(path)
     # The encoder depends on the feature extractor, which generating does not need.
-    vae = AppearanceVae(replace(look.encoder, in_channels=7), look.decoder)
+    vae = AppearanceVae(replace(look.encoder, in_channels=19), look.decoder)
     flow = SlatFlow(look.flow, look.conditions)
     save_model(PaletteFlow(look.palette, look.conditions), path, {"preset": "tiny"}, APPEARANCE_PALETTE)
     for layer in (vae.decoder.out_layer, flow.network.out_layer):  # zero in untrained networks

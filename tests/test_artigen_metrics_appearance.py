@@ -182,10 +182,11 @@ SETTINGS = TrainSettings(preset="tiny", minutes=0.002, shards=1, held_out=1, obj
 def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A finished run; its shards were there before."""
     folder = tmp_path_factory.mktemp("runs") / "run"
+    sided = replace(TINY, sided=True)  # as the preset's encoder reads them
     for name, seed in (("train", HELD_OUT), ("held_out", 0)):
         (folder / "appearance" / name).mkdir(parents=True)
         drawn = [
-            draw_appearance("Microwave", seed, PyramidFeatures(), TINY, resolution=32, image_size=32)
+            draw_appearance("Microwave", seed, PyramidFeatures(), sided, resolution=32, image_size=32)
         ] * 2
         write_appearance_shard(folder / "appearance" / name / "shard_00000.npz", drawn)
     (folder / "appearance" / "painted").mkdir()

@@ -1,5 +1,6 @@
 """Gaussians and latents of the appearance networks: parametrisation, sampling, size, learning."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -8,18 +9,37 @@ import torch
 from sparse_voxels import draw_voxels, redraw
 from torch.nn import functional
 
+from artigen.facings import FACINGS, facing_frames
 from artigen.models.appearance_presets import APPEARANCE_PRESETS
-from artigen.models.appearance_vae import AppearanceVae
+from artigen.models.appearance_vae import (
+    COLOR_MIDDLE,
+    COLOR_SPREAD,
+    SIDE_CHANNELS,
+    SIDE_LATENTS,
+    AppearanceVae,
+)
 from artigen.models.conditions import StructureCondition, gather_conditions
-from artigen.models.gaussian_decoder import GaussianDecoder, select_voxels, to_gaussians
+from artigen.models.gaussian_decoder import (
+    GaussianConfig,
+    GaussianDecoder,
+    GaussianDecoderConfig,
+    select_voxels,
+    to_gaussians,
+)
 from artigen.models.palette_flow import PaletteFlow
 from artigen.models.slat_flow import SlatFlow, sample_slats
 from artigen.models.slat_vae import SlatEncoder
 from artigen.models.store import load_model, save_model
 from artigen.sampling import SamplerConfig, diffuse, draw_times
 from artigen.splats.colors import srgb_from_linear
+from artigen.splats.render.splats import Splats
+from artigen.transforms import matrix_from_quat
 
 TINY = APPEARANCE_PRESETS["tiny"]
+PLAIN = GaussianDecoderConfig(
+    trunk=replace(TINY.decoder.trunk, sided=False, latent_channels=8), gaussians=GaussianConfig(count=4)
+)
+"""Voxels without sides, as TRELLIS has them."""
 
 
 @pytest.fixture(autouse=True)
@@ -34,7 +54,7 @@ def generator() -> torch.Generator:
 
 
 def test_an_untrained_decoder_gives_the_biases_and_spreads_means_over_each_voxel():
-    decoder = GaussianDecoder(APPEARANCE_PRESETS["tiny"].decoder)
+    decoder = GaussianDecoder(PLAIN)
     coords = torch.tensor([[0, 0, 5, 31], [0, 7, 7, 7]])
     decoded = decoder(coords, torch.randn(2, 8))
     centers = ((coords[:, 1:] + 0.5) / 32 - 0.5).repeat_interleave(4, dim=0)
@@ -49,19 +69,83 @@ def test_an_untrained_decoder_gives_the_biases_and_spreads_means_over_each_voxel
     assert torch.equal(decoded.colors, torch.full((8, 3), 0.5))
 
 
-def test_untrained_networks_with_a_way_around_give_each_gaussian_its_voxels_colour(
-    generator: torch.Generator,
+def read_covariances(splats: Splats) -> torch.Tensor:
+    """Of the Gaussians, in the grid's frame."""
+    R = torch.from_numpy(matrix_from_quat(splats.quats.numpy())).float()
+    return R @ torch.diag_embed(splats.scales**2) @ R.transpose(1, 2)
+
+
+def side_features(width: int, generator: torch.Generator) -> torch.Tensor:
+    """Features of 40 voxels: noise, every other one clear; of either side its colour and its height."""
+    sides = torch.zeros(40, 2, SIDE_CHANNELS // 2)
+    clear = (torch.arange(40) % 2)[:, None]
+    sides[..., :3] = (torch.rand(40, 2, 3, generator=generator) - COLOR_MIDDLE) / COLOR_SPREAD
+    sides[..., 3] = torch.atanh(torch.tensor([0.4, -0.2]) / 0.75)
+    noise = torch.randn(40, width - SIDE_CHANNELS, generator=generator)
+    return torch.cat([noise, clear, sides.flatten(1)], dim=1)
+
+
+@pytest.mark.parametrize("name", ["tiny", "small", "compact"])
+def test_untrained_networks_put_flat_gaussians_of_the_right_colours_on_both_sides(
+    name: str, generator: torch.Generator
 ):
-    small = APPEARANCE_PRESETS["small"]
-    vae = AppearanceVae(small.encoder, small.decoder)
-    coords = draw_voxels(generator, (40,), edge=64)
-    feats = torch.randn(40, small.encoder.in_channels, generator=generator).clamp(-1.5, 1.5)
-    made = vae(coords, feats, torch.zeros(40, 8)).splats.colors.unflatten(0, (40, -1))
-    torch.testing.assert_close(made, (0.5 + 0.25 * feats[:, None, :3]).expand_as(made))
+    preset = APPEARANCE_PRESETS[name]
+    edge = preset.encoder.resolution
+    vae = AppearanceVae(preset.encoder, preset.decoder)
+    coords = draw_voxels(generator, (40,), edge=edge)
+    feats = side_features(preset.encoder.in_channels, generator)
+    facings = torch.arange(40) % FACINGS
+    made = vae(coords, feats, torch.zeros(40, SIDE_LATENTS), facings).splats
+    outward = torch.tensor(facing_frames()).float()[facings][:, :, 0]
+    centers = (coords[:, 1:] + 0.5) / edge - 0.5
+    off = edge * (made.means.unflatten(0, (40, -1)) - centers[:, None])
+    heights = torch.einsum("nkj,nj->nk", off, outward)
+    colors = made.colors.unflatten(0, (40, -1))
+    spread = read_covariances(made).unflatten(0, (40, -1))
+    thickness = torch.einsum("ni,nkij,nj->nk", outward, spread, outward).sqrt()
+    widest = torch.linalg.eigvalsh(spread)[..., -1].sqrt()
+    assert (thickness < 0.3 * widest).all()
+    half = vae.count // 2
+    for side, height, rows in ((0, 0.4, slice(0, half)), (1, -0.2, slice(half, None))):
+        told = feats[:, 1 - SIDE_CHANNELS :].unflatten(1, (2, -1))[:, side, :3] * COLOR_SPREAD + COLOR_MIDDLE
+        torch.testing.assert_close(colors[:, rows], told[:, None].expand_as(colors[:, rows]))
+        torch.testing.assert_close(heights[:, rows], torch.full_like(heights[:, rows], height))
+    opacities = made.opacities.unflatten(0, (40, -1))
+    assert opacities[0::2].min() > 0.85
+    assert opacities[1::2].max() < 0.01
+    covered = off - heights[..., None] * outward[:, None]
+    for rows in (slice(0, half), slice(half, None)):  # evenly over the face
+        assert covered[:, rows].mean(dim=1).abs().max() < 0.26
+        assert covered[:, rows].norm(dim=2).max() < 0.75
+
+
+def test_a_voxel_looks_the_same_in_the_frame_of_its_outer_side(generator: torch.Generator):
+    decoder = redraw(GaussianDecoder(TINY.decoder), generator)
+    coords = torch.tensor([[0, 15, 15, 15]])
+    raw = torch.randn(1, decoder.out_layer.out_features, generator=generator)
+    center = (coords[0, 1:] + 0.5) / 32 - 0.5
+    seen = []
+    for facing, frame in enumerate(torch.tensor(facing_frames()).float()):
+        made = decoder.read(coords, raw, torch.tensor([facing]))
+        spread = frame.T @ read_covariances(made) @ frame
+        seen.append(torch.cat([(made.means - center) @ frame, spread.flatten(1), made.colors], dim=1))
+        assert torch.linalg.det(frame) == pytest.approx(1.0)
+    for other in seen[1:]:
+        torch.testing.assert_close(other, seen[0], atol=1e-6, rtol=0)
+
+
+def test_sides_need_facings_and_even_numbers(generator: torch.Generator):
+    coords = draw_voxels(generator, (5,), edge=32)
+    with pytest.raises(ValueError, match="facings of voxels are missing"):
+        GaussianDecoder(TINY.decoder)(coords, torch.zeros(5, SIDE_LATENTS))
+    with pytest.raises(ValueError, match="facings of voxels are given"):
+        GaussianDecoder(PLAIN)(coords, torch.zeros(5, 8), facings=torch.zeros(5).long())
+    with pytest.raises(ValueError, match="3 Gaussians for the two sides"):
+        GaussianDecoder(replace(TINY.decoder, gaussians=GaussianConfig(count=3)))
 
 
 def test_decoded_gaussians_become_values_with_the_part_of_their_voxel(generator: torch.Generator):
-    decoder = redraw(GaussianDecoder(TINY.decoder), generator)
+    decoder = redraw(GaussianDecoder(PLAIN), generator)
     coords = draw_voxels(generator, (20, 30), edge=32)
     decoded = decoder(coords, 50.0 * torch.randn(50, 8, generator=generator))
     second = coords[:, 0] == 1
@@ -84,7 +168,7 @@ def test_one_step_goes_along_the_guided_velocity(generator: torch.Generator):
     flow.latent_std.fill_(2.0)
     flow.latent_slope.normal_(generator=generator)
     coords = draw_voxels(generator, (80, 30), edge=32)
-    noise = torch.randn(110, 8, generator=generator)
+    noise = torch.randn(110, SIDE_LATENTS, generator=generator)
     attributes = torch.randn(110, flow.attribute_channels, generator=generator)
     named = [StructureCondition(category=name) for name in ("Oven", "Table")]
     asked = gather_conditions(named, TINY.conditions)
@@ -99,7 +183,7 @@ def test_one_step_goes_along_the_guided_velocity(generator: torch.Generator):
     torch.testing.assert_close(drawn, expected, atol=1e-3, rtol=1e-4)
     back = flow.normalise(flow.restore(noise, attributes), attributes)
     torch.testing.assert_close(back, noise, atol=1e-5, rtol=0)
-    with pytest.raises(ValueError, match="0 attributes per voxel, expected 15"):
+    with pytest.raises(ValueError, match="0 attributes per voxel, expected 21"):
         sample_slats(flow, coords, asked, nothing, noise, cfg)
 
 
@@ -127,7 +211,7 @@ def test_weights_come_back(tmp_path: Path, generator: torch.Generator):
 
 def test_autoencoder_learns_the_colours_of_one_object(generator: torch.Generator):
     torch.manual_seed(0)
-    encoder, decoder = SlatEncoder(TINY.encoder), GaussianDecoder(TINY.decoder)
+    encoder, decoder = SlatEncoder(replace(PLAIN.trunk, in_channels=16)), GaussianDecoder(PLAIN)
     coords = draw_voxels(generator, (150,), edge=32)
     colors = torch.rand(150, 3, generator=generator)
     feats = functional.pad(colors, (0, 13))
@@ -151,20 +235,20 @@ def test_compact_flow_learns_the_latents_of_two_objects(generator: torch.Generat
     torch.manual_seed(0)
     flow = SlatFlow(TINY.flow, TINY.conditions)
     coords = draw_voxels(generator, (60, 60), edge=32)
-    latents = torch.randn(120, 8, generator=generator)
+    latents = torch.randn(120, SIDE_LATENTS, generator=generator)
     attributes = torch.randn(120, flow.attribute_channels, generator=generator)
     asked = gather_conditions([StructureCondition()] * 2, TINY.conditions)
     plan = flow.plan(coords, 2)
     with torch.enable_grad():
         optimizer = torch.optim.Adam(flow.parameters(), lr=2e-3)
         for _ in range(80):
-            times, noise = draw_times(2, generator), torch.randn(120, 8, generator=generator)
+            times, noise = draw_times(2, generator), torch.randn(120, SIDE_LATENTS, generator=generator)
             x = diffuse(latents, noise, times[coords[:, 0].long()])
             clean = flow.network(x, times, plan, flow.conditions(asked), attributes)
             optimizer.zero_grad()
             ((clean - latents) ** 2).mean().backward()
             optimizer.step()
-    noise = torch.randn(120, 8, generator=generator)
+    noise = torch.randn(120, SIDE_LATENTS, generator=generator)
     cfg = SamplerConfig(steps=6, strength=0.0)
     drawn = sample_slats(flow, coords, asked, asked, noise, cfg, attributes=attributes)
     assert float((drawn - latents).abs().mean()) < 0.3

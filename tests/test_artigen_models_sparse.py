@@ -7,6 +7,7 @@ import torch
 from sparse_voxels import draw_voxels, redraw
 from torch.nn import functional
 
+from artigen.facings import FACINGS
 from artigen.models.appearance_presets import APPEARANCE_PRESETS
 from artigen.models.gaussian_decoder import GaussianDecoder
 from artigen.models.slat_dit import SlatDit, SlatDitConfig
@@ -99,17 +100,18 @@ def answer_all(coords: torch.Tensor, feats: torch.Tensor, batch: list[int]) -> d
     generator = torch.Generator().manual_seed(1)
     times = torch.tensor([0.9, 0.2, 0.5])[batch]
     small, wide = (torch.randn(3, 5, width, generator=generator)[batch] for width in (24, 64))
-    trunk = replace(TINY.encoder, resolution=16, in_channels=8, window_size=4)
+    trunk = replace(TINY.encoder, resolution=16, in_channels=8, latent_channels=8, window_size=4, sided=True)
     encoder = redraw(SlatEncoder(trunk), generator)
     decoder = redraw(GaussianDecoder(replace(TINY.decoder, trunk=trunk)), generator)
     dit = redraw(SlatDit(SMALL), generator)
     assert not isinstance(TINY.flow, SlatDitConfig)
-    flow = SlatFlow(replace(TINY.flow, resolution=16, attribute_channels=0), TINY.conditions)
+    flow = SlatFlow(replace(TINY.flow, channels=8, resolution=16, attribute_channels=0), TINY.conditions)
     redraw(flow.network, generator)
-    decoded = decoder(coords, feats)
+    facings = coords[:, 1:].long().sum(dim=1) % FACINGS
+    decoded = decoder(coords, feats, facings=facings)
     per_voxel = {name: value.reshape(len(coords), -1) for name, value in vars(decoded).items()}
     return per_voxel | {
-        "latents": torch.cat(encoder(coords, feats), dim=1),
+        "latents": torch.cat(encoder(coords, feats, facings=facings), dim=1),
         "paper": dit(feats, 1000.0 * times, dit.plan(coords, len(batch)), small),
         "compact": flow.velocity(feats, times, wide, flow.plan(coords, len(batch))),
     }

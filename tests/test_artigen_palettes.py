@@ -8,6 +8,7 @@ import torch
 from drawer_chest import make_chest
 
 from artigen.errors import SourceError
+from artigen.facings import FACINGS
 from artigen.fields import DEFAULT_LAYOUT, after_occupancy, tabulate_parts
 from artigen.models.appearance_presets import APPEARANCE_PRESETS
 from artigen.models.conditions import StructureCondition, gather_conditions
@@ -62,13 +63,16 @@ def test_a_part_without_samples_has_the_colours_of_the_whole_and_nothing_has_non
         read_palettes(paint([], []), 1)
 
 
-def test_voxels_are_told_the_label_and_the_palette_of_their_part():
+def test_voxels_are_told_their_facing_and_the_label_and_the_palette_of_their_part():
     asset = shape_to_asset(make_chest(), 16)
+    facings = np.arange(len(asset.voxels.coords)) % FACINGS
     palettes = np.arange(len(asset.parts) * PALETTE).reshape(-1, PALETTE) / 100.0
-    told = describe_voxels(tabulate_parts(asset), asset.voxels.part_ids, palettes)
-    assert told.shape == (len(asset.voxels.coords), len(PART_LABELS) + PALETTE)
+    told = describe_voxels(tabulate_parts(asset), asset.voxels.part_ids, palettes, facings)
+    assert told.shape == (len(asset.voxels.coords), FACINGS + len(PART_LABELS) + PALETTE)
+    np.testing.assert_array_equal(told[:, :FACINGS].argmax(axis=1), facings)
+    np.testing.assert_array_equal(told[:, :FACINGS].sum(axis=1), 1.0)
     for row, part in zip(told, asset.voxels.part_ids, strict=True):
-        assert PART_LABELS[row[:-PALETTE].argmax()] == asset.parts[part].label
+        assert PART_LABELS[row[FACINGS:-PALETTE].argmax()] == asset.parts[part].label
         np.testing.assert_allclose(row[-PALETTE:], palettes[part], atol=1e-6)
 
 

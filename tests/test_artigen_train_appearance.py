@@ -7,10 +7,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 import torch
-from drawer_chest import COLOR, LIGHT, make_cabinet, make_chest, make_example, small_curation
+from drawer_chest import COLOR, INSIDE, LIGHT, make_cabinet, make_chest, make_example, small_curation
 
 import artigen.train.loop
-from artigen.models.appearance_vae import AppearanceVae, Encoded
+from artigen.models.appearance_vae import (
+    COLOR_MIDDLE,
+    COLOR_SPREAD,
+    HEIGHT_REACH,
+    SIDE_CHANNELS,
+    AppearanceVae,
+    Encoded,
+)
 from artigen.models.conditions import ConditionConfig
 from artigen.models.features import PyramidFeatures
 from artigen.models.gaussian_decoder import GaussianConfig, GaussianDecoderConfig
@@ -136,16 +143,60 @@ def test_what_hides_a_voxel_does_not_colour_it():
     assert off[1] > 0.1
 
 
-def test_directional_features_tell_the_sides_of_a_board_apart():
-    asset, example = make_example(make_chest(), directional=True, kept=0)
+def test_both_sides_of_a_board_have_their_own_colour_and_height():
+    """The front of the drawer is of one colour, the rest of it of another; a cell is as thick as a board."""
+    asset, example = make_example(make_chest(inside="inside"), sided=True, kept=0, views=24, size=48)
     assert asset.voxels is not None
-    assert example.features.shape[1] == 16 + 12
-    away = example.features[:, 16:19].astype(float)
-    back = asset.voxels.coords[:, 0] == 15
-    right = (asset.voxels.coords[:, 1] == 0) & (asset.voxels.coords[:, 0] < 15)
+    sides = example.features[:, 17:].astype(float).reshape(-1, 2, SIDE_CHANNELS // 2)
+    colors = COLOR_MIDDLE + COLOR_SPREAD * sides[..., :3]
+    heights = HEIGHT_REACH * np.tanh(sides[..., 3])
+    known = sides[..., 4] > 0.5
+    x, y, z = asset.voxels.coords.T
+    lid = (z == 15) & (np.abs(y - 7.5) < 5) & (np.abs(x - 7.5) < 5)
+    assert (example.facings[lid] == 5).all()
+    assert known[lid, 0].all()
+    np.testing.assert_allclose(colors[lid, 0], np.tile(COLOR, (lid.sum(), 1)), atol=0.02)
+    np.testing.assert_allclose(heights[lid, 0], 0.5, atol=0.05)  # the grid ends with the lid
+    inner = interior(asset)
+    assert inner.sum() > 10
+    shown = inner & known[:, 1]
+    assert shown.mean() > 0.5 * inner.mean()
+    assert (example.facings[inner] == 4).all()
+    off = np.abs(colors[shown, 1] - INSIDE.color).max(axis=1)
+    assert np.quantile(off, 0.8) < 0.02
+    assert off.max() < 0.1  # pixels at its rim show some of what stands there
+
+
+def test_a_voxel_that_no_view_shows_has_the_colour_of_its_part():
+    _, example = make_example(make_chest(inside="inside"), sided=True, states=1, kept=0)
+    hidden = example.views == 0
+    assert hidden.sum() > 20
+    sides = example.features[hidden, 17:].astype(float).reshape(-1, 2, SIDE_CHANNELS // 2)
+    assert not sides[..., 4].any()
+    np.testing.assert_allclose(
+        COLOR_MIDDLE + COLOR_SPREAD * sides[..., :3], np.broadcast_to(COLOR, sides[..., :3].shape), atol=0.03
+    )
+
+
+def test_glass_is_known_by_what_is_seen_through_it():
+    asset, example = make_example(make_chest(front="glass"), sided=True, kept=0)
+    assert asset.voxels is not None
+    clear = example.features[:, 16].astype(float)
+    pane = asset.voxels.coords[:, 0] == 0
+    pane &= (np.abs(asset.voxels.coords[:, 1:] - 7.5) < 4).all(axis=1)
     seen = example.views > 0
-    assert away[back & seen, 0].mean() > 0.3
-    assert away[right & seen, 1].mean() < -0.3
+    assert pane.sum() > 20
+    assert np.median(clear[pane & seen]) > 0.5  # the rest is what it mirrors
+    assert (clear[~pane & (asset.voxels.part_ids == 0)] == 0).all()
+
+
+def test_what_lies_behind_another_part_is_not_seen_through_it():
+    """A cell of the body behind the closed drawer's front is as near to it as its own surface."""
+    asset, example = make_example(make_chest(front="inside"), states=1, kept=0)
+    assert asset.voxels is not None
+    seen = (example.views > 0) & (example.part_ids == 0)
+    blue = example.features[seen, 2].astype(float) > example.features[seen, 0].astype(float)
+    assert blue.mean() < 0.02
 
 
 def test_nothing_is_newly_exposed_while_closed_and_only_hidden_surface_when_open():

@@ -38,9 +38,9 @@ class Comparison:
 def reconstruct_splats(vae: AppearanceVae, example: AppearanceExample) -> Splats:
     """The Gaussians that a VAE makes of an object's features, from the means of the posteriors."""
     device = next(vae.parameters()).device
-    coords, feats = (value.to(device) for value in voxel_batch([example]))
+    coords, feats, facings = (value.to(device) for value in voxel_batch([example]))
     noise = torch.zeros(len(coords), vae.encoder.cfg.latent_channels, device=device)
-    return vae(coords, feats, noise).splats
+    return vae(coords, feats, noise, facings if vae.encoder.cfg.sided else None).splats
 
 
 @torch.no_grad()

@@ -1,12 +1,13 @@
 """The sizes that the appearance models come in, named as those of the structure models.
 
-``small`` decodes 4 Gaussians per voxel instead of 32, ``compact`` 8. In ``small``, what features say leads
-around the transformers too. ``paper`` has the sizes of TRELLIS, from whose public weights the paper starts
-(section 4.2).
+``small`` decodes 4 Gaussians per voxel instead of 32, ``compact`` 8. Their voxels have two sides, and what
+features say of those leads around the transformers. ``paper`` has the sizes of TRELLIS, from whose public
+weights the paper starts (section 4.2).
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
+from artigen.models.appearance_vae import SIDE_LATENTS
 from artigen.models.conditions import ConditionConfig
 from artigen.models.gaussian_decoder import GaussianConfig, GaussianDecoderConfig
 from artigen.models.palette_flow import PaletteFlowConfig
@@ -36,37 +37,39 @@ class AppearancePreset:
     training, cleaner than a draw."""
 
 
+SIDED = SlatVaeConfig(in_channels=64, latent_channels=SIDE_LATENTS, sided=True)
+"""Voxels with two sides, as all of our own presets have them; the decoder does not use `in_channels`."""
+COARSE = replace(SIDED, resolution=32, in_channels=27, model_channels=32, num_blocks=2, num_heads=2)
+"""Those of ``tiny``."""
+
 APPEARANCE_PRESETS: dict[PresetName, AppearancePreset] = {
     "tiny": AppearancePreset(
-        encoder=SlatVaeConfig(resolution=32, in_channels=16, model_channels=32, num_blocks=2, num_heads=2),
+        encoder=COARSE,
         decoder=GaussianDecoderConfig(
-            trunk=SlatVaeConfig(resolution=32, model_channels=32, num_blocks=2, num_heads=2),
-            gaussians=GaussianConfig(count=4),
+            trunk=COARSE, gaussians=GaussianConfig(count=4, scale_bias=1.6e-2, opacity_bias=0.9)
         ),
-        flow=SlatPatchDitConfig(resolution=32, stem=16, width=64, blocks=2, heads=2),
+        flow=SlatPatchDitConfig(channels=SIDE_LATENTS, resolution=32, stem=16, width=64, blocks=2, heads=2),
         conditions=ConditionConfig(width=64, image_size=32, image_patch=8, image_width=32, image_blocks=1),
         palette=PaletteFlowConfig(width=64, blocks=2, heads=2),
     ),
     "small": AppearancePreset(
-        encoder=SlatVaeConfig(
-            in_channels=64, model_channels=64, num_blocks=1, num_heads=2, mlp_ratio=2.0, skip=True
-        ),
+        encoder=replace(SIDED, model_channels=64, num_blocks=1, num_heads=2, mlp_ratio=2.0),
         decoder=GaussianDecoderConfig(
-            trunk=SlatVaeConfig(model_channels=96, num_blocks=3, num_heads=3, mlp_ratio=2.0, skip=True),
-            gaussians=GaussianConfig(count=4, scale_bias=6e-3, opacity_bias=0.7),
+            trunk=replace(SIDED, model_channels=96, num_blocks=3, num_heads=3, mlp_ratio=2.0),
+            gaussians=GaussianConfig(count=4, scale_bias=8e-3, opacity_bias=0.9),
         ),
-        flow=SlatPatchDitConfig(patch=8, stem=16, width=128, blocks=4, heads=2),
+        flow=SlatPatchDitConfig(channels=SIDE_LATENTS, patch=8, stem=16, width=128, blocks=4, heads=2),
         conditions=ConditionConfig(width=192, image_width=96, image_blocks=2),
         palette=PaletteFlowConfig(),
         sampler=SamplerConfig(steps=1, strength=0.0),
     ),
     "compact": AppearancePreset(
-        encoder=SlatVaeConfig(in_channels=64, model_channels=128, num_blocks=2, num_heads=4),
+        encoder=replace(SIDED, model_channels=128, num_blocks=2, num_heads=4),
         decoder=GaussianDecoderConfig(
-            trunk=SlatVaeConfig(model_channels=128, num_blocks=5, num_heads=4),
-            gaussians=GaussianConfig(count=8, opacity_bias=0.4),
+            trunk=replace(SIDED, model_channels=128, num_blocks=5, num_heads=4),
+            gaussians=GaussianConfig(count=8, scale_bias=5.5e-3, opacity_bias=0.9),
         ),
-        flow=SlatPatchDitConfig(width=192, heads=3),
+        flow=SlatPatchDitConfig(channels=SIDE_LATENTS, width=192, heads=3),
         conditions=ConditionConfig(width=192, image_width=128, image_blocks=3),
         palette=PaletteFlowConfig(width=128, heads=2),
         sampler=SamplerConfig(strength=0.0),

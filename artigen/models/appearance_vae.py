@@ -19,8 +19,17 @@ APPEARANCE_VAE, APPEARANCE_PALETTE, APPEARANCE_FLOW = (
 NARROW = -6.0
 """Log-variance of an untrained posterior: what the features say reaches the decoder from the first step."""
 
-COLOR_SPREAD = 0.25
-"""About the deviation of colours, by which the encoder divides them."""
+SIDE_CHANNELS = 11
+"""Last features of a voxel with two sides: how clear it is; colour, height, and how well it is known, of the
+outer side and of the inner one (`artigen.train.appearance.sides`)."""
+SIDE_LATENTS = 9
+"""Colours and heights of two sides, and how clear the voxel is."""
+COLOR_MIDDLE, COLOR_SPREAD = 0.5, 0.25
+"""About the mean and the deviation of colours: what side features take off them and divide them by."""
+CLEARING = -7.0
+"""What a clear voxel takes off the raw opacities of its Gaussians."""
+HEIGHT_REACH = 0.75
+"""Voxels within which heights of sides are told, as the inverse hyperbolic tangent of their share in it."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -39,7 +48,7 @@ class AppearanceVae(nn.Module):
     the waves that say where a voxel is, so the encoder reads them normalised.
 
     Raises:
-        ValueError: If the two do not fit each other.
+        ValueError: If the two do not fit each other, or latents are too narrow for two sides.
     """
 
     feature_mean: Tensor
@@ -48,10 +57,12 @@ class AppearanceVae(nn.Module):
     def __init__(self, encoder: SlatVaeConfig, decoder: GaussianDecoderConfig) -> None:
         super().__init__()
         trunk = decoder.trunk
-        for name in ("resolution", "latent_channels", "window_size"):
+        for name in ("resolution", "latent_channels", "window_size", "sided"):
             one, other = getattr(encoder, name), getattr(trunk, name)
             if one != other:
                 raise ValueError(f"{name} is {one} in the encoder and {other} in the decoder")
+        if encoder.sided and encoder.latent_channels < SIDE_LATENTS:
+            raise ValueError(f"{encoder.latent_channels} latent channels, two sides take {SIDE_LATENTS}")
         self.encoder = SlatEncoder(encoder)
         self.decoder = GaussianDecoder(decoder)
         self.register_buffer("feature_mean", torch.zeros(encoder.in_channels))
@@ -59,8 +70,8 @@ class AppearanceVae(nn.Module):
         last, width = self.encoder.out_layer, encoder.latent_channels
         nn.init.xavier_uniform_(last.weight[:width])
         nn.init.constant_(last.bias[width:], NARROW)
-        if self.encoder.skip is not None and self.decoder.skip is not None:
-            _lead_colors_through(self.encoder, self.decoder)
+        if encoder.sided:
+            _lead_sides_through(self.encoder, self.decoder)
 
     @property
     def count(self) -> int:
@@ -68,7 +79,11 @@ class AppearanceVae(nn.Module):
         return self.decoder.gaussians.count
 
     def forward(
-        self, coords: Int[Tensor, "N 4"], feats: Float[Tensor, "N C"], noise: Float[Tensor, "N D"]
+        self,
+        coords: Int[Tensor, "N 4"],
+        feats: Float[Tensor, "N C"],
+        noise: Float[Tensor, "N D"],
+        facings: Int[Tensor, "N"] | None = None,
     ) -> Encoded:
         """Encodes, draws from the posterior with the given noise, and decodes.
 
@@ -76,26 +91,41 @@ class AppearanceVae(nn.Module):
             coords: sample, x, y, z of each voxel.
             feats: its features.
             noise: standard normal; zero gives the means.
+            facings: directions of its outer side, where voxels have two.
         """
         plans = self.encoder.plan(coords)
-        mean, logvar = self.encode(coords, feats, plans)
+        mean, logvar = self.encode(coords, feats, plans, facings)
         latents = mean + noise * torch.exp(0.5 * logvar)
-        return Encoded(splats=self.decoder(coords, latents, plans), mean=mean, logvar=logvar)
+        return Encoded(splats=self.decoder(coords, latents, plans, facings), mean=mean, logvar=logvar)
 
     def encode(
-        self, coords: Int[Tensor, "N 4"], feats: Float[Tensor, "N C"], plans: WindowPlans | None = None
+        self,
+        coords: Int[Tensor, "N 4"],
+        feats: Float[Tensor, "N C"],
+        plans: WindowPlans | None = None,
+        facings: Int[Tensor, "N"] | None = None,
     ) -> tuple[Float[Tensor, "N D"], Float[Tensor, "N D"]]:
         """Mean and log-variance of the latents of voxels (sample, x, y, z) with features."""
-        return self.encoder(coords, (feats - self.feature_mean) / self.feature_std, plans)
+        return self.encoder(coords, (feats - self.feature_mean) / self.feature_std, plans, facings)
 
 
 @torch.no_grad()
-def _lead_colors_through(encoder: SlatEncoder, decoder: GaussianDecoder) -> None:
-    """Lets untrained networks give each Gaussian its voxel's colour, with which features start."""
+def _lead_sides_through(encoder: SlatEncoder, decoder: GaussianDecoder) -> None:
+    """Lets untrained networks put Gaussians of the right colours where both sides of a voxel were seen.
+
+    Latents start as colour of the outer side, colour of the inner one, the heights of both, and clearness.
+    """
     assert encoder.skip is not None
     assert decoder.skip is not None
-    color = torch.arange(3)
-    encoder.out_layer.weight[color] = 0.0
-    encoder.skip.weight[color, color] = 1.0
-    channels = decoder.color_channels()
-    decoder.skip.weight[channels, color] = COLOR_SPREAD / HARMONIC
+    clear, sides = torch.arange(-SIDE_CHANNELS, 0).split([1, SIDE_CHANNELS - 1])
+    outer, inner = sides.unflatten(0, (2, -1))
+    told = torch.cat([outer[:3], inner[:3], outer[3:4], inner[3:4], clear])
+    latents = torch.arange(len(told))
+    encoder.out_layer.weight[latents] = 0.0
+    encoder.skip.weight[latents, told] = 1.0
+    half = decoder.gaussians.count // 2
+    colors, heights = decoder.channels("color"), decoder.channels("offset")[:, 0]
+    for color, height, rows in (((0, 1, 2), 6, slice(0, half)), ((3, 4, 5), 7, slice(half, None))):
+        decoder.skip.weight[colors[rows], torch.tensor(color)] = COLOR_SPREAD / HARMONIC
+        decoder.skip.weight[heights[rows], height] = 1.0
+    decoder.skip.weight[decoder.channels("opacity")[:, 0], 8] = CLEARING

@@ -12,6 +12,7 @@ import torch
 from jaxtyping import Float, Int
 from torch import Tensor, nn
 
+from artigen.facings import FACINGS
 from artigen.models.attention import plain_norm
 from artigen.models.embeddings import TimestepEmbedder, embed_positions
 from artigen.models.sparse import Neighbours, Padding, check_voxels, coarsen, find_neighbours, plan_padding
@@ -29,7 +30,7 @@ class SlatPatchDitConfig:
     """Edge of the voxel grid."""
     channels: int = 8
     """Channels of a voxel's latent."""
-    attribute_channels: int = len(PART_LABELS) + PALETTE
+    attribute_channels: int = FACINGS + len(PART_LABELS) + PALETTE
     """What else is known of a voxel (`artigen.palettes.describe_voxels`); 0 leaves it out."""
     patch: int = 4
     """Voxels per token along an edge."""

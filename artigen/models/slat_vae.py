@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from jaxtyping import Float, Int
 from torch import Tensor, nn
 
+from artigen.facings import FACINGS
 from artigen.models.attention import FeedForward, plain_norm
 from artigen.models.embeddings import embed_positions
 from artigen.models.sparse import check_voxels
@@ -35,8 +36,9 @@ class SlatVaeConfig:
     """Hidden width of a feed-forward layer over the model's."""
     window_size: int = 8
     """Edge of an attention window in voxels."""
-    skip: bool = False
-    """Whether a linear layer leads around the transformer; TRELLIS has none."""
+    sided: bool = False
+    """Whether voxels have two sides: they are told which way the outer one faces (`artigen.facings`), are
+    decoded in its frame, and a linear layer leads around the transformer. TRELLIS has nothing of it."""
 
 
 WindowPlans = tuple[WindowPlan, WindowPlan]
@@ -78,9 +80,10 @@ class SlatTrunk(nn.Module):
         self.input_layer = nn.Linear(in_channels, cfg.model_channels)
         self.blocks = nn.ModuleList(WindowBlock(cfg) for _ in range(cfg.num_blocks))
         self.out_layer = nn.Linear(cfg.model_channels, out_channels)
-        self.skip = nn.Linear(in_channels, out_channels, bias=False) if cfg.skip else None
+        self.skip = nn.Linear(in_channels, out_channels, bias=False) if cfg.sided else None
+        self.facing = nn.Embedding(FACINGS, cfg.model_channels) if cfg.sided else None
         for name, parameter in self.named_parameters():
-            if name.startswith(("out_layer", "skip")) or name.endswith("bias"):
+            if name.startswith(("out_layer", "skip", "facing")) or name.endswith("bias"):
                 nn.init.zeros_(parameter)
             else:
                 nn.init.xavier_uniform_(parameter)
@@ -96,12 +99,27 @@ class SlatTrunk(nn.Module):
         return plan_windows(coords, window, 0), plan_windows(coords, window, window // 2)
 
     def transform(
-        self, coords: Int[Tensor, "N 4"], feats: Float[Tensor, "N C"], plans: WindowPlans | None
+        self,
+        coords: Int[Tensor, "N 4"],
+        feats: Float[Tensor, "N C"],
+        plans: WindowPlans | None = None,
+        facings: Int[Tensor, "N"] | None = None,
     ) -> Float[Tensor, "N D"]:
-        """What the output layer says, in the number type of ``feats``."""
+        """What the output layer says, in the number type of ``feats``.
+
+        Raises:
+            ValueError: If the facings of the voxels are missing, or are not expected.
+        """
+        if (facings is not None) != self.cfg.sided:
+            raise ValueError(
+                f"facings of voxels are {'missing' if facings is None else 'given'}, expected "
+                f"{'one for each' if self.cfg.sided else 'none'}"
+            )
         plans = self.plan(coords) if plans is None else plans
         h = self.input_layer(feats.to(self.input_layer.weight.dtype))
         h = h + embed_positions(coords[:, 1:].float(), self.cfg.model_channels).to(h.dtype)
+        if self.facing is not None:
+            h = h + self.facing(facings)
         for number, block in enumerate(self.blocks):
             h = block(h, plans[number % 2])
         said = self.out_layer(plain_norm(h, eps=1e-5)).to(feats.dtype)
@@ -115,7 +133,11 @@ class SlatEncoder(SlatTrunk):
         super().__init__(cfg, cfg.in_channels, 2 * cfg.latent_channels)
 
     def forward(
-        self, coords: Int[Tensor, "N 4"], feats: Float[Tensor, "N C"], plans: WindowPlans | None = None
+        self,
+        coords: Int[Tensor, "N 4"],
+        feats: Float[Tensor, "N C"],
+        plans: WindowPlans | None = None,
+        facings: Int[Tensor, "N"] | None = None,
     ) -> tuple[Float[Tensor, "N D"], Float[Tensor, "N D"]]:
         """Mean and log-variance, row by row.
 
@@ -123,6 +145,7 @@ class SlatEncoder(SlatTrunk):
             coords: sample, x, y, z of each voxel, in any order.
             feats: features of each voxel.
             plans: of the same voxels, if there already.
+            facings: of the same voxels, where they have two sides.
         """
-        mean, logvar = self.transform(coords, feats, plans).chunk(2, dim=1)
+        mean, logvar = self.transform(coords, feats, plans, facings).chunk(2, dim=1)
         return mean, logvar

@@ -25,12 +25,12 @@ def move_splats(
     matrices = torch.tensor(displacements[:, :3], **kind).index_select(0, part_ids)  # N 3 4
     means = torch.einsum("nij,nj->ni", matrices[:, :, :3], splats.means) + matrices[:, :, 3]
     turns = torch.tensor(quat_from_matrix(displacements[:, :3, :3]), **kind).index_select(0, part_ids)
-    return replace(splats, means=means, quats=_multiply(turns, splats.quats))
+    return replace(splats, means=means, quats=multiply_quats(turns, splats.quats))
 
 
-def _multiply(a: Float[Tensor, "N 4"], b: Float[Tensor, "N 4"]) -> Float[Tensor, "N 4"]:
+def multiply_quats(a: Float[Tensor, "*N 4"], b: Float[Tensor, "*N 4"]) -> Float[Tensor, "*N 4"]:
     """Hamilton products (wxyz): the rotation ``b`` followed by ``a``."""
-    (aw, ax, ay, az), (bw, bx, by, bz) = a.unbind(1), b.unbind(1)
+    (aw, ax, ay, az), (bw, bx, by, bz) = a.unbind(-1), b.unbind(-1)
     return torch.stack(
         [
             aw * bw - ax * bx - ay * by - az * bz,
@@ -38,5 +38,5 @@ def _multiply(a: Float[Tensor, "N 4"], b: Float[Tensor, "N 4"]) -> Float[Tensor,
             aw * by - ax * bz + ay * bw + az * bx,
             aw * bz + ax * by - ay * bx + az * bw,
         ],
-        dim=1,
+        dim=-1,
     )

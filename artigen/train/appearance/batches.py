@@ -19,6 +19,8 @@ class PictureBatch:
     coords: Int[Tensor, "N 4"]
     """Sample, x, y, z."""
     feats: Float[Tensor, "N C"]
+    facings: Int[Tensor, "N"]
+    """Directions of outer sides."""
     part_ids: Int[Tensor, "N"]
     """Counted within each sample."""
     rgb: Float[Tensor, "B M H W 3"]
@@ -40,21 +42,26 @@ class PictureBatch:
         return PictureBatch(**{**vars(self), **tensors})
 
 
-def voxel_batch(examples: Sequence[AppearanceExample]) -> tuple[Int[Tensor, "N 4"], Float[Tensor, "N C"]]:
-    """Places (sample, x, y, z) and features of all voxels, sample after sample."""
+def voxel_batch(
+    examples: Sequence[AppearanceExample],
+) -> tuple[Int[Tensor, "N 4"], Float[Tensor, "N C"], Int[Tensor, "N"]]:
+    """Places (sample, x, y, z), features, and facings of all voxels, sample after sample."""
     coords = [
         np.column_stack([np.full(len(one.coords), number), one.coords.astype(np.int64)])
         for number, one in enumerate(examples)
     ]
-    feats = np.concatenate([one.features for one in examples])
-    return torch.from_numpy(np.concatenate(coords)), torch.from_numpy(feats).float()
+    feats, facings = (
+        torch.from_numpy(np.concatenate([getattr(one, name) for one in examples]))
+        for name in ("features", "facings")
+    )
+    return torch.from_numpy(np.concatenate(coords)), feats.float(), facings.long()
 
 
 def picture_batch(
     examples: Sequence[AppearanceExample], chosen: Sequence[Int[np.ndarray, "M"]]
 ) -> PictureBatch:
     """Objects side by side with the chosen pictures of each, equally many."""
-    coords, feats = voxel_batch(examples)
+    coords, feats, facings = voxel_batch(examples)
     taken = [(one.pictures, rows) for one, rows in zip(examples, chosen, strict=True)]
     part_ids = np.concatenate([one.part_ids for one in examples]).astype(np.int64)
     rgb, background = (
@@ -64,6 +71,7 @@ def picture_batch(
     return PictureBatch(
         coords=coords,
         feats=feats,
+        facings=facings,
         part_ids=torch.from_numpy(part_ids),
         rgb=rgb,
         exposed=torch.from_numpy(np.stack([pictures.exposed[rows] for pictures, rows in taken])),

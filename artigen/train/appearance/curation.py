@@ -4,26 +4,30 @@ Every joint state is photographed once; features are read off all pictures, and 
 of the paper: 8 states, 48 views each).
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import torch
 from jaxtyping import Int
 
+from artigen.models.appearance_vae import SIDE_CHANNELS
 from artigen.models.features import FeatureExtractor
 from artigen.shapes.asset import frame_shape
 from artigen.shapes.render import build_scene
 from artigen.shapes.shape import Shape
 from artigen.train.appearance.photographs import (
     Pictures,
+    find_clear,
     join_pictures,
     keep_pictures,
     photograph,
     premultiply,
+    shown_parts,
 )
+from artigen.train.appearance.sides import SideMean
 from artigen.train.appearance.states import plan_fractions
 from artigen.train.appearance.views import ViewConfig, pick_cameras, scale_cameras
-from artigen.train.appearance.visibility import MOMENTS, FeatureMean, StateViews, VoxelFeatures, Weighting
+from artigen.train.appearance.visibility import FeatureMean, StateViews, VoxelFeatures, Weighting
 from artigen.types import Asset
 
 AT_ONCE = 16
@@ -46,8 +50,8 @@ class CurationConfig:
     """Which views count for a voxel: those that show it, or all, as in the paper."""
     tolerance: float = 1.5
     """Largest difference of depths, in voxels, at which a view shows a voxel."""
-    directional: bool = False
-    """Whether features say from where a voxel was seen, too."""
+    sided: bool = False
+    """Whether features say what both sides of a voxel look like, too (`artigen.train.appearance.sides`)."""
 
     def __post_init__(self) -> None:
         if self.states < 1 or not 0 <= self.kept <= self.views.count or self.tolerance <= 0:
@@ -58,17 +62,22 @@ class CurationConfig:
 
     def channels(self, extractor: FeatureExtractor) -> int:
         """Channels of a voxel's features."""
-        return extractor.channels + (MOMENTS if self.directional else 0)
+        return extractor.channels + (SIDE_CHANNELS if self.sided else 0)
 
 
 def curate(
-    shape: Shape, asset: Asset, extractor: FeatureExtractor, cfg: CurationConfig
+    shape: Shape,
+    asset: Asset,
+    facings: Int[np.ndarray, "N"],
+    extractor: FeatureExtractor,
+    cfg: CurationConfig,
 ) -> tuple[VoxelFeatures, Pictures]:
     """Features of the asset's voxels, and the pictures kept of every state.
 
     Args:
         shape: The object.
         asset: The same object with voxels.
+        facings: Directions of their outer sides.
         extractor: Reads features off pictures.
         cfg: States and views.
 
@@ -79,31 +88,34 @@ def curate(
         raise ValueError(f"asset {asset.name!r} has no voxels; voxelize its surface first")
     scene = build_scene([shape])
     center, scale = frame_shape(shape)
-    mean = FeatureMean(
-        asset.voxels.centers(),
-        asset.voxels.part_ids,
-        cell=1.0 / asset.voxels.resolution,
-        weighting=cfg.weighting,
-        tolerance=cfg.tolerance,
-        directional=cfg.directional,
-    )
+    centers, part_ids, cell = asset.voxels.centers(), asset.voxels.part_ids, 1.0 / asset.voxels.resolution
+    mean = FeatureMean(centers, part_ids, cell=cell, weighting=cfg.weighting, tolerance=cfg.tolerance)
+    sides = SideMean(centers, part_ids, facings, cell)
     fractions = plan_fractions(shape, cfg.states, staggered=cfg.staggered)
     kept = []
     for number, state in enumerate(photograph(scene, asset, fractions, cfg.views)):
         pictures = premultiply(state.images)
         cameras = scale_cameras(state.cameras, center, scale)
+        parts, clear = torch.from_numpy(shown_parts(state)).long(), find_clear(scene, state)
         for rows in torch.arange(len(pictures)).split(AT_ONCE):
             views = StateViews(
                 cameras=pick_cameras(cameras, rows),
                 pictures=pictures[rows],
                 depth=state.images.depth[rows] / scale,
+                parts=parts[rows],
+                clear=clear[rows],
                 displacements=state.displacements,
             )
             with torch.no_grad():
                 maps = extractor(views.pictures)
-            mean.add(views, maps)
+            for seen in mean.add(views, maps):
+                sides.add(seen)
         kept.append(keep_pictures(scene, state, number, cameras, _spread_rows(cfg)))
-    return mean.finish(), join_pictures(kept)
+    features = mean.finish()
+    if cfg.sided:
+        values = np.concatenate([features.values, sides.finish().numpy()], axis=1)
+        features = replace(features, values=values)
+    return features, join_pictures(kept)
 
 
 def _spread_rows(cfg: CurationConfig) -> Int[np.ndarray, "K"]:

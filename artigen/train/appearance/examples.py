@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float, Int, UInt8
 
+from artigen.facings import find_facings
 from artigen.models.features import FeatureExtractor
 from artigen.palettes import describe_voxels, read_palettes
 from artigen.shapes.draw import draw_shape
@@ -27,8 +28,9 @@ SPACING = 0.025
 class AppearanceExample:
     """An object's voxels with features, its pictures, and its condition; ``image`` is RGBA, premultiplied.
 
-    ``table`` holds the field's channels after occupancy of each part, ``palettes`` its colours; ``views``
-    counts the views that a voxel's features are the mean of.
+    ``facings`` are the directions of the voxels' outer sides (`artigen.facings`), ``table`` holds the field's
+    channels after occupancy of each part, ``palettes`` its colours; ``views`` counts the views that a
+    voxel's features are the mean of.
     """
 
     name: str
@@ -36,6 +38,7 @@ class AppearanceExample:
     resolution: int
     coords: UInt8[np.ndarray, "N 3"]
     part_ids: UInt8[np.ndarray, "N"]
+    facings: UInt8[np.ndarray, "N"]
     features: Float[np.ndarray, "N C"]
     views: Int[np.ndarray, "N"]
     table: Float[np.ndarray, "P K"]
@@ -47,7 +50,7 @@ class AppearanceExample:
 
     def attributes(self) -> Float[np.ndarray, "N A"]:
         """What the flow is told of every voxel."""
-        return describe_voxels(self.table, self.part_ids, self.palettes)
+        return describe_voxels(self.table, self.part_ids, self.palettes, self.facings)
 
 
 def draw_appearance(
@@ -76,13 +79,15 @@ def draw_appearance_of(
     asset, described = draw_example_of(category, seed, resolution=resolution, image_size=image_size)
     assert asset.voxels is not None
     shape = draw_shape(category, seed)
-    features, pictures = curate(shape, asset, extractor, cfg)
+    facings = find_facings(asset.voxels.coords, asset.voxels.part_ids, resolution)
+    features, pictures = curate(shape, asset, facings, extractor, cfg)
     return asset, AppearanceExample(
         name=asset.name,
         category=asset.category,
         resolution=resolution,
         coords=asset.voxels.coords.astype(np.uint8),
         part_ids=asset.voxels.part_ids.astype(np.uint8),
+        facings=facings.astype(np.uint8),
         features=features.values.astype(np.float16),
         views=features.views.astype(np.uint16),
         table=described.field.table,

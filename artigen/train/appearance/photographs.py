@@ -111,6 +111,22 @@ def premultiply(images: Images) -> Float[Tensor, "V 4 H W"]:
     return torch.cat([images.rgb * alpha, alpha], dim=3).permute(0, 3, 1, 2)
 
 
+def shown_parts(state: State) -> UInt8[np.ndarray, "V H W"]:
+    """Part of the asset that each pixel shows, `NOTHING` where it shows none."""
+    images = state.images
+    return np.where(images.mask, state.owners[images.part_ids], NOTHING).astype(np.uint8)
+
+
+def find_clear(scene: Scene, state: State) -> Float[Tensor, "V H W"]:
+    """Share of the background that each pixel of the object shows: how far one sees through it."""
+    images = state.images
+    if bool((scene.paint.opacity >= 1).all()):
+        return torch.zeros_like(images.depth)
+    light = replace(state.light, supersampling=1)
+    others = _render_before(scene, state.cameras, state.qpos, 1 - state.behind, light)
+    return (images.rgb - others.rgb).abs().mean(dim=3) * images.mask
+
+
 def photograph(
     scene: Scene, asset: Asset, fractions: Float[np.ndarray, "S P"], cfg: ViewConfig
 ) -> Iterator[State]:
@@ -155,7 +171,7 @@ def keep_pictures(
     return Pictures(
         rgb=_bytes(images.rgb),
         background=_bytes(torch.tensor(BACKGROUNDS)[behind]),
-        parts=np.where(images.mask, state.owners[images.part_ids], NOTHING).astype(np.uint8),
+        parts=shown_parts(replace(state, images=images)),
         exposed=exposed.numpy(),
         state=np.full(len(rows), number, dtype=np.uint8),
         displacements=state.displacements[None],

@@ -41,7 +41,7 @@ APPEARANCE_TRAINING: dict[PresetName, AppearanceTraining] = {
         losses=AppearanceLossConfig(volume=1e4 / 64),
     ),
     "small": AppearanceTraining(
-        curation=CurationConfig(states=4, views=ViewConfig(count=6, sharpness=2), kept=3, directional=True),
+        curation=CurationConfig(states=4, views=ViewConfig(count=6, sharpness=2), kept=3),
         vae=StageConfig(batch=1, learning_rate=2e-3, warmup=50, decay=1.0, ema=0.99, share=0.5),
         flow=StageConfig(batch=1, learning_rate=8e-4, warmup=100, decay=0.5, ema=0.995, share=0.3),
         palette=StageConfig(batch=32, learning_rate=5e-4, warmup=100, decay=0.4, ema=0.998, share=0.2),
@@ -49,7 +49,7 @@ APPEARANCE_TRAINING: dict[PresetName, AppearanceTraining] = {
         losses=AppearanceLossConfig(volume=1e4 / 8, exposed=3.0),
     ),
     "compact": AppearanceTraining(
-        curation=CurationConfig(views=ViewConfig(count=12, sharpness=2), kept=4, directional=True),
+        curation=CurationConfig(views=ViewConfig(count=12, sharpness=2), kept=4),
         vae=StageConfig(batch=4, learning_rate=1e-3, warmup=200, decay=1.0, ema=0.999, share=0.6),
         flow=StageConfig(batch=16, learning_rate=4e-4, warmup=300, decay=0.3, ema=0.999, share=0.3),
         palette=StageConfig(batch=256, learning_rate=6e-4, warmup=300, decay=0.4, ema=0.999, share=0.1),

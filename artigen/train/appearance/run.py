@@ -7,13 +7,14 @@ from typing import Literal
 from artigen.claim import claim_folder
 from artigen.errors import ArtigenError
 from artigen.models.appearance_presets import APPEARANCE_PRESETS
+from artigen.models.appearance_vae import SIDE_CHANNELS
 from artigen.models.dinov2 import DinoConfig
 from artigen.models.extractors import ExtractorConfig, ExtractorName
 from artigen.models.presets import PresetName
 from artigen.models.slat_vae import SlatVaeConfig
 from artigen.train.appearance.curation import CurationConfig
 from artigen.train.appearance.presets import APPEARANCE_TRAINING
-from artigen.train.appearance.visibility import MOMENTS, Weighting
+from artigen.train.appearance.visibility import Weighting
 from artigen.train.run import claim_start
 
 AppearanceStage = Literal["appearance", "appearance-vae", "appearance-palette", "appearance-flow"]
@@ -60,7 +61,8 @@ class AppearanceRunConfig:
 
 def run_curation(cfg: AppearanceRunConfig) -> CurationConfig:
     """States and views of a run: without articulation, as many pictures of the closed object."""
-    curation = replace(APPEARANCE_TRAINING[cfg.preset].curation, weighting=cfg.weighting)
+    sided = APPEARANCE_PRESETS[cfg.preset].encoder.sided
+    curation = replace(APPEARANCE_TRAINING[cfg.preset].curation, weighting=cfg.weighting, sided=sided)
     if cfg.articulated:
         return curation
     return close_curation(curation)
@@ -74,8 +76,8 @@ def close_curation(curation: CurationConfig) -> CurationConfig:
 
 def run_extractor(cfg: AppearanceRunConfig) -> ExtractorConfig:
     """The extractor of a run; a pyramid has the channels that the preset's encoder reads."""
-    moments = MOMENTS if APPEARANCE_TRAINING[cfg.preset].curation.directional else 0
-    channels = APPEARANCE_PRESETS[cfg.preset].encoder.in_channels - moments
+    encoder = APPEARANCE_PRESETS[cfg.preset].encoder
+    channels = encoder.in_channels - (SIDE_CHANNELS if encoder.sided else 0)
     return ExtractorConfig(name=cfg.features, channels=channels, folder=cfg.dinov2)
 
 
@@ -84,8 +86,7 @@ def run_encoder(cfg: AppearanceRunConfig) -> SlatVaeConfig:
     encoder = APPEARANCE_PRESETS[cfg.preset].encoder
     if cfg.features == "pyramid":
         return encoder
-    moments = MOMENTS if APPEARANCE_TRAINING[cfg.preset].curation.directional else 0
-    return replace(encoder, in_channels=DinoConfig().width + moments)
+    return replace(encoder, in_channels=DinoConfig().width + (SIDE_CHANNELS if encoder.sided else 0))
 
 
 def claim_appearance_run(cfg: AppearanceRunConfig) -> None:

@@ -8,7 +8,7 @@ import torch
 from jaxtyping import Float
 from torch import Tensor, nn
 
-from artigen.models.appearance_vae import AppearanceVae
+from artigen.models.appearance_vae import SIDE_CHANNELS, AppearanceVae
 from artigen.models.features import FeatureExtractor
 from artigen.train.appearance.batches import PictureBatch, draw_picture_batches, voxel_batch
 from artigen.train.appearance.examples import AppearanceExample
@@ -52,15 +52,18 @@ def train_appearance_vae(
         on_report: called with every line of metrics.
     """
 
+    sided = vae.encoder.cfg.sided
+
     def terms(network: nn.Module, drawn: PictureBatch, generator: torch.Generator) -> dict[str, Tensor]:
         shape = (len(drawn.coords), vae.encoder.cfg.latent_channels)
         noise = torch.randn(shape, generator=generator, device=generator.device)
-        encoded = network(drawn.coords, drawn.feats, noise)
+        facings = drawn.facings if sided else None
+        encoded = network(drawn.coords, drawn.feats, noise, facings)
         with torch.autocast(drawn.coords.device.type, enabled=False):  # places need all of their digits
             made = draw_pictures(encoded.splats, drawn, raster_config(vae, drawn.coords.device))
             return appearance_losses(encoded, made, drawn, losses, extractor)
 
-    center, spread = measure_features(examples)
+    center, spread = measure_features(examples, scaled=SIDE_CHANNELS if sided else 0)
     vae.feature_mean.copy_(center)
     vae.feature_std.copy_(spread)
     start = finished_steps(folder)
@@ -71,9 +74,13 @@ def train_appearance_vae(
 
 
 def measure_features(
-    examples: Sequence[AppearanceExample],
+    examples: Sequence[AppearanceExample], *, scaled: int = 0
 ) -> tuple[Float[Tensor, "C"], Float[Tensor, "C"]]:
     """Mean and standard deviation per channel over the voxels that any view counted for.
+
+    Args:
+        examples: Objects.
+        scaled: Last channels that are scaled already: 0 and 1.
 
     Raises:
         ValueError: If there is no such voxel.
@@ -86,6 +93,8 @@ def measure_features(
         raise ValueError(f"{len(examples)} objects without a voxel that was seen")
     center = np.asarray(total) / count
     spread = np.sqrt(np.maximum(np.asarray(squares) / count - center**2, 0.0))
+    left = len(center) - scaled
+    center[left:], spread[left:] = 0.0, 1.0
     return torch.from_numpy(center).float(), torch.from_numpy(spread.clip(min=LEAST)).float()
 
 
@@ -97,8 +106,8 @@ def encode_appearance(
     device = next(vae.parameters()).device
     means, stds = [], []
     for one in examples:
-        coords, feats = voxel_batch([one])
-        mean, logvar = vae.encode(coords.to(device), feats.to(device))
+        coords, feats, facings = (value.to(device) for value in voxel_batch([one]))
+        mean, logvar = vae.encode(coords, feats, facings=facings if vae.encoder.cfg.sided else None)
         means.append(mean.half().cpu())
         stds.append(torch.exp(0.5 * logvar).half().cpu())
     return means, stds

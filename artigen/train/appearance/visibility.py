@@ -10,15 +10,13 @@ from typing import Literal
 
 import numpy as np
 import torch
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Bool, Float, Int, Shaped
 from torch import Tensor
 from torch.nn import functional
 
 from artigen.shapes.render.cameras import Cameras, camera_axes, pixel_sizes
 
 Weighting = Literal["seen", "plain"]
-MOMENTS = 12
-"""Channels that say from where a voxel was seen, and how its colour depends on that."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -30,8 +28,26 @@ class StateViews:
     """Colour and coverage, premultiplied on black."""
     depth: Float[Tensor, "V H W"]
     """Along the viewing direction; infinite where nothing is seen."""
+    parts: Int[Tensor, "V H W"]
+    """Part of the asset that each pixel shows."""
+    clear: Float[Tensor, "V H W"]
+    """Share of the background that each pixel of the object shows."""
     displacements: Float[np.ndarray, "P 4 4"]
     """Of the parts, from rest."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SeenVoxels:
+    """Voxels that one view shows; directions and lengths in the frame of their part at rest."""
+
+    rows: Int[Tensor, "K"]
+    toward: Float[Tensor, "K 3"]
+    """Unit directions to the camera."""
+    color: Float[Tensor, "K 3"]
+    clear: Float[Tensor, "K"]
+    """Share of the background that is seen through them."""
+    off: Float[Tensor, "K 3"]
+    """From the voxel's centre to the surface that is seen there."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -52,9 +68,6 @@ class FeatureMean:
         cell: Edge of a voxel.
         weighting: Which views count for a voxel.
         tolerance: Largest difference of depths in voxels at which a voxel counts as seen.
-        directional: Whether `MOMENTS` channels are appended: the mean direction that a voxel was seen from,
-            in the part's own frame, and the covariance of colour and direction. A thin board has two sides
-            in one voxel.
     """
 
     def __init__(
@@ -65,40 +78,44 @@ class FeatureMean:
         cell: float,
         weighting: Weighting = "seen",
         tolerance: float = 1.5,
-        directional: bool = False,
     ) -> None:
         self.centers, self.part_ids = centers.astype(np.float64), part_ids.astype(np.int64)
         self.cell, self.weighting, self.tolerance = cell, weighting, tolerance
-        self.directional = directional
         self.views = torch.zeros(len(centers))
         self.sums: Tensor | None = None
-        self.directions = torch.zeros(len(centers), 3)
-        self.colors = torch.zeros(len(centers), 3)
-        self.products = torch.zeros(len(centers), 3, 3)
 
-    def add(self, views: StateViews, maps: Float[Tensor, "V C h w"]) -> None:
-        """Counts the views of a state; ``maps`` are the features of its pictures."""
+    def add(self, views: StateViews, maps: Float[Tensor, "V C h w"]) -> list[SeenVoxels]:
+        """Counts the views of a state, and says of each what it shows; ``maps`` are their features."""
         D = views.displacements[self.part_ids]
         moved = torch.from_numpy(np.einsum("nij,nj->ni", D[:, :3, :3], self.centers) + D[:, :3, 3])
+        turn = torch.from_numpy(D[:, :3, :3]).float()
         place, depth = project_points(moved, views.cameras)
         counted = find_seen(place, depth, views.depth, self.tolerance * self.cell)
         if self.weighting == "plain":
             counted = (place.abs() <= 1).all(dim=2) & (depth > 0)
+        else:
+            counted &= _read_pixels(views.parts, place) == torch.from_numpy(self.part_ids)
         if self.sums is None:
             self.sums = torch.zeros(len(moved), maps.shape[1])
-        turn = torch.from_numpy(D[:, :3, :3]).float()
+        surface, clear = find_surface(place, views), _read_pixels(views.clear, place)
+        out = []
         for view, at in enumerate(place):
             rows = counted[view].nonzero()[:, 0]
             self.sums[rows] += _sample(maps[view], at[rows])
             self.views[rows] += 1
-            if self.directional:
-                away = views.cameras.position[view] - moved[rows]
-                away = functional.normalize(away, dim=1).float()
-                away = torch.einsum("nji,nj->ni", turn[rows], away)
-                color = _sample(views.pictures[view, :3], at[rows])
-                self.directions[rows] += away
-                self.colors[rows] += color
-                self.products[rows] += color[:, :, None] * away[:, None, :]
+            picture = _sample(views.pictures[view], at[rows])
+            toward = functional.normalize(views.cameras.position[view] - moved[rows], dim=1).float()
+            off = torch.nan_to_num((surface[view, rows] - moved[rows]).float(), 0.0, 0.0, 0.0)
+            out.append(
+                SeenVoxels(
+                    rows=rows,
+                    toward=torch.einsum("nji,nj->ni", turn[rows], toward),
+                    color=picture[:, :3] / picture[:, 3:].clamp(min=0.25),
+                    clear=clear[view, rows],
+                    off=torch.einsum("nji,nj->ni", turn[rows], off),
+                )
+            )
+        return out
 
     def finish(self) -> VoxelFeatures:
         """Means over what was counted.
@@ -108,12 +125,7 @@ class FeatureMean:
         """
         if self.sums is None:
             raise ValueError("no views were added, expected at least one")
-        count = self.views.clamp(min=1.0)[:, None]
-        values = self.sums / count
-        if self.directional:
-            direction, color = self.directions / count, self.colors / count
-            spread = self.products / count[:, :, None] - color[:, :, None] * direction[:, None, :]
-            values = torch.cat([values, direction, spread.flatten(1)], dim=1)
+        values = self.sums / self.views.clamp(min=1.0)[:, None]
         return VoxelFeatures(values=values.numpy(), views=self.views.long().numpy())
 
 
@@ -132,6 +144,17 @@ def project_points(
     return place.float(), depth.float()
 
 
+def find_surface(place: Float[Tensor, "V N 2"], views: StateViews) -> Float[Tensor, "V N 3"]:
+    """Points of the surface that the pixels nearest to given places show; not finite where there is none."""
+    cameras = views.cameras
+    column, row = _find_pixels(place, views.depth)
+    depth = _read_pixels(views.depth, place).double()
+    pixel = pixel_sizes(cameras)[:, None] * depth
+    x, y = (column + 0.5 - cameras.width / 2.0) * pixel, (row + 0.5 - cameras.height / 2.0) * pixel
+    local = torch.stack([x, y, depth], dim=2)
+    return torch.einsum("vij,vni->vnj", camera_axes(cameras), local) + cameras.position.double()[:, None]
+
+
 def find_seen(
     place: Float[Tensor, "V N 2"],
     depth: Float[Tensor, "V N"],
@@ -139,11 +162,26 @@ def find_seen(
     tolerance: float,
 ) -> Bool[Tensor, "V N"]:
     """Whether the surface that was rendered where a point is lies at its depth, within ``tolerance``."""
-    there = functional.grid_sample(
-        rendered[:, None], place[:, :, None], mode="nearest", padding_mode="border", align_corners=False
-    )[:, 0, :, 0]
     inside = (place.abs() <= 1).all(dim=2) & (depth > 0)
-    return inside & ((there - depth).abs() <= tolerance)
+    return inside & ((_read_pixels(rendered, place) - depth).abs() <= tolerance)
+
+
+def _read_pixels(values: Shaped[Tensor, "V H W"], place: Float[Tensor, "V N 2"]) -> Shaped[Tensor, "V N"]:
+    """Values of the pixels that places lie in, of the border's where they lie outside."""
+    column, row = _find_pixels(place, values)
+    return values[torch.arange(len(values))[:, None], row, column]
+
+
+def _find_pixels(
+    place: Float[Tensor, "V N 2"], values: Shaped[Tensor, "V H W"]
+) -> tuple[Int[Tensor, "V N"], Int[Tensor, "V N"]]:
+    """Column and row of the pixels that places lie in."""
+    height, width = values.shape[1:]
+    column, row = (
+        ((at + 1.0) / 2.0 * edge).floor().long().clamp(0, edge - 1)
+        for at, edge in zip(place.unbind(2), (width, height), strict=True)
+    )
+    return column, row
 
 
 def _sample(image: Float[Tensor, "C h w"], place: Float[Tensor, "N 2"]) -> Float[Tensor, "N C"]:
