@@ -8,18 +8,20 @@ them where they belong.
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 
 from artigen.facings import FACINGS
 from artigen.fields import DEFAULT_LAYOUT, after_occupancy
 from artigen.types import PartLabel, SurfaceSamples
 
 PALETTE = 7
-"""Numbers per part: the colour of the larger area, that of the smaller, and the smaller one's share."""
+"""Numbers per part: the colour of most of its outside, the other one, and the share of the other."""
 FRONTS: tuple[PartLabel, ...] = ("drawer", "door")
 """Parts that have the colour of the object, where they are not said to have another."""
 MOST = 2000
 """Samples of a part that are looked at."""
+THIN = 5 / 64
+"""Share of the longest edge of an object up to which a part counts as thin along an axis."""
 ALIKE = 1.0
 """Root mean square distance to the mean (steps of 8 bits) up to which all samples have one colour."""
 
@@ -27,7 +29,8 @@ ALIKE = 1.0
 def read_palettes(surface: SurfaceSamples, parts: int) -> Float[np.ndarray, "P 7"]:
     """Two colours (sRGB in [0, 1]) of each part and the share of its area that has the second.
 
-    A part of one colour has it twice, with a share of 0; one without samples has the whole object's.
+    The first is that of most of the outside (`find_outside`): of a fridge its paint, not its lining. A part
+    of one colour has it twice, with a share of 0; one without samples has the whole object's.
 
     Args:
         surface: Coloured samples, each standing for the same area.
@@ -38,11 +41,28 @@ def read_palettes(surface: SurfaceSamples, parts: int) -> Float[np.ndarray, "P 7
     """
     if not len(surface.points):
         raise ValueError("a surface without samples has no colours, expected at least one")
-    out = np.zeros((parts, PALETTE))
+    out, outside = np.zeros((parts, PALETTE)), find_outside(surface)
     for part in range(parts):
-        colors = surface.colors[surface.part_ids == part]
-        out[part] = _read_palette(colors if len(colors) else surface.colors)
+        own = surface.part_ids == part
+        own = own if own.any() else np.ones_like(own)
+        out[part] = _read_palette(surface.colors[own], outside[own])
     return out
+
+
+def find_outside(surface: SurfaceSamples) -> Bool[np.ndarray, "N"]:
+    """Which samples lie on the outside of their part: they face away from its middle, or from the object's
+    where the part is thin, as in `artigen.facings`."""
+    every = np.arange(len(surface.points))
+    axis = np.abs(surface.normals).argmax(axis=1)
+    middle = np.tile((surface.points.min(axis=0) + surface.points.max(axis=0)) / 2.0, (len(every), 1))
+    thin = THIN * np.ptp(surface.points, axis=0).max()
+    for part in np.unique(surface.part_ids):
+        own = surface.part_ids == part
+        points = surface.points[own]
+        wide = np.ptp(points, axis=0) > thin
+        middle[own] = np.where(wide, (points.min(axis=0) + points.max(axis=0)) / 2.0, middle[own])
+    away = surface.points[every, axis] - middle[every, axis]
+    return surface.normals[every, axis] * away > 0
 
 
 def ask_colors(
@@ -85,15 +105,17 @@ def describe_voxels(
     return np.concatenate([np.eye(FACINGS)[facings], told[part_ids]], axis=1).astype(np.float32)
 
 
-def _read_palette(colors: np.ndarray) -> Float[np.ndarray, "7"]:
+def _read_palette(colors: np.ndarray, outside: Bool[np.ndarray, "N"]) -> Float[np.ndarray, "7"]:
     from sklearn.cluster import KMeans  # takes seconds to load, and drawing does not need it
 
-    few = colors[:: -(-len(colors) // MOST)].astype(float)
+    step = -(-len(colors) // MOST)
+    few, outer = colors[::step].astype(float), outside[::step]
     mean = few.mean(axis=0)
     if np.sqrt(((few - mean) ** 2).sum(axis=1).mean()) <= ALIKE:
         return np.concatenate([mean / 255.0, mean / 255.0, [0.0]])
     second = KMeans(n_clusters=2, random_state=0).fit_predict(few) == 1
-    if second.mean() > 0.5:
+    shown = second[outer] if outer.any() else second
+    if shown.mean() > 0.5:
         second = ~second
     means = [few[~second].mean(axis=0), few[second].mean(axis=0)]
     return np.concatenate([*means, [255.0 * second.mean()]]) / 255.0

@@ -13,9 +13,10 @@ from artigen.fields import DEFAULT_LAYOUT, after_occupancy, tabulate_parts
 from artigen.models.appearance_presets import APPEARANCE_PRESETS
 from artigen.models.conditions import StructureCondition, gather_conditions
 from artigen.models.palette_flow import PaletteFlow, look_at_parts, sample_palettes
-from artigen.palettes import PALETTE, ask_colors, describe_voxels, read_palettes
+from artigen.palettes import PALETTE, ask_colors, describe_voxels, find_outside, read_palettes
 from artigen.sampling import SamplerConfig
 from artigen.shapes.asset import shape_to_asset
+from artigen.shapes.sampling import sample_shape
 from artigen.train.appearance.palettes import (
     PaletteExample,
     draw_palettes,
@@ -45,6 +46,40 @@ def test_a_palette_is_the_two_colours_of_a_part_and_the_share_of_the_second():
     red, blue = np.array(RED) / 255, np.array(BLUE) / 255
     np.testing.assert_allclose(found[0], [*blue, *red, 0.3], atol=1e-9)
     np.testing.assert_allclose(found[1], [*red, *red, 0.0], atol=1e-9)
+
+
+def test_the_first_colour_is_that_of_the_outside_though_the_inside_is_larger():
+    shape, inside = make_chest(), 3
+    asset = shape_to_asset(shape, 16)
+    surface = sample_shape(shape, 0.05)
+    outer = find_outside(surface)
+    colors = np.where(outer[:, None], RED, BLUE).astype(np.uint8)
+    more = np.repeat(np.arange(len(colors)), np.where(outer, 1, inside))
+    doubled = SurfaceSamples(
+        points=surface.points[more],
+        normals=surface.normals[more],
+        colors=colors[more],
+        part_ids=surface.part_ids[more],
+    )
+    for palette in read_palettes(doubled, len(asset.parts)):
+        np.testing.assert_allclose(palette[:6], np.array([*RED, *BLUE]) / 255, atol=1e-6)
+        assert palette[6] > 0.5
+
+
+def test_outsides_face_away_from_the_part_and_of_thin_parts_from_the_object():
+    surface = sample_shape(make_chest(), 0.05)
+    outer, (_, y, z) = find_outside(surface), surface.points.T
+    body = surface.part_ids == 0
+    assert outer[body & (z > 1.0 - 1e-6)].all()
+    assert outer[body & (y < -0.5 + 1e-6)].all()
+    assert not outer[body & (surface.normals[:, 1] > 0.9) & (y < 0)].any()
+    flat = SurfaceSamples(
+        points=np.array([[-0.5, 0, 0.5], [-0.49, 0, 0.5], [-0.5, 0.4, 0.9], [0.5, -0.4, 0]]),
+        normals=np.array([[-1.0, 0, 0], [1.0, 0, 0], [-1.0, 0, 0], [1.0, 0, 0]]),
+        colors=np.zeros((4, 3), dtype=np.uint8),
+        part_ids=np.array([1, 1, 1, 0]),
+    )
+    assert find_outside(flat).tolist() == [True, False, True, True]
 
 
 def test_a_palette_does_not_depend_on_the_order_of_samples():

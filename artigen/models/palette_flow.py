@@ -115,9 +115,8 @@ class PaletteFlow(nn.Module):
         return (palettes - self.mean) / self.std
 
     def restore(self, x: Float[Tensor, "B N 7"]) -> Float[Tensor, "B N 7"]:
-        """Inverse of `normalise`, within bounds: colours in [0, 1], a share of at most half."""
-        palettes = (x * self.std + self.mean).clamp(0.0, 1.0)
-        return torch.cat([palettes[..., :-1], palettes[..., -1:].clamp(max=0.5)], dim=-1)
+        """Inverse of `normalise`, within bounds: colours and shares in [0, 1]."""
+        return (x * self.std + self.mean).clamp(0.0, 1.0)
 
 
 def look_at_parts(

@@ -1,0 +1,73 @@
+"""Which way the outer side of each voxel faces: furniture is made of boards, and a thin one has two sides.
+
+The direction is read off the voxels alone, so it is the same in training, where pictures say what either
+side looks like, and for a drawn structure, whose sides are to be coloured.
+"""
+
+import numpy as np
+from jaxtyping import Float, Int
+from scipy.ndimage import uniform_filter
+
+FACINGS = 6
+"""Directions: -x, +x, -y, +y, -z, +z."""
+LONGEST = 5
+"""Cells of one part in a row beyond which a row is no thinner than another."""
+
+
+def find_facings(
+    coords: Int[np.ndarray, "N 3"], part_ids: Int[np.ndarray, "N"], resolution: int
+) -> Int[np.ndarray, "N"]:
+    """Direction (0 to 5) that the outer side of each voxel faces.
+
+    Its axis is the one along which the part is thinnest thereabouts. Outside is where the middle of the part
+    is not; for a part that is thin itself, where the middle of the object is not.
+
+    Args:
+        coords: Cells (x, y, z) of the grid, each at most once.
+        part_ids: Part of each.
+        resolution: Edge of the grid.
+    """
+    cells = coords.astype(np.int64)
+    grid = np.full((resolution,) * 3, -1)
+    grid[tuple(cells.T)] = part_ids
+    runs = np.stack([np.minimum(_measure_runs(grid, axis), LONGEST) for axis in range(3)]).astype(np.float32)
+    thickness = np.empty((3, len(cells)), dtype=np.float32)
+    middle = np.empty((len(cells), 3))
+    whole = _middle(cells)
+    for part in np.unique(part_ids):
+        own = part_ids == part
+        place, inside = tuple(cells[own].T), grid == part
+        count = uniform_filter(inside.astype(np.float32), 3, mode="constant")[place]
+        for axis in range(3):
+            total = uniform_filter(np.where(inside, runs[axis], 0.0), 3, mode="constant")[place]
+            thickness[axis, own] = total / count
+        thin = np.ptp(cells[own], axis=0) < LONGEST
+        middle[own] = np.where(thin, whole, _middle(cells[own]))
+    axis = np.round(thickness, 3).argmin(axis=0)
+    every = np.arange(len(cells))
+    return 2 * axis + (cells[every, axis] > middle[every, axis])
+
+
+def facing_frames() -> Float[np.ndarray, "6 3 3"]:
+    """Rotations from the frame of an outer side, which faces its +x, to the grid's; by direction."""
+    frames = np.zeros((FACINGS, 3, 3))
+    for axis in range(3):
+        for way, sign in enumerate((-1.0, 1.0)):
+            frame = frames[2 * axis + way]
+            frame[axis, 0] = sign
+            frame[(axis + 1) % 3, 1] = 1.0
+            frame[(axis + 2) % 3, 2] = sign
+    return frames
+
+
+def _middle(cells: Int[np.ndarray, "N 3"]) -> Float[np.ndarray, "3"]:
+    return (cells.min(axis=0) + cells.max(axis=0)) / 2.0
+
+
+def _measure_runs(grid: Int[np.ndarray, "R R R"], axis: int) -> Int[np.ndarray, "R R R"]:
+    """How many cells in a row along an axis belong to what each cell belongs to."""
+    lines = np.moveaxis(grid, axis, 2)
+    starts = np.ones(lines.shape, dtype=bool)
+    starts[:, :, 1:] = lines[:, :, 1:] != lines[:, :, :-1]
+    run = np.cumsum(starts.ravel()) - 1
+    return np.moveaxis(np.bincount(run)[run].reshape(lines.shape), 2, axis)
