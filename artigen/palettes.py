@@ -62,7 +62,7 @@ def find_outside(surface: SurfaceSamples) -> Bool[np.ndarray, "N"]:
         wide = np.ptp(points, axis=0) > thin
         middle[own] = np.where(wide, (points.min(axis=0) + points.max(axis=0)) / 2.0, middle[own])
     away = surface.points[every, axis] - middle[every, axis]
-    return surface.normals[every, axis] * away > 0
+    return np.asarray(surface.normals[every, axis] * away > 0)
 
 
 def ask_colors(

@@ -4,12 +4,15 @@ import numpy as np
 
 from artigen.appearance import AppearanceConfig, generate_appearance, load_appearance_model
 from artigen.ask import Request, read_request
+from artigen.facings import find_facings
 from artigen.generate import generate_structure, load_structure_model
 from artigen.metrics.delivery import has_counts, size_error
 from artigen.models.conditions import StructureCondition
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.draw import Wish, draw_shape
 from artigen.splats.colors import srgb_from_linear
+from artigen.train.appearance.examples import paint_parts
+from artigen.train.examples import draw_example_of
 from artigen.weights import SHIPPED
 
 
@@ -47,3 +50,26 @@ def test_parts_have_the_colours_that_are_asked_for():
     red, blue = means
     assert red[0] - blue[0] > 0.15
     assert blue[2] - red[2] > 0.15
+
+
+def test_parts_have_the_colours_that_a_picture_shows():
+    asset, described = draw_example_of("Microwave", 2, resolution=64, image_size=128)
+    assert described.image is not None
+    model = load_appearance_model(SHIPPED)
+    image = described.image.transpose(2, 0, 1).astype(np.float32) / 255.0
+    truth = paint_parts(draw_shape("Microwave", 2), asset)[asset.root, :3]
+    voxels, found = asset.voxels, []
+    assert voxels is not None
+    facings = find_facings(voxels.coords, voxels.part_ids, voxels.resolution)
+    lid = (
+        (facings == 5)
+        & (voxels.part_ids == asset.root)
+        & (voxels.coords[:, 2] > 0.9 * voxels.coords[:, 2].max())
+    )
+    for seed in (0, 1):
+        painted = generate_appearance(model, asset, StructureCondition(image=image), seed)
+        assert painted.gaussians is not None
+        colors = srgb_from_linear(painted.gaussians.colors).reshape(len(voxels.coords), -1, 3)
+        found.append(colors[lid, : colors.shape[1] // 2].mean(axis=(0, 1)))
+    assert np.abs(found[0] - found[1]).max() < 0.03  # a reading, not a draw
+    assert np.abs(found[0] - truth).mean() < 0.1
