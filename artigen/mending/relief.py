@@ -100,7 +100,7 @@ def _measure_depths(
     mine: Bool[np.ndarray, "D H W"],
 ) -> tuple[Bool[np.ndarray, "H W"], Int[np.ndarray, "H W"], int | None]:
     """Where a part is seen along the first axis, how deep it lies there, and most of it, if any."""
-    seen = mine.any(axis=0)
+    seen = np.asarray(mine.any(axis=0))
     depths = np.where(seen, mine.argmax(axis=0), -1)
     main = int(np.bincount(depths[seen]).argmax()) if seen.any() else None
     if main is not None and (depths[seen] == main).mean() < MAIN:
