@@ -49,8 +49,8 @@ class AppearanceConfig:
     palettes: SamplerConfig = field(default_factory=lambda: SamplerConfig(steps=25, strength=0.0))
     """Steps and guidance of the palettes, whose steps cost next to nothing."""
     seen: SamplerConfig = field(default_factory=lambda: SamplerConfig(steps=1, strength=0.0))
-    """The same where a picture shows the colours: one step gives the mean of what it lets one expect, which
-    is nearer to them than a draw."""
+    """The same where a picture shows the colours: one step gives the mean of what it lets one expect, nearly
+    the same for every seed."""
     colors: tuple[tuple[PartLabel, Color], ...] = ()
     """Main colours that parts are to have; that of the base is the object's."""
     seams: SeamConfig = field(default_factory=SeamConfig)

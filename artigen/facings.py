@@ -5,7 +5,7 @@ side looks like, and for a drawn structure, whose sides are to be coloured.
 """
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float, Int, Real
 from scipy.ndimage import uniform_filter
 
 FACINGS = 6
@@ -32,8 +32,6 @@ def find_facings(
     grid[tuple(cells.T)] = part_ids
     runs = np.stack([np.minimum(_measure_runs(grid, axis), LONGEST) for axis in range(3)]).astype(np.float32)
     thickness = np.empty((3, len(cells)), dtype=np.float32)
-    middle = np.empty((len(cells), 3))
-    whole = _middle(cells)
     for part in np.unique(part_ids):
         own = part_ids == part
         place, inside = tuple(cells[own].T), grid == part
@@ -41,8 +39,7 @@ def find_facings(
         for axis in range(3):
             total = uniform_filter(np.where(inside, runs[axis], 0.0), 3, mode="constant")[place]
             thickness[axis, own] = total / count
-        thin = np.ptp(cells[own], axis=0) < LONGEST
-        middle[own] = np.where(thin, whole, _middle(cells[own]))
+    middle = find_middles(cells, part_ids, LONGEST)
     axis = np.round(thickness, 3).argmin(axis=0)
     every = np.arange(len(cells))
     return 2 * axis + (cells[every, axis] > middle[every, axis])
@@ -60,8 +57,21 @@ def facing_frames() -> Float[np.ndarray, "6 3 3"]:
     return frames
 
 
-def _middle(cells: Int[np.ndarray, "N 3"]) -> Float[np.ndarray, "3"]:
-    return (cells.min(axis=0) + cells.max(axis=0)) / 2.0
+def find_middles(
+    points: Real[np.ndarray, "N 3"], part_ids: Int[np.ndarray, "N"], thin: float
+) -> Float[np.ndarray, "N 3"]:
+    """Where the inside is for each point: the middle of its part, or of the whole along the axes along which
+    the part is thinner than ``thin``."""
+    out = np.tile(_middle(points), (len(points), 1))
+    for part in np.unique(part_ids):
+        own = part_ids == part
+        wide = np.ptp(points[own], axis=0) >= thin
+        out[own] = np.where(wide, _middle(points[own]), out[own])
+    return out
+
+
+def _middle(points: Real[np.ndarray, "N 3"]) -> Float[np.ndarray, "3"]:
+    return (points.min(axis=0) + points.max(axis=0)) / 2.0
 
 
 def _measure_runs(grid: Int[np.ndarray, "R R R"], axis: int) -> Int[np.ndarray, "R R R"]:

@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from artigen.facings import FACINGS
+from artigen.facings import FACINGS, find_middles
 from artigen.fields import DEFAULT_LAYOUT, after_occupancy
 from artigen.types import PartLabel, SurfaceSamples
 
@@ -54,13 +54,7 @@ def find_outside(surface: SurfaceSamples) -> Bool[np.ndarray, "N"]:
     where the part is thin, as in `artigen.facings`."""
     every = np.arange(len(surface.points))
     axis = np.abs(surface.normals).argmax(axis=1)
-    middle = np.tile((surface.points.min(axis=0) + surface.points.max(axis=0)) / 2.0, (len(every), 1))
-    thin = THIN * np.ptp(surface.points, axis=0).max()
-    for part in np.unique(surface.part_ids):
-        own = surface.part_ids == part
-        points = surface.points[own]
-        wide = np.ptp(points, axis=0) > thin
-        middle[own] = np.where(wide, (points.min(axis=0) + points.max(axis=0)) / 2.0, middle[own])
+    middle = find_middles(surface.points, surface.part_ids, THIN * np.ptp(surface.points, axis=0).max())
     away = surface.points[every, axis] - middle[every, axis]
     return np.asarray(surface.normals[every, axis] * away > 0)
 

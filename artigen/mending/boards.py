@@ -12,14 +12,12 @@ from jaxtyping import Bool, Float, Int
 from scipy.ndimage import label as number_pieces
 
 from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_joints, name_rows
-from artigen.mending.boxes import Box, fill_boxes, find_boxes
+from artigen.mending.boxes import fill_boxes, find_boxes, reach_box
 from artigen.mending.rows import Owners
 from artigen.types import PartLabel
 
 SLACK = 0.25
 """Cells that a board may reach out of the box of its part."""
-ROUNDING = 1e-3
-"""Cells that a box may reach into a cell without being in it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,12 +74,12 @@ def make_boards(
     for number in np.argsort(-sizes):  # the smaller of two parts is drawn over the larger
         if number in exempt or not (before == number).any():
             continue
-        box = _reach(boxes[number], len(owners), SLACK)
+        box = reach_box(boxes[number], len(owners), SLACK)
         owned = before[box]
         within = (owned >= 0) & (sizes[owned] < sizes[number])
         after[box][_make_part(owned, number, evidence[box], cfg) & ~within] = number
     for number in exempt:
-        box = _reach(boxes[number], len(owners), 0.0)
+        box = reach_box(boxes[number], len(owners))
         after[box][before[box] == number] = number
     if (after == before).all():
         return owners, ()
@@ -113,13 +111,3 @@ def _make_part(
     stays = np.bincount(pieces.ravel()) >= cfg.least_rest
     stays[0] = False
     return solid | stays[pieces]
-
-
-def _reach(box: Float[np.ndarray, "6"], resolution: int, slack: float) -> Box:
-    """The cells that a box reaches or comes within some share of a cell of."""
-    low = (box[:3] - box[3:] / 2 + 0.5) * resolution
-    high = (box[:3] + box[3:] / 2 + 0.5) * resolution
-    first = np.floor(low - slack + ROUNDING).clip(0, resolution - 1).astype(int)
-    last = np.ceil(high + slack - ROUNDING).clip(first + 1, resolution).astype(int)
-    x, y, z = (slice(a, b) for a, b in zip(first, last, strict=True))
-    return x, y, z

@@ -17,6 +17,8 @@ ORDERS = tuple(permutations(range(3)))
 """In which faces are moved: a wall that meets a shelf is found along itself or along the shelf."""
 SWEEPS = 12
 """At most this often are all faces moved; they rest after three or four."""
+ROUNDING = 1e-3
+"""Cells that the box of a part may reach into a cell without being in it."""
 MOST = 200
 """No more boxes are sought: what takes so many is no furniture."""
 TRIES = 20
@@ -95,3 +97,19 @@ def _sums_along(sums: Sums, faces: list[tuple[int, int]], axis: int) -> np.ndarr
     (a, b), (c, d) = faces[:axis] + faces[axis + 1 :]
     lines = sums[axis]
     return lines[:, b, d] - lines[:, a, d] - lines[:, b, c] + lines[:, a, c]
+
+
+def reach_box(box: Float[np.ndarray, "6"], resolution: int, slack: float = 0.0) -> Box:
+    """The cells that a box of an outline (centre and edges, unit lengths) reaches, at least one each way.
+
+    Args:
+        box: of a part.
+        resolution: edge of the grid.
+        slack: share of a cell that it may lie short of one that still counts.
+    """
+    low = (box[:3] - box[3:] / 2 + 0.5) * resolution
+    high = (box[:3] + box[3:] / 2 + 0.5) * resolution
+    first = np.floor(low - slack + ROUNDING).clip(0, resolution - 1).astype(int)
+    last = np.ceil(high + slack - ROUNDING).clip(first + 1, resolution).astype(int)
+    x, y, z = (slice(a, b) for a, b in zip(first, last, strict=True))
+    return x, y, z

@@ -60,13 +60,12 @@ def _add_foot(owners: Owners, body: int, floor: int, corner: tuple[int, int]) ->
     ]
     nearest = int(np.argmin(np.abs(x - outer[0]) + np.abs(y - outer[1])))
     place = tuple(
-        slice(int(at) - (THICK - 1 if end else 0), int(at) + (1 if end else THICK))
+        slice(max(int(at) - THICK + 1, 0) if end else int(at), int(at) + (1 if end else THICK))
         for at, end in zip((x[nearest], y[nearest]), corner, strict=True)
     )
-    post: Bool[np.ndarray, "X Y Z"] = np.zeros_like(mine)
     top = int(under[x[nearest], y[nearest]])
-    post[place[0], place[1], floor:top] = True
-    owners[post & (owners < 0)] = body
+    post = owners[place[0], place[1], floor:top]  # a view
+    post[post < 0] = body
     return top - floor
 
 

@@ -5,14 +5,14 @@ A true button fills its box, as far as that sticks out of the panel. A dial fill
 
 import numpy as np
 from jaxtyping import Bool, Float
+from scipy.ndimage import binary_dilation
 
 from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_joints, name_rows
+from artigen.mending.boxes import reach_box
 from artigen.mending.rows import Owners
 from artigen.types import PartLabel
 
 KNOB: PartLabel = "knob"
-ROUNDING = 1e-3
-"""Cells that a box may reach into a cell without being in it."""
 RIM = 0.25
 """Cells that the middle of a cell may lie outside of a disc that it belongs to."""
 SURROUNDED = 0.5
@@ -41,12 +41,13 @@ def shape_knobs(
     base, changed = labels == "base", 0
     for number in np.flatnonzero(labels == KNOB):
         mine, along = owners == number, int(np.abs(axes[number]).argmax())
-        box = _fill_box(boxes[number], owners.shape)
+        place, box = reach_box(boxes[number], len(owners)), np.zeros(owners.shape, dtype=bool)
+        box[place] = True
         panel = (owners >= 0) & base[owners]
         room = mine | (owners < 0) | (panel & ~_find_within(panel, box, along))
         whole = box & room
         if kinds[number] in ("continuous", "revolute"):
-            disc = _fill_disc(boxes[number], along, owners.shape) & room
+            disc = _fill_disc(boxes[number], place[along], along, owners.shape) & room
             if max(_overlap(mine, disc), _overlap(mine, whole)) >= ALIKE:
                 continue
             whole = disc
@@ -60,41 +61,28 @@ def shape_knobs(
     return owners, (f"{changed} knobs were made whole, by {cells} cells",)
 
 
-def _fill_box(box: Float[np.ndarray, "6"], shape: tuple[int, ...]) -> Bool[np.ndarray, "X Y Z"]:
-    """The cells that a box reaches into."""
-    away, half = _measure(box, shape)
-    return np.logical_and.reduce([np.abs(away[axis]) < half[axis] + 0.5 - ROUNDING for axis in range(3)])
-
-
 def _find_within(
-    panel: Bool[np.ndarray, "X Y Z"], box: Bool[np.ndarray, "X Y Z"], along: int
+    panel: Bool[np.ndarray, "X Y Z"], cells: Bool[np.ndarray, "X Y Z"], along: int
 ) -> Bool[np.ndarray, "X Y Z"]:
-    """The layers across an axis in which what surrounds a box is panel."""
+    """The layers across an axis in which what surrounds the cells of a box is panel."""
     across = tuple(axis for axis in range(3) if axis != along)
-    around = box
-    for axis in across:
-        around = around | np.roll(around, 1, axis) | np.roll(around, -1, axis)
-    around &= ~box
-    share = (panel & around).sum(axis=across) / around.sum(axis=across).clip(min=1)
-    shape = [1, 1, 1]
-    shape[along] = len(share)
-    return np.broadcast_to((share >= SURROUNDED).reshape(shape), box.shape)
+    square = np.ones([1 if axis == along else 3 for axis in range(3)])
+    around = binary_dilation(cells, square) & ~cells
+    share = (panel & around).sum(axis=across, keepdims=True) / around.sum(axis=across, keepdims=True).clip(1)
+    return np.broadcast_to(share >= SURROUNDED, cells.shape)
 
 
-def _fill_disc(box: Float[np.ndarray, "6"], along: int, shape: tuple[int, ...]) -> Bool[np.ndarray, "X Y Z"]:
-    """The cells of the disc (an ellipse) that a box holds, about an axis."""
-    away, half = _measure(box, shape)
-    across = [axis for axis in range(3) if axis != along]
-    shares = [(np.abs(away[axis]) - RIM).clip(0.0) / max(half[axis], 0.5) for axis in across]
-    return (np.abs(away[along]) < half[along] + 0.5 - ROUNDING) & (np.hypot(*shares) <= 1.0)
-
-
-def _measure(
-    box: Float[np.ndarray, "6"], shape: tuple[int, ...]
-) -> tuple[Float[np.ndarray, "3 X Y Z"], Float[np.ndarray, "3"]]:
-    """How far the middles of cells are from that of a box, along each axis, and half the box, in cells."""
-    middle = (box[:3] + 0.5) * shape[0]
-    return np.indices(shape) + 0.5 - middle[:, None, None, None], box[3:] * shape[0] / 2.0
+def _fill_disc(
+    box: Float[np.ndarray, "6"], layers: slice, along: int, shape: tuple[int, ...]
+) -> Bool[np.ndarray, "X Y Z"]:
+    """The cells of the disc (an ellipse) that a box holds, in given layers across an axis."""
+    shares = []
+    for axis in (axis for axis in range(3) if axis != along):
+        away = np.abs(np.arange(shape[axis]) + 0.5 - (box[axis] + 0.5) * shape[0])
+        shares.append((away - RIM).clip(0.0) / max(box[3 + axis] * shape[0] / 2.0, 0.5))
+    out = np.zeros(shape, dtype=bool)
+    np.moveaxis(out, along, 0)[layers] = np.hypot.outer(*shares) <= 1.0
+    return out
 
 
 def _overlap(one: Bool[np.ndarray, "X Y Z"], other: Bool[np.ndarray, "X Y Z"]) -> float:

@@ -3,7 +3,8 @@
 Seen from outside, the front of a door or the side of a body lies at one depth, with frames, recesses and
 trims that are rectangles or round. A network also draws stairs and stains: a piece of the face a cell deeper
 or higher, of any outline. Such pieces come to the depth of the face. Tops carry burners and grates, which
-stay; what is deeper than a top and no rectangle nor round is a hole in it, and is closed.
+stay. What lies deeper still in the top, the sides or the back of a body, and is no figure, is a hole, and
+is closed.
 """
 
 from collections.abc import Iterator
@@ -23,22 +24,21 @@ FACES = {
 }
 """Axes along which parts are looked at, and from which end: fronts face -x, a body shows its sides and its
 back."""
-CLOSED = ((2, -1), (1, 1), (1, -1), (0, -1))
+CLOSED = ((2, -1), *FACES["base"])
 """How those sides of a body are looked at that hold no parts: the top, the sides and the back."""
 MAIN = 0.4
 """Share of a face that lies at one depth, at least, for it to be flat there."""
 STEP = 2
 """Cells that a piece of a face lies deeper or higher, at most."""
 SHEET = 2
-"""Cells that a closed hole in a top is thick."""
+"""Cells that a closed hole is thick."""
 REGULAR = 0.85
 """Share of its rectangle, or intersection over union with its ellipse, from which a piece is meant, with its
 holes."""
 OPEN = 0.9
-"""The same of a hole in a top."""
+"""The same of a hole in a body."""
 ENCLOSED = 0.45
-"""Share of the cells around a hole that are top: beside a round table, one sees its
-feet."""
+"""Share of the cells around a hole that are face: beside a round table, one sees its feet."""
 
 
 def flatten_faces(

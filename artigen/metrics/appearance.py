@@ -40,7 +40,7 @@ def reconstruct_splats(vae: AppearanceVae, example: AppearanceExample) -> Splats
     device = next(vae.parameters()).device
     coords, feats, facings = (value.to(device) for value in voxel_batch([example]))
     noise = torch.zeros(len(coords), vae.encoder.cfg.latent_channels, device=device)
-    return vae(coords, feats, noise, facings if vae.encoder.cfg.sided else None).splats
+    return vae(coords, feats, noise, facings).splats
 
 
 @torch.no_grad()

@@ -91,9 +91,10 @@ class AppearanceVae(nn.Module):
             coords: sample, x, y, z of each voxel.
             feats: its features.
             noise: standard normal; zero gives the means.
-            facings: directions of its outer side, where voxels have two.
+            facings: directions of its outer side; not looked at where voxels have no sides.
         """
         plans = self.encoder.plan(coords)
+        facings = facings if self.encoder.cfg.sided else None
         mean, logvar = self.encode(coords, feats, plans, facings)
         latents = mean + noise * torch.exp(0.5 * logvar)
         return Encoded(splats=self.decoder(coords, latents, plans, facings), mean=mean, logvar=logvar)
@@ -106,6 +107,7 @@ class AppearanceVae(nn.Module):
         facings: Int[Tensor, "N"] | None = None,
     ) -> tuple[Float[Tensor, "N D"], Float[Tensor, "N D"]]:
         """Mean and log-variance of the latents of voxels (sample, x, y, z) with features."""
+        facings = facings if self.encoder.cfg.sided else None
         return self.encoder(coords, (feats - self.feature_mean) / self.feature_std, plans, facings)
 
 

@@ -90,13 +90,14 @@ def curate(
     center, scale = frame_shape(shape)
     centers, part_ids, cell = asset.voxels.centers(), asset.voxels.part_ids, 1.0 / asset.voxels.resolution
     mean = FeatureMean(centers, part_ids, cell=cell, weighting=cfg.weighting, tolerance=cfg.tolerance)
-    sides = SideMean(centers, part_ids, facings, cell)
+    sides = SideMean(centers, part_ids, facings, cell) if cfg.sided else None
     fractions = plan_fractions(shape, cfg.states, staggered=cfg.staggered)
     kept = []
     for number, state in enumerate(photograph(scene, asset, fractions, cfg.views)):
         pictures = premultiply(state.images)
         cameras = scale_cameras(state.cameras, center, scale)
-        parts, clear = torch.from_numpy(shown_parts(state)).long(), find_clear(scene, state)
+        parts = torch.from_numpy(shown_parts(state)).long()
+        clear = find_clear(scene, state) if cfg.sided else torch.zeros_like(state.images.depth)
         for rows in torch.arange(len(pictures)).split(AT_ONCE):
             views = StateViews(
                 cameras=pick_cameras(cameras, rows),
@@ -109,10 +110,11 @@ def curate(
             with torch.no_grad():
                 maps = extractor(views.pictures)
             for seen in mean.add(views, maps):
-                sides.add(seen)
+                if sides is not None:
+                    sides.add(seen)
         kept.append(keep_pictures(scene, state, number, cameras, _spread_rows(cfg)))
     features = mean.finish()
-    if cfg.sided:
+    if sides is not None:
         values = np.concatenate([features.values, sides.finish().numpy()], axis=1)
         features = replace(features, values=values)
     return features, join_pictures(kept)

@@ -52,18 +52,15 @@ def train_appearance_vae(
         on_report: called with every line of metrics.
     """
 
-    sided = vae.encoder.cfg.sided
-
     def terms(network: nn.Module, drawn: PictureBatch, generator: torch.Generator) -> dict[str, Tensor]:
         shape = (len(drawn.coords), vae.encoder.cfg.latent_channels)
         noise = torch.randn(shape, generator=generator, device=generator.device)
-        facings = drawn.facings if sided else None
-        encoded = network(drawn.coords, drawn.feats, noise, facings)
+        encoded = network(drawn.coords, drawn.feats, noise, drawn.facings)
         with torch.autocast(drawn.coords.device.type, enabled=False):  # places need all of their digits
             made = draw_pictures(encoded.splats, drawn, raster_config(vae, drawn.coords.device))
             return appearance_losses(encoded, made, drawn, losses, extractor)
 
-    center, spread = measure_features(examples, scaled=SIDE_CHANNELS if sided else 0)
+    center, spread = measure_features(examples, scaled=SIDE_CHANNELS if vae.encoder.cfg.sided else 0)
     vae.feature_mean.copy_(center)
     vae.feature_std.copy_(spread)
     start = finished_steps(folder)
@@ -107,7 +104,7 @@ def encode_appearance(
     means, stds = [], []
     for one in examples:
         coords, feats, facings = (value.to(device) for value in voxel_batch([one]))
-        mean, logvar = vae.encode(coords, feats, facings=facings if vae.encoder.cfg.sided else None)
+        mean, logvar = vae.encode(coords, feats, facings=facings)
         means.append(mean.half().cpu())
         stds.append(torch.exp(0.5 * logvar).half().cpu())
     return means, stds
