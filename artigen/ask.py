@@ -9,7 +9,7 @@ from artigen.models.conditions import StructureCondition
 from artigen.pictures import read_picture
 from artigen.shapes.draw import Wish, categories, check_wish, draw_shape
 from artigen.text import COLORS, Color, ParsedText, parse_text
-from artigen.types import PartLabel
+from artigen.types import PART_LABELS, PartLabel
 
 Value = TypeVar("Value")
 
@@ -81,8 +81,10 @@ def read_request(request: Request, seed: int, image_size: int) -> Asked:
         drawn.width * (factors.get("width", 1.0) if width is None else 1.0),
         drawn.height * (factors.get("height", 1.0) if height is None else 1.0),
     )
+    found = dict(drawn.counts)
+    whole = tuple((label, found.get(label, 0)) for label in PART_LABELS)  # no doors is a number of doors, too
     return Asked(
-        condition=StructureCondition(category=category, counts=drawn.counts, size=size),
+        condition=StructureCondition(category=category, counts=whole, size=size),
         colors=colors,
         notes=tuple(notes),
     )

@@ -57,6 +57,25 @@ def test_a_drawer_beside_a_door_keeps_its_front():
     assert order_depths(rows) == ""
 
 
+def leaf(first: int, last: int) -> np.ndarray:
+    place = (slice(2, 4), slice(first, last), slice(4, 28))
+    return row("door", place, "revolute", axis=(0, 0, 1), turn=0.25)
+
+
+def test_a_wide_drawer_starts_behind_both_doors_of_a_pair():
+    rows = np.stack([BASE, leaf(4, 16), leaf(16, 28), inside(3)]).astype(float)
+    before = rows[1:3].copy()
+    assert "1 parts put behind their doors" in order_depths(rows)
+    assert front_of(rows, 3) - front_of(rows, 1) == pytest.approx(2.5 * CELL)
+    assert (rows[1:3] == before).all()
+    assert order_depths(rows) == ""
+
+
+def test_a_drawer_between_two_doors_keeps_its_front():
+    rows = np.stack([BASE, leaf(4, 6), leaf(26, 28), inside(2)]).astype(float)
+    assert order_depths(rows) == ""
+
+
 def test_sliding_doors_in_one_track_are_parted():
     def slide(first: int, last: int) -> np.ndarray:
         place = (slice(2, 4), slice(first, last), slice(4, 28))

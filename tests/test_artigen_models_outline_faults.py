@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 import torch
+from cupboard import BASE, EDGE, row
 
 import artigen.models.outline.draw
 from artigen.fields import DEFAULT_LAYOUT, after_occupancy, name_rows, tabulate_parts
@@ -61,6 +62,20 @@ def test_a_hinge_in_the_middle_of_its_door_is_found(rows: np.ndarray):
     (fault,) = find_faults(wrong)
     assert fault.what.startswith("the hinge of door_0")
     assert fault.cells * CELL == pytest.approx(wrong[door, BOX][4] / 2, rel=1e-5)
+
+
+@pytest.mark.parametrize(("first", "found"), [(12, 1), (16, 0), (4, 0)])
+def test_what_slides_out_behind_two_doors_one_above_the_other_is_found(first: int, found: int):
+    def leaf(low: int, high: int) -> np.ndarray:
+        place = (slice(2, 4), slice(4, 28), slice(low, high))
+        return row("door", place, "revolute", axis=(0, 0, 1), turn=0.25)
+
+    place = (slice(8, 20), slice(6, 26), slice(first, first + 8))
+    drawer = row("drawer", place, "prismatic", axis=(-1, 0, 0), travel=9)
+    rows = np.stack([BASE, leaf(4, 16), leaf(16, 28), drawer]).astype(float)
+    said = [fault for fault in find_faults(rows) if "behind a second door" in fault.what]
+    assert len(said) == found
+    assert all(fault.cells == pytest.approx(4 * 64 / EDGE) for fault in said)
 
 
 def draw(outlines: Sequence[np.ndarray], monkeypatch: pytest.MonkeyPatch, draws: int):

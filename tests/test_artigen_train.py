@@ -1,6 +1,7 @@
 """Training: shards, batches, and a loop that can be stopped anywhere."""
 
 import itertools
+import json
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -127,6 +128,20 @@ def test_a_run_that_is_stopped_ends_like_one_that_is_not(tmp_path: Path):
         torch.testing.assert_close(one, two)
     assert float(whole.weight.detach()) == pytest.approx(2.0, abs=0.1)
     assert (tmp_path / "parts" / "weights.safetensors").is_file()
+
+
+def test_a_line_of_metrics_is_the_mean_of_the_steps_since_the_last(tmp_path: Path):
+    network, count = torch.nn.Linear(1, 1), itertools.count(1)
+
+    def losses(wrapped: torch.nn.Module, batch: Points, _: torch.Generator) -> dict:
+        flat = 0.0 * wrapped(batch.x).sum()
+        return {"number": flat + next(count), "one": flat + 1.0}
+
+    cfg = LoopConfig(steps=6, report_every=3)
+    train(network, losses, itertools.repeat(Points(torch.ones(2, 1))), tmp_path, cfg)
+    lines = [json.loads(line) for line in (tmp_path / "metrics.jsonl").read_text().splitlines()]
+    assert [line["number"] for line in lines] == [2.0, 5.0]
+    assert [line["loss"] for line in lines] == [3.0, 6.0]
 
 
 def test_a_checkpoint_that_is_cut_short_or_of_something_else_is_named(tmp_path: Path):

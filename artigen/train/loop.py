@@ -48,7 +48,7 @@ class LoopConfig:
     clip: float = 1.0
     """Largest norm of the gradient."""
     report_every: int = 20
-    """Steps between lines of metrics."""
+    """Steps between lines of metrics; losses are means over these."""
     checkpoint_minutes: float = 3.0
     """Wall time between checkpoints."""
     seed: int = 0
@@ -125,8 +125,8 @@ def train(
     folder.mkdir(parents=True, exist_ok=True)
     number_type = autocast_type(device)
     started, saved = time.monotonic() - progress.elapsed, time.monotonic()
-    sums: dict[str, float] = {}
-    since = time.monotonic()
+    sums: dict[str, Tensor] = {}
+    summed, since = 0, time.monotonic()
     while progress.share(cfg) < 1.0:
         rate = cfg.learning_rate * _rate(progress, cfg)
         for group in optimizer.param_groups:
@@ -142,19 +142,21 @@ def train(
         _average(average, network, min(cfg.ema, (1 + progress.step) / (10 + progress.step)))
         progress.step += 1
         progress.elapsed = time.monotonic() - started
+        sums = {name: sums.get(name, torch.zeros(())) + term.detach() for name, term in terms.items()}
+        summed += 1
         if progress.step % cfg.report_every == 0:
-            sums = {name: float(term.detach()) for name, term in terms.items()}
+            means = {name: float(value) / summed for name, value in sums.items()}
             line = {
                 "step": progress.step,
                 "minutes": progress.elapsed / 60.0,
                 "share": progress.share(cfg),
                 "rate": rate,
-                "seconds_per_step": (time.monotonic() - since) / cfg.report_every,
-                "loss": float(total.detach()),
+                "seconds_per_step": (time.monotonic() - since) / summed,
+                "loss": sum(means.values()),
                 "gradient": float(norm),
-                **sums,
+                **means,
             }
-            since = time.monotonic()
+            sums, summed, since = {}, 0, time.monotonic()
             if not math.isfinite(line["loss"]):
                 raise FloatingPointError(f"{folder}: loss is {line['loss']} at step {progress.step}")
             if accelerator.is_main_process:

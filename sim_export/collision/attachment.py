@@ -26,8 +26,9 @@ class AttachmentConfig:
 
     near: float = 0.0045
     """A gap up to this is left alone: links that are nearer count as attached."""
-    far: float = 0.02
-    """A gap beyond this is left alone too: the two do not touch in the source either."""
+    far: float = 0.032
+    """A gap beyond this is left alone too: the two do not touch in the source either. A cell of an object of
+    two metres in a grid of 64^3 is as long: drawn parts may hang a cell off their body."""
     rooms: tuple[float, ...] = (0.0003, 0.001, 0.004)
     """What stays free between a peg and the link it reaches for, tried in this order."""
     root: float = 1e-3

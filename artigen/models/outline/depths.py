@@ -68,17 +68,21 @@ def order_depths(
 def _tuck_inside(
     rows: np.ndarray, labels: np.ndarray, kinds: np.ndarray, cfg: OutlineDepthsConfig, layout: FieldLayout
 ) -> list[float]:
-    """What lies inside starts behind its door: its front moves, its back stays."""
+    """What lies inside starts behind its door, or behind both of a pair: its front moves, its back stays."""
     center, size = box_views(rows, layout)
+    doors = np.flatnonzero((labels == "door") & (kinds == "revolute"))
     moved = []
-    for door in np.flatnonzero((labels == "door") & (kinds == "revolute")):
-        front, depth = center[door, 0] - size[door, 0] / 2, size[door, 0]
-        needed = max(cfg.share * depth, min(cfg.flat * depth, cfg.behind))
-        for row in np.flatnonzero(np.isin(labels, INSIDE)):
+    for row in np.flatnonzero(np.isin(labels, INSIDE)):
+        over = (size[row, 2] - size[doors, 2]) / 2 + np.abs(center[row, 2] - center[doors, 2])
+        level = doors[over <= cfg.rim]
+        shared = (size[row, 1] + size[level, 1]) / 2 - np.abs(center[row, 1] - center[level, 1])
+        if shared.clip(0.0, size[row, 1]).sum() < size[row, 1] - 2 * cfg.rim:
+            continue
+        for door in level[shared > 0]:
+            front, depth = center[door, 0] - size[door, 0] / 2, size[door, 0]
+            needed = max(cfg.share * depth, min(cfg.flat * depth, cfg.behind))
             near, far = center[row, 0] - size[row, 0] / 2, center[row, 0] + size[row, 0] / 2
-            reaches = -cfg.before < near - front < needed and far - front > needed + cfg.least
-            over = (size[row, 1:] - size[door, 1:]) / 2 + np.abs(center[row, 1:] - center[door, 1:])
-            if reaches and over.max() <= cfg.rim:
+            if -cfg.before < near - front < needed and far - front > needed + cfg.least:
                 moved.append(float(front + needed - near))
                 near = front + needed
                 center[row, 0], size[row, 0] = (near + far) / 2, far - near

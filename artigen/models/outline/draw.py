@@ -23,7 +23,7 @@ class OutlineConfig:
     """What hardly differs from what is meant."""
     faults: OutlineFaultsConfig = field(default_factory=OutlineFaultsConfig)
     """What cannot be."""
-    draws: int = 8
+    draws: int = 16
     """Outlines drawn at most."""
 
     def __post_init__(self) -> None:

@@ -77,7 +77,7 @@ def find_faults(
         layout: channels.
     """
     cfg, boxes = cfg or OutlineFaultsConfig(), _read(rows, layout)
-    return (*_overlaps(boxes, cfg), *_gaps(boxes, cfg), *_hinges(boxes, cfg))
+    return (*_overlaps(boxes, cfg), *_gaps(boxes, cfg), *_hinges(boxes, cfg), *_straddles(boxes, cfg))
 
 
 def _overlaps(boxes: _Boxes, cfg: OutlineFaultsConfig) -> list[Fault]:
@@ -132,6 +132,25 @@ def _hinges(boxes: _Boxes, cfg: OutlineFaultsConfig) -> list[Fault]:
         if off > max(cfg.hinge * size[width], size.min() / 2):
             said = f"the hinge of {boxes.names[row]} is {off / CELL:.1f} cells from its edge"
             found.append(Fault(what=said, cells=off / CELL))
+    return found
+
+
+def _straddles(boxes: _Boxes, cfg: OutlineFaultsConfig) -> list[Fault]:
+    """What slides out behind two doors, one above the other, passes through the rail between them."""
+    found = []
+    labels, kinds = np.array(boxes.labels), np.array(boxes.kinds)
+    doors = np.flatnonzero((labels == "door") & (kinds == "revolute"))
+    for row in np.flatnonzero(np.isin(labels, ("drawer", "tray")) & (kinds == "prismatic")):
+        shared = np.minimum(boxes.high[row], boxes.high[doors]) - np.maximum(boxes.low[row], boxes.low[doors])
+        behind = boxes.low[row, 0] - boxes.low[doors, 0] > cfg.overlap
+        covering = doors[behind & (shared[:, 1:] > cfg.overlap).all(axis=1)]
+        heights = sorted((float(boxes.low[door, 2]), float(boxes.high[door, 2])) for door in covering)
+        if len(heights) > 1 and heights[-1][0] > heights[0][1] - cfg.overlap:
+            inside = min(boxes.high[row, 2] - heights[-1][0], heights[0][1] - boxes.low[row, 2])
+            cells = float(inside) / CELL
+            found.append(
+                Fault(what=f"{boxes.names[row]} lies {cells:.1f} cells behind a second door", cells=cells)
+            )
     return found
 
 
