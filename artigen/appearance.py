@@ -8,7 +8,7 @@ import torch
 from jaxtyping import Float, Int
 
 from artigen.errors import SourceError
-from artigen.facings import find_facings
+from artigen.facings import find_covered, find_facings
 from artigen.fields import name_rows, tabulate_parts
 from artigen.models.appearance_presets import APPEARANCE_PRESETS, AppearancePreset
 from artigen.models.appearance_vae import APPEARANCE_FLOW, APPEARANCE_PALETTE, APPEARANCE_VAE
@@ -20,6 +20,7 @@ from artigen.models.store import DESCRIPTION, load_model, read_description
 from artigen.models.trellis import load_strictly, read_tensors
 from artigen.palettes import ask_colors, describe_voxels
 from artigen.sampling import SamplerConfig
+from artigen.splats.reach import reach_neighbours
 from artigen.splats.render.splats import Splats
 from artigen.splats.seams import SeamConfig, settle_seams
 from artigen.text import Color
@@ -132,18 +133,23 @@ def draw_splats(
         for condition in (asked, StructureCondition())
     )
     attributes = None
-    facings = find_facings(coords, part_ids, model.preset.decoder.trunk.resolution)
+    edge = model.preset.decoder.trunk.resolution
+    facings = find_facings(coords, part_ids, edge)
     if model.palette is not None:
         fixed = ask_colors(name_rows(table), dict(cfg.colors))
         steps = cfg.palettes if asked.image is None or cfg.colors else cfg.seen
         palettes = sample_palettes(model.palette, table, known, nothing, generator, steps, fixed=fixed)
-        attributes = torch.from_numpy(describe_voxels(table, part_ids, palettes, facings)).to(device)
+        covered = find_covered(coords, facings, edge)
+        told = describe_voxels(table, part_ids, palettes, facings, covered)
+        attributes = torch.from_numpy(told).to(device)
     places = torch.from_numpy(np.pad(coords.astype(np.int32), ((0, 0), (1, 0)))).to(device)
     noise = torch.randn((len(coords), model.flow.channels), generator=generator).to(device)
     sampler = cfg.sampler or model.preset.sampler
     latents = sample_slats(model.flow, places, known, nothing, noise, sampler, attributes=attributes)
-    sided = model.preset.decoder.trunk.sided
-    return model.decoder(places, latents, facings=torch.from_numpy(facings).to(device) if sided else None)
+    if not model.preset.decoder.trunk.sided:
+        return model.decoder(places, latents)
+    splats = model.decoder(places, latents, facings=torch.from_numpy(facings).to(device))
+    return reach_neighbours(splats, coords, part_ids, facings, edge, model.decoder.span())
 
 
 def generate_appearance(

@@ -82,7 +82,9 @@ def read_request(request: Request, seed: int, image_size: int) -> Asked:
         drawn.height * (factors.get("height", 1.0) if height is None else 1.0),
     )
     found = dict(drawn.counts)
-    whole = tuple((label, found.get(label, 0)) for label in PART_LABELS)  # no doors is a number of doors, too
+    whole: tuple[tuple[PartLabel, int], ...] = tuple(  # no doors is a number of doors, too
+        (label, found.get(label, 0)) for label in PART_LABELS
+    )
     return Asked(
         condition=StructureCondition(category=category, counts=whole, size=size),
         colors=colors,

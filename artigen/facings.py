@@ -5,11 +5,15 @@ side looks like, and for a drawn structure, whose sides are to be coloured.
 """
 
 import numpy as np
-from jaxtyping import Float, Int, Real
+from jaxtyping import Bool, Float, Int, Real
 from scipy.ndimage import uniform_filter
 
 FACINGS = 6
 """Directions: -x, +x, -y, +y, -z, +z."""
+SIDES = 2
+"""The outer one and the inner one."""
+CLEAR = 3
+"""Cells off a voxel from which something stands before it: nearer is the other face of a board."""
 LONGEST = 5
 """Cells of one part in a row beyond which a row is no thinner than another."""
 
@@ -43,6 +47,33 @@ def find_facings(
     axis = np.round(thickness, 3).argmin(axis=0)
     every = np.arange(len(cells))
     return 2 * axis + (cells[every, axis] > middle[every, axis])
+
+
+def find_covered(
+    coords: Int[np.ndarray, "N 3"], facings: Int[np.ndarray, "N"], resolution: int
+) -> Bool[np.ndarray, "N 2"]:
+    """Whether something of the object stands straight before the outer side of each voxel, and the inner one.
+
+    Args:
+        coords: Cells (x, y, z) of the grid.
+        facings: Directions of their outer sides.
+        resolution: Edge of the grid.
+    """
+    cells = coords.astype(np.int64)
+    lowest, highest = np.full((2, 3, resolution, resolution), -1)
+    lowest[:] = resolution
+    across = [np.delete(cells, axis, axis=1).T for axis in range(3)]
+    for axis, (row, column) in enumerate(across):
+        np.minimum.at(lowest[axis], (row, column), cells[:, axis])
+        np.maximum.at(highest[axis], (row, column), cells[:, axis])
+    below, above = (
+        np.stack([ends[axis, row, column] for axis, (row, column) in enumerate(across)], axis=1)
+        for ends in (lowest, highest)
+    )
+    every, axis = np.arange(len(cells)), facings // 2
+    place = cells[every, axis]
+    down, up = place - below[every, axis] >= CLEAR, above[every, axis] - place >= CLEAR
+    return np.where((facings % 2 == 1)[:, None], np.stack([up, down], axis=1), np.stack([down, up], axis=1))
 
 
 def facing_frames() -> Float[np.ndarray, "6 3 3"]:

@@ -84,19 +84,23 @@ def describe_voxels(
     part_ids: Int[np.ndarray, "N"],
     palettes: Float[np.ndarray, "P 7"],
     facings: Int[np.ndarray, "N"],
+    covered: Bool[np.ndarray, "N 2"],
 ) -> Float[np.ndarray, "N A"]:
     """What the flow of structured latents is told of every voxel (float32).
 
-    Which way its outer side faces (one of 6), then label and palette of its part.
+    Which way its outer side faces (one of 6), the label of its part, whether something stands before its
+    outer side and its inner one, and the palette of its part.
 
     Args:
         table: Channels after occupancy of each part, in the default layout.
         part_ids: Part of each voxel.
         palettes: Of each part.
         facings: Direction of each voxel's outer side.
+        covered: Whether something stands before either side (`artigen.facings.find_covered`).
     """
-    told = np.concatenate([table[:, after_occupancy(DEFAULT_LAYOUT.label)], palettes], axis=1)
-    return np.concatenate([np.eye(FACINGS)[facings], told[part_ids]], axis=1).astype(np.float32)
+    labels = table[:, after_occupancy(DEFAULT_LAYOUT.label)]
+    told = (np.eye(FACINGS)[facings], labels[part_ids], covered, palettes[part_ids])
+    return np.concatenate(told, axis=1).astype(np.float32)
 
 
 def _read_palette(colors: np.ndarray, outside: Bool[np.ndarray, "N"]) -> Float[np.ndarray, "7"]:

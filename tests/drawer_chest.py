@@ -1,5 +1,7 @@
 """A chest with one drawer, all of one colour without gloss, for tests of appearance."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from artigen.facings import find_facings
@@ -10,7 +12,8 @@ from artigen.shapes.render import RenderConfig
 from artigen.shapes.shape import Motion, Need, Shape, ShapePart
 from artigen.shapes.surfaces.finishes import Finish
 from artigen.train.appearance.curation import CurationConfig, curate
-from artigen.train.appearance.examples import AppearanceExample, paint_parts
+from artigen.train.appearance.examples import AppearanceExample, paint_parts, sample_parts
+from artigen.train.appearance.places import SAMPLES
 from artigen.train.appearance.views import ViewConfig
 from artigen.types import Asset
 
@@ -94,7 +97,8 @@ def make_example(shape: Shape, resolution: int = 16, **changes) -> tuple[Asset, 
     asset = shape_to_asset(shape, resolution)
     assert asset.voxels is not None
     facings = find_facings(asset.voxels.coords, asset.voxels.part_ids, resolution)
-    features, pictures = curate(shape, asset, facings, PyramidFeatures(), small_curation(**changes))
+    sampled = replace(asset, surface=sample_parts(shape, asset, 1.0 / (SAMPLES * resolution)))
+    features, pictures = curate(shape, sampled, facings, PyramidFeatures(), small_curation(**changes))
     labels = np.zeros((len(asset.parts), 35 - 1), dtype=np.float32)
     labels[:, 0] = 1.0
     return asset, AppearanceExample(

@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from artigen.facings import FACINGS, facing_frames, find_facings
+from artigen.facings import FACINGS, facing_frames, find_covered, find_facings
 
 EDGE = 20
 WAYS = np.array([[-1, 0, 0], [1, 0, 0], [0, -1, 0], [0, 1, 0], [0, 0, -1], [0, 0, 1]])
@@ -68,3 +68,20 @@ def test_frames_are_rotations_that_face_as_they_should():
     np.testing.assert_allclose(np.linalg.det(frames), 1.0)
     np.testing.assert_allclose(frames @ frames.transpose(0, 2, 1), np.tile(np.eye(3), (FACINGS, 1, 1)))
     assert all(not np.array_equal(one, other) for one, other in pairwise(frames))
+
+
+def test_what_stands_before_a_side_covers_it_unless_it_is_the_other_face_of_a_board():
+    box = make_box(3, 17)
+    facings = find_facings(box, np.zeros(len(box), dtype=int), EDGE)
+    alone = np.sort(np.abs(box - 9.5), axis=1)[:, 1] < 5
+    np.testing.assert_array_equal(find_covered(box, facings, EDGE)[alone], [[False, True]] * alone.sum())
+    plate = np.argwhere(np.ones((EDGE, EDGE, 2), dtype=bool))
+    facings = 4 + (plate[:, 2] > 0)
+    assert not find_covered(plate, facings, EDGE).any()
+    roof = np.array([[5, 5, 9]])
+    both = np.concatenate([plate, roof])
+    covered = find_covered(both, np.append(facings, 5), EDGE)
+    below = (plate[:, :2] == 5).all(axis=1)
+    np.testing.assert_array_equal(covered[:-1][below], [[False, True], [True, False]])
+    assert covered[-1].tolist() == [False, True]
+    assert not covered[:-1][~below].any()

@@ -18,6 +18,7 @@ from artigen.mending.knobs import shape_knobs
 from artigen.mending.legs import extend_legs
 from artigen.mending.panels import back_knobs
 from artigen.mending.paths import clear_paths
+from artigen.mending.portholes import round_portholes
 from artigen.mending.relief import flatten_faces
 from artigen.mending.revolve import revolve_parts
 from artigen.mending.rows import Owners, fields_of_owners, read_owners
@@ -57,6 +58,7 @@ def mend_cells(
     stages: list[Stage] = [
         partial(fill_fronts, rows=rows),
         partial(flatten_faces, rows=rows),
+        partial(round_portholes, rows=rows),
         partial(clear_paths, logits=logits, rows=rows),
         partial(clear_doorways, rows=rows),
         partial(_clear_strays, cfg=cfg.clean),

@@ -37,16 +37,16 @@ class AppearancePreset:
     training, cleaner than a draw."""
 
 
-SIDED = SlatVaeConfig(in_channels=64, latent_channels=SIDE_LATENTS, sided=True)
+SIDED = SlatVaeConfig(in_channels=68, latent_channels=SIDE_LATENTS, sided=True)
 """Voxels with two sides, as all of our own presets have them; the decoder does not use `in_channels`."""
-COARSE = replace(SIDED, resolution=32, in_channels=27, model_channels=32, num_blocks=2, num_heads=2)
+COARSE = replace(SIDED, resolution=32, in_channels=31, model_channels=32, num_blocks=2, num_heads=2)
 """Those of ``tiny``."""
 
 APPEARANCE_PRESETS: dict[PresetName, AppearancePreset] = {
     "tiny": AppearancePreset(
         encoder=COARSE,
         decoder=GaussianDecoderConfig(
-            trunk=COARSE, gaussians=GaussianConfig(count=4, scale_bias=1.6e-2, opacity_bias=0.9)
+            trunk=COARSE, gaussians=GaussianConfig(count=4, scale_bias=1e-2, opacity_bias=0.9)
         ),
         flow=SlatPatchDitConfig(channels=SIDE_LATENTS, resolution=32, stem=16, width=64, blocks=2, heads=2),
         conditions=ConditionConfig(width=64, image_size=32, image_patch=8, image_width=32, image_blocks=1),
@@ -56,7 +56,7 @@ APPEARANCE_PRESETS: dict[PresetName, AppearancePreset] = {
         encoder=replace(SIDED, model_channels=64, num_blocks=1, num_heads=2, mlp_ratio=2.0),
         decoder=GaussianDecoderConfig(
             trunk=replace(SIDED, model_channels=96, num_blocks=3, num_heads=3, mlp_ratio=2.0),
-            gaussians=GaussianConfig(count=4, scale_bias=8e-3, opacity_bias=0.9),
+            gaussians=GaussianConfig(count=4, scale_bias=5e-3, opacity_bias=0.9),
         ),
         flow=SlatPatchDitConfig(channels=SIDE_LATENTS, patch=8, stem=16, width=128, blocks=4, heads=2),
         conditions=ConditionConfig(width=192, image_width=96, image_blocks=2),
@@ -67,7 +67,7 @@ APPEARANCE_PRESETS: dict[PresetName, AppearancePreset] = {
         encoder=replace(SIDED, model_channels=128, num_blocks=2, num_heads=4),
         decoder=GaussianDecoderConfig(
             trunk=replace(SIDED, model_channels=128, num_blocks=5, num_heads=4),
-            gaussians=GaussianConfig(count=8, scale_bias=5.5e-3, opacity_bias=0.9),
+            gaussians=GaussianConfig(count=8, scale_bias=3.5e-3, opacity_bias=0.9),
         ),
         flow=SlatPatchDitConfig(channels=SIDE_LATENTS, width=192, heads=3),
         conditions=ConditionConfig(width=192, image_width=128, image_blocks=3),

@@ -19,17 +19,21 @@ APPEARANCE_VAE, APPEARANCE_PALETTE, APPEARANCE_FLOW = (
 NARROW = -6.0
 """Log-variance of an untrained posterior: what the features say reaches the decoder from the first step."""
 
-SIDE_CHANNELS = 11
+SIDE_CHANNELS = 15
 """Last features of a voxel with two sides: how clear it is; colour, height, and how well it is known, of the
-outer side and of the inner one (`artigen.train.appearance.sides`)."""
-SIDE_LATENTS = 9
-"""Colours and heights of two sides, and how clear the voxel is."""
+outer side and of the inner one; middles and widths of surface across (`artigen.train.appearance.sides`)."""
+SIDE_LATENTS = 13
+"""Colours and heights of two sides, how clear the voxel is, middles and widths."""
 COLOR_MIDDLE, COLOR_SPREAD = 0.5, 0.25
 """About the mean and the deviation of colours: what side features take off them and divide them by."""
 CLEARING = -7.0
 """What a clear voxel takes off the raw opacities of its Gaussians."""
 HEIGHT_REACH = 0.75
 """Voxels within which heights of sides are told, as the inverse hyperbolic tangent of their share in it."""
+MIDDLE_SPREAD = 0.25
+"""Voxels that middles are told in."""
+SHRINKING = 0.6
+"""How much of the logarithm of a width is taken off where Gaussians lie across: about 1 - width."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -113,21 +117,28 @@ class AppearanceVae(nn.Module):
 
 @torch.no_grad()
 def _lead_sides_through(encoder: SlatEncoder, decoder: GaussianDecoder) -> None:
-    """Lets untrained networks put Gaussians of the right colours where both sides of a voxel were seen.
+    """Lets untrained networks put Gaussians of the right colours and sizes where surface was seen.
 
-    Latents start as colour of the outer side, colour of the inner one, the heights of both, and clearness.
+    Latents start as colour of the outer side, colour of the inner one, the heights of both, clearness, and
+    middles and logarithms of widths across.
     """
     assert encoder.skip is not None
     assert decoder.skip is not None
-    clear, sides = torch.arange(-SIDE_CHANNELS, 0).split([1, SIDE_CHANNELS - 1])
+    clear, sides, across = torch.arange(-SIDE_CHANNELS, 0).split([1, SIDE_CHANNELS - 5, 4])
     outer, inner = sides.unflatten(0, (2, -1))
-    told = torch.cat([outer[:3], inner[:3], outer[3:4], inner[3:4], clear])
+    told = torch.cat([outer[:3], inner[:3], outer[3:4], inner[3:4], clear, across])
     latents = torch.arange(len(told))
     encoder.out_layer.weight[latents] = 0.0
     encoder.skip.weight[latents, told] = 1.0
     half = decoder.gaussians.count // 2
-    colors, heights = decoder.channels("color"), decoder.channels("offset")[:, 0]
+    colors, offsets, scales = (decoder.channels(name) for name in ("color", "offset", "scale"))
     for color, height, rows in (((0, 1, 2), 6, slice(0, half)), ((3, 4, 5), 7, slice(half, None))):
         decoder.skip.weight[colors[rows], torch.tensor(color)] = COLOR_SPREAD / HARMONIC
-        decoder.skip.weight[heights[rows], height] = 1.0
+        decoder.skip.weight[offsets[rows, 0], height] = 1.0
     decoder.skip.weight[decoder.channels("opacity")[:, 0], 8] = CLEARING
+    raw = 2.0 / decoder.gaussians.reach  # offsets are told as shares of half the reach
+    spread = torch.tanh(decoder.offset_perturbation)
+    for axis, (middle, width) in enumerate(((9, 11), (10, 12)), start=1):
+        decoder.skip.weight[offsets[:, axis], middle] = raw * MIDDLE_SPREAD
+        decoder.skip.weight[offsets[:, axis], width] = SHRINKING * spread[:, axis]
+        decoder.skip.weight[scales[:, axis], width] = 1.0

@@ -10,6 +10,7 @@ from jaxtyping import Float, Int
 from torch import Tensor, nn
 
 from artigen.models.conditions import ConditionBatch, ConditionConfig, ConditionEncoder
+from artigen.models.expectation import Expectation
 from artigen.models.latent_dit import velocity_of
 from artigen.models.slat_dit import SlatDit, SlatDitConfig, SlatDitPlan
 from artigen.models.slat_patch_dit import PatchPlan, SlatPatchDit, SlatPatchDitConfig
@@ -42,14 +43,13 @@ TRELLIS_STD = (
 class SlatFlow(nn.Module):
     """Velocity of normalised latents under a condition.
 
-    Mean and deviation per channel belong to the weights, and so does how the mean goes with what is told of
-    a voxel: latents are ``normalised * latent_std + latent_mean + attributes @ latent_slope``. What palettes
+    Mean and deviation per channel belong to the weights, and so does what is expected of a voxel from what is
+    told of it: latents are ``normalised * latent_std + latent_mean + expectation(attributes)``. What palettes
     say already is not left to be drawn.
     """
 
     latent_mean: Tensor
     latent_std: Tensor
-    latent_slope: Tensor
 
     def __init__(self, cfg: SlatPatchDitConfig | SlatDitConfig, conditions: ConditionConfig) -> None:
         super().__init__()
@@ -63,7 +63,7 @@ class SlatFlow(nn.Module):
         std = torch.tensor(TRELLIS_STD) if public else torch.ones(self.channels)
         self.register_buffer("latent_mean", mean)
         self.register_buffer("latent_std", std)
-        self.register_buffer("latent_slope", torch.zeros(self.attribute_channels, self.channels))
+        self.expectation = Expectation(self.channels) if self.attribute_channels else None
 
     def plan(self, coords: Int[Tensor, "N 4"], samples: int) -> SlatDitPlan | PatchPlan:
         """What the network needs to know about voxels (sample, x, y, z): compute once per set.
@@ -120,7 +120,9 @@ class SlatFlow(nn.Module):
         return x * self.latent_std + self._expect(attributes)
 
     def _expect(self, attributes: Tensor | None) -> Tensor:
-        return self.latent_mean if attributes is None else self.latent_mean + attributes @ self.latent_slope
+        if attributes is None or self.expectation is None:
+            return self.latent_mean
+        return self.latent_mean + self.expectation(attributes)
 
 
 @torch.no_grad()

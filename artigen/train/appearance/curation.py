@@ -24,7 +24,8 @@ from artigen.train.appearance.photographs import (
     premultiply,
     shown_parts,
 )
-from artigen.train.appearance.sides import SideMean
+from artigen.train.appearance.places import measure_places
+from artigen.train.appearance.sides import SideMean, describe_sides
 from artigen.train.appearance.states import plan_fractions
 from artigen.train.appearance.views import ViewConfig, pick_cameras, scale_cameras
 from artigen.train.appearance.visibility import FeatureMean, StateViews, VoxelFeatures, Weighting
@@ -76,21 +77,23 @@ def curate(
 
     Args:
         shape: The object.
-        asset: The same object with voxels.
+        asset: The same object with voxels and, where they have sides, samples of its surface.
         facings: Directions of their outer sides.
         extractor: Reads features off pictures.
         cfg: States and views.
 
     Raises:
-        ValueError: If the asset has no voxels.
+        ValueError: If the asset has no voxels, or lacks the samples.
     """
     if asset.voxels is None:
         raise ValueError(f"asset {asset.name!r} has no voxels; voxelize its surface first")
+    if cfg.sided and asset.surface is None:
+        raise ValueError(f"asset {asset.name!r} has no surface samples; places of sides are read off them")
     scene = build_scene([shape])
     center, scale = frame_shape(shape)
     centers, part_ids, cell = asset.voxels.centers(), asset.voxels.part_ids, 1.0 / asset.voxels.resolution
     mean = FeatureMean(centers, part_ids, cell=cell, weighting=cfg.weighting, tolerance=cfg.tolerance)
-    sides = SideMean(centers, part_ids, facings, cell) if cfg.sided else None
+    sides = SideMean(centers, part_ids, facings) if cfg.sided else None
     fractions = plan_fractions(shape, cfg.states, staggered=cfg.staggered)
     kept = []
     for number, state in enumerate(photograph(scene, asset, fractions, cfg.views)):
@@ -114,9 +117,9 @@ def curate(
                     sides.add(seen)
         kept.append(keep_pictures(scene, state, number, cameras, _spread_rows(cfg)))
     features = mean.finish()
-    if sides is not None:
-        values = np.concatenate([features.values, sides.finish().numpy()], axis=1)
-        features = replace(features, values=values)
+    if sides is not None and asset.surface is not None:
+        told = describe_sides(sides.finish(), measure_places(asset.surface, asset.voxels, facings))
+        features = replace(features, values=np.concatenate([features.values, told.numpy()], axis=1))
     return features, join_pictures(kept)
 
 

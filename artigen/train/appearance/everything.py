@@ -167,6 +167,7 @@ def _train_flow(cfg: AppearanceRunConfig, vae: AppearanceVae, data: AppearanceDa
         plan_loop(training.flow, cfg.minutes),
         batch=training.flow.batch,
         conditions=preset.conditions,
+        noisiness=training.noisiness,
         on_report=lambda line: report("flow", line),
     )
     _store(cfg, flow, APPEARANCE_FLOW, cfg.shards * cfg.objects)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float, Int, UInt8
 
-from artigen.facings import find_facings
+from artigen.facings import find_covered, find_facings
 from artigen.models.features import FeatureExtractor
 from artigen.palettes import describe_voxels, read_palettes
 from artigen.shapes.draw import draw_shape
@@ -16,9 +16,10 @@ from artigen.shapes.sampling import sample_shape
 from artigen.shapes.shape import Shape
 from artigen.train.appearance.curation import CurationConfig, curate
 from artigen.train.appearance.photographs import Pictures
+from artigen.train.appearance.places import SAMPLES
 from artigen.train.appearance.states import part_owners
 from artigen.train.examples import draw_example_of
-from artigen.types import Asset
+from artigen.types import Asset, SurfaceSamples
 
 SPACING = 0.025
 """Between the samples that palettes are read off (unit-cube length)."""
@@ -50,7 +51,8 @@ class AppearanceExample:
 
     def attributes(self) -> Float[np.ndarray, "N A"]:
         """What the flow is told of every voxel."""
-        return describe_voxels(self.table, self.part_ids, self.palettes, self.facings)
+        covered = find_covered(self.coords, self.facings, self.resolution)
+        return describe_voxels(self.table, self.part_ids, self.palettes, self.facings, covered)
 
 
 def draw_appearance(
@@ -80,7 +82,8 @@ def draw_appearance_of(
     assert asset.voxels is not None
     shape = draw_shape(category, seed)
     facings = find_facings(asset.voxels.coords, asset.voxels.part_ids, resolution)
-    features, pictures = curate(shape, asset, facings, extractor, cfg)
+    sampled = replace(asset, surface=sample_parts(shape, asset, 1.0 / (SAMPLES * resolution)))
+    features, pictures = curate(shape, sampled, facings, extractor, cfg)
     return asset, AppearanceExample(
         name=asset.name,
         category=asset.category,
@@ -101,6 +104,10 @@ def draw_appearance_of(
 
 def paint_parts(shape: Shape, asset: Asset) -> Float[np.ndarray, "P 7"]:
     """Palettes (float32) of the parts of a procedural object's asset."""
-    surface = sample_shape(shape, SPACING * asset.scale)
-    surface = replace(surface, part_ids=part_owners(shape, asset)[surface.part_ids])
-    return read_palettes(surface, len(asset.parts)).astype(np.float32)
+    return read_palettes(sample_parts(shape, asset, SPACING), len(asset.parts)).astype(np.float32)
+
+
+def sample_parts(shape: Shape, asset: Asset, spacing: float) -> SurfaceSamples:
+    """Samples of the surface, ``spacing`` apart (unit-cube length), with their parts of the asset."""
+    surface = sample_shape(shape, spacing * asset.scale)
+    return replace(surface, part_ids=part_owners(shape, asset)[surface.part_ids])

@@ -9,9 +9,9 @@ import numpy as np
 import torch
 from jaxtyping import Float, Int
 from torch import Tensor, nn
-from torch.nn import functional
 
 from artigen.models.conditions import ConditionBatch, ConditionConfig, drop_conditions
+from artigen.models.expectation import Expectation, fit_expectation
 from artigen.models.slat_flow import SlatFlow
 from artigen.palettes import PALETTE
 from artigen.sampling import diffuse, draw_times, target_velocity
@@ -50,6 +50,7 @@ def train_appearance_flow(
     *,
     batch: int,
     conditions: ConditionConfig,
+    noisiness: float = 1.0,
     on_report: Report | None = None,
 ) -> SlatFlow:
     """Trains the conditional sparse flow on latents.
@@ -62,6 +63,7 @@ def train_appearance_flow(
         cfg: budget and rates.
         batch: objects per step.
         conditions: what the flow can be asked for.
+        noisiness: mean of the logits of training times.
         on_report: called with every line of metrics.
     """
     measured = measure_slats(
@@ -69,14 +71,15 @@ def train_appearance_flow(
     )
     flow.latent_mean.copy_(measured.mean)
     flow.latent_std.copy_(measured.std)
-    flow.latent_slope.copy_(measured.slope)
+    if flow.expectation is not None:
+        flow.expectation.weight.copy_(measured.expected)
 
     def terms(network: nn.Module, drawn: SlatBatch, generator: torch.Generator) -> dict[str, Tensor]:
         noise, jitter = (
             torch.randn(drawn.mean.shape, generator=generator, device=generator.device) for _ in range(2)
         )
         samples = len(drawn.conditions.category)
-        times = draw_times(samples, generator)
+        times = draw_times(samples, generator, noisiness)
         asked = drop_conditions(drawn.conditions, DROPOUT, generator)
         row_times = times[drawn.coords[:, 0]]
         plan = flow.plan(drawn.coords, samples)
@@ -112,11 +115,12 @@ def slat_batch(
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SlatMoments:
-    """What latents are like: ``mean + attributes @ slope`` and the deviation from it, per channel."""
+    """What latents are like: their mean, what is expected of them beyond it, and the deviation from that."""
 
     mean: Float[Tensor, "D"]
     std: Float[Tensor, "D"]
-    slope: Float[Tensor, "A D"]
+    expected: Float[Tensor, "K T D"]
+    """Weights of an `artigen.models.expectation.Expectation`; none without attributes."""
 
 
 def measure_slats(
@@ -124,29 +128,25 @@ def measure_slats(
     stds: Sequence[Tensor],
     told: Sequence[Float[np.ndarray, "N A"]] | None = None,
 ) -> SlatMoments:
-    """Moments of draws from the posteriors of all voxels, by least squares on what is told of them.
+    """Moments of draws from the posteriors of all voxels, given what is told of them.
 
     Args:
         means: posterior means, object by object.
         stds: posterior deviations.
         told: attributes of the voxels; without them, mean and deviation alone.
     """
-    attributes = told or [np.zeros((len(mean), 0), dtype=np.float32) for mean in means]
-
-    def rows() -> Iterator[tuple[Tensor, Tensor]]:
-        for mean, known in zip(means, attributes, strict=True):
-            yield functional.pad(torch.from_numpy(known), (1, 0), value=1.0).double(), mean.double()
-
-    squares = torch.stack([known.T @ known for known, _ in rows()]).sum(dim=0)
-    products = torch.stack([known.T @ mean for known, mean in rows()]).sum(dim=0)
-    count = sum(len(mean) for mean in means)
-    # palettes will be a little off, which shrinks what can be concluded from them as this does
-    squares[1:, 1:] += count * BLUR**2 * torch.eye(len(squares) - 1)
-    found = torch.linalg.solve(squares, products)
-    rest = torch.stack([(mean - known @ found).square().sum(dim=0) for known, mean in rows()]).sum(dim=0)
+    count = sum(len(one) for one in means)
+    mean = torch.stack([one.double().sum(dim=0) for one in means]).sum(dim=0) / count
+    rests = [one.double() - mean for one in means]
+    expectation = Expectation(len(mean))
+    if told is not None:
+        attributes = [torch.from_numpy(one) for one in told]
+        expectation.weight.copy_(fit_expectation(lambda: zip(attributes, rests, strict=True), BLUR))
+        rests = [rest - expectation(one).double() for rest, one in zip(rests, attributes, strict=True)]
+    squares = torch.stack([rest.square().sum(dim=0) for rest in rests]).sum(dim=0)
     noise = torch.stack([std.double().square().sum(dim=0) for std in stds]).sum(dim=0)
     return SlatMoments(
-        mean=found[0].float(), slope=found[1:].float(), std=((rest + noise) / count).sqrt().float()
+        mean=mean.float(), std=((squares + noise) / count).sqrt().float(), expected=expectation.weight
     )
 
 

@@ -27,6 +27,9 @@ class AppearanceTraining:
     """Training of the flow of palettes, where the preset has one."""
     pictures: int
     """Pictures of an object per step of the VAE."""
+    noisiness: float = 1.0
+    """Mean of the logits of the flow's training times: the higher, the nearer to pure noise, where a preset
+    that draws in one step has all to guess."""
     losses: AppearanceLossConfig = field(default_factory=AppearanceLossConfig)
     """Weights of the VAE's loss terms."""
 
@@ -46,6 +49,7 @@ APPEARANCE_TRAINING: dict[PresetName, AppearanceTraining] = {
         flow=StageConfig(batch=1, learning_rate=8e-4, warmup=100, decay=0.5, ema=0.995, share=0.3),
         palette=StageConfig(batch=32, learning_rate=5e-4, warmup=100, decay=0.4, ema=0.998, share=0.2),
         pictures=2,
+        noisiness=4.0,
         losses=AppearanceLossConfig(volume=1e4 / 8, exposed=3.0),
     ),
     "compact": AppearanceTraining(

@@ -38,7 +38,7 @@ class StateViews:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SeenVoxels:
-    """Voxels that one view shows; directions and lengths in the frame of their part at rest."""
+    """Voxels that one view shows; directions in the frame of their part at rest."""
 
     rows: Int[Tensor, "K"]
     toward: Float[Tensor, "K 3"]
@@ -46,8 +46,6 @@ class SeenVoxels:
     color: Float[Tensor, "K 3"]
     clear: Float[Tensor, "K"]
     """Share of the background that is seen through them."""
-    off: Float[Tensor, "K 3"]
-    """From the voxel's centre to the surface that is seen there."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -97,7 +95,7 @@ class FeatureMean:
             counted &= _read_pixels(views.parts, place) == torch.from_numpy(self.part_ids)
         if self.sums is None:
             self.sums = torch.zeros(len(moved), maps.shape[1])
-        surface, clear = find_surface(place, views), _read_pixels(views.clear, place)
+        clear = _read_pixels(views.clear, place)
         out = []
         for view, at in enumerate(place):
             rows = counted[view].nonzero()[:, 0]
@@ -105,14 +103,12 @@ class FeatureMean:
             self.views[rows] += 1
             picture = _sample(views.pictures[view], at[rows])
             toward = functional.normalize(views.cameras.position[view] - moved[rows], dim=1).float()
-            off = torch.nan_to_num((surface[view, rows] - moved[rows]).float(), 0.0, 0.0, 0.0)
             out.append(
                 SeenVoxels(
                     rows=rows,
                     toward=torch.einsum("nji,nj->ni", turn[rows], toward),
                     color=picture[:, :3] / picture[:, 3:].clamp(min=0.25),
                     clear=clear[view, rows],
-                    off=torch.einsum("nji,nj->ni", turn[rows], off),
                 )
             )
         return out
@@ -144,17 +140,6 @@ def project_points(
     return place.float(), depth.float()
 
 
-def find_surface(place: Float[Tensor, "V N 2"], views: StateViews) -> Float[Tensor, "V N 3"]:
-    """Points of the surface that the pixels nearest to given places show; not finite where there is none."""
-    cameras = views.cameras
-    column, row = _find_pixels(place, views.depth)
-    depth = _read_pixels(views.depth, place).double()
-    pixel = pixel_sizes(cameras)[:, None] * depth
-    x, y = (column + 0.5 - cameras.width / 2.0) * pixel, (row + 0.5 - cameras.height / 2.0) * pixel
-    local = torch.stack([x, y, depth], dim=2)
-    return torch.einsum("vij,vni->vnj", camera_axes(cameras), local) + cameras.position.double()[:, None]
-
-
 def find_seen(
     place: Float[Tensor, "V N 2"],
     depth: Float[Tensor, "V N"],
@@ -168,20 +153,12 @@ def find_seen(
 
 def _read_pixels(values: Shaped[Tensor, "V H W"], place: Float[Tensor, "V N 2"]) -> Shaped[Tensor, "V N"]:
     """Values of the pixels that places lie in, of the border's where they lie outside."""
-    column, row = _find_pixels(place, values)
-    return values[torch.arange(len(values))[:, None], row, column]
-
-
-def _find_pixels(
-    place: Float[Tensor, "V N 2"], values: Shaped[Tensor, "V H W"]
-) -> tuple[Int[Tensor, "V N"], Int[Tensor, "V N"]]:
-    """Column and row of the pixels that places lie in."""
     height, width = values.shape[1:]
     column, row = (
         ((at + 1.0) / 2.0 * edge).floor().long().clamp(0, edge - 1)
         for at, edge in zip(place.unbind(2), (width, height), strict=True)
     )
-    return column, row
+    return values[torch.arange(len(values))[:, None], row, column]
 
 
 def _sample(image: Float[Tensor, "C h w"], place: Float[Tensor, "N 2"]) -> Float[Tensor, "N C"]:

@@ -1,0 +1,88 @@
+"""Portholes: the door before a drum is round, and so is the opening that it closes, a stage of its own.
+
+A network draws the mean of a ring and its box: doors with cut corners over ragged holes. What turns without
+end about an axis that faces the front is a drum; all procedural machines that are loaded there have a round
+door, with an opening of 0.72 to 0.80 of its radius.
+"""
+
+import numpy as np
+from jaxtyping import Float
+
+from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_joints, name_rows
+from artigen.mending.fronts import find_panel
+from artigen.mending.rows import Owners
+
+OBLONG = 1.25
+"""Largest ratio of width and height of a round door, either way."""
+MOUTH, RIM = 0.72, 0.80
+"""Shares of the door's radius within which the opening is free, and beyond which the plate around it is
+whole."""
+PLATE = 7
+"""Layers behind the panel of the door in which the plate of the body is sought: the fullest of them."""
+AROUND = 3
+"""Cells beyond the door in which the plate is looked at."""
+WHOLE = 0.5
+"""Share of its cells there that a plate holds at least."""
+
+
+def round_portholes(
+    owners: Owners, rows: Float[np.ndarray, "N C"], layout: FieldLayout = DEFAULT_LAYOUT
+) -> tuple[Owners, tuple[str, ...]]:
+    """Owners by which doors before drums are round, and a note of how many cells that changed.
+
+    Args:
+        owners: a row per cell, -1 where nothing is.
+        rows: an outline, the channels after occupancy, one row per part.
+        layout: channels.
+    """
+    before, owners = owners, owners.copy()
+    labels, kinds = np.array(name_rows(rows, layout)), np.array(name_joints(rows, layout))
+    boxes, axes = rows[:, after_occupancy(layout.box)], rows[:, after_occupancy(layout.axis)]
+    turns = (labels == "tray") & (kinds == "continuous") & (np.abs(axes).argmax(axis=1) == 0)
+    (body,) = np.flatnonzero(labels == "base")[:1] if (labels == "base").any() else (-1,)
+    for door in np.flatnonzero((labels == "door") & (kinds == "revolute")):
+        center, size = boxes[door, :3], boxes[door, 3:]
+        drums = boxes[turns]
+        near = (np.abs(drums[:, 1:3] - center[1:]) < size[1:] / 4).all(axis=1) & (drums[:, 0] > center[0])
+        if near.any() and max(size[1] / size[2], size[2] / size[1]) <= OBLONG:
+            _round_door(owners, int(door), int(body), center, size)
+    changed = int((owners != before).sum())
+    return owners, (f"{changed} cells were changed to make a door and its opening round",) if changed else ()
+
+
+def _round_door(
+    owners: Owners, door: int, body: int, center: Float[np.ndarray, "3"], size: Float[np.ndarray, "3"]
+) -> None:
+    """Makes a door that faces -x, and the plate of the body behind its panel, round, in place."""
+    y, z, box = _measure_places(len(owners), center, size)
+    radius = np.hypot(y, z)
+    view = owners[:, *box]  # D H W, in place
+    mine, inside = view == door, radius <= 1.0
+    if not mine.any():
+        return
+    panel, square = find_panel(mine), (np.abs(y) <= 1.0) & (np.abs(z) <= 1.0)
+    held = (view[panel.stop : panel.stop + PLATE] == body)[:, ~square].mean(axis=1)
+    plate = panel.stop + int(held.argmax()) if held.max(initial=0.0) >= WHOLE else len(view)
+    kept = mine & inside
+    kept[plate + 1 :] &= radius <= RIM
+    kept[panel] |= inside & ~mine.any(axis=0) & (view[panel] < 0)
+    owners[owners == door] = -1
+    view[kept] = door
+    if plate < len(view):
+        mouth, layer = view[panel.stop : plate + 1], view[plate]
+        mouth[(mouth == body) & (radius < MOUTH)] = -1
+        layer[(layer < 0) & (radius > RIM) & square] = body
+
+
+def _measure_places(
+    edge: int, center: Float[np.ndarray, "3"], size: Float[np.ndarray, "3"]
+) -> tuple[Float[np.ndarray, "H 1"], Float[np.ndarray, "1 W"], tuple[slice, slice]]:
+    """Rows and columns about a door, `AROUND` cells beyond it, from its middle in halves of its edges, and
+    which cells they are."""
+    low = (np.floor((center - size / 2 + 0.5) * edge) - AROUND).clip(0, edge - 1).astype(int)
+    high = (np.ceil((center + size / 2 + 0.5) * edge) + AROUND).clip(low + 1, edge).astype(int)
+    y, z = (
+        ((np.arange(low[axis], high[axis]) + 0.5) / edge - 0.5 - center[axis]) / (size[axis] / 2)
+        for axis in (1, 2)
+    )
+    return y[:, None], z[None], (slice(low[1], high[1]), slice(low[2], high[2]))

@@ -1,0 +1,85 @@
+"""What palettes let one expect of the latent of a voxel, by what kind of voxel it is.
+
+A side has one of its part's two colours or a mixture of them; which, follows mostly from the part's label,
+from where the side faces and from whether something stands before it. So each kind of voxel has its own
+linear map from its palette, fitted by least squares, and the flow draws what is left.
+"""
+
+from collections.abc import Callable, Iterator
+
+import torch
+from jaxtyping import Float, Int
+from torch import Tensor, nn
+
+from artigen.facings import FACINGS, SIDES
+from artigen.palettes import PALETTE
+from artigen.types import PART_LABELS
+
+KINDS = len(PART_LABELS) * 2**SIDES * FACINGS
+"""Labels, whether either side is covered, directions."""
+TERMS = 2 * PALETTE
+"""1, two colours, a share, and share times colours."""
+FEW = 50.0
+"""Voxels that a kind needs before it is believed more than all kinds together."""
+
+
+class Expectation(nn.Module):
+    """Expected latents of voxels; zero until it is fitted."""
+
+    weight: Tensor
+
+    def __init__(self, channels: int) -> None:
+        super().__init__()
+        self.register_buffer("weight", torch.zeros(KINDS, TERMS, channels))
+
+    def forward(self, attributes: Float[Tensor, "N A"]) -> Float[Tensor, "N C"]:
+        """Of voxels described by `artigen.palettes.describe_voxels`."""
+        kinds, terms = find_kinds(attributes), list_terms(attributes)
+        out = attributes.new_empty(len(attributes), self.weight.shape[2])
+        for kind in kinds.unique():
+            own = kinds == kind
+            out[own] = terms[own] @ self.weight[kind].to(terms.dtype)
+        return out
+
+
+def find_kinds(attributes: Float[Tensor, "N A"]) -> Int[Tensor, "N"]:
+    """Which kind of voxel each is."""
+    facing, label, covered, _ = attributes.split([FACINGS, len(PART_LABELS), SIDES, PALETTE], dim=1)
+    outer, inner = (covered > 0.5).long().unbind(1)
+    return ((label.argmax(dim=1) * 2 + outer) * 2 + inner) * FACINGS + facing.argmax(dim=1)
+
+
+def list_terms(attributes: Float[Tensor, "N A"]) -> Float[Tensor, "N 14"]:
+    """What expected latents are linear in."""
+    colors, share = attributes[:, -PALETTE:-1], attributes[:, -1:]
+    return torch.cat([torch.ones_like(share), colors, share, share * colors], dim=1)
+
+
+def fit_expectation(
+    voxels: Callable[[], Iterator[tuple[Float[Tensor, "N A"], Float[Tensor, "N C"]]]], blur: float
+) -> Float[Tensor, "K T C"]:
+    """Weights by least squares, each kind's drawn towards those of all voxels while it has few.
+
+    Args:
+        voxels: attributes and latents, object by object, from the start at every call.
+        blur: deviation of the palettes that will be given from the true ones, which shrinks what can be
+            concluded from them.
+    """
+    squares = products = None
+    for attributes, latents in voxels():
+        kinds, terms, wanted = find_kinds(attributes), list_terms(attributes).double(), latents.double()
+        if squares is None or products is None:
+            squares = torch.zeros(KINDS, TERMS, TERMS, dtype=torch.float64)
+            products = torch.zeros(KINDS, TERMS, wanted.shape[1], dtype=torch.float64)
+        for kind in kinds.unique():
+            own = kinds == kind
+            squares[kind] += terms[own].T @ terms[own]
+            products[kind] += terms[own].T @ wanted[own]
+    if squares is None or products is None:
+        raise ValueError("no voxels to fit expected latents to")
+    uncertain = blur**2 * torch.eye(TERMS, dtype=torch.float64)
+    uncertain[0] = 0.0
+    squares = squares + squares[:, :1, :1] * uncertain
+    whole = torch.linalg.solve(squares.sum(dim=0) + torch.eye(TERMS), products.sum(dim=0))
+    apart = torch.linalg.solve(squares + FEW * torch.eye(TERMS), products - squares @ whole)
+    return (whole + apart).float()

@@ -1,0 +1,71 @@
+"""Where surface lies within voxels: how high either side is, and how far it reaches across.
+
+A voxel at the rim of a board, or on a wire, is filled in part; Gaussians that covered all of it would make
+boards thicker and wires bars. Read off samples of the surface, in the frame of the voxel's outer side.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from artigen.facings import facing_frames
+from artigen.types import SurfaceSamples, VoxelGrid
+
+SAMPLES = 4
+"""Samples of the surface along a voxel's edge."""
+AHEAD = 0.5
+"""Cosine from which surface faces as the side does."""
+HEIGHT = 0.3
+"""Voxels that a side lies off the middle of a voxel where no surface faces its way."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class VoxelPlaces:
+    """Surface within voxels, in voxels from their middles."""
+
+    heights: Float[np.ndarray, "N 2"]
+    """Of the outer side and of the inner one, outwards."""
+    lowest: Float[np.ndarray, "N 2"]
+    """Where surface begins across, along the frame's +y and +z."""
+    highest: Float[np.ndarray, "N 2"]
+    """Where it ends."""
+
+
+def measure_places(surface: SurfaceSamples, voxels: VoxelGrid, facings: Int[np.ndarray, "N"]) -> VoxelPlaces:
+    """Heights and reach of the surface in each voxel, as far as it is of the voxel's part.
+
+    A side is as high as the surface that faces its way. A voxel without samples of its part is taken to be
+    filled.
+
+    Args:
+        surface: Samples, `SAMPLES` or more along a voxel's edge.
+        voxels: Cells of the same object.
+        facings: Directions of their outer sides.
+    """
+    edge, count = voxels.resolution, len(voxels.coords)
+    grid = np.full((edge,) * 3, -1)
+    grid[tuple(voxels.coords.T)] = np.arange(count)
+    points = (surface.points.astype(np.float64) + 0.5) * edge
+    cells = np.floor(points).astype(np.int64).clip(0, edge - 1)
+    rows = grid[tuple(cells.T)]
+    own = (rows >= 0) & (voxels.part_ids[rows] == surface.part_ids)
+    rows = rows[own]
+    frames = facing_frames()[facings][rows]
+    off = np.einsum("kij,ki->kj", frames, points[own] - cells[own] - 0.5)
+    ahead = np.einsum("ki,ki->k", frames[:, :, 0], surface.normals[own].astype(np.float64))
+    heights = np.empty((count, 2))
+    for side, sign in enumerate((1.0, -1.0)):
+        facing = sign * ahead > AHEAD
+        number = np.bincount(rows[facing], minlength=count)
+        total = np.bincount(rows[facing], weights=off[facing, 0], minlength=count)
+        heights[:, side] = np.where(number > 0, total / np.maximum(number, 1), sign * HEIGHT)
+    low, high = np.full((count, 2), np.inf), np.full((count, 2), -np.inf)
+    np.minimum.at(low, rows, off[:, 1:])
+    np.maximum.at(high, rows, off[:, 1:])
+    empty = ~np.isfinite(low[:, 0])
+    low[empty], high[empty] = -0.5, 0.5
+    missed = 0.5 / SAMPLES  # surface reaches about this far beyond the last sample
+    return VoxelPlaces(
+        heights=heights, lowest=np.maximum(low - missed, -0.5), highest=np.minimum(high + missed, 0.5)
+    )

@@ -1,0 +1,79 @@
+"""Surface within voxels: boards and bars of known sizes, anywhere in the grid, facing any way."""
+
+import numpy as np
+import pytest
+
+from artigen.facings import FACINGS, facing_frames
+from artigen.train.appearance.places import HEIGHT, SAMPLES, VoxelPlaces, measure_places
+from artigen.types import SurfaceSamples, VoxelGrid
+from artigen.voxels import voxelize
+
+EDGE = 16
+MISSED = 1.0 / SAMPLES
+"""Voxels within which an end is known."""
+
+
+def sample_box(low: np.ndarray, high: np.ndarray, part: int = 0) -> SurfaceSamples:
+    """The surface of a box (voxels), `SAMPLES` samples along a voxel's edge."""
+    points, normals = [], []
+    for axis in range(3):
+        others = [other for other in range(3) if other != axis]
+        lines = [np.arange(low[other] + MISSED / 2, high[other], MISSED) for other in others]
+        face = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, 2)
+        for sign, level in ((-1.0, low[axis]), (1.0, high[axis])):
+            points.append(np.insert(face, axis, level, axis=1))
+            normals.append(np.tile(sign * np.eye(3)[axis], (len(face), 1)))
+    where = np.concatenate(points)
+    return SurfaceSamples(
+        points=where / EDGE - 0.5,
+        normals=np.concatenate(normals),
+        colors=np.zeros(where.shape, dtype=np.uint8),
+        part_ids=np.full(len(where), part),
+    )
+
+
+def place_box(facing: int) -> tuple[VoxelGrid, VoxelPlaces]:
+    """A board of half a voxel, whose frame's +x is the side that faces that way: 6 by 3.1 voxels."""
+    frame = facing_frames()[facing]
+    corners = np.array([[-0.2, -3.0, -1.3], [0.3, 3.0, 1.8]]) @ frame.T + (EDGE / 2 + 0.5)
+    surface = sample_box(corners.min(axis=0), corners.max(axis=0))
+    voxels = voxelize(surface, EDGE)
+    return voxels, measure_places(surface, voxels, np.full(len(voxels.coords), facing))
+
+
+@pytest.mark.parametrize("facing", range(FACINGS))
+def test_a_board_that_ends_within_a_voxel_is_told_so_whichever_way_it_faces(facing: int):
+    voxels, places = place_box(facing)
+    local = (voxels.coords - EDGE / 2) @ facing_frames()[facing]
+    assert len(local) == 7 * 4
+    np.testing.assert_allclose(places.heights, np.tile([0.3, -0.2], (len(local), 1)), atol=1e-5)
+    starts, ends = local[:, 1:].min(axis=0), local[:, 1:].max(axis=0)
+    for axis, (low, high) in enumerate(((0.0, 0.0), (-0.3, -0.2))):
+        first, last = local[:, 1 + axis] == starts[axis], local[:, 1 + axis] == ends[axis]
+        np.testing.assert_allclose(places.lowest[first, axis], low, atol=MISSED)
+        np.testing.assert_allclose(places.highest[last, axis], high, atol=MISSED)
+        assert (places.lowest[~first, axis] < -0.35).all()
+        assert (places.highest[~last, axis] > 0.35).all()
+
+
+def test_only_surface_of_the_voxels_part_counts():
+    board = sample_box(np.array([2.0, 2.0, 4.4]), np.array([8.0, 8.0, 4.6]))
+    bar = sample_box(np.array([4.0, 4.0, 4.7]), np.array([5.0, 5.0, 4.9]), part=1)
+    voxels = voxelize(board, EDGE)
+    facings = np.full(len(voxels.coords), 5)
+    both = SurfaceSamples(
+        **{name: np.concatenate([value, getattr(bar, name)]) for name, value in vars(board).items()}
+    )
+    alone, beside = measure_places(board, voxels, facings), measure_places(both, voxels, facings)
+    for name, value in vars(alone).items():
+        np.testing.assert_array_equal(value, getattr(beside, name))
+
+
+def test_what_no_surface_says_is_taken_to_be_filled():
+    surface = sample_box(np.array([2.0, 2.0, 4.4]), np.array([4.0, 4.0, 4.6]))
+    voxels = VoxelGrid(resolution=EDGE, coords=np.array([[9, 9, 9], [2, 2, 4]]), part_ids=np.zeros(2, int))
+    places = measure_places(surface, voxels, np.array([3, 0]))
+    assert places.heights.tolist()[0] == [HEIGHT, -HEIGHT]
+    assert places.lowest.tolist()[0] == [-0.5, -0.5]
+    assert places.highest.tolist()[0] == [0.5, 0.5]
+    assert places.heights[1, 1] == -HEIGHT  # the board goes on inwards
