@@ -20,7 +20,7 @@ from artigen.models.store import DESCRIPTION, load_model, read_description
 from artigen.models.trellis import load_strictly, read_tensors
 from artigen.palettes import ask_colors, describe_voxels
 from artigen.sampling import SamplerConfig
-from artigen.splats.reach import reach_neighbours
+from artigen.splats.render.reach import reach_neighbours
 from artigen.splats.render.splats import Splats
 from artigen.splats.seams import SeamConfig, settle_seams
 from artigen.text import Color

@@ -7,7 +7,7 @@ import torch
 from artigen.facings import FACINGS, facing_frames
 from artigen.models.appearance_presets import APPEARANCE_PRESETS
 from artigen.models.gaussian_decoder import GaussianDecoder
-from artigen.splats.reach import reach_neighbours
+from artigen.splats.render.reach import reach_neighbours
 from artigen.splats.render.splats import Splats
 
 DECODER = GaussianDecoder(APPEARANCE_PRESETS["tiny"].decoder)
