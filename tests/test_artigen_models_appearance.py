@@ -199,7 +199,7 @@ def test_which_of_two_colours_a_covered_side_has_is_expected(generator: torch.Ge
     latents = latents + 0.1 * torch.randn(latents.shape, generator=generator)
     expectation = Expectation(6)
     halves = (slice(0, 15_000), slice(15_000, None))
-    weight = fit_expectation(lambda: ((attributes[half], latents[half]) for half in halves), 0.0)
+    weight = fit_expectation(((attributes[half], latents[half]) for half in halves), 0.0)
     expectation.weight.copy_(weight)
     rest = latents - expectation(attributes)
     assert rest.std() == pytest.approx(0.1, rel=0.15)
@@ -215,7 +215,7 @@ def test_a_kind_without_voxels_is_expected_to_be_like_all(generator: torch.Gener
     known = attributes[:, FACINGS] == 0
     latents = attributes[:, -PALETTE:-4]
     expectation = Expectation(3)
-    expectation.weight.copy_(fit_expectation(lambda: iter([(attributes[known], latents[known])]), 0.0))
+    expectation.weight.copy_(fit_expectation([(attributes[known], latents[known])], 0.0))
     torch.testing.assert_close(expectation(attributes[~known]), latents[~known], atol=0.01, rtol=0)
 
 

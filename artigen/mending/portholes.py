@@ -6,9 +6,10 @@ door, with an opening of 0.72 to 0.80 of its radius.
 """
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_joints, name_rows
+from artigen.mending.boxes import reach_box
 from artigen.mending.fronts import find_panel
 from artigen.mending.rows import Owners
 
@@ -38,30 +39,34 @@ def round_portholes(
     before, owners = owners, owners.copy()
     labels, kinds = np.array(name_rows(rows, layout)), np.array(name_joints(rows, layout))
     boxes, axes = rows[:, after_occupancy(layout.box)], rows[:, after_occupancy(layout.axis)]
-    turns = (labels == "tray") & (kinds == "continuous") & (np.abs(axes).argmax(axis=1) == 0)
-    (body,) = np.flatnonzero(labels == "base")[:1] if (labels == "base").any() else (-1,)
+    drums = boxes[(labels == "tray") & (kinds == "continuous") & (np.abs(axes).argmax(axis=1) == 0)]
     for door in np.flatnonzero((labels == "door") & (kinds == "revolute")):
         center, size = boxes[door, :3], boxes[door, 3:]
-        drums = boxes[turns]
         near = (np.abs(drums[:, 1:3] - center[1:]) < size[1:] / 4).all(axis=1) & (drums[:, 0] > center[0])
         if near.any() and max(size[1] / size[2], size[2] / size[1]) <= OBLONG:
-            _round_door(owners, int(door), int(body), center, size)
+            _round_door(owners, int(door), labels == "base", boxes[door])
     changed = int((owners != before).sum())
     return owners, (f"{changed} cells were changed to make a door and its opening round",) if changed else ()
 
 
 def _round_door(
-    owners: Owners, door: int, body: int, center: Float[np.ndarray, "3"], size: Float[np.ndarray, "3"]
+    owners: Owners, door: int, bodies: Bool[np.ndarray, "N"], box: Float[np.ndarray, "6"]
 ) -> None:
     """Makes a door that faces -x, and the plate of the body behind its panel, round, in place."""
-    y, z, box = _measure_places(len(owners), center, size)
+    _, *sides = reach_box(box, len(owners), AROUND)
+    y, z = (  # from the middle of the door, in halves of its edges
+        ((np.arange(side.start, side.stop) + 0.5) / len(owners) - 0.5 - box[axis]) / (box[3 + axis] / 2)
+        for axis, side in enumerate(sides, start=1)
+    )
+    y, z = y[:, None], z[None]
     radius = np.hypot(y, z)
-    view = owners[:, *box]  # D H W, in place
+    view = owners[:, *sides]  # D H W, in place
     mine, inside = view == door, radius <= 1.0
     if not mine.any():
         return
     panel, square = find_panel(mine), (np.abs(y) <= 1.0) & (np.abs(z) <= 1.0)
-    held = (view[panel.stop : panel.stop + PLATE] == body)[:, ~square].mean(axis=1)
+    own = bodies[view] & (view >= 0)
+    held = own[panel.stop : panel.stop + PLATE, ~square].mean(axis=1)
     plate = panel.stop + int(held.argmax()) if held.max(initial=0.0) >= WHOLE else len(view)
     kept = mine & inside
     kept[plate + 1 :] &= radius <= RIM
@@ -69,20 +74,7 @@ def _round_door(
     owners[owners == door] = -1
     view[kept] = door
     if plate < len(view):
-        mouth, layer = view[panel.stop : plate + 1], view[plate]
-        mouth[(mouth == body) & (radius < MOUTH)] = -1
-        layer[(layer < 0) & (radius > RIM) & square] = body
-
-
-def _measure_places(
-    edge: int, center: Float[np.ndarray, "3"], size: Float[np.ndarray, "3"]
-) -> tuple[Float[np.ndarray, "H 1"], Float[np.ndarray, "1 W"], tuple[slice, slice]]:
-    """Rows and columns about a door, `AROUND` cells beyond it, from its middle in halves of its edges, and
-    which cells they are."""
-    low = (np.floor((center - size / 2 + 0.5) * edge) - AROUND).clip(0, edge - 1).astype(int)
-    high = (np.ceil((center + size / 2 + 0.5) * edge) + AROUND).clip(low + 1, edge).astype(int)
-    y, z = (
-        ((np.arange(low[axis], high[axis]) + 0.5) / edge - 0.5 - center[axis]) / (size[axis] / 2)
-        for axis in (1, 2)
-    )
-    return y[:, None], z[None], (slice(low[1], high[1]), slice(low[2], high[2]))
+        mouth = slice(panel.stop, plate + 1)
+        view[mouth][own[mouth] & (radius < MOUTH)] = -1
+        layer = view[plate]
+        layer[(layer < 0) & (radius > RIM) & square] = bodies.argmax()

@@ -5,7 +5,7 @@ from where the side faces and from whether something stands before it. So each k
 linear map from its palette, fitted by least squares, and the flow draws what is left.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterable
 
 import torch
 from jaxtyping import Float, Int
@@ -56,17 +56,17 @@ def list_terms(attributes: Float[Tensor, "N A"]) -> Float[Tensor, "N 14"]:
 
 
 def fit_expectation(
-    voxels: Callable[[], Iterator[tuple[Float[Tensor, "N A"], Float[Tensor, "N C"]]]], blur: float
+    voxels: Iterable[tuple[Float[Tensor, "N A"], Float[Tensor, "N C"]]], blur: float
 ) -> Float[Tensor, "K T C"]:
     """Weights by least squares, each kind's drawn towards those of all voxels while it has few.
 
     Args:
-        voxels: attributes and latents, object by object, from the start at every call.
+        voxels: attributes and latents, object by object.
         blur: deviation of the palettes that will be given from the true ones, which shrinks what can be
             concluded from them.
     """
     squares = products = None
-    for attributes, latents in voxels():
+    for attributes, latents in voxels:
         kinds, terms, wanted = find_kinds(attributes), list_terms(attributes).double(), latents.double()
         if squares is None or products is None:
             squares = torch.zeros(KINDS, TERMS, TERMS, dtype=torch.float64)

@@ -43,7 +43,7 @@ def reach_neighbours(
         "nij,nki->nkj", frames, splats.means.unflatten(0, (-1, count)) - centers[:, None]
     )
     scales = splats.scales.unflatten(0, (-1, count)).clone()
-    joined = torch.from_numpy(_find_joined(coords, part_ids, facings, resolution))
+    joined = torch.from_numpy(_find_joined(coords, part_ids, facings, resolution)).to(scales.device)
     for axis in (1, 2):
         place = off[:, :, axis]
         middle = (place.amax(dim=1) + place.amin(dim=1)) / 2

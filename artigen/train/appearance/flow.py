@@ -141,7 +141,7 @@ def measure_slats(
     expectation = Expectation(len(mean))
     if told is not None:
         attributes = [torch.from_numpy(one) for one in told]
-        expectation.weight.copy_(fit_expectation(lambda: zip(attributes, rests, strict=True), BLUR))
+        expectation.weight.copy_(fit_expectation(zip(attributes, rests, strict=True), BLUR))
         rests = [rest - expectation(one).double() for rest, one in zip(rests, attributes, strict=True)]
     squares = torch.stack([rest.square().sum(dim=0) for rest in rests]).sum(dim=0)
     noise = torch.stack([std.double().square().sum(dim=0) for std in stds]).sum(dim=0)
