@@ -15,6 +15,7 @@ from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_jo
 from artigen.models.outline.align import OutlineAlignConfig, align_outline
 from artigen.models.outline.boxes import CELL, FRONTS, box_views
 from artigen.models.outline.depths import OutlineDepthsConfig, order_depths
+from artigen.models.outline.handles import OutlineHandlesConfig, find_panel, hand_out_handles
 from artigen.types import PartLabel
 
 
@@ -26,6 +27,8 @@ class OutlineRegulariseConfig:
     """What is in line."""
     depths: OutlineDepthsConfig = field(default_factory=OutlineDepthsConfig)
     """What lies behind what."""
+    handles: OutlineHandlesConfig = field(default_factory=OutlineHandlesConfig)
+    """Which front has which handle."""
     angle: float = 25.0
     """Degrees between an axis and the principal direction that it becomes."""
     reach: float = 0.75 * CELL
@@ -74,6 +77,7 @@ def regularise_outline(
         _part_neighbours(out, FRONTS, "fronts", cfg, layout),
         _part_neighbours(out, ("knob",), "knobs", cfg, layout),
         _part_neighbours(out, ("handle",), "handles", cfg, layout),
+        hand_out_handles(out, cfg.handles, layout),
         _rest_on_panels(out, cfg, layout),
         _fit_extents(out, extents, layout),
         _place_axes(out, cfg, layout),
@@ -170,9 +174,8 @@ def _rest_on_panels(rows: np.ndarray, cfg: OutlineRegulariseConfig, layout: Fiel
     bases = np.flatnonzero(names == "base")
     moved = []
     for row in np.flatnonzero(np.isin(names, ("handle", "knob"))):
-        within = np.abs(center[panels, 1:] - center[row, 1:]) <= size[panels, 1:] / 2
-        behind = panels[within.all(axis=1)]
-        carriers = behind if len(behind) else bases
+        panel = find_panel(int(row), panels, center, size)
+        carriers = bases if panel is None else np.array([panel])
         if not len(carriers):
             continue
         gaps = front[carriers] - center[row, 0] - size[row, 0] / 2
