@@ -8,7 +8,7 @@ import torch
 from jaxtyping import Float, Int
 
 from artigen.errors import SourceError
-from artigen.facings import find_covered, find_facings
+from artigen.facings import find_covered, find_facings, find_joined
 from artigen.fields import name_rows, tabulate_parts
 from artigen.models.appearance_presets import APPEARANCE_PRESETS, AppearancePreset
 from artigen.models.appearance_vae import APPEARANCE_FLOW, APPEARANCE_PALETTE, APPEARANCE_VAE
@@ -140,7 +140,8 @@ def draw_splats(
         steps = cfg.palettes if asked.image is None or cfg.colors else cfg.seen
         palettes = sample_palettes(model.palette, table, known, nothing, generator, steps, fixed=fixed)
         covered = find_covered(coords, facings, edge)
-        told = describe_voxels(table, part_ids, palettes, facings, covered)
+        joined = find_joined(coords, part_ids, facings, edge)
+        told = describe_voxels(table, part_ids, palettes, facings, covered, joined)
         attributes = torch.from_numpy(told).to(device)
     places = torch.from_numpy(np.pad(coords.astype(np.int32), ((0, 0), (1, 0)))).to(device)
     noise = torch.randn((len(coords), model.flow.channels), generator=generator).to(device)

@@ -12,6 +12,8 @@ FACINGS = 6
 """Directions: -x, +x, -y, +y, -z, +z."""
 SIDES = 2
 """The outer one and the inner one."""
+AROUND = 4
+"""Neighbours of a voxel across its sides."""
 CLEAR = 3
 """Cells off a voxel from which something stands before it: nearer is the other face of a board."""
 LONGEST = 5
@@ -74,6 +76,53 @@ def find_covered(
     place = cells[every, axis]
     down, up = place - below[every, axis] >= CLEAR, above[every, axis] - place >= CLEAR
     return np.where((facings % 2 == 1)[:, None], np.stack([up, down], axis=1), np.stack([down, up], axis=1))
+
+
+def find_joined(
+    coords: Int[np.ndarray, "N 3"],
+    part_ids: Int[np.ndarray, "N"],
+    facings: Int[np.ndarray, "N"],
+    resolution: int,
+) -> Bool[np.ndarray, "N 2 2"]:
+    """Whether the part of a voxel goes on next to it, across its sides.
+
+    Args:
+        coords: Cells (x, y, z) of the grid.
+        part_ids: Part of each.
+        facings: Directions of their outer sides.
+        resolution: Edge of the grid.
+
+    Returns:
+        Along +y and +z of the frame of the outer side (`facing_frames`): before the voxel, and after it.
+    """
+    grid = np.full((resolution + 2,) * 3, -1)
+    cells = coords.astype(np.int64) + 1
+    grid[tuple(cells.T)] = part_ids
+    across = np.round(facing_frames()[facings]).astype(np.int64)[:, :, 1:]
+    around = [[cells + way * across[:, :, axis] for way in (-1, 1)] for axis in range(2)]
+    return np.stack(
+        [np.stack([grid[tuple(place.T)] == part_ids for place in ways], axis=1) for ways in around], axis=1
+    )
+
+
+def count_behind(
+    coords: Int[np.ndarray, "N 3"],
+    part_ids: Int[np.ndarray, "N"],
+    facings: Int[np.ndarray, "N"],
+    resolution: int,
+) -> Int[np.ndarray, "N"]:
+    """How many cells of its part lie in a row with each voxel, itself among them, from one side to the other.
+
+    Args:
+        coords: Cells (x, y, z) of the grid.
+        part_ids: Part of each.
+        facings: Directions of their outer sides.
+        resolution: Edge of the grid.
+    """
+    place = tuple(coords.astype(np.int64).T)
+    grid = np.full((resolution,) * 3, -1)
+    grid[place] = part_ids
+    return np.choose(facings // 2, [_measure_runs(grid, axis)[place] for axis in range(3)])
 
 
 def facing_frames() -> Float[np.ndarray, "6 3 3"]:

@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from artigen.facings import FACINGS, find_middles
+from artigen.facings import AROUND, FACINGS, find_middles
 from artigen.fields import DEFAULT_LAYOUT, after_occupancy
 from artigen.types import PartLabel, SurfaceSamples
 
@@ -85,11 +85,12 @@ def describe_voxels(
     palettes: Float[np.ndarray, "P 7"],
     facings: Int[np.ndarray, "N"],
     covered: Bool[np.ndarray, "N 2"],
+    joined: Bool[np.ndarray, "N 2 2"],
 ) -> Float[np.ndarray, "N A"]:
     """What the flow of structured latents is told of every voxel (float32).
 
     Which way its outer side faces (one of 6), the label of its part, whether something stands before its
-    outer side and its inner one, and the palette of its part.
+    outer side and its inner one, whether its part goes on around it, and the palette of its part.
 
     Args:
         table: Channels after occupancy of each part, in the default layout.
@@ -97,9 +98,11 @@ def describe_voxels(
         palettes: Of each part.
         facings: Direction of each voxel's outer side.
         covered: Whether something stands before either side (`artigen.facings.find_covered`).
+        joined: Whether the part goes on across them (`artigen.facings.find_joined`).
     """
     labels = table[:, after_occupancy(DEFAULT_LAYOUT.label)]
-    told = (np.eye(FACINGS)[facings], labels[part_ids], covered, palettes[part_ids])
+    around = joined.reshape(len(joined), AROUND)
+    told = (np.eye(FACINGS)[facings], labels[part_ids], covered, around, palettes[part_ids])
     return np.concatenate(told, axis=1).astype(np.float32)
 
 

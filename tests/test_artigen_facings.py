@@ -5,7 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from artigen.facings import FACINGS, facing_frames, find_covered, find_facings
+from artigen.facings import FACINGS, count_behind, facing_frames, find_covered, find_facings, find_joined
 
 EDGE = 20
 WAYS = np.array([[-1, 0, 0], [1, 0, 0], [0, -1, 0], [0, 1, 0], [0, 0, -1], [0, 0, 1]])
@@ -85,3 +85,29 @@ def test_what_stands_before_a_side_covers_it_unless_it_is_the_other_face_of_a_bo
     np.testing.assert_array_equal(covered[:-1][below], [[False, True], [True, False]])
     assert covered[-1].tolist() == [False, True]
     assert not covered[:-1][~below].any()
+
+
+def test_a_part_goes_on_where_its_own_cells_are_whichever_way_it_faces():
+    row = np.array([[4, 4, z] for z in range(3, 7)])
+    other = np.array([[4, 5, 4], [4, 4, 7]])
+    cells, part_ids = np.concatenate([row, other]), np.repeat([2, 0], [4, 2])
+    for facing, frame in enumerate(facing_frames()):
+        joined = find_joined(cells, part_ids, np.full(6, facing), EDGE)
+        ways = {
+            tuple(way * frame[:, axis]): joined[:, axis - 1, side]
+            for axis in (1, 2)
+            for side, way in enumerate((-1.0, 1.0))
+        }
+        for way, found in ways.items():
+            expected = {(0, 0, -1): [False, True, True, True], (0, 0, 1): [True, True, True, False]}
+            assert found.tolist() == [*expected.get(way, [False] * 4), False, False]
+
+
+def test_cells_in_a_row_with_a_voxel_are_those_of_its_part_along_its_facing():
+    plate = np.argwhere(np.ones((4, 6, 2), dtype=bool)) + 3
+    cells = np.concatenate([plate, [[3, 3, 5], [3, 3, 9]]])
+    part_ids = np.concatenate([np.zeros(len(plate), dtype=int), [1, 0]])
+    for facing, length in enumerate((4, 4, 6, 6, 2, 2)):
+        behind = count_behind(cells, part_ids, np.full(len(cells), facing), EDGE)
+        assert (behind[:-2] == length).all()
+        assert behind[-2:].tolist() == [1, 1]

@@ -8,7 +8,7 @@ import torch
 from drawer_chest import make_chest
 
 from artigen.errors import SourceError
-from artigen.facings import FACINGS, SIDES
+from artigen.facings import AROUND, FACINGS, SIDES
 from artigen.fields import DEFAULT_LAYOUT, after_occupancy, tabulate_parts
 from artigen.models.appearance_presets import APPEARANCE_PRESETS
 from artigen.models.conditions import StructureCondition, gather_conditions
@@ -103,13 +103,16 @@ def test_voxels_are_told_their_facing_and_the_label_and_the_palette_of_their_par
     facings = np.arange(len(asset.voxels.coords)) % FACINGS
     palettes = np.arange(len(asset.parts) * PALETTE).reshape(-1, PALETTE) / 100.0
     covered = np.stack([facings > 2, facings > 4], axis=1)
-    told = describe_voxels(tabulate_parts(asset), asset.voxels.part_ids, palettes, facings, covered)
-    assert told.shape == (len(asset.voxels.coords), FACINGS + len(PART_LABELS) + SIDES + PALETTE)
-    np.testing.assert_array_equal(told[:, -PALETTE - SIDES : -PALETTE], covered)
+    joined = np.stack([covered, facings[:, None] < [1, 3]], axis=1)
+    told = describe_voxels(tabulate_parts(asset), asset.voxels.part_ids, palettes, facings, covered, joined)
+    assert told.shape == (len(asset.voxels.coords), FACINGS + len(PART_LABELS) + SIDES + AROUND + PALETTE)
+    first = FACINGS + len(PART_LABELS)
+    np.testing.assert_array_equal(told[:, first : first + SIDES], covered)
+    np.testing.assert_array_equal(told[:, first + SIDES : -PALETTE], joined.reshape(-1, AROUND))
     np.testing.assert_array_equal(told[:, :FACINGS].argmax(axis=1), facings)
     np.testing.assert_array_equal(told[:, :FACINGS].sum(axis=1), 1.0)
     for row, part in zip(told, asset.voxels.part_ids, strict=True):
-        assert PART_LABELS[row[FACINGS : -PALETTE - SIDES].argmax()] == asset.parts[part].label
+        assert PART_LABELS[row[FACINGS:first].argmax()] == asset.parts[part].label
         np.testing.assert_allclose(row[-PALETTE:], palettes[part], atol=1e-6)
 
 

@@ -38,15 +38,17 @@ from artigen.train.appearance.losses import (
     draw_pictures,
     raster_config,
 )
-from artigen.train.appearance.photographs import take_pictures
+from artigen.train.appearance.photographs import look_at_surface, photograph, take_pictures
 from artigen.train.appearance.run import close_curation
 from artigen.train.appearance.shards import PER_VOXEL, read_appearance_shard, write_appearance_shard
+from artigen.train.appearance.sides import SideMean
 from artigen.train.appearance.states import asset_coordinates, plan_fractions, shape_coordinates
 from artigen.train.appearance.vae import encode_appearance, measure_features, train_appearance_vae
 from artigen.train.appearance.views import ViewConfig, place_cameras, spread_directions
+from artigen.train.appearance.visibility import SeenVoxels
 from artigen.train.loop import LoopConfig
 from artigen.train.shards import PER_OBJECT
-from artigen.types import Asset
+from artigen.types import Asset, VoxelGrid
 
 TRUNK = SlatVaeConfig(resolution=16, in_channels=16, model_channels=16, num_blocks=2, num_heads=2)
 DECODER = GaussianDecoderConfig(
@@ -183,6 +185,37 @@ def test_a_voxel_that_no_view_shows_has_the_colour_of_its_part():
     np.testing.assert_allclose(
         COLOR_MIDDLE + COLOR_SPREAD * sides[..., :3], np.broadcast_to(COLOR, sides[..., :3].shape), atol=0.03
     )
+
+
+def test_a_surface_alone_before_any_background_is_what_it_covers_and_what_it_lets_through():
+    shape = make_chest(front="glass")
+    asset, scene = shape_to_asset(shape, 16), build_scene([shape])
+    cfg = ViewConfig(count=6, size=32, light=LIGHT, front=1.0)
+    (state,) = photograph(scene, asset, np.zeros((1, len(shape.parts))), cfg)
+    color, clear = look_at_surface(scene, state)
+    pane = clear > 0
+    assert 100 < pane.sum() < 0.9 * state.images.mask.sum()
+    solid = state.images.mask & ~pane
+    torch.testing.assert_close(color[solid], state.images.rgb[solid])
+    bright = replace(LIGHT, background=(1.0, 1.0, 1.0), layers=1)
+    seen = render(scene, state.cameras, [np.zeros(len(shape.parts))] * 6, cfg=bright).rgb
+    alone = (1.0 - clear[..., None]) * color + clear[..., None]
+    torch.testing.assert_close(alone[pane], seen[pane], atol=0.01, rtol=0)
+
+
+def test_voxels_that_share_a_pane_let_through_together_what_it_does():
+    cells = np.array([[x, y, 2] for x in (3, 4) for y in range(4)] + [[3, 6, 2]])
+    voxels = VoxelGrid(coords=cells, part_ids=np.zeros(9, dtype=int), resolution=16)
+    mean = SideMean(voxels, np.zeros(9, dtype=int))
+    for way in (-1.0, 1.0):
+        seen = SeenVoxels(
+            rows=torch.arange(9),
+            toward=torch.tensor([[way, 0.0, 0.0]]).repeat(9, 1),
+            color=torch.rand(9, 3),
+            clear=torch.tensor([0.25] * 8 + [0.64]),
+        )
+        mean.add(seen)
+    np.testing.assert_allclose(mean.finish().clear, [0.5] * 8 + [0.64], atol=1e-6)
 
 
 def test_glass_is_known_by_what_is_seen_through_it():

@@ -26,7 +26,7 @@ SIDE_LATENTS = 13
 """Colours and heights of two sides, how clear the voxel is, middles and widths."""
 COLOR_MIDDLE, COLOR_SPREAD = 0.5, 0.25
 """About the mean and the deviation of colours: what side features take off them and divide them by."""
-CLEARING = -7.0
+CLEARING = -6.0
 """What a clear voxel takes off the raw opacities of its Gaussians."""
 HEIGHT_REACH = 0.75
 """Voxels within which heights of sides are told, as the inverse hyperbolic tangent of their share in it."""

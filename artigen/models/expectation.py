@@ -1,8 +1,9 @@
 """What palettes let one expect of the latent of a voxel, by what kind of voxel it is.
 
 A side has one of its part's two colours or a mixture of them; which, follows mostly from the part's label,
-from where the side faces and from whether something stands before it. So each kind of voxel has its own
-linear map from its palette, fitted by least squares, and the flow draws what is left.
+from where the side faces and from whether something stands before it; how far surface reaches across, from
+whether the part goes on there. So each kind of voxel has its own linear map from its palette and from its
+neighbours, fitted by least squares, and the flow draws what is left.
 """
 
 from collections.abc import Iterable
@@ -11,14 +12,14 @@ import torch
 from jaxtyping import Float, Int
 from torch import Tensor, nn
 
-from artigen.facings import FACINGS, SIDES
+from artigen.facings import AROUND, FACINGS, SIDES
 from artigen.palettes import PALETTE
 from artigen.types import PART_LABELS
 
 KINDS = len(PART_LABELS) * 2**SIDES * FACINGS
 """Labels, whether either side is covered, directions."""
-TERMS = 2 * PALETTE
-"""1, two colours, a share, and share times colours."""
+TERMS = 2 * PALETTE + AROUND
+"""1, two colours, a share, share times colours, and whether the part goes on around."""
 FEW = 50.0
 """Voxels that a kind needs before it is believed more than all kinds together."""
 
@@ -44,15 +45,16 @@ class Expectation(nn.Module):
 
 def find_kinds(attributes: Float[Tensor, "N A"]) -> Int[Tensor, "N"]:
     """Which kind of voxel each is."""
-    facing, label, covered, _ = attributes.split([FACINGS, len(PART_LABELS), SIDES, PALETTE], dim=1)
+    told = [FACINGS, len(PART_LABELS), SIDES, AROUND + PALETTE]
+    facing, label, covered, _ = attributes.split(told, dim=1)
     outer, inner = (covered > 0.5).long().unbind(1)
     return ((label.argmax(dim=1) * 2 + outer) * 2 + inner) * FACINGS + facing.argmax(dim=1)
 
 
-def list_terms(attributes: Float[Tensor, "N A"]) -> Float[Tensor, "N 14"]:
+def list_terms(attributes: Float[Tensor, "N A"]) -> Float[Tensor, "N 18"]:
     """What expected latents are linear in."""
-    colors, share = attributes[:, -PALETTE:-1], attributes[:, -1:]
-    return torch.cat([torch.ones_like(share), colors, share, share * colors], dim=1)
+    around, colors, share = attributes[:, -AROUND - PALETTE :].split([AROUND, PALETTE - 1, 1], dim=1)
+    return torch.cat([torch.ones_like(share), colors, share, share * colors, around], dim=1)
 
 
 def fit_expectation(
@@ -78,7 +80,7 @@ def fit_expectation(
     if squares is None or products is None:
         raise ValueError("no voxels to fit expected latents to")
     uncertain = blur**2 * torch.eye(TERMS, dtype=torch.float64)
-    uncertain[0] = 0.0
+    uncertain[0] = uncertain[-AROUND:] = 0.0
     squares = squares + squares[:, :1, :1] * uncertain
     whole = torch.linalg.solve(squares.sum(dim=0) + torch.eye(TERMS), products.sum(dim=0))
     apart = torch.linalg.solve(squares + FEW * torch.eye(TERMS), products - squares @ whole)

@@ -31,9 +31,6 @@ from artigen.shapes.render.shading import (
 )
 from artigen.shapes.surfaces.textures import apply_paint, find_rows
 
-LAYERS = 8
-"""Panes that one looks through at most."""
-
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Images:
@@ -91,21 +88,21 @@ def render(
             "expected one of each per picture, and at least one"
         )
     instances = place_instances(scene, shape_ids, list(qpos))
-    view = _look(scene, cameras, instances)
+    view = _look(scene, cameras, instances, cfg.layers)
     maps = _geometry(view)
     if cfg.supersampling > 1:
-        view = _look(scene, _resize(cameras, cfg.supersampling), instances)
+        view = _look(scene, _resize(cameras, cfg.supersampling), instances, cfg.layers)
     light = _light_of(view, cfg)
     return Images(rgb=srgb_from_linear(_average(light, cfg.supersampling)), **maps)
 
 
-def _look(scene: Scene, cameras: Cameras, instances: Instances) -> _View:
+def _look(scene: Scene, cameras: Cameras, instances: Instances, depth: int) -> _View:
     """Casts the rays and finds the surfaces that they see, all layers at once: few operations on much."""
     rays = make_rays(cameras, instances)
     hits = find_hits(cameras, instances, rays)
     glassy = (scene.paint.opacity.reshape(-1, 2).amin(dim=1) < 1)[instances.primitive]
     count = _pixel_count(cameras)
-    layers = _peel(hits, count, glassy)
+    layers = _peel(hits, count, glassy, depth)
     key = torch.cat(layers)
     found = (key != NOTHING).nonzero()[:, 0]
     return _View(
@@ -117,10 +114,10 @@ def _look(scene: Scene, cameras: Cameras, instances: Instances) -> _View:
     )
 
 
-def _peel(hits: Hits, count: int, glassy: Bool[Tensor, "I"]) -> list[Int[Tensor, "N"]]:
+def _peel(hits: Hits, count: int, glassy: Bool[Tensor, "I"], depth: int) -> list[Int[Tensor, "N"]]:
     """Keys of the nearest surface of each pixel, then of the next behind where that is glass, and so on."""
     layers: list[Tensor] = []
-    for key in islice(find_layers(hits, count), LAYERS):
+    for key in islice(find_layers(hits, count), depth):
         if layers:
             key = torch.where(_is_glass(layers[-1], glassy), key, NOTHING)
         layers.append(key)

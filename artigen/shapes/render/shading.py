@@ -39,11 +39,14 @@ class RenderConfig:
     """How much more: 0 is even light, which looks the same however a part is turned."""
     supersampling: int = 1
     """Rays per pixel edge for colour; the other maps are always at pixel centres."""
+    layers: int = 8
+    """Surfaces that one looks at through glass at most; with 1 the background is right behind a pane."""
 
     def __post_init__(self) -> None:
-        if self.supersampling < 1 or self.shadow_rays < 0:
+        if self.supersampling < 1 or self.shadow_rays < 0 or self.layers < 1:
             raise ValueError(
-                f"supersampling {self.supersampling} and shadow_rays {self.shadow_rays}: too few"
+                f"supersampling {self.supersampling}, shadow_rays {self.shadow_rays} and layers "
+                f"{self.layers}: too few"
             )
         if self.shadow_rays > 1 and self.shadow_rays % self.supersampling**2:
             raise ValueError(

@@ -8,10 +8,10 @@ from dataclasses import replace
 
 import numpy as np
 import torch
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Float, Int
 from torch import Tensor
 
-from artigen.facings import facing_frames
+from artigen.facings import facing_frames, find_joined
 from artigen.splats.render.splats import Splats
 
 MOST = 4.0
@@ -43,7 +43,7 @@ def reach_neighbours(
         "nij,nki->nkj", frames, splats.means.unflatten(0, (-1, count)) - centers[:, None]
     )
     scales = splats.scales.unflatten(0, (-1, count)).clone()
-    joined = torch.from_numpy(_find_joined(coords, part_ids, facings, resolution)).to(scales.device)
+    joined = torch.from_numpy(find_joined(coords, part_ids, facings, resolution)).to(scales.device)
     for axis in (1, 2):
         place = off[:, :, axis]
         middle = (place.amax(dim=1) + place.amin(dim=1)) / 2
@@ -58,25 +58,3 @@ def reach_neighbours(
         scales[:, :, axis] = torch.where(stretched, ratio * scales[:, :, axis], scales[:, :, axis])
     means = centers[:, None] + torch.einsum("nij,nkj->nki", frames, off) / resolution
     return replace(splats, means=means.flatten(0, 1), scales=scales.flatten(0, 1))
-
-
-def _find_joined(
-    coords: Int[np.ndarray, "N 3"],
-    part_ids: Int[np.ndarray, "N"],
-    facings: Int[np.ndarray, "N"],
-    resolution: int,
-) -> Bool[np.ndarray, "N 2 2"]:
-    """Whether the part of a voxel goes on next to it: along its frame's y and z, before and after it."""
-    grid = np.full((resolution + 2,) * 3, -1)
-    cells = coords.astype(np.int64) + 1
-    grid[tuple(cells.T)] = part_ids
-    frames = np.round(facing_frames()[facings]).astype(np.int64)
-    return np.stack(
-        [
-            np.stack(
-                [grid[tuple((cells + way * frames[:, :, axis]).T)] == part_ids for way in (-1, 1)], axis=1
-            )
-            for axis in (1, 2)
-        ],
-        axis=1,
-    )

@@ -17,9 +17,9 @@ from artigen.shapes.render import build_scene
 from artigen.shapes.shape import Shape
 from artigen.train.appearance.photographs import (
     Pictures,
-    find_clear,
     join_pictures,
     keep_pictures,
+    look_at_surface,
     photograph,
     premultiply,
     shown_parts,
@@ -93,20 +93,22 @@ def curate(
     center, scale = frame_shape(shape)
     centers, part_ids, cell = asset.voxels.centers(), asset.voxels.part_ids, 1.0 / asset.voxels.resolution
     mean = FeatureMean(centers, part_ids, cell=cell, weighting=cfg.weighting, tolerance=cfg.tolerance)
-    sides = SideMean(centers, part_ids, facings) if cfg.sided else None
+    sides = SideMean(asset.voxels, facings) if cfg.sided else None
     fractions = plan_fractions(shape, cfg.states, staggered=cfg.staggered)
     kept = []
     for number, state in enumerate(photograph(scene, asset, fractions, cfg.views)):
         pictures = premultiply(state.images)
         cameras = scale_cameras(state.cameras, center, scale)
         parts = torch.from_numpy(shown_parts(state)).long()
-        clear = find_clear(scene, state) if cfg.sided else torch.zeros_like(state.images.depth)
+        own, clear = look_at_surface(scene, state)
+        surface = premultiply(replace(state.images, rgb=own))
         for rows in torch.arange(len(pictures)).split(AT_ONCE):
             views = StateViews(
                 cameras=pick_cameras(cameras, rows),
                 pictures=pictures[rows],
                 depth=state.images.depth[rows] / scale,
                 parts=parts[rows],
+                surface=surface[rows],
                 clear=clear[rows],
                 displacements=state.displacements,
             )

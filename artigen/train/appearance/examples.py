@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float, Int, UInt8
 
-from artigen.facings import find_covered, find_facings
+from artigen.facings import find_covered, find_facings, find_joined
 from artigen.models.features import FeatureExtractor
 from artigen.palettes import describe_voxels, read_palettes
 from artigen.shapes.draw import draw_shape
@@ -52,7 +52,8 @@ class AppearanceExample:
     def attributes(self) -> Float[np.ndarray, "N A"]:
         """What the flow is told of every voxel."""
         covered = find_covered(self.coords, self.facings, self.resolution)
-        return describe_voxels(self.table, self.part_ids, self.palettes, self.facings, covered)
+        joined = find_joined(self.coords, self.part_ids, self.facings, self.resolution)
+        return describe_voxels(self.table, self.part_ids, self.palettes, self.facings, covered, joined)
 
 
 def draw_appearance(

@@ -10,6 +10,7 @@ import torch
 from jaxtyping import Float, Int
 from torch import Tensor, nn
 
+from artigen.facings import FACINGS
 from artigen.models.conditions import ConditionBatch, ConditionConfig, drop_conditions
 from artigen.models.expectation import Expectation, fit_expectation
 from artigen.models.slat_flow import SlatFlow
@@ -21,6 +22,7 @@ from artigen.train.appearance.vae import Report
 from artigen.train.batches import condition_batch, draw_batches, prefetch
 from artigen.train.loop import LoopConfig, process_seed, train
 from artigen.train.structure import DROPOUT
+from artigen.types import PART_LABELS
 
 BLUR = 0.02
 """About the deviation of palettes in training from the true ones."""
@@ -152,7 +154,10 @@ def measure_slats(
 
 def _blur(attributes: Float[Tensor, "N A"], generator: torch.Generator) -> Float[Tensor, "N A"]:
     """Attributes with palettes that are a little off, as drawn ones are: for all voxels of a part alike."""
-    wave = torch.randn(attributes.shape[1], PALETTE, generator=generator, device=generator.device)
+    of_part = torch.cat(
+        [attributes[:, FACINGS : FACINGS + len(PART_LABELS)], attributes[:, -PALETTE:]], dim=1
+    )
+    wave = torch.randn(of_part.shape[1], PALETTE, generator=generator, device=generator.device)
     out = attributes.clone()
-    out[:, -PALETTE:] += BLUR * (attributes @ wave)
+    out[:, -PALETTE:] += BLUR * (of_part @ wave)
     return out

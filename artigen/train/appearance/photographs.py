@@ -19,6 +19,8 @@ from artigen.types import Asset
 
 BACKGROUNDS = ((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
 """Behind even and odd views: what is transparent must be so before both."""
+OPAQUE = 0.05
+"""Least share of its own colour that a surface is taken to show."""
 PIXELS = 1 << 20
 """Rays cast at once."""
 NOTHING = 255
@@ -117,14 +119,22 @@ def shown_parts(state: State) -> UInt8[np.ndarray, "V H W"]:
     return np.where(images.mask, state.owners[images.part_ids], NOTHING).astype(np.uint8)
 
 
-def find_clear(scene: Scene, state: State) -> Float[Tensor, "V H W"]:
-    """Share of the background that each pixel of the object shows: how far one sees through it."""
+def look_at_surface(scene: Scene, state: State) -> tuple[Float[Tensor, "V H W 3"], Float[Tensor, "V H W"]]:
+    """What the nearest surface alone looks like, without what shines through it.
+
+    Returns:
+        Its own colour, and the share of what is behind that one sees through it.
+    """
     images = state.images
     if bool((scene.paint.opacity >= 1).all()):
-        return torch.zeros_like(images.depth)
-    light = replace(state.light, supersampling=1)
-    others = _render_before(scene, state.cameras, state.qpos, 1 - state.behind, light)
-    return (images.rgb - others.rgb).abs().mean(dim=3) * images.mask
+        return images.rgb, torch.zeros_like(images.depth)
+    light = replace(state.light, supersampling=1, layers=1)
+    dark, bright = (
+        _render_before(scene, state.cameras, state.qpos, torch.full_like(state.behind, number), light).rgb
+        for number in range(len(BACKGROUNDS))
+    )
+    clear = (bright - dark).mean(dim=3) * images.mask
+    return (dark / (1.0 - clear[..., None]).clamp(min=OPAQUE)).clamp(max=1.0), clear
 
 
 def photograph(

@@ -12,13 +12,16 @@ from jaxtyping import Float, Int
 from scipy.spatial import KDTree
 from torch import Tensor
 
-from artigen.facings import facing_frames
+from artigen.facings import count_behind, facing_frames
 from artigen.models.appearance_vae import COLOR_MIDDLE, COLOR_SPREAD, HEIGHT_REACH, MIDDLE_SPREAD
 from artigen.train.appearance.places import VoxelPlaces
 from artigen.train.appearance.visibility import SeenVoxels
+from artigen.types import VoxelGrid
 
 SURE = 0.5
 """Weight of views (a view from straight ahead counts as 1) at which a side is as good as known."""
+CLEAR = 0.1
+"""Share of what is behind that is seen through a pane, at least."""
 FARTHEST = 0.9
 """Share of their reach that Gaussians are moved by at most."""
 NARROWEST = 0.1
@@ -33,38 +36,32 @@ class SideLooks:
     known: Float[Tensor, "2 N"]
     """0 where no view shows a side, towards 1 the better it is seen."""
     clear: Float[Tensor, "N"]
-    """Share of the background that is seen through a voxel."""
+    """Share of what is behind a voxel that is seen through it."""
 
 
 class SideMean:
     """Adds up, view by view, the colours of both sides of voxels; it has to remember, hence a class.
 
     Args:
-        centers: Of the voxels, at rest.
-        part_ids: Part that each voxel moves with.
+        voxels: Of the object, at rest.
         facings: Direction of each voxel's outer side.
     """
 
-    def __init__(
-        self,
-        centers: Float[np.ndarray, "N 3"],
-        part_ids: Int[np.ndarray, "N"],
-        facings: Int[np.ndarray, "N"],
-    ) -> None:
-        self.centers, self.part_ids = centers, part_ids
+    def __init__(self, voxels: VoxelGrid, facings: Int[np.ndarray, "N"]) -> None:
+        self.voxels, self.facings = voxels, facings
         self.outward = torch.from_numpy(facing_frames()[facings][:, :, 0]).float()
-        self.weights = torch.zeros(2, len(centers))
-        self.colors = torch.zeros(2, len(centers), 3)
-        self.clear = torch.zeros(len(centers))
+        self.weights = torch.zeros(2, len(facings))
+        self.colors = torch.zeros(2, len(facings), 3)
+        self.clear = torch.zeros(len(facings))
 
     def add(self, seen: SeenVoxels) -> None:
         """Counts what one view shows."""
         ahead = (seen.toward * self.outward[seen.rows]).sum(dim=1)
-        self.clear[seen.rows] = torch.maximum(self.clear[seen.rows], seen.clear)
         for side, sign in enumerate((1.0, -1.0)):
             weight = (sign * ahead).clamp(min=0.0) ** 2
             self.weights[side, seen.rows] += weight
             self.colors[side, seen.rows] += weight[:, None] * seen.color
+            self.clear[seen.rows] += weight * seen.clear
 
     def finish(self) -> SideLooks:
         """What was added, as means.
@@ -80,19 +77,28 @@ class SideMean:
         return SideLooks(
             colors=colors[:, torch.from_numpy(self._find_known(known.any(dim=0).numpy()))],
             known=self.weights / (self.weights + SURE),
-            clear=self.clear,
+            clear=self._share_clear(self.clear / self.weights.sum(dim=0).clamp(min=1e-6)),
         )
 
     def _find_known(self, known: np.ndarray) -> Int[np.ndarray, "N"]:
         """For every voxel the nearest one of its part that was seen; itself where none was."""
-        nearest = np.arange(len(known))
-        for part in np.unique(self.part_ids[~known]):
-            own = self.part_ids == part
+        nearest, cells, part_ids = np.arange(len(known)), self.voxels.coords, self.voxels.part_ids
+        for part in np.unique(part_ids[~known]):
+            own = part_ids == part
             if (own & known).any():
                 rows = np.flatnonzero(own & known)
                 lost = np.flatnonzero(own & ~known)
-                nearest[lost] = rows[KDTree(self.centers[rows]).query(self.centers[lost])[1]]
+                nearest[lost] = rows[KDTree(cells[rows]).query(cells[lost])[1]]
         return nearest
+
+    def _share_clear(self, clear: Float[Tensor, "N"]) -> Float[Tensor, "N"]:
+        """What each voxel lets through where several share a pane that lets ``clear`` through."""
+        pane = (clear > CLEAR).numpy()
+        cells, part_ids = self.voxels.coords[pane], self.voxels.part_ids[pane]
+        behind = count_behind(cells, part_ids, self.facings[pane], self.voxels.resolution)
+        shared = clear.clone()
+        shared[pane] = clear[pane] ** (1.0 / torch.from_numpy(behind).float())
+        return shared
 
 
 def describe_sides(looks: SideLooks, places: VoxelPlaces) -> Float[Tensor, "N 15"]:

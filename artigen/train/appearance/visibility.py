@@ -30,8 +30,10 @@ class StateViews:
     """Along the viewing direction; infinite where nothing is seen."""
     parts: Int[Tensor, "V H W"]
     """Part of the asset that each pixel shows."""
+    surface: Float[Tensor, "V 4 H W"]
+    """The same without what shines through the nearest surface."""
     clear: Float[Tensor, "V H W"]
-    """Share of the background that each pixel of the object shows."""
+    """Share of what is behind that each pixel's nearest surface lets through."""
     displacements: Float[np.ndarray, "P 4 4"]
     """Of the parts, from rest."""
 
@@ -44,8 +46,9 @@ class SeenVoxels:
     toward: Float[Tensor, "K 3"]
     """Unit directions to the camera."""
     color: Float[Tensor, "K 3"]
+    """Of the surface alone, without what shines through it."""
     clear: Float[Tensor, "K"]
-    """Share of the background that is seen through them."""
+    """Share of what is behind that is seen through them."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -101,7 +104,7 @@ class FeatureMean:
             rows = counted[view].nonzero()[:, 0]
             self.sums[rows] += _sample(maps[view], at[rows])
             self.views[rows] += 1
-            picture = _sample(views.pictures[view], at[rows])
+            picture = _sample(views.surface[view], at[rows])
             toward = functional.normalize(views.cameras.position[view] - moved[rows], dim=1).float()
             out.append(
                 SeenVoxels(
