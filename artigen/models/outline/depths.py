@@ -13,9 +13,7 @@ from jaxtyping import Bool, Float
 
 from artigen.fields import DEFAULT_LAYOUT, FieldLayout, name_joints, name_rows
 from artigen.models.outline.boxes import CELL, box_views
-
-INSIDE = ("drawer", "tray", "shelf")
-"""Parts that doors close on."""
+from artigen.models.outline.inside import INSIDE, find_doors_before
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,8 +28,6 @@ class OutlineDepthsConfig:
     """The same for a door thinner than ``behind``: nothing reaches into it."""
     before: float = 2.0 * CELL
     """What lies inside may have been drawn so far before the front of the door."""
-    rim: float = 1.0 * CELL
-    """It may reach so far over the edges of the door and still lie inside."""
     least: float = 2.0 * CELL
     """Depth that is left of it."""
     slit: float = 0.2 * CELL
@@ -73,12 +69,7 @@ def _tuck_inside(
     doors = np.flatnonzero((labels == "door") & (kinds == "revolute"))
     moved = []
     for row in np.flatnonzero(np.isin(labels, INSIDE)):
-        over = (size[row, 2] - size[doors, 2]) / 2 + np.abs(center[row, 2] - center[doors, 2])
-        level = doors[over <= cfg.rim]
-        shared = (size[row, 1] + size[level, 1]) / 2 - np.abs(center[row, 1] - center[level, 1])
-        if shared.clip(0.0, size[row, 1]).sum() < size[row, 1] - 2 * cfg.rim:
-            continue
-        for door in level[shared > 0]:
+        for door in find_doors_before(int(row), doors, center, size):
             front, depth = center[door, 0] - size[door, 0] / 2, size[door, 0]
             needed = max(cfg.share * depth, min(cfg.flat * depth, cfg.behind))
             near, far = center[row, 0] - size[row, 0] / 2, center[row, 0] + size[row, 0] / 2

@@ -15,6 +15,7 @@ from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_jo
 from artigen.models.outline.align import OutlineAlignConfig, align_outline
 from artigen.models.outline.boxes import CELL, FRONTS, box_views
 from artigen.models.outline.depths import OutlineDepthsConfig, order_depths
+from artigen.models.outline.doorways import OutlineDoorwaysConfig, free_doorways
 from artigen.models.outline.handles import OutlineHandlesConfig, find_panel, hand_out_handles
 from artigen.types import PartLabel
 
@@ -29,6 +30,8 @@ class OutlineRegulariseConfig:
     """What lies behind what."""
     handles: OutlineHandlesConfig = field(default_factory=OutlineHandlesConfig)
     """Which front has which handle."""
+    doorways: OutlineDoorwaysConfig = field(default_factory=OutlineDoorwaysConfig)
+    """How much room what slides behind a door has."""
     angle: float = 25.0
     """Degrees between an axis and the principal direction that it becomes."""
     reach: float = 0.75 * CELL
@@ -80,6 +83,7 @@ def regularise_outline(
         hand_out_handles(out, cfg.handles, layout),
         _rest_on_panels(out, cfg, layout),
         _fit_extents(out, extents, layout),
+        free_doorways(out, cfg.doorways, layout),
         _place_axes(out, cfg, layout),
     ]
     return out, tuple(note for note in notes if note)
