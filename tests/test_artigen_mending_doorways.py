@@ -59,3 +59,35 @@ def test_a_door_that_opens_half_a_turn_is_out_of_the_way(fridge: np.ndarray):
 def test_without_a_drawer_behind_it_a_door_keeps_its_bins(fridge: np.ndarray):
     fridge[DRAWER] = -1
     assert (clear_doorways(fridge, outline(0.25))[0] == fridge).all()
+
+
+def test_both_doors_of_a_pair_make_way_for_a_drawer_behind_them():
+    owners = carcass()
+    owners[:7] = -1
+    owners[0:6, 4:16, 4:28], owners[0:6, 16:28, 4:28] = 1, 2  # as thick at the hinge as elsewhere
+    owners[DRAWER] = 3
+    left, right = ((slice(0, 6), ys, slice(4, 28)) for ys in (slice(4, 16), slice(16, 28)))
+    rows = np.stack(
+        [
+            BASE,
+            row("door", left, "revolute", axis=(0, 0, 1), origin=(0, 4, 16), turn=0.25),
+            row("door", right, "revolute", axis=(0, 0, -1), origin=(0, 28, 16), turn=0.25),
+            row("drawer", DRAWER, "prismatic", axis=(-1, 0, 0), travel=15),
+        ]
+    )
+    made, _ = clear_doorways(owners, rows)
+    gone = (owners >= 0) & (made < 0)
+    assert gone[:, 4:28].any()
+    assert (gone == gone[:, ::-1]).all()
+    assert not gone[0].any()
+    assert (made[DRAWER] == 3).all()
+    left = np.argwhere(made[:, :16, 8:14] == 1)
+    assert (4 + left[:, 0] + 0.5 < 6 + 1).all()  # turned a quarter, none stands in the drawer's way
+
+
+def test_a_drawer_beside_a_door_takes_nothing_from_it(fridge: np.ndarray):
+    rows = outline(0.25)
+    aside = (slice(7, 24), slice(28, 31), slice(8, 14))
+    rows[2] = row("drawer", aside, "prismatic", axis=(-1, 0, 0), travel=15)
+    fridge[DRAWER], fridge[aside] = -1, 2
+    assert (clear_doorways(fridge, rows)[0] == fridge).all()

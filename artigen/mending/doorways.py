@@ -1,7 +1,7 @@
 """Open doors leave the way free for what slides out behind them: a stage of its own for bins of doors.
 
-A drawer in a fridge comes out past the open door. Where bins were drawn at its height so deep that they
-stand before it then, they make way: whole lines of cells behind the panel of the door go.
+A drawer in a fridge comes out past the open door. Where bins, or the edge at the hinge, were drawn at its
+height so deep that they stand before it then, they make way: all but the front of the panel does.
 """
 
 import numpy as np
@@ -36,9 +36,8 @@ def clear_doorways(
         mine = owners == door
         if not behind or not mine.any():
             continue
-        layers = find_panel(mine)
         cells = np.argwhere(mine)
-        cells = cells[cells[:, 0] >= layers.stop]  # doors face -x
+        cells = cells[cells[:, 0] > find_panel(mine).start]  # doors face -x
         opened = _open(cells, rows[door], len(owners), layout)
         blocking = np.zeros(len(cells), dtype=bool)
         for row in behind:
@@ -57,12 +56,15 @@ def clear_doorways(
 
 SLACK = 0.25
 """Cells that a drawer may be missed by."""
+BESIDE = 1 / 64
+"""Unit-cube lengths by which what lies beside a door may reach behind it."""
 
 
 def _is_behind(inner: Float[np.ndarray, "6"], door: Float[np.ndarray, "6"]) -> bool:
-    """Whether the middle of a part lies behind a door."""
-    within = np.abs(inner[1:3] - door[1:3]) <= door[4:] / 2
-    return bool(within.all() and inner[0] > door[0])
+    """Whether a part lies behind a door, or behind that and the other of a pair."""
+    apart = np.abs(inner[1:3] - door[1:3])
+    shared = (inner[4] + door[4]) / 2 - apart[0]
+    return bool(shared > BESIDE and apart[1] <= door[5] / 2 and inner[0] > door[0])
 
 
 def _open(

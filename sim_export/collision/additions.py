@@ -1,25 +1,23 @@
 """Adding a hull to a link late in the export, without disturbing any sweep."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
-from jaxtyping import Float
 
 from sim_export.collision.contacts import HullSet, signed_distances
 from sim_export.collision.hull_limits import hull_aspect
 from sim_export.collision.hulls import convex_hull
-from sim_export.collision.motion import driven_joints, link_displacements, moved_links
-from sim_export.collision.requirements import required_openings, sweep_coordinates
-from sim_export.package import Hull, Link, PackageJoint, Requirement
+from sim_export.collision.sweeps import Sweep, SweepConfig
+from sim_export.package import Hull
 
 
 @dataclass(frozen=True, kw_only=True)
 class AdditionConfig:
     """What an added hull must keep to."""
 
-    poses: int = 41
-    """Samples of each joint's range that an added hull must not disturb."""
+    sweep: SweepConfig = field(default_factory=SweepConfig)
+    """Samples of each joint's range that it must not disturb."""
     gap: float = 2e-4
     """What stays free (m) around it; engines push apart what touches, however little."""
     tolerance: float = 2e-5
@@ -30,28 +28,6 @@ class AdditionConfig:
     """Most vertices of such a stretched hull."""
     max_aspect: float = 60.0
     """Its length over its thickness, at most."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Sweep:
-    """One joint's sweep: displacements of all links, and the indices of those it moves."""
-
-    T: Float[np.ndarray, "P L 4 4"]
-    moved: frozenset[int]
-
-
-def read_sweeps(
-    links: Sequence[Link], joints: Sequence[PackageJoint], requirements: Sequence[Requirement], poses: int
-) -> tuple[Sweep, ...]:
-    """Every driven joint's sweep, with what it requires open."""
-    sweeps = []
-    for joint in driven_joints(joints):
-        q = sweep_coordinates(joint, poses)
-        T = link_displacements(
-            links, joints, {**required_openings(joint, joints, requirements), joint.name: q}
-        )
-        sweeps.append(Sweep(T=T, moved=frozenset(moved_links(links, joints, joint))))
-    return tuple(sweeps)
 
 
 def add_hull(

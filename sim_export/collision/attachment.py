@@ -11,9 +11,10 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from sim_export.collision.additions import AdditionConfig, Sweep, add_hull, read_sweeps
+from sim_export.collision.additions import AdditionConfig, add_hull
 from sim_export.collision.contacts import HullSet, signed_distances
 from sim_export.collision.hulls import box_hull, hull_planes
+from sim_export.collision.sweeps import Sweep, read_sweeps
 from sim_export.package import Hull, Link, PackageJoint, Requirement
 
 _LEVEL = 1e-3
@@ -127,7 +128,7 @@ def attach_links(
     """
     cfg = cfg or AttachmentConfig()
     sets = [HullSet(hulls=link.hulls) for link in links]
-    sweeps = read_sweeps(links, joints, requirements, cfg.addition.poses)
+    sweeps = read_sweeps(links, joints, requirements, cfg.addition.sweep)
     pegs, apart = [], []
     carried = list(_carried_links(links, joints))
     for child, parent, joint in carried:

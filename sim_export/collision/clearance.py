@@ -16,7 +16,13 @@ from jaxtyping import Float
 from sim_export.collision.contacts import HullSet, penetration_depths, signed_distances
 from sim_export.collision.cut_hulls import CutHulls, LinkRelief
 from sim_export.collision.hull_limits import HullLimits
-from sim_export.collision.motion import driven_joints, link_displacements, longest_side, moved_links
+from sim_export.collision.motion import (
+    driven_joints,
+    farthest_travel,
+    link_displacements,
+    longest_side,
+    moved_links,
+)
 from sim_export.collision.relief import OverlappingPair, ReliefConfig, relieve_pair
 from sim_export.collision.requirements import required_openings, sweep_coordinates
 from sim_export.package import Link, PackageJoint, Requirement
@@ -163,13 +169,7 @@ def _coordinates(
     work: CutHulls, joint: PackageJoint, joints: Sequence[PackageJoint], cfg: ClearanceConfig
 ) -> Float[np.ndarray, "P"]:
     """Samples of a joint's range, close enough that nothing is jumped over."""
-    chunks = [
-        hull.vertices for link in moved_links(work.links, joints, joint) for hull in work.links[link].hulls
-    ]
-    travel = joint.upper - joint.lower
-    if joint.type != "prismatic" and chunks:
-        arms = np.concatenate(chunks) - joint.origin
-        travel *= float(np.linalg.norm(np.cross(joint.axis, arms), axis=1).max())
+    travel = farthest_travel(work.links, joints, joint)
     size = longest_side(work.links)
     needed = int(np.ceil(travel / (cfg.step * size))) + 1 if size > 0.0 else 0
     return sweep_coordinates(joint, int(np.clip(needed, cfg.poses, cfg.max_poses)))

@@ -9,10 +9,11 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from sim_export.collision.additions import AdditionConfig, add_hull, read_sweeps
+from sim_export.collision.additions import AdditionConfig, add_hull
 from sim_export.collision.contacts import HullSet, signed_distances
 from sim_export.collision.hull_limits import HullLimits, trim_hull
 from sim_export.collision.hulls import clip_hull, convex_hull, hull_volume, hull_width
+from sim_export.collision.sweeps import read_sweeps
 from sim_export.errors import DegeneratePart
 from sim_export.package import Hull, Link, Mesh, PackageJoint, Requirement
 
@@ -76,7 +77,7 @@ def add_feet(
     ]
     if not cfg.near < felt - min(seen) <= cfg.far:
         return Standing(links=tuple(links))
-    sweeps = read_sweeps(links, joints, requirements, cfg.addition.poses)
+    sweeps = read_sweeps(links, joints, requirements, cfg.addition.sweep)
     records = []
     for slot, link in enumerate(links):
         if felt - seen[slot] <= cfg.near or not link.hulls:

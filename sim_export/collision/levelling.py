@@ -12,9 +12,10 @@ import numpy as np
 from jaxtyping import Float
 from scipy.spatial import ConvexHull, QhullError
 
-from sim_export.collision.additions import AdditionConfig, Sweep, add_hull, read_sweeps
+from sim_export.collision.additions import AdditionConfig, add_hull
 from sim_export.collision.contacts import HullSet, signed_distances
 from sim_export.collision.hulls import box_hull, hull_planes
+from sim_export.collision.sweeps import Sweep, read_sweeps
 from sim_export.package import Hull, Link, Mesh, PackageJoint, Requirement, Visual
 
 NEIGHBOURS = 4
@@ -106,7 +107,7 @@ def level_object(
     if rolling or (carried >= margin and not on_leaf):
         return unchanged
     floor = min(float(low[2]), moving - cfg.lift if on_leaf else np.inf)
-    sweeps = read_sweeps(links, joints, requirements, cfg.addition.poses)
+    sweeps = read_sweeps(links, joints, requirements, cfg.addition.sweep)
     feet = [
         foot
         for foot in _place_feet(sets[-1], floor, float(high[2] - floor), cfg)

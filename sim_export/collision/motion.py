@@ -80,6 +80,16 @@ def moved_links(
     return tuple(index for index, link in enumerate(links) if link.name in moved)
 
 
+def farthest_travel(links: Sequence[Link], joints: Sequence[PackageJoint], joint: PackageJoint) -> float:
+    """Length (m) of the way that the hulls' farthest point goes over a joint's whole range."""
+    chunks = [hull.vertices for slot in moved_links(links, joints, joint) for hull in links[slot].hulls]
+    travel = joint.upper - joint.lower
+    if joint.type == "prismatic" or not chunks:
+        return travel
+    arms = np.concatenate(chunks) - joint.origin
+    return travel * float(np.linalg.norm(np.cross(joint.axis, arms), axis=1).max())
+
+
 def _parents_first(links: Sequence[Link], joints: Sequence[PackageJoint]) -> list[PackageJoint]:
     """Joints ordered so that each comes after the joint that moves its parent."""
     children = [joint.child for joint in joints]

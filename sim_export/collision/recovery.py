@@ -14,7 +14,7 @@ import numpy as np
 
 from artigen.transforms import inverse, transform_points
 from sim_export.checks.surface import inside_hulls, surface_distances
-from sim_export.collision.additions import AdditionConfig, Sweep, add_hull, read_sweeps
+from sim_export.collision.additions import AdditionConfig, add_hull
 from sim_export.collision.contacts import HullSet, signed_distances
 from sim_export.collision.hull_limits import HullLimits, hull_aspect, trim_hull
 from sim_export.collision.hulls import (
@@ -28,6 +28,7 @@ from sim_export.collision.hulls import (
     subtract_hull,
 )
 from sim_export.collision.lost_surface import cut_out, find_lost, group_points, inside_mesh, stands_out
+from sim_export.collision.sweeps import Sweep, read_sweeps
 from sim_export.geometry.sampling import sample_triangles, triangle_areas
 from sim_export.geometry.solids import as_solid, solid_hull
 from sim_export.package import Hull, Link, Mesh, PackageJoint, Requirement
@@ -118,7 +119,7 @@ def recover_surface(
         return Recovery(links=tuple(links))
     scene = _Scene(
         sets=[HullSet(hulls=link.hulls) for link in links],
-        sweeps=read_sweeps(links, joints, requirements, cfg.addition.poses),
+        sweeps=read_sweeps(links, joints, requirements, cfg.addition.sweep),
         diagonal=float(np.linalg.norm(np.ptp(np.concatenate(corners), axis=0))),
         cfg=cfg,
     )

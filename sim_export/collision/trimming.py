@@ -7,14 +7,15 @@ link has no hull left.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import manifold3d
 import numpy as np
 
-from sim_export.collision.additions import is_free, read_sweeps
+from sim_export.collision.additions import is_free
 from sim_export.collision.contacts import HullSet
 from sim_export.collision.lost_surface import cut_out, find_lost, group_points
+from sim_export.collision.sweeps import SweepConfig, read_sweeps
 from sim_export.geometry.sampling import triangle_areas
 from sim_export.geometry.solids import as_solid, solid_hull
 from sim_export.geometry.tidy import tidy_mesh
@@ -47,7 +48,7 @@ class TrimmingConfig:
     """Less of a part's volume is not worth a change."""
     max_removed: float = 0.2
     """Greatest share of a part's volume that is left out."""
-    poses: int = 21
+    sweep: SweepConfig = field(default_factory=SweepConfig)
     """Samples of each joint's range at which pieces may lie in other links."""
     room: float = 0.0017
     """Room (m) that a hull would need around itself to be put back (`sim_export.collision.recovery`)."""
@@ -90,7 +91,7 @@ def trim_meshes(
     lost = [_find_lost(link, meshes, total, diagonal, cfg) for link in links]
     much = sum(len(points) for points, _ in lost) > cfg.share * cfg.samples
     sets = [HullSet(hulls=link.hulls) for link in links]
-    sweeps = read_sweeps(links, joints, requirements, cfg.poses)
+    sweeps = read_sweeps(links, joints, requirements, cfg.sweep)
     records, changed = [], []
     for slot, (link, (points, distances)) in enumerate(zip(links, lost, strict=True)):
         if not len(points) or (distances.max() <= cfg.most * diagonal and not much):
