@@ -1,5 +1,7 @@
 """Sweeps miss nothing: samples lie as close as they are said to, and plates between them are met."""
 
+from typing import Literal
+
 import numpy as np
 import pytest
 
@@ -8,13 +10,13 @@ from sim_export.collision.contacts import HullSet
 from sim_export.collision.hulls import box_hull, convex_hull
 from sim_export.collision.motion import farthest_travel
 from sim_export.collision.sweeps import SweepConfig, read_sweeps
-from sim_export.package import Hull, JointType, Link, PackageJoint
+from sim_export.package import Hull, Link, PackageJoint
 
 LEAF = box_hull(np.array([0.0, 0.0, 0.0]), np.array([0.02, 0.8, 1.0]))
 """A door of 0.8 m that turns about its edge, or slides."""
 
 
-def package(kind: JointType, upper: float) -> tuple[list[Link], list[PackageJoint]]:
+def package(kind: Literal["revolute", "prismatic"], upper: float) -> tuple[list[Link], list[PackageJoint]]:
     links = [
         Link(name=name, label=None, parts=(name,), visuals=(), hulls=hulls, inertial=None)
         for name, hulls in (("base", ()), ("door", (LEAF,)))
@@ -28,7 +30,7 @@ def package(kind: JointType, upper: float) -> tuple[list[Link], list[PackageJoin
 
 
 @pytest.mark.parametrize(("kind", "upper"), [("revolute", 2.1), ("revolute", 0.01), ("prismatic", 0.4)])
-def test_no_point_moves_farther_than_a_step(kind: JointType, upper: float):
+def test_no_point_moves_farther_than_a_step(kind: Literal["revolute", "prismatic"], upper: float):
     links, joints = package(kind, upper)
     cfg = SweepConfig(step=0.007)
     (sweep,) = read_sweeps(links, joints, (), cfg)
