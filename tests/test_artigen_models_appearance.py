@@ -189,6 +189,15 @@ def describe(count: int, generator: torch.Generator) -> torch.Tensor:
     return torch.cat([facing, label, near, torch.rand(count, PALETTE, generator=generator)], dim=1)
 
 
+def test_expectations_keep_their_digits_where_networks_are_trained_in_few(generator: torch.Generator):
+    attributes = describe(100, generator)
+    expectation = Expectation(3)
+    expectation.weight.copy_(torch.randn(expectation.weight.shape, generator=generator))
+    with torch.autocast("cpu", torch.bfloat16):
+        few = expectation(attributes)
+    assert torch.equal(few, expectation(attributes))
+
+
 def test_which_of_two_colours_a_covered_side_has_is_expected(generator: torch.Generator):
     """Doors have their first colour outside, and inside the second where nothing stands before it."""
     attributes = describe(40_000, generator)

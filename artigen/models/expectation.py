@@ -37,9 +37,10 @@ class Expectation(nn.Module):
         """Of voxels described by `artigen.palettes.describe_voxels`."""
         kinds, terms = find_kinds(attributes), list_terms(attributes)
         out = attributes.new_empty(len(attributes), self.weight.shape[2])
-        for kind in kinds.unique():
-            own = kinds == kind
-            out[own] = terms[own] @ self.weight[kind].to(terms.dtype)
+        with torch.autocast(attributes.device.type, enabled=False):  # latents are measured from it
+            for kind in kinds.unique():
+                own = kinds == kind
+                out[own] = terms[own] @ self.weight[kind].to(terms.dtype)
         return out
 
 
