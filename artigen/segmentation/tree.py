@@ -1,9 +1,10 @@
 """Who hangs from whom: each part from a part it touches and that its meaning allows.
 
 The paper is silent on the tree. The rule here is explicit: `ALLOWED_PARENTS` says which labels a
-part may hang from and how strongly it prefers them; of the parts within reach, the one with the
-largest preference-weighted contact is the parent. There is one base; whatever finds no parent within
-reach is reported, never guessed.
+part may hang from and how strongly it prefers them; of the parts that it touches, the one with the
+largest preference-weighted contact is the parent. What reaches far beyond a door does not hang from that:
+a shelf behind it rests in the body, a handle across its edge sits on the drawer below. There is one base;
+whatever finds no parent within reach is reported, never guessed.
 """
 
 from collections.abc import Mapping, Sequence
@@ -31,6 +32,8 @@ ALLOWED_PARENTS: Mapping[PartLabel, Mapping[PartLabel, float]] = MappingProxyTyp
 
 Equal labels: a wheel hangs from a wheel only where that one is a caster's stem, see `_is_stem`.
 """
+ON_SURFACES: frozenset[PartLabel] = frozenset({"handle", "knob", "wheel"})
+"""Parts that sit on what they hang from; others lie in it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,7 +63,8 @@ def find_parents(
 ) -> list[int | None]:
     """Parent of every part: -1 for the base, None where no allowed part is within reach.
 
-    Parts that touch compete by contact; only where none touches does the nearest within reach win.
+    Parts that touch compete by contact, those before all others that the part's middle lies on or in; only
+    where none touches does the nearest within reach win.
     """
     contact = contact_counts(part_ids, pairs, len(parts))
     parents: list[int | None] = []
@@ -73,11 +77,24 @@ def find_parents(
             if other.label == part.label and (_is_stem(part) or not _is_stem(other)):
                 weights[k] = 0.0
         scores = contact[index] * weights
+        held = [_holds(other, part) for other in parts]
+        if scores[held].max(initial=0.0) > 0:
+            scores[np.logical_not(held)] = 0.0
         if scores.max(initial=0.0) > 0:
             parents.append(int(scores.argmax()))
         else:
             parents.append(_nearest_parent(index, np.flatnonzero(weights), coords, part_ids, cfg))
     return parents
+
+
+def _holds(panel: Part, part: Part) -> bool:
+    """Whether the middle of a part's box lies in that of another or, of what sits on surfaces, before it.
+
+    The base holds whatever touches it.
+    """
+    off = np.abs(part.box[0] - panel.box[0])
+    within = int((off <= panel.box[1] / 2).sum())
+    return panel.label == "base" or within >= (2 if part.label in ON_SURFACES else 3)
 
 
 def _is_stem(part: Part) -> bool:
