@@ -128,7 +128,14 @@ class CheckConfig:
     """V106: share of a textured mesh's area that has texture under it, and share that is not black."""
 
     sweep_samples: int = 21
-    """V201: poses per joint, the two limits included."""
+    """V201: fewest poses per joint, the two limits included."""
+
+    sweep_step: float = 0.005
+    """V201: farthest (m) that a point may move from one pose to the next; edges of doors jump over thin things
+    otherwise."""
+
+    max_sweep_samples: int = 401
+    """V201: most poses per joint."""
 
     sobol_poses: int = 64
     """V201: poses of all joints together (a power of two)."""

@@ -4,6 +4,7 @@ Simulators cannot tell: they filter contacts of parent and child. Here every pai
 measured by exact hull distances.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -110,10 +111,9 @@ def joint_motion(subject: Subject, joint: PackageJoint, cfg: CheckConfig) -> Mot
     A folder that does not say what must be open first is judged against ancestors and static links
     only: two movable neighbours may well meet when one of them should have been opened before.
     """
-    qpos = open_positions(subject, joint) | {
-        joint.name: np.linspace(joint.lower, joint.upper, cfg.sweep_samples)
-    }
     movers = subject.carried(joint.child)
+    poses = np.linspace(joint.lower, joint.upper, _count_poses(subject, joint, movers, cfg))
+    qpos = open_positions(subject, joint) | {joint.name: poses}
     others = [name for name in subject.links if name not in movers]
     pairs = [
         (mover, other)
@@ -122,6 +122,17 @@ def joint_motion(subject: Subject, joint: PackageJoint, cfg: CheckConfig) -> Mot
         if subject.is_package or other in subject.static_links or other in subject.ancestors(mover)
     ]
     return Motion(name=joint.name, T=subject.displacements(qpos), pairs=_solid(subject, pairs))
+
+
+def _count_poses(subject: Subject, joint: PackageJoint, movers: Sequence[str], cfg: CheckConfig) -> int:
+    """Poses of a joint's range so close together that no point of what moves jumps over anything."""
+    points = [subject.hull_sets[name].vertices for name in movers if subject.hull_sets[name].hulls]
+    travel = joint.upper - joint.lower
+    if joint.type != "prismatic" and points:
+        arms = np.concatenate(points) - joint.origin
+        travel *= float(np.linalg.norm(np.cross(joint.axis, arms), axis=1).max())
+    steps = int(np.ceil(travel / cfg.sweep_step))
+    return int(np.clip(steps + 1, cfg.sweep_samples, cfg.max_sweep_samples))
 
 
 def _joint_poses(subject: Subject, cfg: CheckConfig) -> Motion:
