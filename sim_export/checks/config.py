@@ -131,8 +131,7 @@ class CheckConfig:
     """V201: fewest poses per joint, the two limits included."""
 
     sweep_step: float = 0.005
-    """V201: farthest (m) that a point may move from one pose to the next; edges of doors jump over thin things
-    otherwise."""
+    """V201: farthest (m) that a point may move from one pose to the next, or it jumps over thin things."""
 
     max_sweep_samples: int = 401
     """V201: most poses per joint."""

@@ -18,13 +18,13 @@ from sim_export.collision.cut_hulls import CutHulls, LinkRelief
 from sim_export.collision.hull_limits import HullLimits
 from sim_export.collision.motion import (
     driven_joints,
-    farthest_travel,
     link_displacements,
     longest_side,
     moved_links,
 )
 from sim_export.collision.relief import OverlappingPair, ReliefConfig, relieve_pair
-from sim_export.collision.requirements import required_openings, sweep_coordinates
+from sim_export.collision.requirements import required_openings
+from sim_export.collision.sweeps import SweepConfig, sample_sweep
 from sim_export.package import Link, PackageJoint, Requirement
 
 logger = logging.getLogger(__name__)
@@ -35,15 +35,8 @@ _FRONTS = {"door", "drawer"}
 class ClearanceConfig:
     """How much room there must be, and what may be done for it."""
 
-    poses: int = 21
-    """Fewest samples of each joint's range."""
-    step: float = 0.02
-    """Farthest that a point may move from one sample to the next, over the object's longest side; what
-    swings far is sampled more often than ``poses``."""
-    max_poses: int = 81
-    """Most samples of a joint's range."""
-    finer: int = 3
-    """So many times more samples of a turn are taken where the first pass had to cut."""
+    sweep: SweepConfig = field(default_factory=SweepConfig)
+    """Samples of each joint's range."""
     gap: float = 1e-3
     """Hulls nearer than this (m) are cut. Engines push apart what touches at rest, however little, and
     round hulls by some tenths of a millimetre."""
@@ -142,13 +135,12 @@ def clear_joints(
     cfg = cfg or ClearanceConfig()
     work = CutHulls(links)
     stuck: dict[tuple[int, int, int, int], str] = {}
-    waiting, finer = driven_joints(joints), 1
+    waiting = driven_joints(joints)
     for _ in range(cfg.rounds):
         # Cuts only take away, so that a joint that has been found free stays free.
         waiting = tuple(
-            joint for joint in waiting if _clear_joint(work, joint, joints, requirements, cfg, (stuck, finer))
+            joint for joint in waiting if _clear_joint(work, joint, joints, requirements, cfg, stuck)
         )
-        finer = cfg.finer
     final, limits, residuals = _settle_limits(work, joints, requirements, cfg, stuck)
     for index in range(len(links)):
         if work.cuts[index]:
@@ -165,16 +157,6 @@ def clear_joints(
     return out
 
 
-def _coordinates(
-    work: CutHulls, joint: PackageJoint, joints: Sequence[PackageJoint], cfg: ClearanceConfig
-) -> Float[np.ndarray, "P"]:
-    """Samples of a joint's range, close enough that nothing is jumped over."""
-    travel = farthest_travel(work.links, joints, joint)
-    size = longest_side(work.links)
-    needed = int(np.ceil(travel / (cfg.step * size))) + 1 if size > 0.0 else 0
-    return sweep_coordinates(joint, int(np.clip(needed, cfg.poses, cfg.max_poses)))
-
-
 def _poses(work: CutHulls, joint: PackageJoint, joints: Sequence[PackageJoint],
            requirements: Sequence[Requirement], q: Float[np.ndarray, "P"]) -> np.ndarray:  # fmt: skip
     """Displacements ``P L 4 4`` along a joint's sweep, with what it requires open."""
@@ -188,16 +170,13 @@ def _clear_joint(
     joints: Sequence[PackageJoint],
     requirements: Sequence[Requirement],
     cfg: ClearanceConfig,
-    progress: tuple[dict[tuple[int, int, int, int], str], int],
+    stuck: dict[tuple[int, int, int, int], str],
 ) -> int:
     """Relieves every overlapping pair of hulls along one joint's sweep; returns the number of cuts.
 
-    ``progress`` is what could not be freed before, which grows, and how many times finer to sample.
+    ``stuck`` is what could not be freed before; it grows.
     """
-    stuck, finer = progress
-    q = _coordinates(work, joint, joints, cfg)
-    if finer > 1 and joint.type != "prismatic":
-        q = sweep_coordinates(joint, finer * (len(q) - 1) + 1)
+    q = sample_sweep(work.links, joints, joint, cfg.sweep)
     T = _poses(work, joint, joints, requirements, q)
     moving = moved_links(work.links, joints, joint)
     size = longest_side(work.links)
@@ -257,7 +236,7 @@ def _settle_limits(
     for slot, joint in enumerate(joints):
         if joint not in driven_joints(joints):
             continue
-        q = _coordinates(work, joint, joints, cfg)
+        q = sample_sweep(work.links, joints, joint, cfg.sweep)
         depths, pairs = _depths(work, sets, joint, joints, requirements, q)
         blocked = np.flatnonzero(depths > cfg.tolerance)
         if not len(blocked):

@@ -32,6 +32,14 @@ class Sweep:
     moved: frozenset[int]
 
 
+def sample_sweep(
+    links: Sequence[Link], joints: Sequence[PackageJoint], joint: PackageJoint, cfg: SweepConfig
+) -> Float[np.ndarray, "P"]:
+    """Coordinates of a joint from closed to fully open."""
+    steps = int(np.ceil(farthest_travel(links, joints, joint) / cfg.step))
+    return sweep_coordinates(joint, int(np.clip(steps + 1, cfg.poses, cfg.max_poses)))
+
+
 def read_sweeps(
     links: Sequence[Link],
     joints: Sequence[PackageJoint],
@@ -41,8 +49,7 @@ def read_sweeps(
     """Every driven joint's sweep, with what it requires open."""
     sweeps = []
     for joint in driven_joints(joints):
-        steps = int(np.ceil(farthest_travel(links, joints, joint) / cfg.step))
-        q = sweep_coordinates(joint, int(np.clip(steps + 1, cfg.poses, cfg.max_poses)))
+        q = sample_sweep(links, joints, joint, cfg)
         T = link_displacements(
             links, joints, {**required_openings(joint, joints, requirements), joint.name: q}
         )
