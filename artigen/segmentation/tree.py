@@ -32,8 +32,10 @@ ALLOWED_PARENTS: Mapping[PartLabel, Mapping[PartLabel, float]] = MappingProxyTyp
 
 Equal labels: a wheel hangs from a wheel only where that one is a caster's stem, see `_is_stem`.
 """
-ON_SURFACES: frozenset[PartLabel] = frozenset({"handle", "knob", "wheel"})
-"""Parts that sit on what they hang from; others lie in it."""
+PANELS: frozenset[PartLabel] = frozenset({"door", "drawer", "tray"})
+"""Parts that others may touch without hanging from them, because these lie behind or beside them."""
+ON_SURFACES: frozenset[PartLabel] = frozenset({"handle", "knob"})
+"""Parts that sit on panels, where they touch one, not on the base; others lie in what carries them."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,8 +65,8 @@ def find_parents(
 ) -> list[int | None]:
     """Parent of every part: -1 for the base, None where no allowed part is within reach.
 
-    Parts that touch compete by contact, those before all others that the part's middle lies on or in; only
-    where none touches does the nearest within reach win.
+    Parts that touch compete by contact, panels that the part's middle does not lie on or in after all others;
+    only where none touches does the nearest within reach win.
     """
     contact = contact_counts(part_ids, pairs, len(parts))
     parents: list[int | None] = []
@@ -77,9 +79,10 @@ def find_parents(
             if other.label == part.label and (_is_stem(part) or not _is_stem(other)):
                 weights[k] = 0.0
         scores = contact[index] * weights
-        held = [_holds(other, part) for other in parts]
-        if scores[held].max(initial=0.0) > 0:
-            scores[np.logical_not(held)] = 0.0
+        off = np.array([other.label in PANELS and not _holds(other, part) for other in parts])
+        sits = [part.label not in ON_SURFACES or other.label != "base" for other in parts]
+        if scores[sits & ~off].max(initial=0.0) > 0:
+            scores[off] = 0.0
         if scores.max(initial=0.0) > 0:
             parents.append(int(scores.argmax()))
         else:
@@ -88,13 +91,9 @@ def find_parents(
 
 
 def _holds(panel: Part, part: Part) -> bool:
-    """Whether the middle of a part's box lies in that of another or, of what sits on surfaces, before it.
-
-    The base holds whatever touches it.
-    """
-    off = np.abs(part.box[0] - panel.box[0])
-    within = int((off <= panel.box[1] / 2).sum())
-    return panel.label == "base" or within >= (2 if part.label in ON_SURFACES else 3)
+    """Whether the middle of a part's box lies in that of a panel or, of what sits on surfaces, before it."""
+    within = int((np.abs(part.box[0] - panel.box[0]) <= panel.box[1] / 2).sum())
+    return within >= (2 if part.label in ON_SURFACES else 3)
 
 
 def _is_stem(part: Part) -> bool:
