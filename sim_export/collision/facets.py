@@ -60,18 +60,10 @@ def flatten_facets(hull: Hull, cfg: FacetConfig | None = None) -> Hull:
             break
         if hull_volume(cut) < least or hull_width(cut)[0] < cfg.min_width:
             break
-        if len(cut.vertices) > len(hull.vertices) or hull_aspect(cut) > cfg.max_aspect or not _closed(cut):
+        if len(cut.vertices) > len(hull.vertices) or hull_aspect(cut) > cfg.max_aspect:
             break
         flat = cut
     return flat
-
-
-def _closed(hull: Hull) -> bool:
-    """Whether every edge is passed once each way; points a hair apart may be joined wrongly."""
-    faces = np.asarray(hull.faces)
-    edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
-    key, back = edges @ [len(hull.vertices), 1], edges[:, ::-1] @ [len(hull.vertices), 1]
-    return len(np.unique(key)) == len(key) and bool(np.isin(key, back).all())
 
 
 def _merged_plane(hull: Hull, tolerance: float) -> Float[np.ndarray, "4"] | None:

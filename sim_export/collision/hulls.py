@@ -9,15 +9,37 @@ from sim_export.package import Hull
 
 FLAT = 1e-6
 """Points (m) that span less than this in some direction have no hull."""
+CLOSE = 1e-9
+"""Points (m) nearer than this may be one."""
 
 
 def convex_hull(points: Float[np.ndarray, "N 3"]) -> Hull:
     """Convex hull of points, faces counter-clockwise from outside.
 
+    Where corners lie so close together that their faces cannot be told apart, one of them stays.
+
     Raises:
         DegeneratePart: if the points are flat (thinner than ``FLAT``) or fewer than four.
     """
     points = np.asarray(points, dtype=np.float64)
+    hull, apart = _find_hull(points), CLOSE
+    while not _is_manifold(hull):
+        if apart > FLAT:
+            raise DegeneratePart(f"a hull of {len(points)} points: its faces do not close")
+        first = np.unique(np.round(points / apart), axis=0, return_index=True)[1]
+        hull, apart = _find_hull(points[np.sort(first)]), 10 * apart
+    return hull
+
+
+def _is_manifold(hull: Hull) -> bool:
+    """Whether every edge is passed once each way."""
+    faces = np.asarray(hull.faces)
+    edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    key, back = edges @ [len(hull.vertices), 1], edges[:, ::-1] @ [len(hull.vertices), 1]
+    return len(np.unique(key)) == len(key) and bool(np.isin(key, back).all())
+
+
+def _find_hull(points: Float[np.ndarray, "N 3"]) -> Hull:
     if len(points) < 4:
         raise DegeneratePart(f"a hull of {len(points)} points: at least 4 are needed")
     center = points.mean(axis=0)

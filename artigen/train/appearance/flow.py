@@ -26,6 +26,9 @@ from artigen.types import PART_LABELS
 
 BLUR = 0.02
 """About the deviation of palettes in training from the true ones."""
+SEEN_BLUR = 0.05
+"""The same where a picture is given: palettes that are read off one are off by as much, and the picture says
+more than they do."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -85,7 +88,8 @@ def train_appearance_flow(
         asked = drop_conditions(drawn.conditions, DROPOUT, generator)
         row_times = times[drawn.coords[:, 0]]
         plan = flow.plan(drawn.coords, samples)
-        attributes = _blur(drawn.attributes, generator) if flow.attribute_channels else None
+        off = torch.where(asked.has_image, SEEN_BLUR, BLUR)[drawn.coords[:, 0], None]
+        attributes = _blur(drawn.attributes, off, generator) if flow.attribute_channels else None
         x_0 = flow.normalise(drawn.mean + drawn.std * jitter, attributes)
         said = network(diffuse(x_0, noise, row_times), times, asked, plan, attributes)
         return {"velocity": torch.mean((said.float() - target_velocity(x_0, noise)) ** 2)}
@@ -152,12 +156,14 @@ def measure_slats(
     )
 
 
-def _blur(attributes: Float[Tensor, "N A"], generator: torch.Generator) -> Float[Tensor, "N A"]:
+def _blur(
+    attributes: Float[Tensor, "N A"], deviation: Float[Tensor, "N 1"], generator: torch.Generator
+) -> Float[Tensor, "N A"]:
     """Attributes with palettes that are a little off, as drawn ones are: for all voxels of a part alike."""
     of_part = torch.cat(
         [attributes[:, FACINGS : FACINGS + len(PART_LABELS)], attributes[:, -PALETTE:]], dim=1
     )
     wave = torch.randn(of_part.shape[1], PALETTE, generator=generator, device=generator.device)
     out = attributes.clone()
-    out[:, -PALETTE:] += BLUR * (of_part @ wave)
+    out[:, -PALETTE:] += deviation * (of_part @ wave)
     return out
