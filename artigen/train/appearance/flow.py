@@ -11,7 +11,12 @@ from jaxtyping import Float, Int
 from torch import Tensor, nn
 
 from artigen.facings import FACINGS
-from artigen.models.conditions import ConditionBatch, ConditionConfig, drop_conditions
+from artigen.models.conditions import (
+    ConditionBatch,
+    ConditionConfig,
+    drop_conditions,
+    isolate_pictures,
+)
 from artigen.models.expectation import Expectation, fit_expectation
 from artigen.models.slat_flow import SlatFlow
 from artigen.palettes import PALETTE
@@ -21,14 +26,12 @@ from artigen.train.appearance.examples import AppearanceExample
 from artigen.train.appearance.vae import Report
 from artigen.train.batches import condition_batch, draw_batches, prefetch
 from artigen.train.loop import LoopConfig, process_seed, train
+from artigen.train.outline import ALONE
 from artigen.train.structure import DROPOUT
 from artigen.types import PART_LABELS
 
 BLUR = 0.02
 """About the deviation of palettes in training from the true ones."""
-SEEN_BLUR = 0.05
-"""The same where a picture is given: palettes that are read off one are off by as much, and the picture says
-more than they do."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -85,11 +88,11 @@ def train_appearance_flow(
         )
         samples = len(drawn.conditions.category)
         times = draw_times(samples, generator, noisiness)
-        asked = drop_conditions(drawn.conditions, DROPOUT, generator)
+        known = isolate_pictures(drawn.conditions, ALONE, generator)
+        asked = drop_conditions(known, DROPOUT, generator)
         row_times = times[drawn.coords[:, 0]]
         plan = flow.plan(drawn.coords, samples)
-        off = torch.where(asked.has_image, SEEN_BLUR, BLUR)[drawn.coords[:, 0], None]
-        attributes = _blur(drawn.attributes, off, generator) if flow.attribute_channels else None
+        attributes = _blur(drawn.attributes, generator) if flow.attribute_channels else None
         x_0 = flow.normalise(drawn.mean + drawn.std * jitter, attributes)
         said = network(diffuse(x_0, noise, row_times), times, asked, plan, attributes)
         return {"velocity": torch.mean((said.float() - target_velocity(x_0, noise)) ** 2)}
@@ -156,14 +159,12 @@ def measure_slats(
     )
 
 
-def _blur(
-    attributes: Float[Tensor, "N A"], deviation: Float[Tensor, "N 1"], generator: torch.Generator
-) -> Float[Tensor, "N A"]:
+def _blur(attributes: Float[Tensor, "N A"], generator: torch.Generator) -> Float[Tensor, "N A"]:
     """Attributes with palettes that are a little off, as drawn ones are: for all voxels of a part alike."""
     of_part = torch.cat(
         [attributes[:, FACINGS : FACINGS + len(PART_LABELS)], attributes[:, -PALETTE:]], dim=1
     )
     wave = torch.randn(of_part.shape[1], PALETTE, generator=generator, device=generator.device)
     out = attributes.clone()
-    out[:, -PALETTE:] += deviation * (of_part @ wave)
+    out[:, -PALETTE:] += BLUR * (of_part @ wave)
     return out
