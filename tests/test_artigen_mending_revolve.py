@@ -53,6 +53,22 @@ def test_the_body_leaves_what_the_drum_sweeps_and_nothing_more(machine: np.ndarr
     assert (np.delete(made, (12, 13), axis=0) == np.delete(machine, (12, 13), axis=0)).all()
 
 
+def test_the_inside_of_a_door_leaves_what_the_drum_sweeps_and_its_front_stays(machine: np.ndarray):
+    door = row("door", (slice(4, 12), slice(4, 28), slice(4, 28)), "revolute", axis=(0, 0, 1), turn=0.25)
+    machine[4:6, 4:28, 4:28] = 2
+    bulge = machine.copy()
+    bulge[6:12, 14:18, 24:28] = 2  # into the wall of the drum
+    rows = np.stack([*ROWS, door])
+    made, _ = revolve_parts(bulge, rows)
+    assert (made[4:6] == machine[4:6]).all()
+    taken = (bulge == 2) & (made != 2)
+    assert taken[8:12].any()
+    assert not (taken & (RADII < 8)).any()
+    behind = np.argwhere((made == 2)[8:12] & (RADII <= 11) & (RADII >= 9))
+    assert not len(behind)  # nothing is left where the drum turns
+    assert (revolve_parts(machine, rows)[0] == machine).all()
+
+
 def test_what_is_made_does_not_depend_on_where_the_dents_are(machine: np.ndarray):
     """A quarter turn about the axis takes the result for a drum to that for the turned drum."""
     worn = machine.copy()

@@ -1,14 +1,15 @@
 """Parts that turn without end have room to: a stage of its own for drums, turntables and dials.
 
 What turns about an axis sweeps rings. A drum drawn with a dent here and a bulge there meets the tub that it
-turns in; so each ring of it becomes whole or goes, by what most of its cells say, and the body leaves the
-rings that a part sweeps. A dial sits on its panel, not in it.
+turns in; so each ring of it becomes whole or goes, by what most of its cells say, and the body and the inside
+of doors leave the rings that a part sweeps. A dial sits on its panel, not in it.
 """
 
 import numpy as np
 from jaxtyping import Bool, Float
 
 from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_joints, name_rows
+from artigen.mending.fronts import find_panel
 from artigen.mending.rows import Owners
 from artigen.types import PartLabel
 
@@ -55,6 +56,8 @@ def revolve_parts(
             _lift_off_panel(owners, number, base, radii, along)
         swept = _find_swept(owners == number, radii, along) & (owners >= 0)
         owners[swept & base[owners]] = -1
+        if labels[number] == DRUM:
+            _clear_doors(owners, labels, swept)
         if labels[number] == DIAL:
             _part_dials(owners, number, labels == DIAL, swept)
     changed = int((owners != before).sum())
@@ -70,6 +73,15 @@ def _find_turning(rows: np.ndarray, labels: np.ndarray, layout: FieldLayout) -> 
     across = np.where(np.abs(rows[:, after_occupancy(layout.axis)]) < 0.5, np.abs(off), 0.0).max(axis=1)
     dials = (labels == DIAL) & np.isin(kinds, ("continuous", "revolute")) & (across <= CENTRED)
     return dials | ((labels == DRUM) & (kinds == "continuous"))
+
+
+def _clear_doors(owners: Owners, labels: np.ndarray, swept: Bool[np.ndarray, "X Y Z"]) -> None:
+    """Takes what a drum or turntable sweeps from the doors before it, in place, but for their fronts."""
+    for door in np.flatnonzero(labels == "door"):
+        mine = owners == door
+        if (mine & swept).any():
+            behind = np.arange(len(owners)) > find_panel(mine).start  # doors face -x
+            owners[mine & swept & behind[:, None, None]] = -1
 
 
 def _part_dials(
