@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sim_export.collision.hulls import FLAT, clip_hull, convex_hull, hull_volume
+from sim_export.collision.hulls import FLAT, clip_hull, convex_hull, hull_volume, reduce_hull
 from sim_export.errors import DegeneratePart
 from sim_export.geometry.solids import as_solid
 
@@ -36,3 +36,15 @@ def test_flat_points_have_no_hull():
     points = np.random.default_rng(5).normal(size=(12, 3)) * [1.0, 1.0, 0.1 * FLAT]
     with pytest.raises(DegeneratePart):
         convex_hull(points)
+
+
+def test_a_slanted_plate_stays_one_when_it_loses_corners():
+    """One face is a little smaller than the other: all corners that stand out most are on one."""
+    turn = np.linspace(0.0, 2 * np.pi, 20, endpoint=False)
+    disc = np.stack([0.2 * np.cos(turn), 0.04 * np.sin(turn)], axis=1)
+    plate = np.concatenate([np.c_[disc, np.zeros(20)], np.c_[0.98 * disc, np.full(20, 1e-4)]])
+    for seed in range(20):
+        slanted = plate @ np.linalg.qr(np.random.default_rng(seed).normal(size=(3, 3)))[0].T
+        reduced = reduce_hull(convex_hull(slanted), max_vertices=16, max_polygons=20)
+        assert len(reduced.vertices) <= 16
+        assert 0.0 < hull_volume(reduced) < hull_volume(convex_hull(slanted))

@@ -43,7 +43,7 @@ def _find_hull(points: Float[np.ndarray, "N 3"]) -> Hull:
     if len(points) < 4:
         raise DegeneratePart(f"a hull of {len(points)} points: at least 4 are needed")
     center = points.mean(axis=0)
-    thickness = np.linalg.svd(points - center, full_matrices=False)[1][-1] if len(points) < 64 else np.inf
+    thickness = _measure_thickness(points) if len(points) < 64 else np.inf
     if thickness < FLAT:
         raise DegeneratePart(f"a hull of {len(points)} points is flat: {thickness:.3g} m across")
     try:
@@ -58,6 +58,11 @@ def _find_hull(points: Float[np.ndarray, "N 3"]) -> Hull:
     inverted = np.einsum("ij,ij->i", outward, solved.equations[:, :3]) < 0
     faces = np.where(inverted[:, None], solved.simplices[:, ::-1], solved.simplices)
     return Hull(vertices=points[used], faces=slot[faces])
+
+
+def _measure_thickness(points: Float[np.ndarray, "N 3"]) -> float:
+    """How far points (m) lie from the plane that fits them best, about."""
+    return float(np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[1][-1])
 
 
 def box_hull(low: Float[np.ndarray, "3"], high: Float[np.ndarray, "3"]) -> Hull:
@@ -203,7 +208,8 @@ def count_polygons(hull: Hull) -> int:
 def reduce_hull(hull: Hull, max_vertices: int = 64, max_polygons: int = 64) -> Hull:
     """A hull inside the given one within the limits that PhysX sets for its GPU solver.
 
-    Keeps the farthest vertices in evenly spread directions, as many as the limits allow.
+    Keeps the farthest vertices in evenly spread directions, as many as the limits allow, and of a slanted
+    plate one on either face.
     """
     budget = max_vertices
     reduced = hull
@@ -211,7 +217,11 @@ def reduce_hull(hull: Hull, max_vertices: int = 64, max_polygons: int = 64) -> H
         len(reduced.faces) > max_polygons and count_polygons(reduced) > max_polygons
     ):
         directions = _spread_directions(budget) / np.maximum(np.ptp(hull.vertices, axis=0), 1e-9)
-        reduced = convex_hull(hull.vertices[np.unique((hull.vertices @ directions.T).argmax(axis=0))])
+        kept = np.unique((hull.vertices @ directions.T).argmax(axis=0))
+        if _measure_thickness(hull.vertices[kept]) < FLAT:
+            across = hull.vertices @ hull_width(hull)[1]
+            kept = np.union1d(kept, [across.argmin(), across.argmax()])
+        reduced = convex_hull(hull.vertices[kept])
         budget -= 2
     return reduced
 
