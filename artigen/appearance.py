@@ -20,7 +20,6 @@ from artigen.models.store import DESCRIPTION, load_model, read_description
 from artigen.models.trellis import load_strictly, read_tensors
 from artigen.palettes import ask_colors, describe_voxels
 from artigen.sampling import SamplerConfig
-from artigen.splats.render.reach import reach_neighbours
 from artigen.splats.render.splats import Splats
 from artigen.splats.seams import SeamConfig, settle_seams
 from artigen.text import Color
@@ -149,8 +148,7 @@ def draw_splats(
     latents = sample_slats(model.flow, places, known, nothing, noise, sampler, attributes=attributes)
     if not model.preset.decoder.trunk.sided:
         return model.decoder(places, latents)
-    splats = model.decoder(places, latents, facings=torch.from_numpy(facings).to(device))
-    return reach_neighbours(splats, coords, part_ids, facings, edge, model.decoder.span())
+    return model.decoder(places, latents, facings=torch.from_numpy(facings).to(device))
 
 
 def generate_appearance(
