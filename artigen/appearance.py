@@ -146,9 +146,8 @@ def draw_splats(
     noise = torch.randn((len(coords), model.flow.channels), generator=generator).to(device)
     sampler = cfg.sampler or model.preset.sampler
     latents = sample_slats(model.flow, places, known, nothing, noise, sampler, attributes=attributes)
-    if not model.preset.decoder.trunk.sided:
-        return model.decoder(places, latents)
-    return model.decoder(places, latents, facings=torch.from_numpy(facings).to(device))
+    faced = torch.from_numpy(facings).to(device) if model.preset.decoder.trunk.sided else None
+    return model.decoder(places, latents, facings=faced)
 
 
 def generate_appearance(

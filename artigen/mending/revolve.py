@@ -58,7 +58,7 @@ def revolve_parts(
         owners[swept & base[owners]] = -1
         if labels[number] == DRUM:
             _clear_doors(owners, labels, swept)
-        if labels[number] == DIAL:
+        else:
             _part_dials(owners, number, labels == DIAL, swept)
     changed = int((owners != before).sum())
     if not changed:

@@ -124,11 +124,6 @@ class GaussianDecoder(SlatTrunk):
         first = self.gaussians.count * sum(CHANNELS[before] for before in names[: names.index(name)])
         return first + torch.arange(self.gaussians.count * CHANNELS[name]).unflatten(0, (-1, CHANNELS[name]))
 
-    def span(self) -> Float[Tensor, "2"]:
-        """Voxels between the outermost means across a filled voxel with two sides, at the start."""
-        spread = torch.tanh(self.offset_perturbation[:, 1:]) * (0.5 * self.gaussians.reach)
-        return spread.amax(dim=0) - spread.amin(dim=0)
-
     def read(
         self, coords: Int[Tensor, "N 4"], raw: Float[Tensor, "N K"], facings: Int[Tensor, "N"] | None = None
     ) -> Splats:

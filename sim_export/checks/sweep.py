@@ -4,7 +4,6 @@ Simulators cannot tell: they filter contacts of parent and child. Here every pai
 measured by exact hull distances.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,6 +15,7 @@ from sim_export.checks.registry import CheckSpec, Finding
 from sim_export.checks.subject import Subject
 from sim_export.checks.surface import inside_hulls
 from sim_export.collision.contacts import Distances, HullSet, find_penetration, signed_distances
+from sim_export.collision.sweeps import SweepConfig, sample_range
 from sim_export.errors import PackageError
 from sim_export.package import PackageJoint
 
@@ -112,8 +112,9 @@ def joint_motion(subject: Subject, joint: PackageJoint, cfg: CheckConfig) -> Mot
     only: two movable neighbours may well meet when one of them should have been opened before.
     """
     movers = subject.carried(joint.child)
-    poses = np.linspace(joint.lower, joint.upper, _count_poses(subject, joint, movers, cfg))
-    qpos = open_positions(subject, joint) | {joint.name: poses}
+    sweep = SweepConfig(poses=cfg.sweep_samples, step=cfg.sweep_step, max_poses=cfg.max_sweep_samples)
+    moved = [subject.hull_sets[name].vertices for name in movers if subject.hull_sets[name].hulls]
+    qpos = open_positions(subject, joint) | {joint.name: sample_range(joint, moved, sweep)}
     others = [name for name in subject.links if name not in movers]
     pairs = [
         (mover, other)
@@ -122,17 +123,6 @@ def joint_motion(subject: Subject, joint: PackageJoint, cfg: CheckConfig) -> Mot
         if subject.is_package or other in subject.static_links or other in subject.ancestors(mover)
     ]
     return Motion(name=joint.name, T=subject.displacements(qpos), pairs=_solid(subject, pairs))
-
-
-def _count_poses(subject: Subject, joint: PackageJoint, movers: Sequence[str], cfg: CheckConfig) -> int:
-    """Poses of a joint's range so close together that no point of what moves jumps over anything."""
-    points = [subject.hull_sets[name].vertices for name in movers if subject.hull_sets[name].hulls]
-    travel = joint.upper - joint.lower
-    if joint.type != "prismatic" and points:
-        arms = np.concatenate(points) - joint.origin
-        travel *= float(np.linalg.norm(np.cross(joint.axis, arms), axis=1).max())
-    steps = int(np.ceil(travel / cfg.sweep_step))
-    return int(np.clip(steps + 1, cfg.sweep_samples, cfg.max_sweep_samples))
 
 
 def _joint_poses(subject: Subject, cfg: CheckConfig) -> Motion:

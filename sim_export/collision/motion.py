@@ -80,13 +80,12 @@ def moved_links(
     return tuple(index for index, link in enumerate(links) if link.name in moved)
 
 
-def farthest_travel(links: Sequence[Link], joints: Sequence[PackageJoint], joint: PackageJoint) -> float:
-    """Length (m) of the way that the hulls' farthest point goes over a joint's whole range."""
-    chunks = [hull.vertices for slot in moved_links(links, joints, joint) for hull in links[slot].hulls]
+def farthest_travel(joint: PackageJoint, moved: Sequence[Float[np.ndarray, "N 3"]]) -> float:
+    """Length (m) of the way that the farthest of the points that a joint moves goes over its whole range."""
     travel = joint.upper - joint.lower
-    if joint.type == "prismatic" or not chunks:
+    if joint.type == "prismatic" or not moved:
         return travel
-    arms = np.concatenate(chunks) - joint.origin
+    arms = np.concatenate(moved) - joint.origin
     return travel * float(np.linalg.norm(np.cross(joint.axis, arms), axis=1).max())
 
 

@@ -35,8 +35,16 @@ class Sweep:
 def sample_sweep(
     links: Sequence[Link], joints: Sequence[PackageJoint], joint: PackageJoint, cfg: SweepConfig
 ) -> Float[np.ndarray, "P"]:
-    """Coordinates of a joint from closed to fully open."""
-    steps = int(np.ceil(farthest_travel(links, joints, joint) / cfg.step))
+    """Coordinates of a joint from closed to fully open, close enough for all hulls that it moves."""
+    moved = [hull.vertices for slot in moved_links(links, joints, joint) for hull in links[slot].hulls]
+    return sample_range(joint, moved, cfg)
+
+
+def sample_range(
+    joint: PackageJoint, moved: Sequence[Float[np.ndarray, "N 3"]], cfg: SweepConfig
+) -> Float[np.ndarray, "P"]:
+    """Coordinates of a joint from closed to fully open, close enough for points that it moves."""
+    steps = int(np.ceil(farthest_travel(joint, moved) / cfg.step))
     return sweep_coordinates(joint, int(np.clip(steps + 1, cfg.poses, cfg.max_poses)))
 
 

@@ -59,9 +59,7 @@ def hand_out_handles(
         gap, row = min(spare, default=(np.inf, 0))
         if gap > cfg.near:
             continue
-        size[row, 1:] = np.minimum(size[row, 1:], size[bare, 1:])
-        room = (size[bare, 1:] - size[row, 1:]) / 2
-        center[row, 1:] = center[row, 1:].clip(center[bare, 1:] - room, center[bare, 1:] + room)
+        keep_within(row, int(bare), center, size)
         center[row, 0] = face[bare] - size[row, 0] / 2
         held[row], given = int(bare), given + 1
     return f"outline: {given} second handles of doors given to fronts that had none" if given else ""
@@ -76,6 +74,13 @@ def find_panel(row: int, panels: np.ndarray, center: np.ndarray, size: np.ndarra
     behind = panels[within]
     gaps = center[behind, 0] - size[behind, 0] / 2 - center[row, 0] - size[row, 0] / 2
     return int(behind[np.abs(gaps).argmin()])
+
+
+def keep_within(row: int, panel: int, center: np.ndarray, size: np.ndarray) -> None:
+    """Moves and shrinks a box, in place, so that from the front it reaches over no edge of a panel."""
+    size[row, 1:] = np.minimum(size[row, 1:], size[panel, 1:])
+    room = (size[panel, 1:] - size[row, 1:]) / 2
+    center[row, 1:] = center[row, 1:].clip(center[panel, 1:] - room, center[panel, 1:] + room)
 
 
 def _distance(one: int, other: int, center: np.ndarray, size: np.ndarray) -> float:

@@ -16,7 +16,7 @@ from artigen.models.outline.align import OutlineAlignConfig, align_outline
 from artigen.models.outline.boxes import CELL, FRONTS, box_views
 from artigen.models.outline.depths import OutlineDepthsConfig, order_depths
 from artigen.models.outline.doorways import OutlineDoorwaysConfig, free_doorways
-from artigen.models.outline.handles import OutlineHandlesConfig, find_panel, hand_out_handles
+from artigen.models.outline.handles import OutlineHandlesConfig, find_panel, hand_out_handles, keep_within
 from artigen.types import PartLabel
 
 
@@ -183,17 +183,14 @@ def _rest_on_panels(rows: np.ndarray, cfg: OutlineRegulariseConfig, layout: Fiel
         if not len(carriers):
             continue
         gaps = front[carriers] - center[row, 0] - size[row, 0] / 2
-        nearest = int(np.abs(gaps).argmin())
-        gap, carrier = gaps[nearest], carriers[nearest]
+        gap = gaps[np.abs(gaps).argmin()]
         if not -cfg.sunk <= gap <= cfg.gap:
             continue
         before = np.concatenate([center[row], size[row]])
         if gap > 0 or gap < -cfg.recess:
             center[row, 0] += gap
-        if carrier in panels:  # none reaches over the edge of its front
-            size[row, 1:] = np.minimum(size[row, 1:], size[carrier, 1:])
-            room = (size[carrier, 1:] - size[row, 1:]) / 2
-            center[row, 1:] = center[row, 1:].clip(center[carrier, 1:] - room, center[carrier, 1:] + room)
+        if panel is not None:
+            keep_within(int(row), panel, center, size)
         off = np.abs(np.concatenate([center[row], size[row]]) - before).max()
         if off > 0:
             moved.append(off)

@@ -100,8 +100,10 @@ def curate(
         pictures = premultiply(state.images)
         cameras = scale_cameras(state.cameras, center, scale)
         parts = torch.from_numpy(shown_parts(state)).long()
-        own, clear = look_at_surface(scene, state)
-        surface = premultiply(replace(state.images, rgb=own))
+        surface, clear = pictures, torch.zeros_like(state.images.depth)
+        if cfg.sided:
+            own, clear = look_at_surface(scene, state)
+            surface = premultiply(replace(state.images, rgb=own))
         for rows in torch.arange(len(pictures)).split(AT_ONCE):
             views = StateViews(
                 cameras=pick_cameras(cameras, rows),
