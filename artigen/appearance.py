@@ -113,6 +113,8 @@ def draw_splats(
     asked: StructureCondition,
     seed: int,
     cfg: AppearanceConfig,
+    *,
+    palettes: Float[np.ndarray, "P 7"] | None = None,
 ) -> Splats:
     """Draws the Gaussians of given voxels, voxel after voxel.
 
@@ -124,6 +126,7 @@ def draw_splats(
         asked: the condition.
         seed: of the noise.
         cfg: samplers.
+        palettes: of the parts, where the model has any (`artigen.palettes`); drawn if not given.
     """
     device = next(model.flow.parameters()).device
     generator = torch.Generator().manual_seed(seed)
@@ -135,9 +138,10 @@ def draw_splats(
     edge = model.preset.decoder.trunk.resolution
     facings = find_facings(coords, part_ids, edge)
     if model.palette is not None:
-        fixed = ask_colors(name_rows(table), dict(cfg.colors))
-        steps = cfg.palettes if asked.image is None or cfg.colors else cfg.seen
-        palettes = sample_palettes(model.palette, table, known, nothing, generator, steps, fixed=fixed)
+        if palettes is None:
+            fixed = ask_colors(name_rows(table), dict(cfg.colors))
+            steps = cfg.palettes if asked.image is None or cfg.colors else cfg.seen
+            palettes = sample_palettes(model.palette, table, known, nothing, generator, steps, fixed=fixed)
         covered = find_covered(coords, facings, edge)
         joined = find_joined(coords, part_ids, facings, edge)
         told = describe_voxels(table, part_ids, palettes, facings, covered, joined)

@@ -261,6 +261,9 @@ def test_an_evaluation_names_states_features_and_the_model(
     assert "pyramid-16 features" in table
     assert "closed (RS)" in table
     assert 0 < found["total"]["shape_rest"] < 0.01
+    assert found["draws"].keys() == {"palettes", "picture"}
+    assert all(scores["psnr"] > 0 for scores in found["draws"].values())
+    assert "| told | PSNR (dB) |" in table
     assert found["colors"].keys() == {"model", "autoencoded", "retrieval"}
     assert all(0 < error < 1 for error in found["colors"].values())
     (tmp_path / "model.json").write_text("{}")

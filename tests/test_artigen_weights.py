@@ -2,9 +2,15 @@
 
 import numpy as np
 
-from artigen.appearance import AppearanceConfig, generate_appearance, load_appearance_model
+from artigen.appearance import (
+    AppearanceConfig,
+    draw_splats,
+    generate_appearance,
+    load_appearance_model,
+)
 from artigen.ask import Request, read_request
 from artigen.facings import find_facings
+from artigen.fields import tabulate_parts
 from artigen.generate import generate_structure, load_structure_model
 from artigen.metrics.delivery import has_counts, size_error
 from artigen.models.conditions import StructureCondition
@@ -70,3 +76,23 @@ def test_parts_have_the_colours_that_a_picture_shows():
         found.append(colors[lid, : colors.shape[1] // 2].mean(axis=(0, 1)))
     assert np.abs(found[0] - found[1]).max() < 0.03  # a reading, not a draw
     assert np.abs(found[0] - truth).mean() < 0.1
+
+
+def test_told_palettes_are_what_is_drawn():
+    asset = shape_to_asset(draw_shape("Table", 3), 64)
+    model, voxels = load_appearance_model(SHIPPED), asset.voxels
+    assert voxels is not None
+    for color in ((0.6, 0.2, 0.2), (0.2, 0.3, 0.6)):
+        told = np.tile(np.array([*color, *color, 0.0], dtype=np.float32), (len(asset.parts), 1))
+        splats = draw_splats(
+            model,
+            voxels.coords,
+            voxels.part_ids,
+            tabulate_parts(asset),
+            StructureCondition(category="Table"),
+            0,
+            AppearanceConfig(),
+            palettes=told,
+        )
+        drawn = (splats.colors * splats.opacities[:, None]).sum(dim=0) / splats.opacities.sum()
+        np.testing.assert_allclose(drawn.numpy(), color, atol=0.1)

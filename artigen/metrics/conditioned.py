@@ -1,4 +1,4 @@
-"""Do the colours of an object follow the picture it was asked for? The sparse flow beside looking up."""
+"""What the sparse flow draws on true voxels: does it look like the object, and follow its picture?"""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -7,7 +7,13 @@ import numpy as np
 
 from artigen.appearance import AppearanceConfig, AppearanceModel, draw_splats
 from artigen.errors import SourceError
-from artigen.metrics.appearance import Scores, compare_pictures, reconstruct_splats
+from artigen.metrics.appearance import (
+    Comparison,
+    Scores,
+    compare_pictures,
+    reconstruct_splats,
+    score_comparisons,
+)
 from artigen.metrics.part_colors import Colors, borrow_colors, color_error, mean_colors
 from artigen.metrics.retrieval import retrieve
 from artigen.metrics.subjects import Subject
@@ -50,9 +56,7 @@ def score_colors(
     rows: dict[str, list[float]] = {"model": [], "autoencoded": [], "retrieval": []}
     for task in tasks:
         example = _closed(task.example)
-        if example.image is None:
-            raise SourceError(f"{example.name}: has no picture to ask with")
-        asked = StructureCondition(image=example.image.transpose(2, 0, 1).astype(np.float32) / 255.0)
+        asked = _ask_picture(example)
         truth = mean_colors(example.pictures.rgb / 255.0, example.pictures.parts)
         answers = {
             "model": draw_splats(model, example.coords, example.part_ids, example.table, asked, seed, cfg),
@@ -70,6 +74,57 @@ def score_colors(
         if on_done is not None:
             on_done()
     return {name: float(np.mean(values)) for name, values in rows.items() if values}
+
+
+def score_draws(
+    vae: AppearanceVae,
+    model: AppearanceModel,
+    tasks: list[PictureTask],
+    cfg: AppearanceConfig,
+    seed: int,
+    *,
+    on_done: Callable[[], None] | None = None,
+) -> dict[str, Scores]:
+    """Pictures of drawn Gaussians beside the true ones, in all joint states.
+
+    ``palettes`` is told the colours of the parts and draws what is made of them; ``picture`` is told one
+    picture and nothing else. Between the first and the autoencoded object lies what the flow does not know,
+    between both what the palettes do not.
+    """
+    comparisons: dict[str, list[Comparison]] = {}
+    for task in tasks:
+        example = task.example
+        asked: dict[str, tuple[StructureCondition, np.ndarray | None]] = {}
+        if model.palette is not None:
+            asked["palettes"] = (StructureCondition(), example.palettes)
+        if example.image is not None:
+            asked["picture"] = (_ask_picture(example), None)
+        for name, (condition, palettes) in asked.items():
+            splats = draw_splats(
+                model,
+                example.coords,
+                example.part_ids,
+                example.table,
+                condition,
+                seed,
+                cfg,
+                palettes=palettes,
+            )
+            comparisons.setdefault(name, []).append(compare_pictures(vae, splats, example))
+        if on_done is not None:
+            on_done()
+    return {name: score_comparisons(some) for name, some in comparisons.items()}
+
+
+def _ask_picture(example: AppearanceExample) -> StructureCondition:
+    """The picture of an example, and nothing else.
+
+    Raises:
+        SourceError: If it has none.
+    """
+    if example.image is None:
+        raise SourceError(f"{example.name}: has no picture to ask with")
+    return StructureCondition(image=example.image.transpose(2, 0, 1).astype(np.float32) / 255.0)
 
 
 def _closed(example: AppearanceExample) -> AppearanceExample:

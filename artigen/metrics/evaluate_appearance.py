@@ -18,7 +18,7 @@ from artigen.metrics.appearance import (
     score_sets,
     split_states,
 )
-from artigen.metrics.conditioned import PictureTask, score_colors
+from artigen.metrics.conditioned import PictureTask, score_colors, score_draws
 from artigen.metrics.splat_distance import score_distances
 from artigen.metrics.subjects import draw_subjects
 from artigen.models.appearance_presets import APPEARANCE_PRESETS
@@ -30,12 +30,11 @@ from artigen.models.presets import PresetName
 from artigen.models.store import hash_model, load_model, read_description
 from artigen.sampling import SamplerConfig
 from artigen.shapes.draw import draw_shape
-from artigen.shapes.sampling import sample_shape
 from artigen.train.appearance.curation import CurationConfig
-from artigen.train.appearance.examples import AppearanceExample, draw_appearance_of
+from artigen.train.appearance.examples import AppearanceExample, draw_appearance_of, sample_parts
 from artigen.train.appearance.photographs import take_pictures
 from artigen.train.appearance.run import AppearanceRunConfig, run_curation, run_encoder, run_extractor
-from artigen.train.appearance.states import part_owners, plan_fractions
+from artigen.train.appearance.states import plan_fractions
 from artigen.train.appearance.views import ViewConfig
 from artigen.train.shards import HELD_OUT
 from artigen.types import Asset, SurfaceSamples
@@ -87,6 +86,8 @@ class AppearanceEvaluation:
     states: dict[str, Scores]
     """By the share of their ranges that joints are open by."""
     objects: dict[str, Scores]
+    draws: dict[str, Scores]
+    """Of Gaussians drawn on true voxels, by what was told; empty where there is no flow."""
     colors: Scores
     """Colour errors under a picture, by method; empty where there is no flow or no picture to ask with."""
 
@@ -188,6 +189,7 @@ def evaluate_appearance(
             for share, some in split_states(every).items()
         },
         objects={name: score_comparisons([one]) | distances[name] for name, one in comparisons.items()},
+        draws=_score_draws(model, tasks, cfg, tell),
         colors=_ask_pictures(model, tasks, cfg, tell),
     )
 
@@ -215,13 +217,28 @@ def draw_subject(
 def _sample_surface(asset: Asset) -> SurfaceSamples:
     """Points on a procedural object, with the parts of its asset."""
     category, seed = asset.name.rsplit("_", 1)
-    shape = draw_shape(category, int(seed))
-    surface = sample_shape(shape, SPACING * asset.scale)
-    return replace(surface, part_ids=part_owners(shape, asset)[surface.part_ids])
+    return sample_parts(draw_shape(category, int(seed)), asset, SPACING)
 
 
 def _mean(scores: list[Scores]) -> Scores:
     return {name: float(np.mean([one[name] for one in scores])) for name in scores[0]}
+
+
+def _score_draws(
+    model: TrainedAppearance, tasks: list[PictureTask], cfg: EvaluateAppearanceConfig, tell: Progress
+) -> dict[str, Scores]:
+    """Pictures of what the flow draws, where there is one."""
+    if model.drawer is None:
+        return {}
+    done = iter(range(1, len(tasks) + 1))
+    return score_draws(
+        model.vae,
+        model.drawer,
+        tasks,
+        AppearanceConfig(sampler=cfg.sampler),
+        cfg.seed,
+        on_done=lambda: tell("draws", next(done), len(tasks)),
+    )
 
 
 def _ask_pictures(

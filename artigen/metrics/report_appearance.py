@@ -49,6 +49,16 @@ def format_appearance(evaluation: AppearanceEvaluation) -> str:
         f"{evaluation.total['shape_rest']:.4g}, mean over states (AS) "
         f"{evaluation.total['shape_articulated']:.4g}.",
     ]
+    if evaluation.draws:
+        keys = [row for row in ROWS if row[0] in ("psnr", "ssim", "object", "exposed", "rest")]
+        lines += ["", "## Drawn on true voxels", ""]
+        lines += format_table(
+            ("told", *(name for _, name, _ in keys)),
+            [
+                (told, *(format_score(scores.get(key), form) for key, _, form in keys))
+                for told, scores in evaluation.draws.items()
+            ],
+        )
     if evaluation.colors:
         lines += ["", "## Asked for by one picture", ""]
         lines += format_table(
