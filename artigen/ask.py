@@ -34,7 +34,7 @@ class Asked:
     notes: tuple[str, ...] = ()
 
 
-def read_request(request: Request, seed: int, image_size: int) -> Asked:
+def read_request(request: Request, seed: int, image_size: int, *, margin: float = 0.06) -> Asked:
     """One whole condition: what the request leaves open is drawn from the procedural grammar by the seed.
 
     The grammar knows which sizes and counts go together, so what is drawn is something that exists. A
@@ -44,6 +44,7 @@ def read_request(request: Request, seed: int, image_size: int) -> Asked:
         request: What is asked for.
         seed: Decides what is left open.
         image_size: Edge of pictures that the model takes, pixels; 0 if it takes none.
+        margin: Free border on each side of the object in them, as a share of the edge.
 
     Raises:
         ArtigenError: If nothing, an unknown category or twice different things are asked for, the text
@@ -68,9 +69,11 @@ def read_request(request: Request, seed: int, image_size: int) -> Asked:
     if request.image is not None:
         if not image_size:
             raise ArtigenError(f"{request.image}: this model takes no pictures")
-        picture = read_picture(request.image, image_size)
+        picture = read_picture(request.image, image_size, margin=margin)
         size = None if depth is None or width is None or height is None else (depth, width, height)
-        condition = StructureCondition(category=category, counts=given, size=size, image=picture.rgba)
+        condition = StructureCondition(
+            category=category, counts=given, size=size, image=picture.rgba, text=request.text
+        )
         return Asked(condition=condition, colors=colors, notes=(*notes, *picture.notes))
     if category is None:
         raise ArtigenError("no category is asked for: name one, in words if you like, or give a picture")
@@ -86,7 +89,7 @@ def read_request(request: Request, seed: int, image_size: int) -> Asked:
         (label, found.get(label, 0)) for label in PART_LABELS
     )
     return Asked(
-        condition=StructureCondition(category=category, counts=whole, size=size),
+        condition=StructureCondition(category=category, counts=whole, size=size, text=request.text),
         colors=colors,
         notes=tuple(notes),
     )

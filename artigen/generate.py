@@ -16,6 +16,7 @@ from artigen.models.conditions import StructureCondition, gather_conditions
 from artigen.models.outline.batch import OutlineBatch
 from artigen.models.outline.draw import OutlineConfig, draw_outline
 from artigen.models.outline.flow import OutlineFlow, complete_conditions
+from artigen.models.picture_reader import PictureReader, read_condition
 from artigen.models.presets import PRESETS, StructurePreset
 from artigen.models.steady import SteadyConfig
 from artigen.models.store import load_model, read_description
@@ -38,6 +39,8 @@ class StructureModel:
     flow: StructureFlow
     outline: OutlineFlow | None
     """Draws where the parts lie, where the preset has such a network."""
+    reader: PictureReader | None
+    """Reads pictures, where the preset has such a network."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -70,11 +73,13 @@ class GenerateConfig:
 def build_structure_model(preset: StructurePreset) -> StructureModel:
     """The networks of a preset, untrained."""
     outline = None if preset.outline is None else OutlineFlow(preset.outline, preset.conditions)
+    reader = None if preset.reader is None else PictureReader(preset.reader, preset.conditions)
     return StructureModel(
         preset=preset,
         vae=StructureVae(preset.vae).eval(),
         flow=StructureFlow(preset.flow, preset.conditions).eval(),
         outline=None if outline is None else outline.eval(),
+        reader=None if reader is None else reader.eval(),
     )
 
 
@@ -90,7 +95,7 @@ def load_structure_model(folder: Path, device: torch.device | str = "cpu") -> St
     if preset is None:
         raise SourceError(f"{folder}: preset {name!r}, expected one of {', '.join(PRESETS)}")
     model = build_structure_model(preset)
-    networks = {"vae": model.vae, "outline": model.outline, "flow": model.flow}
+    networks = {"vae": model.vae, "outline": model.outline, "reader": model.reader, "flow": model.flow}
     for key, network in networks.items():
         if network is not None:
             load_model(network, folder, key)
@@ -117,6 +122,9 @@ def generate_structure(
     """
     cfg = cfg or GenerateConfig()
     generator = torch.Generator().manual_seed(seed)
+    read: tuple[str, ...] = ()
+    if model.reader is not None:
+        asked, read = read_condition(model.reader, asked)
     drawn: list[tuple[int, float, Asset]] = []
     notes: list[str] = []
     while len(notes) < cfg.draws and not any(
@@ -136,7 +144,7 @@ def generate_structure(
         drawn.append((len(faults), rough, asset))
         notes.append("; ".join((f"draw {len(notes) + 1}: {rough:.2f} bends per face", *faults)))
     _, _, asset = min(drawn, key=lambda one: one[:2])
-    return replace(asset, notes=(*notes, *asset.notes))
+    return replace(asset, notes=(*read, *notes, *asset.notes))
 
 
 def _draw(

@@ -6,6 +6,7 @@ nothing of these ("a", "with") are listed as unused; a sentence that names nothi
 """
 
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from artigen.errors import ArtigenError
@@ -180,6 +181,30 @@ def parse_text(text: str) -> ParsedText:
             f"({', '.join(sorted(PART_WORDS))}) or a size; for example 'a cabinet with three drawers'"
         )
     return found
+
+
+def write_text(category: str, counts: Mapping[PartLabel, int]) -> str:
+    """A sentence that says category and parts; `parse_text` reads the same out of it.
+
+    Args:
+        category: One that a word names.
+        counts: Parts by label; the base and labels of which there are none are not named.
+    """
+    nouns = {named: noun for noun, named in reversed(CATEGORY_WORDS.items())}
+    names = {label: noun for noun, label in reversed(PART_WORDS.items())}
+    numbers = {number: word for word, number in reversed(NUMBERS.items()) if number > 1}
+    parts = []
+    for label, count in counts.items():
+        if count < 1 or label not in names:
+            continue
+        noun = "shelves" if count > 1 and label == "shelf" else names[label] + "s" * (count > 1)
+        parts.append(f"{numbers.get(count, count) if count > 1 else 'one'} {noun}")
+    noun = nouns[category]
+    whole = f"{'an' if noun[0] in 'aeiou' else 'a'} {noun}"
+    if not parts:
+        return whole
+    *first, last = parts
+    return f"{whole} with {', '.join(first)}{' and ' if first else ''}{last}"
 
 
 def _read_length(words: list[str], found: ParsedText) -> tuple[ParsedText, int]:

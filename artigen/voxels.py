@@ -3,6 +3,7 @@
 `encode` and `decode` (the dense field and back) live in `artigen.fields` and are offered here too.
 """
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -11,7 +12,7 @@ from jaxtyping import Float, Int
 from artigen.fields import decode, encode
 from artigen.types import Asset, SurfaceSamples, VoxelGrid
 
-__all__ = ["assign_cells", "decode", "drop_unresolved", "encode", "voxelize"]
+__all__ = ["assign_cells", "decode", "drop_unresolved", "encode", "find_heirs", "voxelize"]
 
 FAIR_SHARE = 0.5
 """A part should own cells that hold this share of its area; below it the part may claim cells."""
@@ -79,6 +80,22 @@ def _claim(cell: np.ndarray, part: np.ndarray, areas: np.ndarray, owners: np.nda
         owners[taken] = index
         claimed[taken] = True
     return owners
+
+
+def find_heirs(parents: Mapping[str, str | None], asset: Asset) -> Int[np.ndarray, "P"]:
+    """The asset's part that each named part is: itself, or the ancestor that it was merged into.
+
+    Args:
+        parents: Of every part before, in order.
+        asset: What `drop_unresolved` has left of them.
+    """
+    row = {part.name: index for index, part in enumerate(asset.parts)}
+
+    def heir(name: str) -> int:
+        parent = parents[name]
+        return row[name] if name in row or parent is None else heir(parent)
+
+    return np.array([heir(name) for name in parents])
 
 
 def drop_unresolved(asset: Asset) -> Asset:

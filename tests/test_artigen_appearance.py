@@ -26,13 +26,10 @@ from artigen.models.appearance_vae import (
     AppearanceVae,
 )
 from artigen.models.conditions import StructureCondition
-from artigen.models.outline.flow import OutlineFlow
 from artigen.models.palette_flow import PaletteFlow
 from artigen.models.presets import PRESETS
 from artigen.models.slat_flow import SlatFlow
 from artigen.models.store import save_model
-from artigen.models.structure_flow import StructureFlow
-from artigen.models.structure_vae import StructureVae
 from artigen.sampling import SamplerConfig
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.draw import draw_shape
@@ -52,10 +49,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     torch.manual_seed(0)
     preset, look = PRESETS["tiny"], APPEARANCE_PRESETS["tiny"]
     path = tmp_path_factory.mktemp("model")
-    save_model(StructureVae(preset.vae), path, {"preset": "tiny"}, "vae")
-    save_model(StructureFlow(preset.flow, preset.conditions), path, {"preset": "tiny"}, "flow")
-    if preset.outline is not None:
-        save_model(OutlineFlow(preset.outline, preset.conditions), path, {"preset": "tiny"}, "outline")
+    structure = artigen.generate.build_structure_model(preset)
+    for name in ("vae", "outline", "reader", "flow"):
+        save_model(getattr(structure, name), path, {"preset": "tiny"}, name)
     assert not has_appearance(path)
     # The encoder depends on the feature extractor, which generating does not need.
     vae = AppearanceVae(replace(look.encoder, in_channels=19), look.decoder)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 import torch
+from PIL import Image
 
 import artigen.generate
 from artigen.cli.generate import GenerateJob, GenerateSettings, generate, generate_object
@@ -25,9 +26,8 @@ def model(tmp_path_factory: pytest.TempPathFactory) -> Path:
     model = build_structure_model(preset)
     with torch.no_grad():
         model.vae.get_parameter("decoder.occupancy_head.2.bias").fill_(-1000.0)
-    for name, network in (("vae", model.vae), ("outline", model.outline), ("flow", model.flow)):
-        assert network is not None
-        save_model(network, path, {"preset": "tiny"}, name)
+    for name in ("vae", "outline", "reader", "flow"):
+        save_model(getattr(model, name), path, {"preset": "tiny"}, name)
     return path
 
 
@@ -60,6 +60,29 @@ def test_a_package_tells_condition_model_and_all_draws(
     assert json.loads(said["condition"])["category"] == "StorageFurniture"
     assert said["model"] == hash_model(model)
     assert len(set(noises)) == 2  # every draw has noise of its own
+
+
+def test_a_package_tells_what_was_read_off_its_picture(
+    model: Path, tmp_path: Path, cabinet: Asset, monkeypatch: pytest.MonkeyPatch
+):
+    asked = []
+
+    def from_memory(model, condition, seed, cfg):
+        asked.append(condition)
+        return cabinet
+
+    monkeypatch.setattr(artigen.generate, "generate_structure", from_memory)
+    Image.new("RGBA", (64, 64), (200, 30, 30, 255)).save(tmp_path / "red.png")
+    settings = GenerateSettings(image=tmp_path / "red.png", counts=("door=2",))
+    job = GenerateJob(model=model, category=None, seed=9, out=tmp_path, cfg=settings)
+    made = generate_object(job)
+    said = json.loads(json.loads((tmp_path / job.key / "provenance.json").read_text())["condition"])
+    (condition,) = asked
+    assert (said["category"], said["image"]) == (condition.category, "red.png")
+    assert said["counts"] == dict(condition.counts)
+    assert said["counts"]["door"] == 2
+    assert said["size"] == pytest.approx(condition.size)
+    assert any("picture: read as" in note for note in made.notes)
 
 
 @pytest.mark.parametrize(

@@ -77,8 +77,9 @@ def test_a_run_leaves_weights_metrics_curves_and_what_it_was(run: Path):
     }
     assert said["vae"]["decoder_steps"] == finished_steps(run / "decoder") > 0
     assert json.loads((run / "config.json").read_text())["real_share"] == 0.25
+    assert set(json.loads((run / "reading.json").read_text())) >= {"category", "counts", "counts of door"}
     assert set(json.loads((run / "spread.json").read_text())) >= {"axis", "origin", "box_center"}
-    for stage in ("vae", "outline", "flow", "decoder"):
+    for stage in ("vae", "outline", "reader", "flow", "decoder"):
         ElementTree.parse(run / stage / "curves.svg")
         assert (run / stage / "weights.safetensors").is_file()
 

@@ -55,9 +55,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     torch.manual_seed(0)
     preset, path = PRESETS["tiny"], tmp_path_factory.mktemp("model")
     model = build_structure_model(preset)
-    for name, network in (("vae", model.vae), ("outline", model.outline), ("flow", model.flow)):
-        assert network is not None
-        save_model(network, path, {"preset": "tiny"}, name)
+    for name in ("vae", "outline", "reader", "flow"):
+        save_model(getattr(model, name), path, {"preset": "tiny"}, name)
     return path
 
 

@@ -179,13 +179,10 @@ def test_counts_that_are_asked_for_are_drawn_exactly_and_the_rest_is_completed()
     }  # fmt: skip
 
 
-def test_a_picture_is_read_the_same_way_every_time_and_what_is_open_without_one_is_drawn():
-    flow = make_flow()
-    seen = np.random.default_rng(0).random((4, TINY.conditions.image_size, TINY.conditions.image_size))
-    for image, readings in ((seen.astype(np.float32), 1), (None, 8)):
-        asked = gather_conditions([StructureCondition(image=image)] * 8, TINY.conditions)
-        known = complete_conditions(flow, asked, torch.Generator().manual_seed(0))
-        assert len(torch.unique(torch.cat([known.category[:, None], known.counts], dim=1), dim=0)) == readings
+def test_what_is_open_is_drawn_and_not_always_the_same():
+    asked = gather_conditions([StructureCondition()] * 8, TINY.conditions)
+    known = complete_conditions(make_flow(), asked, torch.Generator().manual_seed(0))
+    assert len(torch.unique(torch.cat([known.category[:, None], known.counts], dim=1), dim=0)) == 8
 
 
 def test_padding_does_not_change_what_is_drawn(outlines: OutlineBatch):

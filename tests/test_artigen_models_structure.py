@@ -22,6 +22,7 @@ from artigen.models.latent_dit import EARLIEST, SETTLED, velocity_of, weigh_time
 from artigen.models.outline.batch import gather_outlines
 from artigen.models.outline.flow import OutlineFlow
 from artigen.models.patches import PackedField, PatchBatch, collate, fold, pack_asset, patch_centers, unfold
+from artigen.models.picture_reader import PictureReader
 from artigen.models.presets import PRESETS
 from artigen.models.store import load_model, save_model
 from artigen.models.structure_dit import StructureDitConfig
@@ -250,7 +251,9 @@ def test_the_shipped_size_fits_its_limit():
     with torch.device("meta"):
         networks = [StructureVae(preset.vae), StructureFlow(preset.flow, preset.conditions)]
         assert preset.outline is not None
+        assert preset.reader is not None
         networks.append(OutlineFlow(preset.outline, preset.conditions))
+        networks.append(PictureReader(preset.reader, preset.conditions))
     assert 2 * sum(value.numel() for network in networks for value in network.state_dict().values()) < 40e6
 
 

@@ -2,7 +2,17 @@
 
 import pytest
 
-from artigen.text import CATEGORY_WORDS, COLORS, NUMBERS, PART_WORDS, ParsedText, TextError, parse_text
+from artigen.shapes.draw import draw_shape
+from artigen.text import (
+    CATEGORY_WORDS,
+    COLORS,
+    NUMBERS,
+    PART_WORDS,
+    ParsedText,
+    TextError,
+    parse_text,
+    write_text,
+)
 from artigen.types import PAPER_CATEGORIES, PART_LABELS
 
 
@@ -68,3 +78,13 @@ def test_what_cannot_be_meant_is_refused(text: str, match: str):
 
 def test_nothing_is_invented():
     assert parse_text("microwave") == ParsedText(category="Microwave")
+
+
+@pytest.mark.parametrize("category", PAPER_CATEGORIES)
+def test_a_written_sentence_says_what_is_read_out_of_it(category: str):
+    for seed in range(20):
+        counts = dict(draw_shape(category, seed).condition.counts)
+        said = parse_text(write_text(category, counts))
+        named = {label: count for label, count in counts.items() if count and label != "base"}
+        assert (said.category, dict(said.counts)) == (category, named)
+        assert not set(said.unused) - {"a", "an", "with", "and"}

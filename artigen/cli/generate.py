@@ -22,8 +22,9 @@ from artigen.workers import Worker
 
 if TYPE_CHECKING:
     from artigen.appearance import AppearanceModel
-    from artigen.ask import Request
+    from artigen.ask import Asked, Request
     from artigen.generate import StructureModel
+    from artigen.models.conditions import ConditionConfig
 
 TIMEOUT = 300.0
 """Seconds that drawing and exporting one object may take."""
@@ -49,6 +50,8 @@ class GenerateSettings:
     """How often an object that fails a check is drawn again."""
     steps: int = 6
     """Steps of the structure's sampler."""
+    encoders: Path | None = None
+    """Folder with the public weights of DINOv2 and CLIP, for models that read conditions with these."""
     strength: float = 0.0
     """Guidance; 0 is none: a model that draws outlines has the condition in them. The paper: 3."""
 
@@ -85,13 +88,24 @@ def read_job(job: GenerateJob) -> "Request":
     return Request(category=job.category, text=cfg.text, image=cfg.image, wish=wish)
 
 
+def _read(job: GenerateJob, known: "ConditionConfig") -> "Asked":
+    """What a job asks of a network with such conditions."""
+    from artigen.ask import read_request
+
+    return read_request(read_job(job), job.seed, known.image_size, margin=known.image_margin)
+
+
 @lru_cache(maxsize=1)
-def _load(folder: Path) -> tuple["StructureModel", "AppearanceModel | None"]:
+def _load(folder: Path, encoders: Path | None) -> tuple["StructureModel", "AppearanceModel | None"]:
     """The models of a worker process, loaded once; without appearance where the folder has none."""
     from artigen.appearance import has_appearance, load_appearance_model
     from artigen.generate import load_structure_model
+    from artigen.models.public_encoders import attach_encoders, load_encoders
 
     structure = load_structure_model(folder)
+    if encoders is not None:
+        known = structure.preset.conditions
+        attach_encoders(structure.flow, load_encoders(encoders, dino=known.dino, text=known.clip))
     return structure, load_appearance_model(folder) if has_appearance(folder) else None
 
 
@@ -99,23 +113,26 @@ def generate_object(job: GenerateJob) -> Made:
     """Draws one object, exports it and writes its package; runs in a worker process."""
     from artigen import __version__
     from artigen.appearance import AppearanceConfig, generate_appearance
-    from artigen.ask import read_request
     from artigen.generate import GenerateConfig, generate_structure
+    from artigen.models.picture_reader import read_condition
     from artigen.models.store import hash_model
     from artigen.sampling import SamplerConfig
     from sim_export.export import export_asset
     from sim_export.files.write import write_package
 
-    model, appearance = _load(job.model)
+    model, appearance = _load(job.model, job.cfg.encoders)
     started = time.perf_counter()
-    asked = read_request(read_job(job), job.seed, model.preset.conditions.image_size)
+    asked = _read(job, model.preset.conditions)
     noise = np.random.SeedSequence([job.seed, len(job.draws)]).generate_state(2).tolist()
     sampler = SamplerConfig(steps=job.cfg.steps, strength=job.cfg.strength)
-    asset = generate_structure(model, asked.condition, noise[0], GenerateConfig(sampler=sampler))
-    asset = replace(asset, name=job.key, notes=(*asked.notes, *asset.notes))
+    condition, read = asked.condition, ()
+    if model.reader is not None:
+        condition, read = read_condition(model.reader, condition)
+    asset = generate_structure(model, condition, noise[0], GenerateConfig(sampler=sampler))
+    asset = replace(asset, name=job.key, notes=(*asked.notes, *read, *asset.notes))
     drawn = time.perf_counter()
     if appearance is not None:
-        look = read_request(read_job(job), job.seed, appearance.preset.conditions.image_size)
+        look = _read(job, appearance.preset.conditions)
         painting = AppearanceConfig(colors=look.colors)
         asset = generate_appearance(appearance, asset, look.condition, noise[1], painting)
     elif asked.colors:
@@ -123,7 +140,6 @@ def generate_object(job: GenerateJob) -> Made:
         said = f"colours were asked for ({named}), this model draws none"
         asset = replace(asset, notes=(*asset.notes, said))
     painted = time.perf_counter()
-    condition = asked.condition
     provenance = {
         "generator": f"artigen {__version__} generate",
         "model": hash_model(job.model),
@@ -191,8 +207,6 @@ def generate(
         cfg: What is asked for, and how objects are drawn.
         workers: Processes side by side.
     """
-    from artigen.ask import read_request
-
     if count < 1 or seed < 0 or cfg.redraws < 0 or workers < 1:
         raise ArtigenError(
             f"{count} objects from seed {seed} with {cfg.redraws} redraws by {workers} workers: expected at "
@@ -207,8 +221,8 @@ def generate(
         for number in range(seed, seed + count)
     ]
     # Says at once what cannot be: no such model, category, sentence or picture.
-    known = _load(model)[0].preset.conditions
-    asked = read_request(read_job(jobs[0]), seed, known.image_size).condition
+    known = _load(model, cfg.encoders)[0].preset.conditions
+    asked = _read(jobs[0], known).condition
     if asked.category is not None and asked.category not in known.categories:
         raise ArtigenError(
             f"category {asked.category!r}: this model knows {', '.join(sorted(known.categories))}; "

@@ -37,6 +37,11 @@ class TrainSettings:
     """Share of real objects among the examples, by repetition."""
     start: Path | None = None
     """Folder of a model whose weights every network begins with, artigen's own for instance."""
+    trellis: Path | None = None
+    """Of the structure's preset paper: public checkpoint of TRELLIS, without its suffix, that the flow begins
+    with."""
+    encoders: Path | None = None
+    """Of the structure's preset paper: folder with the public weights of DINOv2 and CLIP."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,8 +62,9 @@ class AppearanceSettings:
 
 What = Literal[
     "structure",
-    "structure-vae",
+    "structure-reader",
     "structure-outline",
+    "structure-vae",
     "structure-flow",
     "structure-decoder",
     "appearance",
@@ -121,6 +127,8 @@ def _prepare(
 
         if cfg.partnet is not None:
             raise ArtigenError("real objects cannot be photographed for appearance yet: leave --partnet out")
+        if cfg.trellis is not None or cfg.encoders is not None:
+            raise ArtigenError("--trellis and --encoders are of structure: appearance has --dinov2")
         shared = {
             name: given[name]
             for name in ("preset", "minutes", "shards", "held_out", "objects", "start")

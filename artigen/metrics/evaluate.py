@@ -24,6 +24,7 @@ from artigen.metrics.asks import (
 from artigen.metrics.footprint import Footprint, FootprintJob, measure_footprint
 from artigen.metrics.instantiation import pose_set
 from artigen.metrics.packages import PackageReport, Prove
+from artigen.metrics.reading import score_reader
 from artigen.metrics.score import Scores
 from artigen.metrics.structure import score_reconstruction, score_spread
 from artigen.metrics.subjects import Subject, describe_subject, draw_subjects, read_subjects
@@ -44,6 +45,8 @@ class Evaluation:
     """Table 3 and more, by set of objects."""
     spread: dict[str, dict[str, tuple[float, ...]]]
     """Table 4, by set of objects."""
+    reading: dict[str, Scores]
+    """How well pictures are read, by set of objects; empty where the model has no such network."""
     rows: tuple[Row, ...]
     footprint: Footprint
     left_out: dict[str, str]
@@ -136,6 +139,9 @@ def evaluate_structure(
         config={**asdict(cfg), "partnet": cfg.partnet is not None},
         reconstruction={name: score_reconstruction(model.vae, chosen) for name, chosen in examples.items()},
         spread={name: score_spread(model.vae, chosen) for name, chosen in examples.items()},
+        reading={}
+        if model.reader is None
+        else {name: score_reader(model.reader, chosen) for name, chosen in examples.items()},
         rows=tuple(rows),
         footprint=measure_footprint(FootprintJob(model=folder, asked=typical, cfg=generation)),
         left_out=left_out,

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from jaxtyping import Float, UInt8
 
-from artigen.train.appearance.photographs import NOTHING
+from artigen.train.photographs import NOTHING
 from artigen.types import Part
 
 MIN_PIXELS = 12

@@ -51,6 +51,8 @@ ROWS = (
     ("one_nna", "1-NNA", "percent"),
     ("nearest_training", "to nearest training object", "plain"),
 )
+READING = {"counts": "counts of every label at once", "extents": "mean error of an extent"}
+"""Names of scores that do not say themselves what they are."""
 
 
 def write_report(evaluation: Evaluation, out: Path) -> tuple[Path, Path]:
@@ -84,6 +86,19 @@ def format_report(evaluation: Evaluation) -> str:
             for key, name, paper in SPREAD
         ],
     )
+    if evaluation.reading:
+        read = next(iter(evaluation.reading.values()))
+        lines += ["", "## Pictures read", ""]
+        lines += format_table(
+            ("share of pictures read right", *sets),
+            [
+                (
+                    READING.get(key, key),
+                    *(format_score(evaluation.reading[one][key], "percent") for one in sets),
+                )
+                for key in read
+            ],
+        )
     lines += ["", "## First draws", ""]
     used = [row for row in ROWS if any(row[0] in one.scores for one in evaluation.rows)]
     lines += format_table(

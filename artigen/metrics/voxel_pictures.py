@@ -68,7 +68,7 @@ def draw_voxels(asset: Asset, opened: float, size: int) -> UInt8[np.ndarray, "H 
         materials=tuple(Material(color=color) for color in _part_colors(asset)),
     )
     cameras = frame_points(asset.scale * corners, VIEW, width=FINE * size, height=FINE * size)
-    seen = picture_mesh([mesh], asset.scale, cameras)
+    seen = picture_mesh([mesh], asset.scale, cameras).rgba
     return seen[..., :3] + (255 - seen[..., 3:])
 
 

@@ -1,4 +1,4 @@
-"""Conditions of the generative models: any subset of category, counts, size, style and one picture.
+"""Conditions of the generative models: any subset of category, counts, size, a sentence and one picture.
 
 A condition becomes a row of tokens. Whatever is not asked for is a learned token of its own, so that one
 network answers every subset; dropping everything gives the unconditional velocity of guidance.
@@ -12,6 +12,9 @@ import torch
 from jaxtyping import Bool, Float, Int
 from torch import Tensor, nn
 
+from artigen.models.clip import ClipConfig
+from artigen.models.dinov2 import DinoConfig
+from artigen.models.public_encoders import PublicPictures, PublicSentences
 from artigen.types import PAPER_CATEGORIES, PART_LABELS, PartLabel
 
 MAX_COUNT = 24
@@ -29,11 +32,13 @@ class StructureCondition:
     """Depth, width, height: the extent along x, y and z."""
     image: Float[np.ndarray, "4 H W"] | None = None
     """RGB and alpha in [0, 1], premultiplied on black."""
+    text: str | None = None
+    """A sentence, for models that read sentences; others know of it what was made counts and sizes."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ConditionBatch:
-    """Conditions as numbers: -1 where a class is open; ``known`` says which fields are given."""
+    """Conditions as numbers: -1 where a class is open; ``has_`` says which fields are given."""
 
     category: Int[Tensor, "B"]
     counts: Int[Tensor, "B L"]
@@ -41,11 +46,13 @@ class ConditionBatch:
     has_size: Bool[Tensor, "B"]
     image: Float[Tensor, "B 4 H W"]
     has_image: Bool[Tensor, "B"]
+    texts: tuple[str | None, ...]
 
     def to(self, device: torch.device | str) -> "ConditionBatch":
         """The same batch on another device."""
+        tensors = {name: value for name, value in vars(self).items() if name != "texts"}
         return ConditionBatch(
-            **{name: value.to(device, non_blocking=True) for name, value in vars(self).items()}
+            texts=self.texts, **{name: value.to(device, non_blocking=True) for name, value in tensors.items()}
         )
 
 
@@ -65,6 +72,21 @@ class ConditionConfig:
     """Width of the picture encoder."""
     image_blocks: int = 3
     """Transformer blocks of the picture encoder."""
+    dino: DinoConfig | None = None
+    """DINOv2 instead of the picture encoder; its width is that of all tokens."""
+    clip: ClipConfig | None = None
+    """CLIP, which reads sentences; None leaves these out."""
+
+    @property
+    def image_margin(self) -> float:
+        """Free border around the object in a picture, as a share of the edge, as its reader has it."""
+        return 0.06 if self.dino is None else 1 / 12
+
+    def __post_init__(self) -> None:
+        if self.dino is not None and self.dino.width != self.width:
+            raise ValueError(
+                f"DINOv2 has tokens of {self.dino.width}, expected {self.width} as all conditions"
+            )
 
 
 def gather_conditions(asked: Sequence[StructureCondition], cfg: ConditionConfig) -> ConditionBatch:
@@ -96,6 +118,7 @@ def gather_conditions(asked: Sequence[StructureCondition], cfg: ConditionConfig)
         has_size=torch.tensor([c.size is not None for c in asked]),
         image=images,
         has_image=torch.tensor([c.image is not None for c in asked]),
+        texts=tuple(c.text for c in asked) if cfg.clip is not None else (None,) * len(asked),
     )
 
 
@@ -114,6 +137,7 @@ def drop_conditions(batch: ConditionBatch, share: float, generator: torch.Genera
         has_size=batch.has_size & all_kept & kept(count),
         image=batch.image,
         has_image=batch.has_image & all_kept & (kept(count) & kept(count)),
+        texts=_keep_texts(batch.texts, all_kept & kept(count)) if any(batch.texts) else batch.texts,
     )
 
 
@@ -131,7 +155,12 @@ def isolate_pictures(batch: ConditionBatch, share: float, generator: torch.Gener
         category=torch.where(alone, -1, batch.category),
         counts=torch.where(alone[:, None], -1, batch.counts),
         has_size=batch.has_size & ~alone,
+        texts=_keep_texts(batch.texts, ~alone),
     )
+
+
+def _keep_texts(texts: tuple[str | None, ...], kept: Bool[Tensor, "B"]) -> tuple[str | None, ...]:
+    return tuple(text if keep else None for text, keep in zip(texts, kept.tolist(), strict=True))
 
 
 class ConditionEncoder(nn.Module):
@@ -145,20 +174,25 @@ class ConditionEncoder(nn.Module):
         self.size = nn.Sequential(nn.Linear(6 * 8, cfg.width), nn.SiLU(), nn.Linear(cfg.width, cfg.width))
         self.no_size = nn.Parameter(torch.zeros(cfg.width))
         self.places = nn.Parameter(0.02 * torch.randn(FIELDS, cfg.width))
-        self.image = ImageEncoder(cfg) if cfg.image_size else None
+        self.image: ImageEncoder | PublicPictures | None = None
+        if cfg.image_size:
+            self.image = ImageEncoder(cfg) if cfg.dino is None else PublicPictures(cfg.dino)
+        self.text = None if cfg.clip is None else PublicSentences(cfg.clip, cfg.width)
 
     def forward(self, batch: ConditionBatch) -> Float[Tensor, "B M C"]:
-        """One token per field, then the picture's."""
+        """One token per field, then the picture's, then the sentence's."""
         row = torch.arange(len(PART_LABELS), device=batch.counts.device) * (MAX_COUNT + 2)
         size = torch.where(batch.has_size[:, None], self.size(embed_sizes(batch.size)), self.no_size)
         fields = torch.cat(
             [self.category(batch.category + 1)[:, None], self.counts(batch.counts + 1 + row), size[:, None]],
             dim=1,
         )
-        tokens = fields + self.places
-        if self.image is None:
-            return tokens
-        return torch.cat([tokens, self.image(batch.image, batch.has_image)], dim=1)
+        tokens = [fields + self.places]
+        if self.image is not None:
+            tokens.append(self.image(batch.image, batch.has_image))
+        if self.text is not None:
+            tokens.append(self.text(batch.texts))
+        return torch.cat(tokens, dim=1)
 
 
 class ImageEncoder(nn.Module):

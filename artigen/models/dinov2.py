@@ -7,7 +7,6 @@ and out come the patch tokens before the last norm, on which TRELLIS' encoder wa
 
 from dataclasses import dataclass
 from pathlib import Path
-from pickle import UnpicklingError
 
 import torch
 from jaxtyping import Float
@@ -15,7 +14,7 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 from artigen.errors import SourceError
-from artigen.models.trellis import load_strictly, read_tensors
+from artigen.models.trellis import load_strictly, read_pickle, read_tensors
 
 MEAN, STD = (0.485, 0.456, 0.406), (0.229, 0.224, 0.225)
 """ImageNet's."""
@@ -151,15 +150,5 @@ def load_dinov2(folder: Path, cfg: DinoConfig | None = None) -> DinoV2:
         raise SourceError(f"{folder}: holds neither {FILES[0]} nor {FILES[1]}")
     path = found[0]
     network = DinoV2(cfg or DinoConfig())
-    load_strictly(network, _read_pickle(path) if path.suffix == ".pth" else read_tensors(path), str(path))
+    load_strictly(network, read_pickle(path) if path.suffix == ".pth" else read_tensors(path), str(path))
     return network.requires_grad_(requires_grad=False).eval()
-
-
-def _read_pickle(path: Path) -> dict[str, Tensor]:
-    try:
-        stored = torch.load(path, map_location="cpu", weights_only=True)
-    except (UnpicklingError, RuntimeError, EOFError) as error:
-        raise SourceError(f"{path}: is no whole torch file of plain tensors ({error})") from error
-    if not isinstance(stored, dict) or not all(isinstance(value, Tensor) for value in stored.values()):
-        raise SourceError(f"{path}: expected a state dict, tensors by name")
-    return stored

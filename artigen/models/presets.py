@@ -7,12 +7,15 @@
 from dataclasses import dataclass
 from typing import Literal
 
+from artigen.models.clip import ClipConfig
 from artigen.models.conditions import ConditionConfig
 from artigen.models.conv_vae import ConvVaeConfig
+from artigen.models.dinov2 import DinoConfig
 from artigen.models.latent_dit import LatentDitConfig
 from artigen.models.outline.batch import hint_channels
 from artigen.models.outline.flow import OutlineFlowConfig
 from artigen.models.patch_vae import PatchVaeConfig
+from artigen.models.picture_reader import PictureReaderConfig
 from artigen.models.structure_dit import StructureDitConfig
 
 PresetName = Literal["tiny", "small", "compact", "paper"]
@@ -30,6 +33,8 @@ class StructurePreset:
     """What can be asked for."""
     outline: OutlineFlowConfig | None = None
     """Flow of the parts' boxes and joints, which the flow of latents is then told; None draws all at once."""
+    reader: PictureReaderConfig | None = None
+    """What reads pictures, where they can be given."""
     resolution: int = 64
     """Edge of the fields."""
 
@@ -44,6 +49,7 @@ PRESETS: dict[PresetName, StructurePreset] = {
         ),
         conditions=ConditionConfig(width=64, image_size=32, image_patch=8, image_width=32, image_blocks=1),
         outline=OutlineFlowConfig(width=64, blocks=2, heads=2),
+        reader=PictureReaderConfig(widths=(16, 32), blocks=1, stem=8, hidden=64),
         resolution=32,
     ),
     "small": StructurePreset(
@@ -51,16 +57,18 @@ PRESETS: dict[PresetName, StructurePreset] = {
         flow=LatentDitConfig(hint=hint_channels()),
         conditions=ConditionConfig(),
         outline=OutlineFlowConfig(blocks=6),
+        reader=PictureReaderConfig(),
     ),
     "compact": StructurePreset(
         vae=PatchVaeConfig(),
         flow=LatentDitConfig(cell_width=64, cell_blocks=4, hint=hint_channels()),
         conditions=ConditionConfig(),
         outline=OutlineFlowConfig(),
+        reader=PictureReaderConfig(widths=(32, 48, 64), stem=16, hidden=128),  # 40 MB in all
     ),
     "paper": StructurePreset(
         vae=ConvVaeConfig(),
         flow=StructureDitConfig(),
-        conditions=ConditionConfig(width=1024, image_size=0),
+        conditions=ConditionConfig(width=1024, image_size=518, dino=DinoConfig(), clip=ClipConfig()),
     ),
 }

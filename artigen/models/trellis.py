@@ -5,6 +5,7 @@ Loading is strict: every tensor of the file must be there, have its shape and be
 
 import json
 from pathlib import Path
+from pickle import UnpicklingError
 from typing import Any
 
 import torch
@@ -92,6 +93,21 @@ def read_tensors(path: Path) -> dict[str, Tensor]:
         return load_file(path)
     except SafetensorError as error:
         raise SourceError(f"{path}: is no whole safetensors file ({error}); download it again") from error
+
+
+def read_pickle(path: Path) -> dict[str, Tensor]:
+    """All tensors of a torch file that holds nothing else.
+
+    Raises:
+        SourceError: If the file is damaged, or holds other things.
+    """
+    try:
+        stored = torch.load(path, map_location="cpu", weights_only=True)
+    except (UnpicklingError, RuntimeError, EOFError) as error:
+        raise SourceError(f"{path}: is no whole torch file of plain tensors ({error})") from error
+    if not isinstance(stored, dict) or not all(isinstance(value, Tensor) for value in stored.values()):
+        raise SourceError(f"{path}: expected a state dict, tensors by name")
+    return stored
 
 
 def load_strictly(network: nn.Module, tensors: dict[str, Tensor], owner: str) -> None:

@@ -1,13 +1,13 @@
 """`shape_to_asset`: a procedural object as an `Asset`, with exact voxels and coloured surface samples."""
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from artigen.shapes.rasterize import rasterize_shape
 from artigen.shapes.sampling import sample_shape
 from artigen.shapes.shape import Motion, Shape
 from artigen.types import FIXED, Asset, Joint, Part
-from artigen.voxels import assign_cells, drop_unresolved
+from artigen.voxels import assign_cells, drop_unresolved, find_heirs
 
 
 def shape_parts(shape: Shape, center: Float[np.ndarray, "3"], scale: float) -> tuple[Part, ...]:
@@ -56,6 +56,11 @@ def shape_to_asset(shape: Shape, resolution: int | None = 64, spacing: float | N
         surface=None if spacing is None else sample_shape(shape, spacing),
     )
     return asset if voxels is None else drop_unresolved(asset)
+
+
+def part_owners(shape: Shape, asset: Asset) -> Int[np.ndarray, "P"]:
+    """The asset's part that each part of the shape is: itself, or the ancestor that it was merged into."""
+    return find_heirs({part.name: part.parent for part in shape.parts}, asset)
 
 
 def _joint(motion: Motion, center: Float[np.ndarray, "3"], scale: float) -> Joint:

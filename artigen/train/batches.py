@@ -14,7 +14,9 @@ from torch import Tensor
 from artigen.models.conditions import ConditionBatch, ConditionConfig
 from artigen.models.outline.batch import OutlineBatch, gather_outlines
 from artigen.models.patches import PatchBatch, collate
+from artigen.text import write_text
 from artigen.train.examples import StructureExample
+from artigen.types import PART_LABELS
 
 Batch = TypeVar("Batch")
 Example = TypeVar("Example")
@@ -99,7 +101,13 @@ def condition_batch(examples: Sequence[Described], cfg: ConditionConfig) -> Cond
         has_size=torch.ones(len(examples), dtype=torch.bool),
         image=torch.from_numpy(images).permute(0, 3, 1, 2).float() / 255.0,
         has_image=torch.tensor(pictured),
+        texts=tuple(None if cfg.clip is None else describe_example(example) for example in examples),
     )
+
+
+def describe_example(example: Described) -> str:
+    """What an example is, in a sentence."""
+    return write_text(example.category, dict(zip(PART_LABELS, example.counts.tolist(), strict=True)))
 
 
 def draw_batches(

@@ -18,19 +18,24 @@ from torch import Tensor, nn
 
 from artigen.errors import SourceError
 from artigen.io import write_whole
+from artigen.metrics.reading import score_reader
 from artigen.metrics.structure import score_reconstruction, score_spread
 from artigen.models.outline.flow import OutlineFlow
+from artigen.models.picture_reader import PictureReader
 from artigen.models.presets import PRESETS, StructurePreset
+from artigen.models.public_encoders import attach_encoders, load_encoders
 from artigen.models.store import save_model
 from artigen.models.structure_flow import StructureFlow
 from artigen.models.structure_vae import StructureVae
+from artigen.models.trellis import load_strictly, load_trellis
 from artigen.train.decoder import train_decoder
 from artigen.train.examples import StructureExample
 from artigen.train.loop import finished_steps
 from artigen.train.outline import train_outline_flow
 from artigen.train.presets import TRAINING
+from artigen.train.reader import train_picture_reader
 from artigen.train.real import real_examples
-from artigen.train.run import RunConfig, Stage, claim_run
+from artigen.train.run import RunConfig, Stage, claim_run, run_conditions
 from artigen.train.shards import HELD_OUT, ShardConfig, make_shard, make_shards, read_shard
 from artigen.train.stage import begin_stage, describe_stage, load_stage, log_metrics, plan_loop
 from artigen.train.structure import encode_examples, train_structure_flow, train_structure_vae
@@ -72,6 +77,8 @@ def train_everything(
     claim_run(cfg)
     report = on_report or log_metrics
     data = make_data(cfg)
+    if stage in ("structure", "structure-reader"):
+        train_reader(cfg, data, report)
     if stage in ("structure", "structure-outline"):
         train_outline(cfg, data, report)
     if stage in ("structure", "structure-vae"):
@@ -153,6 +160,28 @@ def train_outline(cfg: RunConfig, data: RunData, report: Report) -> OutlineFlow 
     return flow
 
 
+def train_reader(cfg: RunConfig, data: RunData, report: Report) -> PictureReader | None:
+    """Trains the picture reader, stores it, and writes how well it reads; None where the preset has none."""
+    preset, training = PRESETS[cfg.preset], TRAINING[cfg.preset]
+    if preset.reader is None or training.reader is None:
+        return None
+    torch.manual_seed(3)
+    reader = begin_stage(PictureReader(preset.reader, preset.conditions), cfg.start, "reader")
+    train_picture_reader(
+        reader,
+        data.trained,
+        cfg.folder / "reader",
+        plan_loop(training.reader, cfg.minutes),
+        batch=training.reader.batch,
+        on_report=lambda line: report("reader", line),
+    )
+    _store(cfg, data, reader, "reader")
+    scores = score_reader(reader, data.held_out)
+    write_whole(cfg.folder / "reading.json", json.dumps(scores, indent=1) + "\n")
+    logger.info("held-out pictures %s", scores)
+    return reader
+
+
 def train_flow(
     cfg: RunConfig, latents: tuple[Tensor, Tensor], data: RunData, report: Report
 ) -> StructureFlow:
@@ -160,6 +189,11 @@ def train_flow(
     preset, training = PRESETS[cfg.preset], TRAINING[cfg.preset]
     torch.manual_seed(1)
     flow = begin_stage(StructureFlow(preset.flow, preset.conditions), cfg.start, "flow")
+    if cfg.trellis is not None:
+        load_strictly(flow.network, load_trellis(cfg.trellis).state_dict(), str(cfg.trellis))
+    if cfg.encoders is not None:
+        known = preset.conditions
+        attach_encoders(flow, load_encoders(cfg.encoders, dino=known.dino, text=known.clip))
     train_structure_flow(
         flow,
         latents,
@@ -167,7 +201,7 @@ def train_flow(
         cfg.folder / "flow",
         plan_loop(training.flow, cfg.minutes),
         batch=training.flow.batch,
-        conditions=preset.conditions,
+        conditions=run_conditions(cfg),
         time_mean=training.time_mean,
         on_report=lambda line: report("flow", line),
     )
@@ -214,7 +248,7 @@ def _examples(
         first_seed=first_seed,
         objects=cfg.objects,
         resolution=preset.resolution,
-        image_size=preset.conditions.image_size,
+        image_size=run_conditions(cfg).image_size,
     )
     started = time.monotonic()
     paths = make_shards(
@@ -255,6 +289,10 @@ def main() -> None:
     parser.add_argument(
         "--start", type=Path, help="folder of a model whose weights every network begins with"
     )
+    parser.add_argument(
+        "--trellis", type=Path, help="checkpoint of TRELLIS that the flow's network begins with"
+    )
+    parser.add_argument("--encoders", type=Path, help="folder with the public weights of DINOv2 and CLIP")
     parser.add_argument("--workers", type=int, default=2, help="processes that make data")
     train_everything(RunConfig(**vars(parser.parse_args())))
 

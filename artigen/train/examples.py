@@ -10,12 +10,18 @@ from jaxtyping import Float, UInt8
 
 from artigen.metrics.delivery import asset_size, part_counts
 from artigen.models.patches import PackedField, pack_asset
+from artigen.shapes.asset import part_owners, shape_to_asset
+from artigen.shapes.draw import draw_shape
+from artigen.train.photographs import Photograph, photograph_shape
 from artigen.types import Asset
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class StructureExample:
-    """Field and condition of an object; ``image`` is RGBA, premultiplied on black."""
+    """Field and condition of an object; ``image`` is RGBA, premultiplied on black.
+
+    ``shown`` holds the part that each pixel of the image shows (`artigen.train.photographs.NOTHING`: none).
+    """
 
     name: str
     category: str
@@ -23,9 +29,10 @@ class StructureExample:
     counts: UInt8[np.ndarray, "L"]
     size: Float[np.ndarray, "3"]
     image: UInt8[np.ndarray, "H W 4"] | None = None
+    shown: UInt8[np.ndarray, "H W"] | None = None
 
 
-def example_of_asset(asset: Asset, image: UInt8[np.ndarray, "H W 4"] | None = None) -> StructureExample:
+def example_of_asset(asset: Asset, photograph: Photograph | None = None) -> StructureExample:
     """The example of an asset with voxels: parts counted, extent at rest in metres."""
     voxels = asset.voxels
     if voxels is None:
@@ -36,7 +43,8 @@ def example_of_asset(asset: Asset, image: UInt8[np.ndarray, "H W 4"] | None = No
         field=pack_asset(asset),
         counts=part_counts(asset).astype(np.uint8),
         size=asset_size(asset).astype(np.float32),
-        image=image,
+        image=None if photograph is None else photograph.rgba,
+        shown=None if photograph is None else photograph.parts,
     )
 
 
@@ -51,11 +59,10 @@ def draw_example_of(
     category: str, seed: int, *, resolution: int = 64, image_size: int = 128
 ) -> tuple[Asset, StructureExample]:
     """A procedural object with voxels, and its example as `draw_example` gives it."""
-    from artigen.shapes.asset import shape_to_asset
-    from artigen.shapes.draw import draw_shape
-    from artigen.train.photographs import photograph_shape
-
     shape = draw_shape(category, seed)
-    image = photograph_shape(shape, seed, image_size) if image_size else None
     asset = shape_to_asset(shape, resolution)
-    return asset, example_of_asset(asset, image)
+    if not image_size:
+        return asset, example_of_asset(asset)
+    return asset, example_of_asset(
+        asset, photograph_shape(shape, seed, image_size, part_owners(shape, asset))
+    )

@@ -4,6 +4,7 @@ The shading is that of procedural objects (`artigen.shapes.render`), so that pic
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import torch
@@ -36,8 +37,18 @@ SHADOW_OFFSET = 2.0
 """Points look for shadows this many pixels of the light's buffer off their surface."""
 
 
-def picture_mesh(tables: Sequence[FaceTable], scale: float, cameras: Cameras) -> UInt8[np.ndarray, "h w 4"]:
-    """A mesh as it is placed; RGBA, premultiplied on black.
+@dataclass(frozen=True, kw_only=True, eq=False)
+class MeshPicture:
+    """A mesh as a camera sees it."""
+
+    rgba: UInt8[np.ndarray, "h w 4"]
+    """Premultiplied on black."""
+    faces: Int[np.ndarray, "h w"]
+    """Seen in the middle of each pixel, counted over all tables; -1 where there is none."""
+
+
+def picture_mesh(tables: Sequence[FaceTable], scale: float, cameras: Cameras) -> MeshPicture:
+    """A mesh as it is placed.
 
     Args:
         tables: Triangles in the unit cube with their materials.
@@ -66,7 +77,10 @@ def picture_mesh(tables: Sequence[FaceTable], scale: float, cameras: Cameras) ->
     cells = fine.reshape(height, FINE, width, FINE, 4).transpose(0, 2, 1, 3, 4).reshape(height, width, -1, 4)
     covered = cells[..., 3].sum(axis=2)
     rgb = cells[..., :3].sum(axis=2) / np.maximum(covered, 1.0)[..., None]
-    return pack_picture(rgb, cells[:, :, FINE**2 // 2, 3] > 0)
+    middle = np.full(cameras.height * cameras.width, -1)
+    middle[seen.pixel] = seen.face
+    faces_seen = middle.reshape(cameras.height, cameras.width)[FINE // 2 :: FINE, FINE // 2 :: FINE]
+    return MeshPicture(rgba=pack_picture(rgb, faces_seen >= 0), faces=faces_seen)
 
 
 def join_tables(

@@ -1,9 +1,10 @@
 """Pictures that examples are conditioned on: procedural and real objects alike, from near their front."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, UInt8
+from jaxtyping import Bool, Float, Int, UInt8
 
 from artigen.datasets.partnet_surface import FaceTable
 from artigen.shapes.primitives import place_vertices
@@ -13,6 +14,19 @@ from artigen.train.mesh_pictures import FINE, join_tables, pack_picture, picture
 
 NEAR_FRONT = (0.6, 0.25)
 """Largest turn to either side and largest lift of the camera (radians): pictures are near-frontal."""
+
+NOTHING = 255
+"""Part of a pixel that shows the background."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Photograph:
+    """A picture of a closed object, and what it shows."""
+
+    rgba: UInt8[np.ndarray, "H W 4"]
+    """Premultiplied on black."""
+    parts: UInt8[np.ndarray, "H W"]
+    """Part in the middle of each pixel, `NOTHING` where there is none."""
 
 
 def draw_camera(points: Float[np.ndarray, "N 3"], seed: int, size: int) -> Cameras:
@@ -33,28 +47,50 @@ def draw_camera(points: Float[np.ndarray, "N 3"], seed: int, size: int) -> Camer
     return frame_points(points, direction, width=size, height=size)
 
 
-def photograph_shape(shape: Shape, seed: int, size: int) -> UInt8[np.ndarray, "H W 4"]:
-    """A procedural object, closed; RGBA, premultiplied on black."""
+def photograph_shape(
+    shape: Shape, seed: int, size: int, owners: Int[np.ndarray, "P"] | None = None
+) -> Photograph:
+    """A procedural object, closed.
+
+    Args:
+        shape: The object.
+        seed: Decides the direction of the camera.
+        size: Edge of the picture in pixels.
+        owners: What each part of the shape is called; its own number without.
+    """
     points = np.concatenate([place_vertices(p) for part in shape.parts for p in part.primitives])
     camera = draw_camera(points, seed, size)
     seen = render(build_scene([shape]), camera, [np.zeros(len(shape.parts))])
-    return pack_picture(seen.rgb[0].numpy(), seen.mask[0].numpy())
+    mask = seen.mask[0].numpy()
+    names = np.arange(len(shape.parts)) if owners is None else owners
+    return Photograph(
+        rgba=pack_picture(seen.rgb[0].numpy(), mask), parts=_mark(names, seen.part_ids[0].numpy(), mask)
+    )
 
 
 def photograph_mesh(
-    tables: Sequence[FaceTable], scale: float, seed: int, size: int
-) -> UInt8[np.ndarray, "H W 4"]:
-    """A textured mesh as it is placed; RGBA, premultiplied on black.
+    tables: Sequence[FaceTable], scale: float, seed: int, size: int, owners: Int[np.ndarray, "F"]
+) -> Photograph:
+    """A textured mesh as it is placed.
 
     Args:
         tables: Triangles in the unit cube with their materials.
         scale: Metres per unit-cube length.
         seed: Decides the direction of the camera.
         size: Edge of the picture in pixels.
+        owners: Part of each face, counted over all tables.
 
     Raises:
         SourceError: If an image of a material cannot be decoded.
     """
     vertices, faces = join_tables(tables, scale)
     camera = draw_camera(vertices[np.unique(faces)], seed, FINE * size)
-    return picture_mesh(tables, scale, camera)
+    seen = picture_mesh(tables, scale, camera)
+    return Photograph(rgba=seen.rgba, parts=_mark(owners, seen.faces, seen.faces >= 0))
+
+
+def _mark(
+    names: Int[np.ndarray, "N"], seen: Int[np.ndarray, "H W"], mask: Bool[np.ndarray, "H W"]
+) -> UInt8[np.ndarray, "H W"]:
+    """Names of what is seen, `NOTHING` where nothing is; a name that is too large counts as nothing."""
+    return np.where(mask, np.minimum(names[seen], NOTHING), NOTHING).astype(np.uint8)

@@ -13,9 +13,10 @@ from typing import Literal
 
 from artigen.errors import SourceError
 from artigen.train.examples import StructureExample, example_of_asset
+from artigen.train.photographs import photograph_mesh
 from artigen.train.shards import read_shard, write_shard
 from artigen.types import PAPER_CATEGORIES, Asset
-from artigen.voxels import drop_unresolved, voxelize
+from artigen.voxels import drop_unresolved, find_heirs, voxelize
 from artigen.workers import Outcome, Worker, run_supervised
 
 logger = logging.getLogger(__name__)
@@ -72,13 +73,15 @@ def read_real(job: RealJob) -> tuple[Asset, StructureExample]:
     assert asset.surface is not None
     voxels = voxelize(asset.surface, job.resolution)
     asset = drop_unresolved(replace(asset, voxels=voxels, surface=None))
-    image = None
-    if job.image_size:
-        from artigen.train.photographs import photograph_mesh
-
-        seed = zlib.crc32(asset.name.encode())
-        image = photograph_mesh(source.tables, asset.scale, seed, job.image_size)
-    return asset, example_of_asset(asset, image)
+    if not job.image_size:
+        return asset, example_of_asset(asset)
+    parts = source.asset.parts
+    parents = {part.name: None if part.parent < 0 else parts[part.parent].name for part in parts}
+    owners = find_heirs(parents, asset)[source.triangles.part_ids]
+    seed = zlib.crc32(asset.name.encode())
+    return asset, example_of_asset(
+        asset, photograph_mesh(source.tables, asset.scale, seed, job.image_size, owners)
+    )
 
 
 def read_reals(

@@ -1,16 +1,26 @@
 """What a run from nothing to weights is: its configuration, and the folder that belongs to it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
 from artigen.claim import claim_folder
 from artigen.errors import ArtigenError
+from artigen.models.conditions import ConditionConfig
 from artigen.models.presets import PRESETS, PresetName
+from artigen.models.public_encoders import find_encoders
 from artigen.models.store import hash_model, read_description
+from artigen.models.structure_dit import StructureDitConfig
 from artigen.train.real import list_split
 
-Stage = Literal["structure", "structure-vae", "structure-outline", "structure-flow", "structure-decoder"]
+Stage = Literal[
+    "structure",
+    "structure-reader",
+    "structure-outline",
+    "structure-vae",
+    "structure-flow",
+    "structure-decoder",
+]
 """All networks, or one of them."""
 
 
@@ -37,6 +47,11 @@ class RunConfig:
     """Share of real objects among the examples, by repetition."""
     start: Path | None = None
     """Folder of a model whose weights every network begins with."""
+    trellis: Path | None = None
+    """Public checkpoint of TRELLIS, without its suffix, whose weights the flow's network begins with."""
+    encoders: Path | None = None
+    """Folder with the public weights of DINOv2 and CLIP, for presets that read pictures and sentences with
+    these; without, both are left open in training."""
     workers: int = 2
     """Processes that make data."""
 
@@ -59,6 +74,10 @@ def claim_run(cfg: RunConfig) -> None:
         )
     if not 0 < cfg.real_share < 1:
         raise ArtigenError(f"share of real objects {cfg.real_share:g}, expected between 0 and 1")
+    if cfg.start is not None and cfg.trellis is not None:
+        raise ArtigenError(f"the flow cannot begin with both {cfg.start} and {cfg.trellis}; name one")
+    if cfg.trellis is not None and not isinstance(PRESETS[cfg.preset].flow, StructureDitConfig):
+        raise ArtigenError(f"{cfg.trellis}: preset {cfg.preset!r} has another flow than TRELLIS; train paper")
     if cfg.partnet is not None:
         list_split(cfg.partnet, "train")
     claim_folder(
@@ -70,8 +89,21 @@ def claim_run(cfg: RunConfig) -> None:
             "objects": cfg.objects,
             "real_share": None if cfg.partnet is None else cfg.real_share,
             "start": claim_start(cfg.start, cfg.preset),
+            "trellis": None if cfg.trellis is None else cfg.trellis.name,
+            "encoders": None if cfg.encoders is None else " and ".join(find_encoders(cfg.encoders)),
         },
     )
+
+
+def run_conditions(cfg: RunConfig) -> ConditionConfig:
+    """What examples of a run can be asked by: pictures and sentences only where something reads them."""
+    conditions = PRESETS[cfg.preset].conditions
+    found = () if cfg.encoders is None else find_encoders(cfg.encoders)
+    if conditions.dino is not None and "image" not in found:
+        conditions = replace(conditions, image_size=0)
+    if conditions.clip is not None and "text" not in found:
+        conditions = replace(conditions, clip=None)
+    return conditions
 
 
 def claim_start(start: Path | None, preset: str) -> str | None:

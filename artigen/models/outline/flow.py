@@ -175,19 +175,16 @@ def frame_outlines(outlines: OutlineBatch) -> OutlineFrame:
 def complete_conditions(
     flow: OutlineFlow, asked: ConditionBatch, generator: torch.Generator
 ) -> ConditionBatch:
-    """Conditions with category and counts: what is open is drawn from the guesses, one after another.
-
-    Of a picture, the likeliest reading is taken instead: it shows one object.
-    """
+    """Conditions with category and counts: what is open is drawn from the guesses, one after another."""
     if (asked.category < 0).any():
-        drawn = _draw(flow.guess_open(flow.conditions(asked)).category, asked.has_image, generator)
+        drawn = _draw(flow.guess_open(flow.conditions(asked)).category, generator)
         asked = replace(asked, category=torch.where(asked.category < 0, drawn, asked.category))
     for label in range(len(PART_LABELS)):
         is_open = asked.counts[:, label] < 0
         if is_open.any():
             said = flow.guess_open(flow.conditions(asked)).counts[:, label]
             counts = asked.counts.clone()
-            counts[is_open, label] = _draw(said, asked.has_image, generator)[is_open]
+            counts[is_open, label] = _draw(said, generator)[is_open]
             asked = replace(asked, counts=counts)
     return asked
 
@@ -245,10 +242,7 @@ def _name_parts(counts: Int[Tensor, "B L"]) -> tuple[Int[Tensor, "B N"], Bool[Te
     return labels, given
 
 
-def _draw(
-    logits: Float[Tensor, "B K"], certain: Bool[Tensor, "B"], generator: torch.Generator
-) -> Int[Tensor, "B"]:
-    """One of the classes by their chances, or the likeliest where that is to be."""
+def _draw(logits: Float[Tensor, "B K"], generator: torch.Generator) -> Int[Tensor, "B"]:
+    """One of the classes by their chances."""
     chances = logits.softmax(dim=1).cpu()
-    drawn = torch.multinomial(chances, 1, generator=generator)[:, 0].to(logits.device)
-    return torch.where(certain, logits.argmax(dim=1), drawn)
+    return torch.multinomial(chances, 1, generator=generator)[:, 0].to(logits.device)

@@ -11,13 +11,13 @@ from jaxtyping import Float, Int, UInt8
 from artigen.facings import find_covered, find_facings, find_joined
 from artigen.models.features import FeatureExtractor
 from artigen.palettes import describe_voxels, read_palettes
+from artigen.shapes.asset import part_owners
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.sampling import sample_shape
 from artigen.shapes.shape import Shape
 from artigen.train.appearance.curation import CurationConfig, curate
 from artigen.train.appearance.photographs import Pictures
 from artigen.train.appearance.places import SAMPLES
-from artigen.train.appearance.states import part_owners
 from artigen.train.examples import draw_example_of
 from artigen.types import Asset, SurfaceSamples
 

@@ -6,7 +6,7 @@ but neighbours are open by different shares at a time.
 """
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 
 from artigen.shapes.shape import Shape
 from artigen.types import Asset
@@ -55,18 +55,6 @@ def shape_coordinates(
         0.0 if part.motion is None or part.name not in kept else part.motion.upper for part in shape.parts
     ]
     return fractions * np.array(upper)
-
-
-def part_owners(shape: Shape, asset: Asset) -> Int[np.ndarray, "P"]:
-    """The asset's part that each part of the shape is: itself, or the ancestor that it was merged into."""
-    row = {part.name: index for index, part in enumerate(asset.parts)}
-    parents = {part.name: part.parent for part in shape.parts}
-
-    def heir(name: str) -> int:
-        parent = parents[name]
-        return row[name] if name in row or parent is None else heir(parent)
-
-    return np.array([heir(part.name) for part in shape.parts])
 
 
 def asset_coordinates(
