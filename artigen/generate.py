@@ -16,7 +16,7 @@ from artigen.models.conditions import StructureCondition, gather_conditions
 from artigen.models.outline.batch import OutlineBatch
 from artigen.models.outline.draw import OutlineConfig, draw_outline
 from artigen.models.outline.flow import OutlineFlow, complete_conditions
-from artigen.models.picture_reader import PictureReader, read_condition
+from artigen.models.picture_reader import PictureReader, locate_parts, read_condition
 from artigen.models.presets import PRESETS, StructurePreset
 from artigen.models.steady import SteadyConfig
 from artigen.models.store import load_model, read_description
@@ -164,7 +164,12 @@ def _draw(
     if model.outline is not None:
         known = complete_conditions(model.outline, known, generator)
         extents = None if asked.size is None else np.array(asked.size)
-        drawn = draw_outline(model.outline, known, nothing, generator, cfg.outline, extents=extents)
+        density = None
+        if asked.image is not None and model.reader is not None:
+            density = locate_parts(model.reader, asked.image)
+        drawn = draw_outline(
+            model.outline, known, nothing, generator, cfg.outline, extents=extents, density=density
+        )
         rows, said, left = drawn.rows, drawn.notes, tuple(fault.what for fault in drawn.faults)
         given = torch.ones(1, len(rows), dtype=torch.bool, device=device)
         outlines = OutlineBatch(rows=torch.from_numpy(rows)[None].to(device), given=given)

@@ -117,9 +117,7 @@ def read_condition(
     said = asked.category is not None and asked.size is not None and len(asked.counts) == len(PART_LABELS)
     if asked.image is None or said:
         return asked, ()
-    device = next(reader.parameters()).device
-    picture = torch.from_numpy(np.ascontiguousarray(asked.image, dtype=np.float32))
-    seen = reader(picture[None].to(device))
+    seen = _look(reader, asked.image)
     known = dict(asked.counts)
     category = asked.category or reader.conditions.categories[int(seen.category[0].argmax())]
     read = seen.counts[0].argmax(dim=-1).tolist()
@@ -131,6 +129,17 @@ def read_condition(
     parts = ", ".join(f"{count} {label}" for label, count in counts if count and label not in known)
     metres = " x ".join(f"{edge:.2f}" for edge in whole.size or ())
     return whole, (f"picture: read as {category} of {metres} m with {parts or 'no parts'}",)
+
+
+@torch.no_grad()
+def locate_parts(reader: PictureReader, image: Float[np.ndarray, "4 H W"]) -> Float[np.ndarray, "L h w"]:
+    """Parts of each label per cell of a picture, seen where their middles are."""
+    return _look(reader, image).density[0].float().cpu().numpy()
+
+
+def _look(reader: PictureReader, image: Float[np.ndarray, "4 H W"]) -> Reading:
+    picture = torch.from_numpy(np.ascontiguousarray(image, dtype=np.float32))
+    return reader(picture[None].to(next(reader.parameters()).device))
 
 
 class _Residual(nn.Module):

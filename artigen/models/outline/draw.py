@@ -9,6 +9,7 @@ from jaxtyping import Float
 from artigen.models.conditions import ConditionBatch
 from artigen.models.outline.faults import Fault, OutlineFaultsConfig, find_faults
 from artigen.models.outline.flow import OutlineFlow, sample_outlines
+from artigen.models.outline.likeness import LikenessConfig, measure_likeness
 from artigen.models.outline.regularise import OutlineRegulariseConfig, regularise_outline
 from artigen.sampling import SamplerConfig
 
@@ -25,6 +26,10 @@ class OutlineConfig:
     """What cannot be."""
     draws: int = 16
     """Outlines drawn at most."""
+    likened: int = 8
+    """Outlines without a fault among which the likeliest is chosen, where a picture says which that is."""
+    likeness: LikenessConfig = field(default_factory=LikenessConfig)
+    """How outlines are compared with a picture."""
 
     def __post_init__(self) -> None:
         if self.draws < 1:
@@ -49,8 +54,9 @@ def draw_outline(
     cfg: OutlineConfig,
     *,
     extents: Float[np.ndarray, "3"] | None = None,
+    density: Float[np.ndarray, "L h w"] | None = None,
 ) -> DrawnOutline:
-    """The first outline without a fault, or that with the least of all.
+    """The first outline without a fault, or that with the least of all; of several, the one like a picture.
 
     Args:
         flow: the trained flow.
@@ -59,15 +65,24 @@ def draw_outline(
         generator: of the noise, on the CPU.
         cfg: how it is drawn.
         extents: edges of the object that is asked for, up to a factor.
+        density: parts of each label per cell of a picture (`artigen.models.picture_reader`), if there is one.
     """
     drawn: list[DrawnOutline] = []
-    while len(drawn) < cfg.draws and not (drawn and not drawn[-1].faults):
+    wanted = 1 if density is None else cfg.likened
+    while len(drawn) < cfg.draws and sum(not one.faults for one in drawn) < wanted:
         outline = sample_outlines(flow, asked, nothing, generator, cfg.sampler).rows[0].cpu().numpy()
         rows, notes = regularise_outline(outline, cfg.regularise, extents=extents)
         drawn.append(DrawnOutline(rows=rows, faults=find_faults(rows, cfg.faults), notes=notes))
-    best = min(drawn, key=lambda one: sum(fault.cells for fault in one.faults))
-    notes = best.notes
-    if len(drawn) > 1:
+    least = min(sum(fault.cells for fault in one.faults) for one in drawn)
+    found = [one for one in drawn if sum(fault.cells for fault in one.faults) == least]
+    best = found[0]
+    notes: tuple[str, ...] = ()
+    if density is not None and len(found) > 1:
+        likeness = [measure_likeness(one.rows, density, cfg.likeness) for one in found]
+        best = found[int(np.argmax(likeness))]
+        notes = (f"outline: the most like the picture of {len(found)}",)
+    notes = (*best.notes, *notes)
+    if drawn[0].faults and len(drawn) > 1:
         notes = (*notes, f"outline: {len(drawn)} were drawn, of the first {_worst(drawn[0].faults)}")
     if best.faults:
         notes = (*notes, f"outline: {len(best.faults)} faults are left, {_worst(best.faults)}")
