@@ -6,7 +6,7 @@ from typing import TypeVar
 
 from artigen.errors import ArtigenError
 from artigen.models.conditions import StructureCondition
-from artigen.pictures import read_picture
+from artigen.pictures import MARGIN, read_picture
 from artigen.shapes.draw import Wish, categories, check_wish, draw_shape
 from artigen.text import COLORS, Color, ParsedText, parse_text
 from artigen.types import PART_LABELS, PartLabel
@@ -34,7 +34,7 @@ class Asked:
     notes: tuple[str, ...] = ()
 
 
-def read_request(request: Request, seed: int, image_size: int, *, margin: float = 0.06) -> Asked:
+def read_request(request: Request, seed: int, image_size: int, *, margin: float = MARGIN) -> Asked:
     """One whole condition: what the request leaves open is drawn from the procedural grammar by the seed.
 
     The grammar knows which sizes and counts go together, so what is drawn is something that exists. A

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import torch
+from jaxtyping import Float
 
 from artigen.datasets.sizes import estimate_size
 from artigen.errors import SegmentationError, SourceError
@@ -125,6 +126,9 @@ def generate_structure(
     read: tuple[str, ...] = ()
     if model.reader is not None:
         asked, read = read_condition(model.reader, asked)
+    shown = None
+    if model.reader is not None and asked.image is not None:
+        shown = locate_parts(model.reader, asked.image)
     drawn: list[tuple[int, float, Asset]] = []
     notes: list[str] = []
     while len(notes) < cfg.draws and not any(
@@ -132,7 +136,7 @@ def generate_structure(
         for faults, rough, asset in drawn
     ):
         try:
-            asset, left = _draw(model, asked, seed, generator, cfg)
+            asset, left = _draw(model, asked, shown, seed, generator, cfg)
         except SegmentationError as error:
             notes.append(f"draw {len(notes) + 1}: {error}")
             if len(notes) == cfg.draws and not drawn:
@@ -150,11 +154,15 @@ def generate_structure(
 def _draw(
     model: StructureModel,
     asked: StructureCondition,
+    shown: Float[np.ndarray, "L h w"] | None,
     seed: int,
     generator: torch.Generator,
     cfg: GenerateConfig,
 ) -> tuple[Asset, tuple[str, ...]]:
-    """One draw of outline and cells, and the faults that are left in the outline."""
+    """One draw of outline and cells, and the faults that are left in the outline.
+
+    ``shown`` says where a picture shows the parts (`artigen.models.picture_reader.locate_parts`).
+    """
     device = next(model.flow.parameters()).device
     edge = model.flow.edge
     noise = torch.randn((1, model.flow.channels, edge, edge, edge), generator=generator).to(device)
@@ -164,11 +172,8 @@ def _draw(
     if model.outline is not None:
         known = complete_conditions(model.outline, known, generator)
         extents = None if asked.size is None else np.array(asked.size)
-        density = None
-        if asked.image is not None and model.reader is not None:
-            density = locate_parts(model.reader, asked.image)
         drawn = draw_outline(
-            model.outline, known, nothing, generator, cfg.outline, extents=extents, density=density
+            model.outline, known, nothing, generator, cfg.outline, extents=extents, density=shown
         )
         rows, said, left = drawn.rows, drawn.notes, tuple(fault.what for fault in drawn.faults)
         given = torch.ones(1, len(rows), dtype=torch.bool, device=device)

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from PIL import Image
 
 MIN_EDGE = 16
+MARGIN = 0.06
+"""Free border on each side of the object, as a share of the edge."""
 MAX_PIXELS = 64_000_000
 MAX_EDGE = 2048
 """Larger pictures are scaled down first: their background is told from the object as well, in less memory."""
@@ -29,7 +31,7 @@ class Picture:
     notes: tuple[str, ...]
 
 
-def read_picture(path: Path, size: int, *, margin: float = 0.06) -> Picture:
+def read_picture(path: Path, size: int, *, margin: float = MARGIN) -> Picture:
     """Reads a picture, cuts out its object and scales it into a square.
 
     With an alpha channel, that is the object. Without, what differs from a plain background along the

@@ -14,6 +14,7 @@ from torch.nn import functional
 
 from artigen.ask import Request, read_request
 from artigen.errors import ArtigenError, SourceError
+from artigen.models.clip import load_clip
 from artigen.models.conditions import (
     FIELDS,
     ConditionConfig,
@@ -23,9 +24,9 @@ from artigen.models.conditions import (
     gather_conditions,
     isolate_pictures,
 )
-from artigen.models.dinov2 import DinoConfig, DinoV2
+from artigen.models.dinov2 import DinoConfig, DinoV2, load_dinov2
 from artigen.models.presets import PRESETS, StructurePreset
-from artigen.models.public_encoders import attach_encoders, find_encoders, load_encoders
+from artigen.models.public_encoders import CLIP_FOLDER, attach_encoders, find_encoders
 from artigen.models.structure_dit import StructureDit, StructureDitConfig
 from artigen.train.everything import train_everything
 from artigen.train.presets import TRAINING
@@ -57,7 +58,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def encoder(folder: Path) -> ConditionEncoder:
     torch.manual_seed(1)
     encoder = ConditionEncoder(KNOWN)
-    attach_encoders(encoder, load_encoders(folder, dino=DINO, text=CLIP))
+    attach_encoders(encoder, folder)
     return encoder
 
 
@@ -74,14 +75,11 @@ def test_tokens_are_what_the_public_networks_give(folder: Path, encoder: Conditi
     batch = gather_conditions(asked, KNOWN)
     tokens = encoder(batch)
     assert tokens.shape == (3, FIELDS + TOKENS + CLIP.length, KNOWN.width)
-    found = load_encoders(folder, dino=DINO, text=CLIP)
-    assert found.image is not None
-    assert found.text is not None
-    seen = found.image.tokens(batch.image[:1, :3])
+    seen = load_dinov2(folder, DINO).tokens(batch.image[:1, :3])
     shown, told = tokens[:, FIELDS : FIELDS + TOKENS], tokens[:, FIELDS + TOKENS :]
     torch.testing.assert_close(shown[:1], functional.layer_norm(seen, (48,)))
     assert not shown[1:].any()
-    tokenizer, network = found.text
+    tokenizer, network = load_clip(folder / CLIP_FOLDER, CLIP)
     assert encoder.text is not None
     torch.testing.assert_close(
         told[1:2], encoder.text.out_layer(network(tokenizer(["an oven with one door"])))
@@ -102,7 +100,7 @@ def test_what_cannot_be_read_is_said_and_the_rest_is_answered(tmp_path: Path, fo
     with pytest.raises(SourceError, match="CLIP, whose files were not given"):
         alone(gather_conditions([StructureCondition(text="an oven")], KNOWN))
     with pytest.raises(SourceError, match="holds neither DINOv2"):
-        load_encoders(tmp_path)
+        attach_encoders(alone, tmp_path)
     write_clip(tmp_path / "clip-vit-large-patch14")
     assert find_encoders(tmp_path) == ("text",)
     assert find_encoders(folder) == ("image", "text")

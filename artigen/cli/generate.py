@@ -100,12 +100,11 @@ def _load(folder: Path, encoders: Path | None) -> tuple["StructureModel", "Appea
     """The models of a worker process, loaded once; without appearance where the folder has none."""
     from artigen.appearance import has_appearance, load_appearance_model
     from artigen.generate import load_structure_model
-    from artigen.models.public_encoders import attach_encoders, load_encoders
+    from artigen.models.public_encoders import attach_encoders
 
     structure = load_structure_model(folder)
     if encoders is not None:
-        known = structure.preset.conditions
-        attach_encoders(structure.flow, load_encoders(encoders, dino=known.dino, text=known.clip))
+        attach_encoders(structure.flow, encoders)
     return structure, load_appearance_model(folder) if has_appearance(folder) else None
 
 

@@ -15,6 +15,7 @@ from torch import Tensor, nn
 from artigen.models.clip import ClipConfig
 from artigen.models.dinov2 import DinoConfig
 from artigen.models.public_encoders import PublicPictures, PublicSentences
+from artigen.pictures import MARGIN
 from artigen.types import PAPER_CATEGORIES, PART_LABELS, PartLabel
 
 MAX_COUNT = 24
@@ -80,7 +81,7 @@ class ConditionConfig:
     @property
     def image_margin(self) -> float:
         """Free border around the object in a picture, as a share of the edge, as its reader has it."""
-        return 0.06 if self.dino is None else 1 / 12
+        return MARGIN if self.dino is None else 1 / 12
 
     def __post_init__(self) -> None:
         if self.dino is not None and self.dino.width != self.width:

@@ -5,7 +5,6 @@ find them (`attach_encoders`); without, it answers every other condition.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
@@ -21,14 +20,6 @@ from artigen.models.dinov2 import DinoConfig, DinoV2, load_dinov2
 
 CLIP_FOLDER = "clip-vit-large-patch14"
 """Where CLIP's files lie in the folder of encoders, beside the file of DINOv2."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class PublicEncoders:
-    """What was found in a folder."""
-
-    image: DinoV2 | None = None
-    text: tuple[ClipTokenizer, ClipText] | None = None
 
 
 class PublicPictures(nn.Module):
@@ -89,21 +80,6 @@ class PublicSentences(nn.Module):
         return every.to(told.dtype).index_copy(0, torch.tensor(rows, device=device), told)
 
 
-def load_encoders(
-    folder: Path, *, dino: DinoConfig | None = None, text: ClipConfig | None = None
-) -> PublicEncoders:
-    """Reads what a folder holds of DINOv2 and CLIP, of the given sizes or those that are published.
-
-    Raises:
-        SourceError: If it holds neither, or one is not whole.
-    """
-    found = find_encoders(folder)
-    return PublicEncoders(
-        image=load_dinov2(folder, dino) if "image" in found else None,
-        text=load_clip(folder / CLIP_FOLDER, text) if "text" in found else None,
-    )
-
-
 def find_encoders(folder: Path) -> tuple[Literal["image", "text"], ...]:
     """What a folder has encoders of.
 
@@ -122,10 +98,15 @@ def find_encoders(folder: Path) -> tuple[Literal["image", "text"], ...]:
     return tuple(found)
 
 
-def attach_encoders(network: nn.Module, encoders: PublicEncoders) -> None:
-    """Tells all parts of a network that read pictures or sentences with public networks where these are."""
+def attach_encoders(network: nn.Module, folder: Path) -> None:
+    """Gives all parts of a network that read pictures or sentences with public networks what a folder has.
+
+    Raises:
+        SourceError: If the folder has none, or one is not whole.
+    """
+    found = find_encoders(folder)
     for part in network.modules():
-        if isinstance(part, PublicPictures):
-            part.found = [] if encoders.image is None else [encoders.image]
-        if isinstance(part, PublicSentences):
-            part.found = [] if encoders.text is None else [encoders.text]
+        if isinstance(part, PublicPictures) and "image" in found:
+            part.found = [load_dinov2(folder, part.cfg)]
+        if isinstance(part, PublicSentences) and "text" in found:
+            part.found = [load_clip(folder / CLIP_FOLDER, part.cfg)]

@@ -4,7 +4,7 @@ A decoder that has seen posteriors alone takes every error of a drawn latent for
 flow's guesses of clean latents, from anywhere on the path, and is asked for the object they came from.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -20,11 +20,10 @@ from artigen.models.structure_vae import StructureVae
 from artigen.sampling import diffuse, predict_data
 from artigen.train.batches import FieldBatch, LatentBatch, draw_batches, field_batch, prefetch
 from artigen.train.examples import StructureExample
-from artigen.train.loop import LoopConfig, process_seed, train
+from artigen.train.loop import LoopConfig, Report, process_seed, train
 from artigen.train.structure import latent_batch
 from artigen.train.structure_losses import StructureLossConfig, structure_losses
 
-Report = Callable[[Mapping[str, float]], None]
 AGAIN = 0.5
 """Share of latents that are guessed a second time, from less noise, as a sampler does."""
 

@@ -23,7 +23,7 @@ from artigen.metrics.structure import score_reconstruction, score_spread
 from artigen.models.outline.flow import OutlineFlow
 from artigen.models.picture_reader import PictureReader
 from artigen.models.presets import PRESETS, StructurePreset
-from artigen.models.public_encoders import attach_encoders, load_encoders
+from artigen.models.public_encoders import attach_encoders
 from artigen.models.store import save_model
 from artigen.models.structure_flow import StructureFlow
 from artigen.models.structure_vae import StructureVae
@@ -104,7 +104,7 @@ def make_data(cfg: RunConfig) -> RunData:
         cfg.partnet,
         cfg.folder / "real",
         preset.resolution,
-        image_size=preset.conditions.image_size,
+        image_size=run_conditions(cfg).image_size,
         workers=cfg.workers,
     )
     wanted = cfg.real_share / (1.0 - cfg.real_share) * len(trained)
@@ -192,8 +192,7 @@ def train_flow(
     if cfg.trellis is not None:
         load_strictly(flow.network, load_trellis(cfg.trellis).state_dict(), str(cfg.trellis))
     if cfg.encoders is not None:
-        known = preset.conditions
-        attach_encoders(flow, load_encoders(cfg.encoders, dino=known.dino, text=known.clip))
+        attach_encoders(flow, cfg.encoders)
     train_structure_flow(
         flow,
         latents,

@@ -61,6 +61,8 @@ class LoopConfig:
 
 LossFunction = Callable[[nn.Module, Any, torch.Generator], dict[str, Tensor]]
 """Named, weighted terms of the loss of one batch; whatever is drawn comes from the generator."""
+Report = Callable[[Mapping[str, float]], None]
+"""Called with every line of metrics."""
 
 
 @dataclass(kw_only=True)
@@ -88,7 +90,7 @@ def train(
     folder: Path,
     cfg: LoopConfig,
     *,
-    on_report: Callable[[Mapping[str, float]], None] | None = None,
+    on_report: Report | None = None,
 ) -> nn.Module:
     """Trains until the budget is used and returns the network with its averaged weights.
 

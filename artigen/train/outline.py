@@ -1,6 +1,6 @@
 """Training of the outline flow: parts of examples under their conditions."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -21,9 +21,8 @@ from artigen.models.outline.flow import OutlineFlow, frame_outlines
 from artigen.sampling import diffuse, draw_times, target_velocity
 from artigen.train.batches import condition_batch, draw_batches, outline_batch, prefetch
 from artigen.train.examples import StructureExample
-from artigen.train.loop import LoopConfig, process_seed, train
+from artigen.train.loop import LoopConfig, Report, process_seed, train
 
-Report = Callable[[Mapping[str, float]], None]
 DROPOUT = 0.1
 """Least share of conditions left open."""
 ALONE = 0.25

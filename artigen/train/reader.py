@@ -1,6 +1,6 @@
 """Training of the picture reader: pictures of examples, and the parts that they show."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -17,11 +17,10 @@ from artigen.models.outline.batch import part_labels
 from artigen.models.picture_reader import CELL, PictureReader, Reading
 from artigen.train.batches import condition_batch, draw_batches, prefetch
 from artigen.train.examples import StructureExample
-from artigen.train.loop import LoopConfig, process_seed, train
+from artigen.train.loop import LoopConfig, Report, process_seed, train
 from artigen.train.photographs import NOTHING
 from artigen.types import PART_LABELS
 
-Report = Callable[[Mapping[str, float]], None]
 IN_VIEW = 2
 """Pixels of a part, at least, for it to be in view."""
 ZOOM, SHIFT = 0.09, 0.05

@@ -27,8 +27,7 @@ HELD_OUT = 10_000
 PER_OBJECT = ("counts", "size")
 """Numbers that an example's condition has as many of, whatever the object."""
 ARRAYS = ("names", "categories", "resolution", "patches", "parts", "index", "rows", "table", "counts", "size")
-"""What every shard holds; pictures, and the parts they show, if all examples
-have one."""
+"""What every shard holds; pictures, and the parts that they show, if all examples have one."""
 
 
 @dataclass(frozen=True, kw_only=True)

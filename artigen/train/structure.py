@@ -1,6 +1,6 @@
 """Training of the structure models: the VAE, then the flow on its latents."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from functools import partial
 from pathlib import Path
 
@@ -24,10 +24,9 @@ from artigen.train.batches import (
     prefetch,
 )
 from artigen.train.examples import StructureExample
-from artigen.train.loop import LoopConfig, process_seed, train
+from artigen.train.loop import LoopConfig, Report, process_seed, train
 from artigen.train.structure_losses import StructureLossConfig, structure_losses
 
-Report = Callable[[Mapping[str, float]], None]
 DROPOUT = 0.1
 """Share of samples without condition, and of fields left open in the others."""
 

@@ -23,9 +23,8 @@ from artigen.palettes import PALETTE
 from artigen.sampling import diffuse, draw_times, target_velocity
 from artigen.train.appearance.batches import voxel_batch
 from artigen.train.appearance.examples import AppearanceExample
-from artigen.train.appearance.vae import Report
 from artigen.train.batches import condition_batch, draw_batches, prefetch
-from artigen.train.loop import LoopConfig, process_seed, train
+from artigen.train.loop import LoopConfig, Report, process_seed, train
 from artigen.train.outline import ALONE
 from artigen.train.structure import DROPOUT
 from artigen.types import PART_LABELS

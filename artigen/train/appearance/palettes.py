@@ -24,10 +24,9 @@ from artigen.models.palette_flow import Painted, PaletteFlow, gather_painted, lo
 from artigen.sampling import diffuse, draw_times, target_velocity
 from artigen.shapes.draw import draw_shape
 from artigen.train.appearance.examples import paint_parts
-from artigen.train.appearance.vae import Report
 from artigen.train.batches import condition_batch, draw_batches, prefetch
 from artigen.train.examples import draw_example_of
-from artigen.train.loop import LoopConfig, process_seed, train
+from artigen.train.loop import LoopConfig, Report, process_seed, train
 from artigen.train.outline import ALONE
 from artigen.train.shards import (
     ShardConfig,

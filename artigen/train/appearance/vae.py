@@ -1,6 +1,6 @@
 """Training of the appearance VAE: encode, decode, articulate, draw, compare (section 4.2.2 of the paper)."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -19,11 +19,10 @@ from artigen.train.appearance.losses import (
     raster_config,
 )
 from artigen.train.batches import prefetch
-from artigen.train.loop import LoopConfig, finished_steps, process_seed, train
+from artigen.train.loop import LoopConfig, Report, finished_steps, process_seed, train
 
 LEAST = 1e-2
 """Least deviation of a feature: a smaller one would magnify what half precision rounds off its mean."""
-Report = Callable[[Mapping[str, float]], None]
 
 
 def train_appearance_vae(
