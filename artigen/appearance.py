@@ -11,14 +11,20 @@ from artigen.errors import SourceError
 from artigen.facings import find_covered, find_facings, find_joined
 from artigen.fields import name_rows, tabulate_parts
 from artigen.models.appearance_presets import APPEARANCE_PRESETS, AppearancePreset
-from artigen.models.appearance_vae import APPEARANCE_FLOW, APPEARANCE_PALETTE, APPEARANCE_VAE
+from artigen.models.appearance_vae import (
+    APPEARANCE_FLOW,
+    APPEARANCE_PAINTER,
+    APPEARANCE_PALETTE,
+    APPEARANCE_VAE,
+)
 from artigen.models.conditions import StructureCondition, gather_conditions
 from artigen.models.gaussian_decoder import GaussianDecoder, to_gaussians
+from artigen.models.painter import Painter, paint_voxels
 from artigen.models.palette_flow import PaletteFlow, sample_palettes
 from artigen.models.slat_flow import SlatFlow, sample_slats
 from artigen.models.store import DESCRIPTION, load_model, read_description
 from artigen.models.trellis import load_strictly, read_tensors
-from artigen.palettes import ask_colors, describe_voxels
+from artigen.palettes import ask_colors, describe_kinds, describe_voxels
 from artigen.sampling import SamplerConfig
 from artigen.splats.render.splats import Splats
 from artigen.splats.seams import SeamConfig, settle_seams
@@ -37,7 +43,9 @@ class AppearanceModel:
     decoder: GaussianDecoder
     flow: SlatFlow
     palette: PaletteFlow | None = None
-    """Where the preset has one."""
+    """Draws the colours of parts, where the preset has it."""
+    painter: Painter | None = None
+    """Puts them on the voxels, where the preset has palettes."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -94,14 +102,29 @@ def load_appearance_model(folder: Path, device: torch.device | str = "cpu") -> A
     }
     load_strictly(decoder, tensors, f"{folder / APPEARANCE_VAE} ({DECODER}*)")
     load_model(flow, folder, APPEARANCE_FLOW)
-    palette = None
+    palette = painter = None
     if preset.palette is not None:
-        palette = PaletteFlow(preset.palette, preset.conditions)
+        palette, painter = PaletteFlow(preset.palette, preset.conditions), Painter(preset.painter)
         load_model(palette, folder, APPEARANCE_PALETTE)
-        palette = palette.to(device)
+        load_model(painter, folder, APPEARANCE_PAINTER)
+        palette, painter = palette.to(device), painter.to(device)
     return AppearanceModel(
-        preset=preset, decoder=decoder.to(device).eval(), flow=flow.to(device), palette=palette
+        preset=preset,
+        decoder=decoder.to(device).eval(),
+        flow=flow.to(device),
+        palette=palette,
+        painter=painter,
     )
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Told:
+    """Colours that are known, and not drawn (`artigen.palettes`)."""
+
+    palettes: Float[np.ndarray, "P 7"] | None = None
+    """Of the parts."""
+    paint: Float[np.ndarray, "N 7"] | None = None
+    """Of the voxels; then palettes are not asked for."""
 
 
 @torch.no_grad()
@@ -114,7 +137,7 @@ def draw_splats(
     seed: int,
     cfg: AppearanceConfig,
     *,
-    palettes: Float[np.ndarray, "P 7"] | None = None,
+    told: Told | None = None,
 ) -> Splats:
     """Draws the Gaussians of given voxels, voxel after voxel.
 
@@ -126,7 +149,7 @@ def draw_splats(
         asked: the condition.
         seed: of the noise.
         cfg: samplers.
-        palettes: of the parts, where the model has any (`artigen.palettes`); drawn if not given.
+        told: colours that are not drawn, where the model draws any.
     """
     device = next(model.flow.parameters()).device
     generator = torch.Generator().manual_seed(seed)
@@ -137,15 +160,20 @@ def draw_splats(
     attributes = None
     edge = model.preset.decoder.trunk.resolution
     facings = find_facings(coords, part_ids, edge)
-    if model.palette is not None:
-        if palettes is None:
-            fixed = ask_colors(name_rows(table), dict(cfg.colors))
-            steps = cfg.palettes if asked.image is None or cfg.colors else cfg.seen
-            palettes = sample_palettes(model.palette, table, known, nothing, generator, steps, fixed=fixed)
+    if model.palette is not None and model.painter is not None:
+        paint, palettes = (None, None) if told is None else (told.paint, told.palettes)
+        if paint is None:
+            if palettes is None:
+                fixed = ask_colors(name_rows(table), dict(cfg.colors))
+                steps = cfg.palettes if asked.image is None or cfg.colors else cfg.seen
+                palettes = sample_palettes(
+                    model.palette, table, known, nothing, generator, steps, fixed=fixed
+                )
+            paint = paint_voxels(model.painter, coords, part_ids, facings, table, palettes, edge)
         covered = find_covered(coords, facings, edge)
         joined = find_joined(coords, part_ids, facings, edge)
-        told = describe_voxels(table, part_ids, palettes, facings, covered, joined)
-        attributes = torch.from_numpy(told).to(device)
+        kinds = describe_kinds(table, part_ids, facings, covered, joined)
+        attributes = torch.from_numpy(describe_voxels(kinds, paint)).to(device)
     places = torch.from_numpy(np.pad(coords.astype(np.int32), ((0, 0), (1, 0)))).to(device)
     noise = torch.randn((len(coords), model.flow.channels), generator=generator).to(device)
     sampler = cfg.sampler or model.preset.sampler

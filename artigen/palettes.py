@@ -10,12 +10,16 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from artigen.facings import AROUND, FACINGS, find_middles
+from artigen.facings import AROUND, FACINGS, SIDES, find_middles
 from artigen.fields import DEFAULT_LAYOUT, after_occupancy
-from artigen.types import PartLabel, SurfaceSamples
+from artigen.types import PART_LABELS, PartLabel, SurfaceSamples
 
 PALETTE = 7
 """Numbers per part: the colour of most of its outside, the other one, and the share of the other."""
+PAINT = 3 * SIDES + 1
+"""Numbers of a painted voxel: the colours of its outer and its inner side, and how clear it is."""
+KIND = FACINGS + len(PART_LABELS) + SIDES + AROUND
+"""Numbers that say what kind of voxel one is."""
 FRONTS: tuple[PartLabel, ...] = ("drawer", "door")
 """Parts that have the colour of the object, where they are not said to have another."""
 MOST = 2000
@@ -79,31 +83,41 @@ def ask_colors(
     return out
 
 
-def describe_voxels(
+def describe_kinds(
     table: Float[np.ndarray, "P C"],
     part_ids: Int[np.ndarray, "N"],
-    palettes: Float[np.ndarray, "P 7"],
     facings: Int[np.ndarray, "N"],
     covered: Bool[np.ndarray, "N 2"],
     joined: Bool[np.ndarray, "N 2 2"],
-) -> Float[np.ndarray, "N A"]:
-    """What the flow of structured latents is told of every voxel (float32).
+) -> Float[np.ndarray, "N 20"]:
+    """What kind of voxel each is (float32).
 
     Which way its outer side faces (one of 6), the label of its part, whether something stands before its
-    outer side and its inner one, whether its part goes on around it, and the palette of its part.
+    outer side and its inner one, and whether its part goes on around it.
 
     Args:
         table: Channels after occupancy of each part, in the default layout.
         part_ids: Part of each voxel.
-        palettes: Of each part.
         facings: Direction of each voxel's outer side.
         covered: Whether something stands before either side (`artigen.facings.find_covered`).
         joined: Whether the part goes on across them (`artigen.facings.find_joined`).
     """
     labels = table[:, after_occupancy(DEFAULT_LAYOUT.label)]
-    around = joined.reshape(len(joined), AROUND)
-    told = (np.eye(FACINGS)[facings], labels[part_ids], covered, around, palettes[part_ids])
+    told = (np.eye(FACINGS)[facings], labels[part_ids], covered, joined.reshape(len(joined), AROUND))
     return np.concatenate(told, axis=1).astype(np.float32)
+
+
+def describe_voxels(
+    kinds: Float[np.ndarray, "N 20"],
+    paint: Float[np.ndarray, "N 7"],
+) -> Float[np.ndarray, "N A"]:
+    """What the flow of structured latents is told of every voxel (float32).
+
+    Args:
+        kinds: Of the voxels (`describe_kinds`).
+        paint: Colours of both sides of each voxel, and how clear it is (`artigen.models.painter`).
+    """
+    return np.concatenate([kinds, paint], axis=1).astype(np.float32)
 
 
 def _read_palette(colors: np.ndarray, outside: Bool[np.ndarray, "N"]) -> Float[np.ndarray, "7"]:

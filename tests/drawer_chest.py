@@ -13,6 +13,7 @@ from artigen.shapes.shape import Motion, Need, Shape, ShapePart
 from artigen.shapes.surfaces.finishes import Finish
 from artigen.train.appearance.curation import CurationConfig, curate
 from artigen.train.appearance.examples import AppearanceExample, paint_parts, sample_parts
+from artigen.train.appearance.paint import read_paint
 from artigen.train.appearance.places import SAMPLES
 from artigen.train.appearance.views import ViewConfig
 from artigen.types import Asset
@@ -98,7 +99,8 @@ def make_example(shape: Shape, resolution: int = 16, **changes) -> tuple[Asset, 
     assert asset.voxels is not None
     facings = find_facings(asset.voxels.coords, asset.voxels.part_ids, resolution)
     sampled = replace(asset, surface=sample_parts(shape, asset, 1.0 / (SAMPLES * resolution)))
-    features, pictures = curate(shape, sampled, facings, PyramidFeatures(), small_curation(**changes))
+    paint = read_paint(shape, asset, facings)
+    features, pictures = curate(shape, sampled, facings, PyramidFeatures(), small_curation(**changes), paint)
     labels = np.zeros((len(asset.parts), 35 - 1), dtype=np.float32)
     labels[:, 0] = 1.0
     return asset, AppearanceExample(
@@ -108,6 +110,7 @@ def make_example(shape: Shape, resolution: int = 16, **changes) -> tuple[Asset, 
         coords=asset.voxels.coords.astype(np.uint8),
         part_ids=asset.voxels.part_ids.astype(np.uint8),
         facings=facings.astype(np.uint8),
+        paint=paint.packed(),
         features=features.values.astype(np.float16),
         views=features.views.astype(np.uint16),
         table=labels,

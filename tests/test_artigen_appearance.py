@@ -21,11 +21,13 @@ from artigen.io import read_asset, write_asset
 from artigen.models.appearance_presets import APPEARANCE_PRESETS
 from artigen.models.appearance_vae import (
     APPEARANCE_FLOW,
+    APPEARANCE_PAINTER,
     APPEARANCE_PALETTE,
     APPEARANCE_VAE,
     AppearanceVae,
 )
 from artigen.models.conditions import StructureCondition
+from artigen.models.painter import Painter
 from artigen.models.palette_flow import PaletteFlow
 from artigen.models.presets import PRESETS
 from artigen.models.slat_flow import SlatFlow
@@ -57,6 +59,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     vae = AppearanceVae(replace(look.encoder, in_channels=19), look.decoder)
     flow = SlatFlow(look.flow, look.conditions)
     save_model(PaletteFlow(look.palette, look.conditions), path, {"preset": "tiny"}, APPEARANCE_PALETTE)
+    save_model(Painter(look.painter), path, {"preset": "tiny"}, APPEARANCE_PAINTER)
     for layer in (vae.decoder.out_layer, flow.network.out_layer):  # zero in untrained networks
         torch.nn.init.normal_(layer.weight, std=0.1)
     with torch.no_grad():  # the last channels are the opacities: Gaussians that hide something

@@ -28,6 +28,7 @@ from artigen.models.store import load_model
 from artigen.splats.render.splats import Splats
 from artigen.train.appearance.curation import CurationConfig
 from artigen.train.appearance.examples import draw_appearance
+from artigen.train.appearance.painter import draw_painted, write_paint_shard
 from artigen.train.appearance.palettes import draw_palettes, write_palette_shard
 from artigen.train.appearance.photographs import NOTHING
 from artigen.train.appearance.presets import APPEARANCE_TRAINING
@@ -192,6 +193,9 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (folder / "appearance" / "painted").mkdir()
     painted = draw_palettes("Microwave", HELD_OUT, resolution=32, image_size=32)
     write_palette_shard(folder / "appearance" / "painted" / "shard_00000.npz", [painted] * 2)
+    (folder / "appearance" / "paint").mkdir()
+    voxels = draw_painted("Microwave", HELD_OUT, resolution=32, kept=32)
+    write_paint_shard(folder / "appearance" / "paint" / "shard_00000.npz", [voxels] * 2)
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(APPEARANCE_TRAINING, "tiny", replace(APPEARANCE_TRAINING["tiny"], curation=TINY))
         assert train("appearance", folder, SETTINGS, workers=1) == 0
@@ -200,7 +204,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_a_run_leaves_weights_scores_and_what_it_was(run: Path):
     said = json.loads((run / "model" / "model.json").read_text())
-    for stage, objects in (("vae", 2), ("flow", 2), ("palette", 16)):
+    for stage, objects in (("vae", 2), ("flow", 2), ("palette", 16), ("painter", 16)):
         assert said[f"appearance-{stage}"] == {
             "preset": "tiny",
             "steps": finished_steps(run / "appearance" / stage),
@@ -213,7 +217,7 @@ def test_a_run_leaves_weights_scores_and_what_it_was(run: Path):
     load_model(SlatFlow(tiny.flow, tiny.conditions), run / "model", "appearance-flow")
     scores = json.loads((run / "appearance" / "reconstruction.json").read_text())
     assert scores.keys() >= {"psnr", "ssim", "exposed", "rest"}
-    for stage in ("palette", "vae", "flow"):
+    for stage in ("palette", "painter", "vae", "flow"):
         assert (run / "appearance" / stage / "weights.safetensors").is_file()
 
 
@@ -261,10 +265,10 @@ def test_an_evaluation_names_states_features_and_the_model(
     assert "pyramid-16 features" in table
     assert "closed (RS)" in table
     assert 0 < found["total"]["shape_rest"] < 0.01
-    assert found["draws"].keys() == {"palettes", "picture"}
+    assert found["draws"].keys() == {"paint", "palettes", "picture"}
     assert all(scores["psnr"] > 0 for scores in found["draws"].values())
     assert "| told | PSNR (dB) |" in table
-    assert found["colors"].keys() == {"model", "autoencoded", "retrieval"}
+    assert found["colors"].keys() == {"paint", "palettes", "picture", "autoencoded", "retrieval"}
     assert all(0 < error < 1 for error in found["colors"].values())
     (tmp_path / "model.json").write_text("{}")
     with pytest.raises(SourceError, match="holds no appearance-vae"):

@@ -29,11 +29,12 @@ from artigen.models.gaussian_decoder import (
     select_voxels,
     to_gaussians,
 )
+from artigen.models.painter import Painter
 from artigen.models.palette_flow import PaletteFlow
 from artigen.models.slat_flow import SlatFlow, sample_slats
 from artigen.models.slat_vae import SlatEncoder
 from artigen.models.store import load_model, save_model
-from artigen.palettes import PALETTE
+from artigen.palettes import PAINT
 from artigen.sampling import SamplerConfig, diffuse, draw_times
 from artigen.splats.colors import srgb_from_linear
 from artigen.splats.render.splats import Splats
@@ -180,13 +181,13 @@ def test_decoded_gaussians_become_values_with_the_part_of_their_voxel(generator:
 
 
 def describe(count: int, generator: torch.Generator) -> torch.Tensor:
-    """Attributes of voxels of all kinds: facing, label, covered sides, palette."""
+    """Attributes of voxels of all kinds: facing, label, covered sides, paint."""
     facing, label = (
         torch.eye(kinds)[torch.randint(kinds, (count,), generator=generator)]
         for kinds in (FACINGS, len(PART_LABELS))
     )
     near = torch.randint(2, (count, SIDES + AROUND), generator=generator).float()
-    return torch.cat([facing, label, near, torch.rand(count, PALETTE, generator=generator)], dim=1)
+    return torch.cat([facing, label, near, torch.rand(count, PAINT, generator=generator)], dim=1)
 
 
 def test_expectations_keep_their_digits_where_networks_are_trained_in_few(generator: torch.Generator):
@@ -201,7 +202,7 @@ def test_expectations_keep_their_digits_where_networks_are_trained_in_few(genera
 def test_which_of_two_colours_a_covered_side_has_is_expected(generator: torch.Generator):
     """Doors have their first colour outside, and inside the second where nothing stands before it."""
     attributes = describe(40_000, generator)
-    first, second = attributes[:, -PALETTE:-1].chunk(2, dim=1)
+    first, second = attributes[:, -PAINT:-1].chunk(2, dim=1)
     door = attributes[:, FACINGS + PART_LABELS.index("door")] > 0
     turned = door & (attributes[:, FACINGS + len(PART_LABELS) + 1] == 0)
     latents = torch.cat([first, torch.where(turned[:, None], second, first)], dim=1)
@@ -219,9 +220,9 @@ def test_which_of_two_colours_a_covered_side_has_is_expected(generator: torch.Ge
     assert len(kinds.unique()) == KINDS
 
 
-def test_where_a_part_ends_is_expected_whatever_its_palette(generator: torch.Generator):
+def test_where_a_part_ends_is_expected_whatever_its_paint(generator: torch.Generator):
     attributes = describe(40_000, generator)
-    latents = attributes[:, -PALETTE - AROUND : -PALETTE] @ torch.tensor([[0.2], [-0.2], [0.1], [0.3]])
+    latents = attributes[:, -PAINT - AROUND : -PAINT] @ torch.tensor([[0.2], [-0.2], [0.1], [0.3]])
     expectation = Expectation(1)
     expectation.weight.copy_(fit_expectation([(attributes, latents)], 0.05))
     torch.testing.assert_close(expectation(attributes), latents, atol=0.01, rtol=0)
@@ -230,7 +231,7 @@ def test_where_a_part_ends_is_expected_whatever_its_palette(generator: torch.Gen
 def test_a_kind_without_voxels_is_expected_to_be_like_all(generator: torch.Generator):
     attributes = describe(5_000, generator)
     known = attributes[:, FACINGS] == 0
-    latents = attributes[:, -PALETTE:-4]
+    latents = attributes[:, -PAINT:-4]
     expectation = Expectation(3)
     expectation.weight.copy_(fit_expectation([(attributes[known], latents[known])], 0.0))
     torch.testing.assert_close(expectation(attributes[~known]), latents[~known], atol=0.01, rtol=0)
@@ -274,6 +275,7 @@ def test_weights_to_ship_are_small_enough(name):
             GaussianDecoder(preset.decoder),
             SlatFlow(preset.flow, preset.conditions),
             PaletteFlow(preset.palette, preset.conditions),
+            Painter(preset.painter),
         ]
     assert 2 * sum(value.numel() for network in networks for value in network.state_dict().values()) < 16e6
 

@@ -13,7 +13,14 @@ from artigen.fields import DEFAULT_LAYOUT, after_occupancy, tabulate_parts
 from artigen.models.appearance_presets import APPEARANCE_PRESETS
 from artigen.models.conditions import StructureCondition, gather_conditions
 from artigen.models.palette_flow import PaletteFlow, look_at_parts, sample_palettes
-from artigen.palettes import PALETTE, ask_colors, describe_voxels, find_outside, read_palettes
+from artigen.palettes import (
+    PAINT,
+    ask_colors,
+    describe_kinds,
+    describe_voxels,
+    find_outside,
+    read_palettes,
+)
 from artigen.sampling import SamplerConfig
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.sampling import sample_shape
@@ -98,22 +105,23 @@ def test_a_part_without_samples_has_the_colours_of_the_whole_and_nothing_has_non
         read_palettes(paint([], []), 1)
 
 
-def test_voxels_are_told_their_facing_and_the_label_and_the_palette_of_their_part():
+def test_voxels_are_told_their_facing_the_label_of_their_part_and_their_paint():
     asset = shape_to_asset(make_chest(), 16)
     facings = np.arange(len(asset.voxels.coords)) % FACINGS
-    palettes = np.arange(len(asset.parts) * PALETTE).reshape(-1, PALETTE) / 100.0
+    paint = np.random.default_rng(0).random((len(facings), PAINT))
     covered = np.stack([facings > 2, facings > 4], axis=1)
     joined = np.stack([covered, facings[:, None] < [1, 3]], axis=1)
-    told = describe_voxels(tabulate_parts(asset), asset.voxels.part_ids, palettes, facings, covered, joined)
-    assert told.shape == (len(asset.voxels.coords), FACINGS + len(PART_LABELS) + SIDES + AROUND + PALETTE)
+    kinds = describe_kinds(tabulate_parts(asset), asset.voxels.part_ids, facings, covered, joined)
+    told = describe_voxels(kinds, paint)
+    assert told.shape == (len(asset.voxels.coords), FACINGS + len(PART_LABELS) + SIDES + AROUND + PAINT)
     first = FACINGS + len(PART_LABELS)
     np.testing.assert_array_equal(told[:, first : first + SIDES], covered)
-    np.testing.assert_array_equal(told[:, first + SIDES : -PALETTE], joined.reshape(-1, AROUND))
+    np.testing.assert_array_equal(told[:, first + SIDES : -PAINT], joined.reshape(-1, AROUND))
     np.testing.assert_array_equal(told[:, :FACINGS].argmax(axis=1), facings)
     np.testing.assert_array_equal(told[:, :FACINGS].sum(axis=1), 1.0)
+    np.testing.assert_allclose(told[:, -PAINT:], paint, atol=1e-6)
     for row, part in zip(told, asset.voxels.part_ids, strict=True):
         assert PART_LABELS[row[FACINGS:first].argmax()] == asset.parts[part].label
-        np.testing.assert_allclose(row[-PALETTE:], palettes[part], atol=1e-6)
 
 
 def test_the_colour_of_the_object_is_that_of_its_fronts_unless_they_have_their_own():

@@ -4,6 +4,7 @@ import numpy as np
 
 from artigen.appearance import (
     AppearanceConfig,
+    Told,
     draw_splats,
     generate_appearance,
     load_appearance_model,
@@ -92,7 +93,7 @@ def test_told_palettes_are_what_is_drawn():
             StructureCondition(category="Table"),
             0,
             AppearanceConfig(),
-            palettes=told,
+            told=Told(palettes=told),
         )
         drawn = (splats.colors * splats.opacities[:, None]).sum(dim=0) / splats.opacities.sum()
         np.testing.assert_allclose(drawn.numpy(), color, atol=0.1)

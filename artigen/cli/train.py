@@ -70,6 +70,7 @@ What = Literal[
     "appearance",
     "appearance-vae",
     "appearance-palette",
+    "appearance-painter",
     "appearance-flow",
 ]
 
@@ -121,7 +122,13 @@ def _prepare(
 ) -> Callable[..., dict[str, float]]:
     """The training that was asked for, ready to begin."""
     given = {name: value for name, value in vars(cfg).items() if value is not None}
-    if what in ("appearance", "appearance-vae", "appearance-palette", "appearance-flow"):
+    if what in (
+        "appearance",
+        "appearance-vae",
+        "appearance-palette",
+        "appearance-painter",
+        "appearance-flow",
+    ):
         from artigen.train.appearance.everything import train_appearance
         from artigen.train.appearance.run import AppearanceRunConfig
 

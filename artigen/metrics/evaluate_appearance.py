@@ -1,6 +1,6 @@
 """The whole measurement of an appearance model on held-out procedural objects."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
@@ -18,7 +18,7 @@ from artigen.metrics.appearance import (
     score_sets,
     split_states,
 )
-from artigen.metrics.conditioned import PictureTask, score_colors, score_draws
+from artigen.metrics.conditioned import PictureTask, compare_draws, score_colors
 from artigen.metrics.splat_distance import score_distances
 from artigen.metrics.subjects import draw_subjects
 from artigen.models.appearance_presets import APPEARANCE_PRESETS
@@ -176,6 +176,7 @@ def evaluate_appearance(
         )
         tell("held-out objects", number + 1, cfg.held_out)
     every = list(comparisons.values())
+    draws = _compare_draws(model, tasks, cfg, tell)
     return AppearanceEvaluation(
         model=hash_model(folder),
         device=str(device),
@@ -189,8 +190,8 @@ def evaluate_appearance(
             for share, some in split_states(every).items()
         },
         objects={name: score_comparisons([one]) | distances[name] for name, one in comparisons.items()},
-        draws=_score_draws(model, tasks, cfg, tell),
-        colors=_ask_pictures(model, tasks, cfg, tell),
+        draws={name: score_comparisons(some) for name, some in draws.items()},
+        colors=_score_colors(model, tasks, {"autoencoded": every, **draws}, cfg, tell),
     )
 
 
@@ -224,14 +225,14 @@ def _mean(scores: list[Scores]) -> Scores:
     return {name: float(np.mean([one[name] for one in scores])) for name in scores[0]}
 
 
-def _score_draws(
+def _compare_draws(
     model: TrainedAppearance, tasks: list[PictureTask], cfg: EvaluateAppearanceConfig, tell: Progress
-) -> dict[str, Scores]:
+) -> dict[str, list[Comparison]]:
     """Pictures of what the flow draws, where there is one."""
     if model.drawer is None:
         return {}
     done = iter(range(1, len(tasks) + 1))
-    return score_draws(
+    return compare_draws(
         model.vae,
         model.drawer,
         tasks,
@@ -241,8 +242,12 @@ def _score_draws(
     )
 
 
-def _ask_pictures(
-    model: TrainedAppearance, tasks: list[PictureTask], cfg: EvaluateAppearanceConfig, tell: Progress
+def _score_colors(
+    model: TrainedAppearance,
+    tasks: list[PictureTask],
+    answers: Mapping[str, Sequence[Comparison]],
+    cfg: EvaluateAppearanceConfig,
+    tell: Progress,
 ) -> Scores:
     """Colour errors of the flow and its baselines, where there is something to ask and to look in."""
     if model.drawer is None or not model.conditions.image_size or not cfg.training:
@@ -257,11 +262,5 @@ def _ask_pictures(
     )
     done = iter(range(1, len(tasks) + 1))
     return score_colors(
-        model.vae,
-        model.drawer,
-        tasks,
-        library,
-        AppearanceConfig(sampler=cfg.sampler),
-        cfg.seed,
-        on_done=lambda: tell("draws by picture", next(done), len(tasks)),
+        tasks, answers, library, on_done=lambda: tell("colours of parts", next(done), len(tasks))
     )

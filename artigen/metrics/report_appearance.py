@@ -60,15 +60,16 @@ def format_appearance(evaluation: AppearanceEvaluation) -> str:
             ],
         )
     if evaluation.colors:
-        lines += ["", "## Asked for by one picture", ""]
+        lines += ["", "## Colours of parts", ""]
         lines += format_table(
-            ("method", "error of the mean colour of a part"),
+            ("told, or method", "error of the mean colour of a part"),
             [(name, format_score(value, "plain")) for name, value in evaluation.colors.items()],
         )
         lines += [
             "",
             "Mean absolute difference of sRGB values in [0, 1], over the parts that the closed object shows.",
-            "The model draws on the true voxels; retrieval takes the colours of the training object whose",
-            "picture is most alike.",
+            "The model draws on the true voxels, told the paint of voxels, the palettes of parts, or one",
+            "picture and nothing else; retrieval takes the colours of the training object whose picture is",
+            "most alike.",
         ]
     return "\n".join(lines) + "\n"

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, replace
 from artigen.models.appearance_vae import SIDE_LATENTS
 from artigen.models.conditions import ConditionConfig
 from artigen.models.gaussian_decoder import GaussianConfig, GaussianDecoderConfig
+from artigen.models.painter import PainterConfig
 from artigen.models.palette_flow import PaletteFlowConfig
 from artigen.models.presets import PresetName
 from artigen.models.slat_dit import SlatDitConfig
@@ -31,7 +32,9 @@ class AppearancePreset:
     conditions: ConditionConfig
     """What can be asked for."""
     palette: PaletteFlowConfig | None = None
-    """Flow of the parts' colours, which the flow of latents is then told; None draws all at once."""
+    """Flow of the parts' colours, drawn before latents; None draws all at once."""
+    painter: PainterConfig = field(default_factory=PainterConfig)
+    """Network that puts those colours on voxels, of which the flow of latents is told."""
     sampler: SamplerConfig = field(default_factory=SamplerConfig)
     """How latents are drawn. One step gives the mean of what palettes and places let one expect: of little
     training, cleaner than a draw."""
@@ -51,6 +54,7 @@ APPEARANCE_PRESETS: dict[PresetName, AppearancePreset] = {
         flow=SlatPatchDitConfig(channels=SIDE_LATENTS, resolution=32, stem=16, width=64, blocks=2, heads=2),
         conditions=ConditionConfig(width=64, image_size=32, image_patch=8, image_width=32, image_blocks=1),
         palette=PaletteFlowConfig(width=64, blocks=2, heads=2),
+        painter=PainterConfig(width=32, blocks=1, heads=2, hidden=64, layers=1),
     ),
     "small": AppearancePreset(
         encoder=replace(SIDED, model_channels=64, num_blocks=1, num_heads=2, mlp_ratio=2.0),
@@ -70,7 +74,7 @@ APPEARANCE_PRESETS: dict[PresetName, AppearancePreset] = {
             gaussians=GaussianConfig(count=8, scale_bias=3.5e-3, opacity_bias=0.9),
         ),
         flow=SlatPatchDitConfig(channels=SIDE_LATENTS, width=192, heads=3),
-        conditions=ConditionConfig(width=192, image_width=128, image_blocks=3),
+        conditions=ConditionConfig(width=192, image_width=128, image_blocks=2),
         palette=PaletteFlowConfig(width=128, heads=2),
         sampler=SamplerConfig(strength=0.0),
     ),

@@ -10,9 +10,10 @@ from artigen.models.gaussian_decoder import HARMONIC, GaussianDecoder, GaussianD
 from artigen.models.slat_vae import SlatEncoder, SlatVaeConfig, WindowPlans
 from artigen.splats.render.splats import Splats
 
-APPEARANCE_VAE, APPEARANCE_PALETTE, APPEARANCE_FLOW = (
+APPEARANCE_VAE, APPEARANCE_PALETTE, APPEARANCE_PAINTER, APPEARANCE_FLOW = (
     "appearance-vae",
     "appearance-palette",
+    "appearance-painter",
     "appearance-flow",
 )
 """Names of the networks in a model folder."""

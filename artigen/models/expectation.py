@@ -1,9 +1,9 @@
-"""What palettes let one expect of the latent of a voxel, by what kind of voxel it is.
+"""What paint lets one expect of the latent of a voxel, by what kind of voxel it is.
 
-A side has one of its part's two colours or a mixture of them; which, follows mostly from the part's label,
-from where the side faces and from whether something stands before it; how far surface reaches across, from
-whether the part goes on there. So each kind of voxel has its own linear map from its palette and from its
-neighbours, fitted by least squares, and the flow draws what is left.
+How a painted side looks follows mostly from its colour, from the part's label, from where the side faces and
+from whether something stands before it; how far surface reaches across, from whether the part goes on there.
+So each kind of voxel has its own linear map from its paint and from its neighbours, fitted by least squares,
+and the flow draws what is left.
 """
 
 from collections.abc import Iterable
@@ -13,13 +13,13 @@ from jaxtyping import Float, Int
 from torch import Tensor, nn
 
 from artigen.facings import AROUND, FACINGS, SIDES
-from artigen.palettes import PALETTE
+from artigen.palettes import PAINT
 from artigen.types import PART_LABELS
 
 KINDS = len(PART_LABELS) * 2**SIDES * FACINGS
 """Labels, whether either side is covered, directions."""
-TERMS = 2 * PALETTE + AROUND
-"""1, two colours, a share, share times colours, and whether the part goes on around."""
+TERMS = 2 * PAINT + AROUND
+"""1, two colours, clearness, clearness times colours, and whether the part goes on around."""
 FEW = 50.0
 """Voxels that a kind needs before it is believed more than all kinds together."""
 
@@ -46,7 +46,7 @@ class Expectation(nn.Module):
 
 def find_kinds(attributes: Float[Tensor, "N A"]) -> Int[Tensor, "N"]:
     """Which kind of voxel each is."""
-    told = [FACINGS, len(PART_LABELS), SIDES, AROUND + PALETTE]
+    told = [FACINGS, len(PART_LABELS), SIDES, AROUND + PAINT]
     facing, label, covered, _ = attributes.split(told, dim=1)
     outer, inner = (covered > 0.5).long().unbind(1)
     return ((label.argmax(dim=1) * 2 + outer) * 2 + inner) * FACINGS + facing.argmax(dim=1)
@@ -54,8 +54,8 @@ def find_kinds(attributes: Float[Tensor, "N A"]) -> Int[Tensor, "N"]:
 
 def list_terms(attributes: Float[Tensor, "N A"]) -> Float[Tensor, "N 18"]:
     """What expected latents are linear in."""
-    around, colors, share = attributes[:, -AROUND - PALETTE :].split([AROUND, PALETTE - 1, 1], dim=1)
-    return torch.cat([torch.ones_like(share), colors, share, share * colors, around], dim=1)
+    around, colors, clear = attributes[:, -AROUND - PAINT :].split([AROUND, PAINT - 1, 1], dim=1)
+    return torch.cat([torch.ones_like(clear), colors, clear, clear * colors, around], dim=1)
 
 
 def fit_expectation(
@@ -65,7 +65,7 @@ def fit_expectation(
 
     Args:
         voxels: attributes and latents, object by object.
-        blur: deviation of the palettes that will be given from the true ones, which shrinks what can be
+        blur: deviation of the paint that will be given from the true one, which shrinks what can be
             concluded from them.
     """
     squares = products = None

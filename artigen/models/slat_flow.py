@@ -44,8 +44,8 @@ class SlatFlow(nn.Module):
     """Velocity of normalised latents under a condition.
 
     Mean and deviation per channel belong to the weights, and so does what is expected of a voxel from what is
-    told of it: latents are ``normalised * latent_std + latent_mean + expectation(attributes)``. What palettes
-    say already is not left to be drawn.
+    told of it: latents are ``normalised * latent_std + latent_mean + expectation(attributes)``. What paint
+    says already is not left to be drawn.
     """
 
     latent_mean: Tensor

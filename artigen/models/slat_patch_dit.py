@@ -12,14 +12,12 @@ import torch
 from jaxtyping import Float, Int
 from torch import Tensor, nn
 
-from artigen.facings import AROUND, FACINGS, SIDES
 from artigen.models.attention import plain_norm
 from artigen.models.embeddings import TimestepEmbedder, embed_positions
 from artigen.models.sparse import Neighbours, Padding, check_voxels, coarsen, find_neighbours, plan_padding
 from artigen.models.sparse_conv import SparseResBlock3d
 from artigen.models.structure_dit import ModulatedBlock, StructureDitConfig, run_blocks
-from artigen.palettes import PALETTE
-from artigen.types import PART_LABELS
+from artigen.palettes import KIND, PAINT
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,7 +28,7 @@ class SlatPatchDitConfig:
     """Edge of the voxel grid."""
     channels: int = 8
     """Channels of a voxel's latent."""
-    attribute_channels: int = FACINGS + len(PART_LABELS) + SIDES + AROUND + PALETTE
+    attribute_channels: int = KIND + PAINT
     """What else is known of a voxel (`artigen.palettes.describe_voxels`); 0 leaves it out."""
     patch: int = 4
     """Voxels per token along an edge."""

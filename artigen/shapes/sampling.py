@@ -66,17 +66,32 @@ def place_points(shape: Shape, spacing: float) -> SurfacePoints:
 
 def sample_shape(shape: Shape, spacing: float) -> SurfaceSamples:
     """Coloured surface samples in the unit cube of the `Asset`, ``spacing`` (m) apart on average."""
+    return paint_points(shape, place_points(shape, spacing), footprint=spacing)
+
+
+def paint_points(shape: Shape, found: SurfacePoints, *, footprint: float) -> SurfaceSamples:
+    """Points on an object with their colours, in the unit cube.
+
+    Patterns finer than ``footprint`` (m) are left out.
+    """
     from artigen.shapes.surfaces.textures import paint_primitives
 
-    found = place_points(shape, spacing)
     low, high = shape.bounds()
-    colors = paint_primitives(shape, found.owners, found.points, found.normals, footprint=spacing)
+    colors = paint_primitives(shape, found.owners, found.points, found.normals, footprint=footprint)
     return SurfaceSamples(
         points=(found.points - (low + high) / 2) / float((high - low).max()),
         normals=found.normals,
         colors=np.rint(255 * colors).astype(np.uint8),
         part_ids=found.part_ids,
     )
+
+
+def read_clear(shape: Shape, found: SurfacePoints) -> Float[np.ndarray, "N"]:
+    """Share of what is behind that the surface lets through at points on an object."""
+    from artigen.shapes.surfaces.textures import find_rows, make_paint
+
+    table = make_paint(shape)
+    return 1.0 - table.opacity[find_rows(table, found.owners, found.normals)]
 
 
 def _list_patches(solids: Solids) -> _Patches:

@@ -15,6 +15,7 @@ from artigen.models.features import FeatureExtractor
 from artigen.shapes.asset import frame_shape
 from artigen.shapes.render import build_scene
 from artigen.shapes.shape import Shape
+from artigen.train.appearance.paint import VoxelPaint
 from artigen.train.appearance.photographs import (
     Pictures,
     join_pictures,
@@ -72,6 +73,7 @@ def curate(
     facings: Int[np.ndarray, "N"],
     extractor: FeatureExtractor,
     cfg: CurationConfig,
+    paint: VoxelPaint,
 ) -> tuple[VoxelFeatures, Pictures]:
     """Features of the asset's voxels, and the pictures kept of every state.
 
@@ -81,6 +83,7 @@ def curate(
         facings: Directions of their outer sides.
         extractor: Reads features off pictures.
         cfg: States and views.
+        paint: Own colours of the voxels' sides.
 
     Raises:
         ValueError: If the asset has no voxels, or lacks the samples.
@@ -122,7 +125,7 @@ def curate(
         kept.append(keep_pictures(scene, state, number, cameras, _spread_rows(cfg)))
     features = mean.finish()
     if sides is not None and asset.surface is not None:
-        told = describe_sides(sides.finish(), measure_places(asset.surface, asset.voxels, facings))
+        told = describe_sides(sides.finish(paint), measure_places(asset.surface, asset.voxels, facings))
         features = replace(features, values=np.concatenate([features.values, told.numpy()], axis=1))
     return features, join_pictures(kept)
 

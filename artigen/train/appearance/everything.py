@@ -11,6 +11,7 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import get_args
 
 import torch
 from torch import nn
@@ -21,16 +22,19 @@ from artigen.metrics.appearance import score_vae
 from artigen.models.appearance_presets import APPEARANCE_PRESETS
 from artigen.models.appearance_vae import (
     APPEARANCE_FLOW,
+    APPEARANCE_PAINTER,
     APPEARANCE_PALETTE,
     APPEARANCE_VAE,
     AppearanceVae,
 )
 from artigen.models.extractors import make_extractor
+from artigen.models.painter import Painter
 from artigen.models.palette_flow import PaletteFlow
 from artigen.models.slat_flow import SlatFlow
 from artigen.models.store import save_model
 from artigen.train.appearance.examples import AppearanceExample
 from artigen.train.appearance.flow import train_appearance_flow
+from artigen.train.appearance.painter import make_paint_shard, read_paint_shard, train_painter
 from artigen.train.appearance.palettes import make_palette_shard, read_palette_shard, train_palette_flow
 from artigen.train.appearance.presets import APPEARANCE_TRAINING
 from artigen.train.appearance.run import (
@@ -86,7 +90,9 @@ def train_appearance(
     report = on_report or log_metrics
     if stage in ("appearance", "appearance-palette"):
         _train_palette(cfg, report)
-    if stage != "appearance-palette":
+    if stage in ("appearance", "appearance-painter"):
+        _train_painter(cfg, report)
+    if stage not in ("appearance-palette", "appearance-painter"):
         data = make_appearance_data(cfg)
         vae = _load_vae(cfg) if stage == "appearance-flow" else _train_vae(cfg, data, report)
         if stage != "appearance-vae":
@@ -125,6 +131,30 @@ def _train_palette(cfg: AppearanceRunConfig, report: Report) -> None:
         on_report=lambda line: report("palette", line),
     )
     _store(cfg, flow, APPEARANCE_PALETTE, cfg.shards * cfg.objects * cfg.painted)
+
+
+def _train_painter(cfg: AppearanceRunConfig, report: Report) -> None:
+    preset, training = APPEARANCE_PRESETS[cfg.preset], APPEARANCE_TRAINING[cfg.preset]
+    if preset.palette is None or training.painter is None:
+        return
+    shards = ShardConfig(
+        objects=cfg.painted * cfg.objects,
+        resolution=preset.encoder.resolution,
+        image_size=0,
+        timeout=3600.0,
+    )
+    paths = _make_shards(cfg, "paint", cfg.shards, shards, make_paint_shard)
+    torch.manual_seed(3)
+    painter = begin_stage(Painter(preset.painter), cfg.start, APPEARANCE_PAINTER)
+    train_painter(
+        painter,
+        [example for path in paths for example in read_paint_shard(path)],
+        cfg.home / "painter",
+        plan_loop(training.painter, cfg.minutes),
+        batch=training.painter.batch,
+        on_report=lambda line: report("painter", line),
+    )
+    _store(cfg, painter, APPEARANCE_PAINTER, cfg.shards * cfg.objects * cfg.painted)
 
 
 def _train_vae(cfg: AppearanceRunConfig, data: AppearanceData, report: Report) -> AppearanceVae:
@@ -228,7 +258,7 @@ def main() -> None:
     parser.add_argument("folder", type=Path, help="run folder")
     parser.add_argument(
         "--stage",
-        choices=("appearance", APPEARANCE_VAE, APPEARANCE_PALETTE, APPEARANCE_FLOW),
+        choices=get_args(AppearanceStage),
         default="appearance",
     )
     parser.add_argument("--preset", choices=sorted(APPEARANCE_TRAINING), default="compact")
@@ -236,7 +266,7 @@ def main() -> None:
     parser.add_argument("--shards", type=int, default=100, help="shards of training data")
     parser.add_argument("--held-out", type=int, default=2, help="shards of held-out data")
     parser.add_argument("--objects", type=int, default=16, help="objects per shard")
-    parser.add_argument("--painted", type=int, default=8, help="palettes learnt for every object")
+    parser.add_argument("--painted", type=int, default=8, help="palettes and paints learnt for every object")
     parser.add_argument("--closed", dest="articulated", action="store_false", help="closed objects only")
     parser.add_argument("--weighting", choices=("seen", "plain"), default="seen", help="views that count")
     parser.add_argument("--features", choices=("pyramid", "dinov2"), default="pyramid")

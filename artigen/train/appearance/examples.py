@@ -10,12 +10,13 @@ from jaxtyping import Float, Int, UInt8
 
 from artigen.facings import find_covered, find_facings, find_joined
 from artigen.models.features import FeatureExtractor
-from artigen.palettes import describe_voxels, read_palettes
+from artigen.palettes import describe_kinds, describe_voxels, read_palettes
 from artigen.shapes.asset import part_owners
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.sampling import sample_shape
 from artigen.shapes.shape import Shape
 from artigen.train.appearance.curation import CurationConfig, curate
+from artigen.train.appearance.paint import read_paint
 from artigen.train.appearance.photographs import Pictures
 from artigen.train.appearance.places import SAMPLES
 from artigen.train.examples import draw_example_of
@@ -31,7 +32,8 @@ class AppearanceExample:
 
     ``facings`` are the directions of the voxels' outer sides (`artigen.facings`), ``table`` holds the field's
     channels after occupancy of each part, ``palettes`` its colours; ``views`` counts the views that a
-    voxel's features are the mean of.
+    voxel's features are the mean of, ``paint`` holds the colours of its two sides and how clear it is (steps
+    of 8 bits).
     """
 
     name: str
@@ -40,6 +42,7 @@ class AppearanceExample:
     coords: UInt8[np.ndarray, "N 3"]
     part_ids: UInt8[np.ndarray, "N"]
     facings: UInt8[np.ndarray, "N"]
+    paint: UInt8[np.ndarray, "N 7"]
     features: Float[np.ndarray, "N C"]
     views: Int[np.ndarray, "N"]
     table: Float[np.ndarray, "P K"]
@@ -53,7 +56,8 @@ class AppearanceExample:
         """What the flow is told of every voxel."""
         covered = find_covered(self.coords, self.facings, self.resolution)
         joined = find_joined(self.coords, self.part_ids, self.facings, self.resolution)
-        return describe_voxels(self.table, self.part_ids, self.palettes, self.facings, covered, joined)
+        kinds = describe_kinds(self.table, self.part_ids, self.facings, covered, joined)
+        return describe_voxels(kinds, self.paint / 255.0)
 
 
 def draw_appearance(
@@ -84,7 +88,8 @@ def draw_appearance_of(
     shape = draw_shape(category, seed)
     facings = find_facings(asset.voxels.coords, asset.voxels.part_ids, resolution)
     sampled = replace(asset, surface=sample_parts(shape, asset, 1.0 / (SAMPLES * resolution)))
-    features, pictures = curate(shape, sampled, facings, extractor, cfg)
+    paint = read_paint(shape, asset, facings)
+    features, pictures = curate(shape, sampled, facings, extractor, cfg, paint)
     return asset, AppearanceExample(
         name=asset.name,
         category=asset.category,
@@ -92,6 +97,7 @@ def draw_appearance_of(
         coords=asset.voxels.coords.astype(np.uint8),
         part_ids=asset.voxels.part_ids.astype(np.uint8),
         facings=facings.astype(np.uint8),
+        paint=paint.packed(),
         features=features.values.astype(np.float16),
         views=features.views.astype(np.uint16),
         table=described.field.table,

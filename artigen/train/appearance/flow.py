@@ -19,7 +19,7 @@ from artigen.models.conditions import (
 )
 from artigen.models.expectation import Expectation, fit_expectation
 from artigen.models.slat_flow import SlatFlow
-from artigen.palettes import PALETTE
+from artigen.palettes import PAINT
 from artigen.sampling import diffuse, draw_times, target_velocity
 from artigen.train.appearance.batches import voxel_batch
 from artigen.train.appearance.examples import AppearanceExample
@@ -30,7 +30,7 @@ from artigen.train.structure import DROPOUT
 from artigen.types import PART_LABELS
 
 BLUR = 0.02
-"""About the deviation of palettes in training from the true ones."""
+"""About the deviation of colours that are told in training from the true ones."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -159,11 +159,9 @@ def measure_slats(
 
 
 def _blur(attributes: Float[Tensor, "N A"], generator: torch.Generator) -> Float[Tensor, "N A"]:
-    """Attributes with palettes that are a little off, as drawn ones are: for all voxels of a part alike."""
-    of_part = torch.cat(
-        [attributes[:, FACINGS : FACINGS + len(PART_LABELS)], attributes[:, -PALETTE:]], dim=1
-    )
-    wave = torch.randn(of_part.shape[1], PALETTE, generator=generator, device=generator.device)
+    """Attributes with paint that is a little off, as drawn colours are: for alike voxels of a label alike."""
+    of_voxel = torch.cat([attributes[:, FACINGS : FACINGS + len(PART_LABELS)], attributes[:, -PAINT:]], dim=1)
+    wave = torch.randn(of_voxel.shape[1], PAINT, generator=generator, device=generator.device)
     out = attributes.clone()
-    out[:, -PALETTE:] += BLUR * (of_part @ wave)
+    out[:, -PAINT:] += BLUR * (of_voxel @ wave)
     return out

@@ -7,7 +7,7 @@ boards thicker and wires bars. Read off samples of the surface, in the frame of 
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 
 from artigen.facings import facing_frames
 from artigen.types import SurfaceSamples, VoxelGrid
@@ -32,6 +32,19 @@ class VoxelPlaces:
     """Where it ends."""
 
 
+def find_voxels(
+    surface: SurfaceSamples, voxels: VoxelGrid
+) -> tuple[Int[np.ndarray, "K"], Bool[np.ndarray, "S"]]:
+    """The voxels of those samples that lie in one of their own part, and which samples these are."""
+    edge = voxels.resolution
+    grid = np.full((edge,) * 3, -1)
+    grid[tuple(voxels.coords.T)] = np.arange(len(voxels.coords))
+    points = (surface.points.astype(np.float64) + 0.5) * edge
+    rows = grid[tuple(np.floor(points).astype(np.int64).clip(0, edge - 1).T)]
+    own = (rows >= 0) & (voxels.part_ids[rows] == surface.part_ids)
+    return rows[own], own
+
+
 def measure_places(surface: SurfaceSamples, voxels: VoxelGrid, facings: Int[np.ndarray, "N"]) -> VoxelPlaces:
     """Heights and reach of the surface in each voxel, as far as it is of the voxel's part.
 
@@ -43,16 +56,11 @@ def measure_places(surface: SurfaceSamples, voxels: VoxelGrid, facings: Int[np.n
         voxels: Cells of the same object.
         facings: Directions of their outer sides.
     """
-    edge, count = voxels.resolution, len(voxels.coords)
-    grid = np.full((edge,) * 3, -1)
-    grid[tuple(voxels.coords.T)] = np.arange(count)
-    points = (surface.points.astype(np.float64) + 0.5) * edge
-    cells = np.floor(points).astype(np.int64).clip(0, edge - 1)
-    rows = grid[tuple(cells.T)]
-    own = (rows >= 0) & (voxels.part_ids[rows] == surface.part_ids)
-    rows = rows[own]
+    count = len(voxels.coords)
+    rows, own = find_voxels(surface, voxels)
     frames = facing_frames()[facings][rows]
-    off = np.einsum("kij,ki->kj", frames, points[own] - cells[own] - 0.5)
+    points = (surface.points[own].astype(np.float64) + 0.5) * voxels.resolution
+    off = np.einsum("kij,ki->kj", frames, points - voxels.coords[rows] - 0.5)
     ahead = np.einsum("ki,ki->k", frames[:, :, 0], surface.normals[own].astype(np.float64))
     heights = np.empty((count, 2))
     for side, sign in enumerate((1.0, -1.0)):

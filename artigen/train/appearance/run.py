@@ -17,7 +17,9 @@ from artigen.train.appearance.presets import APPEARANCE_TRAINING
 from artigen.train.appearance.visibility import Weighting
 from artigen.train.run import claim_start
 
-AppearanceStage = Literal["appearance", "appearance-vae", "appearance-palette", "appearance-flow"]
+AppearanceStage = Literal[
+    "appearance", "appearance-vae", "appearance-palette", "appearance-painter", "appearance-flow"
+]
 """All networks, or one of them."""
 
 
@@ -38,7 +40,7 @@ class AppearanceRunConfig:
     objects: int = 16
     """Objects per shard."""
     painted: int = 8
-    """Objects whose palettes are learnt, for every one that is photographed."""
+    """Objects whose palettes and paint are learnt, for every one that is photographed."""
     articulated: bool = True
     """Whether objects are seen in all joint states; without, in as many pictures of the closed one (the
     ablation of the paper's Table 2)."""

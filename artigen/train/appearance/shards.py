@@ -24,7 +24,7 @@ from artigen.train.shards import (
     save_shard,
 )
 
-PER_VOXEL = ("coords", "part_ids", "facings", "features", "views")
+PER_VOXEL = ("coords", "part_ids", "facings", "paint", "features", "views")
 PER_PICTURE = tuple(one.name for one in fields(Pictures) if one.name != "displacements")
 PER_PART = ("table", "palettes")
 PACKED = ("exposed",)

@@ -9,11 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 import torch
 from jaxtyping import Float, Int
-from scipy.spatial import KDTree
 from torch import Tensor
 
 from artigen.facings import count_behind, facing_frames
 from artigen.models.appearance_vae import COLOR_MIDDLE, COLOR_SPREAD, HEIGHT_REACH, MIDDLE_SPREAD
+from artigen.train.appearance.paint import VoxelPaint
 from artigen.train.appearance.places import VoxelPlaces
 from artigen.train.appearance.visibility import SeenVoxels
 from artigen.types import VoxelGrid
@@ -24,6 +24,8 @@ CLEAR = 0.1
 """Share of what is behind that is seen through a pane, at least."""
 FARTHEST = 0.9
 """Share of their reach that Gaussians are moved by at most."""
+DARK = 0.02
+"""Least brightness that another is measured by."""
 NARROWEST = 0.1
 """Least width of surface within a voxel: a narrower one would shrink Gaussians to nothing."""
 
@@ -63,33 +65,27 @@ class SideMean:
             self.colors[side, seen.rows] += weight[:, None] * seen.color
             self.clear[seen.rows] += weight * seen.clear
 
-    def finish(self) -> SideLooks:
+    def finish(self, paint: VoxelPaint) -> SideLooks:
         """What was added, as means.
 
-        A side that no view shows has the colour of the other one, a voxel of which none shows either that of
-        the nearest voxel of its part.
+        The less a side was seen, the more it has the colour that it is painted in, in the light that the
+        others are seen in: few views look into an open drawer, and pixels at its rim show what stands there.
+        What shines on glass is seen alone.
+
+        Args:
+            paint: of the same voxels.
         """
-        known = self.weights > 0
         colors = self.colors / self.weights.clamp(min=1e-6)[..., None]
-        for side in range(2):
-            alone = known[1 - side] & ~known[side]
-            colors[side, alone] = colors[1 - side, alone]
+        known = self.weights / (self.weights + SURE)
+        own = torch.from_numpy(paint.colors).float().transpose(0, 1)
+        solid = torch.from_numpy(paint.clear <= CLEAR).expand(2, -1)
+        lit = measure_light(colors[solid], own[solid], known[solid])
+        trust = torch.where(solid | (known == 0), known, 1.0)[..., None]
         return SideLooks(
-            colors=colors[:, torch.from_numpy(self._find_known(known.any(dim=0).numpy()))],
-            known=self.weights / (self.weights + SURE),
+            colors=trust * colors + (1.0 - trust) * lit * own,
+            known=known,
             clear=self._share_clear(self.clear / self.weights.sum(dim=0).clamp(min=1e-6)),
         )
-
-    def _find_known(self, known: np.ndarray) -> Int[np.ndarray, "N"]:
-        """For every voxel the nearest one of its part that was seen; itself where none was."""
-        nearest, cells, part_ids = np.arange(len(known)), self.voxels.coords, self.voxels.part_ids
-        for part in np.unique(part_ids[~known]):
-            own = part_ids == part
-            if (own & known).any():
-                rows = np.flatnonzero(own & known)
-                lost = np.flatnonzero(own & ~known)
-                nearest[lost] = rows[KDTree(cells[rows]).query(cells[lost])[1]]
-        return nearest
 
     def _share_clear(self, clear: Float[Tensor, "N"]) -> Float[Tensor, "N"]:
         """What each voxel lets through where several share a pane that lets ``clear`` through."""
@@ -99,6 +95,19 @@ class SideMean:
         shared = clear.clone()
         shared[pane] = clear[pane] ** (1.0 / torch.from_numpy(behind).float())
         return shared
+
+
+def measure_light(
+    seen: Float[Tensor, "K 3"], painted: Float[Tensor, "K 3"], known: Float[Tensor, "K"]
+) -> float:
+    """How bright sides are seen beside the colours that they are painted in.
+
+    The median of those that are well known; 1 where there are none.
+    """
+    well = known > 0.5
+    if not bool(well.any()):
+        return 1.0
+    return float((seen[well].mean(dim=1) / painted[well].mean(dim=1).clamp(min=DARK)).median())
 
 
 def describe_sides(looks: SideLooks, places: VoxelPlaces) -> Float[Tensor, "N 15"]:
