@@ -42,7 +42,7 @@ from artigen.train.appearance.paint import VoxelPaint
 from artigen.train.appearance.photographs import look_at_surface, photograph, take_pictures
 from artigen.train.appearance.run import close_curation
 from artigen.train.appearance.shards import PER_VOXEL, read_appearance_shard, write_appearance_shard
-from artigen.train.appearance.sides import SURE, SideMean, measure_light
+from artigen.train.appearance.sides import FEW, SURE, SideMean, see_alike
 from artigen.train.appearance.states import asset_coordinates, plan_fractions, shape_coordinates
 from artigen.train.appearance.vae import encode_appearance, measure_features, train_appearance_vae
 from artigen.train.appearance.views import ViewConfig, place_cameras, spread_directions
@@ -188,41 +188,42 @@ def test_a_voxel_that_no_view_shows_has_the_colour_that_it_is_painted_in():
     assert (off < 0.02).mean() > 0.8  # the others meet the front
 
 
-def test_the_less_a_side_was_seen_the_more_it_is_as_painted_in_the_light_of_the_others():
-    """Four voxels painted in one grey and seen half as bright; one of them rarely, and wrongly; one never."""
-    voxels = VoxelGrid(
-        coords=np.array([[3, y, 2] for y in range(4)]), part_ids=np.zeros(4, dtype=int), resolution=8
-    )
-    mean = SideMean(voxels, np.zeros(4, dtype=int))
-    for rows, grey in (([0, 1], 0.4), ([0, 1], 0.4), ([2], 1.0)):
+def test_the_less_a_side_was_seen_the_more_it_looks_as_others_that_are_painted_alike():
+    """A row painted in one grey and seen half as bright; of the last three one is seen rarely, and wrongly,
+    one never, and one neither seen nor painted."""
+    count = FEW + 3
+    cells = np.array([[3, y, 2] for y in range(count)])
+    voxels = VoxelGrid(coords=cells, part_ids=np.zeros(count, dtype=int), resolution=16)
+    mean = SideMean(voxels, np.zeros(count, dtype=int))
+    well = list(range(FEW))
+    for rows, grey in ((well, 0.4), (well, 0.4), ([FEW], 1.0)):
         ones = torch.ones(len(rows), 3)
         mean.add(
             SeenVoxels(
                 rows=torch.tensor(rows),
-                toward=torch.tensor([[-1.0, 0.0, 0.0]]).repeat(len(rows), 1),
+                toward=torch.tensor([[-1.0 if rows == well else -0.5, 0.0, 0.0]]).repeat(len(rows), 1),
                 color=grey * ones,
                 clear=0.0 * ones[:, 0],
             )
         )
-    paint = VoxelPaint(
-        colors=np.full((4, 2, 3), 0.8),
-        known=np.ones((4, 2), dtype=int),
-        clear=np.zeros(4),
-    )
+    known = np.ones((count, 2), dtype=int)
+    known[-1] = 0
+    paint = VoxelPaint(colors=np.full((count, 2, 3), 0.8), known=known, clear=np.zeros(count))
     looks = mean.finish(paint)
-    trust = 1.0 / (1.0 + SURE)
-    found = looks.colors[0, :, 0]
-    torch.testing.assert_close(found[:2], torch.full((2,), 0.4))
-    assert float(looks.known[0, 2]) == pytest.approx(trust)
-    assert float(found[2]) == pytest.approx(trust * 1.0 + (1.0 - trust) * 0.4, abs=1e-6)
-    assert float(found[3]) == pytest.approx(0.4)
+    trust = 0.25 / (0.25 + SURE)
+    assert float(looks.known[0, FEW]) == pytest.approx(trust)
+    wanted = [0.4] * FEW + [trust * 1.0 + (1.0 - trust) * 0.4, 0.4, 0.4]
+    torch.testing.assert_close(looks.colors[0, :, 0], torch.tensor(wanted))
+    torch.testing.assert_close(looks.colors[1, :, 0], torch.full((count,), 0.4))
 
 
-def test_light_is_measured_on_what_is_well_known():
-    painted = torch.tensor([[0.5, 0.5, 0.5], [0.2, 0.4, 0.6], [0.9, 0.9, 0.9]])
-    seen = painted * torch.tensor([[0.9], [0.9], [0.1]])
-    assert measure_light(seen, painted, torch.tensor([0.9, 0.8, 0.2])) == pytest.approx(0.9)
-    assert measure_light(seen, painted, torch.zeros(3)) == 1.0
+def test_what_is_painted_alike_is_seen_alike():
+    painted = torch.tensor([[0.1] * 3] * 6 + [[0.8] * 3] * 6 + [[0.75] * 3]).repeat(2, 1, 1)
+    seen = torch.tensor([[0.3] * 3] * 6 + [[0.7] * 3] * 6 + [[9.0] * 3]).repeat(2, 1, 1)
+    sure = torch.tensor([True] * 12 + [False]).repeat(2, 1)
+    found = see_alike(painted, seen, sure)
+    torch.testing.assert_close(found[0, :, 0], torch.tensor([0.3] * 6 + [0.7] * 6 + [0.65]))
+    assert torch.equal(see_alike(painted, seen, sure & False), painted)
 
 
 def test_a_surface_alone_before_any_background_is_what_it_covers_and_what_it_lets_through():

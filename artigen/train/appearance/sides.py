@@ -8,7 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 import torch
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
+from scipy.spatial import KDTree
 from torch import Tensor
 
 from artigen.facings import count_behind, facing_frames
@@ -24,8 +25,10 @@ CLEAR = 0.1
 """Share of what is behind that is seen through a pane, at least."""
 FARTHEST = 0.9
 """Share of their reach that Gaussians are moved by at most."""
-DARK = 0.02
-"""Least brightness that another is measured by."""
+SHADES = 24
+"""Steps of a colour's channels within which sides are painted alike."""
+FEW = 5
+"""Sides that a shade needs before it is told how it is seen."""
 NARROWEST = 0.1
 """Least width of surface within a voxel: a narrower one would shrink Gaussians to nothing."""
 
@@ -68,24 +71,42 @@ class SideMean:
     def finish(self, paint: VoxelPaint) -> SideLooks:
         """What was added, as means.
 
-        The less a side was seen, the more it has the colour that it is painted in, in the light that the
-        others are seen in: few views look into an open drawer, and pixels at its rim show what stands there.
-        What shines on glass is seen alone.
+        The less a side was seen, the more it has the colour in which sides that are painted alike are seen:
+        few views look into what is open, and pixels at its rim show what stands there. What shines on glass
+        is seen alone. A side that is neither seen nor painted has the colour of the other one, a voxel
+        without either that of the nearest voxel of its part.
 
         Args:
             paint: of the same voxels.
         """
-        colors = self.colors / self.weights.clamp(min=1e-6)[..., None]
         known = self.weights / (self.weights + SURE)
+        clear = self.clear / self.weights.sum(dim=0).clamp(min=1e-6)
+        solid = (clear <= CLEAR) & torch.from_numpy(paint.clear <= CLEAR)
+        painted = torch.from_numpy(paint.known.T > 0) & solid
+        trust = torch.where(painted, known, 1.0)[..., None]
+        seen = self.colors / self.weights.clamp(min=1e-6)[..., None]
         own = torch.from_numpy(paint.colors).float().transpose(0, 1)
-        solid = torch.from_numpy(paint.clear <= CLEAR).expand(2, -1)
-        lit = measure_light(colors[solid], own[solid], known[solid])
-        trust = torch.where(solid | (known == 0), known, 1.0)[..., None]
+        colors = trust * seen + (1.0 - trust) * see_alike(own, seen, painted & (known > 0.5))
+        told = painted | (known > 0)
+        for side in range(2):
+            alone = told[1 - side] & ~told[side]
+            colors[side, alone] = colors[1 - side, alone]
         return SideLooks(
-            colors=trust * colors + (1.0 - trust) * lit * own,
+            colors=colors[:, torch.from_numpy(self._find_told(told.any(dim=0).numpy()))],
             known=known,
-            clear=self._share_clear(self.clear / self.weights.sum(dim=0).clamp(min=1e-6)),
+            clear=self._share_clear(clear),
         )
+
+    def _find_told(self, told: np.ndarray) -> Int[np.ndarray, "N"]:
+        """For every voxel the nearest one of its part that has a colour; itself where none has."""
+        nearest, cells, part_ids = np.arange(len(told)), self.voxels.coords, self.voxels.part_ids
+        for part in np.unique(part_ids[~told]):
+            own = part_ids == part
+            if (own & told).any():
+                rows = np.flatnonzero(own & told)
+                lost = np.flatnonzero(own & ~told)
+                nearest[lost] = rows[KDTree(cells[rows]).query(cells[lost])[1]]
+        return nearest
 
     def _share_clear(self, clear: Float[Tensor, "N"]) -> Float[Tensor, "N"]:
         """What each voxel lets through where several share a pane that lets ``clear`` through."""
@@ -97,17 +118,25 @@ class SideMean:
         return shared
 
 
-def measure_light(
-    seen: Float[Tensor, "K 3"], painted: Float[Tensor, "K 3"], known: Float[Tensor, "K"]
-) -> float:
-    """How bright sides are seen beside the colours that they are painted in.
+def see_alike(
+    painted: Float[Tensor, "2 N 3"], seen: Float[Tensor, "2 N 3"], sure: Bool[Tensor, "2 N"]
+) -> Float[Tensor, "2 N 3"]:
+    """The colours in which sides would be seen: light and gloss change them as they do others of the shade.
 
-    The median of those that are well known; 1 where there are none.
+    Args:
+        painted: colours of the sides.
+        seen: colours in which they are seen.
+        sure: whether that is well known; where few sides of a shade are, the nearest shade counts, and where
+            there is none, what is painted.
     """
-    well = known > 0.5
-    if not bool(well.any()):
-        return 1.0
-    return float((seen[well].mean(dim=1) / painted[well].mean(dim=1).clamp(min=DARK)).median())
+    shades = torch.round(painted * SHADES)
+    groups, number, count = torch.unique(shades[sure], dim=0, return_inverse=True, return_counts=True)
+    many = count >= FEW
+    if not bool(many.any()):
+        return painted
+    changes = torch.zeros(len(groups), 3).index_add_(0, number, seen[sure] - painted[sure])
+    nearest = KDTree(groups[many].numpy()).query(shades.numpy())[1]
+    return painted + (changes / count[:, None])[many][torch.from_numpy(nearest)]
 
 
 def describe_sides(looks: SideLooks, places: VoxelPlaces) -> Float[Tensor, "N 15"]:
