@@ -1,6 +1,7 @@
 """The weights that come with artigen: whole, small enough, and able to draw what is asked for."""
 
 import numpy as np
+import pytest
 
 from artigen.appearance import (
     AppearanceConfig,
@@ -79,12 +80,14 @@ def test_parts_have_the_colours_that_a_picture_shows():
     assert np.abs(found[0] - truth).mean() < 0.1
 
 
-def test_told_palettes_are_what_is_drawn():
+@pytest.mark.parametrize("kind", ["palettes", "paint"])
+def test_told_colours_are_what_is_drawn(kind: str):
     asset = shape_to_asset(draw_shape("Table", 3), 64)
     model, voxels = load_appearance_model(SHIPPED), asset.voxels
     assert voxels is not None
+    count = {"palettes": len(asset.parts), "paint": len(voxels.coords)}[kind]
     for color in ((0.6, 0.2, 0.2), (0.2, 0.3, 0.6)):
-        told = np.tile(np.array([*color, *color, 0.0], dtype=np.float32), (len(asset.parts), 1))
+        told = np.tile(np.array([*color, *color, 0.0], dtype=np.float32), (count, 1))
         splats = draw_splats(
             model,
             voxels.coords,
@@ -93,7 +96,7 @@ def test_told_palettes_are_what_is_drawn():
             StructureCondition(category="Table"),
             0,
             AppearanceConfig(),
-            told=Told(palettes=told),
+            told=Told(**{kind: told}),
         )
         drawn = (splats.colors * splats.opacities[:, None]).sum(dim=0) / splats.opacities.sum()
         np.testing.assert_allclose(drawn.numpy(), color, atol=0.1)

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import torch
-from jaxtyping import Float, UInt8
+from jaxtyping import Float, Int, UInt8
 from torch import Tensor, nn
 
 from artigen.facings import find_facings
@@ -28,6 +28,10 @@ KEPT = 1024
 """Voxels of an object that are learnt."""
 STEP = 512
 """Those of them in a batch."""
+ROUGH = 0.75
+"""Share of the objects that are seen as a model might have drawn them."""
+SHIFTED, STRAY, HOLES = 0.3, 0.03, 6
+"""Of these: share of parts that are off, shares of cells that are off and that lack, and holes."""
 ENOUGH = 4.0
 """Samples from which a side counts in full."""
 PER_PART = ("table", "palettes")
@@ -72,17 +76,52 @@ def draw_painted(category: str, seed: int, *, resolution: int, kept: int = KEPT)
     facings = find_facings(coords, part_ids, resolution)
     paint, table = read_paint(shape, asset, facings), tabulate_parts(asset)
     rng = np.random.default_rng(seed)
+    seen, left = (
+        roughen(coords, part_ids, resolution, rng)
+        if rng.random() < ROUGH
+        else (coords, np.arange(len(coords)))
+    )
     number = np.bincount(part_ids)[part_ids]
-    chances = 0.5 / len(coords) + 0.5 / (number * len(np.unique(part_ids)))
-    rows = np.sort(rng.choice(len(coords), kept, replace=True, p=chances / chances.sum()))
+    chances = (0.5 / len(coords) + 0.5 / (number * len(np.unique(part_ids))))[left]
+    rows = np.sort(rng.choice(len(left), kept, replace=True, p=chances / chances.sum()))
+    told = describe_for_painter(seen, part_ids[left], facings[left], table, resolution, rows)
     return PaintedExample(
         table=table,
         palettes=paint_parts(shape, asset),
-        part_ids=part_ids[rows].astype(np.uint8),
-        told=describe_for_painter(coords, part_ids, facings, table, resolution, rows).astype(np.float16),
-        paint=paint.packed()[rows],
-        known=paint.known[rows].clip(max=255).astype(np.uint8),
+        part_ids=part_ids[left][rows].astype(np.uint8),
+        told=told.astype(np.float16),
+        paint=paint.packed()[left][rows],
+        known=paint.known[left][rows].clip(max=255).astype(np.uint8),
     )
+
+
+def roughen(
+    coords: Int[np.ndarray, "N 3"], part_ids: Int[np.ndarray, "N"], resolution: int, rng: np.random.Generator
+) -> tuple[Int[np.ndarray, "M 3"], Int[np.ndarray, "M"]]:
+    """Voxels as a model might have drawn them: parts a cell off, cells off their surface, holes.
+
+    Args:
+        coords: Cells (x, y, z) of the grid.
+        part_ids: Part of each.
+        resolution: Edge of the grid.
+        rng: Of everything that is drawn.
+
+    Returns:
+        Cells of the voxels that are left, each at most once, and which ones these are.
+    """
+    cells = coords.astype(np.int64)
+    parts = np.unique(part_ids)
+    off = np.zeros((parts.max() + 1, 3), dtype=np.int64)
+    off[parts] = rng.integers(-1, 2, (len(parts), 3)) * (rng.random((len(parts), 1)) < SHIFTED)
+    stray = rng.integers(-1, 2, cells.shape) * (rng.random((len(cells), 1)) < STRAY)
+    places = (cells + off[part_ids] + stray).clip(0, resolution - 1)
+    middles = cells[rng.integers(len(cells), size=HOLES)]
+    holes = (np.abs(cells[:, None] - middles).max(axis=2) <= rng.integers(0, 3, HOLES)).any(axis=1)
+    kept = np.flatnonzero(~holes & (rng.random(len(cells)) >= STRAY))
+    order = rng.permutation(kept)
+    first = np.sort(np.unique(places[order], axis=0, return_index=True)[1])
+    left = np.sort(order[first])
+    return places[left], left
 
 
 def make_paint_shard(job: ShardJob[ShardConfig]) -> Path:
