@@ -30,8 +30,8 @@ def test_the_unsure_follow_the_sure_around_them():
 
 
 def test_one_who_is_sure_is_not_outvoted():
-    logits = np.tile([6.0, 0.0], (11, 1))
-    logits[5] = [0.0, 6.0]
+    logits = np.tile([12.0, 0.0], (11, 1))
+    logits[5] = [0.0, 12.0]
     agreed = spread_sureness(logits, make_line(11)).argmax(axis=1)
     assert agreed.tolist() == [0] * 5 + [1] + [0] * 5
 
