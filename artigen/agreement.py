@@ -10,6 +10,8 @@ from jaxtyping import Float, Int
 from scipy.sparse import coo_array, diags_array
 from scipy.sparse.linalg import splu
 
+from artigen.facings import mark_voxels
+
 HOLD, LEAST = 10.0, 1e-3
 """How much a voxel that is certain holds on to that beside a neighbour's say, and one that knows nothing."""
 CERTAIN = 6
@@ -32,8 +34,7 @@ def find_edges(
         facings: Directions of their outer sides (`artigen.facings`).
         resolution: Edge of the grid.
     """
-    grid = np.full((resolution + 1,) * 3, -1)
-    grid[tuple(coords.astype(np.int64).T)] = np.arange(len(coords))
+    grid = np.pad(mark_voxels(coords, np.arange(len(coords)), resolution), (0, 1), constant_values=-1)
     pairs = []
     for axis in range(3):
         step = np.eye(3, dtype=np.int64)[axis]

@@ -8,7 +8,7 @@ import torch
 from jaxtyping import Float, Int
 
 from artigen.errors import SourceError
-from artigen.facings import find_covered, find_facings, find_joined
+from artigen.facings import find_facings
 from artigen.fields import name_rows, tabulate_parts
 from artigen.models.appearance_presets import APPEARANCE_PRESETS, AppearancePreset
 from artigen.models.appearance_vae import (
@@ -24,7 +24,7 @@ from artigen.models.palette_flow import PaletteFlow, sample_palettes
 from artigen.models.slat_flow import SlatFlow, sample_slats
 from artigen.models.store import DESCRIPTION, load_model, read_description
 from artigen.models.trellis import load_strictly, read_tensors
-from artigen.palettes import ask_colors, describe_kinds, describe_voxels
+from artigen.palettes import ask_colors, describe_voxels, read_kinds
 from artigen.sampling import SamplerConfig
 from artigen.splats.render.splats import Splats
 from artigen.splats.seams import SeamConfig, settle_seams
@@ -170,9 +170,7 @@ def draw_splats(
                     model.palette, table, known, nothing, generator, steps, fixed=fixed
                 )
             paint = paint_voxels(model.painter, coords, part_ids, facings, table, palettes, edge)
-        covered = find_covered(coords, facings, edge)
-        joined = find_joined(coords, part_ids, facings, edge)
-        kinds = describe_kinds(table, part_ids, facings, covered, joined)
+        kinds = read_kinds(coords, part_ids, facings, table, edge)
         attributes = torch.from_numpy(describe_voxels(kinds, paint)).to(device)
     places = torch.from_numpy(np.pad(coords.astype(np.int32), ((0, 0), (1, 0)))).to(device)
     noise = torch.randn((len(coords), model.flow.channels), generator=generator).to(device)

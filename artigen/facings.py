@@ -33,7 +33,7 @@ def find_facings(
         part_ids: Part of each.
         resolution: Edge of the grid.
     """
-    cells, grid = coords.astype(np.int64), _mark_parts(coords, part_ids, resolution)
+    cells, grid = coords.astype(np.int64), mark_voxels(coords, part_ids, resolution)
     runs = np.stack([np.minimum(_measure_runs(grid, axis), LONGEST) for axis in range(3)]).astype(np.float32)
     thickness = np.empty((3, len(cells)), dtype=np.float32)
     for part in np.unique(part_ids):
@@ -93,7 +93,7 @@ def find_joined(
     Returns:
         Along +y and +z of the frame of the outer side (`facing_frames`): before the voxel, and after it.
     """
-    grid = np.pad(_mark_parts(coords, part_ids, resolution), 1, constant_values=-1)
+    grid = np.pad(mark_voxels(coords, part_ids, resolution), 1, constant_values=-1)
     cells = coords.astype(np.int64) + 1
     across = np.round(facing_frames()[facings]).astype(np.int64)[:, :, 1:]
     around = [[cells + way * across[:, :, axis] for way in (-1, 1)] for axis in range(2)]
@@ -116,16 +116,16 @@ def count_behind(
         facings: Directions of their outer sides.
         resolution: Edge of the grid.
     """
-    grid, place = _mark_parts(coords, part_ids, resolution), tuple(coords.astype(np.int64).T)
+    grid, place = mark_voxels(coords, part_ids, resolution), tuple(coords.astype(np.int64).T)
     return np.choose(facings // 2, [_measure_runs(grid, axis)[place] for axis in range(3)])
 
 
-def _mark_parts(
-    coords: Int[np.ndarray, "N 3"], part_ids: Int[np.ndarray, "N"], resolution: int
+def mark_voxels(
+    coords: Int[np.ndarray, "N 3"], numbers: Int[np.ndarray, "N"], resolution: int
 ) -> Int[np.ndarray, "R R R"]:
-    """The part of every cell of the grid; -1 where nothing is."""
+    """The number of every cell of the grid, such as its part's; -1 where nothing is."""
     grid = np.full((resolution,) * 3, -1)
-    grid[tuple(coords.astype(np.int64).T)] = part_ids
+    grid[tuple(coords.astype(np.int64).T)] = numbers
     return grid
 
 

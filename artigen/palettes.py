@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from artigen.facings import AROUND, FACINGS, SIDES, find_middles
+from artigen.facings import AROUND, FACINGS, SIDES, find_covered, find_joined, find_middles
 from artigen.fields import DEFAULT_LAYOUT, after_occupancy
 from artigen.types import PART_LABELS, PartLabel, SurfaceSamples
 
@@ -105,6 +105,27 @@ def describe_kinds(
     labels = table[:, after_occupancy(DEFAULT_LAYOUT.label)]
     told = (np.eye(FACINGS)[facings], labels[part_ids], covered, joined.reshape(len(joined), AROUND))
     return np.concatenate(told, axis=1).astype(np.float32)
+
+
+def read_kinds(
+    coords: Int[np.ndarray, "N 3"],
+    part_ids: Int[np.ndarray, "N"],
+    facings: Int[np.ndarray, "N"],
+    table: Float[np.ndarray, "P C"],
+    resolution: int,
+) -> Float[np.ndarray, "N 20"]:
+    """What kind of voxel each of an object is (`describe_kinds`), read off the voxels alone.
+
+    Args:
+        coords: Cells (x, y, z) of the grid.
+        part_ids: Part of each.
+        facings: Directions of their outer sides.
+        table: Channels after occupancy of each part, in the default layout.
+        resolution: Edge of the grid.
+    """
+    covered = find_covered(coords, facings, resolution)
+    joined = find_joined(coords, part_ids, facings, resolution)
+    return describe_kinds(table, part_ids, facings, covered, joined)
 
 
 def describe_voxels(

@@ -45,10 +45,12 @@ def describe_surroundings(
     """
     cells = coords.astype(np.int64)
     rows = np.arange(len(cells)) if rows is None else rows
-    told = [_place_within(cells, np.zeros(len(cells), dtype=np.int64), rows)]
-    told.insert(0, _place_within(cells, part_ids, rows))
-    told.append(_look_around(cells, part_ids, facings, labels, resolution, rows))
-    told.append(_measure_nearness(cells, labels[part_ids], rows))
+    told = (
+        _place_within(cells, part_ids, rows),
+        _place_within(cells, np.zeros(len(cells), dtype=np.int64), rows),
+        _look_around(cells, part_ids, facings, labels, resolution, rows),
+        _measure_nearness(cells, labels[part_ids], rows),
+    )
     return np.concatenate(told, axis=1).astype(np.float32)
 
 
@@ -110,8 +112,9 @@ def _walk_lines(
     count = len(line)
     distance = np.abs(np.diff(place))
     follows = line[1:] == line[:-1]
-    ends = np.append(~(follows & (distance == 1) & (part_ids[1:] == part_ids[:-1])), True)
-    last = np.flatnonzero(ends)[np.searchsorted(np.flatnonzero(ends), np.arange(count))]
+    goes_on = follows & (distance == 1) & (part_ids[1:] == part_ids[:-1])
+    ends = np.flatnonzero(np.append(~goes_on, True))
+    last = ends[np.searchsorted(ends, np.arange(count))]
     open_end = np.append(~follows, True)[last]
     following = np.where(open_end, count, last + 1)
     gap = np.where(open_end, np.iinfo(np.int32).max, np.append(distance, 1)[last] - 1)

@@ -18,6 +18,7 @@ from artigen.models.painter import (
     PaintGuess,
     VoxelBatch,
     choose_colors,
+    describe_for_painter,
     offer_colors,
     paint_losses,
     paint_voxels,
@@ -212,8 +213,6 @@ def test_painting_is_learnt_and_follows_the_palette(tmp_path: Path):
 
 def example_of(asset: Asset, facings: np.ndarray, found: VoxelPaint, rng: np.random.Generator):
     """All voxels of a chest in two other colours."""
-    from artigen.models.painter import describe_for_painter
-
     assert asset.voxels is not None
     coords, part_ids = asset.voxels.coords, asset.voxels.part_ids.astype(np.int64)
     table = tabulate_parts(asset)

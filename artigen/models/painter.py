@@ -15,9 +15,9 @@ from jaxtyping import Bool, Float, Int
 from torch import Tensor, nn
 
 from artigen.agreement import find_edges, spread_sureness
-from artigen.facings import SIDES, find_covered, find_joined
+from artigen.facings import SIDES
 from artigen.fields import DEFAULT_LAYOUT, after_occupancy
-from artigen.palettes import KIND, PALETTE, describe_kinds
+from artigen.palettes import KIND, PALETTE, read_kinds
 from artigen.surroundings import SURROUNDINGS, describe_surroundings
 
 CHOICES = 3
@@ -185,11 +185,9 @@ def describe_for_painter(
         rows: Voxels to describe, all by default.
     """
     rows = np.arange(len(coords)) if rows is None else rows
-    covered = find_covered(coords, facings, resolution)[rows]
-    joined = find_joined(coords, part_ids, facings, resolution)[rows]
     labels = table[:, after_occupancy(DEFAULT_LAYOUT.label)].argmax(axis=1)
     told = (
-        describe_kinds(table, part_ids[rows], facings[rows], covered, joined),
+        read_kinds(coords, part_ids, facings, table, resolution)[rows],
         describe_surroundings(coords, part_ids, facings, labels, resolution, rows),
     )
     return np.concatenate(told, axis=1)
@@ -234,10 +232,9 @@ def paint_voxels(
 def settle_choices(guess: PaintGuess, edges: Int[np.ndarray, "E 2"]) -> PaintGuess:
     """What the painter makes of the voxels of an object once neighbours have agreed (`artigen.agreement`)."""
     panes = torch.stack([guess.pane, torch.zeros_like(guess.pane)], dim=-1)[0]
-    sides = [guess.choices[0, :, side] for side in range(SIDES)]
     outer, inner, pane = (
         torch.from_numpy(spread_sureness(one.double().cpu().numpy(), edges)).to(guess.pane)
-        for one in (*sides, panes)
+        for one in (*guess.choices[0].unbind(dim=1), panes)
     )
     return replace(
         guess, choices=torch.stack([outer, inner], dim=1)[None], pane=(pane[:, 0] - pane[:, 1])[None]

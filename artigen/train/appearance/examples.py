@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float, Int, UInt8
 
-from artigen.facings import find_covered, find_facings, find_joined
+from artigen.facings import find_facings
 from artigen.models.features import FeatureExtractor
-from artigen.palettes import describe_kinds, describe_voxels, read_palettes
+from artigen.palettes import describe_voxels, read_kinds, read_palettes
 from artigen.shapes.asset import part_owners
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.sampling import sample_shape
@@ -54,9 +54,7 @@ class AppearanceExample:
 
     def attributes(self) -> Float[np.ndarray, "N A"]:
         """What the flow is told of every voxel."""
-        covered = find_covered(self.coords, self.facings, self.resolution)
-        joined = find_joined(self.coords, self.part_ids, self.facings, self.resolution)
-        kinds = describe_kinds(self.table, self.part_ids, self.facings, covered, joined)
+        kinds = read_kinds(self.coords, self.part_ids, self.facings, self.table, self.resolution)
         return describe_voxels(kinds, self.paint / 255.0)
 
 

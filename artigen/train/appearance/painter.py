@@ -20,6 +20,7 @@ from artigen.shapes.draw import draw_shape
 from artigen.train.appearance.examples import paint_parts
 from artigen.train.appearance.flow import BLUR
 from artigen.train.appearance.paint import read_paint
+from artigen.train.appearance.shards import PER_PART
 from artigen.train.batches import draw_batches, prefetch
 from artigen.train.loop import LoopConfig, Report, process_seed, train
 from artigen.train.shards import ShardConfig, ShardJob, draw_shard, save_shard
@@ -34,7 +35,6 @@ SHIFTED, STRAY, HOLES = 0.3, 0.03, 6
 """Of these: share of parts that are off, shares of cells that are off and that lack, and holes."""
 ENOUGH = 4.0
 """Samples from which a side counts in full."""
-PER_PART = ("table", "palettes")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from artigen.facings import facing_frames
+from artigen.facings import facing_frames, mark_voxels
 from artigen.types import SurfaceSamples, VoxelGrid
 
 SAMPLES = 4
@@ -37,8 +37,7 @@ def find_voxels(
 ) -> tuple[Int[np.ndarray, "K"], Bool[np.ndarray, "S"]]:
     """The voxels of those samples that lie in one of their own part, and which samples these are."""
     edge = voxels.resolution
-    grid = np.full((edge,) * 3, -1)
-    grid[tuple(voxels.coords.T)] = np.arange(len(voxels.coords))
+    grid = mark_voxels(voxels.coords, np.arange(len(voxels.coords)), edge)
     points = (surface.points.astype(np.float64) + 0.5) * edge
     rows = grid[tuple(np.floor(points).astype(np.int64).clip(0, edge - 1).T)]
     own = (rows >= 0) & (voxels.part_ids[rows] == surface.part_ids)
