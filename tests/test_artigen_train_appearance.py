@@ -188,6 +188,15 @@ def test_a_voxel_that_no_view_shows_has_the_colour_that_it_is_painted_in():
     assert (off < 0.02).mean() > 0.8  # the others meet the front
 
 
+def test_a_closed_run_is_not_told_what_it_hides():
+    closed = close_curation(small_curation(states=3, views=6, kept=2))
+    asset, example = make_example(make_chest(inside="inside"), sided=True, states=1, painted=closed.painted)
+    hidden = (example.views == 0) & interior(asset)
+    shown = COLOR_MIDDLE + COLOR_SPREAD * read_sides(example)[hidden][..., :3]
+    assert hidden.sum() > 10
+    assert np.abs(shown - INSIDE.color).max(axis=2).min() > 0.1
+
+
 def test_the_less_a_side_was_seen_the_more_it_looks_as_others_that_are_painted_alike():
     """A row painted in one grey and seen half as bright; of the last three one is seen rarely, and wrongly,
     one never, and one neither seen nor painted."""

@@ -54,6 +54,8 @@ class CurationConfig:
     """Largest difference of depths, in voxels, at which a view shows a voxel."""
     sided: bool = False
     """Whether features say what both sides of a voxel look like, too (`artigen.train.appearance.sides`)."""
+    painted: bool = True
+    """Whether sides that few views show take the colour of their surface; without, pictures alone tell."""
 
     def __post_init__(self) -> None:
         if self.states < 1 or not 0 <= self.kept <= self.views.count or self.tolerance <= 0:
@@ -125,7 +127,8 @@ def curate(
         kept.append(keep_pictures(scene, state, number, cameras, _spread_rows(cfg)))
     features = mean.finish()
     if sides is not None and asset.surface is not None:
-        told = describe_sides(sides.finish(paint), measure_places(asset.surface, asset.voxels, facings))
+        looks = sides.finish(paint if cfg.painted else None)
+        told = describe_sides(looks, measure_places(asset.surface, asset.voxels, facings))
         features = replace(features, values=np.concatenate([features.values, told.numpy()], axis=1))
     return features, join_pictures(kept)
 

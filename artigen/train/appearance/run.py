@@ -71,9 +71,11 @@ def run_curation(cfg: AppearanceRunConfig) -> CurationConfig:
 
 
 def close_curation(curation: CurationConfig) -> CurationConfig:
-    """As many views, and as many of them kept, of the closed state alone."""
+    """As many views, and as many of them kept, of the closed state alone; what it hides is not told."""
     views = replace(curation.views, count=curation.states * curation.views.count)
-    return replace(curation, states=1, views=views, kept=curation.states * curation.kept)
+    return replace(
+        curation, states=1, views=views, kept=curation.states * curation.kept, painted=False
+    )
 
 
 def run_extractor(cfg: AppearanceRunConfig) -> ExtractorConfig:

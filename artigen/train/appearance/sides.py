@@ -68,7 +68,7 @@ class SideMean:
             self.colors[side, seen.rows] += weight[:, None] * seen.color
             self.clear[seen.rows] += weight * seen.clear
 
-    def finish(self, paint: VoxelPaint) -> SideLooks:
+    def finish(self, paint: VoxelPaint | None) -> SideLooks:
         """What was added, as means.
 
         The less a side was seen, the more it has the colour in which sides that are painted alike are seen:
@@ -77,17 +77,17 @@ class SideMean:
         without either that of the nearest voxel of its part.
 
         Args:
-            paint: of the same voxels.
+            paint: of the same voxels; without, views alone tell.
         """
         known = self.weights / (self.weights + SURE)
         clear = self.clear / self.weights.sum(dim=0).clamp(min=1e-6)
-        solid = (clear <= CLEAR) & torch.from_numpy(paint.clear <= CLEAR)
-        painted = torch.from_numpy(paint.known.T > 0) & solid
-        trust = torch.where(painted, known, 1.0)[..., None]
-        seen = self.colors / self.weights.clamp(min=1e-6)[..., None]
-        own = torch.from_numpy(paint.colors).float().transpose(0, 1)
-        colors = trust * seen + (1.0 - trust) * see_alike(own, seen, painted & (known > 0.5))
-        told = painted | (known > 0)
+        colors, told = self.colors / self.weights.clamp(min=1e-6)[..., None], known > 0
+        if paint is not None:
+            painted = torch.from_numpy((paint.known.T > 0) & (paint.clear <= CLEAR)) & (clear <= CLEAR)
+            own = torch.from_numpy(paint.colors).float().transpose(0, 1)
+            trust = torch.where(painted, known, 1.0)[..., None]
+            colors = trust * colors + (1.0 - trust) * see_alike(own, colors, painted & (known > 0.5))
+            told = told | painted
         for side in range(2):
             alone = told[1 - side] & ~told[side]
             colors[side, alone] = colors[1 - side, alone]
