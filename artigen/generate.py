@@ -7,13 +7,15 @@ from pathlib import Path
 import numpy as np
 import torch
 from jaxtyping import Float
+from torch import Tensor
 
 from artigen.datasets.sizes import estimate_size
 from artigen.errors import SegmentationError, SourceError
+from artigen.fields import VoxelFields
 from artigen.mending.faults import AssetFaultsConfig, find_asset_faults
 from artigen.mending.mend import MendConfig, mend_cells
 from artigen.mending.roughness import measure_roughness
-from artigen.models.conditions import StructureCondition, gather_conditions
+from artigen.models.conditions import ConditionBatch, StructureCondition, gather_conditions
 from artigen.models.outline.batch import OutlineBatch
 from artigen.models.outline.draw import OutlineConfig, draw_outline
 from artigen.models.outline.flow import OutlineFlow, complete_conditions
@@ -168,7 +170,7 @@ def _draw(
     noise = torch.randn((1, model.flow.channels, edge, edge, edge), generator=generator).to(device)
     known = gather_conditions([asked], model.preset.conditions).to(device)
     nothing = gather_conditions([StructureCondition()], model.preset.conditions).to(device)
-    outlines, rows, said, left = None, None, (), ()
+    rows, said, left = None, (), ()
     if model.outline is not None:
         known = complete_conditions(model.outline, known, generator)
         extents = None if asked.size is None else np.array(asked.size)
@@ -176,11 +178,7 @@ def _draw(
             model.outline, known, nothing, generator, cfg.outline, extents=extents, density=shown
         )
         rows, said, left = drawn.rows, drawn.notes, tuple(fault.what for fault in drawn.faults)
-        given = torch.ones(1, len(rows), dtype=torch.bool, device=device)
-        outlines = OutlineBatch(rows=torch.from_numpy(rows)[None].to(device), given=given)
-    latent = sample_latents(model.flow, known, nothing, noise, cfg.sampler, outlines)
-    decoded, logits = decode_cells(model.vae, latent, outlines, cfg.steady)
-    fields, mended = mend_cells(decoded[0], logits[0].cpu().numpy(), rows, cfg.mend)
+    fields, mended = draw_cells(model, known, noise, rows, cfg)
     asset = segment(
         fields,
         cfg.segment,
@@ -194,3 +192,29 @@ def _draw(
         asset = replace(asset, scale=longest)
         notes = (*notes, f"no size was asked for: {longest:.2f} m along the longest edge is usual")
     return replace(asset, notes=notes), left
+
+
+def draw_cells(
+    model: StructureModel,
+    known: ConditionBatch,
+    noise: Float[Tensor, "1 C X Y Z"],
+    rows: Float[np.ndarray, "P C"] | None,
+    cfg: GenerateConfig,
+) -> tuple[VoxelFields, tuple[str, ...]]:
+    """Draws the cells of one object and mends them; with notes of what was mended.
+
+    Args:
+        model: trained networks.
+        known: the condition.
+        noise: start of the latent, standard normal.
+        rows: the outline, where the model draws within one.
+        cfg: sampler and mending.
+    """
+    device, outlines = noise.device, None
+    nothing = gather_conditions([StructureCondition()], model.preset.conditions).to(device)
+    if rows is not None:
+        given = torch.ones(1, len(rows), dtype=torch.bool, device=device)
+        outlines = OutlineBatch(rows=torch.from_numpy(rows)[None].to(device), given=given)
+    latent = sample_latents(model.flow, known, nothing, noise, cfg.sampler, outlines)
+    decoded, logits = decode_cells(model.vae, latent, outlines, cfg.steady)
+    return mend_cells(decoded[0], logits[0].cpu().numpy(), rows, cfg.mend)

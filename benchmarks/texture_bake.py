@@ -2,10 +2,11 @@
 
     python benchmarks/texture_bake.py --objects Oven_2 Table_4 --out out/bake
 
-Gaussians are discs on the surface of procedural objects (`artigen.splats.surface`), so that no network is
-needed. They are baked onto two kinds of meshes: the objects' own surfaces (what the bake alone loses), and
-the meshes that the export makes of 64^3 voxels (what a package loses; silhouettes differ too). Both are drawn
-without light, colours as they are. Writes a Markdown table, and a picture per object.
+Gaussians are discs on the surface of procedural objects (`artigen.splats.surface`). They are baked onto two
+kinds of meshes: the objects' own surfaces (what the bake alone loses), and the meshes that the export makes
+of 64^3 voxels (what a package loses; silhouettes differ too). A third row is of what a user gets: an object
+that the shipped model draws by category and seed, its Gaussians on its meshes. All are drawn without light,
+colours as they are. Writes a Markdown table, and a picture per object.
 """
 
 import time
@@ -17,6 +18,9 @@ import numpy as np
 import tyro
 from PIL import Image
 
+from artigen.appearance import generate_appearance, load_appearance_model
+from artigen.ask import Request, read_request
+from artigen.generate import generate_structure, load_structure_model
 from artigen.kinematics import articulate_gaussians, displacements, qlimits
 from artigen.shapes.asset import frame_shape, shape_to_asset
 from artigen.shapes.draw import draw_shape
@@ -27,6 +31,7 @@ from artigen.splats.render import RasterConfig
 from artigen.splats.render.picture import draw_gaussians
 from artigen.splats.surface import splat_surface
 from artigen.types import Asset
+from artigen.weights import SHIPPED
 from sim_export.appearance.texture import BakedMesh, bake_mesh
 from sim_export.geometry.meshing import mesh_parts
 from sim_export.package import Mesh
@@ -95,6 +100,8 @@ def measure(
     asset: Asset, kind: str, meshes: Sequence[Mesh], splats: dict[tuple[int, int], np.ndarray], out: Path
 ) -> Row:
     """Bakes one object and compares all pictures; ``splats`` is filled on the way and used again."""
+    gaussians = asset.gaussians
+    assert gaussians is not None
     started = time.process_time()
     baked = bake_all(asset, meshes)
     seconds = time.process_time() - started
@@ -104,7 +111,7 @@ def measure(
         T = displacements(asset, qpos)
         T[:, :3, 3] *= asset.scale
         surfaces = [move_surface(surface_from_mesh(one.mesh), T[k]) for k, one in enumerate(baked)]
-        moved = scale_gaussians(articulate_gaussians(asset, qpos, asset.gaussians), asset.scale)
+        moved = scale_gaussians(articulate_gaussians(asset, qpos, gaussians), asset.scale)
         for number, view in enumerate(VIEWS):
             camera = frame_points(moved.means.astype(np.float64), view)
             if (state, number) not in splats:
@@ -139,8 +146,16 @@ def measure(
     )
 
 
+def generate(category: str, seed: int) -> Asset:
+    """What the shipped model draws."""
+    structure, appearance = load_structure_model(SHIPPED), load_appearance_model(SHIPPED)
+    asked = read_request(Request(category=category), seed, structure.preset.conditions.image_size)
+    asset = generate_structure(structure, asked.condition, seed)
+    return replace(generate_appearance(appearance, asset, asked.condition, seed), name=f"{category}_{seed}")
+
+
 def measure_object(name: str, out: Path) -> list[Row]:
-    """Both kinds of meshes of one object."""
+    """Both kinds of meshes of one object, and of one that is generated."""
     category, seed = name.rsplit("_", 1)
     shape = draw_shape(category, int(seed))
     asset = shape_to_asset(shape, spacing=SPACING * frame_shape(shape)[1])
@@ -153,9 +168,11 @@ def measure_object(name: str, out: Path) -> list[Row]:
         if isinstance(visual.mesh, Mesh)
     }
     splats: dict[tuple[int, int], np.ndarray] = {}
+    drawn = generate(category, int(seed))
     return [
         measure(asset, "exact", [exact[part.name] for part in asset.parts], splats, out),
         measure(asset, "voxels", mesh_parts(asset), splats, out),
+        measure(drawn, "generated", mesh_parts(drawn), {}, out),
     ]
 
 
@@ -184,7 +201,7 @@ def main(objects: tuple[str, ...] = OBJECTS, out: Path = Path("out/bake")) -> No
     rows: list[Row] = []
     for name in objects:
         rows += measure_object(name, out)
-        print(table(rows[-2:]), flush=True)
+        print(table(rows[-3:]), flush=True)
     (out / "table.md").write_text(table(rows))
 
 

@@ -32,7 +32,6 @@ from artigen.train.appearance.painter import (
     draw_painted,
     paint_batch,
     read_paint_shard,
-    roughen,
     train_painter,
     write_paint_shard,
 )
@@ -244,22 +243,3 @@ def test_batches_hold_some_voxels_of_each_object():
     assert 0.01 < float(off.std()) < 0.03
     assert float(batch.known.max()) <= 1.0
     assert (batch.voxels.told[..., :FACINGS].sum(dim=2) == 1).all()
-
-
-def test_roughened_voxels_are_a_little_off_and_each_is_there_once():
-    asset = shape_to_asset(make_chest(), 16)
-    assert asset.voxels is not None
-    coords, part_ids = asset.voxels.coords, asset.voxels.part_ids.astype(np.int64)
-    moved = []
-    for seed in range(8):
-        seen, left = roughen(coords, part_ids, 16, np.random.default_rng(seed))
-        assert 0.5 * len(coords) < len(left) < len(coords)
-        assert len(np.unique(seen, axis=0)) == len(seen)
-        assert (np.diff(left) > 0).all()
-        assert seen.min() >= 0
-        assert seen.max() < 16
-        off = seen - coords[left]
-        assert np.abs(off).max() <= 2
-        moved.append((off != 0).any(axis=1).mean())
-    assert 0.0 < min(moved) < 0.2  # no part is off
-    assert max(moved) > 0.2  # one is

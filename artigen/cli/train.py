@@ -58,6 +58,9 @@ class AppearanceSettings:
     """What is read off pictures."""
     dinov2: Path | None = None
     """Folder with the weights of DINOv2, where they are the features."""
+    structure: Path | None = None
+    """Folder of the structure model that draws the voxels which the painter learns on, artigen's own for
+    instance; without one, true voxels are roughened."""
 
 
 What = Literal[

@@ -34,7 +34,12 @@ from artigen.models.slat_flow import SlatFlow
 from artigen.models.store import save_model
 from artigen.train.appearance.examples import AppearanceExample
 from artigen.train.appearance.flow import train_appearance_flow
-from artigen.train.appearance.painter import make_paint_shard, read_paint_shard, train_painter
+from artigen.train.appearance.painter import (
+    PaintShardConfig,
+    make_paint_shard,
+    read_paint_shard,
+    train_painter,
+)
 from artigen.train.appearance.palettes import make_palette_shard, read_palette_shard, train_palette_flow
 from artigen.train.appearance.presets import APPEARANCE_TRAINING
 from artigen.train.appearance.run import (
@@ -137,11 +142,12 @@ def _train_painter(cfg: AppearanceRunConfig, report: Report) -> None:
     preset, training = APPEARANCE_PRESETS[cfg.preset], APPEARANCE_TRAINING[cfg.preset]
     if preset.palette is None or training.painter is None:
         return
-    shards = ShardConfig(
+    shards = PaintShardConfig(
         objects=cfg.painted * cfg.objects,
         resolution=preset.encoder.resolution,
         image_size=0,
         timeout=3600.0,
+        structure=cfg.structure,
     )
     paths = _make_shards(cfg, "paint", cfg.shards, shards, make_paint_shard)
     torch.manual_seed(3)
@@ -273,6 +279,9 @@ def main() -> None:
     parser.add_argument("--dinov2", type=Path, help="folder with the weights of DINOv2")
     parser.add_argument(
         "--start", type=Path, help="folder of a model whose weights every network begins with"
+    )
+    parser.add_argument(
+        "--structure", type=Path, help="folder of the structure model that draws the painter's voxels"
     )
     parser.add_argument("--workers", type=int, default=2, help="processes that make data")
     given = vars(parser.parse_args())

@@ -7,16 +7,18 @@ from pathlib import Path
 
 import numpy as np
 import torch
-from jaxtyping import Float, Int, UInt8
+from jaxtyping import Float, UInt8
 from torch import Tensor, nn
 
 from artigen.facings import find_facings
 from artigen.fields import tabulate_parts
+from artigen.generate import StructureModel, load_structure_model
 from artigen.io import read_arrays
 from artigen.models.painter import Painter, VoxelBatch, describe_for_painter, offer_colors, paint_losses
 from artigen.models.palette_flow import gather_painted
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.draw import draw_shape
+from artigen.train.appearance.drawn import keep_voxels, redraw, roughen
 from artigen.train.appearance.examples import paint_parts
 from artigen.train.appearance.flow import BLUR
 from artigen.train.appearance.paint import read_paint
@@ -29,10 +31,8 @@ KEPT = 1024
 """Voxels of an object that are learnt."""
 STEP = 512
 """Those of them in a batch."""
-ROUGH = 0.75
-"""Share of the objects that are seen as a model might have drawn them."""
-SHIFTED, STRAY, HOLES = 0.3, 0.03, 6
-"""Of these: share of parts that are off, shares of cells that are off and that lack, and holes."""
+DRAWN = 0.75
+"""Share of the objects that are seen as a model draws them."""
 ENOUGH = 4.0
 """Samples from which a side counts in full."""
 
@@ -67,66 +67,58 @@ class PaintBatch:
         return PaintBatch(voxels=voxels, **rest)
 
 
-def draw_painted(category: str, seed: int, *, resolution: int, kept: int = KEPT) -> PaintedExample:
-    """Draws a procedural object and paints some of its voxels: half of all, half part by part."""
+def draw_painted(
+    category: str, seed: int, *, resolution: int, kept: int = KEPT, model: StructureModel | None = None
+) -> PaintedExample:
+    """Draws a procedural object and paints some of its voxels: half of all, half part by part.
+
+    Args:
+        category: of the object.
+        seed: of the object, and of what is drawn for it.
+        resolution: edge of the grid.
+        kept: number of voxels.
+        model: draws them again (`artigen.train.appearance.drawn`); without one, they are roughened.
+    """
     shape = draw_shape(category, seed)
     asset = shape_to_asset(shape, resolution)
     assert asset.voxels is not None
-    coords, part_ids = asset.voxels.coords, asset.voxels.part_ids.astype(np.int64)
-    facings = find_facings(coords, part_ids, resolution)
+    facings = find_facings(asset.voxels.coords, asset.voxels.part_ids, resolution)
     paint, table = read_paint(shape, asset, facings), tabulate_parts(asset)
     rng = np.random.default_rng(seed)
-    seen, left = (
-        roughen(coords, part_ids, resolution, rng)
-        if rng.random() < ROUGH
-        else (coords, np.arange(len(coords)))
-    )
-    number = np.bincount(part_ids)[part_ids]
-    chances = (0.5 / len(coords) + 0.5 / (number * len(np.unique(part_ids))))[left]
-    rows = np.sort(rng.choice(len(left), kept, replace=True, p=chances / chances.sum()))
-    told = describe_for_painter(seen, part_ids[left], facings[left], table, resolution, rows)
+    if rng.random() >= DRAWN:
+        seen = keep_voxels(asset.voxels, facings)
+    elif model is None:
+        seen = roughen(asset.voxels, facings, rng)
+    else:
+        seen = redraw(model, asset, facings, rng)
+    number = np.bincount(seen.part_ids)[seen.part_ids]
+    chances = (0.5 / len(number) + 0.5 / (number * len(np.unique(seen.part_ids))))[seen.rows]
+    chosen = np.sort(rng.choice(len(seen.rows), kept, replace=True, p=chances / chances.sum()))
+    rows, like = seen.rows[chosen], seen.like[chosen]
+    told = describe_for_painter(seen.coords, seen.part_ids, seen.facings, table, resolution, rows)
     return PaintedExample(
         table=table,
         palettes=paint_parts(shape, asset),
-        part_ids=part_ids[left][rows].astype(np.uint8),
+        part_ids=seen.part_ids[rows].astype(np.uint8),
         told=told.astype(np.float16),
-        paint=paint.packed()[left][rows],
-        known=paint.known[left][rows].clip(max=255).astype(np.uint8),
+        paint=paint.packed()[like],
+        known=paint.known[like].clip(max=255).astype(np.uint8),
     )
 
 
-def roughen(
-    coords: Int[np.ndarray, "N 3"], part_ids: Int[np.ndarray, "N"], resolution: int, rng: np.random.Generator
-) -> tuple[Int[np.ndarray, "M 3"], Int[np.ndarray, "M"]]:
-    """Voxels as a model might have drawn them: parts a cell off, cells off their surface, holes.
+@dataclass(frozen=True, kw_only=True)
+class PaintShardConfig(ShardConfig):
+    """What the examples of a folder are."""
 
-    Args:
-        coords: Cells (x, y, z) of the grid.
-        part_ids: Part of each.
-        resolution: Edge of the grid.
-        rng: Of everything that is drawn.
-
-    Returns:
-        Cells of the voxels that are left, each at most once, and which ones these are.
-    """
-    cells = coords.astype(np.int64)
-    parts = np.unique(part_ids)
-    off = np.zeros((parts.max() + 1, 3), dtype=np.int64)
-    off[parts] = rng.integers(-1, 2, (len(parts), 3)) * (rng.random((len(parts), 1)) < SHIFTED)
-    stray = rng.integers(-1, 2, cells.shape) * (rng.random((len(cells), 1)) < STRAY)
-    places = (cells + off[part_ids] + stray).clip(0, resolution - 1)
-    middles = cells[rng.integers(len(cells), size=HOLES)]
-    holes = (np.abs(cells[:, None] - middles).max(axis=2) <= rng.integers(0, 3, HOLES)).any(axis=1)
-    kept = np.flatnonzero(~holes & (rng.random(len(cells)) >= STRAY))
-    order = rng.permutation(kept)
-    first = np.sort(np.unique(places[order], axis=0, return_index=True)[1])
-    left = np.sort(order[first])
-    return places[left], left
+    structure: Path | None = None
+    """Folder of the model that draws the voxels again; without one, they are roughened."""
 
 
-def make_paint_shard(job: ShardJob[ShardConfig]) -> Path:
+def make_paint_shard(job: ShardJob[PaintShardConfig]) -> Path:
     """Draws the objects of one shard and writes it; runs in a worker process."""
-    return draw_shard(job, partial(draw_painted, resolution=job.cfg.resolution), write_paint_shard)
+    model = None if job.cfg.structure is None else load_structure_model(job.cfg.structure)
+    draw = partial(draw_painted, resolution=job.cfg.resolution, model=model)
+    return draw_shard(job, draw, write_paint_shard)
 
 
 def write_paint_shard(path: Path, examples: Sequence[PaintedExample]) -> None:

@@ -10,8 +10,9 @@ from artigen.models.appearance_presets import APPEARANCE_PRESETS
 from artigen.models.appearance_vae import SIDE_CHANNELS
 from artigen.models.dinov2 import DinoConfig
 from artigen.models.extractors import ExtractorConfig, ExtractorName
-from artigen.models.presets import PresetName
+from artigen.models.presets import PRESETS, PresetName
 from artigen.models.slat_vae import SlatVaeConfig
+from artigen.models.store import hash_model, read_description
 from artigen.train.appearance.curation import CurationConfig
 from artigen.train.appearance.presets import APPEARANCE_TRAINING
 from artigen.train.appearance.visibility import Weighting
@@ -52,6 +53,9 @@ class AppearanceRunConfig:
     """Folder with the weights of DINOv2, where they are the features."""
     start: Path | None = None
     """Folder of a model whose weights every network begins with."""
+    structure: Path | None = None
+    """Folder of the structure model that draws the voxels which the painter learns on; without one, true
+    voxels are roughened."""
     workers: int = 2
     """Processes that make data."""
 
@@ -73,9 +77,7 @@ def run_curation(cfg: AppearanceRunConfig) -> CurationConfig:
 def close_curation(curation: CurationConfig) -> CurationConfig:
     """As many views, and as many of them kept, of the closed state alone; what it hides is not told."""
     views = replace(curation.views, count=curation.states * curation.views.count)
-    return replace(
-        curation, states=1, views=views, kept=curation.states * curation.kept, painted=False
-    )
+    return replace(curation, states=1, views=views, kept=curation.states * curation.kept, painted=False)
 
 
 def run_extractor(cfg: AppearanceRunConfig) -> ExtractorConfig:
@@ -125,5 +127,26 @@ def claim_appearance_run(cfg: AppearanceRunConfig) -> None:
             "weighting": cfg.weighting,
             "features": cfg.features,
             "start": claim_start(cfg.start, cfg.preset),
+            "structure": _claim_structure(cfg),
         },
     )
+
+
+def _claim_structure(cfg: AppearanceRunConfig) -> str | None:
+    """The hash of the model that draws the painter's voxels, if one does.
+
+    Raises:
+        ArtigenError: If there is no such model, or it draws in another resolution.
+    """
+    if cfg.structure is None:
+        return None
+    name = read_description(cfg.structure).get("flow", {}).get("preset")
+    drawn = next((preset for key, preset in PRESETS.items() if key == name and preset.outline), None)
+    wanted = APPEARANCE_PRESETS[cfg.preset].encoder.resolution
+    if drawn is None or drawn.resolution != wanted:
+        able = ", ".join(key for key, one in PRESETS.items() if one.outline and one.resolution == wanted)
+        raise ArtigenError(
+            f"{cfg.structure}: its structure is of preset {name!r}; voxels of {wanted}^3 within outlines are "
+            f"drawn by {able}: name such a model, or leave --structure out"
+        )
+    return hash_model(cfg.structure)

@@ -1,0 +1,126 @@
+"""Voxels of procedural objects as a model draws them, beside the true ones: what the painter learns on.
+
+A painter that has seen true voxels alone is sure of itself on drawn ones, and wrong.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+from jaxtyping import Int
+from scipy.spatial import KDTree
+
+from artigen.facings import find_facings
+from artigen.fields import tabulate_parts
+from artigen.generate import GenerateConfig, StructureModel, draw_cells
+from artigen.mending.rows import read_owners
+from artigen.models.conditions import StructureCondition, gather_conditions
+from artigen.types import Asset, VoxelGrid
+
+SHIFTED, STRAY, HOLES = 0.3, 0.03, 6
+"""Share of parts that are off, shares of cells that are off and that lack, and number of holes."""
+NEAR = 2.5
+"""Cells within which a drawn voxel looks as the nearest true one of its part that faces as it does."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class DrawnVoxels:
+    """Voxels of an object, and which true ones they look like."""
+
+    coords: Int[np.ndarray, "N 3"]
+    part_ids: Int[np.ndarray, "N"]
+    facings: Int[np.ndarray, "N"]
+    rows: Int[np.ndarray, "K"]
+    """Those that look like a true one."""
+    like: Int[np.ndarray, "K"]
+    """Which one."""
+
+
+def keep_voxels(voxels: VoxelGrid, facings: Int[np.ndarray, "N"]) -> DrawnVoxels:
+    """The true voxels themselves."""
+    every = np.arange(len(voxels.coords))
+    return DrawnVoxels(
+        coords=voxels.coords,
+        part_ids=voxels.part_ids.astype(np.int64),
+        facings=facings,
+        rows=every,
+        like=every,
+    )
+
+
+def roughen(voxels: VoxelGrid, facings: Int[np.ndarray, "N"], rng: np.random.Generator) -> DrawnVoxels:
+    """Voxels as a model might have drawn them: parts a cell off, cells off their surface, holes.
+
+    Args:
+        voxels: the true ones.
+        facings: directions of their outer sides, which are kept.
+        rng: of everything that is drawn.
+    """
+    cells, part_ids = voxels.coords.astype(np.int64), voxels.part_ids.astype(np.int64)
+    parts = np.unique(part_ids)
+    off = np.zeros((parts.max() + 1, 3), dtype=np.int64)
+    off[parts] = rng.integers(-1, 2, (len(parts), 3)) * (rng.random((len(parts), 1)) < SHIFTED)
+    stray = rng.integers(-1, 2, cells.shape) * (rng.random((len(cells), 1)) < STRAY)
+    places = (cells + off[part_ids] + stray).clip(0, voxels.resolution - 1)
+    middles = cells[rng.integers(len(cells), size=HOLES)]
+    holes = (np.abs(cells[:, None] - middles).max(axis=2) <= rng.integers(0, 3, HOLES)).any(axis=1)
+    kept = np.flatnonzero(~holes & (rng.random(len(cells)) >= STRAY))
+    order = rng.permutation(kept)
+    first = np.sort(np.unique(places[order], axis=0, return_index=True)[1])
+    left = np.sort(order[first])
+    return DrawnVoxels(
+        coords=places[left],
+        part_ids=part_ids[left],
+        facings=facings[left],
+        rows=np.arange(len(left)),
+        like=left,
+    )
+
+
+def redraw(
+    model: StructureModel, asset: Asset, facings: Int[np.ndarray, "N"], rng: np.random.Generator
+) -> DrawnVoxels:
+    """Voxels that a structure model draws within the outline of an object.
+
+    Args:
+        model: trained, one that draws within outlines.
+        asset: the object, with voxels in the model's resolution.
+        facings: directions of the outer sides of its voxels.
+        rng: of the noise.
+
+    Raises:
+        ValueError: If the model draws without outlines, or the asset has no voxels of its resolution.
+    """
+    voxels, wanted = asset.voxels, model.preset.resolution
+    if model.outline is None or voxels is None or voxels.resolution != wanted:
+        found = "no voxels" if voxels is None else f"voxels of {voxels.resolution}^3"
+        how = "without outlines" if model.outline is None else "within outlines"
+        raise ValueError(
+            f"asset {asset.name!r} has {found}, the model draws those of {wanted}^3 {how}: expected the same "
+            "resolution, and a model that draws within outlines"
+        )
+    rows, edge = tabulate_parts(asset), model.flow.edge
+    asked = gather_conditions([StructureCondition(category=asset.category)], model.preset.conditions)
+    shape = (1, model.flow.channels, edge, edge, edge)
+    noise = torch.from_numpy(rng.standard_normal(shape, dtype=np.float32))
+    device = next(model.flow.parameters()).device
+    with torch.no_grad():
+        fields, _ = draw_cells(model, asked.to(device), noise.to(device), rows, GenerateConfig())
+    owners = read_owners(fields, rows)
+    coords = np.argwhere(owners >= 0)
+    part_ids = owners[tuple(coords.T)]
+    faced = find_facings(coords, part_ids, wanted)
+    near, like = _find_like(
+        np.column_stack([voxels.coords, voxels.part_ids, facings]), np.column_stack([coords, part_ids, faced])
+    )
+    return DrawnVoxels(coords=coords, part_ids=part_ids, facings=faced, rows=near, like=like)
+
+
+def _find_like(
+    true: Int[np.ndarray, "N 5"], drawn: Int[np.ndarray, "M 5"]
+) -> tuple[Int[np.ndarray, "K"], Int[np.ndarray, "K"]]:
+    """Drawn voxels (cell, part, facing) near true ones of their part and facing, and the nearest of these."""
+    apart = np.array([1.0, 1.0, 1.0, 100.0, 100.0])
+    distance, nearest = KDTree(true * apart).query(drawn * apart, distance_upper_bound=NEAR)
+    near = np.flatnonzero(np.isfinite(distance))
+    return near, np.asarray(nearest)[near]

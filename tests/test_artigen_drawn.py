@@ -1,0 +1,77 @@
+"""Voxels as a model draws them, and which true ones they look like."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from drawer_chest import make_chest
+
+import artigen
+from artigen.facings import find_facings
+from artigen.generate import build_structure_model, load_structure_model
+from artigen.models.presets import PRESETS
+from artigen.shapes.asset import shape_to_asset
+from artigen.shapes.draw import draw_shape
+from artigen.shapes.shape import Shape
+from artigen.train.appearance.drawn import NEAR, DrawnVoxels, keep_voxels, redraw, roughen
+from artigen.types import Asset
+
+SHIPPED = Path(artigen.__file__).parent / "weights" / "small"
+
+
+def voxelize(shape: Shape, resolution: int) -> tuple[Asset, np.ndarray]:
+    asset = shape_to_asset(shape, resolution)
+    assert asset.voxels is not None
+    return asset, find_facings(asset.voxels.coords, asset.voxels.part_ids, resolution)
+
+
+def distances(asset: Asset, drawn: DrawnVoxels) -> np.ndarray:
+    """From drawn voxels to the true ones that they look like, in cells; of the same part they must be."""
+    assert asset.voxels is not None
+    assert (np.diff(drawn.rows) > 0).all()
+    assert len(np.unique(drawn.coords, axis=0)) == len(drawn.coords)
+    assert drawn.coords.min() >= 0
+    assert drawn.coords.max() < asset.voxels.resolution
+    assert (drawn.part_ids[drawn.rows] == asset.voxels.part_ids[drawn.like]).all()
+    return np.linalg.norm(drawn.coords[drawn.rows] - asset.voxels.coords[drawn.like].astype(int), axis=1)
+
+
+def test_kept_voxels_are_themselves():
+    asset, facings = voxelize(make_chest(), 16)
+    assert asset.voxels is not None
+    assert not distances(asset, keep_voxels(asset.voxels, facings)).any()
+
+
+def test_roughened_voxels_are_a_little_off():
+    asset, facings = voxelize(make_chest(), 16)
+    assert asset.voxels is not None
+    moved = []
+    for seed in range(8):
+        drawn = roughen(asset.voxels, facings, np.random.default_rng(seed))
+        assert 0.5 * len(facings) < len(drawn.coords) < len(facings)
+        assert (drawn.facings == facings[drawn.like]).all()
+        off = distances(asset, drawn)
+        assert off.max() <= 2 * np.sqrt(3)
+        moved.append((off > 0).mean())
+    assert 0.0 < min(moved) < 0.2  # no part is off
+    assert max(moved) > 0.2  # one is
+
+
+def test_redrawn_voxels_look_as_true_ones_that_face_as_they_do():
+    asset, facings = voxelize(draw_shape("Microwave", 3), 64)
+    model = load_structure_model(SHIPPED)
+    drawn, again = (redraw(model, asset, facings, np.random.default_rng(5)) for _ in range(2))
+    for name, value in vars(drawn).items():
+        np.testing.assert_array_equal(getattr(again, name), value)
+    off = distances(asset, drawn)
+    assert off.max() <= NEAR
+    assert 0.05 < (off > 0).mean() < 0.8  # else it would be the object itself, or another one
+    assert (drawn.facings[drawn.rows] == facings[drawn.like]).all()
+    assert 0.8 < len(drawn.rows) / len(drawn.coords) < 1.0
+
+
+def test_a_model_of_another_resolution_is_refused():
+    asset, facings = voxelize(make_chest(), 16)
+    model = build_structure_model(PRESETS["small"])
+    with pytest.raises(ValueError, match=r"voxels of 16\^3, the model draws those of 64\^3 within outlines"):
+        redraw(model, asset, facings, np.random.default_rng(0))
