@@ -1,12 +1,13 @@
 """Voxels as a model draws them, and which true ones they look like."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from drawer_chest import make_chest
 
-import artigen
+from artigen.errors import ArtigenError
 from artigen.facings import find_facings
 from artigen.generate import build_structure_model, load_structure_model
 from artigen.models.presets import PRESETS
@@ -14,9 +15,9 @@ from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.shape import Shape
 from artigen.train.appearance.drawn import NEAR, DrawnVoxels, keep_voxels, redraw, roughen
+from artigen.train.appearance.run import AppearanceRunConfig, claim_appearance_run
 from artigen.types import Asset
-
-SHIPPED = Path(artigen.__file__).parent / "weights" / "small"
+from artigen.weights import SHIPPED
 
 
 def voxelize(shape: Shape, resolution: int) -> tuple[Asset, np.ndarray]:
@@ -75,3 +76,15 @@ def test_a_model_of_another_resolution_is_refused():
     model = build_structure_model(PRESETS["small"])
     with pytest.raises(ValueError, match=r"voxels of 16\^3, the model draws those of 64\^3 within outlines"):
         redraw(model, asset, facings, np.random.default_rng(0))
+
+
+def test_a_run_says_which_model_draws_and_refuses_one_that_cannot(tmp_path: Path):
+    run = AppearanceRunConfig(folder=tmp_path / "run", preset="small", structure=SHIPPED)
+    claim_appearance_run(run)
+    claim_appearance_run(run)
+    with pytest.raises(ArtigenError, match="structure"):
+        claim_appearance_run(replace(run, structure=None))
+    tiny = AppearanceRunConfig(folder=tmp_path / "tiny", preset="tiny", structure=SHIPPED)
+    with pytest.raises(ArtigenError, match=r"voxels of 32\^3 within outlines are drawn by tiny"):
+        claim_appearance_run(tiny)
+    assert not tiny.home.exists()
