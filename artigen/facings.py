@@ -38,10 +38,12 @@ def find_facings(
     thickness = np.empty((3, len(cells)), dtype=np.float32)
     for part in np.unique(part_ids):
         own = part_ids == part
-        place, inside = tuple(cells[own].T), grid == part
+        low, high = cells[own].min(axis=0), cells[own].max(axis=0)
+        within = tuple(slice(first, last + 1) for first, last in zip(low, high, strict=True))
+        place, inside = tuple((cells[own] - low).T), grid[within] == part
         count = uniform_filter(inside.astype(np.float32), 3, mode="constant")[place]
         for axis in range(3):
-            total = uniform_filter(np.where(inside, runs[axis], 0.0), 3, mode="constant")[place]
+            total = uniform_filter(np.where(inside, runs[axis][within], 0.0), 3, mode="constant")[place]
             thickness[axis, own] = total / count
     middle = find_middles(cells, part_ids, LONGEST)
     axis = np.round(thickness, 3).argmin(axis=0)
