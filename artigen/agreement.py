@@ -16,7 +16,7 @@ HOLD, LEAST = 10.0, 1e-3
 """How much a voxel that is certain holds on to that beside a neighbour's say, and one that knows nothing."""
 CERTAIN = 6
 """Power of the margin between its two best classes that a voxel's hold grows with."""
-TEMPER = 2.0
+TEMPER = 4.0
 """What logits are divided by before they say how sure a voxel is: on drawn voxels, networks are too sure."""
 
 
