@@ -7,6 +7,7 @@ import numpy as np
 import torch
 from jaxtyping import Float, Int
 
+from artigen.bare_sides import cover_bare_sides
 from artigen.errors import SourceError
 from artigen.facings import find_facings
 from artigen.fields import name_rows, tabulate_parts
@@ -25,11 +26,12 @@ from artigen.models.slat_flow import SlatFlow, sample_slats
 from artigen.models.store import DESCRIPTION, load_model, read_description
 from artigen.models.trellis import load_strictly, read_tensors
 from artigen.palettes import ask_colors, describe_voxels, read_kinds
+from artigen.places import VoxelPlaces, describe_places, measure_places
 from artigen.sampling import SamplerConfig
 from artigen.splats.render.splats import Splats
 from artigen.splats.seams import SeamConfig, settle_seams
 from artigen.text import Color
-from artigen.types import Asset, PartLabel
+from artigen.types import Asset, PartLabel, SurfaceSamples
 
 DECODER = "decoder."
 """What the decoder's tensors are called by in a stored VAE; the encoder is not needed to generate."""
@@ -118,6 +120,22 @@ def load_appearance_model(folder: Path, device: torch.device | str = "cpu") -> A
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
+class Canvas:
+    """The voxels of a structure, which Gaussians are drawn for."""
+
+    coords: Int[np.ndarray, "N 3"]
+    """In the model's resolution."""
+    part_ids: Int[np.ndarray, "N"]
+    """Part of each."""
+    facings: Int[np.ndarray, "N"]
+    """Direction of the outer side of each (`artigen.facings`)."""
+    table: Float[np.ndarray, "P C"]
+    """Channels after occupancy of each part (`artigen.fields.tabulate_parts`)."""
+    places: VoxelPlaces | None = None
+    """Where the surface of each lies, for models that are told."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Told:
     """Colours that are known, and not drawn (`artigen.palettes`)."""
 
@@ -130,9 +148,7 @@ class Told:
 @torch.no_grad()
 def draw_splats(
     model: AppearanceModel,
-    coords: Int[np.ndarray, "N 3"],
-    part_ids: Int[np.ndarray, "N"],
-    table: Float[np.ndarray, "P C"],
+    canvas: Canvas,
     asked: StructureCondition,
     seed: int,
     cfg: AppearanceConfig,
@@ -143,13 +159,14 @@ def draw_splats(
 
     Args:
         model: trained networks.
-        coords: of the voxels, in the model's resolution.
-        part_ids: part of each.
-        table: channels after occupancy of each part (`artigen.fields.tabulate_parts`).
+        canvas: the voxels.
         asked: the condition.
         seed: of the noise.
         cfg: samplers.
         told: colours that are not drawn, where the model draws any.
+
+    Raises:
+        ValueError: If the model is to be told where surface lies, and is not.
     """
     device = next(model.flow.parameters()).device
     generator = torch.Generator().manual_seed(seed)
@@ -159,8 +176,10 @@ def draw_splats(
     )
     attributes = None
     edge = model.preset.decoder.trunk.resolution
-    facings = find_facings(coords, part_ids, edge)
+    coords, part_ids, facings, table = canvas.coords, canvas.part_ids, canvas.facings, canvas.table
     if model.palette is not None and model.painter is not None:
+        if canvas.places is None:
+            raise ValueError(f"{len(coords)} voxels without places; this model is told where surface lies")
         paint, palettes = (None, None) if told is None else (told.paint, told.palettes)
         if paint is None:
             if palettes is None:
@@ -170,8 +189,11 @@ def draw_splats(
                     model.palette, table, known, nothing, generator, steps, fixed=fixed
                 )
             paint = paint_voxels(model.painter, coords, part_ids, facings, table, palettes, edge)
+            paint = cover_bare_sides(paint, canvas.places.faced, coords, part_ids)
         kinds = read_kinds(coords, part_ids, facings, table, edge)
-        attributes = torch.from_numpy(describe_voxels(kinds, paint)).to(device)
+        attributes = torch.from_numpy(describe_voxels(kinds, describe_places(canvas.places), paint)).to(
+            device
+        )
     places = torch.from_numpy(np.pad(coords.astype(np.int32), ((0, 0), (1, 0)))).to(device)
     noise = torch.randn((len(coords), model.flow.channels), generator=generator).to(device)
     sampler = cfg.sampler or model.preset.sampler
@@ -186,6 +208,8 @@ def generate_appearance(
     asked: StructureCondition,
     seed: int,
     cfg: AppearanceConfig | None = None,
+    *,
+    surface: SurfaceSamples | None = None,
 ) -> Asset:
     """Draws Gaussians for the voxels of an asset; the same arguments give the same ones on one machine.
 
@@ -197,15 +221,33 @@ def generate_appearance(
         asked: the condition that the structure was drawn from.
         seed: of the noise.
         cfg: samplers and seams.
+        surface: samples of the surface that the voxels stand for, for models that are told where it lies (all
+            but ``paper``): of a drawn structure, those of its meshes (`sim_export.geometry.surface`).
 
     Raises:
-        ValueError: If the asset has no voxels, or has them in another resolution.
+        ValueError: If the asset has no voxels, has them in another resolution, or samples are missing.
     """
     cfg = cfg or AppearanceConfig()
     edge, voxels = model.preset.decoder.trunk.resolution, asset.voxels
     if voxels is None or not len(voxels.coords) or voxels.resolution != edge:
         found = "none" if voxels is None else f"{len(voxels.coords)} of {voxels.resolution}^3"
         raise ValueError(f"asset {asset.name!r}: voxels are {found}, this model draws on those of {edge}^3")
-    splats = draw_splats(model, voxels.coords, voxels.part_ids, tabulate_parts(asset), asked, seed, cfg)
+    facings = find_facings(voxels.coords, voxels.part_ids, edge)
+    places = None
+    if model.flow.attribute_channels:
+        if surface is None:
+            raise ValueError(
+                f"asset {asset.name!r} came without samples of its surface, which say where in its voxels "
+                "Gaussians belong; take some of its meshes (sim_export.geometry.surface)"
+            )
+        places = measure_places(surface, voxels, facings)
+    canvas = Canvas(
+        coords=voxels.coords,
+        part_ids=voxels.part_ids,
+        facings=facings,
+        table=tabulate_parts(asset),
+        places=places,
+    )
+    splats = draw_splats(model, canvas, asked, seed, cfg)
     painted = replace(asset, gaussians=to_gaussians(splats, voxels.part_ids))
     return settle_seams(painted, cfg.seams)

@@ -130,15 +130,17 @@ def read_kinds(
 
 def describe_voxels(
     kinds: Float[np.ndarray, "N 20"],
+    places: Float[np.ndarray, "N 6"],
     paint: Float[np.ndarray, "N 7"],
 ) -> Float[np.ndarray, "N A"]:
     """What the flow of structured latents is told of every voxel (float32).
 
     Args:
         kinds: Of the voxels (`describe_kinds`).
+        places: Where their surface lies (`artigen.places.describe_places`).
         paint: Colours of both sides of each voxel, and how clear it is (`artigen.models.painter`).
     """
-    return np.concatenate([kinds, paint], axis=1).astype(np.float32)
+    return np.concatenate([kinds, places, paint], axis=1).astype(np.float32)
 
 
 def _read_palette(colors: np.ndarray, outside: Bool[np.ndarray, "N"]) -> Float[np.ndarray, "7"]:

@@ -34,6 +34,7 @@ from artigen.types import Asset
 from artigen.weights import SHIPPED
 from sim_export.appearance.texture import BakedMesh, bake_mesh
 from sim_export.geometry.meshing import mesh_parts
+from sim_export.geometry.surface import sample_surface
 from sim_export.package import Mesh
 from sim_export.picture.camera import Camera, Viewpoint, frame_points, pixel_rays
 from sim_export.picture.raycast import Surface, albedo_at, build_scene, cast_rays
@@ -151,7 +152,8 @@ def generate(category: str, seed: int) -> Asset:
     structure, appearance = load_structure_model(SHIPPED), load_appearance_model(SHIPPED)
     asked = read_request(Request(category=category), seed, structure.preset.conditions.image_size)
     asset = generate_structure(structure, asked.condition, seed)
-    return replace(generate_appearance(appearance, asset, asked.condition, seed), name=f"{category}_{seed}")
+    painted = generate_appearance(appearance, asset, asked.condition, seed, surface=sample_surface(asset))
+    return replace(painted, name=f"{category}_{seed}")
 
 
 def measure_object(name: str, out: Path) -> list[Row]:

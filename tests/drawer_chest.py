@@ -6,6 +6,7 @@ import numpy as np
 
 from artigen.facings import find_facings
 from artigen.models.features import PyramidFeatures
+from artigen.places import SAMPLES
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.primitives import box
 from artigen.shapes.render import RenderConfig
@@ -14,7 +15,6 @@ from artigen.shapes.surfaces.finishes import Finish
 from artigen.train.appearance.curation import CurationConfig, curate
 from artigen.train.appearance.examples import AppearanceExample, paint_parts, sample_parts
 from artigen.train.appearance.paint import read_paint
-from artigen.train.appearance.places import SAMPLES
 from artigen.train.appearance.views import ViewConfig
 from artigen.types import Asset
 

@@ -11,6 +11,7 @@ import torch
 import artigen.generate
 from artigen.appearance import (
     AppearanceConfig,
+    AppearanceModel,
     generate_appearance,
     has_appearance,
     load_appearance_model,
@@ -38,6 +39,7 @@ from artigen.shapes.draw import draw_shape
 from artigen.splats.ply import read_ply
 from artigen.types import Asset, Gaussians
 from sim_export.files.read import read_package
+from sim_export.geometry.surface import sample_surface
 from sim_export.package import Link
 from sim_export.physics.links import link_owners
 
@@ -75,9 +77,13 @@ def structure() -> Asset:
     return shape_to_asset(draw_shape("StorageFurniture", 3), resolution=32)
 
 
+def paint(model: AppearanceModel, structure: Asset, seed: int) -> Asset:
+    return generate_appearance(model, structure, ASKED, seed, FEW, surface=sample_surface(structure))
+
+
 def test_the_same_seed_gives_the_same_gaussians_and_another_seed_others(folder: Path, structure: Asset):
     model = load_appearance_model(folder)
-    one, two, other = (generate_appearance(model, structure, ASKED, seed, FEW) for seed in (5, 5, 6))
+    one, two, other = (paint(model, structure, seed) for seed in (5, 5, 6))
     for item in fields(Gaussians):
         np.testing.assert_array_equal(getattr(one.gaussians, item.name), getattr(two.gaussians, item.name))
     assert np.abs(one.gaussians.colors - other.gaussians.colors).max() > 0.01
@@ -85,7 +91,7 @@ def test_the_same_seed_gives_the_same_gaussians_and_another_seed_others(folder: 
 
 def test_gaussians_belong_to_the_parts_of_their_voxels(folder: Path, structure: Asset):
     model = load_appearance_model(folder)
-    asset = generate_appearance(model, structure, ASKED, 5, FEW)
+    asset = paint(model, structure, 5)
     count = model.preset.decoder.gaussians.count
     assert len(asset.gaussians.means) == count * len(structure.voxels.coords)
     own = np.repeat(structure.voxels.part_ids, count)
@@ -99,7 +105,7 @@ def test_gaussians_belong_to_the_parts_of_their_voxels(folder: Path, structure: 
 
 
 def test_assets_keep_their_gaussians(folder: Path, structure: Asset, tmp_path: Path):
-    asset = generate_appearance(load_appearance_model(folder), structure, ASKED, 5, FEW)
+    asset = paint(load_appearance_model(folder), structure, 5)
     write_asset(asset, tmp_path / "asset")
     back = read_asset(tmp_path / "asset")
     for item in fields(Gaussians):
@@ -149,6 +155,8 @@ def test_what_does_not_fit_is_said(folder: Path, structure: Asset, tmp_path: Pat
     finer = replace(structure.voxels, resolution=64)
     with pytest.raises(ValueError, match=r"of 64\^3, this model draws on those of 32\^3"):
         generate_appearance(model, replace(structure, voxels=finer), ASKED, 0)
+    with pytest.raises(ValueError, match="came without samples of its surface"):
+        generate_appearance(model, structure, ASKED, 0)
     with pytest.raises(SourceError, match="there is no such model"):
         load_appearance_model(tmp_path)
     (tmp_path / "model.json").write_text(json.dumps({"flow": {"preset": "tiny"}}))

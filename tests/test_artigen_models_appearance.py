@@ -15,7 +15,6 @@ from artigen.models.appearance_presets import APPEARANCE_PRESETS
 from artigen.models.appearance_vae import (
     COLOR_MIDDLE,
     COLOR_SPREAD,
-    MIDDLE_SPREAD,
     SIDE_CHANNELS,
     SIDE_LATENTS,
     AppearanceVae,
@@ -35,6 +34,7 @@ from artigen.models.slat_flow import SlatFlow, sample_slats
 from artigen.models.slat_vae import SlatEncoder
 from artigen.models.store import load_model, save_model
 from artigen.palettes import PAINT
+from artigen.places import MIDDLE_SPREAD, PLACES
 from artigen.sampling import SamplerConfig, diffuse, draw_times
 from artigen.splats.colors import srgb_from_linear
 from artigen.splats.render.splats import Splats
@@ -181,13 +181,14 @@ def test_decoded_gaussians_become_values_with_the_part_of_their_voxel(generator:
 
 
 def describe(count: int, generator: torch.Generator) -> torch.Tensor:
-    """Attributes of voxels of all kinds: facing, label, covered sides, paint."""
+    """Attributes of voxels of all kinds: facing, label, covered sides, places, paint."""
     facing, label = (
         torch.eye(kinds)[torch.randint(kinds, (count,), generator=generator)]
         for kinds in (FACINGS, len(PART_LABELS))
     )
     near = torch.randint(2, (count, SIDES + AROUND), generator=generator).float()
-    return torch.cat([facing, label, near, torch.rand(count, PAINT, generator=generator)], dim=1)
+    places = torch.randn(count, PLACES, generator=generator)
+    return torch.cat([facing, label, near, places, torch.rand(count, PAINT, generator=generator)], dim=1)
 
 
 def test_expectations_keep_their_digits_where_networks_are_trained_in_few(generator: torch.Generator):
@@ -220,9 +221,10 @@ def test_which_of_two_colours_a_covered_side_has_is_expected(generator: torch.Ge
     assert len(kinds.unique()) == KINDS
 
 
-def test_where_a_part_ends_is_expected_whatever_its_paint(generator: torch.Generator):
+def test_where_a_part_ends_and_its_surface_lies_is_expected_whatever_its_paint(generator: torch.Generator):
     attributes = describe(40_000, generator)
-    latents = attributes[:, -PAINT - AROUND : -PAINT] @ torch.tensor([[0.2], [-0.2], [0.1], [0.3]])
+    sure = attributes[:, -AROUND - PLACES - PAINT : -PAINT]
+    latents = sure @ torch.linspace(-0.2, 0.3, AROUND + PLACES)[:, None]
     expectation = Expectation(1)
     expectation.weight.copy_(fit_expectation([(attributes, latents)], 0.05))
     torch.testing.assert_close(expectation(attributes), latents, atol=0.01, rtol=0)
@@ -261,7 +263,7 @@ def test_one_step_goes_along_the_guided_velocity(generator: torch.Generator):
     torch.testing.assert_close(drawn, expected, atol=1e-3, rtol=1e-4)
     back = flow.normalise(flow.restore(noise, attributes), attributes)
     torch.testing.assert_close(back, noise, atol=1e-5, rtol=0)
-    with pytest.raises(ValueError, match="0 attributes per voxel, expected 27"):
+    with pytest.raises(ValueError, match="0 attributes per voxel, expected 33"):
         sample_slats(flow, coords, asked, nothing, noise, cfg)
 
 

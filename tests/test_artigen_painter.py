@@ -28,11 +28,13 @@ from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.shape import Shape
 from artigen.train.appearance.paint import VoxelPaint, read_paint
 from artigen.train.appearance.painter import (
+    PaintBatch,
     PaintedExample,
     draw_painted,
     paint_batch,
     read_paint_shard,
     train_painter,
+    vary_batch,
     write_paint_shard,
 )
 from artigen.train.loop import LoopConfig
@@ -243,3 +245,25 @@ def test_batches_hold_some_voxels_of_each_object():
     assert 0.01 < float(off.std()) < 0.03
     assert float(batch.known.max()) <= 1.0
     assert (batch.voxels.told[..., :FACINGS].sum(dim=2) == 1).all()
+
+
+def test_objects_in_other_colours_choose_as_before():
+    drawn = [draw_painted(name, 1, resolution=16, kept=600) for name in ("Table", "Oven")] * 4
+    batch = paint_batch(drawn, np.random.default_rng(0))
+    other = vary_batch(batch, np.random.default_rng(1))
+    changed = (other.colors != batch.colors).flatten(1).any(dim=1)
+    assert changed.any()
+    assert not changed.all()
+    for one in (batch, other):
+        assert one.colors.shape == (8, 512, 2, 3)
+    for first, again in ((batch.colors, other.colors), (batch.palettes[..., :3], other.palettes[..., :3])):
+        torch.testing.assert_close(first.sort(dim=-1).values, again.sort(dim=-1).values, atol=0, rtol=0)
+
+    def apart(one: PaintBatch) -> torch.Tensor:
+        """From both sides of voxels to both colours of their parts."""
+        own = one.palettes.gather(1, one.voxels.owners[..., None].expand(-1, -1, one.palettes.shape[2]))
+        return (one.colors[:, :, :, None] - own[:, :, None, :6].unflatten(3, (2, 3))).square().sum(dim=4)
+
+    torch.testing.assert_close(apart(batch), apart(other))
+    noise = [one.voxels.palettes - one.palettes for one in (batch, other)]
+    torch.testing.assert_close(noise[0].square().sum(dim=2), noise[1].square().sum(dim=2))

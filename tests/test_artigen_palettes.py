@@ -14,6 +14,7 @@ from artigen.models.appearance_presets import APPEARANCE_PRESETS
 from artigen.models.conditions import StructureCondition, gather_conditions
 from artigen.models.palette_flow import PaletteFlow, look_at_parts, sample_palettes
 from artigen.palettes import (
+    KIND,
     PAINT,
     ask_colors,
     describe_kinds,
@@ -21,6 +22,7 @@ from artigen.palettes import (
     find_outside,
     read_palettes,
 )
+from artigen.places import PLACES
 from artigen.sampling import SamplerConfig
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.sampling import sample_shape
@@ -105,18 +107,19 @@ def test_a_part_without_samples_has_the_colours_of_the_whole_and_nothing_has_non
         read_palettes(paint([], []), 1)
 
 
-def test_voxels_are_told_their_facing_the_label_of_their_part_and_their_paint():
+def test_voxels_are_told_their_facing_the_label_of_their_part_their_places_and_their_paint():
     asset = shape_to_asset(make_chest(), 16)
     facings = np.arange(len(asset.voxels.coords)) % FACINGS
-    paint = np.random.default_rng(0).random((len(facings), PAINT))
+    paint, places = (np.random.default_rng(0).random((len(facings), width)) for width in (PAINT, PLACES))
     covered = np.stack([facings > 2, facings > 4], axis=1)
     joined = np.stack([covered, facings[:, None] < [1, 3]], axis=1)
     kinds = describe_kinds(tabulate_parts(asset), asset.voxels.part_ids, facings, covered, joined)
-    told = describe_voxels(kinds, paint)
-    assert told.shape == (len(asset.voxels.coords), FACINGS + len(PART_LABELS) + SIDES + AROUND + PAINT)
+    told = describe_voxels(kinds, places, paint)
+    assert told.shape == (len(asset.voxels.coords), KIND + PLACES + PAINT)
     first = FACINGS + len(PART_LABELS)
     np.testing.assert_array_equal(told[:, first : first + SIDES], covered)
-    np.testing.assert_array_equal(told[:, first + SIDES : -PAINT], joined.reshape(-1, AROUND))
+    np.testing.assert_array_equal(told[:, first + SIDES : KIND], joined.reshape(-1, AROUND))
+    np.testing.assert_allclose(told[:, KIND:-PAINT], places, atol=1e-6)
     np.testing.assert_array_equal(told[:, :FACINGS].argmax(axis=1), facings)
     np.testing.assert_array_equal(told[:, :FACINGS].sum(axis=1), 1.0)
     np.testing.assert_allclose(told[:, -PAINT:], paint, atol=1e-6)

@@ -13,7 +13,6 @@ import artigen.train.loop
 from artigen.models.appearance_vae import (
     COLOR_MIDDLE,
     COLOR_SPREAD,
-    HEIGHT_REACH,
     SIDE_CHANNELS,
     AppearanceVae,
     Encoded,
@@ -25,10 +24,12 @@ from artigen.models.slat_flow import SlatFlow
 from artigen.models.slat_patch_dit import SlatPatchDitConfig
 from artigen.models.slat_vae import SlatVaeConfig
 from artigen.palettes import PAINT
+from artigen.places import HEIGHT_REACH
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.render import build_scene, render
 from artigen.splats.render import rasterize
 from artigen.train.appearance.batches import PictureBatch, draw_picture_batches, picture_batch
+from artigen.train.appearance.drawn import roughen
 from artigen.train.appearance.examples import AppearanceExample
 from artigen.train.appearance.exposure import find_exposed
 from artigen.train.appearance.flow import measure_slats, train_appearance_flow
@@ -511,6 +512,8 @@ def test_the_flow_is_trained_on_normalised_latents_of_all_voxels(
     flow = SlatFlow(SlatPatchDitConfig(resolution=16, stem=8, width=32, blocks=1, heads=2), conditions)
     before = flow.network.get_parameter("out_layer.weight").detach().clone()
     lines: list[float] = []
+    voxels, facings = chest[0].voxels, chest[1].facings.astype(int)
+    assert voxels is not None
     train_appearance_flow(
         flow,
         (means, stds),
@@ -519,6 +522,7 @@ def test_the_flow_is_trained_on_normalised_latents_of_all_voxels(
         LoopConfig(steps=3, learning_rate=3e-3, warmup=1, report_every=1),
         batch=2,
         conditions=conditions,
+        drawn=[roughen(voxels, facings, np.random.default_rng(seed)) for seed in range(2)],
         on_report=lambda line: lines.append(line["velocity"]),
     )
     assert len(lines) == 3

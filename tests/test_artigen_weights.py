@@ -1,27 +1,32 @@
 """The weights that come with artigen: whole, small enough, and able to draw what is asked for."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from artigen.appearance import (
     AppearanceConfig,
+    Canvas,
     Told,
     draw_splats,
     generate_appearance,
     load_appearance_model,
 )
 from artigen.ask import Request, read_request
-from artigen.facings import find_facings
+from artigen.facings import facing_frames, find_facings
 from artigen.fields import tabulate_parts
 from artigen.generate import generate_structure, load_structure_model
 from artigen.metrics.delivery import has_counts, size_error
 from artigen.models.conditions import StructureCondition
+from artigen.places import measure_places
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.draw import Wish, draw_shape
 from artigen.splats.colors import srgb_from_linear
 from artigen.train.appearance.examples import paint_parts
 from artigen.train.examples import draw_example_of
 from artigen.weights import SHIPPED
+from sim_export.geometry.surface import sample_surface
 
 
 def test_they_are_small_enough_to_ship():
@@ -50,7 +55,8 @@ def test_parts_have_the_colours_that_are_asked_for():
     asked = StructureCondition(category="StorageFurniture")
     means = []
     for color in ((0.7, 0.2, 0.2), (0.2, 0.3, 0.7)):
-        painted = generate_appearance(model, asset, asked, 0, AppearanceConfig(colors=(("base", color),)))
+        cfg = AppearanceConfig(colors=(("base", color),))
+        painted = generate_appearance(model, asset, asked, 0, cfg, surface=sample_surface(asset))
         assert painted.gaussians is not None
         base = painted.gaussians.part_ids == asset.root
         means.append(srgb_from_linear(painted.gaussians.colors[base]).mean(axis=0))
@@ -72,7 +78,8 @@ def test_parts_have_the_colours_that_a_picture_shows():
     top = voxels.coords[:, 2] == voxels.coords[voxels.part_ids == asset.root, 2].max()
     lid = (facings == 5) & (voxels.part_ids == asset.root) & top
     for seed in (0, 1):
-        painted = generate_appearance(model, asset, StructureCondition(image=image), seed)
+        asked = StructureCondition(image=image)
+        painted = generate_appearance(model, asset, asked, seed, surface=sample_surface(asset))
         assert painted.gaussians is not None
         colors = srgb_from_linear(painted.gaussians.colors).reshape(len(voxels.coords), -1, 3)
         found.append(colors[lid, : colors.shape[1] // 2].mean(axis=(0, 1)))
@@ -80,19 +87,30 @@ def test_parts_have_the_colours_that_a_picture_shows():
     assert np.abs(found[0] - truth).mean() < 0.1
 
 
-@pytest.mark.parametrize("kind", ["palettes", "paint"])
-def test_told_colours_are_what_is_drawn(kind: str):
+@pytest.fixture(scope="module")
+def table() -> Canvas:
     asset = shape_to_asset(draw_shape("Table", 3), 64)
-    model, voxels = load_appearance_model(SHIPPED), asset.voxels
+    voxels = asset.voxels
     assert voxels is not None
-    count = {"palettes": len(asset.parts), "paint": len(voxels.coords)}[kind]
+    facings = find_facings(voxels.coords, voxels.part_ids, 64)
+    return Canvas(
+        coords=voxels.coords,
+        part_ids=voxels.part_ids,
+        facings=facings,
+        table=tabulate_parts(asset),
+        places=measure_places(sample_surface(asset), voxels, facings),
+    )
+
+
+@pytest.mark.parametrize("kind", ["palettes", "paint"])
+def test_told_colours_are_what_is_drawn(kind: str, table: Canvas):
+    model = load_appearance_model(SHIPPED)
+    count = {"palettes": len(table.table), "paint": len(table.coords)}[kind]
     for color in ((0.6, 0.2, 0.2), (0.2, 0.3, 0.6)):
         told = np.tile(np.array([*color, *color, 0.0], dtype=np.float32), (count, 1))
         splats = draw_splats(
             model,
-            voxels.coords,
-            voxels.part_ids,
-            tabulate_parts(asset),
+            table,
             StructureCondition(category="Table"),
             0,
             AppearanceConfig(),
@@ -100,3 +118,19 @@ def test_told_colours_are_what_is_drawn(kind: str):
         )
         drawn = (splats.colors * splats.opacities[:, None]).sum(dim=0) / splats.opacities.sum()
         np.testing.assert_allclose(drawn.numpy(), color, atol=0.1)
+
+
+def test_gaussians_lie_where_the_surface_is_told_to(table: Canvas):
+    """Surface that is lifted takes its Gaussians along, a little further the higher it is already."""
+    model, lift = load_appearance_model(SHIPPED), 0.2
+    assert table.places is not None
+    lifted = replace(table, places=replace(table.places, heights=table.places.heights + lift))
+    told = Told(paint=np.tile([0.5] * 6 + [0.0], (len(table.coords), 1)).astype(np.float32))
+    asked = StructureCondition(category="Table")
+    at = [
+        draw_splats(model, canvas, asked, 0, AppearanceConfig(), told=told).means.numpy()
+        for canvas in (table, lifted)
+    ]
+    moved = 64 * (at[1] - at[0]).reshape(len(table.coords), -1, 3)
+    outwards = np.einsum("nki,ni->n", moved, facing_frames()[table.facings][:, :, 0]) / moved.shape[1]
+    assert 0.75 * lift < outwards.mean() < 2.0 * lift

@@ -118,6 +118,7 @@ def generate_object(job: GenerateJob) -> Made:
     from artigen.sampling import SamplerConfig
     from sim_export.export import export_asset
     from sim_export.files.write import write_package
+    from sim_export.geometry.surface import sample_surface
 
     model, appearance = _load(job.model, job.cfg.encoders)
     started = time.perf_counter()
@@ -133,7 +134,8 @@ def generate_object(job: GenerateJob) -> Made:
     if appearance is not None:
         look = _read(job, appearance.preset.conditions)
         painting = AppearanceConfig(colors=look.colors)
-        asset = generate_appearance(appearance, asset, look.condition, noise[1], painting)
+        surface = sample_surface(asset)
+        asset = generate_appearance(appearance, asset, look.condition, noise[1], painting, surface=surface)
     elif asked.colors:
         named = ", ".join(f"{label} {color}" for label, color in asked.colors)
         said = f"colours were asked for ({named}), this model draws none"

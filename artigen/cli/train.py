@@ -59,8 +59,8 @@ class AppearanceSettings:
     dinov2: Path | None = None
     """Folder with the weights of DINOv2, where they are the features."""
     structure: Path | None = None
-    """Folder of the structure model that draws the voxels which the painter learns on, artigen's own for
-    instance; without one, true voxels are roughened."""
+    """Folder of the structure model that draws the voxels which painter and flow learn on besides true ones,
+    artigen's own for instance; without one, these are roughened."""
 
 
 What = Literal[

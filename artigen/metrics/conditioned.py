@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from artigen.appearance import AppearanceConfig, AppearanceModel, Told, draw_splats
+from artigen.appearance import AppearanceConfig, AppearanceModel, Canvas, Told, draw_splats
 from artigen.errors import SourceError
 from artigen.metrics.appearance import Comparison, Scores, compare_pictures
 from artigen.metrics.part_colors import Colors, borrow_colors, color_error, mean_colors
@@ -13,8 +13,10 @@ from artigen.metrics.retrieval import retrieve
 from artigen.metrics.subjects import Subject
 from artigen.models.appearance_vae import AppearanceVae
 from artigen.models.conditions import StructureCondition
+from artigen.places import SAMPLES, measure_places
 from artigen.shapes.draw import draw_shape
-from artigen.train.appearance.examples import AppearanceExample
+from artigen.shapes.shape import Shape
+from artigen.train.appearance.examples import AppearanceExample, sample_parts
 from artigen.train.appearance.photographs import take_pictures
 from artigen.train.appearance.views import ViewConfig
 from artigen.types import Asset
@@ -47,6 +49,7 @@ def compare_draws(
     comparisons: dict[str, list[Comparison]] = {}
     for task in tasks:
         example = task.example
+        canvas = _make_canvas(task)
         asked: dict[str, tuple[StructureCondition, Told]] = {}
         if model.palette is not None:
             asked["paint"] = (StructureCondition(), Told(paint=example.paint / 255.0))
@@ -54,9 +57,7 @@ def compare_draws(
         if example.image is not None:
             asked["picture"] = (_ask_picture(example), Told())
         for name, (condition, told) in asked.items():
-            splats = draw_splats(
-                model, example.coords, example.part_ids, example.table, condition, seed, cfg, told=told
-            )
+            splats = draw_splats(model, canvas, condition, seed, cfg, told=told)
             comparisons.setdefault(name, []).append(compare_pictures(vae, splats, example))
         if on_done is not None:
             on_done()
@@ -99,6 +100,27 @@ def score_colors(
     return {name: float(np.mean(values)) for name, values in rows.items() if values}
 
 
+def _make_canvas(task: PictureTask) -> Canvas:
+    """The true voxels of an object, and where its own surface lies in them."""
+    example = task.example
+    assert task.asset.voxels is not None
+    shape, facings = _shape_of(task.asset), example.facings.astype(np.int64)
+    surface = sample_parts(shape, task.asset, 1.0 / (SAMPLES * example.resolution))
+    return Canvas(
+        coords=example.coords,
+        part_ids=example.part_ids,
+        facings=facings,
+        table=example.table,
+        places=measure_places(surface, task.asset.voxels, facings),
+    )
+
+
+def _shape_of(asset: Asset) -> Shape:
+    """The procedural object that an asset is named after."""
+    category, seed = asset.name.rsplit("_", 1)
+    return draw_shape(category, int(seed))
+
+
 def _ask_picture(example: AppearanceExample) -> StructureCondition:
     """The picture of an example, and nothing else.
 
@@ -112,7 +134,6 @@ def _ask_picture(example: AppearanceExample) -> StructureCondition:
 
 def _colors_of(subject: Subject, views: ViewConfig) -> Colors:
     """Colours of a procedural object's parts, from photographs of the closed object."""
-    category, seed = subject.asset.name.rsplit("_", 1)
-    shape = draw_shape(category, int(seed))
+    shape = _shape_of(subject.asset)
     pictures = take_pictures(shape, subject.asset, np.zeros((1, len(shape.parts))), views)
     return mean_colors(pictures.rgb / 255.0, pictures.parts)

@@ -8,6 +8,7 @@ from torch import Tensor, nn
 
 from artigen.models.gaussian_decoder import HARMONIC, GaussianDecoder, GaussianDecoderConfig
 from artigen.models.slat_vae import SlatEncoder, SlatVaeConfig, WindowPlans
+from artigen.places import MIDDLE_SPREAD
 from artigen.splats.render.splats import Splats
 
 APPEARANCE_VAE, APPEARANCE_PALETTE, APPEARANCE_PAINTER, APPEARANCE_FLOW = (
@@ -29,10 +30,6 @@ COLOR_MIDDLE, COLOR_SPREAD = 0.5, 0.25
 """About the mean and the deviation of colours: what side features take off them and divide them by."""
 CLEARING = -6.0
 """What a clear voxel takes off the raw opacities of its Gaussians."""
-HEIGHT_REACH = 0.75
-"""Voxels within which heights of sides are told, as the inverse hyperbolic tangent of their share in it."""
-MIDDLE_SPREAD = 0.25
-"""Voxels that middles are told in."""
 SHRINKING = 0.6
 """How much of the logarithm of a width is taken off where Gaussians lie across: about 1 - width."""
 

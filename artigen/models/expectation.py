@@ -1,9 +1,9 @@
-"""What paint lets one expect of the latent of a voxel, by what kind of voxel it is.
+"""What paint and places let one expect of the latent of a voxel, by what kind of voxel it is.
 
 How a painted side looks follows mostly from its colour, from the part's label, from where the side faces and
-from whether something stands before it; how far surface reaches across, from whether the part goes on there.
-So each kind of voxel has its own linear map from its paint and from its neighbours, fitted by least squares,
-and the flow draws what is left.
+from whether something stands before it; where its Gaussians lie, from where the surface does. So each kind of
+voxel has its own linear map from its paint, its places and its neighbours, fitted by least squares, and the
+flow draws what is left.
 """
 
 from collections.abc import Iterable
@@ -14,12 +14,13 @@ from torch import Tensor, nn
 
 from artigen.facings import AROUND, FACINGS, SIDES
 from artigen.palettes import PAINT
+from artigen.places import PLACES
 from artigen.types import PART_LABELS
 
 KINDS = len(PART_LABELS) * 2**SIDES * FACINGS
 """Labels, whether either side is covered, directions."""
-TERMS = 2 * PAINT + AROUND
-"""1, two colours, clearness, clearness times colours, and whether the part goes on around."""
+TERMS = 2 * PAINT + AROUND + PLACES
+"""1, two colours, clearness, clearness times colours, whether the part goes on around, and places."""
 FEW = 50.0
 """Voxels that a kind needs before it is believed more than all kinds together."""
 
@@ -46,16 +47,17 @@ class Expectation(nn.Module):
 
 def find_kinds(attributes: Float[Tensor, "N A"]) -> Int[Tensor, "N"]:
     """Which kind of voxel each is."""
-    told = [FACINGS, len(PART_LABELS), SIDES, AROUND + PAINT]
+    told = [FACINGS, len(PART_LABELS), SIDES, AROUND + PLACES + PAINT]
     facing, label, covered, _ = attributes.split(told, dim=1)
     outer, inner = (covered > 0.5).long().unbind(1)
     return ((label.argmax(dim=1) * 2 + outer) * 2 + inner) * FACINGS + facing.argmax(dim=1)
 
 
-def list_terms(attributes: Float[Tensor, "N A"]) -> Float[Tensor, "N 18"]:
+def list_terms(attributes: Float[Tensor, "N A"]) -> Float[Tensor, "N 24"]:
     """What expected latents are linear in."""
-    around, colors, clear = attributes[:, -AROUND - PAINT :].split([AROUND, PAINT - 1, 1], dim=1)
-    return torch.cat([torch.ones_like(clear), colors, clear, clear * colors, around], dim=1)
+    told = attributes[:, -AROUND - PLACES - PAINT :].split([AROUND + PLACES, PAINT - 1, 1], dim=1)
+    certain, colors, clear = told
+    return torch.cat([torch.ones_like(clear), colors, clear, clear * colors, certain], dim=1)
 
 
 def fit_expectation(
@@ -81,7 +83,7 @@ def fit_expectation(
     if squares is None or products is None:
         raise ValueError("no voxels to fit expected latents to")
     uncertain = blur**2 * torch.eye(TERMS, dtype=torch.float64)
-    uncertain[0] = uncertain[-AROUND:] = 0.0
+    uncertain[0] = uncertain[-AROUND - PLACES :] = 0.0
     squares = squares + squares[:, :1, :1] * uncertain
     whole = torch.linalg.solve(squares.sum(dim=0) + torch.eye(TERMS), products.sum(dim=0))
     apart = torch.linalg.solve(squares + FEW * torch.eye(TERMS), products - squares @ whole)

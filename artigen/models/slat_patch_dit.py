@@ -18,6 +18,7 @@ from artigen.models.sparse import Neighbours, Padding, check_voxels, coarsen, fi
 from artigen.models.sparse_conv import SparseResBlock3d
 from artigen.models.structure_dit import ModulatedBlock, StructureDitConfig, run_blocks
 from artigen.palettes import KIND, PAINT
+from artigen.places import PLACES
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -28,7 +29,7 @@ class SlatPatchDitConfig:
     """Edge of the voxel grid."""
     channels: int = 8
     """Channels of a voxel's latent."""
-    attribute_channels: int = KIND + PAINT
+    attribute_channels: int = KIND + PLACES + PAINT
     """What else is known of a voxel (`artigen.palettes.describe_voxels`); 0 leaves it out."""
     patch: int = 4
     """Voxels per token along an edge."""

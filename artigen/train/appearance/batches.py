@@ -45,16 +45,21 @@ class PictureBatch:
 def voxel_batch(
     examples: Sequence[AppearanceExample],
 ) -> tuple[Int[Tensor, "N 4"], Float[Tensor, "N C"], Int[Tensor, "N"]]:
-    """Places (sample, x, y, z), features, and facings of all voxels, sample after sample."""
-    coords = [
-        np.column_stack([np.full(len(one.coords), number), one.coords.astype(np.int64)])
-        for number, one in enumerate(examples)
-    ]
+    """Places, features, and facings of all voxels, sample after sample."""
     feats, facings = (
         torch.from_numpy(np.concatenate([getattr(one, name) for one in examples]))
         for name in ("features", "facings")
     )
-    return torch.from_numpy(np.concatenate(coords)), feats.float(), facings.long()
+    return place_batch(examples), feats.float(), facings.long()
+
+
+def place_batch(examples: Sequence[AppearanceExample]) -> Int[Tensor, "N 4"]:
+    """Sample, x, y, z of all voxels, sample after sample."""
+    coords = [
+        np.column_stack([np.full(len(one.coords), number), one.coords.astype(np.int64)])
+        for number, one in enumerate(examples)
+    ]
+    return torch.from_numpy(np.concatenate(coords))
 
 
 def picture_batch(

@@ -12,6 +12,7 @@ from jaxtyping import Int
 
 from artigen.models.appearance_vae import SIDE_CHANNELS
 from artigen.models.features import FeatureExtractor
+from artigen.places import measure_places
 from artigen.shapes.asset import frame_shape
 from artigen.shapes.render import build_scene
 from artigen.shapes.shape import Shape
@@ -25,7 +26,6 @@ from artigen.train.appearance.photographs import (
     premultiply,
     shown_parts,
 )
-from artigen.train.appearance.places import measure_places
 from artigen.train.appearance.sides import SideMean, describe_sides
 from artigen.train.appearance.states import plan_fractions
 from artigen.train.appearance.views import ViewConfig, pick_cameras, scale_cameras

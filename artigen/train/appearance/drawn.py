@@ -1,9 +1,13 @@
-"""Voxels of procedural objects as a model draws them, beside the true ones: what the painter learns on.
+"""Voxels of procedural objects as a model draws them, which networks learn on besides true ones.
 
-A painter that has seen true voxels alone is sure of itself on drawn ones, and wrong.
+A painter that has seen true voxels alone is sure of itself on drawn ones, and wrong; a flow of latents leaves
+gaps and smears on them.
 """
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
 
 import numpy as np
 import torch
@@ -12,15 +16,23 @@ from scipy.spatial import KDTree
 
 from artigen.facings import find_facings
 from artigen.fields import tabulate_parts
-from artigen.generate import GenerateConfig, StructureModel, draw_cells
+from artigen.generate import GenerateConfig, StructureModel, draw_cells, load_structure_model
+from artigen.io import read_arrays
 from artigen.mending.rows import read_owners
 from artigen.models.conditions import StructureCondition, gather_conditions
+from artigen.shapes.asset import shape_to_asset
+from artigen.shapes.draw import draw_shape
+from artigen.train.shards import ShardConfig, ShardJob, draw_shard, save_shard
 from artigen.types import Asset, VoxelGrid
 
 SHIFTED, STRAY, HOLES = 0.3, 0.03, 6
 """Share of parts that are off, shares of cells that are off and that lack, and number of holes."""
 NEAR = 2.5
 """Cells within which a drawn voxel looks as the nearest true one of its part that faces as it does."""
+STORED = {"coords": np.uint8, "part_ids": np.uint8, "facings": np.uint8, "rows": np.int32, "like": np.int32}
+"""Fields of `DrawnVoxels`, and as what they are written."""
+PER_ROW = ("rows", "like")
+"""Those of them that are not of every voxel."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -34,6 +46,14 @@ class DrawnVoxels:
     """Those that look like a true one."""
     like: Int[np.ndarray, "K"]
     """Which one."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class DrawnShardConfig(ShardConfig):
+    """What the examples of a folder are."""
+
+    structure: Path | None = None
+    """Folder of the model that draws the voxels; without one, they are roughened."""
 
 
 def keep_voxels(voxels: VoxelGrid, facings: Int[np.ndarray, "N"]) -> DrawnVoxels:
@@ -114,6 +134,64 @@ def redraw(
         np.column_stack([voxels.coords, voxels.part_ids, facings]), np.column_stack([coords, part_ids, faced])
     )
     return DrawnVoxels(coords=coords, part_ids=part_ids, facings=faced, rows=near, like=like)
+
+
+def draw_again(
+    asset: Asset, facings: Int[np.ndarray, "N"], rng: np.random.Generator, model: StructureModel | None
+) -> DrawnVoxels:
+    """Voxels that a model draws (`redraw`); without one, roughened ones."""
+    if model is not None:
+        return redraw(model, asset, facings, rng)
+    assert asset.voxels is not None
+    return roughen(asset.voxels, facings, rng)
+
+
+def make_drawn_shard(job: ShardJob[DrawnShardConfig]) -> Path:
+    """Draws the voxels of the objects of one shard and writes them; runs in a worker process."""
+    model = None if job.cfg.structure is None else load_structure_model(job.cfg.structure)
+    draw = partial(draw_drawn, resolution=job.cfg.resolution, model=model)
+    return draw_shard(job, draw, write_drawn_shard)
+
+
+def draw_drawn(
+    category: str, seed: int, *, resolution: int, model: StructureModel | None = None
+) -> DrawnVoxels:
+    """Voxels of a procedural object, drawn again."""
+    asset = shape_to_asset(draw_shape(category, seed), resolution)
+    assert asset.voxels is not None
+    facings = find_facings(asset.voxels.coords, asset.voxels.part_ids, resolution)
+    return draw_again(asset, facings, np.random.default_rng(seed), model)
+
+
+def write_drawn_shard(path: Path, drawn: Sequence[DrawnVoxels]) -> None:
+    """Writes the voxels of some objects to one npz file, whole or not at all."""
+    arrays = {
+        "voxel_counts": np.array([len(one.coords) for one in drawn]),
+        "row_counts": np.array([len(one.rows) for one in drawn]),
+    }
+    for name, kind in STORED.items():
+        arrays[name] = np.concatenate([getattr(one, name) for one in drawn]).astype(kind)
+    save_shard(path, arrays, packed=True)
+
+
+def read_drawn_shard(path: Path) -> Iterator[DrawnVoxels]:
+    """The voxels of the objects of a shard.
+
+    Raises:
+        SourceError: If the file is missing or damaged.
+    """
+    arrays = read_arrays(path)
+    voxel_ends, row_ends = np.cumsum(arrays["voxel_counts"]), np.cumsum(arrays["row_counts"])
+    for voxels, rows, voxel_end, row_end in zip(
+        arrays["voxel_counts"], arrays["row_counts"], voxel_ends, row_ends, strict=True
+    ):
+        per_row, per_voxel = slice(row_end - rows, row_end), slice(voxel_end - voxels, voxel_end)
+        yield DrawnVoxels(
+            **{
+                name: arrays[name][per_row if name in PER_ROW else per_voxel].astype(np.int64)
+                for name in STORED
+            }
+        )
 
 
 def _find_like(

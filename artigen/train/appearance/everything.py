@@ -32,14 +32,10 @@ from artigen.models.painter import Painter
 from artigen.models.palette_flow import PaletteFlow
 from artigen.models.slat_flow import SlatFlow
 from artigen.models.store import save_model
+from artigen.train.appearance.drawn import DrawnShardConfig, DrawnVoxels, make_drawn_shard, read_drawn_shard
 from artigen.train.appearance.examples import AppearanceExample
 from artigen.train.appearance.flow import train_appearance_flow
-from artigen.train.appearance.painter import (
-    PaintShardConfig,
-    make_paint_shard,
-    read_paint_shard,
-    train_painter,
-)
+from artigen.train.appearance.painter import make_paint_shard, read_paint_shard, train_painter
 from artigen.train.appearance.palettes import make_palette_shard, read_palette_shard, train_palette_flow
 from artigen.train.appearance.presets import APPEARANCE_TRAINING
 from artigen.train.appearance.run import (
@@ -142,7 +138,7 @@ def _train_painter(cfg: AppearanceRunConfig, report: Report) -> None:
     preset, training = APPEARANCE_PRESETS[cfg.preset], APPEARANCE_TRAINING[cfg.preset]
     if preset.palette is None or training.painter is None:
         return
-    shards = PaintShardConfig(
+    shards = DrawnShardConfig(
         objects=cfg.painted * cfg.objects,
         resolution=preset.encoder.resolution,
         image_size=0,
@@ -193,6 +189,17 @@ def _load_vae(cfg: AppearanceRunConfig) -> AppearanceVae:
 
 def _train_flow(cfg: AppearanceRunConfig, vae: AppearanceVae, data: AppearanceData, report: Report) -> None:
     preset, training = APPEARANCE_PRESETS[cfg.preset], APPEARANCE_TRAINING[cfg.preset]
+    drawn: list[DrawnVoxels] = []
+    if preset.palette is not None:
+        shards = DrawnShardConfig(
+            objects=cfg.objects,
+            resolution=preset.encoder.resolution,
+            image_size=0,
+            timeout=3600.0,
+            structure=cfg.structure,
+        )
+        paths = _make_shards(cfg, "drawn", cfg.shards, shards, make_drawn_shard)
+        drawn = [voxels for path in paths for voxels in read_drawn_shard(path)]
     torch.manual_seed(1)
     flow = begin_stage(SlatFlow(preset.flow, preset.conditions), cfg.start, APPEARANCE_FLOW)
     train_appearance_flow(
@@ -204,6 +211,7 @@ def _train_flow(cfg: AppearanceRunConfig, vae: AppearanceVae, data: AppearanceDa
         batch=training.flow.batch,
         conditions=preset.conditions,
         noisiness=training.noisiness,
+        drawn=drawn,
         on_report=lambda line: report("flow", line),
     )
     _store(cfg, flow, APPEARANCE_FLOW, cfg.shards * cfg.objects)
@@ -281,7 +289,7 @@ def main() -> None:
         "--start", type=Path, help="folder of a model whose weights every network begins with"
     )
     parser.add_argument(
-        "--structure", type=Path, help="folder of the structure model that draws the painter's voxels"
+        "--structure", type=Path, help="folder of the structure model that draws the voxels again"
     )
     parser.add_argument("--workers", type=int, default=2, help="processes that make data")
     given = vars(parser.parse_args())

@@ -11,6 +11,7 @@ from jaxtyping import Float, Int, UInt8
 from artigen.facings import find_facings
 from artigen.models.features import FeatureExtractor
 from artigen.palettes import describe_voxels, read_kinds, read_palettes
+from artigen.places import SAMPLES
 from artigen.shapes.asset import part_owners
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.sampling import sample_shape
@@ -18,7 +19,7 @@ from artigen.shapes.shape import Shape
 from artigen.train.appearance.curation import CurationConfig, curate
 from artigen.train.appearance.paint import read_paint
 from artigen.train.appearance.photographs import Pictures
-from artigen.train.appearance.places import SAMPLES
+from artigen.train.appearance.sides import recall_places
 from artigen.train.examples import draw_example_of
 from artigen.types import Asset, SurfaceSamples
 
@@ -55,7 +56,11 @@ class AppearanceExample:
     def attributes(self) -> Float[np.ndarray, "N A"]:
         """What the flow is told of every voxel."""
         kinds = read_kinds(self.coords, self.part_ids, self.facings, self.table, self.resolution)
-        return describe_voxels(kinds, self.paint / 255.0)
+        return describe_voxels(kinds, self.places(), self.paint / 255.0)
+
+    def places(self) -> Float[np.ndarray, "N 6"]:
+        """Where the surface of its voxels lies (`artigen.places.describe_places`), off side features."""
+        return recall_places(self.features.astype(np.float32))
 
 
 def draw_appearance(

@@ -21,8 +21,10 @@ from artigen.models.expectation import Expectation, fit_expectation
 from artigen.models.slat_flow import SlatFlow
 from artigen.palettes import PAINT
 from artigen.sampling import diffuse, draw_times, target_velocity
-from artigen.train.appearance.batches import voxel_batch
+from artigen.train.appearance.batches import place_batch
+from artigen.train.appearance.drawn import DrawnVoxels
 from artigen.train.appearance.examples import AppearanceExample
+from artigen.train.appearance.transfer import find_models, transfer_latents, transfer_looks
 from artigen.train.batches import condition_batch, draw_batches, prefetch
 from artigen.train.loop import LoopConfig, Report, process_seed, train
 from artigen.train.outline import ALONE
@@ -58,9 +60,10 @@ def train_appearance_flow(
     batch: int,
     conditions: ConditionConfig,
     noisiness: float = 1.0,
+    drawn: Sequence[DrawnVoxels] = (),
     on_report: Report | None = None,
 ) -> SlatFlow:
-    """Trains the conditional sparse flow on latents.
+    """Trains the conditional sparse flow on latents, on true voxels and on drawn ones alike.
 
     Args:
         flow: untrained, or what the folder's checkpoint continues.
@@ -71,6 +74,7 @@ def train_appearance_flow(
         batch: objects per step.
         conditions: what the flow can be asked for.
         noisiness: mean of the logits of training times.
+        drawn: voxels of each object as a model draws them; may be left out.
         on_report: called with every line of metrics.
     """
     measured = measure_slats(
@@ -81,18 +85,26 @@ def train_appearance_flow(
     if flow.expectation is not None:
         flow.expectation.weight.copy_(measured.expected)
 
-    def terms(network: nn.Module, drawn: SlatBatch, generator: torch.Generator) -> dict[str, Tensor]:
+    if drawn:
+        others = [
+            redraw_slats(flow, example, (mean, std), voxels)
+            for example, mean, std, voxels in zip(examples, *latents, drawn, strict=True)
+        ]
+        examples = [*examples, *(one[0] for one in others)]
+        latents = ([*latents[0], *(one[1] for one in others)], [*latents[1], *(one[2] for one in others)])
+
+    def terms(network: nn.Module, given: SlatBatch, generator: torch.Generator) -> dict[str, Tensor]:
         noise, jitter = (
-            torch.randn(drawn.mean.shape, generator=generator, device=generator.device) for _ in range(2)
+            torch.randn(given.mean.shape, generator=generator, device=generator.device) for _ in range(2)
         )
-        samples = len(drawn.conditions.category)
+        samples = len(given.conditions.category)
         times = draw_times(samples, generator, noisiness)
-        known = isolate_pictures(drawn.conditions, ALONE, generator)
+        known = isolate_pictures(given.conditions, ALONE, generator)
         asked = drop_conditions(known, DROPOUT, generator)
-        row_times = times[drawn.coords[:, 0]]
-        plan = flow.plan(drawn.coords, samples)
-        attributes = _blur(drawn.attributes, generator) if flow.attribute_channels else None
-        x_0 = flow.normalise(drawn.mean + drawn.std * jitter, attributes)
+        row_times = times[given.coords[:, 0]]
+        plan = flow.plan(given.coords, samples)
+        attributes = _blur(given.attributes, generator) if flow.attribute_channels else None
+        x_0 = flow.normalise(given.mean + given.std * jitter, attributes)
         said = network(diffuse(x_0, noise, row_times), times, asked, plan, attributes)
         return {"velocity": torch.mean((said.float() - target_velocity(x_0, noise)) ** 2)}
 
@@ -104,6 +116,17 @@ def train_appearance_flow(
     return flow
 
 
+def redraw_slats(
+    flow: SlatFlow, example: AppearanceExample, posterior: tuple[Tensor, Tensor], drawn: DrawnVoxels
+) -> tuple[AppearanceExample, Tensor, Tensor]:
+    """An object with voxels as a model draws them, and the posterior of these: mean and deviation."""
+    models, sure = find_models(example, drawn)
+    other = transfer_looks(example, drawn, models)
+    mean, std = posterior
+    told = (example.attributes(), other.attributes())
+    return other, transfer_latents(flow, mean.float(), told, models, sure), std[models]
+
+
 def slat_batch(
     chosen: Sequence[tuple[int, AppearanceExample]],
     latents: tuple[Sequence[Tensor], Sequence[Tensor]],
@@ -113,7 +136,7 @@ def slat_batch(
     examples = [example for _, example in chosen]
     mean, std = (torch.cat([part[number] for number, _ in chosen]).float() for part in latents)
     return SlatBatch(
-        coords=voxel_batch(examples)[0],
+        coords=place_batch(examples),
         mean=mean,
         std=std,
         attributes=torch.from_numpy(np.concatenate([one.attributes() for one in examples])),

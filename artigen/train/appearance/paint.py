@@ -9,10 +9,10 @@ import numpy as np
 from jaxtyping import Float, Int, UInt8
 
 from artigen.facings import SIDES, facing_frames
+from artigen.places import AHEAD, find_voxels
 from artigen.shapes.asset import part_owners
 from artigen.shapes.sampling import paint_points, place_points, read_clear
 from artigen.shapes.shape import Shape
-from artigen.train.appearance.places import AHEAD, find_voxels
 from artigen.types import Asset, SurfaceSamples, VoxelGrid
 
 SAMPLES = 3

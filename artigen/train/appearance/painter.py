@@ -1,7 +1,7 @@
 """Training of the painter: examples of painted voxels, their shards, and the loop."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import partial
 from pathlib import Path
 
@@ -18,14 +18,14 @@ from artigen.models.painter import Painter, VoxelBatch, describe_for_painter, of
 from artigen.models.palette_flow import gather_painted
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.draw import draw_shape
-from artigen.train.appearance.drawn import keep_voxels, redraw, roughen
+from artigen.train.appearance.drawn import DrawnShardConfig, draw_again, keep_voxels
 from artigen.train.appearance.examples import paint_parts
 from artigen.train.appearance.flow import BLUR
 from artigen.train.appearance.paint import read_paint
 from artigen.train.appearance.shards import PER_PART
 from artigen.train.batches import draw_batches, prefetch
 from artigen.train.loop import LoopConfig, Report, process_seed, train
-from artigen.train.shards import ShardConfig, ShardJob, draw_shard, save_shard
+from artigen.train.shards import ShardJob, draw_shard, save_shard
 
 KEPT = 1024
 """Voxels of an object that are learnt."""
@@ -33,6 +33,10 @@ STEP = 512
 """Those of them in a batch."""
 DRAWN = 0.75
 """Share of the objects that are seen as a model draws them."""
+SWAPPED = 0.6
+"""Share of the objects whose red, green and blue are swapped: choices do not depend on them."""
+OFF = 0.004
+"""About the deviation of what parts' rows say from one drawn object to another."""
 ENOUGH = 4.0
 """Samples from which a side counts in full."""
 
@@ -85,12 +89,10 @@ def draw_painted(
     facings = find_facings(asset.voxels.coords, asset.voxels.part_ids, resolution)
     paint, table = read_paint(shape, asset, facings), tabulate_parts(asset)
     rng = np.random.default_rng(seed)
-    if rng.random() >= DRAWN:
-        seen = keep_voxels(asset.voxels, facings)
-    elif model is None:
-        seen = roughen(asset.voxels, facings, rng)
+    if rng.random() < DRAWN:
+        seen = draw_again(asset, facings, rng, model)
     else:
-        seen = redraw(model, asset, facings, rng)
+        seen = keep_voxels(asset.voxels, facings)
     number = np.bincount(seen.part_ids)[seen.part_ids]
     chances = (0.5 / len(number) + 0.5 / (number * len(np.unique(seen.part_ids))))[seen.rows]
     chosen = np.sort(rng.choice(len(seen.rows), kept, replace=True, p=chances / chances.sum()))
@@ -106,15 +108,7 @@ def draw_painted(
     )
 
 
-@dataclass(frozen=True, kw_only=True)
-class PaintShardConfig(ShardConfig):
-    """What the examples of a folder are."""
-
-    structure: Path | None = None
-    """Folder of the model that draws the voxels again; without one, they are roughened."""
-
-
-def make_paint_shard(job: ShardJob[PaintShardConfig]) -> Path:
+def make_paint_shard(job: ShardJob[DrawnShardConfig]) -> Path:
     """Draws the objects of one shard and writes it; runs in a worker process."""
     model = None if job.cfg.structure is None else load_structure_model(job.cfg.structure)
     draw = partial(draw_painted, resolution=job.cfg.resolution, model=model)
@@ -175,6 +169,29 @@ def paint_batch(examples: Sequence[PaintedExample], rng: np.random.Generator) ->
     )
 
 
+def vary_batch(batch: PaintBatch, rng: np.random.Generator) -> PaintBatch:
+    """The same objects, some in other colours, with parts that are a little off."""
+    voxels, count = batch.voxels, len(batch.palettes)
+    swapped = torch.from_numpy(rng.random(count) < SWAPPED)
+    order = torch.from_numpy(rng.permuted(np.tile(np.arange(3), (count, 1)), axis=1))
+    order = torch.where(swapped[:, None], order, torch.arange(3))
+
+    def swap(colors: Tensor) -> Tensor:
+        return colors.gather(-1, order.view(count, *[1] * (colors.ndim - 2), 3).expand_as(colors))
+
+    def recolor(palettes: Tensor) -> Tensor:
+        first, second, rest = palettes.split([3, 3, palettes.shape[2] - 6], dim=2)
+        return torch.cat([swap(first), swap(second), rest], dim=2)
+
+    off = torch.from_numpy(rng.normal(0.0, OFF, voxels.rows.shape)).to(voxels.rows.dtype)
+    return replace(
+        batch,
+        voxels=replace(voxels, palettes=recolor(voxels.palettes), rows=voxels.rows + off),
+        palettes=recolor(batch.palettes),
+        colors=swap(batch.colors),
+    )
+
+
 def train_painter(
     painter: Painter,
     examples: Sequence[PaintedExample],
@@ -202,6 +219,10 @@ def train_painter(
 
     seed = process_seed(cfg.seed)
     rng = np.random.default_rng([seed, 2])
-    batches = prefetch(draw_batches(examples, lambda chosen: paint_batch(chosen, rng), batch, seed))
+
+    def make(chosen: Sequence[PaintedExample]) -> PaintBatch:
+        return vary_batch(paint_batch(chosen, rng), rng)
+
+    batches = prefetch(draw_batches(examples, make, batch, seed))
     train(painter, terms, batches, folder, cfg, on_report=on_report)
     return painter

@@ -54,8 +54,8 @@ class AppearanceRunConfig:
     start: Path | None = None
     """Folder of a model whose weights every network begins with."""
     structure: Path | None = None
-    """Folder of the structure model that draws the voxels which the painter learns on; without one, true
-    voxels are roughened."""
+    """Folder of the structure model that draws the voxels which painter and flow learn on besides true ones;
+    without one, these are roughened."""
     workers: int = 2
     """Processes that make data."""
 
@@ -133,7 +133,7 @@ def claim_appearance_run(cfg: AppearanceRunConfig) -> None:
 
 
 def _claim_structure(cfg: AppearanceRunConfig) -> str | None:
-    """The hash of the model that draws the painter's voxels, if one does.
+    """The hash of the model that draws voxels again, if one does.
 
     Raises:
         ArtigenError: If there is no such model, or it draws in another resolution.

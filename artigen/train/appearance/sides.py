@@ -13,9 +13,9 @@ from scipy.spatial import KDTree
 from torch import Tensor
 
 from artigen.facings import count_behind, facing_frames
-from artigen.models.appearance_vae import COLOR_MIDDLE, COLOR_SPREAD, HEIGHT_REACH, MIDDLE_SPREAD
+from artigen.models.appearance_vae import COLOR_MIDDLE, COLOR_SPREAD, SIDE_CHANNELS
+from artigen.places import PLACES, VoxelPlaces, describe_places
 from artigen.train.appearance.paint import VoxelPaint
-from artigen.train.appearance.places import VoxelPlaces
 from artigen.train.appearance.visibility import SeenVoxels
 from artigen.types import VoxelGrid
 
@@ -23,14 +23,12 @@ SURE = 0.5
 """Weight of views (a view from straight ahead counts as 1) at which a side is as good as known."""
 CLEAR = 0.1
 """Share of what is behind that is seen through a pane, at least."""
-FARTHEST = 0.9
-"""Share of their reach that Gaussians are moved by at most."""
 SHADES = 24
 """Steps of a colour's channels within which sides are painted alike."""
 FEW = 5
 """Sides that a shade needs before it is told how it is seen."""
-NARROWEST = 0.1
-"""Least width of surface within a voxel: a narrower one would shrink Gaussians to nothing."""
+PLACED = (4, 9, 11, 12, 13, 14)
+"""Which side features say where surface lies, as `artigen.places.describe_places` does."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -145,16 +143,12 @@ def describe_sides(looks: SideLooks, places: VoxelPlaces) -> Float[Tensor, "N 15
     How clear a voxel is; of the outer side, then the inner: colour, height, how well it is known; where the
     middle of the surface lies across, and the logarithms of its widths.
     """
-    heights = torch.from_numpy(places.heights.T).float()
-    told = torch.cat(
-        [
-            (looks.colors - COLOR_MIDDLE) / COLOR_SPREAD,
-            torch.atanh((heights / HEIGHT_REACH).clamp(-FARTHEST, FARTHEST))[..., None],
-            looks.known[..., None],
-        ],
-        dim=2,
-    )
-    middles = (places.lowest + places.highest) / (2.0 * MIDDLE_SPREAD)
-    widths = np.log(np.maximum(places.highest - places.lowest, NARROWEST))
-    across = torch.from_numpy(np.concatenate([middles, widths], axis=1)).float()
+    heights, across = torch.from_numpy(describe_places(places)).float().split([2, PLACES - 2], dim=1)
+    colors = (looks.colors - COLOR_MIDDLE) / COLOR_SPREAD
+    told = torch.cat([colors, heights.T[..., None], looks.known[..., None]], dim=2)
     return torch.cat([looks.clear[:, None], told.transpose(0, 1).flatten(1), across], dim=1)
+
+
+def recall_places(features: Float[np.ndarray, "N C"]) -> Float[np.ndarray, "N 6"]:
+    """What features that end with those of `describe_sides` say of where surface lies."""
+    return features[:, -SIDE_CHANNELS:][:, PLACED]

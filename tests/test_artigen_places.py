@@ -4,7 +4,15 @@ import numpy as np
 import pytest
 
 from artigen.facings import FACINGS, facing_frames
-from artigen.train.appearance.places import HEIGHT, SAMPLES, VoxelPlaces, measure_places
+from artigen.places import (
+    HEIGHT,
+    HEIGHT_REACH,
+    MIDDLE_SPREAD,
+    SAMPLES,
+    VoxelPlaces,
+    describe_places,
+    measure_places,
+)
 from artigen.types import SurfaceSamples, VoxelGrid
 from artigen.voxels import voxelize
 
@@ -77,3 +85,12 @@ def test_what_no_surface_says_is_taken_to_be_filled():
     assert places.lowest.tolist()[0] == [-0.5, -0.5]
     assert places.highest.tolist()[0] == [0.5, 0.5]
     assert places.heights[1, 1] == -HEIGHT  # the board goes on inwards
+
+
+def test_what_networks_are_told_is_where_the_surface_lies():
+    _, places = place_box(3)
+    told = describe_places(places)
+    np.testing.assert_allclose(HEIGHT_REACH * np.tanh(told[:, :2]), places.heights, atol=1e-6)
+    middles, widths = MIDDLE_SPREAD * told[:, 2:4], np.exp(told[:, 4:])
+    np.testing.assert_allclose(middles - widths / 2, places.lowest, atol=1e-6)
+    np.testing.assert_allclose(middles + widths / 2, places.highest, atol=1e-6)

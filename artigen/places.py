@@ -1,7 +1,8 @@
 """Where surface lies within voxels: how high either side is, and how far it reaches across.
 
 A voxel at the rim of a board, or on a wire, is filled in part; Gaussians that covered all of it would make
-boards thicker and wires bars. Read off samples of the surface, in the frame of the voxel's outer side.
+boards thicker and wires bars. Read off samples of the surface, in the frame of the voxel's outer side: of the
+object itself in training, of the meshes that are made of the voxels of a drawn one.
 """
 
 from dataclasses import dataclass
@@ -18,6 +19,16 @@ AHEAD = 0.5
 """Cosine from which surface faces as the side does."""
 HEIGHT = 0.3
 """Voxels that a side lies off the middle of a voxel where no surface faces its way."""
+PLACES = 6
+"""Numbers that say where the surface of a voxel lies (`describe_places`)."""
+HEIGHT_REACH = 0.75
+"""Voxels within which heights of sides are told, as the inverse hyperbolic tangent of their share in it."""
+MIDDLE_SPREAD = 0.25
+"""Voxels that middles are told in."""
+FARTHEST = 0.9
+"""Share of their reach that Gaussians are moved by at most."""
+NARROWEST = 0.1
+"""Least width of surface within a voxel: a narrower one would shrink Gaussians to nothing."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -26,6 +37,8 @@ class VoxelPlaces:
 
     heights: Float[np.ndarray, "N 2"]
     """Of the outer side and of the inner one, outwards."""
+    faced: Bool[np.ndarray, "N 2"]
+    """Whether there is surface that faces as either does; without, its height is only supposed."""
     lowest: Float[np.ndarray, "N 2"]
     """Where surface begins across, along the frame's +y and +z."""
     highest: Float[np.ndarray, "N 2"]
@@ -61,12 +74,13 @@ def measure_places(surface: SurfaceSamples, voxels: VoxelGrid, facings: Int[np.n
     points = (surface.points[own].astype(np.float64) + 0.5) * voxels.resolution
     off = np.einsum("kij,ki->kj", frames, points - voxels.coords[rows] - 0.5)
     ahead = np.einsum("ki,ki->k", frames[:, :, 0], surface.normals[own].astype(np.float64))
-    heights = np.empty((count, 2))
+    heights, faced = np.empty((count, 2)), np.empty((count, 2), dtype=bool)
     for side, sign in enumerate((1.0, -1.0)):
         facing = sign * ahead > AHEAD
         number = np.bincount(rows[facing], minlength=count)
         total = np.bincount(rows[facing], weights=off[facing, 0], minlength=count)
-        heights[:, side] = np.where(number > 0, total / np.maximum(number, 1), sign * HEIGHT)
+        faced[:, side] = number > 0
+        heights[:, side] = np.where(faced[:, side], total / np.maximum(number, 1), sign * HEIGHT)
     low, high = np.full((count, 2), np.inf), np.full((count, 2), -np.inf)
     np.minimum.at(low, rows, off[:, 1:])
     np.maximum.at(high, rows, off[:, 1:])
@@ -74,5 +88,17 @@ def measure_places(surface: SurfaceSamples, voxels: VoxelGrid, facings: Int[np.n
     low[empty], high[empty] = -0.5, 0.5
     missed = 0.5 / SAMPLES  # surface reaches about this far beyond the last sample
     return VoxelPlaces(
-        heights=heights, lowest=np.maximum(low - missed, -0.5), highest=np.minimum(high + missed, 0.5)
+        heights=heights,
+        faced=faced,
+        lowest=np.maximum(low - missed, -0.5),
+        highest=np.minimum(high + missed, 0.5),
     )
+
+
+def describe_places(places: VoxelPlaces) -> Float[np.ndarray, "N 6"]:
+    """The same, scaled as networks want it: heights of the outer side and of the inner one; of the surface
+    across, where its middle lies along +y and +z, and the logarithms of its widths."""
+    heights = np.arctanh((places.heights / HEIGHT_REACH).clip(-FARTHEST, FARTHEST))
+    middles = (places.lowest + places.highest) / (2.0 * MIDDLE_SPREAD)
+    widths = np.log(np.maximum(places.highest - places.lowest, NARROWEST))
+    return np.concatenate([heights, middles, widths], axis=1)

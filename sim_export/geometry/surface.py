@@ -1,0 +1,44 @@
+"""Samples of the surface of an object that has voxels alone: of the meshes that are made of them."""
+
+import numpy as np
+
+from artigen.types import Asset, SurfaceSamples
+from sim_export.geometry.meshing import MeshingConfig, mesh_parts
+from sim_export.geometry.sampling import sample_triangles, triangle_areas
+
+SAMPLES = 4
+"""Samples along the edge of a voxel."""
+UNPAINTED = 255
+"""Colour of samples: meshes have none."""
+
+
+def sample_surface(asset: Asset, cfg: MeshingConfig | None = None) -> SurfaceSamples:
+    """Points on the meshes of all parts, each of the same area, in the unit cube; white.
+
+    Args:
+        asset: with voxels; scale and parts are not looked at but for their boxes.
+        cfg: how voxels become meshes.
+
+    Raises:
+        DegeneratePart: If a part has no voxels.
+        ValueError: If the asset has none.
+    """
+    meshes = mesh_parts(asset, cfg)
+    assert asset.voxels is not None
+    triangles = [mesh.vertices[mesh.faces] / asset.scale for mesh in meshes]
+    per_area = (SAMPLES * asset.voxels.resolution) ** 2
+    points, normals, part_ids = [], [], []
+    for part, corners in enumerate(triangles):
+        count = int(np.ceil(triangle_areas(corners).sum() * per_area))
+        found, rows = sample_triangles(corners, count)
+        across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[rows]
+        points.append(found)
+        normals.append(across / np.linalg.norm(across, axis=1, keepdims=True))
+        part_ids.append(np.full(count, part))
+    where = np.concatenate(points)
+    return SurfaceSamples(
+        points=where,
+        normals=np.concatenate(normals),
+        colors=np.full(where.shape, UNPAINTED, dtype=np.uint8),
+        part_ids=np.concatenate(part_ids),
+    )
