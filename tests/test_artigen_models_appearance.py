@@ -86,7 +86,7 @@ def read_covariances(splats: Splats) -> torch.Tensor:
 def side_features(width: int, generator: torch.Generator) -> torch.Tensor:
     """Features of 40 voxels: noise, every other one clear; of either side its colour and its height; surface
     that fills them, but for the last eight, where it is a strip."""
-    sides = torch.zeros(40, 2, 5)
+    sides = torch.zeros(40, 2, 4)
     across = torch.zeros(40, 4)
     across[32:] = torch.tensor([MIDDLE / MIDDLE_SPREAD, 0.0, math.log(WIDTH), 0.0])
     clear = (torch.arange(40) % 2)[:, None]
@@ -119,7 +119,7 @@ def test_untrained_networks_put_flat_gaussians_of_the_right_colours_on_both_side
     half = vae.count // 2
     for side, height, rows in ((0, 0.4, slice(0, half)), (1, -0.2, slice(half, None))):
         told = (
-            feats[:, 1 - SIDE_CHANNELS : -4].unflatten(1, (2, 5))[:, side, :3] * COLOR_SPREAD + COLOR_MIDDLE
+            feats[:, 1 - SIDE_CHANNELS : -4].unflatten(1, (2, 4))[:, side, :3] * COLOR_SPREAD + COLOR_MIDDLE
         )
         torch.testing.assert_close(colors[:, rows], told[:, None].expand_as(colors[:, rows]))
         torch.testing.assert_close(heights[:, rows], torch.full_like(heights[:, rows], height))

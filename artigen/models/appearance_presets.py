@@ -40,9 +40,9 @@ class AppearancePreset:
     training, cleaner than a draw."""
 
 
-SIDED = SlatVaeConfig(in_channels=68, latent_channels=SIDE_LATENTS, sided=True)
+SIDED = SlatVaeConfig(in_channels=66, latent_channels=SIDE_LATENTS, sided=True)
 """Voxels with two sides, as all of our own presets have them; the decoder does not use `in_channels`."""
-COARSE = replace(SIDED, resolution=32, in_channels=31, model_channels=32, num_blocks=2, num_heads=2)
+COARSE = replace(SIDED, resolution=32, in_channels=29, model_channels=32, num_blocks=2, num_heads=2)
 """Those of ``tiny``."""
 
 APPEARANCE_PRESETS: dict[PresetName, AppearancePreset] = {

@@ -21,9 +21,9 @@ APPEARANCE_VAE, APPEARANCE_PALETTE, APPEARANCE_PAINTER, APPEARANCE_FLOW = (
 NARROW = -6.0
 """Log-variance of an untrained posterior: what the features say reaches the decoder from the first step."""
 
-SIDE_CHANNELS = 15
-"""Last features of a voxel with two sides: how clear it is; colour, height, and how well it is known, of the
-outer side and of the inner one; middles and widths of surface across (`artigen.train.appearance.sides`)."""
+SIDE_CHANNELS = 13
+"""Last features of a voxel with two sides: how clear it is; colour and height of the outer side and of the
+inner one; middles and widths of surface across (`artigen.train.appearance.sides`)."""
 SIDE_LATENTS = 13
 """Colours and heights of two sides, how clear the voxel is, middles and widths."""
 COLOR_MIDDLE, COLOR_SPREAD = 0.5, 0.25

@@ -1,10 +1,6 @@
-"""How the presets of `artigen.models.appearance_presets` are trained, and on what.
+"""How the presets of `artigen.models.appearance_presets` are trained, and on what."""
 
-The weight of the volume term is TRELLIS' for 32 Gaussians in a voxel of a grid of 64; where fewer have to
-fill a voxel, or voxels are larger, it is less by the ratio of the volumes that they have to fill.
-"""
-
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from artigen.models.presets import PresetName
 from artigen.train.appearance.curation import CurationConfig
@@ -36,6 +32,9 @@ class AppearanceTraining:
     """Weights of the VAE's loss terms."""
 
 
+TWO_SIDED = AppearanceLossConfig(volume=0.0)
+"""Of voxels with two sides, which are told how wide surface is: volume only shrinks what no picture shows."""
+
 APPEARANCE_TRAINING: dict[PresetName, AppearanceTraining] = {
     "tiny": AppearanceTraining(
         curation=CurationConfig(states=3, views=ViewConfig(count=8, size=48), kept=4),
@@ -44,7 +43,7 @@ APPEARANCE_TRAINING: dict[PresetName, AppearanceTraining] = {
         palette=StageConfig(batch=8, learning_rate=1e-3, warmup=5, decay=0.5, ema=0.9, share=0.1),
         painter=StageConfig(batch=4, learning_rate=2e-3, warmup=5, decay=1.0, ema=0.9, share=0.1),
         pictures=2,
-        losses=AppearanceLossConfig(volume=1e4 / 64),
+        losses=TWO_SIDED,
     ),
     "small": AppearanceTraining(
         curation=CurationConfig(states=4, views=ViewConfig(count=6, sharpness=2), kept=3),
@@ -54,7 +53,7 @@ APPEARANCE_TRAINING: dict[PresetName, AppearanceTraining] = {
         painter=StageConfig(batch=16, learning_rate=1.5e-3, warmup=100, decay=1.0, ema=0.998, share=0.1),
         pictures=2,
         noisiness=4.0,
-        losses=AppearanceLossConfig(volume=1e4 / 8, exposed=3.0),
+        losses=replace(TWO_SIDED, exposed=3.0),
     ),
     "compact": AppearanceTraining(
         curation=CurationConfig(views=ViewConfig(count=12, sharpness=2), kept=4),
@@ -63,7 +62,7 @@ APPEARANCE_TRAINING: dict[PresetName, AppearanceTraining] = {
         palette=StageConfig(batch=256, learning_rate=6e-4, warmup=300, decay=0.4, ema=0.999, share=0.1),
         painter=StageConfig(batch=64, learning_rate=1.5e-3, warmup=200, decay=1.0, ema=0.998, share=0.05),
         pictures=3,
-        losses=AppearanceLossConfig(volume=1e4 / 4, exposed=3.0),
+        losses=replace(TWO_SIDED, exposed=3.0),
     ),
     "paper": AppearanceTraining(
         curation=CurationConfig(

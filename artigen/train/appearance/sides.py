@@ -27,7 +27,7 @@ SHADES = 24
 """Steps of a colour's channels within which sides are painted alike."""
 FEW = 5
 """Sides that a shade needs before it is told how it is seen."""
-PLACED = (4, 9, 11, 12, 13, 14)
+PLACED = (4, 8, 9, 10, 11, 12)
 """Which side features say where surface lies, as `artigen.places.describe_places` does."""
 
 
@@ -36,8 +36,6 @@ class SideLooks:
     """What views show of voxels: outer sides first, then inner ones."""
 
     colors: Float[Tensor, "2 N 3"]
-    known: Float[Tensor, "2 N"]
-    """0 where no view shows a side, towards 1 the better it is seen."""
     clear: Float[Tensor, "N"]
     """Share of what is behind a voxel that is seen through it."""
 
@@ -91,7 +89,6 @@ class SideMean:
             colors[side, alone] = colors[1 - side, alone]
         return SideLooks(
             colors=colors[:, torch.from_numpy(self._find_told(told.any(dim=0).numpy()))],
-            known=known,
             clear=self._share_clear(clear),
         )
 
@@ -137,15 +134,16 @@ def see_alike(
     return painted + (changes / count[:, None])[many][torch.from_numpy(nearest)]
 
 
-def describe_sides(looks: SideLooks, places: VoxelPlaces) -> Float[Tensor, "N 15"]:
+def describe_sides(looks: SideLooks, places: VoxelPlaces) -> Float[Tensor, "N 13"]:
     """Features of voxels with two sides, scaled as the networks want them (`artigen.models.appearance_vae`).
 
-    How clear a voxel is; of the outer side, then the inner: colour, height, how well it is known; where the
-    middle of the surface lies across, and the logarithms of its widths.
+    How clear a voxel is; of the outer side, then the inner: colour and height; where the middle of the
+    surface lies across, and the logarithms of its widths. Not how well a side is known: a network that can
+    tell the sides that no picture shows lets their Gaussians shrink, which costs it nothing.
     """
     heights, across = torch.from_numpy(describe_places(places)).float().split([2, PLACES - 2], dim=1)
     colors = (looks.colors - COLOR_MIDDLE) / COLOR_SPREAD
-    told = torch.cat([colors, heights.T[..., None], looks.known[..., None]], dim=2)
+    told = torch.cat([colors, heights.T[..., None]], dim=2)
     return torch.cat([looks.clear[:, None], told.transpose(0, 1).flatten(1), across], dim=1)
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import torch
-from jaxtyping import Float
+from jaxtyping import Float, Int
 from torch import Tensor, nn
 
 from artigen.models.appearance_vae import SIDE_CHANNELS, AppearanceVae
@@ -21,6 +21,8 @@ from artigen.train.appearance.losses import (
 from artigen.train.batches import prefetch
 from artigen.train.loop import LoopConfig, Report, finished_steps, process_seed, train
 
+HIDDEN = 0.5
+"""How often what views show of the voxels beyond a plane is hidden in training."""
 LEAST = 1e-2
 """Least deviation of a feature: a smaller one would magnify what half precision rounds off its mean."""
 
@@ -51,15 +53,18 @@ def train_appearance_vae(
         on_report: called with every line of metrics.
     """
 
+    told = SIDE_CHANNELS if vae.encoder.cfg.sided else 0
+
     def terms(network: nn.Module, drawn: PictureBatch, generator: torch.Generator) -> dict[str, Tensor]:
         shape = (len(drawn.coords), vae.encoder.cfg.latent_channels)
         noise = torch.randn(shape, generator=generator, device=generator.device)
-        encoded = network(drawn.coords, drawn.feats, noise, drawn.facings)
+        feats = hide_views(drawn.coords, drawn.feats, generator, kept=told) if told else drawn.feats
+        encoded = network(drawn.coords, feats, noise, drawn.facings)
         with torch.autocast(drawn.coords.device.type, enabled=False):  # places need all of their digits
             made = draw_pictures(encoded.splats, drawn, raster_config(vae, drawn.coords.device))
             return appearance_losses(encoded, made, drawn, losses, extractor)
 
-    center, spread = measure_features(examples, scaled=SIDE_CHANNELS if vae.encoder.cfg.sided else 0)
+    center, spread = measure_features(examples, scaled=told)
     vae.feature_mean.copy_(center)
     vae.feature_std.copy_(spread)
     start = finished_steps(folder)
@@ -67,6 +72,27 @@ def train_appearance_vae(
     batches = prefetch(draw_picture_batches(examples, batch, pictures, seed, start=start))
     train(vae, terms, batches, folder, cfg, on_report=on_report)
     return vae
+
+
+def hide_views(
+    coords: Int[Tensor, "N 4"], feats: Float[Tensor, "N C"], generator: torch.Generator, *, kept: int
+) -> Float[Tensor, "N C"]:
+    """Every other time, the voxels beyond a plane have the features of voxels that no view shows.
+
+    Pictures cannot say how those look, and what pulls them apart from the others goes unpunished: boards are
+    seen through. So the networks learn on shown voxels what becomes of hidden ones.
+
+    Args:
+        coords: sample, x, y, z of each voxel.
+        feats: its features.
+        generator: of the plane.
+        kept: last channels that are told of hidden voxels, too.
+    """
+    chance, share, *normal = torch.randn(5, generator=generator, device=generator.device).split(1)
+    heights = coords[:, 1:].float() @ torch.cat(normal)
+    beyond = heights > heights.quantile(torch.special.ndtr(share))
+    cleared = torch.cat([torch.zeros_like(feats[:, :-kept]), feats[:, -kept:]], dim=1)
+    return torch.where((beyond & (torch.special.ndtr(chance) < HIDDEN))[:, None], cleared, feats)
 
 
 def measure_features(
