@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from artigen.facings import AROUND, FACINGS, SIDES, find_covered, find_joined, find_middles
-from artigen.fields import DEFAULT_LAYOUT, after_occupancy
+from artigen.fields import DEFAULT_LAYOUT, after_occupancy, name_rows
 from artigen.types import PART_LABELS, PartLabel, SurfaceSamples
 
 PALETTE = 7
@@ -22,6 +22,10 @@ KIND = FACINGS + len(PART_LABELS) + SIDES + AROUND
 """Numbers that say what kind of voxel one is."""
 FRONTS: tuple[PartLabel, ...] = ("drawer", "door")
 """Parts that have the colour of the object, where they are not said to have another."""
+MATCHING: tuple[PartLabel, ...] = (*FRONTS, "handle", "shelf")
+"""Parts that have the colours of all others of their label, whatever their sizes."""
+SAME_SIZE = 1 / 64
+"""Unit-cube length by which the edges of two parts may differ that are of one kind."""
 MOST = 2000
 """Samples of a part that are looked at."""
 THIN = 5 / 64
@@ -81,6 +85,23 @@ def ask_colors(
         if color is not None:
             row[:3] = color
     return out
+
+
+def find_twins(table: Float[np.ndarray, "P C"]) -> Int[np.ndarray, "P"]:
+    """For each part the first one that has the same colours: doors match doors, and one button the next.
+
+    Of 84 procedural objects, no two doors, drawers, handles or shelves of one differ in their main colour.
+    Other parts match those of their label that are as large.
+
+    Args:
+        table: Channels after occupancy of each part, in the default layout.
+    """
+    sizes = np.sort(table[:, after_occupancy(DEFAULT_LAYOUT.box)][:, 3:], axis=1)
+    labels = np.array(name_rows(table))
+    alike = (labels[:, None] == labels) & (
+        np.isin(labels, MATCHING) | (np.abs(sizes[:, None] - sizes).max(axis=2) <= SAME_SIZE)
+    )
+    return alike.argmax(axis=1)
 
 
 def describe_kinds(

@@ -17,10 +17,10 @@ import numpy as np
 import tyro
 from jaxtyping import Float, Int
 
-from artigen.agreement import find_edges
 from artigen.appearance import load_appearance_model
 from artigen.facings import SIDES, find_facings
 from artigen.fields import tabulate_parts
+from artigen.figures import find_edges
 from artigen.generate import load_structure_model
 from artigen.metrics.report import format_table
 from artigen.models.painter import paint_voxels

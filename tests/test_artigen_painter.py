@@ -10,6 +10,7 @@ from drawer_chest import COLOR, GLASS, INSIDE, make_chest
 
 from artigen.facings import FACINGS, find_facings
 from artigen.fields import tabulate_parts
+from artigen.figures import find_edges
 from artigen.models.painter import (
     CHOICES,
     TOLD,
@@ -22,6 +23,7 @@ from artigen.models.painter import (
     offer_colors,
     paint_losses,
     paint_voxels,
+    settle_guess,
 )
 from artigen.palettes import PAINT
 from artigen.shapes.asset import shape_to_asset
@@ -138,6 +140,35 @@ def test_sides_choose_among_two_colours_of_their_part_and_one_of_their_own():
                 wanted = [palette[:3], palette[3:6], own][int(guess.choices[sample, voxel, side].argmax())]
                 assert torch.equal(chosen[sample, voxel, 3 * side : 3 * side + 3], wanted)
     torch.testing.assert_close(chosen[0, :, -1], torch.tensor([0.7, 0.0, 0.7, 0.0, 0.7]))
+
+
+def test_a_window_is_one_pane_of_one_colour_and_a_display_has_one_too():
+    y, z = (values.ravel() for values in np.meshgrid(np.arange(24), np.arange(24), indexing="ij"))
+    window = (y >= 4) & (y < 18) & (z >= 6) & (z < 20)
+    display = (y >= 4) & (y < 18) & (z >= 21) & (z < 23)
+    coords, facings = np.stack([np.zeros_like(y), y, z], axis=1), np.zeros(len(y), dtype=np.int64)
+    rng = np.random.default_rng(0)
+    odd = rng.random((2, len(y))) < 0.06
+    pane = np.where(window ^ odd[0], 4.0, -4.0)
+    choices = np.where((window | display ^ odd[1])[:, None] & [False, False, True], 4.0, [2.0, 0.0, -2.0])
+    free = rng.random((len(y), 1, 3))
+    guess = PaintGuess(
+        choices=torch.tensor(np.repeat(choices[:, None], 2, axis=1))[None],
+        free=torch.tensor(np.repeat(free, 2, axis=1))[None],
+        pane=torch.tensor(pane)[None],
+        clear=torch.tensor(rng.random(len(y)))[None],
+    )
+    edges = find_edges(coords, np.zeros(len(y), dtype=np.int64), facings, 24)
+    settled = settle_guess(guess, coords, facings, edges)
+    np.testing.assert_array_equal(settled.pane[0] > 0, window)
+    chosen = settled.choices[0].argmax(dim=-1)
+    assert (chosen == torch.from_numpy(np.where(window | display, 2, 0))[:, None]).all()
+    assert settled.clear[0, window].unique().numel() == 1
+    told = settled.free[0, :, 0]
+    for figure in (window, display):
+        assert len(told[figure].unique(dim=0)) == 1
+        np.testing.assert_allclose(told[figure][0], free[figure, 0].mean(axis=0), atol=0.1)
+    assert not torch.equal(told[window][0], told[display][0])
 
 
 def test_losses_are_least_for_the_truth_and_leave_out_what_is_not_known():

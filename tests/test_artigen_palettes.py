@@ -20,6 +20,7 @@ from artigen.palettes import (
     describe_kinds,
     describe_voxels,
     find_outside,
+    find_twins,
     read_palettes,
 )
 from artigen.places import PLACES
@@ -34,7 +35,7 @@ from artigen.train.appearance.palettes import (
     write_palette_shard,
 )
 from artigen.train.loop import LoopConfig
-from artigen.types import PART_LABELS, SurfaceSamples
+from artigen.types import PART_LABELS, PartLabel, SurfaceSamples
 
 RED, BLUE = (200, 20, 20), (20, 20, 200)
 TINY = APPEARANCE_PRESETS["tiny"]
@@ -135,6 +136,45 @@ def test_the_colour_of_the_object_is_that_of_its_fronts_unless_they_have_their_o
     np.testing.assert_array_equal(said[1, :3], [0.1, 0.2, 0.3])
     assert np.isnan(said[3]).all()
     assert np.isnan(said[:, 3:]).all()
+
+
+def make_table(*parts: tuple[PartLabel, tuple[float, float, float]]) -> np.ndarray:
+    """Labels and extents of parts; nothing else."""
+    table = np.zeros((len(parts), DEFAULT_LAYOUT.channels - 1))
+    for row, (label, extents) in zip(table, parts, strict=True):
+        row[after_occupancy(DEFAULT_LAYOUT.label)] = np.array(PART_LABELS) == label
+        row[after_occupancy(DEFAULT_LAYOUT.box)] = (0.0, 0.0, 0.0, *extents)
+    return table
+
+
+def test_fronts_match_whatever_their_sizes_and_other_parts_those_of_their_size():
+    button, dial = (0.02, 0.05, 0.05), (0.05, 0.1, 0.1)
+    table = make_table(
+        ("base", (1.0, 1.0, 1.0)),
+        ("door", (0.03, 0.4, 0.9)),
+        ("knob", button),
+        ("door", (0.03, 0.3, 0.2)),
+        ("knob", dial),
+        ("knob", (0.05, 0.025, 0.05)),
+        ("drawer", (0.4, 0.4, 0.2)),
+    )
+    assert find_twins(table).tolist() == [0, 1, 2, 1, 4, 2, 6]
+
+
+def test_matching_parts_are_drawn_in_the_same_colours():
+    torch.manual_seed(0)
+    flow = PaletteFlow(TINY.palette, TINY.conditions)
+    torch.nn.init.normal_(flow.out_layer.weight, std=0.3)
+    door = ("door", (0.03, 0.4, 0.9))
+    table = make_table(("base", (1.0, 1.0, 1.0)), door, ("knob", (0.1, 0.1, 0.1)), door)
+    table[3, after_occupancy(DEFAULT_LAYOUT.box)][1] = 0.4
+    nothing = gather_conditions([StructureCondition()], TINY.conditions)
+    generator = torch.Generator().manual_seed(0)
+    for strength in (0.0, 2.0):
+        cfg = SamplerConfig(steps=4, strength=strength)
+        drawn = sample_palettes(flow, table, nothing, nothing, generator, cfg)
+        np.testing.assert_allclose(drawn[1], drawn[3], atol=1e-5)
+        assert np.abs(drawn[1] - drawn[[0, 2]]).max(axis=1).min() > 0.01
 
 
 def test_parts_are_looked_at_where_the_picture_shows_them():

@@ -7,16 +7,16 @@ others. So a step may take a few voxels of many objects instead of all of one. T
 its flow draws colours with all else (section 4.2).
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import torch
 from jaxtyping import Bool, Float, Int
 from torch import Tensor, nn
 
-from artigen.agreement import find_edges, spread_sureness
 from artigen.facings import SIDES
 from artigen.fields import DEFAULT_LAYOUT, after_occupancy
+from artigen.figures import find_edges, number_faces, settle_figures
 from artigen.palettes import KIND, PALETTE, read_kinds
 from artigen.surroundings import SURROUNDINGS, describe_surroundings
 
@@ -224,18 +224,54 @@ def paint_voxels(
         owners=torch.from_numpy(part_ids.astype(np.int64))[None].to(device),
         told=torch.from_numpy(told)[None].to(device),
     )
-    guess = painter(batch)
-    agreed = settle_choices(guess, find_edges(coords, part_ids, facings, resolution))
-    return choose_colors(agreed, offer_colors(guess, batch))[0].cpu().numpy()
+    guess = settle_guess(painter(batch), coords, facings, find_edges(coords, part_ids, facings, resolution))
+    return choose_colors(guess, offer_colors(guess, batch))[0].cpu().numpy()
 
 
-def settle_choices(guess: PaintGuess, edges: Int[np.ndarray, "E 2"]) -> PaintGuess:
-    """What the painter makes of the voxels of an object once neighbours have agreed (`artigen.agreement`)."""
-    panes = torch.stack([guess.pane, torch.zeros_like(guess.pane)], dim=-1)[0]
-    outer, inner, pane = (
-        torch.from_numpy(spread_sureness(one.double().cpu().numpy(), edges)).to(guess.pane)
-        for one in (*guess.choices[0].unbind(dim=1), panes)
+def settle_guess(
+    guess: PaintGuess,
+    coords: Int[np.ndarray, "N 3"],
+    facings: Int[np.ndarray, "N"],
+    edges: Int[np.ndarray, "E 2"],
+) -> PaintGuess:
+    """What the painter makes of the voxels of an object once its faces are painted in figures.
+
+    Panes are found first and are faces of their own, which have one clearness; so has one colour what the
+    painter itself says of a figure (`artigen.figures`).
+
+    Args:
+        guess: of all voxels of one object.
+        coords: Cells (x, y, z) of the grid.
+        facings: Directions of their outer sides.
+        edges: Pairs of neighbours on one face (`artigen.figures.find_edges`).
+    """
+    count = len(coords)
+    clear = torch.sigmoid(guess.pane[0].double()).cpu().numpy()
+    panes = np.stack([1.0 - clear, clear], axis=1)
+    pane = settle_figures(panes, coords, facings, number_faces(count, edges))
+    sure = panes[np.arange(count), pane]
+    edges = edges[pane[edges[:, 0]] == pane[edges[:, 1]]]
+    faces = number_faces(count, edges)
+    chances = torch.softmax(guess.choices[0].double(), dim=-1).cpu().numpy() * sure[:, None, None]
+    chosen, free = np.empty((count, SIDES), dtype=np.int64), guess.free[0].cpu().numpy().copy()
+    for side in range(SIDES):
+        own = settle_figures(chances[:, side], coords, facings, faces)
+        figures = number_faces(count, edges[own[edges[:, 0]] == own[edges[:, 1]]])
+        chosen[:, side], free[:, side] = own, _average(free[:, side], chances[:, side, -1], figures)
+    clears = _average(guess.clear[0].cpu().numpy()[:, None], clear, faces)[:, 0]
+    told = guess.choices.new_tensor
+    return PaintGuess(
+        choices=told(np.where(np.eye(CHOICES)[chosen] > 0, 0.0, -np.inf))[None],
+        free=told(free)[None],
+        pane=told(2.0 * pane - 1.0)[None],
+        clear=told(clears)[None],
     )
-    return replace(
-        guess, choices=torch.stack([outer, inner], dim=1)[None], pane=(pane[:, 0] - pane[:, 1])[None]
-    )
+
+
+def _average(
+    values: Float[np.ndarray, "N C"], weights: Float[np.ndarray, "N"], groups: Int[np.ndarray, "N"]
+) -> Float[np.ndarray, "N C"]:
+    """Weighted means over the groups, for each member."""
+    total = np.bincount(groups, weights=weights)
+    sums = np.stack([np.bincount(groups, weights=weights * one) for one in values.T], axis=1)
+    return (sums / np.maximum(total, 1e-12)[:, None])[groups]

@@ -20,7 +20,7 @@ from artigen.models.conditions import ConditionBatch, ConditionConfig, Condition
 from artigen.models.embeddings import TimestepEmbedder
 from artigen.models.latent_dit import velocity_of
 from artigen.models.structure_dit import ModulatedBlock, StructureDitConfig, run_blocks
-from artigen.palettes import PALETTE
+from artigen.palettes import PALETTE, find_twins
 from artigen.sampling import SamplerConfig, diffuse, sample_flow
 
 SEEN = 8
@@ -192,8 +192,9 @@ def sample_palettes(
 ) -> Float[np.ndarray, "P 7"]:
     """Draws the palettes of one object's parts.
 
-    What is fixed is put onto its own path from the same noise at every step, so that the rest is drawn to
-    go with it.
+    Parts that match (`artigen.palettes.find_twins`) go one way: they start at the same noise, and their
+    velocities are averaged. What is fixed is put onto its own path from the same noise at every step, so that
+    the rest is drawn to go with it.
 
     Args:
         flow: the trained flow.
@@ -209,7 +210,10 @@ def sample_palettes(
     given = torch.ones(rows.shape[:2], dtype=torch.bool, device=tokens.device)
     told, blind = (torch.cat([rows, look_at_parts(rows, given, one)], dim=-1) for one in (asked, nothing))
     noise = torch.randn((*rows.shape[:2], PALETTE), generator=generator).to(tokens.device)
-
+    twins = torch.from_numpy(find_twins(table)).to(tokens.device)
+    together = functional.one_hot(twins, len(table)).float()
+    together = together / together.sum(dim=0).clamp(min=1.0)  # means over the twins of a part
+    noise = noise[:, twins]
     known = torch.full_like(noise, torch.nan)
     if fixed is not None:
         known = flow.normalise(torch.from_numpy(fixed).float()[None].to(tokens.device))
@@ -217,11 +221,14 @@ def sample_palettes(
     def hold(x: Tensor, times: Tensor) -> Tensor:
         return torch.where(known.isnan(), x, diffuse(known, noise, times))
 
+    def agree(velocity: Tensor) -> Tensor:
+        return (together.T @ velocity)[:, twins]
+
     def conditional(x: Tensor, times: Tensor) -> Tensor:
-        return flow.velocity(hold(x, times), times, tokens, told, given)
+        return agree(flow.velocity(hold(x, times), times, tokens, told, given))
 
     def pair(x: Tensor, times: Tensor) -> tuple[Tensor, Tensor]:
-        return conditional(x, times), flow.velocity(hold(x, times), times, without, blind, given)
+        return conditional(x, times), agree(flow.velocity(hold(x, times), times, without, blind, given))
 
     drawn = sample_flow(noise, conditional, pair, cfg)
     return flow.restore(torch.where(known.isnan(), drawn, known))[0].cpu().numpy()

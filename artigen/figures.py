@@ -1,0 +1,129 @@
+"""What is painted on a face is a figure: windows, trims and displays are rectangles, or discs on round doors.
+
+A network that guesses voxel by voxel paints blobs, with frayed borders and islands. Every face is told anew
+as its background and the figures that its voxels speak for most (`artigen.mending.boxes`): what is missing in
+one is filled, and what lies in none goes.
+"""
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+from scipy.ndimage import binary_fill_holes, find_objects, label
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from artigen.facings import mark_voxels
+from artigen.mending.boxes import fill_boxes, find_boxes
+from artigen.mending.fronts import draw_ellipse
+
+LEAST = 4.0
+"""Certain voxels in a figure that no other holds."""
+ROUNDS = 2
+"""How often classes take turns: the first may take too much of what is another's."""
+ROUND = 8
+"""Cells across a face, at least, for it to be round."""
+
+
+def find_edges(
+    coords: Int[np.ndarray, "N 3"],
+    part_ids: Int[np.ndarray, "N"],
+    facings: Int[np.ndarray, "N"],
+    resolution: int,
+) -> Int[np.ndarray, "E 2"]:
+    """Pairs of voxels that share a face, a part, and the direction of their outer sides.
+
+    Args:
+        coords: Cells (x, y, z) of the grid, each at most once.
+        part_ids: Part of each.
+        facings: Directions of their outer sides (`artigen.facings`).
+        resolution: Edge of the grid.
+    """
+    grid = np.pad(mark_voxels(coords, np.arange(len(coords)), resolution), (0, 1), constant_values=-1)
+    pairs = []
+    for axis in range(3):
+        step = np.eye(3, dtype=np.int64)[axis]
+        other = grid[tuple((coords.astype(np.int64) + step).T)]
+        (one,) = np.nonzero(other >= 0)
+        other = other[one]
+        alike = (part_ids[one] == part_ids[other]) & (facings[one] == facings[other])
+        pairs.append(np.stack([one[alike], other[alike]], axis=1))
+    return np.concatenate(pairs)
+
+
+def number_faces(count: int, edges: Int[np.ndarray, "E 2"]) -> Int[np.ndarray, "N"]:
+    """The face of each voxel: what is connected by pairs of neighbours."""
+    links = coo_array((np.ones(len(edges), dtype=bool), (edges[:, 0], edges[:, 1])), shape=(count, count))
+    return connected_components(links, directed=False)[1]
+
+
+def settle_figures(
+    evidence: Float[np.ndarray, "N K"],
+    coords: Int[np.ndarray, "N 3"],
+    facings: Int[np.ndarray, "N"],
+    faces: Int[np.ndarray, "N"],
+) -> Int[np.ndarray, "N"]:
+    """The class of every voxel, by which faces are painted in figures.
+
+    Args:
+        evidence: What each voxel says for every class, such as its chance.
+        coords: Cells (x, y, z) of the grid.
+        facings: Directions of their outer sides (`artigen.facings`).
+        faces: Which face each belongs to (`number_faces`); it is looked at along the axis that it faces.
+    """
+    order = np.argsort(faces, kind="stable")
+    out = np.empty(len(coords), dtype=np.int64)
+    for rows in np.split(order, np.flatnonzero(np.diff(faces[order])) + 1):
+        across = np.delete(coords[rows].astype(np.int64), facings[rows[0]] // 2, axis=1)
+        across -= across.min(axis=0)
+        height, width = across.max(axis=0) + 1
+        place = across @ [width, 1]
+        number = np.bincount(place, minlength=height * width)
+        total = [np.bincount(place, weights=one, minlength=height * width) for one in evidence[rows].T]
+        mean = (np.stack(total) / np.maximum(number, 1)).reshape(-1, height, width)
+        out[rows] = draw_figures(mean, (number > 0).reshape(height, width))[tuple(across.T)]
+    return out
+
+
+def draw_figures(
+    evidence: Float[np.ndarray, "K H W"], face: Bool[np.ndarray, "H W"]
+) -> Int[np.ndarray, "H W"]:
+    """Classes of the cells of a face: one is the background, the others come in figures.
+
+    Args:
+        evidence: For every class, anything beside the face.
+        face: The cells that are there.
+    """
+    mass = np.where(face, evidence, 0.0).sum(axis=(1, 2))
+    drawn = np.full(face.shape, mass.argmax())
+    if (mass >= LEAST).sum() < 2:
+        return drawn
+    find = _find_discs if _is_round(face) else _find_rectangles
+    for _ in range(ROUNDS):
+        for number in np.argsort(-mass, kind="stable"):
+            if mass[number] < LEAST:
+                break
+            rival = np.take_along_axis(evidence, drawn[None], axis=0)[0]
+            drawn[find(np.where(face, evidence[number] - rival, 0.0))] = number
+    return drawn
+
+
+def _is_round(face: Bool[np.ndarray, "H W"]) -> bool:
+    """Whether an ellipse says more of the outline of a face than a rectangle does."""
+    whole, disc = np.asarray(binary_fill_holes(face)), draw_ellipse(*face.shape)
+    alike = (whole & disc).sum() / (whole | disc).sum()
+    return min(face.shape) >= ROUND and alike > whole.mean()
+
+
+def _find_rectangles(evidence: Float[np.ndarray, "H W"]) -> Bool[np.ndarray, "H W"]:
+    return fill_boxes((*evidence.shape, 1), find_boxes(evidence[..., None], LEAST))[..., 0]
+
+
+def _find_discs(evidence: Float[np.ndarray, "H W"]) -> Bool[np.ndarray, "H W"]:
+    """The ellipses within the extents of connected cells that speak for a class, and hold enough evidence."""
+    pieces: Int[np.ndarray, "H W"] = np.zeros(evidence.shape, dtype=np.int64)
+    label(evidence > 0, output=pieces)
+    out = np.zeros(evidence.shape, dtype=bool)
+    for place in find_objects(pieces):
+        disc = draw_ellipse(*(side.stop - side.start for side in place))
+        if evidence[place][disc].sum() >= LEAST:
+            out[place] |= disc
+    return out

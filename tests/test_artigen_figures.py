@@ -1,0 +1,90 @@
+"""Faces are painted in figures: blobs become rectangles or discs, islands go, and what is a figure stays."""
+
+import numpy as np
+import pytest
+
+from artigen.figures import LEAST, draw_figures, find_edges, number_faces, settle_figures
+from artigen.mending.fronts import draw_ellipse
+
+EDGE = 8
+
+
+def be_sure(classes: np.ndarray, count: int, sure: float = 0.9) -> np.ndarray:
+    """Chances of cells that are sure of their class."""
+    rest = (1.0 - sure) / (count - 1)
+    return np.where(np.arange(count)[:, None, None] == classes, sure, rest)
+
+
+def test_edges_join_what_touches_and_is_alike():
+    coords = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [3, 0, 0], [7, 7, 7], [7, 7, 6]])
+    alike = np.zeros(6, dtype=int)
+    assert find_edges(coords, alike, alike, EDGE).tolist() == [[0, 1], [1, 2], [5, 4]]
+    assert find_edges(coords, np.array([0, 0, 1, 0, 0, 0]), alike, EDGE).tolist() == [[0, 1], [5, 4]]
+    assert find_edges(coords, alike, np.array([0, 1, 1, 0, 0, 5]), EDGE).tolist() == [[1, 2]]
+    faces = number_faces(6, find_edges(coords, alike, alike, EDGE))
+    assert (faces[:, None] == faces).sum() == 3 * 3 + 1 + 2 * 2
+
+
+def test_figures_stay_as_they_are():
+    classes = np.zeros((40, 30), dtype=int)
+    classes[5:20, 4:26] = 1  # a window, a display in its frame, a trim
+    classes[8:12, 10:18] = 2
+    classes[35:37] = 1
+    drawn = draw_figures(be_sure(classes, 3), np.ones((40, 30), dtype=bool))
+    np.testing.assert_array_equal(drawn, classes)
+
+
+def test_a_blob_becomes_its_rectangle_and_islands_go():
+    rng = np.random.default_rng(0)
+    wanted = np.zeros((40, 30), dtype=int)
+    wanted[6:30, 5:25] = 1
+    blob = wanted.copy()
+    for corner in ((6, 5), (6, 23), (28, 5), (28, 23)):
+        blob[corner[0] : corner[0] + 2, corner[1] : corner[1] + 2] = 0
+    blob[34:36, 3] = 1
+    blob = np.where(rng.random(blob.shape) < 0.05, 1 - blob, blob)
+    face = np.ones(blob.shape, dtype=bool)
+    drawn = draw_figures(be_sure(blob, 2), face)
+    np.testing.assert_array_equal(drawn, wanted)
+    np.testing.assert_array_equal(draw_figures(be_sure(blob.T, 2), face.T), wanted.T)
+    turned = draw_figures(be_sure(1 - blob, 2), face)  # the other class is the background
+    assert (turned[wanted == 1] == 0).all()
+
+
+def test_figures_of_a_round_face_are_discs():
+    face, wanted = draw_ellipse(30, 30), np.zeros((30, 30), dtype=int)
+    wanted[6:24, 6:24] = draw_ellipse(18, 18)
+    ragged = wanted.copy()
+    ragged[6:8, 13:15] = ragged[12:14, 14:16] = 0
+    ragged[6, 12] = 1
+    drawn = draw_figures(be_sure(ragged, 2), face)
+    np.testing.assert_array_equal(drawn[face], wanted[face])
+
+
+@pytest.mark.parametrize("size", [1, 3, 6])
+def test_what_is_too_small_is_no_figure(size: int):
+    classes = np.zeros((20, 20), dtype=int)
+    classes[9, 7 : 7 + size] = 1
+    drawn = draw_figures(be_sure(classes, 2, sure=1.0), np.ones(classes.shape, dtype=bool))
+    np.testing.assert_array_equal(drawn, classes if size >= LEAST else 0 * classes)
+
+
+def test_every_face_is_settled_by_itself_and_along_the_axis_that_it_faces():
+    y, z = (values.ravel() for values in np.meshgrid(np.arange(EDGE), np.arange(EDGE), indexing="ij"))
+    window = (np.abs(y - 3.5) < 3) & (np.abs(z - 3.5) < 3)
+    layers = [np.stack([np.full_like(y, x), y, z], axis=1) for x in (0, 1)]  # a board two cells thick
+    other = np.stack([y, z, np.full_like(y, 7)], axis=1) + np.array(
+        [20, 0, 0]
+    )  # faces up, and is of the other class
+    coords = np.concatenate([*layers, other])
+    facings = np.repeat([0, 0, 5], len(y))
+    classes = np.concatenate([window, window, np.ones_like(window)]).astype(int)
+    flipped = classes.copy()
+    flipped[np.flatnonzero(window)[:2]] = 0  # the layer below knows better
+    faces = number_faces(len(coords), find_edges(coords, np.zeros(len(coords), dtype=int), facings, 64))
+    settled = settle_figures(np.eye(2)[flipped], coords, facings, faces)
+    np.testing.assert_array_equal(settled, classes)
+    order = np.random.default_rng(2).permutation(len(coords))
+    np.testing.assert_array_equal(
+        settle_figures(np.eye(2)[flipped[order]], coords[order], facings[order], faces[order]), classes[order]
+    )
