@@ -37,7 +37,7 @@ from sim_export.geometry.meshing import mesh_parts
 from sim_export.geometry.surface import sample_surface
 from sim_export.package import Mesh
 from sim_export.picture.camera import Camera, Viewpoint, frame_points, pixel_rays
-from sim_export.picture.raycast import Surface, albedo_at, build_scene, cast_rays
+from sim_export.picture.raycast import Surface, albedo_at, build_scene, cast_layers
 from sim_export.picture.render import move_surface, surface_from_mesh
 from sim_export.reference import build_reference
 
@@ -89,10 +89,13 @@ def draw_meshes(surfaces: Sequence[Surface], camera: Camera) -> tuple[np.ndarray
     """Colours without light (sRGB in [0, 1], white behind) and the share of each pixel that is filled."""
     big = replace(camera, width=FACTOR * camera.width, height=FACTOR * camera.height)
     scene, rays = build_scene(surfaces), pixel_rays(big).reshape(-1, 3)
-    hits = cast_rays(scene, big.position, rays)
-    image = np.concatenate([np.ones((len(rays), 3)), np.zeros((len(rays), 1))], axis=1)
-    image[hits.place, :3] = srgb_from_linear(albedo_at(scene, hits))
-    image[hits.place, 3] = 1.0
+    image, left = np.zeros((len(rays), 4)), np.ones(len(rays))
+    for hits, cover in cast_layers(scene, big.position, rays):
+        shown = srgb_from_linear(albedo_at(scene, hits))
+        image[hits.place, :3] += (left[hits.place] * cover)[:, None] * shown
+        image[hits.place, 3] = 1.0
+        left[hits.place] *= 1.0 - cover
+    image[:, :3] += left[:, None]
     small = image.reshape(camera.height, FACTOR, camera.width, FACTOR, 4).mean(axis=(1, 3))
     return small[..., :3], small[..., 3]
 

@@ -23,14 +23,14 @@ URDF_JOINT_TYPES: tuple[UrdfJointType, ...] = ("fixed", "revolute", "prismatic",
 class Mesh:
     """Triangles with shared vertices, optionally textured by per-corner coordinates.
 
-    ``uv`` has its origin at the lower left of ``texture``, whose rows run top to bottom.
-    ``color`` is the plain RGB in [0, 1] used where there is no texture.
+    ``uv`` has its origin at the lower left of ``texture``, whose rows run top to bottom; a fourth channel
+    says how opaque the surface is. ``color`` is the plain RGB in [0, 1] used where there is no texture.
     """
 
     vertices: Float[np.ndarray, "V 3"]
     faces: Int[np.ndarray, "F 3"]
     uv: Float[np.ndarray, "F 3 2"] | None = None
-    texture: UInt8[np.ndarray, "H W 3"] | None = None
+    texture: UInt8[np.ndarray, "H W C"] | None = None
     color: tuple[float, float, float] = (0.7, 0.7, 0.7)
 
     def __post_init__(self) -> None:
@@ -46,9 +46,10 @@ class Mesh:
             raise ValueError("a mesh has texture coordinates and a texture, or neither")
         if self.uv is not None:
             object.__setattr__(self, "uv", frozen_array(self.uv, np.float64, (len(faces), 3, 2), "mesh uv"))
-            object.__setattr__(
-                self, "texture", frozen_array(self.texture, np.uint8, (None, None, 3), "texture")
-            )
+            texture = frozen_array(self.texture, np.uint8, (None, None, None), "texture")
+            if texture.shape[2] not in (3, 4):
+                raise ValueError(f"a texture of {texture.shape[2]} channels, expected RGB or RGBA")
+            object.__setattr__(self, "texture", texture)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

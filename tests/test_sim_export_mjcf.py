@@ -74,7 +74,7 @@ def case(request, cabinet, tmp_path_factory) -> tuple[Asset, SimPackage, Path]:
     textured = replace(
         geometry[2].visuals[0],
         uv=np.zeros((len(geometry[2].visuals[0].faces), 3, 2)),
-        texture=np.full((4, 4, 3), 200, dtype=np.uint8),
+        texture=np.full((4, 4, 4 if request.param == "screw" else 3), 200, dtype=np.uint8),
     )
     geometry[2] = replace(geometry[2], visuals=(textured,))
     package = as_package(asset, geometry)

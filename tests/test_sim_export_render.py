@@ -28,7 +28,7 @@ from sim_export.picture.render import (
     surface_from_mesh,
     surface_points,
 )
-from sim_export.picture.shading import smooth_corner_normals
+from sim_export.picture.shading import linear_from_srgb, smooth_corner_normals
 
 FRONT = Camera(position=np.array([-4.0, 0.0, 0.0]), target=np.zeros(3), fov=30.0, width=200, height=200)
 """Looks along +x from 4 m in front of the origin."""
@@ -109,6 +109,39 @@ def test_texture_corners_follow_uv_from_the_lower_left_and_rows_from_the_top():
     for have, want in zip(corners, (BLUE, WHITE, GREEN, RED), strict=True):
         tone = have / have.max() - np.array(want) / max(want)
         assert np.abs(tone).max() < 0.12, (have, want)
+
+
+def test_what_is_clear_shows_what_lies_behind_it_as_far_as_it_is_clear():
+    shares = (0, 60, 128, 255)
+    texture = np.zeros((32, 32, 4), dtype=np.uint8)
+    texture[..., :3] = BLUE
+    texture[..., 3] = np.repeat(shares, 8)
+    pane = surface_from_mesh(quad(texture))
+    wall = surface_from_mesh(quad(None, color=(0.9, 0.1, 0.1)))
+    cfg = RenderConfig(ground=False)
+    hidden, alone = (
+        srgb_to_linear(render_scene([one], FRONT, cfg))
+        for one in (surface_from_mesh(quad(texture[..., :3])), pane)
+    )
+    behind = np.eye(4)
+    behind[0, 3] = 0.3
+    plain, walled = (
+        srgb_to_linear(render_scene([*panes, move_surface(wall, behind)], FRONT, cfg))
+        for panes in ((), (pane,))
+    )
+    background = srgb_to_linear(np.array(cfg.background))
+    columns, rows, _ = project_points(FRONT, np.array([[0.0, 0.375 - 0.25 * n, 0.0] for n in range(4)])).T
+    for share, column, row in zip(shares, columns.astype(int), rows.astype(int), strict=True):
+        place, cover = (row, column), share / 255
+        own = cover * hidden[place]
+        np.testing.assert_allclose(alone[place], own + (1 - cover) * background, atol=0.01)
+        through = walled[place] - own  # a pane keeps some of the light away from the wall
+        assert (through >= 0.2 * (1 - cover) * plain[place] - 0.01).all()
+        assert (through <= (1 - cover) * plain[place] + 0.01).all()
+
+
+def srgb_to_linear(values: np.ndarray) -> np.ndarray:
+    return linear_from_srgb(values / 255.0)
 
 
 def test_textures_repeat_outside_the_unit_square():

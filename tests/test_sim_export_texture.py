@@ -7,6 +7,7 @@ import pytest
 import trimesh
 
 from artigen.splats.colors import linear_from_srgb
+from artigen.splats.render.picture import draw_gaussians
 from artigen.splats.surface import SurfaceSplatConfig, splat_surface
 from artigen.transforms import matrix_from_quat
 from artigen.types import Asset, Gaussians, SurfaceSamples
@@ -82,6 +83,37 @@ def cabinet(cabinet: Asset) -> Asset:
 @pytest.fixture(scope="session")
 def textured(cabinet: Asset) -> tuple[Mesh, ...]:
     return bake_parts(cabinet, mesh_parts(cabinet)).meshes
+
+
+@pytest.mark.parametrize("opacity", [0.05, 0.2])
+def test_a_pane_in_a_frame_is_as_clear_as_its_gaussians(opacity: float):
+    board = box_mesh(1.0, 0.02, 1.0)
+    points, normals = sample(board, 12000)
+    window = np.abs(points[:, [0, 2]]).max(axis=1) < 0.3
+    samples = SurfaceSamples(
+        points=points,
+        normals=normals,
+        colors=np.where(window[:, None], BLUE, RED),
+        part_ids=np.zeros(len(points), dtype=np.int64),
+    )
+    discs = splat_surface(samples, SurfaceSplatConfig(edge=1.0))
+    discs = replace(discs, opacities=np.where(window, opacity, discs.opacities))
+    baked = bake_mesh(board, discs, voxel=0.04)
+    assert baked.covered == baked.texels
+    faces, weights, places = random_places(baked.mesh)
+    seen = look_up(baked.mesh, faces, weights)
+    middle = np.abs(places[:, [0, 2]]).max(axis=1)
+    assert (seen[middle > 0.35, 3] == 255).all()
+    white, black = (
+        draw_gaussians(
+            discs, np.array([0.0, -3.0, 0.0]), np.zeros(3), fov=8.0, size=(64, 64), background=(tone,) * 3
+        )
+        for tone in (1.0, 0.0)
+    )
+    through = (white.astype(float) - black)[16:48, 16:48].mean() / 255.0
+    shares = seen[middle < 0.25, 3] / 255.0
+    assert ((1.0 - shares) ** 2).mean() == pytest.approx(through, abs=0.05)
+    np.testing.assert_allclose(seen[middle < 0.25, :3].mean(axis=0), np.maximum(BLUE, 4), atol=8)
 
 
 @pytest.mark.parametrize("mesh", [box_mesh(1.0, 0.4, 0.02), ball_mesh()], ids=["box", "ball"])

@@ -72,10 +72,10 @@ def with_screw(asset: Asset) -> Asset:
     return replace(asset, parts=tuple(parts))
 
 
-def textured(mesh: Mesh, seed: int) -> Mesh:
+def textured(mesh: Mesh, seed: int, channels: int = 3) -> Mesh:
     rng = np.random.default_rng(seed)
     uv = rng.uniform(0, 1, size=(len(mesh.faces), 3, 2))
-    return replace(mesh, uv=uv, texture=rng.integers(0, 256, size=(8, 16, 3), dtype=np.uint8))
+    return replace(mesh, uv=uv, texture=rng.integers(0, 256, size=(8, 16, channels), dtype=np.uint8))
 
 
 @pytest.fixture(scope="module")
@@ -83,6 +83,7 @@ def package(cabinet) -> SimPackage:
     """Screw, textures, handles, requirements, records: a bit of everything."""
     geometry = box_geometry()
     geometry[2] = replace(geometry[2], visuals=(textured(geometry[2].visuals[0], 1),))
+    geometry[3] = replace(geometry[3], visuals=(textured(geometry[3].visuals[0], 2, channels=4),))
     handle = HandleAnnotation(
         link="link_0",
         part="drawer_handle",

@@ -21,6 +21,8 @@ MAX_ALPHA = 0.99
 """One Gaussian covers a place by at most this share, as in the rasteriser."""
 EDGE = 0.1
 """Less than this share of a place is not enough of a Gaussian to tell the height of its sheet."""
+PRESENT = 0.1
+"""Heights of Gaussians over a place that add up to less say nothing of it."""
 CLOSED = 1.3
 """Shares that add up to this are a sheet without gaps."""
 
@@ -44,6 +46,8 @@ class BlendConfig:
     mesh that reaches beyond them."""
     least_cover: float = 0.2
     """Share of a place that Gaussians must hide for it to count as covered."""
+    solid: float = 0.5
+    """Mean opacity of the Gaussians at a place below which it is a pane: those of boards have 0.8."""
     sheet: float = 0.04
     """Voxels; where normals are known, Gaussians of one side further below each other are different sheets,
     of which the highest is seen."""
@@ -68,10 +72,12 @@ class Places:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Blended:
-    """Colours (sRGB in [0, 1]) at places, and how much of each place is hidden by Gaussians."""
+    """Colours (sRGB in [0, 1]) at places, how much of each place Gaussians hide, and the mean opacity of
+    those that do (0 where there are none)."""
 
     colors: Float[np.ndarray, "T 3"]
     cover: Float[np.ndarray, "T"]
+    opacity: Float[np.ndarray, "T"]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -85,6 +91,7 @@ class _Sheet:
     wide: Float[np.ndarray, "N 4"]
     """The same of widened Gaussians."""
     colors: Float[np.ndarray, "N 3"]
+    opacities: Float[np.ndarray, "N"]
     normals: Float[np.ndarray, "N 3"] | None
     axis: int
 
@@ -110,7 +117,7 @@ def blend_places(
         cfg: What counts.
     """
     cfg = cfg or BlendConfig()
-    colors, cover = np.zeros((len(places.points), 3)), np.zeros(len(places.points))
+    colors, (cover, opacity) = np.zeros((len(places.points), 3)), np.zeros((2, len(places.points)))
     axis = np.abs(places.normals).argmax(axis=1)
     side = np.take_along_axis(places.normals, axis[:, None], axis=1)[:, 0] >= 0
     covariance, srgb = _covariances(gaussians), srgb_from_linear(gaussians.colors)
@@ -129,12 +136,13 @@ def blend_places(
                 footprints=narrow[seen],
                 wide=wide[seen],
                 colors=srgb[seen],
+                opacities=gaussians.opacities[seen].astype(np.float64),
                 normals=None if normals is None else normals[seen],
                 axis=number,
             )
             found = _blend_sheet(sheet, voxel, cfg)
-            colors[rows], cover[rows] = found.colors, found.cover
-    return Blended(colors=colors, cover=cover)
+            colors[rows], cover[rows], opacity[rows] = found.colors, found.cover, found.opacity
+    return Blended(colors=colors, cover=cover, opacity=opacity)
 
 
 def _pair_sides(
@@ -172,18 +180,19 @@ def _project(
 def _blend_sheet(sheet: _Sheet, voxel: float, cfg: BlendConfig) -> Blended:
     stretch = np.where(np.arange(3) == sheet.axis, cfg.flattening, 1.0)
     tree = KDTree(sheet.means * stretch, balanced_tree=False, compact_nodes=False)
-    colors, cover = np.zeros_like(sheet.places.points), np.zeros(len(sheet.places.points))
+    colors, (cover, opacity) = np.zeros_like(sheet.places.points), np.zeros((2, len(sheet.places.points)))
     reach, count = cfg.far * voxel, min(cfg.neighbours, len(sheet.means))
     for rows in _chunks(len(cover), count):
         nearest = tree.query(sheet.places.points[rows] * stretch, k=count, distance_upper_bound=reach)[1]
         index = np.reshape(np.asarray(nearest), (len(rows), count))
-        colors[rows], cover[rows] = _blend_rows(sheet, rows, index, sheet.footprints, (voxel, cfg))
-        bare = cover[rows] < cfg.least_cover
+        found = _blend_rows(sheet, rows, index, sheet.footprints, (voxel, cfg))
+        colors[rows], cover[rows], opacity[rows] = found.colors, found.cover, found.opacity
+        bare = (found.cover < cfg.least_cover) & ~((found.opacity > 0) & (found.opacity < cfg.solid))
         if bare.any():
-            colors[rows[bare]], cover[rows[bare]] = _blend_rows(
-                sheet, rows[bare], index[bare], sheet.wide, (voxel, cfg)
-            )
-    return Blended(colors=colors, cover=cover)
+            wide = _blend_rows(sheet, rows[bare], index[bare], sheet.wide, (voxel, cfg))
+            colors[rows[bare]], cover[rows[bare]] = wide.colors, wide.cover
+            opacity[rows[bare]] = wide.opacity
+    return Blended(colors=colors, cover=cover, opacity=opacity)
 
 
 def _blend_rows(
@@ -192,8 +201,8 @@ def _blend_rows(
     index: Int[np.ndarray, "M K"],
     footprints: Float[np.ndarray, "N 4"],
     reach: tuple[float, BlendConfig],
-) -> tuple[Float[np.ndarray, "M 3"], Float[np.ndarray, "M"]]:
-    """Colours and cover of some places by the Gaussians listed for each, front to back."""
+) -> Blended:
+    """What some places look like by the Gaussians listed for each, front to back."""
     voxel, cfg = reach
     there: Bool[np.ndarray, "M K"] = index < len(sheet.means)
     index = np.where(there, index, 0)
@@ -204,7 +213,8 @@ def _blend_rows(
     power = 0.5 * (a * first**2 + 2.0 * b * first * second + c * second**2)
     away = np.abs(np.einsum("tkc,tc->tk", offset, normals)) / voxel
     fade = np.clip((cfg.far - away) / (cfg.far - cfg.near), 0.0, 1.0)
-    alpha = np.minimum(np.where(there, strength * np.exp(-np.maximum(power, 0.0)) * fade, 0.0), MAX_ALPHA)
+    near = np.where(there, np.exp(-np.maximum(power, 0.0)) * fade, 0.0)
+    alpha = np.minimum(strength * near, MAX_ALPHA)
     outward = np.where(normals[:, sheet.axis] >= 0, 1.0, -1.0)[:, None]
     if sheet.normals is None:
         weight = _weigh_in_order(alpha, outward * offset[..., sheet.axis])
@@ -213,7 +223,11 @@ def _blend_rows(
         weight = _weigh_sheets(alpha, heights, cfg.sheet * voxel)
     cover = weight.sum(axis=1)
     total = np.einsum("tk,tkc->tc", weight, sheet.colors[index])
-    return total / np.maximum(cover, 1e-9)[:, None], cover
+    presence = near.sum(axis=1)
+    opacity = np.where(
+        presence > PRESENT, (near * sheet.opacities[index]).sum(axis=1) / np.maximum(presence, PRESENT), 0.0
+    )
+    return Blended(colors=total / np.maximum(cover, 1e-9)[:, None], cover=cover, opacity=opacity)
 
 
 def _weigh_in_order(

@@ -2,8 +2,8 @@
 
 Vertex colours are ignored by the engines we write for, so every mesh gets an image. Each texel shows the
 Gaussians of its own part as they are seen from straight outside (`sim_export.appearance.blending`), inside
-of drawers and cabinets too. Surface samples become discs first. Texels that nothing covers take the colour
-of the nearest covered one of the part, and are counted.
+of drawers and cabinets too; panes are as clear as their Gaussians. Surface samples become discs first. Texels
+that nothing covers take the colour of the nearest covered one of the part, and are counted.
 """
 
 from collections.abc import Sequence
@@ -101,13 +101,14 @@ def bake_mesh(
     levels = np.rint(255.0 * np.clip(srgb_from_linear(gaussians.colors), 0.0, 1.0))
     red, green, blue = (levels.mean(axis=0) / 255.0).tolist()
     plain = replace(mesh, color=(red, green, blue), uv=None, texture=None)
-    if np.ptp(levels, axis=0).max() <= cfg.uniform_range:
+    if np.ptp(levels, axis=0).max() <= cfg.uniform_range and gaussians.opacities.min() >= cfg.blend.solid:
         return BakedMesh(mesh=plain)
     texel = voxel / cfg.texels_per_voxel
     atlas = make_atlas(mesh, texel, cfg.max_size)
     places = _texel_places(mesh, atlas)
     seen = blend_places(places, gaussians, voxel=voxel, texel=texel, normals=normals, cfg=cfg.blend)
-    colors, covered = seen.colors.copy(), seen.cover >= cfg.blend.least_cover
+    pane = (seen.opacity > 0) & (seen.opacity < cfg.blend.solid)
+    colors, covered = seen.colors.copy(), (seen.cover >= cfg.blend.least_cover) | pane
     if normals is not None and not covered.all():
         # A lone sheet colours both sides of its wall.
         rest = Places(points=places.points[~covered], normals=places.normals[~covered])
@@ -116,6 +117,9 @@ def bake_mesh(
     if not covered.any():
         return BakedMesh(mesh=plain, texels=len(covered))
     filled = _fill(colors, covered, places.points)
+    if pane.any():  # one looks through two sides of a pane: each hides a share of what both do
+        cover = np.where(pane, 1.0 - np.sqrt(1.0 - seen.cover.clip(0.0, 1.0)), 1.0)
+        filled = np.concatenate([filled, cover[:, None]], axis=1)
     image = np.rint(255.0 * np.clip(filled, 0.0, 1.0)).astype(np.uint8)
     painted = color_atlas(plain, atlas, image)
     if normals is not None and painted.texture is not None:
@@ -153,9 +157,12 @@ def bake_parts(asset: Asset, meshes: Sequence[Mesh], cfg: TextureConfig | None =
     return BakedParts(meshes=tuple(one.mesh for one in baked), records=tuple(records))
 
 
-def color_atlas(mesh: Mesh, atlas: Atlas, colors: UInt8[np.ndarray, "T 3"]) -> Mesh:
-    """The mesh with an image in which every covered texel has its colour, and others that of the nearest."""
-    image = np.zeros((*atlas.shape, 3), dtype=np.uint8)
+def color_atlas(mesh: Mesh, atlas: Atlas, colors: UInt8[np.ndarray, "T C"]) -> Mesh:
+    """The mesh with an image in which every covered texel has its colour, and others that of the nearest.
+
+    A fourth channel says how opaque texels are; single ones that differ from all around them do not stay.
+    """
+    image = np.zeros((*atlas.shape, colors.shape[1]), dtype=np.uint8)
     image[tuple(atlas.texels.T)] = np.maximum(colors, DARKEST)
     covered = np.zeros(atlas.shape, dtype=bool)
     covered[tuple(atlas.texels.T)] = True
@@ -164,7 +171,9 @@ def color_atlas(mesh: Mesh, atlas: Atlas, colors: UInt8[np.ndarray, "T 3"]) -> M
     height, width = atlas.shape
     uv = (atlas.corners + 0.5) / (width, height)
     uv[:, :, 1] = 1.0 - uv[:, :, 1]
-    return replace(mesh, uv=uv, texture=image[tuple(nearest)])
+    whole = image[tuple(nearest)]
+    whole[..., 3:] = ndimage.median_filter(whole[..., 3:], size=(3, 3, 1), mode="nearest")
+    return replace(mesh, uv=uv, texture=whole)
 
 
 def _without_specks(image: UInt8[np.ndarray, "H W 3"], least: int) -> UInt8[np.ndarray, "H W 3"]:

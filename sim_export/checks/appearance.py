@@ -69,7 +69,7 @@ def _shown(shape: Shape, image: np.ndarray) -> float:
     at = np.einsum("sc,fcd->fsd", _SPOTS, uv)
     column = np.clip((at[..., 0] * width).astype(np.int64), 0, width - 1)
     row = np.clip(((1.0 - at[..., 1]) * height).astype(np.int64), 0, height - 1)
-    lit = (image[row, column] > 0).any(axis=2).mean(axis=1)
+    lit = (image[row, column, :3] > 0).any(axis=2).mean(axis=1)
     return float((area * placed * lit).sum() / max(area.sum(), 1e-12))
 
 

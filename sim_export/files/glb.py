@@ -65,6 +65,7 @@ def _as_trimesh(mesh: Mesh, origin: np.ndarray):
     uv = np.zeros((len(corners), 2))
     if mesh.uv is not None and mesh.texture is not None:
         material.baseColorTexture = Image.fromarray(mesh.texture)
+        material.alphaMode = "OPAQUE" if mesh.texture.shape[2] == 3 else "BLEND"
         uv = mesh.uv.reshape(-1, 2)
     else:
         material.baseColorFactor = np.array([*np.rint(255.0 * np.array(mesh.color)), 255], dtype=np.uint8)

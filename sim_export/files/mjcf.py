@@ -145,7 +145,7 @@ def source_color(source: SourceMesh) -> tuple[float, float, float]:
     material = parse_mtl(library).get(main.material or "", Material())
     if material.image is None:
         return material.color
-    red, green, blue = read_image(library.parent / material.image).reshape(-1, 3).mean(axis=0) / 255.0
+    red, green, blue = read_image(library.parent / material.image)[..., :3].mean(axis=(0, 1)) / 255.0
     return float(red), float(green), float(blue)
 
 

@@ -151,8 +151,8 @@ def mtl_text(name: str, material: Material) -> str:
     return text + (f"map_Kd {material.image}\n" if material.image else "")
 
 
-def png_bytes(texture: UInt8[np.ndarray, "H W 3"]) -> bytes:
-    """RGB rows as PNG without any metadata."""
+def png_bytes(texture: UInt8[np.ndarray, "H W C"]) -> bytes:
+    """RGB or RGBA rows as PNG without any metadata."""
     from PIL import Image
 
     stream = io.BytesIO()
@@ -160,15 +160,16 @@ def png_bytes(texture: UInt8[np.ndarray, "H W 3"]) -> bytes:
     return stream.getvalue()
 
 
-def read_image(path: Path) -> UInt8[np.ndarray, "H W 3"]:
-    """An image file as RGB rows; raises `PackageError` where it is none."""
+def read_image(path: Path) -> UInt8[np.ndarray, "H W C"]:
+    """An image file as RGB rows, or RGBA where something is clear; raises `PackageError` where it is none."""
     from PIL import Image, UnidentifiedImageError
 
     try:
         with Image.open(path) as image:
-            return np.asarray(image.convert("RGB"))
+            pixels = np.asarray(image.convert("RGBA"))
     except (OSError, UnidentifiedImageError, Image.DecompressionBombError) as err:
         raise PackageError(f"{path}: not a readable image ({err})") from err
+    return pixels if pixels[..., 3].min() < 255 else pixels[..., :3]
 
 
 def _numbers(lines: list[bytes], width: int, path: Path, element: str) -> np.ndarray:

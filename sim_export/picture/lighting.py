@@ -1,5 +1,6 @@
 """What camera rays see of a scene and how much light arrives there."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -8,10 +9,12 @@ from jaxtyping import Float, Int
 
 from sim_export.picture.camera import Camera, project_points
 from sim_export.picture.raycast import (
+    OPAQUE,
+    Hits,
     Scene,
     albedo_at,
     are_occluded,
-    cast_rays,
+    cast_layers,
     corner_normals_at,
     surface_ids_at,
 )
@@ -80,6 +83,8 @@ class Samples:
     normals: Float[np.ndarray, "N 3"]
     geometric: Float[np.ndarray, "N 3"]
     albedo: Float[np.ndarray, "N 3"]
+    cover: Float[np.ndarray, "N"]
+    """How much each hides of what is behind it."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -113,25 +118,47 @@ def prepare_light(cfg: RenderConfig) -> Light:
     )
 
 
-def find_samples(scene: Scene, camera: Camera, rays: Float[np.ndarray, "R 3"], cfg: RenderConfig) -> Samples:
-    """What rays from the camera see: surfaces, and floor where they could darken it."""
-    hits = cast_rays(scene, camera.position, rays)
+def find_layers(
+    scene: Scene, camera: Camera, rays: Float[np.ndarray, "R 3"], cfg: RenderConfig
+) -> list[Samples]:
+    """What rays from the camera see: surfaces, and floor where they could darken it.
+
+    A layer behind each other: in the second lies what is seen through what is clear in the first.
+    """
+    free, out = np.ones(len(rays), dtype=bool), []
+    for hits, cover in cast_layers(scene, camera.position, rays):
+        free[hits.place] = False
+        out.append(_find_samples(scene, camera, rays, hits, cover, free, cfg))
+        free[:] = False
+        free[hits.place[cover < OPAQUE]] = True
+    return out
+
+
+def _find_samples(
+    scene: Scene,
+    camera: Camera,
+    rays: np.ndarray,
+    hits: Hits,
+    cover: np.ndarray,
+    free: np.ndarray,
+    cfg: RenderConfig,
+) -> Samples:
+    """What one layer of hits shows, and the floor that ``free`` rays meet."""
     place, seen = hits.place, rays[hits.place]
     normals, geometric = orient_to_viewer(corner_normals_at(scene, hits), hits.normals, seen)
     points = camera.position.astype(np.float32) + seen * hits.depth[:, None]
     label, albedo = surface_ids_at(scene, hits), albedo_at(scene, hits)
     if cfg.ground:
-        free = np.ones(len(rays), dtype=bool)
-        free[place] = False
         floor, floor_points = _find_floor(scene, camera, rays, free, cfg)
         up = np.tile(np.array([0.0, 0.0, 1.0], dtype=np.float32), (len(floor), 1))
         place, points = np.concatenate([place, floor]), np.concatenate([points, floor_points])
         normals, geometric = np.concatenate([normals, up]), np.concatenate([geometric, up])
         label = np.concatenate([label, np.full(len(floor), GROUND)])
         albedo = np.concatenate([albedo, np.ones_like(up)])
+        cover = np.concatenate([cover, np.ones(len(floor), dtype=np.float32)])
     return Samples(
         place=place, label=label, points=points, rays=rays[place],
-        normals=normals, geometric=geometric, albedo=albedo,
+        normals=normals, geometric=geometric, albedo=albedo, cover=cover,
     )  # fmt: skip
 
 
@@ -202,6 +229,21 @@ def shade_samples(
     return colors
 
 
+def lay_over(
+    colors: Sequence[Float[np.ndarray, "N 3"]],
+    layers: Sequence[Samples],
+    background: Float[np.ndarray, "3"],
+    count: int,
+) -> Float[np.ndarray, "R 3"]:
+    """What rays see of layers of samples, the nearest first, before a background."""
+    picture, left = np.zeros((count, 3), dtype=np.float32), np.ones((count, 1), dtype=np.float32)
+    for color, samples in zip(colors, layers, strict=True):
+        cover = samples.cover[:, None]
+        picture[samples.place] += left[samples.place] * cover * color
+        left[samples.place] *= 1.0 - cover
+    return picture + left * background
+
+
 def borrow_light(
     scene: Scene,
     samples: Samples,
@@ -226,7 +268,6 @@ def borrow_light(
         total += there[:, 4:] * same[:, None]
         weight += same[:, None]
     alone = np.flatnonzero(weight[:, 0] == 0)
-    fields = ("place", "label", "points", "rays", "normals", "geometric", "albedo")
-    chosen = Samples(**{name: getattr(samples, name)[alone] for name in fields})
+    chosen = Samples(**{name: value[alone] for name, value in vars(samples).items()})
     total[alone] = free_light(scene, chosen, samples.place[alone] % TILE**2, light, cfg)
     return total / np.maximum(weight, 1.0)

@@ -1,17 +1,30 @@
-"""Many surfaces in one Intel Embree scene: first hits with their attributes, and occlusion."""
+"""Many surfaces in one Intel Embree scene: hits with their attributes, behind panes too, and occlusion."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 from jaxtyping import Bool, Float, Int, UInt8
 
 from artigen.types import frozen_array
-from sim_export.picture.shading import blend_corners, dot_rows, linear_from_srgb, sample_texture
+from sim_export.picture.shading import (
+    blend_corners,
+    dot_rows,
+    linear_from_srgb,
+    sample_cover,
+    sample_texture,
+)
 
 # embreex is a compiled module without stubs.
 # pyright: reportAttributeAccessIssue=false
+
+OPAQUE = 0.99
+"""What covers more than this hides what is behind it."""
+MOST_LAYERS = 8
+"""Surfaces that one looks through, one behind the other."""
+BEYOND = 1e-5
+"""Share of the scene's diagonal behind a clear surface from which the next one is sought."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -26,7 +39,7 @@ class Surface:
     normals: Float[np.ndarray, "F 3 3"]
     id: int = 0
     uv: Float[np.ndarray, "F 3 2"] | None = None
-    texture: UInt8[np.ndarray, "H W 3"] | None = None
+    texture: UInt8[np.ndarray, "H W C"] | None = None
     color: tuple[float, float, float] = (0.7, 0.7, 0.7)
 
     def __post_init__(self) -> None:
@@ -42,6 +55,11 @@ class Surface:
             )
         if self.id < 0:
             raise ValueError(f"surface id is {self.id}, allowed is 0 and above (-1 means background)")
+
+    @property
+    def clear(self) -> bool:
+        """Whether something may be seen through it."""
+        return self.texture is not None and self.texture.shape[2] == 4
 
     @property
     def repeats(self) -> bool:
@@ -163,8 +181,26 @@ def _pair_twins(places: np.ndarray, odd: np.ndarray) -> tuple[np.ndarray, np.nda
     return first, np.stack([first, np.where(odd[last], last, first)], axis=1)
 
 
-def cast_rays(scene: Scene, origin: Float[np.ndarray, "3"], rays: Float[np.ndarray, "N 3"]) -> Hits:
-    """First hit of every ray from one origin; depth is in units of each ray's length."""
+def cast_layers(
+    scene: Scene, origin: Float[np.ndarray, "3"], rays: Float[np.ndarray, "N 3"]
+) -> list[tuple[Hits, Float[np.ndarray, "M"]]]:
+    """Hits of rays from one origin, layer behind layer where what is met is clear, and how opaque each is."""
+    left, starts = np.arange(len(rays)), np.zeros(len(rays), dtype=np.float32)
+    clear = any(surface.clear for surface in scene.surfaces)
+    layers: list[tuple[Hits, np.ndarray]] = []
+    while len(left) and (clear or not layers) and len(layers) < MOST_LAYERS:
+        hits = cast_rays(scene, origin + rays[left] * starts[:, None], rays[left])
+        cover = cover_at(scene, hits)
+        depth = starts[hits.place] + hits.depth
+        layers.append((replace(hits, place=left[hits.place], depth=depth), cover))
+        through = cover < OPAQUE
+        step = BEYOND * scene.diagonal / np.linalg.norm(rays[left[hits.place]], axis=1)
+        left, starts = left[hits.place][through], (depth + step)[through].astype(np.float32)
+    return layers
+
+
+def cast_rays(scene: Scene, origin: Float[np.ndarray, "*N 3"], rays: Float[np.ndarray, "N 3"]) -> Hits:
+    """First hit of every ray, from one origin or each its own; depth is in units of each ray's length."""
     if scene.tree is None:
         none, flat = np.zeros(0, dtype=np.int64), np.zeros((0, 3), dtype=np.float32)
         return Hits(place=none, triangle=none, weights=flat, depth=flat[:, 0], normals=flat)
@@ -207,9 +243,28 @@ def surface_ids_at(scene: Scene, hits: Hits) -> Int[np.ndarray, "N"]:
 
 def albedo_at(scene: Scene, hits: Hits) -> Float[np.ndarray, "N 3"]:
     """Colour of the surface at hits as linear light: its texture, or its plain colour."""
-    owner = scene.owner[hits.triangle]
     plain = linear_from_srgb(np.array([surface.color for surface in scene.surfaces]))
-    albedo = plain.astype(np.float32)[owner]
+    albedo = plain.astype(np.float32)[scene.owner[hits.triangle]]
+    for surface, texture, seen, uv in _find_texels(scene, hits):
+        albedo[seen] = sample_texture(texture[..., :3], uv, repeat=surface.repeats)
+    return albedo
+
+
+def cover_at(scene: Scene, hits: Hits) -> Float[np.ndarray, "N"]:
+    """How opaque the surface at hits is, in [0, 1]."""
+    cover = np.ones(len(hits.place), dtype=np.float32)
+    if any(surface.clear for surface in scene.surfaces):
+        for surface, texture, seen, uv in _find_texels(scene, hits):
+            if surface.clear:
+                cover[seen] = sample_cover(texture[..., 3], uv, repeat=surface.repeats)
+    return cover
+
+
+def _find_texels(
+    scene: Scene, hits: Hits
+) -> Iterator[tuple[Surface, UInt8[np.ndarray, "H W C"], Int[np.ndarray, "M"], Float[np.ndarray, "M 2"]]]:
+    """Surfaces with a texture, the texture, the hits on each, and where on the texture these lie."""
+    owner = scene.owner[hits.triangle]
     by_owner = np.argsort(owner, kind="stable")
     bounds = np.searchsorted(owner[by_owner], np.arange(len(scene.surfaces) + 1))
     start = 0  # of the surface among all corners
@@ -218,6 +273,5 @@ def albedo_at(scene: Scene, hits: Hits) -> Float[np.ndarray, "N 3"]:
         if surface.uv is not None and surface.texture is not None and len(seen):
             corners = scene.corners[hits.triangle[seen]] - start
             uv = blend_corners(surface.uv.reshape(-1, 2)[corners], hits.weights[seen].astype(np.float64))
-            albedo[seen] = sample_texture(surface.texture, uv, repeat=surface.repeats)
+            yield surface, surface.texture, seen, uv
         start += 3 * len(surface.triangles)
-    return albedo

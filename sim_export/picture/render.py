@@ -19,8 +19,9 @@ from sim_export.picture.lighting import (
     Light,
     RenderConfig,
     borrow_light,
-    find_samples,
+    find_layers,
     gather_light,
+    lay_over,
     prepare_light,
     shade_samples,
 )
@@ -86,7 +87,8 @@ def render_scene(
     """A shaded, antialiased sRGB picture of the surfaces on a plain background.
 
     Light is gathered once per pixel; pixels on an edge are then looked at again with
-    ``edge_rays`` rays, which take the light of neighbouring pixels that see the same surface.
+    ``edge_rays`` rays, which take the light of neighbouring pixels that see the same surface. What is clear
+    shows what is behind it, but keeps light away from it.
     """
     cfg = RenderConfig() if cfg is None else cfg
     scene = build_scene(surfaces)
@@ -94,13 +96,16 @@ def render_scene(
     shape = (camera.height, camera.width)
     picture = np.tile(light.background, (*shape, 1))
     if scene.tree is not None:
-        samples = find_samples(scene, camera, pixel_rays(camera).reshape(-1, 3), cfg)
-        grid = gather_light(scene, samples, shape, light, cfg)
-        visible = grid.visible.reshape(-1, 2)[samples.place]
-        picture.reshape(-1, 3)[samples.place] = shade_samples(samples, visible, light, camera)
+        layers = find_layers(scene, camera, pixel_rays(camera).reshape(-1, 3), cfg)
+        grids = [gather_light(scene, samples, shape, light, cfg) for samples in layers]
+        colors = [
+            shade_samples(samples, grid.visible.reshape(-1, 2)[samples.place], light, camera)
+            for samples, grid in zip(layers, grids, strict=True)
+        ]
+        picture = lay_over(colors, layers, light.background, shape[0] * shape[1]).reshape(picture.shape)
         if cfg.edge_rays > 1:
-            edges = _find_edges(picture, grid.label)
-            picture[edges] = _refine(scene, camera, edges, grid, light, cfg)
+            edges = _find_edges(picture, grids[0].label)
+            picture[edges] = _refine(scene, camera, edges, grids, light, cfg)
     picture = np.clip(srgb_from_linear(np.minimum(picture, 1.0)), 0.0, 1.0)
     return np.round(255.0 * picture).astype(np.uint8)
 
@@ -119,17 +124,18 @@ def _find_edges(picture: np.ndarray, label: np.ndarray) -> np.ndarray:
 
 
 def _refine(
-    scene: Scene, camera: Camera, edges: np.ndarray, grid: Grid, light: Light, cfg: RenderConfig
+    scene: Scene, camera: Camera, edges: np.ndarray, grids: list[Grid], light: Light, cfg: RenderConfig
 ) -> Float[np.ndarray, "E 3"]:
-    """Colours of the edge pixels, each the mean of a grid of rays."""
+    """Colours of the edge pixels, each the mean of a grid of rays; ``grids`` has the light of all layers."""
     rows, columns = np.nonzero(edges)
     # A rank-1 lattice: all rows and all columns of the pixel's rays differ.
     steps = np.arange(cfg.edge_rays)
     across, along = (steps + 0.5) / cfg.edge_rays, (steps * GOLDEN + 0.5 / cfg.edge_rays) % 1.0
     rays = rays_through(camera, columns[:, None] + across, rows[:, None] + along).reshape(-1, 3)
-    samples = find_samples(scene, camera, rays, cfg)
-    owner = samples.place // cfg.edge_rays
-    visible = borrow_light(scene, samples, grid, (rows[owner], columns[owner]), light, cfg)
-    colors = np.tile(light.background, (len(rays), 1))
-    colors[samples.place] = shade_samples(samples, visible, light, camera)
-    return colors.reshape(-1, cfg.edge_rays, 3).mean(axis=1)
+    layers, colors = find_layers(scene, camera, rays, cfg), []
+    for number, samples in enumerate(layers):
+        owner, grid = samples.place // cfg.edge_rays, grids[min(number, len(grids) - 1)]
+        visible = borrow_light(scene, samples, grid, (rows[owner], columns[owner]), light, cfg)
+        colors.append(shade_samples(samples, visible, light, camera))
+    seen = lay_over(colors, layers, light.background, len(rays))
+    return seen.reshape(-1, cfg.edge_rays, 3).mean(axis=1)

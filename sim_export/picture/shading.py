@@ -31,6 +31,7 @@ def srgb_from_linear(values: Float[np.ndarray, "*S"]) -> Float[np.ndarray, "*S"]
 
 
 LINEAR_OF_BYTE = linear_from_srgb(np.arange(256) / 255.0).astype(np.float32)
+SHARE_OF_BYTE = (np.arange(256) / 255.0).astype(np.float32)
 
 
 def smooth_corner_normals(
@@ -102,6 +103,24 @@ def sample_texture(
 
     Coordinates outside [0, 1] repeat the texture, or are clamped to its edge.
     """
+    return _look_up(LINEAR_OF_BYTE, texture, uv, repeat=repeat)
+
+
+def sample_cover(
+    alpha: UInt8[np.ndarray, "H W"], uv: Float[np.ndarray, "N 2"], *, repeat: bool
+) -> Float[np.ndarray, "N"]:
+    """The same of how opaque a texture is, in [0, 1]."""
+    return _look_up(SHARE_OF_BYTE, alpha[..., None], uv, repeat=repeat)[:, 0]
+
+
+def _look_up(
+    values: Float[np.ndarray, "256"],
+    texture: UInt8[np.ndarray, "H W C"],
+    uv: Float[np.ndarray, "N 2"],
+    *,
+    repeat: bool,
+) -> Float[np.ndarray, "N C"]:
+    """Values of the bytes of a texture, between four texels."""
     height, width = texture.shape[:2]
     x, y = uv[:, 0] * width - 0.5, (1.0 - uv[:, 1]) * height - 0.5
     x0, y0 = np.floor(x), np.floor(y)
@@ -110,7 +129,7 @@ def sample_texture(
     rows = np.stack([y0, y0 + 1]).astype(np.int64)
     columns = columns % width if repeat else np.clip(columns, 0, width - 1)
     rows = rows % height if repeat else np.clip(rows, 0, height - 1)
-    texel = LINEAR_OF_BYTE[texture[rows[:, None], columns[None, :]]]  # row column N 3
+    texel = values[texture[rows[:, None], columns[None, :]]]  # row column N C
     top = texel[0, 0] + (texel[0, 1] - texel[0, 0]) * fx
     bottom = texel[1, 0] + (texel[1, 1] - texel[1, 0]) * fx
     return top + (bottom - top) * fy

@@ -151,6 +151,7 @@ def _trimesh(surface: Surface) -> "trimesh.Trimesh":
     uv = np.zeros((len(corners), 2))
     if surface.uv is not None and surface.texture is not None:
         material.baseColorTexture = Image.fromarray(surface.texture)
+        material.alphaMode = "OPAQUE" if surface.texture.shape[2] == 3 else "BLEND"
         uv = surface.uv.reshape(-1, 2)
     else:
         material.baseColorFactor = np.array([*np.round(255.0 * np.array(surface.color)), 255], np.uint8)
