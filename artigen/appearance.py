@@ -11,6 +11,7 @@ from artigen.bare_sides import cover_bare_sides
 from artigen.errors import SourceError
 from artigen.facings import find_facings
 from artigen.fields import name_rows, tabulate_parts
+from artigen.figures import find_edges
 from artigen.models.appearance_presets import APPEARANCE_PRESETS, AppearancePreset
 from artigen.models.appearance_vae import (
     APPEARANCE_FLOW,
@@ -19,6 +20,7 @@ from artigen.models.appearance_vae import (
     APPEARANCE_VAE,
 )
 from artigen.models.conditions import StructureCondition, gather_conditions
+from artigen.models.evenness import even_sides
 from artigen.models.gaussian_decoder import GaussianDecoder, to_gaussians
 from artigen.models.painter import Painter, paint_voxels
 from artigen.models.palette_flow import PaletteFlow, sample_palettes
@@ -174,7 +176,7 @@ def draw_splats(
         gather_conditions([condition], model.preset.conditions).to(device)
         for condition in (asked, StructureCondition())
     )
-    attributes = None
+    attributes = paint = None
     edge = model.preset.decoder.trunk.resolution
     coords, part_ids, facings, table = canvas.coords, canvas.part_ids, canvas.facings, canvas.table
     if model.palette is not None and model.painter is not None:
@@ -198,6 +200,9 @@ def draw_splats(
     noise = torch.randn((len(coords), model.flow.channels), generator=generator).to(device)
     sampler = cfg.sampler or model.preset.sampler
     latents = sample_slats(model.flow, places, known, nothing, noise, sampler, attributes=attributes)
+    if paint is not None:
+        edges = find_edges(coords, part_ids, facings, edge)
+        latents = even_sides(latents, model.flow.expect(attributes), paint, edges)
     faced = torch.from_numpy(facings).to(device) if model.preset.decoder.trunk.sided else None
     return model.decoder(places, latents, facings=faced)
 

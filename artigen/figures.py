@@ -15,8 +15,8 @@ from artigen.facings import mark_voxels
 from artigen.mending.boxes import fill_boxes, find_boxes
 from artigen.mending.fronts import draw_ellipse
 
-LEAST = 4.0
-"""Certain voxels in a figure that no other holds."""
+LEAST, SHARE = 4.0, 0.02
+"""Certain voxels in a figure that no other holds, and their share of the face: at least both."""
 ROUNDS = 2
 """How often classes take turns: the first may take too much of what is another's."""
 ROUND = 8
@@ -94,15 +94,16 @@ def draw_figures(
     """
     mass = np.where(face, evidence, 0.0).sum(axis=(1, 2))
     drawn = np.full(face.shape, mass.argmax())
-    if (mass >= LEAST).sum() < 2:
+    least = max(LEAST, SHARE * int(face.sum()))
+    if (mass >= least).sum() < 2:
         return drawn
     find = _find_discs if _is_round(face) else _find_rectangles
     for _ in range(ROUNDS):
         for number in np.argsort(-mass, kind="stable"):
-            if mass[number] < LEAST:
+            if mass[number] < least:
                 break
             rival = np.take_along_axis(evidence, drawn[None], axis=0)[0]
-            drawn[find(np.where(face, evidence[number] - rival, 0.0))] = number
+            drawn[find(np.where(face, evidence[number] - rival, 0.0), least)] = number
     return drawn
 
 
@@ -113,17 +114,17 @@ def _is_round(face: Bool[np.ndarray, "H W"]) -> bool:
     return min(face.shape) >= ROUND and alike > whole.mean()
 
 
-def _find_rectangles(evidence: Float[np.ndarray, "H W"]) -> Bool[np.ndarray, "H W"]:
-    return fill_boxes((*evidence.shape, 1), find_boxes(evidence[..., None], LEAST))[..., 0]
+def _find_rectangles(evidence: Float[np.ndarray, "H W"], least: float) -> Bool[np.ndarray, "H W"]:
+    return fill_boxes((*evidence.shape, 1), find_boxes(evidence[..., None], least))[..., 0]
 
 
-def _find_discs(evidence: Float[np.ndarray, "H W"]) -> Bool[np.ndarray, "H W"]:
+def _find_discs(evidence: Float[np.ndarray, "H W"], least: float) -> Bool[np.ndarray, "H W"]:
     """The ellipses within the extents of connected cells that speak for a class, and hold enough evidence."""
     pieces: Int[np.ndarray, "H W"] = np.zeros(evidence.shape, dtype=np.int64)
     label(evidence > 0, output=pieces)
     out = np.zeros(evidence.shape, dtype=bool)
     for place in find_objects(pieces):
         disc = draw_ellipse(*(side.stop - side.start for side in place))
-        if evidence[place][disc].sum() >= LEAST:
+        if evidence[place][disc].sum() >= least:
             out[place] |= disc
     return out

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from artigen.figures import LEAST, draw_figures, find_edges, number_faces, settle_figures
+from artigen.figures import LEAST, SHARE, draw_figures, find_edges, number_faces, settle_figures
 from artigen.mending.fronts import draw_ellipse
 
 EDGE = 8
@@ -61,12 +61,13 @@ def test_figures_of_a_round_face_are_discs():
     np.testing.assert_array_equal(drawn[face], wanted[face])
 
 
-@pytest.mark.parametrize("size", [1, 3, 6])
-def test_what_is_too_small_is_no_figure(size: int):
-    classes = np.zeros((20, 20), dtype=int)
-    classes[9, 7 : 7 + size] = 1
+@pytest.mark.parametrize(("edge", "size"), [(12, 3), (12, 5), (40, 5), (40, 40)])
+def test_what_is_too_small_or_too_little_of_its_face_is_no_figure(edge: int, size: int):
+    classes = np.zeros((edge, edge), dtype=int)
+    classes[edge // 2, :size] = 1
     drawn = draw_figures(be_sure(classes, 2, sure=1.0), np.ones(classes.shape, dtype=bool))
-    np.testing.assert_array_equal(drawn, classes if size >= LEAST else 0 * classes)
+    stays = size >= max(LEAST, SHARE * edge**2)
+    np.testing.assert_array_equal(drawn, classes if stays else 0 * classes)
 
 
 def test_every_face_is_settled_by_itself_and_along_the_axis_that_it_faces():

@@ -111,15 +111,16 @@ class SlatFlow(nn.Module):
         self, z: Float[Tensor, "N C"], attributes: Float[Tensor, "N A"] | None = None
     ) -> Float[Tensor, "N C"]:
         """Latents as the flow sees them: zero mean and unit deviation per channel."""
-        return (z - self._expect(attributes)) / self.latent_std
+        return (z - self.expect(attributes)) / self.latent_std
 
     def restore(
         self, x: Float[Tensor, "N C"], attributes: Float[Tensor, "N A"] | None = None
     ) -> Float[Tensor, "N C"]:
         """Inverse of `normalise`."""
-        return x * self.latent_std + self._expect(attributes)
+        return x * self.latent_std + self.expect(attributes)
 
-    def _expect(self, attributes: Tensor | None) -> Tensor:
+    def expect(self, attributes: Float[Tensor, "N A"] | None) -> Tensor:
+        """Mean of the latents of voxels of which no more is known than their attributes."""
         if attributes is None or self.expectation is None:
             return self.latent_mean
         return self.latent_mean + self.expectation(attributes)
