@@ -17,6 +17,8 @@ SAMPLES = 4
 """Samples of the surface along a voxel's edge."""
 AHEAD = 0.5
 """Cosine from which surface faces as the side does."""
+BENEATH = (0.0, 0.5, 1.0)
+"""Voxels beneath a sample of surface at which its voxel is sought, where it lies in none of its part."""
 HEIGHT = 0.3
 """Voxels that a side lies off the middle of a voxel where no surface faces its way."""
 PLACES = 6
@@ -48,20 +50,25 @@ class VoxelPlaces:
 def find_voxels(
     surface: SurfaceSamples, voxels: VoxelGrid
 ) -> tuple[Int[np.ndarray, "K"], Bool[np.ndarray, "S"]]:
-    """The voxels of those samples that lie in one of their own part, and which samples these are."""
+    """The voxels of those samples that lie in one of their own part or up to a voxel over it, and which
+    samples these are."""
     edge = voxels.resolution
     grid = mark_voxels(voxels.coords, np.arange(len(voxels.coords)), edge)
     points = (surface.points.astype(np.float64) + 0.5) * edge
-    rows = grid[tuple(np.floor(points).astype(np.int64).clip(0, edge - 1).T)]
-    own = (rows >= 0) & (voxels.part_ids[rows] == surface.part_ids)
+    rows, own = np.full(len(points), -1), np.zeros(len(points), dtype=bool)
+    for depth in BENEATH:
+        left = np.flatnonzero(~own)
+        cells = np.floor(points[left] - depth * surface.normals[left]).astype(np.int64).clip(0, edge - 1)
+        rows[left] = grid[tuple(cells.T)]
+        own[left] = (rows[left] >= 0) & (voxels.part_ids[rows[left]] == surface.part_ids[left])
     return rows[own], own
 
 
 def measure_places(surface: SurfaceSamples, voxels: VoxelGrid, facings: Int[np.ndarray, "N"]) -> VoxelPlaces:
     """Heights and reach of the surface in each voxel, as far as it is of the voxel's part.
 
-    A side is as high as the surface that faces its way. A voxel without samples of its part is taken to be
-    filled.
+    A side is as high as the surface that faces its way. A voxel without samples of its part is told where the
+    surface of the next one to its outer side or its inner one lies; without such, it is taken to be filled.
 
     Args:
         surface: Samples, `SAMPLES` or more along a voxel's edge.
@@ -85,13 +92,26 @@ def measure_places(surface: SurfaceSamples, voxels: VoxelGrid, facings: Int[np.n
     np.minimum.at(low, rows, off[:, 1:])
     np.maximum.at(high, rows, off[:, 1:])
     empty = ~np.isfinite(low[:, 0])
+    grid = mark_voxels(voxels.coords, np.arange(count), voxels.resolution)
+    outward = np.round(facing_frames()[facings][:, :, 0]).astype(np.int64)
+    for step in (-1, 1):
+        lost = np.flatnonzero(empty)
+        cells = voxels.coords[lost].astype(np.int64) + step * outward[lost]
+        inside = ((cells >= 0) & (cells < voxels.resolution)).all(axis=1)
+        next_to = grid[tuple(np.where(inside[:, None], cells, 0).T)]
+        told = inside & (next_to >= 0) & (voxels.part_ids[next_to] == voxels.part_ids[lost])
+        told &= (facings[next_to] == facings[lost]) & np.isfinite(low[next_to, 0]) & ~empty[next_to]
+        lost, found = lost[told], next_to[told]
+        heights[lost], faced[lost] = heights[found] + step, faced[found]
+        low[lost], high[lost] = low[found], high[found]
+    empty = ~np.isfinite(low[:, 0])
     low[empty], high[empty] = -0.5, 0.5
     missed = 0.5 / SAMPLES  # surface reaches about this far beyond the last sample
     return VoxelPlaces(
         heights=heights,
         faced=faced,
-        lowest=np.maximum(low - missed, -0.5),
-        highest=np.minimum(high + missed, 0.5),
+        lowest=np.maximum(low - missed, -0.5).clip(max=0.5),
+        highest=np.minimum(high + missed, 0.5).clip(min=-0.5),
     )
 
 

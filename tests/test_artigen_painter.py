@@ -9,10 +9,11 @@ import torch
 from drawer_chest import COLOR, GLASS, INSIDE, make_chest
 
 from artigen.facings import FACINGS, find_facings
-from artigen.fields import tabulate_parts
+from artigen.fields import DEFAULT_LAYOUT, after_occupancy, tabulate_parts
 from artigen.figures import find_edges
 from artigen.models.painter import (
     CHOICES,
+    GLAZED,
     TOLD,
     Painter,
     PainterConfig,
@@ -40,7 +41,7 @@ from artigen.train.appearance.painter import (
     write_paint_shard,
 )
 from artigen.train.loop import LoopConfig
-from artigen.types import Asset
+from artigen.types import PART_LABELS, Asset
 
 TINY = PainterConfig(width=16, blocks=1, heads=2, hidden=32, layers=1)
 
@@ -241,6 +242,23 @@ def test_painting_is_learnt_and_follows_the_palette(tmp_path: Path):
             painted[shown, 3 * side : 3 * side + 3] - wanted.paint[shown, 3 * side : 3 * side + 3] / 255
         )
         assert (off.max(axis=1) < 0.1).mean() > 0.9
+
+
+def test_only_doors_trays_and_shelves_have_panes():
+    asset, facings, _ = paint(make_chest(inside="inside"))
+    assert asset.voxels is not None
+    part_ids, table = asset.voxels.part_ids.astype(np.int64), tabulate_parts(asset)
+    drawer = [part.name for part in asset.parts].index("drawer")
+    torch.manual_seed(0)
+    painter = Painter(TINY).eval()
+    torch.nn.init.constant_(painter.out_layer.bias[-2:], 20.0)  # sure that all is clear
+    for label in PART_LABELS:
+        table[drawer, after_occupancy(DEFAULT_LAYOUT.label)] = np.array(PART_LABELS) == label
+        painted = paint_voxels(
+            painter, asset.voxels.coords, part_ids, facings, table, np.full((len(table), 7), 0.5), 16
+        )
+        assert (painted[part_ids == drawer, -1] > 0).all() == (label in GLAZED)
+        assert not painted[part_ids != drawer, -1].any()
 
 
 def example_of(asset: Asset, facings: np.ndarray, found: VoxelPaint, rng: np.random.Generator):

@@ -77,6 +77,38 @@ def test_only_surface_of_the_voxels_part_counts():
         np.testing.assert_array_equal(value, getattr(beside, name))
 
 
+def fill(low: tuple[int, int, int], high: tuple[int, int, int]) -> VoxelGrid:
+    """All cells of a box."""
+    axes = [np.arange(first, last) for first, last in zip(low, high, strict=True)]
+    coords = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 3)
+    return VoxelGrid(resolution=EDGE, coords=coords, part_ids=np.zeros(len(coords), dtype=np.int64))
+
+
+def test_surface_over_a_voxel_is_that_voxels():
+    surface = sample_box(np.array([2.0, 2.0, 4.3]), np.array([6.0, 6.0, 5.2]))
+    places = measure_places(surface, fill((2, 2, 4), (6, 6, 5)), np.full(16, 5))
+    assert places.faced.all()
+    np.testing.assert_allclose(places.heights, np.tile([0.7, -0.2], (16, 1)), atol=1e-6)
+
+
+@pytest.mark.parametrize(("facing", "layer"), [(5, 1), (4, 0)])
+def test_a_voxel_without_surface_is_told_that_of_the_next_one(facing: int, layer: int):
+    """A drawn board two cells thick, whose mesh lies in one of them."""
+    surface = sample_box(np.array([2.0, 2.0, 4.4]), np.array([6.0, 6.0, 4.9]))
+    voxels = fill((2, 2, 4 - (1 - layer)), (6, 6, 5 + layer))
+    places = measure_places(surface, voxels, np.full(32, facing))
+    assert places.faced.all()
+    sign = 1.0 if facing == 5 else -1.0
+    middles = voxels.coords[:, 2] + 0.5
+    ends = (4.9, 4.4) if facing == 5 else (4.4, 4.9)
+    wanted = sign * (np.array(ends) - middles[:, None])
+    np.testing.assert_allclose(places.heights, wanted, atol=1e-6)
+    other = measure_places(surface, fill((2, 2, 4), (6, 6, 5)), np.full(16, facing))
+    alone = voxels.coords[:, 2] != 4
+    np.testing.assert_array_equal(places.lowest[alone], other.lowest)
+    np.testing.assert_array_equal(places.highest[alone], other.highest)
+
+
 def test_what_no_surface_says_is_taken_to_be_filled():
     surface = sample_box(np.array([2.0, 2.0, 4.4]), np.array([4.0, 4.0, 4.6]))
     voxels = VoxelGrid(resolution=EDGE, coords=np.array([[9, 9, 9], [2, 2, 4]]), part_ids=np.zeros(2, int))

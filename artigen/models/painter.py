@@ -7,7 +7,7 @@ others. So a step may take a few voxels of many objects instead of all of one. T
 its flow draws colours with all else (section 4.2).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import torch
@@ -15,10 +15,11 @@ from jaxtyping import Bool, Float, Int
 from torch import Tensor, nn
 
 from artigen.facings import SIDES
-from artigen.fields import DEFAULT_LAYOUT, after_occupancy
+from artigen.fields import DEFAULT_LAYOUT, after_occupancy, name_rows
 from artigen.figures import find_edges, number_faces, settle_figures
 from artigen.palettes import KIND, PALETTE, read_kinds
 from artigen.surroundings import SURROUNDINGS, describe_surroundings
+from artigen.types import PartLabel
 
 CHOICES = 3
 """Colours that a side chooses from: two of the palette, and one that the painter says."""
@@ -28,6 +29,8 @@ OWN_SPREAD, FREE_SPREAD = 0.04, 0.08
 """Deviations of sides from the palette's colours, and from those that the painter says."""
 PANE = 0.02
 """Share of what is behind that a pane lets through, at least."""
+GLAZED: tuple[PartLabel, ...] = ("door", "tray", "shelf")
+"""Parts that may have panes: of 84 procedural objects no other part has one."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -224,7 +227,11 @@ def paint_voxels(
         owners=torch.from_numpy(part_ids.astype(np.int64))[None].to(device),
         told=torch.from_numpy(told)[None].to(device),
     )
-    guess = settle_guess(painter(batch), coords, facings, find_edges(coords, part_ids, facings, resolution))
+    said = painter(batch)
+    glazed = np.isin(np.array(name_rows(table)), GLAZED)[part_ids]
+    solid = torch.from_numpy(~glazed)[None].to(device)
+    said = replace(said, pane=said.pane.masked_fill(solid, -torch.inf))
+    guess = settle_guess(said, coords, facings, find_edges(coords, part_ids, facings, resolution))
     return choose_colors(guess, offer_colors(guess, batch))[0].cpu().numpy()
 
 

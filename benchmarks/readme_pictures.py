@@ -1,0 +1,115 @@
+"""README's pictures of generated objects, drawn anew from the model that ships.
+
+    python benchmarks/readme_pictures.py --out out/readme
+
+generates the first seeds of every category, four sentences, and one object for a picture of a held-out
+procedural object of every category; nothing is picked. Packages stay in ``out``, so a run that was stopped
+goes on. Prints which of them pass every check.
+"""
+
+import json
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import tyro
+from jaxtyping import UInt8
+from PIL import Image
+
+from artigen.cli.generate import GenerateSettings, generate
+from artigen.cli.preview import draw_splats
+from artigen.shapes.draw import draw_shape
+from artigen.train.photographs import photograph_shape
+from artigen.types import PAPER_CATEGORIES
+from sim_export.files.read import read_package
+from sim_export.picture.animation import write_animation
+from sim_export.picture.camera import Viewpoint
+from sim_export.picture.preview import PreviewConfig, arrange_grid, contact_sheet, preview_package
+
+SENTENCES = (
+    ("a white fridge with black handles", 2),
+    ("an oak cabinet with one door and one drawer", 0),
+    ("a blue cabinet with two doors", 1),
+    ("a black oven", 2),
+)
+"""What is asked for in words, and the seed."""
+EACH = 2
+"""Objects of each category on the sheet."""
+PHOTOGRAPH = 220
+"""Edge of a photograph in pixels."""
+SMALL = PreviewConfig(viewpoint=Viewpoint(width=220, height=220))
+"""How the objects of sheets are seen."""
+
+
+def save(image: UInt8[np.ndarray, "H W 3"], path: Path) -> None:
+    """Writes a picture in 256 colours: a third of the bytes, and hardly a difference."""
+    Image.fromarray(image).quantize(256, dither=Image.Dither.NONE).save(path, optimize=True)
+
+
+def draw_categories(out: Path) -> list[Path]:
+    """Packages of the first seeds of every category."""
+    for category in PAPER_CATEGORIES:
+        generate(out, category=category, count=EACH)
+    return [out / f"{category}_{seed}" for category in PAPER_CATEGORIES for seed in range(EACH)]
+
+
+def draw_sentences(out: Path) -> list[Path]:
+    """One package for each sentence."""
+    packages = []
+    for number, (text, seed) in enumerate(SENTENCES):
+        folder = out / str(number)
+        generate(folder, seed=seed, cfg=GenerateSettings(text=text))
+        packages += sorted(path.parent for path in folder.glob("*/mobility.urdf"))
+    return packages
+
+
+def draw_photographs(out: Path) -> list[tuple[UInt8[np.ndarray, "H W 3"], Path]]:
+    """Photographs of held-out procedural objects, and the packages that are made of them."""
+    pairs = []
+    for category in PAPER_CATEGORIES:
+        folder, picture = out / category, out / f"{category}.png"
+        folder.mkdir(parents=True, exist_ok=True)
+        rgba = photograph_shape(draw_shape(category, 0), 0, PHOTOGRAPH).rgba
+        Image.fromarray(rgba).save(picture)
+        generate(folder, cfg=GenerateSettings(image=picture))
+        share = rgba[..., 3:] / 255.0
+        shown = share * rgba[..., :3] + (1.0 - share) * SMALL.render.background
+        package = next(path.parent for path in sorted(folder.glob("*/mobility.urdf")))
+        pairs.append((np.rint(shown).astype(np.uint8), package))
+    return pairs
+
+
+def show_photographs(
+    pairs: Sequence[tuple[UInt8[np.ndarray, "H W 3"], Path]],
+) -> UInt8[np.ndarray, "H W 3"]:
+    """Every photograph beside its object, closed and open, two in a row."""
+    cells = []
+    for photograph, folder in pairs:
+        made = contact_sheet([read_package(folder)], SMALL)[:PHOTOGRAPH]
+        cells.append(np.concatenate([photograph, made], axis=1))
+    return arrange_grid(cells, PreviewConfig(columns=2))
+
+
+def main(out: Path = Path("out/readme"), images: Path = Path("docs/images")) -> int:
+    """Draws everything.
+
+    Args:
+        out: Folder for the packages.
+        images: Folder for the pictures.
+    """
+    sheet = draw_categories(out / "categories")
+    save(contact_sheet([read_package(folder) for folder in sheet], SMALL), images / "generated.png")
+    told = draw_sentences(out / "sentences")
+    write_animation(told, images / "generated.gif", draw_splats=draw_splats)
+    save(preview_package(read_package(told[0]), draw_splats=draw_splats), images / "white_fridge.png")
+    shown = draw_photographs(out / "photographs")
+    save(show_photographs(shown), images / "photos.png")
+    for folder in (*sheet, *told, *(package for _, package in shown)):
+        report = json.loads((folder / "validation.json").read_text())
+        print(f"{folder}: {'passes' if report['passed'] else 'fails'}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(tyro.cli(main))
