@@ -68,7 +68,8 @@ def measure_places(surface: SurfaceSamples, voxels: VoxelGrid, facings: Int[np.n
     """Heights and reach of the surface in each voxel, as far as it is of the voxel's part.
 
     A side is as high as the surface that faces its way. A voxel without samples of its part is told where the
-    surface of the next one to its outer side or its inner one lies; without such, it is taken to be filled.
+    surface of the next one to its inner side lies, or better to its outer one; without such, it is taken to be
+    filled.
 
     Args:
         surface: Samples, `SAMPLES` or more along a voxel's edge.
@@ -97,10 +98,10 @@ def measure_places(surface: SurfaceSamples, voxels: VoxelGrid, facings: Int[np.n
     for step in (-1, 1):
         lost = np.flatnonzero(empty)
         cells = voxels.coords[lost].astype(np.int64) + step * outward[lost]
-        inside = ((cells >= 0) & (cells < voxels.resolution)).all(axis=1)
+        inside = np.asarray(((cells >= 0) & (cells < voxels.resolution)).all(axis=1))
         next_to = grid[tuple(np.where(inside[:, None], cells, 0).T)]
         told = inside & (next_to >= 0) & (voxels.part_ids[next_to] == voxels.part_ids[lost])
-        told &= (facings[next_to] == facings[lost]) & np.isfinite(low[next_to, 0]) & ~empty[next_to]
+        told &= (facings[next_to] == facings[lost]) & ~empty[next_to]
         lost, found = lost[told], next_to[told]
         heights[lost], faced[lost] = heights[found] + step, faced[found]
         low[lost], high[lost] = low[found], high[found]
