@@ -29,6 +29,8 @@ MIDDLE_SPREAD = 0.25
 """Voxels that middles are told in."""
 FARTHEST = 0.9
 """Share of their reach that Gaussians are moved by at most."""
+APART = 0.3
+"""Voxels between the two sides of a voxel that are kept where they lie beyond it."""
 NARROWEST = 0.1
 """Least width of surface within a voxel: a narrower one would shrink Gaussians to nothing."""
 
@@ -109,11 +111,21 @@ def measure_places(surface: SurfaceSamples, voxels: VoxelGrid, facings: Int[np.n
     low[empty], high[empty] = -0.5, 0.5
     missed = 0.5 / SAMPLES  # surface reaches about this far beyond the last sample
     return VoxelPlaces(
-        heights=heights,
+        heights=_limit_heights(heights),
         faced=faced,
         lowest=np.maximum(low - missed, -0.5).clip(max=0.5),
         highest=np.minimum(high + missed, 0.5).clip(min=-0.5),
     )
+
+
+def _limit_heights(heights: Float[np.ndarray, "N 2"]) -> Float[np.ndarray, "N 2"]:
+    """Heights within the voxel, as networks have seen them, and sides apart as they were, by `APART` at most:
+    of two sheets in one place, one could not tell which is seen."""
+    limited = heights.clip(-0.5, 0.5)
+    lack = np.minimum(heights[:, 0] - heights[:, 1], APART) - (limited[:, 0] - limited[:, 1])
+    lack = np.maximum(lack, 0.0)
+    above = limited[:, 0] >= 0.5
+    return limited + np.stack([np.where(above, 0.0, lack), np.where(above, -lack, 0.0)], axis=1)
 
 
 def describe_places(places: VoxelPlaces) -> Float[np.ndarray, "N 6"]:

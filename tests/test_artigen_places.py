@@ -5,6 +5,7 @@ import pytest
 
 from artigen.facings import FACINGS, facing_frames
 from artigen.places import (
+    APART,
     HEIGHT,
     HEIGHT_REACH,
     MIDDLE_SPREAD,
@@ -85,10 +86,10 @@ def fill(low: tuple[int, int, int], high: tuple[int, int, int]) -> VoxelGrid:
 
 
 def test_surface_over_a_voxel_is_that_voxels():
-    surface = sample_box(np.array([2.0, 2.0, 4.3]), np.array([6.0, 6.0, 5.2]))
+    surface = sample_box(np.array([2.0, 2.0, 4.3]), np.array([6.0, 6.0, 5.1]))
     places = measure_places(surface, fill((2, 2, 4), (6, 6, 5)), np.full(16, 5))
     assert places.faced.all()
-    np.testing.assert_allclose(places.heights, np.tile([0.7, -0.2], (16, 1)), atol=1e-6)
+    np.testing.assert_allclose(places.heights, np.tile([0.5, -0.2], (16, 1)), atol=1e-6)
 
 
 @pytest.mark.parametrize(("facing", "layer"), [(5, 1), (4, 0)])
@@ -102,7 +103,10 @@ def test_a_voxel_without_surface_is_told_that_of_the_next_one(facing: int, layer
     middles = voxels.coords[:, 2] + 0.5
     ends = (4.9, 4.4) if facing == 5 else (4.4, 4.9)
     wanted = sign * (np.array(ends) - middles[:, None])
-    np.testing.assert_allclose(places.heights, wanted, atol=1e-6)
+    own = voxels.coords[:, 2] == 4
+    np.testing.assert_allclose(places.heights[own], wanted[own], atol=1e-6)
+    assert (wanted[~own] < -0.5).all()  # both beyond the voxel: as near as it gets, and in their order
+    np.testing.assert_allclose(places.heights[~own], np.tile([APART - 0.5, -0.5], (16, 1)), atol=1e-6)
     other = measure_places(surface, fill((2, 2, 4), (6, 6, 5)), np.full(16, facing))
     alone = voxels.coords[:, 2] != 4
     np.testing.assert_array_equal(places.lowest[alone], other.lowest)
