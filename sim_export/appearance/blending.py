@@ -79,6 +79,10 @@ class Blended:
     cover: Float[np.ndarray, "T"]
     opacity: Float[np.ndarray, "T"]
 
+    def find_panes(self, solid: float) -> Bool[np.ndarray, "T"]:
+        """Places whose Gaussians are less opaque than that, on the mean."""
+        return (self.opacity > 0) & (self.opacity < solid)
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Sheet:
@@ -187,7 +191,7 @@ def _blend_sheet(sheet: _Sheet, voxel: float, cfg: BlendConfig) -> Blended:
         index = np.reshape(np.asarray(nearest), (len(rows), count))
         found = _blend_rows(sheet, rows, index, sheet.footprints, (voxel, cfg))
         colors[rows], cover[rows], opacity[rows] = found.colors, found.cover, found.opacity
-        bare = (found.cover < cfg.least_cover) & ~((found.opacity > 0) & (found.opacity < cfg.solid))
+        bare = (found.cover < cfg.least_cover) & ~found.find_panes(cfg.solid)
         if bare.any():
             wide = _blend_rows(sheet, rows[bare], index[bare], sheet.wide, (voxel, cfg))
             colors[rows[bare]], cover[rows[bare]] = wide.colors, wide.cover

@@ -107,7 +107,7 @@ def bake_mesh(
     atlas = make_atlas(mesh, texel, cfg.max_size)
     places = _texel_places(mesh, atlas)
     seen = blend_places(places, gaussians, voxel=voxel, texel=texel, normals=normals, cfg=cfg.blend)
-    pane = (seen.opacity > 0) & (seen.opacity < cfg.blend.solid)
+    pane = seen.find_panes(cfg.blend.solid)
     colors, covered = seen.colors.copy(), (seen.cover >= cfg.blend.least_cover) | pane
     if normals is not None and not covered.all():
         # A lone sheet colours both sides of its wall.
