@@ -253,6 +253,12 @@ def name_joints(
     return tuple(layout.joint_types[row.argmax()] for row in table[:, after_occupancy(layout.joint_type)])
 
 
+def name_category(table: Float[np.ndarray, "P C"], layout: FieldLayout = DEFAULT_LAYOUT) -> str | None:
+    """Category of the object whose parts are the rows of `tabulate_parts`; None where they say none."""
+    said = table[0, after_occupancy(layout.category)]
+    return layout.categories[said.argmax()] if said.any() else None
+
+
 def encode(asset: Asset, layout: FieldLayout = DEFAULT_LAYOUT) -> Float[np.ndarray, "C X Y Z"]:
     """Writes an asset's voxels and parts into a dense float32 field; empty cells are zero.
 

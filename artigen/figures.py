@@ -97,7 +97,7 @@ def draw_figures(
     least = max(LEAST, SHARE * int(face.sum()))
     if (mass >= least).sum() < 2:
         return drawn
-    find = _find_discs if _is_round(face) else _find_rectangles
+    find = _find_discs if is_round(face) else _find_rectangles
     for _ in range(ROUNDS):
         for number in np.argsort(-mass, kind="stable"):
             if mass[number] < least:
@@ -107,7 +107,7 @@ def draw_figures(
     return drawn
 
 
-def _is_round(face: Bool[np.ndarray, "H W"]) -> bool:
+def is_round(face: Bool[np.ndarray, "H W"]) -> bool:
     """Whether an ellipse says more of the outline of a face than a rectangle does."""
     whole, disc = np.asarray(binary_fill_holes(face)), draw_ellipse(*face.shape)
     alike = (whole & disc).sum() / (whole | disc).sum()

@@ -12,6 +12,7 @@ from artigen.mending.boards import BoardsConfig, make_boards
 from artigen.mending.claim import claim_cells
 from artigen.mending.clean import CleanConfig, find_strays, remove_strays
 from artigen.mending.doorways import clear_doorways
+from artigen.mending.faces import even_faces
 from artigen.mending.feet import extend_feet
 from artigen.mending.fronts import fill_fronts
 from artigen.mending.knobs import shape_knobs
@@ -19,7 +20,6 @@ from artigen.mending.legs import extend_legs
 from artigen.mending.panels import back_knobs
 from artigen.mending.paths import clear_paths
 from artigen.mending.portholes import round_portholes
-from artigen.mending.relief import flatten_faces
 from artigen.mending.revolve import revolve_parts
 from artigen.mending.rows import Owners, fields_of_owners, read_owners
 from artigen.mending.shafts import extend_shafts
@@ -57,8 +57,8 @@ def mend_cells(
         return remove_strays(fields, cfg.clean)
     stages: list[Stage] = [
         partial(fill_fronts, rows=rows),
-        partial(flatten_faces, rows=rows),
         partial(round_portholes, rows=rows),
+        partial(even_faces, logits=logits, rows=rows),
         partial(clear_paths, logits=logits, rows=rows),
         partial(clear_doorways, rows=rows),
         partial(_clear_strays, cfg=cfg.clean),

@@ -2,13 +2,13 @@
 
 A network draws the mean of a ring and its box: doors with cut corners over ragged holes. What turns without
 end about an axis that faces the front is a drum; all procedural machines that are loaded there have a round
-door, with an opening of 0.72 to 0.80 of its radius.
+door, with an opening of 0.72 to 0.80 of its radius. So have washing machines whose drum does not turn.
 """
 
 import numpy as np
 from jaxtyping import Bool, Float
 
-from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_joints, name_rows
+from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_category, name_joints, name_rows
 from artigen.mending.boxes import reach_box
 from artigen.mending.fronts import find_panel
 from artigen.mending.rows import Owners
@@ -18,12 +18,12 @@ OBLONG = 1.25
 MOUTH, RIM = 0.72, 0.80
 """Shares of the door's radius within which the opening is free, and beyond which the plate around it is
 whole."""
+WASHING = "WashingMachine"
+"""Category whose doors are round, with a drum or without."""
 PLATE = 7
 """Layers behind the panel of the door in which the plate of the body is sought: the fullest of them."""
 AROUND = 3
 """Cells beyond the door in which the plate is looked at."""
-WHOLE = 0.5
-"""Share of its cells there that a plate holds at least."""
 
 
 def round_portholes(
@@ -43,7 +43,8 @@ def round_portholes(
     for door in np.flatnonzero((labels == "door") & (kinds == "revolute")):
         center, size = boxes[door, :3], boxes[door, 3:]
         near = (np.abs(drums[:, 1:3] - center[1:]) < size[1:] / 4).all(axis=1) & (drums[:, 0] > center[0])
-        if near.any() and max(size[1] / size[2], size[2] / size[1]) <= OBLONG:
+        upright = size[0] < size[1:].min() and max(size[1] / size[2], size[2] / size[1]) <= OBLONG
+        if upright and (near.any() or name_category(rows, layout) == WASHING):
             _round_door(owners, int(door), labels == "base", boxes[door])
     changed = int((owners != before).sum())
     return owners, (f"{changed} cells were changed to make a door and its opening round",) if changed else ()
@@ -67,7 +68,7 @@ def _round_door(
     panel, square = find_panel(mine), (np.abs(y) <= 1.0) & (np.abs(z) <= 1.0)
     own = bodies[view] & (view >= 0)
     held = own[panel.stop : panel.stop + PLATE, ~square].mean(axis=1)
-    plate = panel.stop + int(held.argmax()) if held.max(initial=0.0) >= WHOLE else len(view)
+    plate = panel.stop + int(held.argmax()) if held.any() else len(view)
     kept = mine & inside
     kept[plate + 1 :] &= radius <= RIM
     kept[panel] |= inside & ~mine.any(axis=0) & (view[panel] < 0)
