@@ -34,6 +34,7 @@ from artigen.splats.render.splats import Splats
 from artigen.splats.seams import SeamConfig, settle_seams
 from artigen.text import Color
 from artigen.types import Asset, PartLabel, SurfaceSamples
+from artigen.voxels import voxelize_again
 
 DECODER = "decoder."
 """What the decoder's tensors are called by in a stored VAE; the encoder is not needed to generate."""
@@ -216,9 +217,11 @@ def generate_appearance(
     *,
     surface: SurfaceSamples | None = None,
 ) -> Asset:
-    """Draws Gaussians for the voxels of an asset; the same arguments give the same ones on one machine.
+    """Draws Gaussians for the surface of an asset; the same arguments give the same ones on one machine.
 
-    Every Gaussian belongs to the part of its voxel, but for those that stray (`artigen.splats.seams`).
+    Given samples of its surface, they are drawn on the voxels that it passes through, as those of true objects
+    are; else on the asset's own. Every Gaussian belongs to the part of its voxel, but for those that stray
+    (`artigen.splats.seams`).
 
     Args:
         model: trained networks.
@@ -226,8 +229,8 @@ def generate_appearance(
         asked: the condition that the structure was drawn from.
         seed: of the noise.
         cfg: samplers and seams.
-        surface: samples of the surface that the voxels stand for, for models that are told where it lies (all
-            but ``paper``): of a drawn structure, those of its meshes (`sim_export.geometry.surface`).
+        surface: samples of the surface that the voxels stand for, of a drawn structure those of its meshes
+            (`sim_export.geometry.surface`); models that are told where it lies need them (all but ``paper``).
 
     Raises:
         ValueError: If the asset has no voxels, has them in another resolution, or samples are missing.
@@ -237,6 +240,8 @@ def generate_appearance(
     if voxels is None or not len(voxels.coords) or voxels.resolution != edge:
         found = "none" if voxels is None else f"{len(voxels.coords)} of {voxels.resolution}^3"
         raise ValueError(f"asset {asset.name!r}: voxels are {found}, this model draws on those of {edge}^3")
+    if surface is not None:
+        voxels = voxelize_again(surface, voxels)
     facings = find_facings(voxels.coords, voxels.part_ids, edge)
     places = None
     if model.flow.attribute_channels:
@@ -254,5 +259,5 @@ def generate_appearance(
         places=places,
     )
     splats = draw_splats(model, canvas, asked, seed, cfg)
-    painted = replace(asset, gaussians=to_gaussians(splats, voxels.part_ids))
-    return settle_seams(painted, cfg.seams)
+    painted = replace(asset, voxels=voxels, gaussians=to_gaussians(splats, voxels.part_ids))
+    return replace(settle_seams(painted, cfg.seams), voxels=asset.voxels)

@@ -95,19 +95,6 @@ def measure_places(surface: SurfaceSamples, voxels: VoxelGrid, facings: Int[np.n
     np.minimum.at(low, rows, off[:, 1:])
     np.maximum.at(high, rows, off[:, 1:])
     empty = ~np.isfinite(low[:, 0])
-    grid = mark_voxels(voxels.coords, np.arange(count), voxels.resolution)
-    outward = np.round(facing_frames()[facings][:, :, 0]).astype(np.int64)
-    for step in (-1, 1):
-        lost = np.flatnonzero(empty)
-        cells = voxels.coords[lost].astype(np.int64) + step * outward[lost]
-        inside = np.asarray(((cells >= 0) & (cells < voxels.resolution)).all(axis=1))
-        next_to = grid[tuple(np.where(inside[:, None], cells, 0).T)]
-        told = inside & (next_to >= 0) & (voxels.part_ids[next_to] == voxels.part_ids[lost])
-        told &= (facings[next_to] == facings[lost]) & ~empty[next_to]
-        lost, found = lost[told], next_to[told]
-        heights[lost], faced[lost] = heights[found] + step, faced[found]
-        low[lost], high[lost] = low[found], high[found]
-    empty = ~np.isfinite(low[:, 0])
     low[empty], high[empty] = -0.5, 0.5
     missed = 0.5 / SAMPLES  # surface reaches about this far beyond the last sample
     return VoxelPlaces(

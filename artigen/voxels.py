@@ -12,7 +12,7 @@ from jaxtyping import Float, Int
 from artigen.fields import decode, encode
 from artigen.types import Asset, SurfaceSamples, VoxelGrid
 
-__all__ = ["assign_cells", "decode", "drop_unresolved", "encode", "find_heirs", "voxelize"]
+__all__ = ["assign_cells", "decode", "drop_unresolved", "encode", "find_heirs", "voxelize", "voxelize_again"]
 
 FAIR_SHARE = 0.5
 """A part should own cells that hold this share of its area; below it the part may claim cells."""
@@ -26,6 +26,27 @@ def voxelize(surface: SurfaceSamples, resolution: int = 64) -> VoxelGrid:
     cells = np.floor((surface.points.astype(np.float64) + 0.5) * resolution).astype(np.int64)
     cells = np.clip(cells, 0, resolution - 1)
     return assign_cells(cells, surface.part_ids, np.ones(len(cells)), resolution)
+
+
+def voxelize_again(surface: SurfaceSamples, voxels: VoxelGrid) -> VoxelGrid:
+    """Marks the cells that the surface made of voxels passes through, as `voxelize` does those of an object.
+
+    Drawn voxels may be thick, and meshes made of them lie beside some. A part that no cell is left for keeps
+    those that it had.
+
+    Args:
+        surface: Samples of the meshes that were made of the voxels.
+        voxels: What they were made of.
+    """
+    found = voxelize(surface, voxels.resolution)
+    lost = np.isin(voxels.part_ids, np.setdiff1d(voxels.part_ids, found.part_ids))
+    if not lost.any():
+        return found
+    owners = np.full((voxels.resolution,) * 3, -1)
+    owners[tuple(found.coords.T)] = found.part_ids
+    owners[tuple(voxels.coords[lost].T)] = voxels.part_ids[lost]
+    coords = np.argwhere(owners >= 0)
+    return VoxelGrid(resolution=voxels.resolution, coords=coords, part_ids=owners[tuple(coords.T)])
 
 
 def assign_cells(

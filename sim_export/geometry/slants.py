@@ -12,7 +12,8 @@ from jaxtyping import Bool, Float, Int
 
 from sim_export.geometry.face_planes import DIRECTIONS, FacePlanes
 
-_LEAST_PATCHES = 3
+_LEAST_LEVELS = 3
+"""Heights of the terraces of a plane: two are those of a step, however often it goes up and down."""
 _LEAST_AREA = 36
 _WIDE = 14
 """Cells; a patch that is wider both ways, and part of no slanted plane, is a panel between steps."""
@@ -50,7 +51,7 @@ class _Patches:
 
 
 def find_slants(planes: FacePlanes) -> Slants:
-    """Groups chains of at least three terraces that one slanted plane explains."""
+    """Groups chains of terraces at three heights or more that one slanted plane explains."""
     padded = np.pad(planes.patch, ((0, 0), (1, 1), (1, 1), (1, 1)), constant_values=-1)
     count = int(padded.max()) + 1
     slant_of = np.full(count + 1, -1)
@@ -172,8 +173,9 @@ def _error(moments: np.ndarray, plane: np.ndarray) -> float:
 def _is_slanted(patches: _Patches, group: list[int], plane: np.ndarray) -> bool:
     """Whether a group is long enough, not too steep, and rises by about one cell per terrace."""
     area = patches.area[group]
+    levels = np.unique(np.rint(patches.moments[group, 2, 3] / area))
     slope = np.abs(plane[:2])
-    if len(group) < _LEAST_PATCHES or area.sum() < _LEAST_AREA or slope.max() > _MOST_SLOPE:
+    if len(levels) < _LEAST_LEVELS or area.sum() < _LEAST_AREA or slope.max() > _MOST_SLOPE:
         return False
     rise = (slope * patches.lengths[group]).max(axis=1)
     fits = (rise > _TERRACE[0]) & (rise < _TERRACE[1])
