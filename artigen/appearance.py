@@ -219,9 +219,9 @@ def generate_appearance(
 ) -> Asset:
     """Draws Gaussians for the surface of an asset; the same arguments give the same ones on one machine.
 
-    Given samples of its surface, they are drawn on the voxels that it passes through, as those of true objects
-    are; else on the asset's own. Every Gaussian belongs to the part of its voxel, but for those that stray
-    (`artigen.splats.seams`).
+    Given samples of its surface, they are drawn on the voxels that it passes through, as those of true
+    objects are; else on the asset's own. Every Gaussian belongs to the part of its voxel, but for those that
+    stray (`artigen.splats.seams`).
 
     Args:
         model: trained networks.

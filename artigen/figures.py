@@ -5,6 +5,8 @@ as its background and the figures that its voxels speak for most (`artigen.mendi
 one is filled, and what lies in none goes.
 """
 
+from functools import partial
+
 import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy.ndimage import binary_fill_holes, find_objects, label
@@ -12,13 +14,17 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from artigen.facings import mark_voxels
-from artigen.mending.boxes import fill_boxes, find_boxes
+from artigen.mending.boxes import Box, fill_boxes, find_boxes
 from artigen.mending.fronts import draw_ellipse
 
 LEAST, SHARE = 4.0, 0.02
 """Certain voxels in a figure that no other holds, and their share of the face: at least both."""
 ROUNDS = 2
 """How often classes take turns: the first may take too much of what is another's."""
+CENTRED, SMALL = 0.15, 0.05
+"""Shares of a face: that a figure is off its middle across, at most; that one has which may be anywhere."""
+WHOLE, STRIP = 0.5, 0.3
+"""Shares of the edges of a face: that a strip is long, at least, and that it is wide, at most."""
 ROUND = 8
 """Cells across a face, at least, for it to be round."""
 
@@ -60,6 +66,7 @@ def settle_figures(
     coords: Int[np.ndarray, "N 3"],
     facings: Int[np.ndarray, "N"],
     faces: Int[np.ndarray, "N"],
+    centred: Bool[np.ndarray, "N"],
 ) -> Int[np.ndarray, "N"]:
     """The class of every voxel, by which faces are painted in figures.
 
@@ -68,6 +75,7 @@ def settle_figures(
         coords: Cells (x, y, z) of the grid.
         facings: Directions of their outer sides (`artigen.facings`).
         faces: Which face each belongs to (`number_faces`); it is looked at along the axis that it faces.
+        centred: Whether figures of its face lie in the middle, but for small ones and strips.
     """
     order = np.argsort(faces, kind="stable")
     out = np.empty(len(coords), dtype=np.int64)
@@ -79,25 +87,27 @@ def settle_figures(
         number = np.bincount(place, minlength=height * width)
         total = [np.bincount(place, weights=one, minlength=height * width) for one in evidence[rows].T]
         mean = (np.stack(total) / np.maximum(number, 1)).reshape(-1, height, width)
-        out[rows] = draw_figures(mean, (number > 0).reshape(height, width))[tuple(across.T)]
+        drawn = draw_figures(mean, (number > 0).reshape(height, width), centred=bool(centred[rows[0]]))
+        out[rows] = drawn[tuple(across.T)]
     return out
 
 
 def draw_figures(
-    evidence: Float[np.ndarray, "K H W"], face: Bool[np.ndarray, "H W"]
+    evidence: Float[np.ndarray, "K H W"], face: Bool[np.ndarray, "H W"], *, centred: bool = False
 ) -> Int[np.ndarray, "H W"]:
     """Classes of the cells of a face: one is the background, the others come in figures.
 
     Args:
         evidence: For every class, anything beside the face.
         face: The cells that are there.
+        centred: Whether rectangles lie in the middle, but for small ones and strips.
     """
     mass = np.where(face, evidence, 0.0).sum(axis=(1, 2))
     drawn = np.full(face.shape, mass.argmax())
     least = max(LEAST, SHARE * int(face.sum()))
     if (mass >= least).sum() < 2:
         return drawn
-    find = _find_discs if is_round(face) else _find_rectangles
+    find = _find_discs if is_round(face) else partial(_find_rectangles, centred=centred)
     for _ in range(ROUNDS):
         for number in np.argsort(-mass, kind="stable"):
             if mass[number] < least:
@@ -114,8 +124,22 @@ def is_round(face: Bool[np.ndarray, "H W"]) -> bool:
     return min(face.shape) >= ROUND and alike > whole.mean()
 
 
-def _find_rectangles(evidence: Float[np.ndarray, "H W"], least: float) -> Bool[np.ndarray, "H W"]:
-    return fill_boxes((*evidence.shape, 1), find_boxes(evidence[..., None], least))[..., 0]
+def _find_rectangles(
+    evidence: Float[np.ndarray, "H W"], least: float, *, centred: bool
+) -> Bool[np.ndarray, "H W"]:
+    boxes = find_boxes(evidence[..., None], least)
+    if centred:
+        boxes = [box for box in boxes if _is_meant(box, evidence.shape)]
+    return fill_boxes((*evidence.shape, 1), boxes)[..., 0]
+
+
+def _is_meant(box: Box, face: tuple[int, ...]) -> bool:
+    """Whether a rectangle lies in the middle across a face, is a strip, or is small."""
+    across, up, _ = box
+    sizes = np.array([across.stop - across.start, up.stop - up.start]) / face
+    off = abs(across.start + across.stop - face[0]) / (2.0 * face[0])
+    strip = (sizes[::-1] >= WHOLE) & (sizes <= STRIP)
+    return bool(off <= CENTRED or sizes.prod() <= SMALL or strip.any())
 
 
 def _find_discs(evidence: Float[np.ndarray, "H W"], least: float) -> Bool[np.ndarray, "H W"]:

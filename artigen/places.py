@@ -69,9 +69,8 @@ def find_voxels(
 def measure_places(surface: SurfaceSamples, voxels: VoxelGrid, facings: Int[np.ndarray, "N"]) -> VoxelPlaces:
     """Heights and reach of the surface in each voxel, as far as it is of the voxel's part.
 
-    A side is as high as the surface that faces its way. A voxel without samples of its part is told where the
-    surface of the next one lies, rather to its outer side than to its inner one; without such, it is taken to
-    be filled.
+    A side is as high as the surface that faces its way. A voxel without samples of its part is taken to be
+    filled.
 
     Args:
         surface: Samples, `SAMPLES` or more along a voxel's edge.

@@ -38,6 +38,7 @@ from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.draw import draw_shape
 from artigen.splats.ply import read_ply
 from artigen.types import Asset, Gaussians
+from artigen.voxels import voxelize_again
 from sim_export.files.read import read_package
 from sim_export.geometry.surface import sample_surface
 from sim_export.package import Link
@@ -93,13 +94,15 @@ def test_gaussians_belong_to_the_parts_of_their_voxels(folder: Path, structure: 
     model = load_appearance_model(folder)
     asset = paint(model, structure, 5)
     count = model.preset.decoder.gaussians.count
-    assert len(asset.gaussians.means) == count * len(structure.voxels.coords)
-    own = np.repeat(structure.voxels.part_ids, count)
+    voxels = voxelize_again(sample_surface(structure), structure.voxels)
+    assert len(asset.gaussians.means) == count * len(voxels.coords)
+    own = np.repeat(voxels.part_ids, count)
     strays = np.count_nonzero(asset.gaussians.part_ids != own)
     assert strays < 0.2 * len(own)
     # They are where their voxels are.
-    away = np.abs(asset.gaussians.means - np.repeat(structure.voxels.centers(), count, axis=0))
+    away = np.abs(asset.gaussians.means - np.repeat(voxels.centers(), count, axis=0))
     assert away.max() <= 0.75 / 32 + 1e-6
+    assert asset.voxels is structure.voxels
     said = [note for note in asset.notes if "another part's cells" in note]
     assert len(said) == (1 if strays else 0)
 
@@ -125,7 +128,8 @@ def test_packages_have_one_file_of_gaussians_per_link_and_textures_made_of_them(
     assert files == shown
     assert len(files) == len(set(link_owners(structure)))
     counts = {name: len(read_ply(place / "splats" / f"{name}.ply").means) for name in files}
-    assert sum(counts.values()) == 4 * len(structure.voxels.coords)
+    voxels = voxelize_again(sample_surface(structure), structure.voxels)
+    assert sum(counts.values()) == 4 * len(voxels.coords)
     for index, link in enumerate(package.links):
         if link.splats is None:
             assert not link.visuals

@@ -70,6 +70,29 @@ def test_what_is_too_small_or_too_little_of_its_face_is_no_figure(edge: int, siz
     np.testing.assert_array_equal(drawn, classes if stays else 0 * classes)
 
 
+@pytest.mark.parametrize(
+    ("across", "up", "stays"),
+    [
+        ((8, 32), (4, 26), True),
+        ((10, 36), (4, 26), True),
+        ((24, 40), (0, 14), False),
+        ((28, 38), (8, 20), False),
+        ((32, 38), (20, 26), True),
+        ((34, 40), (4, 28), True),
+        ((2, 38), (24, 30), True),
+    ],
+)
+def test_where_figures_are_centred_only_strips_and_small_ones_lie_aside(
+    across: tuple[int, int], up: tuple[int, int], *, stays: bool
+):
+    classes = np.zeros((40, 30), dtype=int)
+    classes[slice(*across), slice(*up)] = 1
+    face = np.ones(classes.shape, dtype=bool)
+    np.testing.assert_array_equal(draw_figures(be_sure(classes, 2), face), classes)
+    drawn = draw_figures(be_sure(classes, 2), face, centred=True)
+    np.testing.assert_array_equal(drawn, classes if stays else 0 * classes)
+
+
 def test_every_face_is_settled_by_itself_and_along_the_axis_that_it_faces():
     y, z = (values.ravel() for values in np.meshgrid(np.arange(EDGE), np.arange(EDGE), indexing="ij"))
     window = (np.abs(y - 3.5) < 3) & (np.abs(z - 3.5) < 3)
@@ -80,12 +103,13 @@ def test_every_face_is_settled_by_itself_and_along_the_axis_that_it_faces():
     coords = np.concatenate([*layers, other])
     facings = np.repeat([0, 0, 5], len(y))
     classes = np.concatenate([window, window, np.ones_like(window)]).astype(int)
-    flipped = classes.copy()
+    flipped, anywhere = classes.copy(), np.zeros(len(coords), dtype=bool)
     flipped[np.flatnonzero(window)[:2]] = 0  # the layer below knows better
     faces = number_faces(len(coords), find_edges(coords, np.zeros(len(coords), dtype=int), facings, 64))
-    settled = settle_figures(np.eye(2)[flipped], coords, facings, faces)
+    settled = settle_figures(np.eye(2)[flipped], coords, facings, faces, anywhere)
     np.testing.assert_array_equal(settled, classes)
     order = np.random.default_rng(2).permutation(len(coords))
     np.testing.assert_array_equal(
-        settle_figures(np.eye(2)[flipped[order]], coords[order], facings[order], faces[order]), classes[order]
+        settle_figures(np.eye(2)[flipped[order]], coords[order], facings[order], faces[order], anywhere),
+        classes[order],
     )

@@ -160,7 +160,7 @@ def test_a_window_is_one_pane_of_one_colour_and_a_display_has_one_too():
         clear=torch.tensor(rng.random(len(y)))[None],
     )
     edges = find_edges(coords, np.zeros(len(y), dtype=np.int64), facings, 24)
-    settled = settle_guess(guess, coords, facings, edges)
+    settled = settle_guess(guess, coords, facings, edges, np.ones(len(y), dtype=bool))
     np.testing.assert_array_equal(settled.pane[0] > 0, window)
     chosen = settled.choices[0].argmax(dim=-1)
     assert (chosen == torch.from_numpy(np.where(window | display, 2, 0))[:, None]).all()

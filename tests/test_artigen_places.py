@@ -5,7 +5,6 @@ import pytest
 
 from artigen.facings import FACINGS, facing_frames
 from artigen.places import (
-    APART,
     HEIGHT,
     HEIGHT_REACH,
     MIDDLE_SPREAD,
@@ -90,27 +89,6 @@ def test_surface_over_a_voxel_is_that_voxels():
     places = measure_places(surface, fill((2, 2, 4), (6, 6, 5)), np.full(16, 5))
     assert places.faced.all()
     np.testing.assert_allclose(places.heights, np.tile([0.5, -0.2], (16, 1)), atol=1e-6)
-
-
-@pytest.mark.parametrize(("facing", "layer"), [(5, 1), (4, 0)])
-def test_a_voxel_without_surface_is_told_that_of_the_next_one(facing: int, layer: int):
-    """A drawn board two cells thick, whose mesh lies in one of them."""
-    surface = sample_box(np.array([2.0, 2.0, 4.4]), np.array([6.0, 6.0, 4.9]))
-    voxels = fill((2, 2, 4 - (1 - layer)), (6, 6, 5 + layer))
-    places = measure_places(surface, voxels, np.full(32, facing))
-    assert places.faced.all()
-    sign = 1.0 if facing == 5 else -1.0
-    middles = voxels.coords[:, 2] + 0.5
-    ends = (4.9, 4.4) if facing == 5 else (4.4, 4.9)
-    wanted = sign * (np.array(ends) - middles[:, None])
-    own = voxels.coords[:, 2] == 4
-    np.testing.assert_allclose(places.heights[own], wanted[own], atol=1e-6)
-    assert (wanted[~own] < -0.5).all()  # both beyond the voxel: as near as it gets, and in their order
-    np.testing.assert_allclose(places.heights[~own], np.tile([APART - 0.5, -0.5], (16, 1)), atol=1e-6)
-    other = measure_places(surface, fill((2, 2, 4), (6, 6, 5)), np.full(16, facing))
-    alone = voxels.coords[:, 2] != 4
-    np.testing.assert_array_equal(places.lowest[alone], other.lowest)
-    np.testing.assert_array_equal(places.highest[alone], other.highest)
 
 
 def test_what_no_surface_says_is_taken_to_be_filled():

@@ -7,7 +7,7 @@ import pytest
 
 from artigen.fields import DEFAULT_LAYOUT, FieldLayout, canonical_origin, joint_ranges, part_attributes
 from artigen.types import FIXED, FULL_TURN, Asset, Joint, Part, SurfaceSamples, VoxelGrid
-from artigen.voxels import decode, drop_unresolved, encode, voxelize
+from artigen.voxels import decode, drop_unresolved, encode, voxelize, voxelize_again
 
 
 def make_surface(points, part_ids) -> SurfaceSamples:
@@ -110,6 +110,30 @@ def test_a_root_without_voxels_is_refused(cabinet: Asset):
     ids = np.where(cabinet.voxels.part_ids == cabinet.root, 1, cabinet.voxels.part_ids)
     with pytest.raises(ValueError, match="root"):
         drop_unresolved(replace(cabinet, voxels=replace(cabinet.voxels, part_ids=ids)))
+
+
+def test_voxels_are_where_the_surface_made_of_them_is():
+    y, z = (values.ravel() / 32 - 0.5 for values in np.meshgrid(*[np.arange(32) + 0.5] * 2))
+    sheet = make_surface(np.stack([np.full_like(y, 0.2), y, z], axis=1), np.zeros(len(y), dtype=int))
+    cells = np.argwhere(np.ones((16, 16, 16), dtype=bool))
+    thick = cells[(cells[:, 0] >= 9) & (cells[:, 0] < 12)]  # the sheet lies in the last of three layers
+    drawn = VoxelGrid(resolution=16, coords=thick, part_ids=np.zeros(len(thick), dtype=int))
+    again = voxelize_again(sheet, drawn)
+    np.testing.assert_array_equal(again.coords, thick[thick[:, 0] == 11])
+    same = voxelize(sheet, 16)
+    np.testing.assert_array_equal(voxelize_again(sheet, same).coords, same.coords)
+
+
+def test_a_part_that_would_lose_all_voxels_keeps_them():
+    surface = make_surface([[0.0, 0.0, 0.0]] * 3, [0, 0, 0])
+    drawn = VoxelGrid(
+        resolution=8, coords=np.array([[4, 4, 4], [2, 2, 2], [6, 1, 1]]), part_ids=np.array([1, 0, 2])
+    )
+    again = voxelize_again(surface, drawn)
+    assert {tuple(cell): part for cell, part in zip(again.coords.tolist(), again.part_ids, strict=True)} == {
+        (4, 4, 4): 1,
+        (6, 1, 1): 2,
+    }
 
 
 def test_default_layout_has_35_channels_in_the_stated_order():

@@ -25,6 +25,7 @@ from artigen.shapes.draw import Wish, draw_shape
 from artigen.splats.colors import srgb_from_linear
 from artigen.train.appearance.examples import paint_parts
 from artigen.train.examples import draw_example_of
+from artigen.voxels import voxelize_again
 from artigen.weights import SHIPPED
 from sim_export.geometry.surface import sample_surface
 
@@ -72,14 +73,15 @@ def test_parts_have_the_colours_that_a_picture_shows():
     model = load_appearance_model(SHIPPED)
     image = described.image.transpose(2, 0, 1).astype(np.float32) / 255.0
     truth = paint_parts(draw_shape("Microwave", 0), asset)[asset.root, :3]
-    voxels, found = asset.voxels, []
-    assert voxels is not None
+    surface, found = sample_surface(asset), []
+    assert asset.voxels is not None
+    voxels = voxelize_again(surface, asset.voxels)
     facings = find_facings(voxels.coords, voxels.part_ids, voxels.resolution)
     top = voxels.coords[:, 2] == voxels.coords[voxels.part_ids == asset.root, 2].max()
     lid = (facings == 5) & (voxels.part_ids == asset.root) & top
     for seed in (0, 1):
         asked = StructureCondition(image=image)
-        painted = generate_appearance(model, asset, asked, seed, surface=sample_surface(asset))
+        painted = generate_appearance(model, asset, asked, seed, surface=surface)
         assert painted.gaussians is not None
         colors = srgb_from_linear(painted.gaussians.colors).reshape(len(voxels.coords), -1, 3)
         found.append(colors[lid, : colors.shape[1] // 2].mean(axis=(0, 1)))

@@ -270,6 +270,25 @@ def test_a_panel_with_a_step_on_either_side_is_no_slant():
     assert find_slants(planes).flat[0][1].all()
 
 
+def test_a_board_with_steps_in_its_lower_face_is_no_slant():
+    """Half of a top was drawn a cell thicker: a plane through both halves would leave the board above."""
+    top = np.zeros((40, 60, 4), dtype=bool)
+    top[:, :, 2:] = True
+    top[:, 2:28, 1] = True
+    top[:, 56:58, 1] = True
+    planes = fit_face_planes(top, tight_box(top))
+    assert len(find_slants(planes).planes) == 0
+    vertices, faces = mesh_occupancy(top, tight_box(top))
+    solid = trimesh.Trimesh(vertices, faces)
+    low, high = solid.bounds
+    grid = np.stack(np.meshgrid(np.linspace(2, 38, 19), np.linspace(2, 58, 29)), axis=-1).reshape(-1, 2)
+    under = np.column_stack([grid, np.full(len(grid), low[2] - 1)])
+    hits, rays, _ = solid.ray.intersects_location(under, np.tile([0, 0, 1.0], (len(grid), 1)))
+    lowest = np.full(len(grid), np.inf)
+    np.minimum.at(lowest, rays, hits[:, 2])
+    assert (lowest < high[2] - 0.7).all()
+
+
 def test_a_part_of_nothing_but_specks_stays():
     """Two cells, one behind the other, sunk into a body: each alone in its layer, and all of a knob."""
     cells = np.argwhere(np.ones((5, 5, 4), dtype=bool)) + 2

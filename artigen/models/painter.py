@@ -31,6 +31,8 @@ PANE = 0.02
 """Share of what is behind that a pane lets through, at least."""
 GLAZED: tuple[PartLabel, ...] = ("door", "tray", "shelf")
 """Parts that may have panes: of 84 procedural objects no other part has one."""
+CENTRED: tuple[PartLabel, ...] = ("door", "drawer")
+"""Parts on whose faces figures lie in the middle (`artigen.figures`): those of bodies may be anywhere."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -228,10 +230,12 @@ def paint_voxels(
         told=torch.from_numpy(told)[None].to(device),
     )
     said = painter(batch)
-    glazed = np.isin(np.array(name_rows(table)), GLAZED)[part_ids]
+    labels = np.array(name_rows(table))
+    glazed, centred = (np.isin(labels, some)[part_ids] for some in (GLAZED, CENTRED))
     solid = torch.from_numpy(~glazed)[None].to(device)
     said = replace(said, pane=said.pane.masked_fill(solid, -torch.inf))
-    guess = settle_guess(said, coords, facings, find_edges(coords, part_ids, facings, resolution))
+    edges = find_edges(coords, part_ids, facings, resolution)
+    guess = settle_guess(said, coords, facings, edges, centred)
     return choose_colors(guess, offer_colors(guess, batch))[0].cpu().numpy()
 
 
@@ -240,6 +244,7 @@ def settle_guess(
     coords: Int[np.ndarray, "N 3"],
     facings: Int[np.ndarray, "N"],
     edges: Int[np.ndarray, "E 2"],
+    centred: Bool[np.ndarray, "N"],
 ) -> PaintGuess:
     """What the painter makes of the voxels of an object once its faces are painted in figures.
 
@@ -251,18 +256,19 @@ def settle_guess(
         coords: Cells (x, y, z) of the grid.
         facings: Directions of their outer sides.
         edges: Pairs of neighbours on one face (`artigen.figures.find_edges`).
+        centred: Whether figures on the faces of their parts lie in the middle.
     """
     count = len(coords)
     clear = torch.sigmoid(guess.pane[0].double()).cpu().numpy()
     panes = np.stack([1.0 - clear, clear], axis=1)
-    pane = settle_figures(panes, coords, facings, number_faces(count, edges))
+    pane = settle_figures(panes, coords, facings, number_faces(count, edges), centred)
     sure = panes[np.arange(count), pane]
     edges = edges[pane[edges[:, 0]] == pane[edges[:, 1]]]
     faces = number_faces(count, edges)
     chances = torch.softmax(guess.choices[0].double(), dim=-1).cpu().numpy() * sure[:, None, None]
     chosen, free = np.empty((count, SIDES), dtype=np.int64), guess.free[0].cpu().numpy().copy()
     for side in range(SIDES):
-        own = settle_figures(chances[:, side], coords, facings, faces)
+        own = settle_figures(chances[:, side], coords, facings, faces, centred)
         figures = number_faces(count, edges[own[edges[:, 0]] == own[edges[:, 1]]])
         chosen[:, side], free[:, side] = own, _average(free[:, side], chances[:, side, -1], figures)
     clears = _average(guess.clear[0].cpu().numpy()[:, None], clear, faces)[:, 0]
