@@ -130,3 +130,14 @@ def test_nothing_occupied_is_an_error():
         fit_face_planes(np.zeros((4, 4, 4), dtype=bool), np.zeros((2, 3)))
     with pytest.raises(ValueError, match="inset is -1"):
         FacePlanesConfig(inset=-1.0)
+
+
+@pytest.mark.parametrize("thick", [2, 3, 6])
+def test_the_crest_of_a_disc_is_curved_however_thin_it_is(thick: int):
+    across = np.arange(30) - 14.5
+    disc = np.hypot(across[:, None], across[None]) <= 15.0
+    planes = fit_face_planes(np.repeat(disc[None], thick, axis=0), np.array([[0, 0, 0], [thick, 30, 30]]))
+    for direction in range(2, 6):
+        rim = planes.patch[direction] >= 0
+        assert not planes.flat[direction][rim].any()
+    assert planes.flat[0][planes.patch[0] >= 0].all()

@@ -22,6 +22,8 @@ WASHING = "WashingMachine"
 """Category whose doors are round, with a drum or without."""
 PLATE = 7
 """Layers behind the panel of the door in which the plate of the body is sought: the fullest of them."""
+WHOLE = 0.7
+"""Share of the rim of a door in a layer from which on all of it is there."""
 AROUND = 3
 """Cells beyond the door in which the plate is looked at."""
 
@@ -72,6 +74,9 @@ def _round_door(
     kept = mine & inside
     kept[plate + 1 :] &= radius <= RIM
     kept[panel] |= inside & ~mine.any(axis=0) & (view[panel] < 0)
+    rim = inside & (radius > RIM)
+    whole = kept[:plate, rim].mean(axis=1) >= WHOLE
+    kept[:plate][whole] |= rim & (view[:plate][whole] < 0)
     owners[owners == door] = -1
     view[kept] = door
     if plate < len(view):

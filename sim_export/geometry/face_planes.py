@@ -355,7 +355,7 @@ def _find_flat(faces: _Faces, steps: _Steps, cfg: FacePlanesConfig) -> np.ndarra
     double_down = down + total(patch, faces.double_down) / edges
     terrace |= narrow & (np.minimum(double_up, double_down) > most / 2) & (up + down > most / 2)
     to_terrace = total(steps.source, counts & terrace[steps.target])
-    terrace = terrace | ((up + down > most) & (to_terrace > (up + down) * edges / 2))
+    terrace = terrace | ((up + down > most / 2) & (to_terrace > (up + down) * edges / 2))
     beside = terrace[steps.source] | terrace[steps.target]
     # Both ends of a step list the same riser face, once from above and once from below.
     return ~(terrace | (total(steps.riser, beside / 2) > area / 2))
