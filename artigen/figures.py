@@ -25,6 +25,8 @@ CENTRED, SMALL = 0.15, 0.05
 """Shares of a face: that a figure is off its middle across, at most; that one has which may be anywhere."""
 WHOLE, STRIP = 0.5, 0.3
 """Shares of the edges of a face: that a strip is long, at least, and that it is wide, at most."""
+MERGED = 0.5
+"""Share of the evidence for two rectangles that meet which one around both holds at least, to replace them."""
 ROUND = 8
 """Cells across a face, at least, for it to be round."""
 
@@ -129,8 +131,27 @@ def _find_rectangles(
 ) -> Bool[np.ndarray, "H W"]:
     boxes = find_boxes(evidence[..., None], least)
     if centred:
-        boxes = [box for box in boxes if _is_meant(box, evidence.shape)]
+        boxes = [box for box in _merge_boxes(boxes, evidence) if _is_meant(box, evidence.shape)]
     return fill_boxes((*evidence.shape, 1), boxes)[..., 0]
+
+
+def _merge_boxes(boxes: list[Box], evidence: Float[np.ndarray, "H W"]) -> list[Box]:
+    """One box around each that meets those before it, wherever it holds most of what they do: figures whose
+    corners were bitten off."""
+    merged: list[Box] = []
+    for box in boxes:
+        for number, other in enumerate(merged):
+            sides = list(zip(box, other, strict=True))
+            if any(max(a.start, b.start) > min(a.stop, b.stop) for a, b in sides):
+                continue
+            x, y, z = (slice(min(a.start, b.start), max(a.stop, b.stop)) for a, b in sides)
+            both = fill_boxes((*evidence.shape, 1), [box, other])[..., 0]
+            if evidence[x, y].sum() >= MERGED * evidence[both].sum():
+                merged[number] = x, y, z
+                break
+        else:
+            merged.append(box)
+    return merged
 
 
 def _is_meant(box: Box, face: tuple[int, ...]) -> bool:

@@ -93,6 +93,18 @@ def test_where_figures_are_centred_only_strips_and_small_ones_lie_aside(
     np.testing.assert_array_equal(drawn, classes if stays else 0 * classes)
 
 
+def test_a_bitten_corner_of_a_centred_figure_is_whole_again_and_a_frame_is_not_filled():
+    face, bitten = np.ones((40, 30), dtype=bool), np.zeros((40, 30), dtype=int)
+    bitten[6:34, 4:26] = 1
+    whole = bitten.copy()
+    bitten[6:15, 4:11] = 0
+    np.testing.assert_array_equal(draw_figures(be_sure(bitten, 2), face), bitten)
+    np.testing.assert_array_equal(draw_figures(be_sure(bitten, 2), face, centred=True), whole)
+    frame = whole.copy()
+    frame[10:30, 8:22] = 0
+    np.testing.assert_array_equal(draw_figures(be_sure(frame, 2), face, centred=True), frame)
+
+
 def test_every_face_is_settled_by_itself_and_along_the_axis_that_it_faces():
     y, z = (values.ravel() for values in np.meshgrid(np.arange(EDGE), np.arange(EDGE), indexing="ij"))
     window = (np.abs(y - 3.5) < 3) & (np.abs(z - 3.5) < 3)

@@ -15,7 +15,7 @@ from jaxtyping import Bool, Float, Int
 from torch import Tensor, nn
 
 from artigen.facings import SIDES
-from artigen.fields import DEFAULT_LAYOUT, after_occupancy, name_rows
+from artigen.fields import DEFAULT_LAYOUT, after_occupancy, name_category, name_rows
 from artigen.figures import find_edges, number_faces, settle_figures
 from artigen.palettes import KIND, PALETTE, read_kinds
 from artigen.surroundings import SURROUNDINGS, describe_surroundings
@@ -32,7 +32,11 @@ PANE = 0.02
 GLAZED: tuple[PartLabel, ...] = ("door", "tray", "shelf")
 """Parts that may have panes: of 84 procedural objects no other part has one."""
 CENTRED: tuple[PartLabel, ...] = ("door", "drawer")
-"""Parts on whose faces figures lie in the middle (`artigen.figures`): those of bodies may be anywhere."""
+"""Parts on whose faces figures lie in the middle (`artigen.figures`), as on all of a body but its front."""
+FRONT = 0
+"""Direction in which fronts face."""
+JOINED = "Table"
+"""Category whose bodies are joined of many boards: figures may be anywhere."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -232,6 +236,8 @@ def paint_voxels(
     said = painter(batch)
     labels = np.array(name_rows(table))
     glazed, centred = (np.isin(labels, some)[part_ids] for some in (GLAZED, CENTRED))
+    if name_category(table) != JOINED:
+        centred |= (labels == "base")[part_ids] & (facings != FRONT)
     solid = torch.from_numpy(~glazed)[None].to(device)
     said = replace(said, pane=said.pane.masked_fill(solid, -torch.inf))
     edges = find_edges(coords, part_ids, facings, resolution)
