@@ -26,7 +26,7 @@ CENTRED, SMALL = 0.15, 0.05
 WHOLE, STRIP = 0.5, 0.3
 """Shares of the edges of a face: that a strip is long, at least, and that it is wide, at most."""
 MERGED = 0.5
-"""Share of the evidence for two rectangles that meet which one around both holds at least, to replace them."""
+"""Share of the evidence for two rectangles that meet which one around both must hold to replace them."""
 ROUND = 8
 """Cells across a face, at least, for it to be round."""
 
