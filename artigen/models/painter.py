@@ -33,10 +33,10 @@ GLAZED: tuple[PartLabel, ...] = ("door", "tray", "shelf")
 """Parts that may have panes: of 84 procedural objects no other part has one."""
 CENTRED: tuple[PartLabel, ...] = ("door", "drawer")
 """Parts on whose faces figures lie in the middle (`artigen.figures`), as on all of a body but its front."""
-FRONT = 0
-"""Direction in which fronts face."""
+FRONT, UP = 0, 5
+"""Directions in which fronts and tops face."""
 JOINED = "Table"
-"""Category whose bodies are joined of many boards: figures may be anywhere."""
+"""Category whose bodies are joined of many boards: but for their top, figures may be anywhere."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -236,8 +236,8 @@ def paint_voxels(
     said = painter(batch)
     labels = np.array(name_rows(table))
     glazed, centred = (np.isin(labels, some)[part_ids] for some in (GLAZED, CENTRED))
-    if name_category(table) != JOINED:
-        centred |= (labels == "base")[part_ids] & (facings != FRONT)
+    whole = facings == UP if name_category(table) == JOINED else facings != FRONT
+    centred |= (labels == "base")[part_ids] & whole
     solid = torch.from_numpy(~glazed)[None].to(device)
     said = replace(said, pane=said.pane.masked_fill(solid, -torch.inf))
     edges = find_edges(coords, part_ids, facings, resolution)
