@@ -56,10 +56,14 @@ def load_package(
     Raises:
         PackageError: if the folder cannot be read or the engine refuses it.
     """
+    import sapien.physx
+
     from sim_export.files.read import read_package
 
     if package is None:
         package = read_package(folder)
+    # SAPIEN keeps hulls by their path, also those of a package that stood there before.
+    sapien.physx.clear_cache()
     loader = scene.create_urdf_loader()
     loader.fix_root_link = cfg.base == "fixed"
     loader.load_multiple_collisions_from_file = True

@@ -49,8 +49,11 @@ def run_dynamics(job: CheckJob) -> tuple[CheckResult, ...]:
 def run_tasks(job: CheckJob) -> tuple[CheckResult, ...]:
     """Checks L4, in this process."""
     with quiet_libraries():
+        import sapien.physx
+
         from .maniskill.checks import check_tasks
 
+        sapien.physx.clear_cache()  # as in `envs.package.load_package`
         return check_tasks(job.folder)
 
 

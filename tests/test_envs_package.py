@@ -159,6 +159,25 @@ def test_every_hull_and_mass_arrives(folder, package):
             assert load.engine_mass == pytest.approx(link.inertial.mass, rel=1e-6)
 
 
+def test_a_package_in_the_place_of_another_has_its_own_hulls(package: SimPackage, tmp_path: Path):
+    """SAPIEN keeps meshes by their path: a package drawn again was tested with the hulls of the first."""
+    bigger = replace(
+        package,
+        links=tuple(
+            replace(link, hulls=tuple(replace(hull, vertices=1.25 * hull.vertices) for hull in link.hulls))
+            for link in package.links
+        ),
+    )
+    for written in (package, bigger, package):
+        folder = write_package(written, tmp_path / "cabinet", "replace")
+        loaded = load_package(create_scene(0.01), folder, LoadConfig())
+        shapes = {link.name: link.collision_shapes for link in loaded.articulation.links}
+        for link in written.links:
+            wide = sorted(np.ptp(hull.vertices, axis=0).max() for hull in link.hulls)
+            found = sorted(np.ptp(shape.vertices * shape.scale, axis=0).max() for shape in shapes[link.name])
+            assert found == pytest.approx(wide, rel=1e-4)
+
+
 def test_joints_keep_order_labels_and_resistance(folder, package):
     loaded = load_package(create_scene(0.01), folder, LoadConfig())
     assert [joint.spec.name for joint in loaded.joints] == ["joint_0", "joint_1", "joint_2", "joint_3"]
