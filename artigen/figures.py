@@ -109,7 +109,7 @@ def draw_figures(
     least = max(LEAST, SHARE * int(face.sum()))
     if (mass >= least).sum() < 2:
         return drawn
-    find = _find_discs if is_round(face) else partial(_find_rectangles, centred=centred)
+    find = _find_discs if is_round(face) else partial(find_rectangles, centred=centred)
     for _ in range(ROUNDS):
         for number in np.argsort(-mass, kind="stable"):
             if mass[number] < least:
@@ -126,9 +126,16 @@ def is_round(face: Bool[np.ndarray, "H W"]) -> bool:
     return min(face.shape) >= ROUND and alike > whole.mean()
 
 
-def _find_rectangles(
-    evidence: Float[np.ndarray, "H W"], least: float, *, centred: bool
+def find_rectangles(
+    evidence: Float[np.ndarray, "H W"], least: float, *, centred: bool = False
 ) -> Bool[np.ndarray, "H W"]:
+    """The cells of the rectangles that hold enough evidence, only of those that may lie there if `centred`.
+
+    Args:
+        evidence: Above 0 for cells that belong to a rectangle, below 0 for others.
+        least: Sum over a rectangle for it to be one.
+        centred: Whether rectangles lie in the middle, but for small ones and strips.
+    """
     boxes = find_boxes(evidence[..., None], least)
     if centred:
         boxes = [box for box in _merge_boxes(boxes, evidence) if _is_meant(box, evidence.shape)]

@@ -19,8 +19,8 @@ from jaxtyping import Bool, Float, Int
 from scipy.ndimage import binary_fill_holes, label
 
 from artigen.fields import DEFAULT_LAYOUT, FieldLayout, name_category, name_rows
-from artigen.figures import is_round
-from artigen.mending.boxes import fill_boxes, find_boxes
+from artigen.figures import find_rectangles, is_round
+from artigen.mending.boxes import find_boxes
 from artigen.mending.rows import Owners
 
 Kind = Literal["top", "side", "back", "front", "plate", "panel"]
@@ -218,8 +218,7 @@ def _draw_rectangles(face: Face) -> Int[np.ndarray, "H W"]:
     for _ in range(ROUNDS):
         for depth in np.argsort(-mass, kind="stable"):
             gain = face.weights[depth] - np.take_along_axis(face.weights, drawn[None], axis=0)[0]
-            boxes = find_boxes(gain[..., None], face.least)
-            drawn[fill_boxes((*gain.shape, 1), boxes)[..., 0]] = depth
+            drawn[find_rectangles(gain, face.least)] = depth
     return drawn
 
 

@@ -41,12 +41,13 @@ def round_portholes(
     before, owners = owners, owners.copy()
     labels, kinds = np.array(name_rows(rows, layout)), np.array(name_joints(rows, layout))
     boxes, axes = rows[:, after_occupancy(layout.box)], rows[:, after_occupancy(layout.axis)]
+    washing = name_category(rows, layout) == WASHING
     drums = boxes[(labels == "tray") & (kinds == "continuous") & (np.abs(axes).argmax(axis=1) == 0)]
     for door in np.flatnonzero((labels == "door") & (kinds == "revolute")):
         center, size = boxes[door, :3], boxes[door, 3:]
         near = (np.abs(drums[:, 1:3] - center[1:]) < size[1:] / 4).all(axis=1) & (drums[:, 0] > center[0])
         upright = size[0] < size[1:].min() and max(size[1] / size[2], size[2] / size[1]) <= OBLONG
-        if upright and (near.any() or name_category(rows, layout) == WASHING):
+        if upright and (near.any() or washing):
             _round_door(owners, int(door), labels == "base", boxes[door])
     changed = int((owners != before).sum())
     return owners, (f"{changed} cells were changed to make a door and its opening round",) if changed else ()
