@@ -5,9 +5,10 @@ from pathlib import Path
 
 import numpy as np
 import torch
-from jaxtyping import Float, Int
+from jaxtyping import Float
 
 from artigen.bare_sides import cover_bare_sides
+from artigen.canvas import Canvas, lay_out
 from artigen.errors import SourceError
 from artigen.facings import find_facings
 from artigen.fields import name_rows, tabulate_parts
@@ -28,7 +29,7 @@ from artigen.models.slat_flow import SlatFlow, sample_slats
 from artigen.models.store import DESCRIPTION, load_model, read_description
 from artigen.models.trellis import load_strictly, read_tensors
 from artigen.palettes import ask_colors, describe_voxels, read_kinds
-from artigen.places import VoxelPlaces, describe_places, measure_places
+from artigen.places import describe_places, measure_places
 from artigen.sampling import SamplerConfig
 from artigen.splats.render.splats import Splats
 from artigen.splats.seams import SeamConfig, settle_seams
@@ -120,22 +121,6 @@ def load_appearance_model(folder: Path, device: torch.device | str = "cpu") -> A
         palette=palette,
         painter=painter,
     )
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Canvas:
-    """The voxels of a structure, which Gaussians are drawn for."""
-
-    coords: Int[np.ndarray, "N 3"]
-    """In the model's resolution."""
-    part_ids: Int[np.ndarray, "N"]
-    """Part of each."""
-    facings: Int[np.ndarray, "N"]
-    """Direction of the outer side of each (`artigen.facings`)."""
-    table: Float[np.ndarray, "P C"]
-    """Channels after occupancy of each part (`artigen.fields.tabulate_parts`)."""
-    places: VoxelPlaces | None = None
-    """Where the surface of each lies, for models that are told."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -240,17 +225,17 @@ def generate_appearance(
     if voxels is None or not len(voxels.coords) or voxels.resolution != edge:
         found = "none" if voxels is None else f"{len(voxels.coords)} of {voxels.resolution}^3"
         raise ValueError(f"asset {asset.name!r}: voxels are {found}, this model draws on those of {edge}^3")
-    if surface is not None:
-        voxels = voxelize_again(surface, voxels)
-    facings = find_facings(voxels.coords, voxels.part_ids, edge)
     places = None
-    if model.flow.attribute_channels:
-        if surface is None:
-            raise ValueError(
-                f"asset {asset.name!r} came without samples of its surface, which say where in its voxels "
-                "Gaussians belong; take some of its meshes (sim_export.geometry.surface)"
-            )
+    if surface is not None:
+        voxels, facings = lay_out(surface, voxelize_again(surface, voxels))
         places = measure_places(surface, voxels, facings)
+    elif model.flow.attribute_channels:
+        raise ValueError(
+            f"asset {asset.name!r} came without samples of its surface, which say where in its voxels "
+            "Gaussians belong; take some of its meshes (sim_export.geometry.surface)"
+        )
+    else:
+        facings = find_facings(voxels.coords, voxels.part_ids, edge)
     canvas = Canvas(
         coords=voxels.coords,
         part_ids=voxels.part_ids,

@@ -5,7 +5,7 @@ side looks like, and for a drawn structure, whose sides are to be coloured.
 """
 
 import numpy as np
-from jaxtyping import Bool, Float, Int, Real
+from jaxtyping import Bool, Float, Int, Integer, Real
 from scipy.ndimage import uniform_filter
 
 FACINGS = 6
@@ -21,7 +21,7 @@ LONGEST = 5
 
 
 def find_facings(
-    coords: Int[np.ndarray, "N 3"], part_ids: Int[np.ndarray, "N"], resolution: int
+    coords: Integer[np.ndarray, "N 3"], part_ids: Integer[np.ndarray, "N"], resolution: int
 ) -> Int[np.ndarray, "N"]:
     """Direction (0 to 5) that the outer side of each voxel faces.
 
@@ -45,14 +45,26 @@ def find_facings(
         for axis in range(3):
             total = uniform_filter(np.where(inside, runs[axis][within], 0.0), 3, mode="constant")[place]
             thickness[axis, own] = total / count
-    middle = find_middles(cells, part_ids, LONGEST)
-    axis = np.round(thickness, 3).argmin(axis=0)
-    every = np.arange(len(cells))
-    return 2 * axis + (cells[every, axis] > middle[every, axis])
+    return find_outward(coords, part_ids, np.round(thickness, 3).argmin(axis=0))
+
+
+def find_outward(
+    coords: Integer[np.ndarray, "N 3"], part_ids: Integer[np.ndarray, "N"], axes: Integer[np.ndarray, "N"]
+) -> Int[np.ndarray, "N"]:
+    """Direction (0 to 5) along each voxel's axis that leads away from where the inside is.
+
+    Args:
+        coords: Cells (x, y, z) of the grid.
+        part_ids: Part of each.
+        axes: Axis of each, 0 to 2.
+    """
+    cells, every = coords.astype(np.int64), np.arange(len(coords))
+    middle = find_middles(cells, part_ids, float(LONGEST))
+    return 2 * axes + (cells[every, axes] > middle[every, axes])
 
 
 def find_covered(
-    coords: Int[np.ndarray, "N 3"], facings: Int[np.ndarray, "N"], resolution: int
+    coords: Integer[np.ndarray, "N 3"], facings: Integer[np.ndarray, "N"], resolution: int
 ) -> Bool[np.ndarray, "N 2"]:
     """Whether something of the object stands straight before the outer side of each voxel, and the inner one.
 
@@ -79,9 +91,9 @@ def find_covered(
 
 
 def find_joined(
-    coords: Int[np.ndarray, "N 3"],
-    part_ids: Int[np.ndarray, "N"],
-    facings: Int[np.ndarray, "N"],
+    coords: Integer[np.ndarray, "N 3"],
+    part_ids: Integer[np.ndarray, "N"],
+    facings: Integer[np.ndarray, "N"],
     resolution: int,
 ) -> Bool[np.ndarray, "N 2 2"]:
     """Whether the part of a voxel goes on next to it, across its sides.
@@ -105,9 +117,9 @@ def find_joined(
 
 
 def count_behind(
-    coords: Int[np.ndarray, "N 3"],
-    part_ids: Int[np.ndarray, "N"],
-    facings: Int[np.ndarray, "N"],
+    coords: Integer[np.ndarray, "N 3"],
+    part_ids: Integer[np.ndarray, "N"],
+    facings: Integer[np.ndarray, "N"],
     resolution: int,
 ) -> Int[np.ndarray, "N"]:
     """How many cells of its part lie in a row with each voxel, itself among them, from one side to the other.
@@ -123,7 +135,7 @@ def count_behind(
 
 
 def mark_voxels(
-    coords: Int[np.ndarray, "N 3"], numbers: Int[np.ndarray, "N"], resolution: int
+    coords: Integer[np.ndarray, "N 3"], numbers: Integer[np.ndarray, "N"], resolution: int
 ) -> Int[np.ndarray, "R R R"]:
     """The number of every cell of the grid, such as its part's; -1 where nothing is."""
     grid = np.full((resolution,) * 3, -1)
@@ -144,7 +156,7 @@ def facing_frames() -> Float[np.ndarray, "6 3 3"]:
 
 
 def find_middles(
-    points: Real[np.ndarray, "N 3"], part_ids: Int[np.ndarray, "N"], thin: float
+    points: Real[np.ndarray, "N 3"], part_ids: Integer[np.ndarray, "N"], thin: float
 ) -> Float[np.ndarray, "N 3"]:
     """Where the inside is for each point: the middle of its part, or of the whole along the axes along which
     the part is thinner than ``thin``."""

@@ -62,7 +62,8 @@ def find_outside(surface: SurfaceSamples) -> Bool[np.ndarray, "N"]:
     where the part is thin, as in `artigen.facings`."""
     every = np.arange(len(surface.points))
     axis = np.abs(surface.normals).argmax(axis=1)
-    middle = find_middles(surface.points, surface.part_ids, THIN * np.ptp(surface.points, axis=0).max())
+    thin = THIN * float(np.ptp(surface.points, axis=0).max())
+    middle = find_middles(surface.points, surface.part_ids, thin)
     away = surface.points[every, axis] - middle[every, axis]
     return np.asarray(surface.normals[every, axis] * away > 0)
 

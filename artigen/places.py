@@ -105,12 +105,13 @@ def measure_places(surface: SurfaceSamples, voxels: VoxelGrid, facings: Int[np.n
 
 
 def _limit_heights(heights: Float[np.ndarray, "N 2"]) -> Float[np.ndarray, "N 2"]:
-    """Heights within the voxel, as networks have seen them, and sides apart as they were, by `APART` at most:
-    of two sheets in one place, one could not tell which is seen."""
-    limited = heights.clip(-0.5, 0.5)
+    """Heights as far off as can be told, and sides apart as they were, by `APART` at most: of two sheets in
+    one place, one could not tell which is seen."""
+    farthest = FARTHEST * HEIGHT_REACH
+    limited = heights.clip(-farthest, farthest)
     lack = np.minimum(heights[:, 0] - heights[:, 1], APART) - (limited[:, 0] - limited[:, 1])
     lack = np.maximum(lack, 0.0)
-    above = limited[:, 0] >= 0.5
+    above = limited[:, 0] >= farthest
     return limited + np.stack([np.where(above, 0.0, lack), np.where(above, -lack, 0.0)], axis=1)
 
 

@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Float, Int
 
+from artigen.facings import mark_voxels
 from artigen.fields import decode, encode
 from artigen.types import Asset, SurfaceSamples, VoxelGrid
 
@@ -16,34 +17,60 @@ __all__ = ["assign_cells", "decode", "drop_unresolved", "encode", "find_heirs", 
 
 FAIR_SHARE = 0.5
 """A part should own cells that hold this share of its area; below it the part may claim cells."""
+TAKEN = 2.0
+"""What surface weighs whose next cell beneath is another part's, in voxels to a next cell that is free."""
 
 
 def voxelize(surface: SurfaceSamples, resolution: int = 64) -> VoxelGrid:
     """Marks every cell that holds a sample and gives it to one part, as `assign_cells` does.
 
-    Samples count as area. Points on the far faces of the unit cube count to the last cell.
+    Samples count as area.
     """
-    cells = np.floor((surface.points.astype(np.float64) + 0.5) * resolution).astype(np.int64)
-    cells = np.clip(cells, 0, resolution - 1)
+    cells = find_cells(surface, resolution)
     return assign_cells(cells, surface.part_ids, np.ones(len(cells)), resolution)
+
+
+def find_cells(surface: SurfaceSamples, resolution: int) -> Int[np.ndarray, "N 3"]:
+    """The cell of every sample; points on the far faces of the unit cube count to the last one."""
+    cells = np.floor((surface.points.astype(np.float64) + 0.5) * resolution).astype(np.int64)
+    return np.clip(cells, 0, resolution - 1)
+
+
+def weigh_losses(surface: SurfaceSamples, resolution: int) -> Float[np.ndarray, "N"]:
+    """What each sample's part would lose if the sample's cell were another's: how far off the next cell
+    beneath it is, in voxels, and `TAKEN` where only other parts have surface in that."""
+    cells, part_ids = find_cells(surface, resolution), surface.part_ids.astype(np.int64)
+    points = (surface.points.astype(np.float64) + 0.5) * resolution
+    every, axes = np.arange(len(points)), np.abs(surface.normals).argmax(axis=1)
+    signs = np.where(surface.normals[every, axes] > 0, 1, -1)
+    into = points[every, axes] - cells[every, axes]
+    beneath = cells.copy()
+    beneath[every, axes] -= signs
+    inside = ((beneath >= 0) & (beneath < resolution)).all(axis=1)
+    shape, parts = (resolution,) * 3, int(part_ids.max(initial=0)) + 1
+    here = np.ravel_multi_index(tuple(cells.T), shape)
+    there = np.ravel_multi_index(tuple(beneath.clip(0, resolution - 1).T), shape)
+    free = ~np.isin(there, here) | np.isin(there * parts + part_ids, here * parts + part_ids)
+    return np.where(inside & free, np.where(signs > 0, into, 1.0 - into), TAKEN)
 
 
 def voxelize_again(surface: SurfaceSamples, voxels: VoxelGrid) -> VoxelGrid:
     """Marks the cells that the surface made of voxels passes through, as `voxelize` does those of an object.
 
-    Drawn voxels may be thick, and meshes made of them lie beside some. A part that no cell is left for keeps
-    those that it had.
+    Drawn voxels may be thick, and meshes made of them lie beside some. Of two parts in one cell, the one that
+    would lose more owns it (`weigh_losses`): the other's surface goes to the cell beneath
+    (`artigen.canvas.cover_surface`). A part that no cell is left for keeps those that it had.
 
     Args:
         surface: Samples of the meshes that were made of the voxels.
         voxels: What they were made of.
     """
-    found = voxelize(surface, voxels.resolution)
+    cells, weights = find_cells(surface, voxels.resolution), weigh_losses(surface, voxels.resolution)
+    found = assign_cells(cells, surface.part_ids, weights, voxels.resolution)
     lost = np.isin(voxels.part_ids, np.setdiff1d(voxels.part_ids, found.part_ids))
     if not lost.any():
         return found
-    owners = np.full((voxels.resolution,) * 3, -1)
-    owners[tuple(found.coords.T)] = found.part_ids
+    owners = mark_voxels(found.coords, found.part_ids, voxels.resolution)
     owners[tuple(voxels.coords[lost].T)] = voxels.part_ids[lost]
     coords = np.argwhere(owners >= 0)
     return VoxelGrid(resolution=voxels.resolution, coords=coords, part_ids=owners[tuple(coords.T)])

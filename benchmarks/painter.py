@@ -18,7 +18,7 @@ import tyro
 from jaxtyping import Float, Int
 
 from artigen.appearance import load_appearance_model
-from artigen.facings import SIDES, find_facings
+from artigen.facings import SIDES
 from artigen.fields import tabulate_parts
 from artigen.figures import find_edges
 from artigen.generate import load_structure_model
@@ -27,7 +27,7 @@ from artigen.models.painter import paint_voxels
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.draw import draw_shape
 from artigen.train.appearance.drawn import DrawnVoxels, keep_voxels, redraw
-from artigen.train.appearance.examples import paint_parts
+from artigen.train.appearance.examples import lay_true_voxels, paint_parts
 from artigen.train.appearance.paint import VoxelPaint, read_paint
 from artigen.types import PAPER_CATEGORIES
 from artigen.weights import SHIPPED
@@ -85,9 +85,8 @@ def main(options: Options) -> int:
     for number in range(options.objects):
         kinds = len(PAPER_CATEGORIES)
         shape = draw_shape(PAPER_CATEGORIES[number % kinds], number // kinds)
-        asset = shape_to_asset(shape, edge)
+        asset, facings = lay_true_voxels(shape, shape_to_asset(shape, edge))
         assert asset.voxels is not None
-        facings = find_facings(asset.voxels.coords, asset.voxels.part_ids, edge)
         paint, palettes, table = (
             read_paint(shape, asset, facings),
             paint_parts(shape, asset),

@@ -1,19 +1,15 @@
 """A chest with one drawer, all of one colour without gloss, for tests of appearance."""
 
-from dataclasses import replace
-
 import numpy as np
 
-from artigen.facings import find_facings
 from artigen.models.features import PyramidFeatures
-from artigen.places import SAMPLES
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.primitives import box
 from artigen.shapes.render import RenderConfig
 from artigen.shapes.shape import Motion, Need, Shape, ShapePart
 from artigen.shapes.surfaces.finishes import Finish
 from artigen.train.appearance.curation import CurationConfig, curate
-from artigen.train.appearance.examples import AppearanceExample, paint_parts, sample_parts
+from artigen.train.appearance.examples import AppearanceExample, lay_true_voxels, paint_parts
 from artigen.train.appearance.paint import read_paint
 from artigen.train.appearance.views import ViewConfig
 from artigen.types import Asset
@@ -95,12 +91,10 @@ def small_curation(**changes) -> CurationConfig:
 
 def make_example(shape: Shape, resolution: int = 16, **changes) -> tuple[Asset, AppearanceExample]:
     """An asset, and its example with pyramid features."""
-    asset = shape_to_asset(shape, resolution)
+    asset, facings = lay_true_voxels(shape, shape_to_asset(shape, resolution))
     assert asset.voxels is not None
-    facings = find_facings(asset.voxels.coords, asset.voxels.part_ids, resolution)
-    sampled = replace(asset, surface=sample_parts(shape, asset, 1.0 / (SAMPLES * resolution)))
     paint = read_paint(shape, asset, facings)
-    features, pictures = curate(shape, sampled, facings, PyramidFeatures(), small_curation(**changes), paint)
+    features, pictures = curate(shape, asset, facings, PyramidFeatures(), small_curation(**changes), paint)
     labels = np.zeros((len(asset.parts), 35 - 1), dtype=np.float32)
     labels[:, 0] = 1.0
     return asset, AppearanceExample(

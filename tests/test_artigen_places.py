@@ -5,6 +5,7 @@ import pytest
 
 from artigen.facings import FACINGS, facing_frames
 from artigen.places import (
+    FARTHEST,
     HEIGHT,
     HEIGHT_REACH,
     MIDDLE_SPREAD,
@@ -85,10 +86,12 @@ def fill(low: tuple[int, int, int], high: tuple[int, int, int]) -> VoxelGrid:
 
 
 def test_surface_over_a_voxel_is_that_voxels():
-    surface = sample_box(np.array([2.0, 2.0, 4.3]), np.array([6.0, 6.0, 5.1]))
-    places = measure_places(surface, fill((2, 2, 4), (6, 6, 5)), np.full(16, 5))
-    assert places.faced.all()
-    np.testing.assert_allclose(places.heights, np.tile([0.5, -0.2], (16, 1)), atol=1e-6)
+    farthest = FARTHEST * HEIGHT_REACH
+    for top, height in ((5.1, 0.6), (5.4, farthest)):  # beyond, networks cannot be told
+        surface = sample_box(np.array([2.0, 2.0, 4.3]), np.array([6.0, 6.0, top]))
+        places = measure_places(surface, fill((2, 2, 4), (6, 6, 5)), np.full(16, 5))
+        assert places.faced.all()
+        np.testing.assert_allclose(places.heights, np.tile([height, -0.2], (16, 1)), atol=1e-6)
 
 
 def test_what_no_surface_says_is_taken_to_be_filled():

@@ -124,6 +124,34 @@ def test_voxels_are_where_the_surface_made_of_them_is():
     np.testing.assert_array_equal(voxelize_again(sheet, same).coords, same.coords)
 
 
+def test_of_two_walls_in_one_layer_of_cells_the_one_that_would_move_further_owns_it_all():
+    rng, edge = np.random.default_rng(7), 16
+    place = 4.0 + 8.0 * rng.random((8 * 8 * 64, 2))  # about 32 samples of each in every cell
+    part_ids = rng.integers(0, 2, len(place))
+    for low, high, owner in ((0.2, 0.8, 1), (0.8, 0.2, 0)):
+        height = 5.0 + np.where(part_ids == 0, low, high)  # both face up: beneath, cells are free
+        walls = np.column_stack([place, height])
+        apart = np.column_stack([place, 10.5 + 2.0 * part_ids])  # what either has elsewhere
+        surface = make_surface(np.concatenate([walls, apart]) / edge - 0.5, np.tile(part_ids, 2))
+        again = voxelize_again(surface, voxelize(surface, edge))
+        assert set(again.part_ids[again.coords[:, 2] == 5]) == {owner}
+
+
+def test_what_has_no_cell_beneath_keeps_its_own():
+    y, z = (4.0 + values.ravel() for values in np.meshgrid(*[np.arange(0.125, 8.0, 0.25)] * 2))
+    # The first goes to the layer beneath, which is its part's; the last is more of its part elsewhere.
+    walls = [(0, 5.7), (0, 4.3), (1, 5.5), (0, 9.5)]
+    surface = SurfaceSamples(
+        points=np.concatenate([np.column_stack([np.full(len(y), x), y, z]) for _, x in walls]) / 16 - 0.5,
+        normals=np.tile([1.0, 0.0, 0.0], (len(walls) * len(y), 1)),
+        colors=np.zeros((len(walls) * len(y), 3), dtype=np.uint8),
+        part_ids=np.repeat([part for part, _ in walls], len(y)),
+    )
+    again = voxelize_again(surface, voxelize(surface, 16))
+    assert set(again.part_ids[again.coords[:, 0] == 5]) == {1}
+    assert set(again.part_ids[again.coords[:, 0] == 4]) == {0}
+
+
 def test_a_part_that_would_lose_all_voxels_keeps_them():
     surface = make_surface([[0.0, 0.0, 0.0]] * 3, [0, 0, 0])
     drawn = VoxelGrid(

@@ -7,14 +7,14 @@ import pytest
 
 from artigen.appearance import (
     AppearanceConfig,
-    Canvas,
     Told,
     draw_splats,
     generate_appearance,
     load_appearance_model,
 )
 from artigen.ask import Request, read_request
-from artigen.facings import facing_frames, find_facings
+from artigen.canvas import Canvas, lay_out
+from artigen.facings import facing_frames
 from artigen.fields import tabulate_parts
 from artigen.generate import generate_structure, load_structure_model
 from artigen.metrics.delivery import has_counts, size_error
@@ -75,8 +75,7 @@ def test_parts_have_the_colours_that_a_picture_shows():
     truth = paint_parts(draw_shape("Microwave", 0), asset)[asset.root, :3]
     surface, found = sample_surface(asset), []
     assert asset.voxels is not None
-    voxels = voxelize_again(surface, asset.voxels)
-    facings = find_facings(voxels.coords, voxels.part_ids, voxels.resolution)
+    voxels, facings = lay_out(surface, voxelize_again(surface, asset.voxels))
     top = voxels.coords[:, 2] == voxels.coords[voxels.part_ids == asset.root, 2].max()
     lid = (facings == 5) & (voxels.part_ids == asset.root) & top
     for seed in (0, 1):
@@ -92,15 +91,15 @@ def test_parts_have_the_colours_that_a_picture_shows():
 @pytest.fixture(scope="module")
 def table() -> Canvas:
     asset = shape_to_asset(draw_shape("Table", 3), 64)
-    voxels = asset.voxels
-    assert voxels is not None
-    facings = find_facings(voxels.coords, voxels.part_ids, 64)
+    assert asset.voxels is not None
+    surface = sample_surface(asset)
+    voxels, facings = lay_out(surface, asset.voxels)
     return Canvas(
         coords=voxels.coords,
         part_ids=voxels.part_ids,
         facings=facings,
         table=tabulate_parts(asset),
-        places=measure_places(sample_surface(asset), voxels, facings),
+        places=measure_places(surface, voxels, facings),
     )
 
 

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from artigen.appearance import AppearanceConfig, AppearanceModel, Canvas, Told, draw_splats
+from artigen.appearance import AppearanceConfig, AppearanceModel, Told, draw_splats
+from artigen.canvas import Canvas
 from artigen.errors import SourceError
 from artigen.metrics.appearance import Comparison, Scores, compare_pictures
 from artigen.metrics.part_colors import Colors, borrow_colors, color_error, mean_colors
@@ -13,10 +14,10 @@ from artigen.metrics.retrieval import retrieve
 from artigen.metrics.subjects import Subject
 from artigen.models.appearance_vae import AppearanceVae
 from artigen.models.conditions import StructureCondition
-from artigen.places import SAMPLES, measure_places
+from artigen.places import measure_places
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.shape import Shape
-from artigen.train.appearance.examples import AppearanceExample, sample_parts
+from artigen.train.appearance.examples import AppearanceExample, lay_true_voxels
 from artigen.train.appearance.photographs import take_pictures
 from artigen.train.appearance.views import ViewConfig
 from artigen.types import Asset
@@ -102,16 +103,15 @@ def score_colors(
 
 def _make_canvas(task: PictureTask) -> Canvas:
     """The true voxels of an object, and where its own surface lies in them."""
-    example = task.example
-    assert task.asset.voxels is not None
-    shape, facings = _shape_of(task.asset), example.facings.astype(np.int64)
-    surface = sample_parts(shape, task.asset, 1.0 / (SAMPLES * example.resolution))
+    laid, facings = lay_true_voxels(_shape_of(task.asset), task.asset)
+    assert laid.voxels is not None
+    assert laid.surface is not None
     return Canvas(
-        coords=example.coords,
-        part_ids=example.part_ids,
+        coords=laid.voxels.coords,
+        part_ids=laid.voxels.part_ids,
         facings=facings,
-        table=example.table,
-        places=measure_places(surface, task.asset.voxels, facings),
+        table=task.example.table,
+        places=measure_places(laid.surface, laid.voxels, facings),
     )
 
 

@@ -22,13 +22,14 @@ from artigen.mending.rows import read_owners
 from artigen.models.conditions import StructureCondition, gather_conditions
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.draw import draw_shape
+from artigen.train.appearance.examples import lay_true_voxels
 from artigen.train.shards import ShardConfig, ShardJob, draw_shard, save_shard
 from artigen.types import Asset, VoxelGrid
 
 SHIFTED, STRAY, HOLES = 0.3, 0.03, 6
 """Share of parts that are off, shares of cells that are off and that lack, and number of holes."""
 NEAR = 2.5
-"""Cells within which a drawn voxel looks as the nearest true one of its part that faces as it does."""
+"""Cells within which a drawn voxel looks, and faces, as the nearest true one of its part does."""
 STORED = {"coords": np.uint8, "part_ids": np.uint8, "facings": np.uint8, "rows": np.int32, "like": np.int32}
 """Fields of `DrawnVoxels`, and as what they are written."""
 PER_ROW = ("rows", "like")
@@ -129,10 +130,11 @@ def redraw(
     owners = read_owners(fields, rows)
     coords = np.argwhere(owners >= 0)
     part_ids = owners[tuple(coords.T)]
-    faced = find_facings(coords, part_ids, wanted)
     near, like = _find_like(
-        np.column_stack([voxels.coords, voxels.part_ids, facings]), np.column_stack([coords, part_ids, faced])
+        np.column_stack([voxels.coords, voxels.part_ids]), np.column_stack([coords, part_ids])
     )
+    faced = find_facings(coords, part_ids, wanted)
+    faced[near] = facings[like]
     return DrawnVoxels(coords=coords, part_ids=part_ids, facings=faced, rows=near, like=like)
 
 
@@ -157,9 +159,8 @@ def draw_drawn(
     category: str, seed: int, *, resolution: int, model: StructureModel | None = None
 ) -> DrawnVoxels:
     """Voxels of a procedural object, drawn again."""
-    asset = shape_to_asset(draw_shape(category, seed), resolution)
-    assert asset.voxels is not None
-    facings = find_facings(asset.voxels.coords, asset.voxels.part_ids, resolution)
+    shape = draw_shape(category, seed)
+    asset, facings = lay_true_voxels(shape, shape_to_asset(shape, resolution))
     return draw_again(asset, facings, np.random.default_rng(seed), model)
 
 
@@ -195,10 +196,10 @@ def read_drawn_shard(path: Path) -> Iterator[DrawnVoxels]:
 
 
 def _find_like(
-    true: Int[np.ndarray, "N 5"], drawn: Int[np.ndarray, "M 5"]
+    true: Int[np.ndarray, "N 4"], drawn: Int[np.ndarray, "M 4"]
 ) -> tuple[Int[np.ndarray, "K"], Int[np.ndarray, "K"]]:
-    """Drawn voxels (cell, part, facing) near true ones of their part and facing, and the nearest of these."""
-    apart = np.array([1.0, 1.0, 1.0, 100.0, 100.0])
+    """Drawn voxels (cell, part) near true ones of their part, and the nearest of these."""
+    apart = np.array([1.0, 1.0, 1.0, 100.0])
     distance, nearest = KDTree(true * apart).query(drawn * apart, distance_upper_bound=NEAR)
     near = np.flatnonzero(np.isfinite(distance))
     return near, np.asarray(nearest)[near]

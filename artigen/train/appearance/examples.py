@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float, Int, UInt8
 
-from artigen.facings import find_facings
+from artigen.canvas import lay_out
 from artigen.models.features import FeatureExtractor
 from artigen.palettes import describe_voxels, read_kinds, read_palettes
 from artigen.places import SAMPLES
@@ -87,18 +87,17 @@ def draw_appearance_of(
 ) -> tuple[Asset, AppearanceExample]:
     """A procedural object with voxels, and its example as `draw_appearance` gives it."""
     asset, described = draw_example_of(category, seed, resolution=resolution, image_size=image_size)
-    assert asset.voxels is not None
     shape = draw_shape(category, seed)
-    facings = find_facings(asset.voxels.coords, asset.voxels.part_ids, resolution)
-    sampled = replace(asset, surface=sample_parts(shape, asset, 1.0 / (SAMPLES * resolution)))
-    paint = read_paint(shape, asset, facings)
-    features, pictures = curate(shape, sampled, facings, extractor, cfg, paint)
+    laid, facings = lay_true_voxels(shape, asset)
+    assert laid.voxels is not None
+    paint = read_paint(shape, laid, facings)
+    features, pictures = curate(shape, laid, facings, extractor, cfg, paint)
     return asset, AppearanceExample(
         name=asset.name,
         category=asset.category,
         resolution=resolution,
-        coords=asset.voxels.coords.astype(np.uint8),
-        part_ids=asset.voxels.part_ids.astype(np.uint8),
+        coords=laid.voxels.coords.astype(np.uint8),
+        part_ids=laid.voxels.part_ids.astype(np.uint8),
         facings=facings.astype(np.uint8),
         paint=paint.packed(),
         features=features.values.astype(np.float16),
@@ -110,6 +109,20 @@ def draw_appearance_of(
         size=described.size,
         image=described.image,
     )
+
+
+def lay_true_voxels(shape: Shape, asset: Asset) -> tuple[Asset, Int[np.ndarray, "N"]]:
+    """The asset of a procedural object with samples of its surface and the voxels that Gaussians are drawn on
+    (`artigen.canvas`), and the directions of their outer sides.
+
+    Raises:
+        ValueError: If the asset has no voxels.
+    """
+    if asset.voxels is None:
+        raise ValueError(f"asset {asset.name!r} has no voxels; voxelize its surface first")
+    surface = sample_parts(shape, asset, 1.0 / (SAMPLES * asset.voxels.resolution))
+    voxels, facings = lay_out(surface, asset.voxels)
+    return replace(asset, voxels=voxels, surface=surface), facings
 
 
 def paint_parts(shape: Shape, asset: Asset) -> Float[np.ndarray, "P 7"]:

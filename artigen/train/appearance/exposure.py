@@ -34,7 +34,7 @@ def find_exposed(
         images: The pictures, all in the joint state ``qpos``.
         qpos: One coordinate per part (m, rad).
     """
-    points, normals = _rest_surface(scene, cameras, images, qpos)
+    points, normals = rest_surface(scene, cameras, images, qpos)
     closed = _without_glass(scene, place_instances(scene, [0], [np.zeros_like(qpos)]))
     hidden = torch.ones(len(points), dtype=torch.bool, device=points.device)
     for direction in spread_sphere(DIRECTIONS):
@@ -59,7 +59,7 @@ def spread_sphere(count: int) -> Float[np.ndarray, "K 3"]:
     return np.stack([level * np.cos(angle), level * np.sin(angle), height], axis=1)
 
 
-def _rest_surface(
+def rest_surface(
     scene: Scene, cameras: Cameras, images: Images, qpos: Float[np.ndarray, "P"]
 ) -> tuple[Float[Tensor, "N 3"], Float[Tensor, "N 3"]]:
     """Points just off the surfaces that pixels see, and normals, both where they are at rest (m)."""

@@ -10,7 +10,6 @@ import torch
 from jaxtyping import Float, UInt8
 from torch import Tensor, nn
 
-from artigen.facings import find_facings
 from artigen.fields import tabulate_parts
 from artigen.generate import StructureModel, load_structure_model
 from artigen.io import read_arrays
@@ -19,7 +18,7 @@ from artigen.models.palette_flow import gather_painted
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.draw import draw_shape
 from artigen.train.appearance.drawn import DrawnShardConfig, draw_again, keep_voxels
-from artigen.train.appearance.examples import paint_parts
+from artigen.train.appearance.examples import lay_true_voxels, paint_parts
 from artigen.train.appearance.flow import BLUR
 from artigen.train.appearance.paint import read_paint
 from artigen.train.appearance.shards import PER_PART
@@ -84,9 +83,8 @@ def draw_painted(
         model: draws them again (`artigen.train.appearance.drawn`); without one, they are roughened.
     """
     shape = draw_shape(category, seed)
-    asset = shape_to_asset(shape, resolution)
+    asset, facings = lay_true_voxels(shape, shape_to_asset(shape, resolution))
     assert asset.voxels is not None
-    facings = find_facings(asset.voxels.coords, asset.voxels.part_ids, resolution)
     paint, table = read_paint(shape, asset, facings), tabulate_parts(asset)
     rng = np.random.default_rng(seed)
     if rng.random() < DRAWN:
