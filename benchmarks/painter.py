@@ -31,6 +31,7 @@ from artigen.train.appearance.examples import lay_true_voxels, paint_parts
 from artigen.train.appearance.paint import VoxelPaint, read_paint
 from artigen.types import PAPER_CATEGORIES
 from artigen.weights import SHIPPED
+from sim_export.geometry.surface import sample_surface
 
 ALIKE = 0.08
 """Root mean square difference of sRGB within which two colours are alike."""
@@ -94,7 +95,7 @@ def main(options: Options) -> int:
         )
         ways = {
             "true": keep_voxels(asset.voxels, facings),
-            "drawn": redraw(structure, asset, facings, np.random.default_rng(number)),
+            "drawn": redraw(structure, asset, facings, np.random.default_rng(number), sample_surface),
         }
         for name, drawn in ways.items():
             places = (drawn.coords, drawn.part_ids, drawn.facings)

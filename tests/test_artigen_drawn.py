@@ -7,17 +7,23 @@ import numpy as np
 import pytest
 from drawer_chest import make_chest
 
+import artigen.train.appearance.drawn
+from artigen.canvas import lay_out
 from artigen.errors import ArtigenError
 from artigen.facings import find_facings
+from artigen.fields import tabulate_parts
 from artigen.generate import build_structure_model, load_structure_model
 from artigen.models.presets import PRESETS
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.shape import Shape
 from artigen.train.appearance.drawn import NEAR, DrawnVoxels, keep_voxels, redraw, roughen
+from artigen.train.appearance.examples import lay_true_voxels
 from artigen.train.appearance.run import AppearanceRunConfig, claim_appearance_run
-from artigen.types import Asset
+from artigen.types import Asset, SurfaceSamples
+from artigen.voxels import voxelize_again
 from artigen.weights import SHIPPED
+from sim_export.geometry.surface import sample_surface
 
 
 def voxelize(shape: Shape, resolution: int) -> tuple[Asset, np.ndarray]:
@@ -69,6 +75,39 @@ def test_redrawn_voxels_look_as_true_ones_that_face_as_they_do():
     assert 0.05 < (off > 0).mean() < 0.8  # else it would be the object itself, or another one
     assert (drawn.facings[drawn.rows] == facings[drawn.like]).all()
     assert 0.8 < len(drawn.rows) / len(drawn.coords) < 1.0
+
+
+def test_resurfaced_voxels_are_those_that_an_object_is_generated_on():
+    shape = draw_shape("Refrigerator", 4)
+    asset, facings = lay_true_voxels(shape, shape_to_asset(shape, 64))
+    model, made = load_structure_model(SHIPPED), []
+
+    def resurface(drawn: Asset) -> SurfaceSamples:
+        made.append((drawn, sample_surface(drawn)))
+        return made[-1][1]
+
+    drawn = redraw(model, asset, facings, np.random.default_rng(5), resurface)
+    ((structure, surface),) = made
+    plain = redraw(model, asset, facings, np.random.default_rng(5))
+    assert structure.voxels is not None
+    np.testing.assert_array_equal(structure.voxels.coords, plain.coords)
+    voxels, faced = lay_out(surface, voxelize_again(surface, structure.voxels))
+    np.testing.assert_array_equal(drawn.coords, voxels.coords)
+    np.testing.assert_array_equal(drawn.part_ids, voxels.part_ids)
+    np.testing.assert_array_equal(drawn.facings, faced)
+    assert distances(asset, drawn).max() <= NEAR
+    assert (drawn.facings[drawn.rows] == facings[drawn.like]).all()
+
+
+def test_voxels_stay_as_drawn_where_a_part_has_none(monkeypatch: pytest.MonkeyPatch):
+    asset, facings = voxelize(draw_shape("Microwave", 3), 64)
+    model = load_structure_model(SHIPPED)
+    plain = redraw(model, asset, facings, np.random.default_rng(5))
+    more = replace(asset, parts=(*asset.parts, replace(asset.parts[-1], name="another")))
+    monkeypatch.setattr(artigen.train.appearance.drawn, "tabulate_parts", lambda _: tabulate_parts(asset))
+    drawn = redraw(model, more, facings, np.random.default_rng(5), sample_surface)
+    np.testing.assert_array_equal(drawn.coords, plain.coords)
+    np.testing.assert_array_equal(drawn.facings, plain.facings)
 
 
 def test_a_model_of_another_resolution_is_refused():

@@ -134,6 +134,7 @@ def _prepare(
     ):
         from artigen.train.appearance.everything import train_appearance
         from artigen.train.appearance.run import AppearanceRunConfig
+        from sim_export.geometry.surface import sample_surface
 
         if cfg.partnet is not None:
             raise ArtigenError("real objects cannot be photographed for appearance yet: leave --partnet out")
@@ -148,6 +149,7 @@ def _prepare(
             train_appearance,
             AppearanceRunConfig(folder=run, workers=workers, **shared, **vars(appearance)),
             what,
+            resurface=sample_surface,
         )
     from artigen.train.everything import train_everything
     from artigen.train.run import RunConfig

@@ -4,8 +4,8 @@ A painter that has seen true voxels alone is sure of itself on drawn ones, and w
 gaps and smears on them.
 """
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 
@@ -14,6 +14,7 @@ import torch
 from jaxtyping import Int
 from scipy.spatial import KDTree
 
+from artigen.canvas import lay_out
 from artigen.facings import find_facings
 from artigen.fields import tabulate_parts
 from artigen.generate import GenerateConfig, StructureModel, draw_cells, load_structure_model
@@ -24,16 +25,20 @@ from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.draw import draw_shape
 from artigen.train.appearance.examples import lay_true_voxels
 from artigen.train.shards import ShardConfig, ShardJob, draw_shard, save_shard
-from artigen.types import Asset, VoxelGrid
+from artigen.types import Asset, SurfaceSamples, VoxelGrid
+from artigen.voxels import voxelize_again
 
 SHIFTED, STRAY, HOLES = 0.3, 0.03, 6
 """Share of parts that are off, shares of cells that are off and that lack, and number of holes."""
 NEAR = 2.5
-"""Cells within which a drawn voxel looks, and faces, as the nearest true one of its part does."""
+"""Cells within which a drawn voxel looks as the nearest true one of its part that faces as it does."""
 STORED = {"coords": np.uint8, "part_ids": np.uint8, "facings": np.uint8, "rows": np.int32, "like": np.int32}
 """Fields of `DrawnVoxels`, and as what they are written."""
 PER_ROW = ("rows", "like")
 """Those of them that are not of every voxel."""
+
+Resurface = Callable[[Asset], SurfaceSamples]
+"""Samples of the surface that is made of an asset's voxels (`sim_export.geometry.surface.sample_surface`)."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -55,6 +60,8 @@ class DrawnShardConfig(ShardConfig):
 
     structure: Path | None = None
     """Folder of the model that draws the voxels; without one, they are roughened."""
+    resurface: Resurface | None = None
+    """Makes the surface that drawn voxels stand for, as for a package; without, they are taken as drawn."""
 
 
 def keep_voxels(voxels: VoxelGrid, facings: Int[np.ndarray, "N"]) -> DrawnVoxels:
@@ -99,15 +106,23 @@ def roughen(voxels: VoxelGrid, facings: Int[np.ndarray, "N"], rng: np.random.Gen
 
 
 def redraw(
-    model: StructureModel, asset: Asset, facings: Int[np.ndarray, "N"], rng: np.random.Generator
+    model: StructureModel,
+    asset: Asset,
+    facings: Int[np.ndarray, "N"],
+    rng: np.random.Generator,
+    resurface: Resurface | None = None,
 ) -> DrawnVoxels:
     """Voxels that a structure model draws within the outline of an object.
+
+    Where their surface can be made and no part lacks voxels, they are those that it passes through, as when
+    an object is generated (`artigen.appearance.generate_appearance`).
 
     Args:
         model: trained, one that draws within outlines.
         asset: the object, with voxels in the model's resolution.
         facings: directions of the outer sides of its voxels.
         rng: of the noise.
+        resurface: makes the surface of what is drawn.
 
     Raises:
         ValueError: If the model draws without outlines, or the asset has no voxels of its resolution.
@@ -129,21 +144,35 @@ def redraw(
         fields, _ = draw_cells(model, asked.to(device), noise.to(device), rows, GenerateConfig())
     owners = read_owners(fields, rows)
     coords = np.argwhere(owners >= 0)
-    part_ids = owners[tuple(coords.T)]
+    drawn = VoxelGrid(resolution=wanted, coords=coords, part_ids=owners[tuple(coords.T)])
+    if resurface is not None and len(np.unique(drawn.part_ids)) == len(asset.parts):
+        surface = resurface(replace(asset, voxels=drawn))
+        drawn, faced = lay_out(surface, voxelize_again(surface, drawn))
+    else:
+        faced = find_facings(drawn.coords, drawn.part_ids, wanted)
     near, like = _find_like(
-        np.column_stack([voxels.coords, voxels.part_ids]), np.column_stack([coords, part_ids])
+        np.column_stack([voxels.coords, voxels.part_ids, facings]),
+        np.column_stack([drawn.coords, drawn.part_ids, faced]),
     )
-    faced = find_facings(coords, part_ids, wanted)
-    faced[near] = facings[like]
-    return DrawnVoxels(coords=coords, part_ids=part_ids, facings=faced, rows=near, like=like)
+    return DrawnVoxels(
+        coords=drawn.coords,
+        part_ids=drawn.part_ids.astype(np.int64),
+        facings=faced,
+        rows=near,
+        like=like,
+    )
 
 
 def draw_again(
-    asset: Asset, facings: Int[np.ndarray, "N"], rng: np.random.Generator, model: StructureModel | None
+    asset: Asset,
+    facings: Int[np.ndarray, "N"],
+    rng: np.random.Generator,
+    model: StructureModel | None,
+    resurface: Resurface | None = None,
 ) -> DrawnVoxels:
     """Voxels that a model draws (`redraw`); without one, roughened ones."""
     if model is not None:
-        return redraw(model, asset, facings, rng)
+        return redraw(model, asset, facings, rng, resurface)
     assert asset.voxels is not None
     return roughen(asset.voxels, facings, rng)
 
@@ -151,17 +180,22 @@ def draw_again(
 def make_drawn_shard(job: ShardJob[DrawnShardConfig]) -> Path:
     """Draws the voxels of the objects of one shard and writes them; runs in a worker process."""
     model = None if job.cfg.structure is None else load_structure_model(job.cfg.structure)
-    draw = partial(draw_drawn, resolution=job.cfg.resolution, model=model)
+    draw = partial(draw_drawn, resolution=job.cfg.resolution, model=model, resurface=job.cfg.resurface)
     return draw_shard(job, draw, write_drawn_shard)
 
 
 def draw_drawn(
-    category: str, seed: int, *, resolution: int, model: StructureModel | None = None
+    category: str,
+    seed: int,
+    *,
+    resolution: int,
+    model: StructureModel | None = None,
+    resurface: Resurface | None = None,
 ) -> DrawnVoxels:
     """Voxels of a procedural object, drawn again."""
     shape = draw_shape(category, seed)
     asset, facings = lay_true_voxels(shape, shape_to_asset(shape, resolution))
-    return draw_again(asset, facings, np.random.default_rng(seed), model)
+    return draw_again(asset, facings, np.random.default_rng(seed), model, resurface)
 
 
 def write_drawn_shard(path: Path, drawn: Sequence[DrawnVoxels]) -> None:
@@ -196,10 +230,10 @@ def read_drawn_shard(path: Path) -> Iterator[DrawnVoxels]:
 
 
 def _find_like(
-    true: Int[np.ndarray, "N 4"], drawn: Int[np.ndarray, "M 4"]
+    true: Int[np.ndarray, "N 5"], drawn: Int[np.ndarray, "M 5"]
 ) -> tuple[Int[np.ndarray, "K"], Int[np.ndarray, "K"]]:
-    """Drawn voxels (cell, part) near true ones of their part, and the nearest of these."""
-    apart = np.array([1.0, 1.0, 1.0, 100.0])
+    """Drawn voxels (cell, part, facing) near true ones of their part and facing, and the nearest of these."""
+    apart = np.array([1.0, 1.0, 1.0, 100.0, 100.0])
     distance, nearest = KDTree(true * apart).query(drawn * apart, distance_upper_bound=NEAR)
     near = np.flatnonzero(np.isfinite(distance))
     return near, np.asarray(nearest)[near]

@@ -32,7 +32,13 @@ from artigen.models.painter import Painter
 from artigen.models.palette_flow import PaletteFlow
 from artigen.models.slat_flow import SlatFlow
 from artigen.models.store import save_model
-from artigen.train.appearance.drawn import DrawnShardConfig, DrawnVoxels, make_drawn_shard, read_drawn_shard
+from artigen.train.appearance.drawn import (
+    DrawnShardConfig,
+    DrawnVoxels,
+    Resurface,
+    make_drawn_shard,
+    read_drawn_shard,
+)
 from artigen.train.appearance.examples import AppearanceExample
 from artigen.train.appearance.flow import train_appearance_flow
 from artigen.train.appearance.painter import make_paint_shard, read_paint_shard, train_painter
@@ -69,7 +75,11 @@ class AppearanceData:
 
 
 def train_appearance(
-    cfg: AppearanceRunConfig, stage: AppearanceStage = "appearance", *, on_report: Report | None = None
+    cfg: AppearanceRunConfig,
+    stage: AppearanceStage = "appearance",
+    *,
+    on_report: Report | None = None,
+    resurface: Resurface | None = None,
 ) -> dict[str, float]:
     """Runs what is missing and returns the scores of the held-out objects.
 
@@ -77,6 +87,8 @@ def train_appearance(
         cfg: The run.
         stage: All networks, or one of them; the flow needs a VAE in the same folder.
         on_report: Called with every line of metrics; logged when None.
+        resurface: Makes the surface of what a structure model draws, as for a package; without, networks
+            learn on voxels as they are drawn.
 
     Raises:
         ArtigenError: If the configuration or the folder does not allow it.
@@ -92,12 +104,12 @@ def train_appearance(
     if stage in ("appearance", "appearance-palette"):
         _train_palette(cfg, report)
     if stage in ("appearance", "appearance-painter"):
-        _train_painter(cfg, report)
+        _train_painter(cfg, report, resurface)
     if stage not in ("appearance-palette", "appearance-painter"):
         data = make_appearance_data(cfg)
         vae = _load_vae(cfg) if stage == "appearance-flow" else _train_vae(cfg, data, report)
         if stage != "appearance-vae":
-            _train_flow(cfg, vae, data, report)
+            _train_flow(cfg, vae, data, report, resurface)
     return json.loads(scores.read_text()) if scores.is_file() else {}
 
 
@@ -134,7 +146,7 @@ def _train_palette(cfg: AppearanceRunConfig, report: Report) -> None:
     _store(cfg, flow, APPEARANCE_PALETTE, cfg.shards * cfg.objects * cfg.painted)
 
 
-def _train_painter(cfg: AppearanceRunConfig, report: Report) -> None:
+def _train_painter(cfg: AppearanceRunConfig, report: Report, resurface: Resurface | None) -> None:
     preset, training = APPEARANCE_PRESETS[cfg.preset], APPEARANCE_TRAINING[cfg.preset]
     if preset.palette is None or training.painter is None:
         return
@@ -144,6 +156,7 @@ def _train_painter(cfg: AppearanceRunConfig, report: Report) -> None:
         image_size=0,
         timeout=3600.0,
         structure=cfg.structure,
+        resurface=resurface,
     )
     paths = _make_shards(cfg, "paint", cfg.shards, shards, make_paint_shard)
     torch.manual_seed(3)
@@ -187,7 +200,13 @@ def _load_vae(cfg: AppearanceRunConfig) -> AppearanceVae:
     return load_stage(vae, cfg.home / "vae")
 
 
-def _train_flow(cfg: AppearanceRunConfig, vae: AppearanceVae, data: AppearanceData, report: Report) -> None:
+def _train_flow(
+    cfg: AppearanceRunConfig,
+    vae: AppearanceVae,
+    data: AppearanceData,
+    report: Report,
+    resurface: Resurface | None,
+) -> None:
     preset, training = APPEARANCE_PRESETS[cfg.preset], APPEARANCE_TRAINING[cfg.preset]
     drawn: list[DrawnVoxels] = []
     if preset.palette is not None:
@@ -197,6 +216,7 @@ def _train_flow(cfg: AppearanceRunConfig, vae: AppearanceVae, data: AppearanceDa
             image_size=0,
             timeout=3600.0,
             structure=cfg.structure,
+            resurface=resurface,
         )
         paths = _make_shards(cfg, "drawn", cfg.shards, shards, make_drawn_shard)
         drawn = [voxels for path in paths for voxels in read_drawn_shard(path)]

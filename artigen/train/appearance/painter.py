@@ -17,7 +17,7 @@ from artigen.models.painter import Painter, VoxelBatch, describe_for_painter, of
 from artigen.models.palette_flow import gather_painted
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.draw import draw_shape
-from artigen.train.appearance.drawn import DrawnShardConfig, draw_again, keep_voxels
+from artigen.train.appearance.drawn import DrawnShardConfig, Resurface, draw_again, keep_voxels
 from artigen.train.appearance.examples import lay_true_voxels, paint_parts
 from artigen.train.appearance.flow import BLUR
 from artigen.train.appearance.paint import read_paint
@@ -71,7 +71,13 @@ class PaintBatch:
 
 
 def draw_painted(
-    category: str, seed: int, *, resolution: int, kept: int = KEPT, model: StructureModel | None = None
+    category: str,
+    seed: int,
+    *,
+    resolution: int,
+    kept: int = KEPT,
+    model: StructureModel | None = None,
+    resurface: Resurface | None = None,
 ) -> PaintedExample:
     """Draws a procedural object and paints some of its voxels: half of all, half part by part.
 
@@ -81,6 +87,7 @@ def draw_painted(
         resolution: edge of the grid.
         kept: number of voxels.
         model: draws them again (`artigen.train.appearance.drawn`); without one, they are roughened.
+        resurface: makes the surface of what is drawn.
     """
     shape = draw_shape(category, seed)
     asset, facings = lay_true_voxels(shape, shape_to_asset(shape, resolution))
@@ -88,7 +95,7 @@ def draw_painted(
     paint, table = read_paint(shape, asset, facings), tabulate_parts(asset)
     rng = np.random.default_rng(seed)
     if rng.random() < DRAWN:
-        seen = draw_again(asset, facings, rng, model)
+        seen = draw_again(asset, facings, rng, model, resurface)
     else:
         seen = keep_voxels(asset.voxels, facings)
     number = np.bincount(seen.part_ids)[seen.part_ids]
@@ -109,7 +116,7 @@ def draw_painted(
 def make_paint_shard(job: ShardJob[DrawnShardConfig]) -> Path:
     """Draws the objects of one shard and writes it; runs in a worker process."""
     model = None if job.cfg.structure is None else load_structure_model(job.cfg.structure)
-    draw = partial(draw_painted, resolution=job.cfg.resolution, model=model)
+    draw = partial(draw_painted, resolution=job.cfg.resolution, model=model, resurface=job.cfg.resurface)
     return draw_shard(job, draw, write_paint_shard)
 
 
