@@ -1,0 +1,1 @@
+"""What was asked for: categories, words, counts, lengths and pictures as one request."""

@@ -1,0 +1,90 @@
+"""What a person asks for (category, words, counts, lengths, a picture), checked and brought together."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TypeVar
+
+from artigen.errors import ArtigenError
+from artigen.shapes.draw import Wish, categories, check_wish
+from artigen.sketch.request import MATERIAL_OF, ROLES_OF, AskedFinish, SketchRequest
+from artigen.text import COLORS, ParsedText, parse_text
+from artigen.types import PartLabel
+
+Value = TypeVar("Value")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Request:
+    """What is asked for; everything but one of category, text and picture may be left open. Metres."""
+
+    category: str | None = None
+    text: str | None = None
+    image: Path | None = None
+    wish: Wish = field(default_factory=Wish)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Understood:
+    """A request in the words of the sketch, and what it says besides."""
+
+    request: SketchRequest
+    stretch: tuple[tuple[str, float], ...] = ()
+    """Factors by which extents that are left open differ from usual ones: a tall cabinet."""
+    notes: tuple[str, ...] = ()
+
+
+def understand(request: Request) -> Understood:
+    """Reads the words of a request and joins them with what is asked for otherwise.
+
+    Raises:
+        ArtigenError: If nothing, an unknown category or twice different things are asked for, or the text
+            cannot be read.
+    """
+    text = ParsedText() if request.text is None else parse_text(request.text)
+    category = _agree("category", request.category, text.category)
+    if category is None and request.image is None:
+        raise ArtigenError("no category is asked for: name one, in words if you like, or give a picture")
+    if category is not None and category not in categories():
+        raise ArtigenError(f"category {category!r}: expected one of {', '.join(sorted(categories()))}")
+    wish = request.wish
+    counts = dict(wish.counts)
+    for label, count in text.counts:
+        counts[label] = _agree(f"number of {label}s", counts.get(label), count) or 0
+    asked = Wish(
+        depth=_agree("depth", wish.depth, text.depth),
+        width=_agree("width", wish.width, text.width),
+        height=_agree("height", wish.height, text.height),
+        style=wish.style,
+        counts=tuple(sorted(counts.items())),
+    )
+    check_wish(asked)
+    said = SketchRequest(
+        category=category,
+        style=asked.style,
+        counts=asked.counts,
+        depth=asked.depth,
+        width=asked.width,
+        height=asked.height,
+        finishes=find_finishes(text.colors),
+    )
+    open_axes = tuple(
+        (axis, factor) for axis, factor in text.stretch if getattr(asked, axis) is None
+    )  # "tall" says nothing where a height is given
+    notes = (f"no meaning was found in: {', '.join(text.unused)}",) if text.unused else ()
+    return Understood(request=said, stretch=open_axes, notes=notes)
+
+
+def find_finishes(colors: tuple[tuple[PartLabel, str], ...]) -> tuple[AskedFinish, ...]:
+    """The finishes that colour words ask for; a word for a part goes before that for the whole object."""
+    found: dict[str, AskedFinish] = {}
+    for label, word in sorted(colors, key=lambda named: named[0] != "base"):
+        for role in ROLES_OF[label]:
+            found[role] = AskedFinish(role=role, color=COLORS[word], material=MATERIAL_OF.get(word))
+    return tuple(found.values())
+
+
+def _agree(what: str, first: Value | None, second: Value | None) -> Value | None:
+    """The one that is given, or either if both are the same."""
+    if first is not None and second is not None and first != second:
+        raise ArtigenError(f"{what}: both {first} and {second} are asked for")
+    return second if first is None else first

@@ -1,0 +1,1 @@
+"""Objects written as sequences of primitives: the sketch of an articulated shape."""

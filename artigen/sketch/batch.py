@@ -1,0 +1,130 @@
+"""Tables of rows and requests to the batches that the network reads."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+from jaxtyping import Bool, Int
+
+from artigen.sketch.network import RowBatch
+from artigen.sketch.pieces import PIECE_KINDS
+from artigen.sketch.rows import FIELDS, ROW_KINDS, WIDTH, column, find_said, number_axis
+
+_PIECES = [ROW_KINDS.index(kind) for kind in PIECE_KINDS]
+_FIRST = np.array([column(kind, "x0") if kind in PIECE_KINDS else 0 for kind in ROW_KINDS])
+_OBJECT, _PART, _JOINT = (ROW_KINDS.index(kind) for kind in ("object", "part", "joint"))
+_SLIDING = 2
+"""Index of the prismatic joint, which has no origin."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Asked:
+    """A request as rows: one ``object`` and any number of ``finish`` rows, of which some cells are known."""
+
+    rows: Int[np.ndarray, "A W"]
+    known: Bool[np.ndarray, "A W"]
+
+
+def nothing_asked() -> Asked:
+    """The request that leaves all to chance."""
+    known = np.zeros((1, WIDTH), dtype=bool)
+    known[:, 0] = True
+    return Asked(rows=np.full((1, WIDTH), 0) + np.eye(1, WIDTH, dtype=int) * _OBJECT, known=known)
+
+
+def make_batch(
+    tables: Sequence[Int[np.ndarray, "T W"]], requests: Sequence[Asked], *, length: int | None = None
+) -> RowBatch:
+    """Pads objects, each behind its request, to the longest or to ``length`` rows."""
+    pairs = list(zip(requests, tables, strict=True))
+    longest = length or max(len(asked.rows) + len(rows) for asked, rows in pairs)
+    shape = (len(pairs), longest)
+    rows = np.full((*shape, WIDTH), 0)
+    rows[:, :, 0] = ROW_KINDS.index("end")
+    known, said = np.ones((*shape, WIDTH), dtype=bool), np.zeros((*shape, WIDTH), dtype=bool)
+    asked_rows = np.zeros(shape, dtype=bool)
+    for index, (asked, table) in enumerate(pairs):
+        start, end = len(asked.rows), len(asked.rows) + len(table)
+        rows[index, :start], rows[index, start:end] = asked.rows, table
+        known[index, :start] = asked.known
+        said[index, start:end] = find_said(table)
+        asked_rows[index, :start] = True
+    flat = rows.reshape(-1, WIDTH)
+    low, high, named = row_planes(flat)
+    part, piece = number_rows(rows, asked_rows)
+    return RowBatch(
+        rows=torch.from_numpy(rows),
+        known=torch.from_numpy(known),
+        said=torch.from_numpy(said),
+        axes=torch.from_numpy(number_axis(flat).reshape(rows.shape)),
+        asked=torch.from_numpy(asked_rows),
+        part=torch.from_numpy(part),
+        piece=torch.from_numpy(piece),
+        low=torch.from_numpy(low.reshape(*shape, 3)),
+        high=torch.from_numpy(high.reshape(*shape, 3)),
+        named=torch.from_numpy(named.reshape(shape) & ~asked_rows),
+    )
+
+
+def number_rows(
+    rows: Int[np.ndarray, "B T W"], asked: Bool[np.ndarray, "B T"]
+) -> tuple[Int[np.ndarray, "B T"], Int[np.ndarray, "B T"]]:
+    """The part that each row belongs to, from 1 (0 before the first), and its place within the part."""
+    starts = (rows[:, :, 0] == _PART) & ~asked
+    part = np.minimum(np.cumsum(starts, axis=1), 63)
+    at = np.arange(rows.shape[1])[None]
+    last = np.maximum.accumulate(np.where(starts, at, 0), axis=1)
+    return part, np.minimum(at - last, 31)
+
+
+def row_planes(
+    rows: Int[np.ndarray, "N W"],
+) -> tuple[Int[np.ndarray, "N 3"], Int[np.ndarray, "N 3"], Bool[np.ndarray, "N"]]:
+    """Lowest and highest corner of what each row describes, and whether it names planes at all."""
+    kind = rows[:, 0]
+    piece = np.isin(kind, _PIECES)
+    first = _FIRST[kind]
+    at = np.where(piece[:, None], first[:, None] + np.arange(6), 0)
+    corners = np.where(piece[:, None], np.take_along_axis(rows, at, axis=1), 0)
+    low, high = corners[:, :3].copy(), corners[:, 3:].copy()
+    whole = kind == _OBJECT
+    extents = rows[whole, column("object", "depth") : column("object", "depth") + 3]
+    low[whole, :2] = -(extents[:, :2] // 2)
+    high[whole] = low[whole] + extents
+    joint = (kind == _JOINT) & (rows[:, column("joint", "type")] > 0)
+    joint &= rows[:, column("joint", "type")] != _SLIDING
+    origin = rows[joint, column("joint", "x") : column("joint", "x") + 3]
+    low[joint], high[joint] = origin, origin
+    return low, high, piece | whole | joint
+
+
+def ask_for(rows: Int[np.ndarray, "T W"], rng: np.random.Generator) -> Asked:
+    """A request that an object meets, as vague or exact as chance has it."""
+    finishes = rows[rows[:, 0] == ROW_KINDS.index("finish")]
+    if rng.random() < 0.5:
+        finishes = finishes[:0]
+    finishes = finishes[rng.random(len(finishes)) < 0.5]
+    table = np.concatenate([rows[:1], finishes])
+    known = np.zeros(table.shape, dtype=bool)
+    known[:, 0] = True
+    names = [field.name for field in FIELDS["object"]]
+    known[0, 1] = rng.random() < 0.9
+    known[0, 2] = rng.random() < 0.15
+    known[0, 3 : len(names) - 2] = _some(rng, len(names) - 5)
+    known[0, len(names) - 2 : len(names) + 1] = _some(rng, 3)
+    if len(finishes):
+        known[1:, column("finish", "role")] = True
+        known[1:, column("finish", "material")] = rng.random(len(finishes)) < 0.5
+        first = column("finish", "r")
+        known[1:, first : first + 3] = (rng.random(len(finishes)) < 0.8)[:, None]
+        table = table.copy()
+        noise = rng.integers(-2, 3, (len(finishes), 3))
+        table[1:, first : first + 3] = np.clip(table[1:, first : first + 3] + noise, 0, 63)
+    return Asked(rows=table, known=known)
+
+
+def _some(rng: np.random.Generator, count: int) -> Bool[np.ndarray, "N"]:
+    """All, none or some."""
+    share = rng.choice([0.0, 0.5, 1.0], p=[0.3, 0.3, 0.4])
+    return rng.random(count) < share

@@ -1,0 +1,262 @@
+"""How deep convex primitives reach into each other, and how far apart they are: exact, many pairs at once.
+
+All that is measured is the closed surface of a primitive, which for a cylinder is the prism that stands for
+it in collision. Distances are those of separating axes: normals of faces, and of pairs of edges where two
+solids overlap. For boxes along the axes they are closed formulas.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from artigen.shapes.primitives import Primitive, place_vertices
+from artigen.shapes.shape import Shape
+
+SMALL = (8, 6)
+"""Vertices and faces of a box: pairs of boxes are most, and measured by themselves."""
+_ALONG = 1.0 - 1e-9
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Bodies:
+    """All primitives of a shape in padded arrays (metres, object frame); what is short repeats its first row.
+
+    Attributes:
+        primitives: The primitives, part by part.
+        vertices: Their corners.
+        planes: Outward unit normals and offsets: ``normal @ point + offset <= 0`` inside.
+        low: Lowest corner of each one's bounds.
+        high: Highest corner.
+        upright: Which are their bounds: boxes along the axes.
+        large: Which have more vertices or faces than a box.
+        parts: Part that each one belongs to.
+        links: Rigid body that each one belongs to: the part that leads it.
+    """
+
+    primitives: tuple[Primitive, ...]
+    vertices: Float[np.ndarray, "N V 3"]
+    planes: Float[np.ndarray, "N K 4"]
+    low: Float[np.ndarray, "N 3"]
+    high: Float[np.ndarray, "N 3"]
+    upright: Bool[np.ndarray, "N"]
+    large: Bool[np.ndarray, "N"]
+    parts: Int[np.ndarray, "N"]
+    links: Int[np.ndarray, "N"]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Near:
+    """Pairs of primitives that are near each other at rest, ``first`` before ``second``."""
+
+    first: Int[np.ndarray, "C"]
+    second: Int[np.ndarray, "C"]
+    distance: Float[np.ndarray, "C"]
+    """Metres; negative where they overlap: how far one must be moved to free it of the other."""
+
+
+def list_bodies(shape: Shape, leaders: Int[np.ndarray, "P"]) -> Bodies:
+    """Collects the primitives of all parts.
+
+    Args:
+        shape: The object.
+        leaders: For every part the part that leads its rigid body.
+    """
+    primitives = tuple(primitive for part in shape.parts for primitive in part.primitives)
+    parts = np.repeat(np.arange(len(shape.parts)), [len(part.primitives) for part in shape.parts])
+    corners = [place_vertices(primitive) for primitive in primitives]
+    sides = [_place_planes(primitive) for primitive in primitives]
+    vertices, planes = _pad(corners), _pad(sides)
+    counts = np.array([(len(v), len(p)) for v, p in zip(corners, sides, strict=True)])
+    aligned = (np.abs(planes[:, :, :3]).max(axis=2) > _ALONG).all(axis=1)
+    return Bodies(
+        primitives=primitives,
+        vertices=vertices,
+        planes=planes,
+        low=vertices.min(axis=1),
+        high=vertices.max(axis=1),
+        upright=aligned & (counts[:, 1] == SMALL[1]),
+        large=np.any(counts > np.array(SMALL), axis=1),
+        parts=parts,
+        links=leaders[parts],
+    )
+
+
+def displace(bodies: Bodies, rows: Int[np.ndarray, "M"], T: Float[np.ndarray, "M 4 4"]) -> Bodies:
+    """The same primitives, some of them moved rigidly.
+
+    Args:
+        bodies: All primitives.
+        rows: Which are moved.
+        T: Displacement of each.
+    """
+    vertices, planes = bodies.vertices.copy(), bodies.planes.copy()
+    turn, offset = np.swapaxes(T[:, :3, :3], 1, 2), T[:, :3, 3]
+    vertices[rows] = vertices[rows] @ turn + offset[:, None]
+    normals = planes[rows, :, :3] @ turn
+    planes[rows, :, 3] -= (normals @ offset[:, :, None])[:, :, 0]
+    planes[rows, :, :3] = normals
+    upright = bodies.upright.copy()
+    upright[rows] &= (np.abs(normals).max(axis=2) > _ALONG).all(axis=1)
+    low, high = vertices.min(axis=1), vertices.max(axis=1)
+    return replace(bodies, vertices=vertices, planes=planes, low=low, high=high, upright=upright)
+
+
+def find_near(bodies: Bodies, reach: float) -> Near:
+    """All pairs that are nearer than ``reach`` (m) by their bounds, with their distances."""
+    gaps = np.maximum(bodies.low[:, None] - bodies.high[None], bodies.low[None] - bodies.high[:, None])
+    first, second = np.nonzero(np.triu(gaps.max(axis=2) <= reach, k=1))
+    return Near(first=first, second=second, distance=measure_pairs(bodies, first, second))
+
+
+def measure_pairs(
+    bodies: Bodies, first: Int[np.ndarray, "C"], second: Int[np.ndarray, "C"]
+) -> Float[np.ndarray, "C"]:
+    """Signed distances (m) of pairs; depths of solids that are no upright boxes are bounds from above.
+
+    Args:
+        bodies: All primitives.
+        first: One primitive of each pair.
+        second: The other.
+    """
+    gaps = np.maximum(bodies.low[first] - bodies.high[second], bodies.low[second] - bodies.high[first])
+    apart = np.linalg.norm(gaps.clip(min=0.0), axis=1)
+    distance = np.where(apart > 0, apart, gaps.max(axis=1))
+    slanted = np.flatnonzero(~(bodies.upright[first] & bodies.upright[second]))
+    if len(slanted):
+        across = separate(bodies, first[slanted], second[slanted])
+        distance[slanted] = np.maximum(distance[slanted], across)
+    return distance
+
+
+def separate(
+    bodies: Bodies,
+    first: Int[np.ndarray, "C"],
+    second: Int[np.ndarray, "C"],
+    T: Float[np.ndarray, "C 4 4"] | None = None,
+) -> Float[np.ndarray, "C"]:
+    """The most that a face of either solid of each pair separates the two (m); negative where none does.
+
+    Args:
+        bodies: All primitives.
+        first: One primitive of each pair.
+        second: The other.
+        T: How the first one of each pair is displaced; by default not at all.
+    """
+    out = np.empty(len(first))
+    kinds = 2 * bodies.large[first] + bodies.large[second]
+    for kind in np.unique(kinds):
+        rows = np.flatnonzero(kinds == kind)
+        ends = [slice(None) if flag else slice(size) for flag in divmod(int(kind), 2) for size in SMALL]
+        one, other = first[rows], second[rows]
+        corners, sides = bodies.vertices[one, ends[0]], bodies.planes[one, ends[1]]
+        if T is not None:
+            corners, sides = _move(corners, sides, T[rows])
+        faced = bodies.planes[other, ends[3]]
+        out[rows] = np.maximum(_stand_off(sides, bodies.vertices[other, ends[2]]), _stand_off(faced, corners))
+    return out
+
+
+def separate_edges(
+    bodies: Bodies, first: int, second: int, T: Float[np.ndarray, "P 4 4"]
+) -> Float[np.ndarray, "P"]:
+    """The most that a pair of edges separates two solids (m) at each of some displacements of the first."""
+    turn, offset = T[:, :3, :3], T[:, :3, 3]
+    ours = _edge_directions(bodies, first) @ np.swapaxes(turn, 1, 2)
+    axes = np.cross(ours[:, :, None], _edge_directions(bodies, second)[None, None]).reshape(len(T), -1, 3)
+    lengths = np.linalg.norm(axes, axis=2)
+    axes /= np.maximum(lengths, 1e-12)[..., None]
+    moved = bodies.vertices[first] @ np.swapaxes(turn, 1, 2) + offset[:, None]
+    here = axes @ np.swapaxes(moved, 1, 2)
+    there = axes @ bodies.vertices[second].T
+    apart = np.maximum(here.min(axis=2) - there.max(axis=2), there.min(axis=2) - here.max(axis=2))
+    return np.where(lengths > 1e-6, apart, -np.inf).max(axis=1)
+
+
+def penetrate(bodies: Bodies, first: int, second: int, T: Float[np.ndarray, "P 4 4"]) -> float:
+    """How deep (m) two solids overlap at most over displacements of the first; exact, 0 if they never do."""
+    pair = np.full(len(T), first), np.full(len(T), second)
+    depth = -separate(bodies, *pair, T)
+    deep = np.flatnonzero(depth > 0)
+    if not len(deep):
+        return 0.0
+    return max(0.0, float(np.minimum(depth[deep], -separate_edges(bodies, first, second, T[deep])).max()))
+
+
+def measure_thickness(bodies: Bodies) -> Float[np.ndarray, "N"]:
+    """Least distance (m) between a face and the corner farthest from it."""
+    heights = bodies.planes[:, :, :3] @ np.swapaxes(bodies.vertices, 1, 2) + bodies.planes[:, :, 3:]
+    return -heights.min(axis=2).max(axis=1)
+
+
+def measure_overhang(bodies: Bodies, band: float) -> float:
+    """How far (m) the middle of all volume lies outside of what stands on the floor; negative within.
+
+    Args:
+        bodies: All primitives.
+        band: Height (m) above the lowest point up to which a corner stands on the floor.
+    """
+    from scipy.spatial import ConvexHull, QhullError
+
+    corners = bodies.vertices.reshape(-1, 3)
+    feet = corners[corners[:, 2] < corners[:, 2].min() + band, :2]
+    volumes, middles = _weigh(bodies)
+    middle = volumes @ middles[:, :2] / volumes.sum()
+    try:
+        hull = ConvexHull(feet)
+    except QhullError:  # a point or a line carries nothing
+        return float(np.linalg.norm(feet - middle, axis=1).min())
+    return float((hull.equations[:, :2] @ middle + hull.equations[:, 2]).max())
+
+
+def _weigh(bodies: Bodies) -> tuple[Float[np.ndarray, "N"], Float[np.ndarray, "N 3"]]:
+    """Volumes (m^3) and centres (m) of solids."""
+    faces = [primitive.faces for primitive in bodies.primitives]
+    rows = np.repeat(np.arange(len(faces)), [len(found) for found in faces])
+    inner = bodies.vertices.mean(axis=1)
+    a, b, c = np.moveaxis(bodies.vertices[rows[:, None], np.concatenate(faces)] - inner[rows, None], 1, 0)
+    shares = np.einsum("fi,fi->f", np.cross(a, b), c) / 6
+    volumes = np.bincount(rows, weights=shares)
+    moments = [np.bincount(rows, weights=shares * (a + b + c)[:, k] / 4) for k in range(3)]
+    return volumes, inner + np.stack(moments, axis=1) / volumes[:, None]
+
+
+def _place_planes(primitive: Primitive) -> Float[np.ndarray, "K 4"]:
+    normals = primitive.planes[:, :3] @ primitive.rotation.T
+    return np.column_stack([normals, primitive.planes[:, 3] - normals @ primitive.center])
+
+
+def _pad(rows: list[np.ndarray]) -> Float[np.ndarray, "N M D"]:
+    """Arrays of different lengths as one; short ones repeat their first row."""
+    lengths = np.array([len(row) for row in rows])
+    starts = np.cumsum(lengths) - lengths
+    column = np.arange(lengths.max())
+    return np.concatenate(rows)[starts[:, None] + np.where(column < lengths[:, None], column, 0)]
+
+
+def _move(
+    corners: Float[np.ndarray, "C V 3"], sides: Float[np.ndarray, "C K 4"], T: Float[np.ndarray, "C 4 4"]
+) -> tuple[Float[np.ndarray, "C V 3"], Float[np.ndarray, "C K 4"]]:
+    turn, offset = np.swapaxes(T[:, :3, :3], 1, 2), T[:, :3, 3]
+    normals = sides[:, :, :3] @ turn
+    shifted = sides[:, :, 3:] - normals @ offset[:, :, None]
+    return corners @ turn + offset[:, None], np.concatenate([normals, shifted], axis=2)
+
+
+def _stand_off(
+    sides: Float[np.ndarray, "C K 4"], corners: Float[np.ndarray, "C V 3"]
+) -> Float[np.ndarray, "C"]:
+    """How far all corners stand in front of one of the planes, at most over the planes."""
+    heights = sides[:, :, :3] @ np.swapaxes(corners, 1, 2)
+    return (heights.min(axis=2) + sides[:, :, 3]).max(axis=1)
+
+
+def _edge_directions(bodies: Bodies, row: int) -> Float[np.ndarray, "E 3"]:
+    """Different directions of the edges of a solid, either way counted once."""
+    rings = bodies.primitives[row].rings
+    corners = bodies.vertices[row]
+    edges = (corners[np.roll(rings, -1, axis=1)] - corners[rings]).reshape(-1, 3)
+    lengths = np.linalg.norm(edges, axis=1)
+    edges = edges[lengths > 1e-9] / lengths[lengths > 1e-9, None]
+    turned = np.sign(np.round(edges, 6) @ np.array([1e6, 1e3, 1.0]))
+    return np.unique(np.round(edges * turned[:, None], 6), axis=0)

@@ -1,0 +1,446 @@
+"""`SketchNetwork`: a transformer that reads rows and says the next one, field by field.
+
+One position per row. Its state and the fields of the row said so far give every next field: a symbol from the
+vocabulary of its slot, or a number. A coordinate is said in one of three ways, whose chances add up: as a plane
+that an earlier row named (low and high sides, both mirrored at the middle plane of the object, a size that is
+repeated), as such a plane and an offset of at most `OFFSET` steps, or anew as two digits. So boards that are
+flush are exactly flush, and a thickness is a symbol.
+"""
+
+from dataclasses import dataclass
+from functools import cache
+from math import log
+
+import numpy as np
+import torch
+from jaxtyping import Bool, Float, Int
+from torch import Tensor, nn
+from torch.nn import functional as F
+
+from artigen.sketch.rows import FIELDS, LENGTH, REACH, ROW_KINDS, WIDTH
+
+OFFSET = 96
+"""Steps from a known plane within which a coordinate may be said by its distance."""
+FINE = 32
+"""Steps in the finer of the two digits of a number."""
+COARSE = 2 * REACH // FINE
+FREQUENCIES = 15
+"""Sines and cosines that a number is read by: periods from 2 to 2**15 steps."""
+SIDES = 5
+"""Planes that a row names on each axis: low, high, both mirrored, and one by its size from the own low side."""
+OWN = 2
+"""Planes that the row in question has named itself: its low and its high side."""
+_FAR = -1e9
+MIRROR_AXIS = 1
+
+
+@dataclass(frozen=True, kw_only=True)
+class SketchNetworkConfig:
+    """Sizes."""
+
+    width: int = 256
+    layers: int = 6
+    heads: int = 8
+    pointer: int = 64
+    """Width of keys and queries of planes."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Slots:
+    """One slot for every field of every kind of row; slot 0 is the kind itself."""
+
+    of_cell: Int[np.ndarray, "K W"]
+    """Slot of each column by kind of row, -1 for none."""
+    base: Int[np.ndarray, "S"]
+    """Where the symbols of a slot begin in the vocabulary; -1 for numbers."""
+    size: Int[np.ndarray, "S"]
+    total: int
+    """Symbols in all."""
+
+
+@cache
+def slots() -> Slots:
+    """The slots of the vocabulary of rows."""
+    of_cell = np.full((len(ROW_KINDS), WIDTH), -1)
+    of_cell[:, 0] = 0
+    base, size, total = [0], [len(ROW_KINDS)], len(ROW_KINDS)
+    for index, kind in enumerate(ROW_KINDS):
+        for at, field in enumerate(FIELDS[kind], start=1):
+            of_cell[index, at] = len(base)
+            base.append(total if field.size else -1)
+            size.append(field.size)
+            total += field.size
+    return Slots(of_cell=of_cell, base=np.array(base), size=np.array(size), total=total)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RowBatch:
+    """Rows of several objects, padded on the right; those of the request come first.
+
+    ``known`` says which cells are given (unknown ones only in requests), ``said`` which the network must
+    say. ``axes`` are those of `artigen.sketch.rows.number_axis`; ``part`` and ``piece`` number the parts,
+    and the rows within a part, up to each row.
+    """
+
+    rows: Int[Tensor, "B T W"]
+    known: Bool[Tensor, "B T W"]
+    said: Bool[Tensor, "B T W"]
+    axes: Int[Tensor, "B T W"]
+    asked: Bool[Tensor, "B T"]
+    part: Int[Tensor, "B T"]
+    piece: Int[Tensor, "B T"]
+    low: Int[Tensor, "B T 3"]
+    """Lowest corner of what a row describes."""
+    high: Int[Tensor, "B T 3"]
+    named: Bool[Tensor, "B T"]
+    """Whether a row names planes."""
+
+    def to(self, device: torch.device | str) -> "RowBatch":
+        """The batch on another device."""
+        return RowBatch(**{name: value.to(device) for name, value in vars(self).items()})
+
+
+class SketchNetwork(nn.Module):
+    """The transformer; see the module's description."""
+
+    def __init__(self, cfg: SketchNetworkConfig) -> None:
+        super().__init__()
+        self.cfg = cfg
+        table, width = slots(), cfg.width
+        count = len(table.base)
+        self.symbols = nn.Embedding(table.total, width)
+        self.unknown = nn.Embedding(count, width)
+        self.numbers = nn.Linear(2 * FREQUENCIES, width, bias=False)
+        self.gates = nn.Embedding(count, width)
+        self.slots = nn.Embedding(count, width)
+        self.part = nn.Embedding(64, width)
+        self.piece = nn.Embedding(32, width)
+        self.asked = nn.Embedding(2, width)
+        self.enter = _Feed(width)
+        self.blocks = nn.ModuleList(_Block(width, cfg.heads) for _ in range(cfg.layers))
+        self.leave = nn.RMSNorm(width)
+        self.state = nn.Linear(width, width, bias=False)
+        self.inner = nn.ModuleList(_Feed(width) for _ in range(2))
+        self.inner_norm = nn.RMSNorm(width)
+        self.keys = nn.Linear(width, SIDES * cfg.pointer, bias=False)
+        self.own_keys = nn.Parameter(torch.randn(OWN, cfg.pointer) * 0.1)
+        self.queries = nn.Linear(width, 2 * cfg.pointer)
+        self.ways = nn.Linear(width, 3)
+        self.offset = nn.Linear(width, 2 * OFFSET + 1)
+        self.coarse = nn.Linear(width, COARSE)
+        self.coarse_in = nn.Embedding(COARSE, width)
+        self.fine = nn.Sequential(nn.RMSNorm(width), nn.GELU(), nn.Linear(width, FINE))
+        self.biases = nn.Embedding(table.total, 1)
+        self._start(cfg)
+        base = torch.from_numpy(np.maximum(table.base, 0))
+        inside = torch.zeros(count, table.total, dtype=torch.bool)
+        for slot, (first, size) in enumerate(zip(table.base, table.size, strict=True)):
+            inside[slot, first : first + size] = bool(size > 0)
+        self.register_buffer("of_cell", torch.from_numpy(table.of_cell), persistent=False)
+        self.register_buffer("base", base, persistent=False)
+        self.register_buffer("inside", inside, persistent=False)
+        self.register_buffer("turns", np.pi / 2.0 ** torch.arange(FREQUENCIES), persistent=False)
+
+    def _start(self, cfg: SketchNetworkConfig) -> None:
+        for module in (
+            self.symbols,
+            self.unknown,
+            self.slots,
+            self.part,
+            self.piece,
+            self.asked,
+            self.coarse_in,
+        ):
+            nn.init.normal_(module.weight, std=0.5)
+        nn.init.normal_(self.gates.weight, std=1.0)
+        nn.init.normal_(self.numbers.weight, std=0.2)
+        nn.init.zeros_(self.biases.weight)
+        for block in self.blocks:
+            assert isinstance(block, _Block)
+            for last in (block.out, block.feed.down):
+                nn.init.normal_(last.weight, std=0.5 / (cfg.width * 2 * cfg.layers) ** 0.5)
+
+    def embed_cells(
+        self, rows: Int[Tensor, "*N W"], known: Bool[Tensor, "*N W"], axes: Int[Tensor, "*N W"]
+    ) -> Float[Tensor, "*N W D"]:
+        """What every cell says; nothing where a row has no such field."""
+        slot = self.of_cell[rows[..., 0]]
+        exists, number = slot >= 0, axes >= 0
+        slot = slot.clamp(min=0)
+        symbol = self.base[slot] + torch.where(number | ~known | ~exists, 0, rows)
+        said = self.symbols(symbol)
+        where = number & known & exists
+        angle = rows[where][:, None] * self.turns
+        waves = torch.cat([angle.sin(), angle.cos()], dim=-1)
+        said = said.index_put((where,), (self.numbers(waves) * self.gates(slot[where])).to(said.dtype))
+        unknown = exists & ~known
+        said = said.index_put((unknown,), self.unknown(slot[unknown]).to(said.dtype))
+        return said * exists[..., None]
+
+    def embed_values(
+        self, slot: Int[Tensor, "N"], value: Int[Tensor, "N"], number: Bool[Tensor, "N"]
+    ) -> Float[Tensor, "N D"]:
+        """What single cells say: as `embed_cells`, for known ones."""
+        said = self.symbols(self.base[slot] + torch.where(number, 0, value))
+        angle = value[number][:, None] * self.turns
+        waves = torch.cat([angle.sin(), angle.cos()], dim=-1)
+        return said.index_put((number,), self.numbers(waves) * self.gates(slot[number]))
+
+    def read_rows(
+        self, cells: Float[Tensor, "B T W D"], batch: RowBatch, cache: "list[_Cache] | None" = None
+    ) -> Float[Tensor, "B T D"]:
+        """States after each row; with a cache, rows go on from those read before."""
+        x = (
+            cells.sum(dim=2)
+            + self.part(batch.part)
+            + self.piece(batch.piece)
+            + self.asked(batch.asked.long())
+        )
+        x = self.enter(x)
+        for index, block in enumerate(self.blocks):
+            x = block(x, None if cache is None else cache[index])
+        return self.leave(x)
+
+    def think(
+        self,
+        states: Float[Tensor, "N D"],
+        before: Float[Tensor, "N D"],
+        slot: Int[Tensor, "N"],
+    ) -> Float[Tensor, "N D"]:
+        """What to say in a slot, from the state before the row and the cells said so far."""
+        x = self.state(states) + before + self.slots(slot)
+        for feed in self.inner:
+            x = feed(x)
+        return self.inner_norm(x)
+
+    def symbol_logits(self, x: Float[Tensor, "N D"], slot: Int[Tensor, "N"]) -> Float[Tensor, "N V"]:
+        """Over the whole vocabulary; far below zero outside of the slot."""
+        logits = F.linear(x, self.symbols.weight).float() + self.biases.weight[:, 0].float()
+        return logits.masked_fill(~self.inside[slot], _FAR)
+
+    def number_parts(
+        self,
+        x: Float[Tensor, "B N D"],
+        keys: Float[Tensor, "B C P"],
+        open_planes: Bool[Tensor, "B N C"],
+        length: Bool[Tensor, "B N"],
+    ) -> "NumberParts":
+        """The three ways to say a number, as logarithms of chances.
+
+        Args:
+            x: thoughts.
+            keys: of the planes; the last `OWN` are the row's own.
+            open_planes: which planes may be pointed at.
+            length: numbers that are lengths, which are always said anew.
+        """
+        queries = self.queries(x).float().unflatten(-1, (2, -1))
+        scores = torch.einsum("bnqp,bcp->qbnc", queries, keys.float()) * keys.shape[-1] ** -0.5
+        scores = scores.masked_fill(~open_planes, _FAR).log_softmax(dim=-1)
+        ways = self.ways(x).float()
+        none = length | ~open_planes.any(dim=-1)
+        blocked = torch.stack([none, none, torch.zeros_like(none)], dim=-1)
+        ways = ways.masked_fill(blocked, _FAR).log_softmax(dim=-1)
+        return NumberParts(
+            ways=ways,
+            same=scores[0],
+            near=scores[1],
+            offset=self.offset(x).float().log_softmax(dim=-1),
+            coarse=self.coarse(x).float().log_softmax(dim=-1),
+        )
+
+    def fine_logits(self, x: Float[Tensor, "... D"], coarse: Int[Tensor, "..."]) -> Float[Tensor, "... F"]:
+        """The finer digit, given the coarse one."""
+        return self.fine(x + self.coarse_in(coarse)).float().log_softmax(dim=-1)
+
+    def plane_keys(self, states: Float[Tensor, "B T D"]) -> Float[Tensor, "B C P"]:
+        """Keys of the planes of all rows, then the row's own."""
+        keys = self.keys(states).unflatten(-1, (SIDES, -1)).flatten(1, 2)
+        own = self.own_keys.to(keys.dtype).expand(len(states), -1, -1)
+        return torch.cat([keys, own], dim=1)
+
+    def forward(self, batch: RowBatch) -> tuple[Float[Tensor, "M"], Float[Tensor, "N"]]:
+        """Negative log likelihood of every symbol and of every number that the batch says (nats)."""
+        cells = self.embed_cells(batch.rows, batch.known, batch.axes)
+        states = self.read_rows(cells, batch)
+        before = cells.cumsum(dim=2) - cells
+        slot = self.of_cell[batch.rows[..., 0]].clamp(min=0)
+        symbols = batch.said & (batch.axes < 0)
+        b, t, c = symbols.nonzero(as_tuple=True)
+        x = self.think(states[b, t - 1], before[b, t, c], slot[b, t, c])
+        logits = self.symbol_logits(x, slot[b, t, c])
+        first = F.cross_entropy(logits, self.base[slot[b, t, c]] + batch.rows[b, t, c], reduction="none")
+        return first, self._number_losses(batch, states, before, slot)
+
+    def _number_losses(
+        self,
+        batch: RowBatch,
+        states: Float[Tensor, "B T D"],
+        before: Float[Tensor, "B T W D"],
+        slot: Int[Tensor, "B T W"],
+    ) -> Float[Tensor, "N"]:
+        said = batch.said & (batch.axes >= 0)
+        where, given = _gather_numbers(said)
+        b = torch.arange(len(where), device=where.device)[:, None].expand(where.shape[:2])
+        t, c = where[..., 0], where[..., 1]
+        x = self.think(
+            states[b, (t - 1).clamp(min=0)].flatten(0, 1),
+            before[b, t, c].flatten(0, 1),
+            slot[b, t, c].flatten(),
+        ).unflatten(0, b.shape)
+        planes, free = list_planes(batch, b, t, c)
+        target, axis = batch.rows[b, t, c], batch.axes[b, t, c]
+        parts = self.number_parts(x, self.plane_keys(states), free, axis == LENGTH)
+        coarse = (target + REACH) // FINE
+        fine = self.fine_logits(x, coarse).gather(-1, ((target + REACH) % FINE)[..., None])[..., 0]
+        return -parts.score(target, planes, coarse, fine)[given]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class NumberParts:
+    """Log chances of the three ways, of planes for each of the first two, of offsets and coarse digits."""
+
+    ways: Float[Tensor, "B N 3"]
+    same: Float[Tensor, "B N C"]
+    near: Float[Tensor, "B N C"]
+    offset: Float[Tensor, "B N O"]
+    coarse: Float[Tensor, "B N K"]
+
+    def score(
+        self,
+        target: Int[Tensor, "B N"],
+        planes: Int[Tensor, "B N C"],
+        coarse: Int[Tensor, "B N"],
+        fine: Float[Tensor, "B N"],
+    ) -> Float[Tensor, "B N"]:
+        """Log likelihood of values, over all ways to say them."""
+        apart = target[..., None] - planes
+        same = self.same.masked_fill(apart != 0, _FAR).logsumexp(dim=-1)
+        inside = apart.abs() <= OFFSET
+        offset = self.offset.gather(-1, (apart + OFFSET).clamp(0, 2 * OFFSET))
+        near = (self.near + offset).masked_fill(~inside, _FAR).logsumexp(dim=-1)
+        anew = self.coarse.gather(-1, coarse[..., None])[..., 0] + fine
+        return (self.ways + torch.stack([same, near, anew], dim=-1)).logsumexp(dim=-1)
+
+
+def list_planes(
+    batch: RowBatch, b: Int[Tensor, "B N"], t: Int[Tensor, "B N"], c: Int[Tensor, "B N"]
+) -> tuple[Int[Tensor, "B N C"], Bool[Tensor, "B N C"]]:
+    """Coordinates of the planes that a number may be said by, and which of them are to be had.
+
+    Args:
+        batch: the rows.
+        b: index of the object.
+        t: row of the number.
+        c: its column.
+    """
+    axis = batch.axes[b, t, c].clamp(min=0)
+    place = axis.clamp(max=2)
+    low = batch.low.gather(2, place[:, None, :].expand(-1, batch.low.shape[1], -1)).transpose(1, 2)
+    high = batch.high.gather(2, place[:, None, :].expand(-1, batch.high.shape[1], -1)).transpose(1, 2)
+    own_low, own_high, has_low, has_high, ends = _own_planes(batch, b, t, c, place)
+    planes = torch.stack([low, high, -low, -high, own_low[..., None] + high - low], dim=-1)
+    rows = torch.arange(batch.low.shape[1], device=t.device)
+    earlier = (rows < t[..., None]) & batch.named[:, None, :]
+    mirrored = earlier & (axis == MIRROR_AXIS)[..., None]
+    sized = earlier & ends[..., None]
+    free = torch.stack([earlier, earlier, mirrored, mirrored, sized], dim=-1)
+    coordinate = (axis < LENGTH)[..., None]
+    planes = torch.cat([planes.flatten(2), own_low[..., None], own_high[..., None]], dim=-1)
+    free = torch.cat([free.flatten(2), has_low[..., None], has_high[..., None]], dim=-1)
+    return planes, free & coordinate
+
+
+def _own_planes(
+    batch: RowBatch,
+    b: Int[Tensor, "B N"],
+    t: Int[Tensor, "B N"],
+    c: Int[Tensor, "B N"],
+    place: Int[Tensor, "B N"],
+) -> tuple[Tensor, ...]:
+    """The row's own low and high side, whether they are said before a column, and if it is the high side.
+
+    Six columns from the first number of a piece on hold its low and its high corner.
+    """
+    numbers = batch.axes[b, t] >= 0
+    first = numbers.int().argmax(dim=-1)
+    piece = batch.axes[b, t].gather(-1, (first + 5).clamp(max=WIDTH - 1)[..., None])[..., 0] >= 0
+    piece &= batch.axes[b, t].gather(-1, first[..., None])[..., 0] < LENGTH
+    low, high = (
+        batch.low[b, t].gather(-1, place[..., None])[..., 0],
+        batch.high[b, t].gather(-1, place[..., None])[..., 0],
+    )
+    has_low = piece & (c > first + place)
+    has_high = piece & (c > first + 3 + place)
+    return low, high, has_low, has_high, piece & (c == first + 3 + place)
+
+
+def _gather_numbers(said: Bool[Tensor, "B T W"]) -> tuple[Int[Tensor, "B N 2"], Bool[Tensor, "B N"]]:
+    """Row and column of the numbers of each object, padded, and which are no padding."""
+    counts = said.flatten(1).sum(dim=1)
+    order = said.flatten(1).int().argsort(dim=1, descending=True, stable=True)[:, : int(counts.max())]
+    given = torch.arange(order.shape[1], device=said.device) < counts[:, None]
+    order = torch.where(given, order, 0)
+    return torch.stack([order // said.shape[2], order % said.shape[2]], dim=-1), given
+
+
+@dataclass(eq=False)
+class _Cache:
+    """Keys and values of the rows read so far by one block."""
+
+    keys: Float[Tensor, "B H T E"] | None = None
+    values: Float[Tensor, "B H T E"] | None = None
+
+    def extend(self, keys: Tensor, values: Tensor) -> tuple[Tensor, Tensor]:
+        """Appends, and returns all."""
+        if self.keys is not None and self.values is not None:
+            keys, values = torch.cat([self.keys, keys], dim=2), torch.cat([self.values, values], dim=2)
+        self.keys, self.values = keys, values
+        return keys, values
+
+
+class _Feed(nn.Module):
+    """A residual feed-forward layer."""
+
+    def __init__(self, width: int) -> None:
+        super().__init__()
+        self.norm = nn.RMSNorm(width)
+        self.up = nn.Linear(width, 2 * width, bias=False)
+        self.down = nn.Linear(2 * width, width, bias=False)
+
+    def forward(self, x: Float[Tensor, "... D"]) -> Float[Tensor, "... D"]:
+        return x + self.down(F.gelu(self.up(self.norm(x))))
+
+
+class _Block(nn.Module):
+    """Causal attention with rotary positions, then a feed-forward layer."""
+
+    def __init__(self, width: int, heads: int) -> None:
+        super().__init__()
+        self.heads = heads
+        self.norm = nn.RMSNorm(width)
+        self.qkv = nn.Linear(width, 3 * width, bias=False)
+        self.out = nn.Linear(width, width, bias=False)
+        self.feed = _Feed(width)
+
+    def forward(self, x: Float[Tensor, "B T D"], cache: _Cache | None = None) -> Float[Tensor, "B T D"]:
+        q, k, v = self.qkv(self.norm(x)).unflatten(-1, (3, self.heads, -1)).permute(2, 0, 3, 1, 4)
+        start = 0 if cache is None or cache.keys is None else cache.keys.shape[2]
+        q, k = _turn(q, start), _turn(k, start)
+        if cache is not None:
+            k, v = cache.extend(k, v)
+        scores = q @ k.transpose(-1, -2) * q.shape[-1] ** -0.5
+        if q.shape[2] > 1:
+            ahead = torch.ones(q.shape[2], k.shape[2], dtype=torch.bool, device=x.device)
+            scores = scores.masked_fill(ahead.triu(k.shape[2] - q.shape[2] + 1), float("-inf"))
+        mixed = scores.float().softmax(dim=-1).to(v.dtype) @ v
+        x = x + self.out(mixed.transpose(1, 2).flatten(2))
+        return self.feed(x)
+
+
+def _turn(x: Float[Tensor, "B H T E"], start: int) -> Float[Tensor, "B H T E"]:
+    half = x.shape[-1] // 2
+    speed = torch.exp(torch.arange(half, device=x.device) * (-log(10000.0) / half))
+    angle = torch.arange(start, start + x.shape[2], device=x.device)[:, None] * speed
+    cos, sin = angle.cos().to(x.dtype), angle.sin().to(x.dtype)
+    a, b = x.chunk(2, dim=-1)
+    return torch.cat([a * cos - b * sin, a * sin + b * cos], dim=-1)

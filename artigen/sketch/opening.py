@@ -1,0 +1,231 @@
+"""How drawers and doors open: out of the body, about an edge, by a handle in front, and held when open."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from artigen.shapes.shape import Motion, Shape
+from artigen.sketch.contact import Bodies
+from artigen.sketch.tree import Tree
+
+SIGHT_LINES = 200
+"""Points of a part that are followed straight ahead, to see which way is free."""
+FREE_MARGIN = 0.02
+"""Share of sight lines by which two ways must differ to be called different."""
+FIRST_TURN = 1.0
+"""Radians; corners of a door are followed along the tangent for at most this turn."""
+EDGE_RATIO = 0.05
+"""Distance of a hinge from the edge of its door, as a share of the door's width."""
+MIN_HELD = 0.1
+"""Share of a drawer's depth that stays inside what carries it."""
+HOOK_DEPTH = 0.025
+"""Free depth (m) behind a bar, for fingers."""
+GRASP_WIDTH = 0.08
+"""Width (m) that a gripper spans."""
+PROTRUSION = 0.005
+"""How far (m) a handle stands out of its panel to be pinched."""
+_PARALLEL = 0.5
+"""Cosine above which an axis stands upright on a panel: such a lid spins, it has no edge."""
+_COLUMNS = 24
+_GOLDEN = np.array([0.7548776662466927, 0.5698402909980532])
+"""Steps of an even sequence in the unit square."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Opener:
+    """A part that moves, and the primitives of its rigid body: all, and those that are no handle."""
+
+    index: int
+    motion: Motion
+    body: Int[np.ndarray, "B"]
+    panel: Int[np.ndarray, "Q"]
+
+    def velocity(self, points: Float[np.ndarray, "N 3"]) -> Float[np.ndarray, "N 3"]:
+        """Velocity of points at rest per unit of the joint's (m per rad or per m)."""
+        if self.motion.type == "prismatic":
+            return np.broadcast_to(np.array(self.motion.axis), points.shape)
+        return np.cross(self.motion.axis, points - np.array(self.motion.origin))
+
+
+def list_openers(shape: Shape, bodies: Bodies) -> list[Opener]:
+    """Drawers, trays and doors that slide or turn between limits."""
+    handles = np.array([part.label == "handle" for part in shape.parts])[bodies.parts]
+    openers = []
+    for index, part in enumerate(shape.parts):
+        if part.motion is None or part.parent is None or part.label not in ("drawer", "door", "tray"):
+            continue
+        if part.motion.type in ("prismatic", "revolute"):
+            own = bodies.links == index
+            openers.append(
+                Opener(
+                    index=index,
+                    motion=part.motion,
+                    body=np.flatnonzero(own),
+                    panel=np.flatnonzero(own & ~handles),
+                )
+            )
+    return openers
+
+
+def measure_blocked(bodies: Bodies, opener: Opener, obstacles: Int[np.ndarray, "O"]) -> tuple[float, float]:
+    """Shares of sight lines that run into obstacles: ahead and behind."""
+    points = _spread_points(bodies, opener.body, SIGHT_LINES)
+    upper = opener.motion.upper
+    reach = upper if opener.motion.type == "prismatic" else min(upper, FIRST_TURN)
+    ways = opener.velocity(points) * reach
+    hits = [_hit(bodies, points, way, obstacles) for way in (ways, -ways)]
+    return float(hits[0].mean()), float(hits[1].mean())
+
+
+def leans_back(bodies: Bodies, opener: Opener) -> bool:
+    """Whether the handles of a part go last as it begins to open."""
+    handles = np.setdiff1d(opener.body, opener.panel)
+    if not len(handles):
+        return False
+    grip = bodies.vertices[handles].reshape(-1, 3).mean(axis=0)
+    whole = bodies.vertices[opener.body].reshape(-1, 3).mean(axis=0)
+    return bool((grip - whole) @ opener.velocity(grip[None])[0] < 0.0)
+
+
+def measure_hinge(bodies: Bodies, opener: Opener) -> tuple[float, float]:
+    """How far (m) a hinge is from the nearer edge of its door, and how far it may be."""
+    axis, origin = np.array(opener.motion.axis), np.array(opener.motion.origin)
+    points = bodies.vertices[opener.panel if len(opener.panel) else opener.body].reshape(-1, 3)
+    normal = _thin_direction(points - (points.min(axis=0) + points.max(axis=0)) / 2)
+    if abs(normal @ axis) > _PARALLEL:
+        return 0.0, np.inf
+    across = np.cross(normal, axis)
+    across /= np.linalg.norm(across)
+    extent = points @ across
+    low, high, hinge = float(extent.min()), float(extent.max()), float(origin @ across)
+    allowed = max(EDGE_RATIO * (high - low), float(np.ptp(points @ normal)) / 2)
+    return min(abs(hinge - low), abs(hinge - high)), allowed
+
+
+def measure_held(bodies: Bodies, opener: Opener, carriers: Int[np.ndarray, "C"]) -> float:
+    """Share of a slide's depth that is within its carriers' extent when it is fully open."""
+    axis = np.array(opener.motion.axis)
+    own = bodies.vertices[opener.panel if len(opener.panel) else opener.body] @ axis + opener.motion.upper
+    held = bodies.vertices[carriers] @ axis
+    inside = min(own.max(), held.max()) - max(own.min(), held.min())
+    return max(0.0, float(inside / np.ptp(own)))
+
+
+def measure_handle(bodies: Bodies, opener: Opener, handle: Int[np.ndarray, "H"]) -> float:
+    """How much (m) is missing until a hand can take hold of a handle; 0 where it can.
+
+    A hand needs the handle in front of the middle of its panel, and free depth behind it or, if it is
+    narrow, some of it in front of the panel.
+    """
+    corners = bodies.vertices[handle].reshape(-1, 3)
+    middle = (corners.min(axis=0) + corners.max(axis=0)) / 2
+    out = opener.velocity(middle[None])[0]
+    frame = _frame_along(out / max(float(np.linalg.norm(out)), 1e-12))
+    grip = corners @ frame.T
+    if not len(opener.panel):
+        return 0.0
+    panel = bodies.vertices[opener.panel] @ frame[2]
+    front = float(middle @ frame[2] - (panel.min() + panel.max()) / 2)
+    if front <= 0.0:
+        return -front + PROTRUSION
+    turns = np.radians(np.arange(0.0, 180.0, 5.0))
+    width = np.ptp(grip[:, :2] @ np.stack([np.cos(turns), np.sin(turns)]), axis=0).min()
+    if width <= GRASP_WIDTH and grip[:, 2].max() - panel.max() >= PROTRUSION:
+        return 0.0
+    clearance, protrusion = _measure_gaps(bodies, handle, opener.panel, frame, grip)
+    pinch = max(width - GRASP_WIDTH, PROTRUSION - protrusion)
+    return max(0.0, float(min(HOOK_DEPTH - clearance, pinch)))
+
+
+def find_obstacles(bodies: Bodies, tree: Tree, index: int) -> Int[np.ndarray, "O"]:
+    """Primitives of what carries a part, the body included."""
+    return np.flatnonzero(np.isin(bodies.links, tree.ancestors[index]))
+
+
+def _spread_points(bodies: Bodies, rows: Int[np.ndarray, "M"], count: int) -> Float[np.ndarray, "N 3"]:
+    """Points spread evenly over the surfaces of primitives, always the same ones."""
+    corners = np.concatenate([bodies.vertices[row][bodies.primitives[row].faces] for row in rows])
+    sides = corners[:, 1:] - corners[:, :1]
+    areas = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1).cumsum()
+    steps = np.arange(count)
+    face = np.searchsorted(areas, (steps + 0.5) / count * areas[-1])
+    along, aside = np.modf(0.5 + np.outer(_GOLDEN, steps))[0]
+    over = along + aside > 1.0
+    along, aside = np.where(over, 1.0 - along, along), np.where(over, 1.0 - aside, aside)
+    return corners[face, 0] + along[:, None] * sides[face, 0] + aside[:, None] * sides[face, 1]
+
+
+def _hit(
+    bodies: Bodies,
+    points: Float[np.ndarray, "N 3"],
+    ways: Float[np.ndarray, "N 3"],
+    obstacles: Int[np.ndarray, "O"],
+) -> Bool[np.ndarray, "N"]:
+    """Which straight ways enter an obstacle from outside."""
+    low = np.minimum(points, points + ways).min(axis=0)
+    high = np.maximum(points, points + ways).max(axis=0)
+    near = (bodies.low[obstacles] <= high).all(axis=1) & (bodies.high[obstacles] >= low).all(axis=1)
+    enter, leave = _pass_through(bodies, obstacles[near], points, ways)
+    return np.any((enter > 0.0) & (enter <= 1.0) & (enter < leave), axis=0)
+
+
+def _pass_through(
+    bodies: Bodies,
+    rows: Int[np.ndarray, "R"],
+    points: Float[np.ndarray, "N 3"],
+    ways: Float[np.ndarray, "N 3"],
+) -> tuple[Float[np.ndarray, "R N"], Float[np.ndarray, "R N"]]:
+    """Where lines enter and leave solids, in lengths of the ways; they miss those where enter >= leave."""
+    planes = bodies.planes[rows]
+    height = planes[:, :, :3] @ points.T + planes[:, :, 3:]
+    slope = planes[:, :, :3] @ ways.T
+    with np.errstate(divide="ignore", invalid="ignore"):
+        at = -height / slope
+    flat = np.abs(slope) < 1e-12
+    enter = np.where(flat, np.where(height > 0, np.inf, -np.inf), np.where(slope < 0, at, -np.inf))
+    leave = np.where(~flat & (slope > 0), at, np.inf)
+    return enter.max(axis=1, initial=-np.inf), leave.min(axis=1, initial=np.inf)
+
+
+def _thin_direction(points: Float[np.ndarray, "N 3"]) -> Float[np.ndarray, "3"]:
+    """The axis along which points extend least; principal directions where none is clearly thin."""
+    extents = np.ptp(points, axis=0)
+    if extents.min() < 0.5 * np.sort(extents)[1]:
+        return np.eye(3)[int(extents.argmin())]
+    return np.linalg.svd(points, full_matrices=False)[2][2]
+
+
+def _frame_along(direction: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 3"]:
+    """Rows of a rotation whose third row is ``direction``."""
+    first = np.cross(np.eye(3)[int(np.abs(direction).argmin())], direction)
+    first /= np.linalg.norm(first)
+    return np.stack([first, np.cross(direction, first), direction])
+
+
+def _measure_gaps(
+    bodies: Bodies,
+    handle: Int[np.ndarray, "H"],
+    panel: Int[np.ndarray, "Q"],
+    frame: Float[np.ndarray, "3 3"],
+    grip: Float[np.ndarray, "N 3"],
+) -> tuple[float, float]:
+    """Free depth (m) behind the middle of a handle, and how far (m) it stands out of its panel."""
+    low, size = grip[:, :2].min(axis=0), np.ptp(grip[:, :2], axis=0)
+    counts = np.maximum(np.ceil(size / size.max() * _COLUMNS), 1).astype(int)
+    places = (np.indices(counts).reshape(2, -1).T + 0.5) / counts
+    points = (low + places * size) @ frame[:2]
+    ways = np.broadcast_to(frame[2], points.shape)
+    enter, leave = _pass_through(bodies, handle, points, ways)
+    back = np.where(enter < leave, enter, np.inf).min(axis=0)
+    enter, leave = _pass_through(bodies, panel, points, ways)
+    face = np.where(enter < leave, leave, -np.inf).max(axis=0)
+    covered = np.isfinite(back)
+    if not covered.any():
+        return 0.0, 0.0
+    middle = covered & (np.abs(places[:, int(size.argmax())] - 0.5) <= 0.25)
+    chosen = middle if middle.any() else covered
+    plate = face[covered & np.isfinite(face)]
+    top = float(grip[:, 2].max())
+    protrusion = top - float(np.median(plate)) if len(plate) else float(np.ptp(grip[:, 2]))
+    return max(0.0, float(np.median(back[chosen] - face[chosen]))), protrusion

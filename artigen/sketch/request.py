@@ -1,0 +1,112 @@
+"""`SketchRequest`: what is asked of a sketch, and the rows that say it to the network."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from artigen.shapes.surfaces.finishes import Color, FinishKind
+from artigen.shapes.surfaces.palette import ROLES
+from artigen.sketch.batch import Asked
+from artigen.sketch.rows import (
+    CATEGORIES,
+    COUNTED,
+    MATERIALS,
+    MAX_COUNT,
+    REACH,
+    ROW_KINDS,
+    STYLES,
+    WIDTH,
+    column,
+)
+from artigen.sketch.sketch import LEVELS, STEP, SketchError
+from artigen.types import PartLabel
+
+ROLES_OF: Mapping[PartLabel, tuple[str, ...]] = {
+    "base": ("body", "front"),
+    "door": ("front",),
+    "drawer": ("front",),
+    "handle": ("handle",),
+    "knob": ("handle",),
+    "shelf": ("top",),
+    "wheel": ("rubber",),
+    "tray": ("steel",),
+}
+"""The finishes that a colour asked of parts of a label means."""
+MATERIAL_OF: Mapping[str, FinishKind] = {"oak": "wood", "walnut": "wood", "steel": "steel", "silver": "steel"}
+"""Colour words that name a material too."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class AskedFinish:
+    """A finish that is asked for by its role; what is None is left open."""
+
+    role: str
+    color: Color | None = None
+    """sRGB in [0, 1]."""
+    material: FinishKind | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class SketchRequest:
+    """Any subset of what an object's header says; metres."""
+
+    category: str | None = None
+    style: str | None = None
+    counts: tuple[tuple[PartLabel, int], ...] = ()
+    depth: float | None = None
+    width: float | None = None
+    height: float | None = None
+    finishes: tuple[AskedFinish, ...] = ()
+
+
+def ask(request: SketchRequest) -> Asked:
+    """The rows of a request.
+
+    Raises:
+        SketchError: If a category, style, role, count or length is none that sketches can say.
+    """
+    header, known = [ROW_KINDS.index("object")] + [0] * (WIDTH - 1), [True] + [False] * (WIDTH - 1)
+
+    def say(name: str, value: int) -> None:
+        header[column("object", name)] = value
+        known[column("object", name)] = True
+
+    for name, words in (("category", CATEGORIES), ("style", STYLES)):
+        word = getattr(request, name)
+        if word is not None:
+            if word not in words:
+                raise SketchError(f"{name} {word!r}: this model knows {', '.join(words)}")
+            say(name, words.index(word))
+    for label, count in request.counts:
+        if label == "base":
+            continue
+        if not 0 <= count <= MAX_COUNT:
+            raise SketchError(f"{count} parts called {label}: expected 0 to {MAX_COUNT}")
+        say(COUNTED[COUNTED.index(label)], count)
+    for name in ("depth", "width", "height"):
+        length = getattr(request, name)
+        if length is not None:
+            if not 0.02 <= length < REACH * STEP:
+                raise SketchError(f"{name} {length:g} m: expected from 0.02 to {REACH * STEP:.3f} m")
+            say(name, round(length / STEP))
+    rows, marks = [header], [known]
+    for finish in sorted(request.finishes, key=lambda asked: _role(asked.role)):
+        row, mark = [ROW_KINDS.index("finish")] + [0] * (WIDTH - 1), [True, True] + [False] * (WIDTH - 2)
+        row[column("finish", "role")] = _role(finish.role)
+        if finish.material is not None:
+            row[column("finish", "material")] = MATERIALS.index(finish.material)
+            mark[column("finish", "material")] = True
+        if finish.color is not None:
+            at = column("finish", "r")
+            row[at : at + 3] = [round(LEVELS * min(max(value, 0.0), 1.0)) for value in finish.color]
+            mark[at : at + 3] = [True] * 3
+        rows.append(row)
+        marks.append(mark)
+    return Asked(rows=np.array(rows), known=np.array(marks))
+
+
+def _role(name: str) -> int:
+    if name not in ROLES:
+        raise SketchError(f"finish {name!r}: expected one of {', '.join(ROLES)}")
+    return ROLES.index(name)

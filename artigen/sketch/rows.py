@@ -1,0 +1,392 @@
+"""A sketch as a table of whole numbers: one row per thing that is said, in the order in which it is said.
+
+``object`` (category, style, counts, extents), one ``finish`` for every role, then part after part: ``part``,
+its pieces, and its ``joint``; ``end`` closes. A network reads and writes rows, field by field from the left.
+What follows from the fields before it (the second edge of a square) is held in the row but not said.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+from typing import get_args
+
+import numpy as np
+from jaxtyping import Bool, Int
+
+from artigen.shapes.surfaces.finishes import FinishKind
+from artigen.shapes.surfaces.palette import ROLES
+from artigen.sketch.pieces import INWARD, NUMBERS, PIECE_KINDS, Piece, number_axes
+from artigen.sketch.sketch import (
+    LEVELS,
+    OPACITIES,
+    PERIODS,
+    Sketch,
+    SketchError,
+    SketchFinish,
+    SketchJoint,
+    SketchPart,
+)
+from artigen.types import JOINT_TYPES, PART_LABELS
+
+ROW_KINDS = ("object", "finish", "part", *PIECE_KINDS, "joint", "end")
+CATEGORIES = (
+    "StorageFurniture",
+    "Table",
+    "Refrigerator",
+    "Dishwasher",
+    "Oven",
+    "WashingMachine",
+    "Microwave",
+    "Cart",
+    "Safe",
+)
+STYLES = (
+    "flat",
+    "shaker",
+    "framed_glass",
+    "handleless",
+    "classic",
+    "industrial",
+    "country",
+    "louvre",
+    "steel",
+    "white",
+    "black",
+    "retro",
+    "kitchen",
+    "service",
+    "tool",
+    "dial",
+    "handwheel",
+    "keypad",
+    "other",
+)
+COUNTED = PART_LABELS[1:]
+MATERIALS: tuple[FinishKind, ...] = get_args(FinishKind)
+MAX_COUNT = 31
+MAX_PARTS = 62
+MAX_SIDES = 31
+REACH = 8192
+"""Coordinates and lengths lie within so many steps: 4.096 m from the middle."""
+LENGTH = 3
+"""Stands for the axis of a number that is a length."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Field:
+    """One field of a row: a symbol of ``size`` values, or a number where it is 0."""
+
+    name: str
+    size: int = 0
+
+
+def _symbols(**sizes: int) -> tuple[Field, ...]:
+    return tuple(Field(name=name, size=size) for name, size in sizes.items())
+
+
+def _piece_fields(kind: str) -> tuple[Field, ...]:
+    said = _symbols(finish=len(ROLES), lined=INWARD + 2, lining=len(ROLES))
+    if kind not in ("box", "plate"):
+        said += _symbols(axis=3)
+    if kind in ("frustum", "ring", "spokes"):
+        said += _symbols(sides=MAX_SIDES + 1)
+    if kind == "spokes":
+        said += _symbols(phase=2)
+    return said + tuple(Field(name=name) for name in NUMBERS[kind])
+
+
+_LEVEL = dict.fromkeys(("r", "g", "b", "accent_r", "accent_g", "accent_b", "gloss"), LEVELS + 1)
+FIELDS: dict[str, tuple[Field, ...]] = {
+    "object": (
+        *_symbols(category=len(CATEGORIES), style=len(STYLES)),
+        *_symbols(**dict.fromkeys(COUNTED, MAX_COUNT + 1)),
+        *(Field(name=name) for name in ("depth", "width", "height")),
+    ),
+    "finish": (
+        *_symbols(role=len(ROLES), material=len(MATERIALS), **_LEVEL),
+        *_symbols(opacity=len(OPACITIES), period=len(PERIODS)),
+    ),
+    "part": _symbols(label=len(PART_LABELS), parent=MAX_PARTS + 1),
+    **{kind: _piece_fields(kind) for kind in PIECE_KINDS},
+    "joint": (
+        *_symbols(type=len(JOINT_TYPES), axis=6, need0=MAX_PARTS + 1, need1=MAX_PARTS + 1, fraction=2),
+        *(Field(name=name) for name in ("x", "y", "z", "upper", "travel")),
+    ),
+    "end": (),
+}
+WIDTH = 1 + max(len(fields) for fields in FIELDS.values())
+"""Columns of a table: the kind of the row, then its fields."""
+
+
+def sketch_to_rows(sketch: Sketch) -> Int[np.ndarray, "T W"]:
+    """The table of a sketch; columns that a row does not have are 0.
+
+    Raises:
+        SketchError: If a count, a part or a length is beyond what rows can say.
+    """
+    counts = sketch.counts
+    rows = [
+        _row(
+            "object",
+            _find(CATEGORIES, sketch.category, "category"),
+            STYLES.index(sketch.style) if sketch.style in STYLES else len(STYLES) - 1,
+            *(counts.get(label, 0) for label in COUNTED),
+            *sketch.extents,
+        ),
+        *(_finish_row(finish) for finish in sketch.finishes),
+    ]
+    for part in sketch.parts:
+        rows.append(_row("part", PART_LABELS.index(part.label), part.parent + 1))
+        rows += [_piece_row(piece) for piece in part.pieces]
+        rows.append(_joint_row(part.joint))
+    table = np.array([*rows, _row("end")])
+    _check_rows(table, sketch)
+    return table
+
+
+def rows_to_sketch(rows: Int[np.ndarray, "T W"]) -> Sketch:
+    """The sketch that a table says; what is implied may be missing.
+
+    Raises:
+        SketchError: If rows are missing or out of order.
+    """
+    kinds = [ROW_KINDS[kind] for kind in rows[:, 0]]
+    if kinds[0] != "object" or kinds[-1] != "end":
+        raise SketchError(f"a table from {kinds[0]!r} to {kinds[-1]!r}, expected from 'object' to 'end'")
+    finishes, parts = [], []
+    header = rows[0, 1:].tolist()
+    pieces: list[Piece] = []
+    opened: tuple[int, int] | None = None
+    for at, (kind, row) in enumerate(zip(kinds[1:-1], rows[1:-1, 1:].tolist(), strict=True), start=1):
+        if kind == "finish" and not parts and opened is None:
+            finishes.append(_read_finish(row))
+        elif kind == "part" and opened is None:
+            opened = (row[0], row[1] - 1)
+        elif kind in PIECE_KINDS and opened is not None:
+            pieces.append(_read_piece(kind, row))
+        elif kind == "joint" and opened is not None and pieces:
+            label, parent = opened
+            parts.append(
+                SketchPart(
+                    label=PART_LABELS[label], parent=parent, pieces=tuple(pieces), joint=_read_joint(row)
+                )
+            )
+            pieces, opened = [], None
+        else:
+            raise SketchError(f"row {at} of a table is a {kind!r}, which cannot follow {kinds[at - 1]!r}")
+    if opened is not None:
+        raise SketchError("a table ends within a part")
+    extents = header[len(FIELDS["object"]) - 3 : len(FIELDS["object"])]
+    return Sketch(
+        category=CATEGORIES[header[0]],
+        style=STYLES[header[1]],
+        extents=(extents[0], extents[1], extents[2]),
+        finishes=tuple(finishes),
+        parts=tuple(parts),
+    )
+
+
+@cache
+def said_fields(kind: str) -> tuple[str, ...]:
+    """Names of a row's fields, in order."""
+    return tuple(field.name for field in FIELDS[kind])
+
+
+def column(kind: str, name: str) -> int:
+    """The column of a field in the table."""
+    return 1 + said_fields(kind).index(name)
+
+
+def find_said(rows: Int[np.ndarray, "T W"]) -> Bool[np.ndarray, "T W"]:
+    """Which cells of a table are said: not those that follow from fields before them."""
+    said = np.zeros(rows.shape, dtype=bool)
+    said[:, 0] = True
+    for index, kind in enumerate(ROW_KINDS):
+        some = np.flatnonzero(rows[:, 0] == index)
+        if len(some):
+            said[some, 1 : 1 + len(FIELDS[kind])] = True
+            for name, follows in _implied(kind, rows[some]).items():
+                said[some[follows], column(kind, name)] = False
+    return said
+
+
+def fill_implied(kind: str, row: list[int]) -> None:
+    """Writes the ends of edges that are as long as another into a row (kind first), in place."""
+    if kind not in PIECE_KINDS:
+        return
+    follows = {name for name, rule in _implied(kind, np.array([row])).items() if rule[0]}
+    if "v1" in follows:
+        u0, v0, u1, v1 = (column(kind, name) for name in ("u0", "v0", "u1", "v1"))
+        row[v1] = row[v0] + row[u1] - row[u0]
+    for name in sorted(follows & {"x1", "y1", "z1"}):
+        axis = "xyz".index(name[0])
+        other = 3 - axis - row[column(kind, "axis")]
+        low, high = column(kind, "x0"), column(kind, "x1")
+        row[high + axis] = row[low + axis] + row[high + other] - row[low + other]
+
+
+def number_axis(rows: Int[np.ndarray, "T W"]) -> Int[np.ndarray, "T W"]:
+    """For every cell the axis of its coordinate, `LENGTH` for a length, -1 for a symbol."""
+    axes = np.full(rows.shape, -1)
+    for index, kind in enumerate(ROW_KINDS):
+        some = np.flatnonzero(rows[:, 0] == index)
+        if not len(some):
+            continue
+        if kind in PIECE_KINDS:
+            own = rows[some, column(kind, "axis")] if "axis" in said_fields(kind) else np.zeros_like(some)
+            table = np.array(
+                [[LENGTH if a is None else a for a in number_axes(kind, axis)] for axis in range(3)]
+            )
+            first = column(kind, "x0")
+            axes[some, first : first + table.shape[1]] = table[own]
+        elif kind == "joint":
+            first = column(kind, "x")
+            axes[some, first : first + 5] = (0, 1, 2, LENGTH, LENGTH)
+        elif kind == "object":
+            first = column(kind, "depth")
+            axes[some, first : first + 3] = LENGTH
+    return axes
+
+
+def _implied(kind: str, rows: Int[np.ndarray, "N W"]) -> dict[str, Bool[np.ndarray, "N"]]:
+    """The fields that may follow from others, and in which rows they do."""
+    if kind == "joint":
+        joint = rows[:, column(kind, "type")]
+        fixed, sliding, endless, screw = (
+            joint == JOINT_TYPES.index(name) for name in ("fixed", "prismatic", "continuous", "screw")
+        )
+        free = rows[:, column(kind, "need0")] == 0
+        still = fixed | sliding
+        return {
+            "axis": fixed,
+            "need0": fixed,
+            "need1": fixed | free,
+            "fraction": fixed | free,
+            **dict.fromkeys(("x", "y", "z"), still),
+            "upper": fixed | endless,
+            "travel": ~screw,
+        }
+    if kind not in PIECE_KINDS:
+        return {}
+    follows = {"lining": rows[:, column(kind, "lined")] == 0}
+    if kind in ("cylinder", "ring", "spokes", "frustum"):
+        square = np.ones(len(rows), dtype=bool)
+        if kind == "frustum":
+            square = rows[:, column(kind, "sides")] > 4
+            follows["v1"] = square
+        second = (rows[:, column(kind, "axis")] + 2) % 3
+        # Of the two edges across, the one whose end is said later follows.
+        first = (second + 2) % 3
+        later = np.maximum(first, second)
+        for axis, name in enumerate(("x1", "y1", "z1")):
+            follows[name] = square & (later == axis)
+    return follows
+
+
+def _row(kind: str, *values: int) -> list[int]:
+    return [ROW_KINDS.index(kind), *values, *[0] * (WIDTH - 1 - len(values))]
+
+
+def _find(known: Sequence[str], name: str, what: str) -> int:
+    if name not in known:
+        raise SketchError(f"{what} {name!r}, expected one of {', '.join(known)}")
+    return known.index(name)
+
+
+def _finish_row(finish: SketchFinish) -> list[int]:
+    return _row(
+        "finish",
+        _find(ROLES, finish.role, "role"),
+        MATERIALS.index(finish.kind),
+        *finish.color,
+        *finish.accent,
+        finish.gloss,
+        finish.opacity,
+        finish.period,
+    )
+
+
+def _piece_row(piece: Piece) -> list[int]:
+    values: dict[str, int] = {
+        "finish": _find(ROLES, piece.finish, "role"),
+        "lined": 0 if piece.lined is None else piece.lined + 1,
+        "lining": 0 if piece.lining is None else _find(ROLES, piece.lining, "role"),
+        "axis": piece.axis,
+        "sides": piece.sides,
+        "phase": piece.phase,
+        **{name: int(number) for name, number in zip(NUMBERS[piece.kind], piece.numbers, strict=True)},
+    }
+    return _row(piece.kind, *(values[name] for name in said_fields(piece.kind)))
+
+
+def _joint_row(joint: SketchJoint | None) -> list[int]:
+    if joint is None:
+        return _row("joint")
+    needs = [need + 1 for need in joint.needs] + [0, 0]
+    endless = joint.type == "continuous"
+    return _row(
+        "joint",
+        JOINT_TYPES.index(joint.type),
+        joint.axis,
+        needs[0],
+        needs[1],
+        joint.fraction if joint.needs else 0,
+        *joint.origin,
+        0 if endless else joint.upper,
+        joint.travel,
+    )
+
+
+def _check_rows(table: Int[np.ndarray, "T W"], sketch: Sketch) -> None:
+    if len(sketch.parts) > MAX_PARTS or max(sketch.counts.values()) > MAX_COUNT:
+        raise SketchError(
+            f"a {sketch.category} of {len(sketch.parts)} parts, at most {max(sketch.counts.values())} of one "
+            f"label: expected at most {MAX_PARTS}, and {MAX_COUNT} of one"
+        )
+    if np.abs(table[number_axis(table) >= 0]).max() >= REACH:
+        raise SketchError(f"a {sketch.category} with extents of {sketch.extents} steps: at most {REACH}")
+
+
+def _read_finish(row: list[int]) -> SketchFinish:
+    return SketchFinish(
+        role=ROLES[row[0]],
+        kind=MATERIALS[row[1]],
+        color=(row[2], row[3], row[4]),
+        accent=(row[5], row[6], row[7]),
+        gloss=row[8],
+        opacity=row[9],
+        period=row[10],
+    )
+
+
+def _read_piece(kind: str, row: list[int]) -> Piece:
+    values = dict(zip(said_fields(kind), row, strict=False))
+    piece_kind = next(known for known in PIECE_KINDS if known == kind)
+    lined = values["lined"]
+    return Piece(
+        kind=piece_kind,
+        finish=ROLES[values["finish"]],
+        numbers=tuple(values[name] for name in NUMBERS[piece_kind]),
+        lining=ROLES[values["lining"]] if lined else None,
+        lined=lined - 1 if lined else None,
+        axis=values.get("axis", 0),
+        sides=values.get("sides", 0),
+        phase=values.get("phase", 0),
+    )
+
+
+def _read_joint(row: list[int]) -> SketchJoint | None:
+    if row[0] == 0:
+        return None
+    kind = JOINT_TYPES[row[0]]
+    needs = tuple(need - 1 for need in row[2:4] if need)
+    plain = SketchJoint(type=kind, axis=row[1], needs=needs, fraction=row[4])
+    return SketchJoint(
+        type=kind,
+        axis=row[1],
+        origin=plain.origin if kind == "prismatic" else (row[5], row[6], row[7]),
+        upper=plain.upper if kind == "continuous" else row[8],
+        travel=row[9],
+        needs=needs,
+        fraction=row[4],
+    )

@@ -1,0 +1,245 @@
+"""`Writer`: what may be said next in a table of rows, so that what is said can always be read.
+
+The header is a contract: every label comes as often as it was counted, every coordinate lies within the
+extents, parts hang on parts that exist, pieces have finishes of the table and edges longer than nothing.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from jaxtyping import Bool, Int
+
+from artigen.shapes.surfaces.palette import ROLES
+from artigen.sketch.batch import Asked
+from artigen.sketch.pieces import MIN_WEDGES, PIECE_KINDS, ROUND_SIDES, across
+from artigen.sketch.rows import (
+    COUNTED,
+    FIELDS,
+    LENGTH,
+    MAX_PARTS,
+    REACH,
+    ROW_KINDS,
+    WIDTH,
+    column,
+    fill_implied,
+    find_said,
+    number_axis,
+)
+from artigen.types import JOINT_TYPES, PART_LABELS
+
+MAX_ROWS = 220
+LEAST_EXTENT = 40
+"""Steps (2 cm): shorter objects are not drawn."""
+_KIND = {kind: index for index, kind in enumerate(ROW_KINDS)}
+_PIECE_IDS = [_KIND[kind] for kind in PIECE_KINDS]
+
+
+@dataclass(kw_only=True, eq=False)
+class Writer:
+    """One table as it is written: `allowed` before every symbol, `span` before every number, then `put`."""
+
+    asked: Asked
+    rows: list[list[int]] = field(default_factory=list)
+    row: list[int] = field(default_factory=list)
+    """The row that is being written, up to the field that comes next."""
+    labels: list[int] = field(default_factory=list)
+    moving: list[bool] = field(default_factory=list)
+    """Whether each finished part has a joint that moves."""
+
+    @property
+    def done(self) -> bool:
+        """Whether the table is closed."""
+        return bool(self.rows) and self.rows[-1][0] == _KIND["end"]
+
+    @property
+    def stuck(self) -> bool:
+        """Whether the table has grown too long to be finished."""
+        return len(self.rows) >= MAX_ROWS and not self.done
+
+    @property
+    def kind(self) -> str:
+        """Of the row that is being written."""
+        return ROW_KINDS[self.row[0]]
+
+    @property
+    def name(self) -> str:
+        """Of the field that comes next."""
+        return "kind" if not self.row else FIELDS[self.kind][len(self.row) - 1].name
+
+    def value(self, name: str) -> int:
+        """A field of the row that is being written."""
+        return self.row[column(self.kind, name)]
+
+    def complete(self) -> bool:
+        """Whether the row has all its fields."""
+        return bool(self.row) and len(self.row) == 1 + len(FIELDS[self.kind])
+
+    def put(self, value: int) -> None:
+        """Says the next field."""
+        self.row.append(value)
+
+    def follows(self) -> int | None:
+        """The value of the next field where it follows from others, else None."""
+        padded = self._padded()
+        if find_said(np.array([padded]))[0, len(self.row)]:
+            return None
+        fill_implied(self.kind, padded)
+        return padded[len(self.row)]
+
+    def axis(self) -> int:
+        """The axis of the next field, as `artigen.sketch.rows.number_axis` has it."""
+        return int(number_axis(np.array([self._padded()]))[0, len(self.row)])
+
+    def close(self) -> list[int]:
+        """Ends the row and returns it, padded."""
+        row = self._padded()
+        kind = self.kind
+        self.rows.append(row)
+        if kind == "part":
+            self.labels.append(row[1])
+        elif kind == "joint":
+            self.moving.append(row[1] > 0)
+        self.row = []
+        return row
+
+    def allowed(self, size: int) -> Bool[np.ndarray, "N"]:
+        """Which symbols may come next, of the ``size`` of the slot."""
+        kind = "" if not self.row else self.kind
+        forced = self._forced()
+        can = np.zeros(size, dtype=bool)
+        if forced is not None:
+            can[forced] = True
+        elif not kind:
+            can[self._next_kinds()] = True
+        elif kind == "finish" and self.name == "role":
+            can[self._next_roles()] = True
+        elif kind == "part":
+            can[self._next_labels() if self.name == "label" else self._next_parents()] = True
+        elif kind in PIECE_KINDS and self.name in ("finish", "lining"):
+            can[[row[1] for row in self.rows if row[0] == _KIND["finish"]]] = True
+        elif kind in PIECE_KINDS and self.name in ("axis", "sides", "lined"):
+            can[self._piece_choices(kind)] = True
+        elif kind == "joint" and self.name in ("type", "need0", "need1"):
+            can[self._joint_choices()] = True
+        else:
+            can[:] = True
+        return can
+
+    def span(self) -> tuple[int, int]:
+        """Least and greatest value of the number that comes next."""
+        name, kind, axis = self.name, self.kind, self.axis()
+        forced = self._forced()
+        if forced is not None:
+            return forced, forced
+        if kind == "object":
+            return LEAST_EXTENT, REACH - 1
+        if kind == "joint":
+            return (1, REACH - 1) if axis == LENGTH else (1 - REACH, REACH - 1)
+        if axis == LENGTH:
+            return self._length_span(kind, name)
+        low, high = self.bounds()[:, axis].tolist()
+        start = {"x1": "x0", "y1": "y0", "z1": "z0"}.get(name)
+        if kind == "frustum":
+            start = start or {"u1": "u0", "v1": "v0"}.get(name)
+        profile = kind == "prism" and axis != self.value("axis")
+        if start is not None and not profile:
+            return self.value(start) + 1, max(high, self.value(start) + 1)
+        return low, high if profile or name in ("u1", "v1", "u3", "v3") else high - 1
+
+    def bounds(self) -> Int[np.ndarray, "2 3"]:
+        """Lowest and highest corner of the object."""
+        first = column("object", "depth")
+        extents = np.array(self.rows[0][first : first + 3])
+        low = np.array([-(extents[0] // 2), -(extents[1] // 2), 0])
+        return np.stack([low, low + extents])
+
+    def _padded(self) -> list[int]:
+        return self.row + [0] * (WIDTH - len(self.row))
+
+    def _forced(self) -> int | None:
+        """What the request says of the next field."""
+        if not self.row:
+            return None
+        asked, at = self.asked, len(self.row)
+        if self.kind == "object" and asked.known[0, at]:
+            return int(asked.rows[0, at])
+        if self.kind == "finish" and self.name != "role":
+            for row, known in zip(asked.rows[1:], asked.known[1:], strict=True):
+                if row[1] == self.value("role") and known[at]:
+                    return int(row[at])
+        return None
+
+    def _left(self) -> dict[int, int]:
+        """How many parts of each label are still to come."""
+        counted = self.rows[0][column("object", COUNTED[0]) :][: len(COUNTED)]
+        return {label: count - self.labels.count(label) for label, count in enumerate(counted, start=1)} | {
+            0: 1 - self.labels.count(0)
+        }
+
+    def _next_kinds(self) -> list[int]:
+        if not self.rows:
+            return [_KIND["object"]]
+        last = ROW_KINDS[self.rows[-1][0]]
+        if last == "part":
+            return _PIECE_IDS
+        if last in PIECE_KINDS:
+            return [*_PIECE_IDS, _KIND["joint"]]
+        if last == "joint":
+            return [_KIND["part"] if any(self._left().values()) else _KIND["end"]]
+        wanted = self._next_roles()
+        asked = self._asked_roles()
+        if last == "object" or asked:
+            return [_KIND["finish"]]
+        return [_KIND["part"], *([_KIND["finish"]] if wanted else [])]
+
+    def _asked_roles(self) -> list[int]:
+        """Roles of the request that are still to come."""
+        said = [row[1] for row in self.rows if row[0] == _KIND["finish"]]
+        return sorted({int(row[1]) for row in self.asked.rows[1:]} - set(said))
+
+    def _next_roles(self) -> list[int]:
+        """Roles come in their order; one that is asked for is not passed over."""
+        last = max((row[1] for row in self.rows if row[0] == _KIND["finish"]), default=-1)
+        asked = self._asked_roles()
+        return list(range(last + 1, (asked[0] if asked else len(ROLES) - 1) + 1))
+
+    def _next_labels(self) -> list[int]:
+        left = self._left()
+        return [0] if left[0] else [label for label, count in left.items() if count > 0]
+
+    def _next_parents(self) -> list[int]:
+        if self.value("label") == PART_LABELS.index("base"):
+            return [0]
+        return list(range(1, min(len(self.labels), MAX_PARTS) + 1))
+
+    def _piece_choices(self, kind: str) -> list[int]:
+        if self.name == "axis":
+            return [0, 2] if kind == "ring" else [0, 1, 2]
+        if self.name == "sides":
+            return {"frustum": [4, *ROUND_SIDES], "ring": [*range(MIN_WEDGES, 32)]}.get(kind, [*range(2, 9)])
+        last = {"ring": [0, 7], "plate": [0, 7], "spokes": [0]}
+        return last.get(kind, [0, 1, 2, 3, 4, 5, 6])
+
+    def _joint_choices(self) -> list[int]:
+        if self.name == "type":
+            base = self.labels[-1] == PART_LABELS.index("base")
+            return [0] if base else list(range(len(JOINT_TYPES)))
+        movable = [index + 1 for index, moves in enumerate(self.moving) if moves]
+        taken = self.value("need0") if self.name == "need1" else 0
+        return [0, *(index for index in movable if index != taken)]
+
+    def _length_span(self, kind: str, name: str) -> tuple[int, int]:
+        corners = np.array(self.row[column(kind, "x0") :][:6]).reshape(2, 3)
+        sizes = corners[1] - corners[0]
+        if name == "bevel":
+            return 0, max((int(sizes.min()) - 1) // 2, 0)
+        if kind == "plate":
+            return 1, max(int(sizes[1:].min()) // 2 - 1, 1)
+        u, _ = across(self.value("axis"))
+        radius = int(sizes[u]) // 2
+        if kind == "spokes":
+            return 1, max(radius - 1, 1)
+        flat = np.cos(np.pi / max(self.value("sides"), 3))
+        if name == "outer0":
+            return int(self.value("inner0") / flat) + 2, 2 * max(radius, self.value("inner0")) + 2
+        return 1, max(int(radius * flat) - 1, 1)

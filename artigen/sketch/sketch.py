@@ -1,0 +1,356 @@
+"""`Sketch`: an articulated object as whole numbers, and the way from and to a `Shape`.
+
+Lengths are steps of `STEP` metres, angles half degrees, colours levels of 0 to 63. x and y are centred on the
+closed object, the floor is z = 0: a sketch that was written from a shape and read back is the shape to within
+half a step, and writing it again gives the same sketch.
+"""
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Float
+
+from artigen.errors import ArtigenError
+from artigen.shapes.shape import Motion, Need, Shape, ShapePart
+from artigen.shapes.surfaces.finishes import Finish, FinishKind
+from artigen.shapes.surfaces.palette import ROLES
+from artigen.sketch.pieces import LINED, Piece, UnknownSolid, across, build_piece, fit_pieces, number_axes
+from artigen.types import FULL_TURN, JointType, PartLabel
+
+STEP = 0.0005
+"""Metres per step of a length."""
+HALF_DEGREE = np.pi / 360
+LEVELS = 63
+"""Highest level of a colour or gloss."""
+OPACITIES = (1.0, 0.45, 0.22)
+PERIODS = (0.4, 0.045, 0.012, 0.3, 0.05, 0.5, 0.006, 0.016)
+"""Lengths (m) after which the patterns of finishes repeat."""
+FRACTIONS = (0.95, 1.0)
+"""Shares of its range by which a part that must open first is open."""
+MAX_NEEDS = 2
+ROUND_TURN = 720
+"""A full turn, in half degrees."""
+
+
+class SketchError(ArtigenError):
+    """A shape that cannot be written as a sketch, or a sketch that describes no shape."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SketchFinish:
+    """A finish of a sketch's table: colours, gloss in levels, the rest as indices."""
+
+    role: str
+    kind: FinishKind
+    color: tuple[int, int, int]
+    accent: tuple[int, int, int]
+    gloss: int
+    opacity: int
+    """Index into `OPACITIES`."""
+    period: int
+    """Index into `PERIODS`."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SketchJoint:
+    """How a part moves; ``upper`` in steps for a prismatic joint, else in half degrees."""
+
+    type: JointType
+    axis: int
+    """Index into `artigen.sketch.pieces.LINED`, which lists the six directions."""
+    origin: tuple[int, int, int] = (0, 0, 0)
+    upper: int = ROUND_TURN
+    travel: int = 0
+    """Steps that a screw rises over its whole range."""
+    needs: tuple[int, ...] = ()
+    """Parts, by index, that must be open first."""
+    fraction: int = 0
+    """Index into `FRACTIONS`."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SketchPart:
+    """A rigid piece with a meaning; ``parent`` is an index, -1 for the base."""
+
+    label: PartLabel
+    parent: int
+    pieces: tuple[Piece, ...]
+    joint: SketchJoint | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sketch:
+    """An articulated object in whole numbers."""
+
+    category: str
+    style: str
+    extents: tuple[int, int, int]
+    """Depth, width, height of the closed object, in steps."""
+    finishes: tuple[SketchFinish, ...]
+    parts: tuple[SketchPart, ...]
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """Parts by label."""
+        return dict(Counter(part.label for part in self.parts))
+
+
+def write_sketch(shape: Shape) -> Sketch:
+    """The sketch of a shape.
+
+    Raises:
+        SketchError: If the shape has a solid, joint or finish that sketches have no word for; names it.
+    """
+    fitted = [_fit_part(part, shape.name) for part in shape.parts]
+    low, _ = _bound_pieces(fitted)
+    # The lowest corner of the closed object comes to lie on the grid; then whole steps centre the object.
+    snapped = [[snap_piece(move_piece(piece, -low)) for piece in pieces] for pieces in fitted]
+    start, end = _bound_pieces(snapped)
+    extents = (end - start).astype(int)
+    shift = np.array([-(extents[0] // 2), -(extents[1] // 2), 0]) - start.astype(int)
+    names = [part.name for part in shape.parts]
+    parts = tuple(
+        _write_part(
+            part,
+            tuple(move_piece(piece, shift) for piece in pieces),
+            names,
+            shift * STEP - low,
+            shape.name,
+        )
+        for part, pieces in zip(shape.parts, snapped, strict=True)
+    )
+    used = {piece.finish for part in parts for piece in part.pieces}
+    used |= {piece.lining for part in parts for piece in part.pieces if piece.lining is not None}
+    given = dict(shape.finishes)
+    if unknown := used - set(ROLES):
+        raise SketchError(f"{shape.name}: finishes {sorted(unknown)}, expected roles of {', '.join(ROLES)}")
+    return Sketch(
+        category=shape.category,
+        style=shape.style,
+        extents=(int(extents[0]), int(extents[1]), int(extents[2])),
+        finishes=tuple(_write_finish(role, given[role]) for role in ROLES if role in used),
+        parts=parts,
+    )
+
+
+def read_sketch(sketch: Sketch, seed: int = 0) -> Shape:
+    """The shape that a sketch describes.
+
+    Args:
+        sketch: What was drawn or written.
+        seed: Of the shape's name and of the patterns of its finishes.
+
+    Raises:
+        SketchError: If the sketch describes no shape; says which part.
+    """
+    names = _name_parts(sketch.parts)
+    try:
+        return Shape(
+            category=sketch.category,
+            seed=seed,
+            style=sketch.style,
+            parts=tuple(
+                _read_part(part, name, names) for part, name in zip(sketch.parts, names, strict=True)
+            ),
+            finishes=tuple(
+                (finish.role, _read_finish(finish, seed, index))
+                for index, finish in enumerate(sketch.finishes)
+            ),
+        )
+    except ValueError as error:
+        raise SketchError(f"the sketch of a {sketch.category} describes no shape: {error}") from error
+
+
+def piece_bounds(piece: Piece) -> Float[np.ndarray, "2 3"]:
+    """Lowest and highest corner of a piece's exact solid, in the unit of its numbers."""
+    bounds = np.array(piece.numbers[:6], dtype=float).reshape(2, 3)
+    u, v = across(piece.axis)
+    if piece.kind in ("frustum", "prism"):
+        more = np.array(piece.numbers[6:]).reshape(2, 2)
+        bounds[:, [u, v]] = [
+            np.minimum(bounds[:, [u, v]].min(axis=0), more.min(axis=0)),
+            np.maximum(bounds[:, [u, v]].max(axis=0), more.max(axis=0)),
+        ]
+    if piece.kind == "ring":
+        reach = max(piece.numbers[8], (bounds[1, u] - bounds[0, u]) / 2)
+        middle = bounds.mean(axis=0)
+        bounds[:, [u, v]] = [middle[[u, v]] - reach, middle[[u, v]] + reach]
+    return bounds
+
+
+def move_piece(piece: Piece, offset: np.ndarray) -> Piece:
+    """The piece shifted by ``offset``, in the unit of its numbers."""
+    return replace(
+        piece,
+        numbers=tuple(
+            number if axis is None else number + offset[axis].item()
+            for number, axis in zip(piece.numbers, number_axes(piece.kind, piece.axis), strict=True)
+        ),
+    )
+
+
+def _bound_pieces(
+    parts: Sequence[Sequence[Piece]],
+) -> tuple[Float[np.ndarray, "3"], Float[np.ndarray, "3"]]:
+    bounds = np.array([piece_bounds(piece) for pieces in parts for piece in pieces])
+    return bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)
+
+
+def _fit_part(part: ShapePart, owner: str) -> tuple[Piece, ...]:
+    try:
+        return fit_pieces(part.primitives)
+    except UnknownSolid as error:
+        raise SketchError(f"{owner}: part {part.name!r} holds {error}") from error
+
+
+def _write_part(
+    part: ShapePart,
+    pieces: tuple[Piece, ...],
+    names: Sequence[str],
+    offset: Float[np.ndarray, "3"],
+    owner: str,
+) -> SketchPart:
+    parent = -1 if part.parent is None else names.index(part.parent)
+    if parent >= names.index(part.name):
+        raise SketchError(f"{owner}: part {part.name!r} comes before its parent {part.parent!r}")
+    return SketchPart(
+        label=part.label,
+        parent=parent,
+        pieces=pieces,
+        joint=None if part.motion is None else _write_joint(part, names, offset, owner),
+    )
+
+
+def snap_piece(piece: Piece) -> Piece:
+    """A piece in metres as one in steps: no edge vanishes, and what is square stays square."""
+    numbers = [round(number / STEP) for number in piece.numbers]
+    kind, (u, v) = piece.kind, across(piece.axis)
+    for axis in range(3):
+        if kind != "prism" or axis == piece.axis:
+            numbers[3 + axis] = max(numbers[3 + axis], numbers[axis] + 1)
+    if is_square(piece):
+        diameter = max(round((piece.numbers[3 + u] - piece.numbers[u]) / STEP), 1)
+        for axis in (u, v):
+            middle = (piece.numbers[axis] + piece.numbers[3 + axis]) / 2
+            numbers[axis] = round(middle / STEP - diameter / 2)
+            numbers[3 + axis] = numbers[axis] + diameter
+    if kind == "box":
+        least = min(numbers[3 + axis] - numbers[axis] for axis in range(3))
+        numbers[6] = min(numbers[6], (least - 1) // 2)
+    if kind == "frustum":
+        width = max(numbers[8] - numbers[6], 1)
+        numbers[8] = numbers[6] + width
+        numbers[9] = numbers[7] + width if is_square(piece) else max(numbers[9], numbers[7] + 1)
+    return replace(piece, numbers=tuple(numbers))
+
+
+def is_square(piece: Piece) -> bool:
+    """Whether the solid is as wide as high across its axis by its kind."""
+    return piece.kind in ("cylinder", "ring", "spokes") or (piece.kind == "frustum" and piece.sides > 4)
+
+
+def _write_joint(
+    part: ShapePart, names: Sequence[str], offset: Float[np.ndarray, "3"], owner: str
+) -> SketchJoint:
+    motion = part.motion
+    assert motion is not None
+    near = np.array(LINED) @ np.array(motion.axis)
+    if near.max() < 1 - 1e-9:
+        raise SketchError(f"{owner}: {part.name!r} moves along {motion.axis}, expected one of the axes")
+    if len(part.needs) > MAX_NEEDS or len({need.fraction for need in part.needs}) > 1:
+        raise SketchError(
+            f"{owner}: {part.name!r} needs {len(part.needs)} parts open, expected at most {MAX_NEEDS} alike"
+        )
+    sliding = motion.type == "prismatic"
+    fraction = part.needs[0].fraction if part.needs else FRACTIONS[0]
+    origin = (0, 0, 0) if sliding else tuple(round(v / STEP) for v in np.array(motion.origin) + offset)
+    return SketchJoint(
+        type=motion.type,
+        axis=int(near.argmax()),
+        origin=origin,
+        upper=max(round(motion.upper / (STEP if sliding else HALF_DEGREE)), 1),
+        travel=max(round(motion.pitch * motion.upper / STEP), 1) if motion.type == "screw" else 0,
+        needs=tuple(names.index(need.part) for need in part.needs),
+        fraction=int(np.abs(np.array(FRACTIONS) - fraction).argmin()),
+    )
+
+
+def _write_finish(role: str, finish: Finish) -> SketchFinish:
+    def levels(values: Sequence[float]) -> tuple[int, int, int]:
+        r, g, b = (round(LEVELS * min(max(value, 0.0), 1.0)) for value in values)
+        return r, g, b
+
+    return SketchFinish(
+        role=role,
+        kind=finish.kind,
+        color=levels(finish.color),
+        accent=levels(finish.accent),
+        gloss=round(LEVELS * finish.gloss),
+        opacity=int(np.abs(np.array(OPACITIES) - finish.opacity).argmin()),
+        period=int(np.abs(np.array(PERIODS) - finish.period).argmin()),
+    )
+
+
+def _read_finish(finish: SketchFinish, seed: int, index: int) -> Finish:
+    r, g, b = (level / LEVELS for level in finish.color)
+    accent_r, accent_g, accent_b = (level / LEVELS for level in finish.accent)
+    return Finish(
+        kind=finish.kind,
+        color=(r, g, b),
+        accent=(accent_r, accent_g, accent_b),
+        grain=(0.0, 1.0, 0.0) if finish.kind == "steel" else (0.0, 0.0, 1.0),
+        period=PERIODS[finish.period],
+        seed=16 * seed + index,
+        gloss=finish.gloss / LEVELS,
+        opacity=OPACITIES[finish.opacity],
+    )
+
+
+def _name_parts(parts: Sequence[SketchPart]) -> tuple[str, ...]:
+    """The base is the body; others are numbered by label."""
+    held: Counter[str] = Counter()
+    names = []
+    for part in parts:
+        names.append("body" if part.label == "base" else f"{part.label}_{held[part.label]}")
+        held[part.label] += 1
+    return tuple(names)
+
+
+def _read_part(part: SketchPart, name: str, names: Sequence[str]) -> ShapePart:
+    try:
+        primitives = tuple(primitive for piece in part.pieces for primitive in build_piece(_scale(piece)))
+        motion = None if part.joint is None else _read_joint(part.joint)
+    except ValueError as error:
+        raise ValueError(f"part {name!r}: {error}") from error
+    needs = ()
+    if part.joint is not None:
+        fraction = FRACTIONS[part.joint.fraction]
+        needs = tuple(Need(part=names[index], fraction=fraction) for index in part.joint.needs)
+    return ShapePart(
+        name=name,
+        label=part.label,
+        parent=None if part.parent < 0 else names[part.parent],
+        primitives=primitives,
+        motion=motion,
+        needs=needs,
+    )
+
+
+def _scale(piece: Piece) -> Piece:
+    return replace(piece, numbers=tuple(number * STEP for number in piece.numbers))
+
+
+def _read_joint(joint: SketchJoint) -> Motion:
+    x, y, z = (value * STEP for value in joint.origin)
+    upper = FULL_TURN if joint.type == "continuous" else joint.upper * HALF_DEGREE
+    if joint.type == "prismatic":
+        upper = joint.upper * STEP
+    return Motion(
+        type=joint.type,
+        axis=LINED[joint.axis],
+        origin=(x, y, z),
+        upper=upper,
+        pitch=joint.travel * STEP / upper if joint.type == "screw" else 0.0,
+    )

@@ -1,0 +1,331 @@
+"""What stands in the way of a moving part, along the whole range of its joint.
+
+Few pairs of primitives can ever meet. Slides of upright boxes are judged by closed formulas; for what turns,
+pairs are left out whose heights along the axis, distances from it or angles about it never coincide. The rest
+is measured pose by pose.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from artigen.shapes.poses import pose_parts
+from artigen.shapes.shape import Motion, Shape
+from artigen.sketch.contact import Bodies, displace, penetrate, separate
+from artigen.transforms import screw_motion, transform_points
+from artigen.types import FULL_TURN
+
+TOUCH = 1e-4
+"""Overlaps shallower than this (m) are none."""
+STEP = 0.005
+"""Farthest (m) that a point moves from one pose to the next."""
+POSES = (21, 401)
+"""Fewest and most poses of a range."""
+RUN = 16
+"""Poses of a range that are judged together first."""
+SHARE_POINTS, SHARE_POSES = 16_000, 60
+"""Points in a body's bounds, and about how many poses against each solid, by which volume is measured."""
+_ON_AXIS = 1e-6
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Path:
+    """The way of a part: a screw motion about a line, in the object frame with all that is needed open."""
+
+    axis: Float[np.ndarray, "3"]
+    origin: Float[np.ndarray, "3"]
+    turn: float
+    """Radians over the whole range."""
+    travel: float
+    """Metres along the axis over the whole range."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Meetings:
+    """Overlaps along a path that are deeper than `TOUCH`: primitives, pose, depth (m, at most so deep)."""
+
+    first: Int[np.ndarray, "C"]
+    second: Int[np.ndarray, "C"]
+    T: Float[np.ndarray, "C 4 4"]
+    depth: Float[np.ndarray, "C"]
+    exact: Bool[np.ndarray, "C"]
+
+
+def read_path(motion: Motion, T_parent: Float[np.ndarray, "4 4"]) -> Path:
+    """The way of a part whose parent is displaced from rest."""
+    slides = motion.type == "prismatic"
+    upper = FULL_TURN if motion.type == "continuous" else motion.upper
+    return Path(
+        axis=T_parent[:3, :3] @ np.array(motion.axis, dtype=float),
+        origin=transform_points(T_parent, np.array([motion.origin], dtype=float))[0],
+        turn=0.0 if slides else upper,
+        travel=upper if slides else motion.pitch * upper,
+    )
+
+
+def open_needed(shape: Shape, index: int) -> Float[np.ndarray, "P 4 4"]:
+    """Displacement of every part with all open that a part needs open, and what that needs in turn."""
+    rows = {part.name: row for row, part in enumerate(shape.parts)}
+    qpos, waiting, seen = np.zeros(len(shape.parts)), [index], set()
+    while waiting:
+        for need in shape.parts[waiting.pop()].needs:
+            row = rows[need.part]
+            motion = shape.parts[row].motion
+            if row not in seen and motion is not None:
+                upper = FULL_TURN if motion.type == "continuous" else motion.upper
+                qpos[row] = need.fraction * upper
+                seen.add(row)
+                waiting.append(row)
+    return pose_parts(shape, qpos) if seen else np.tile(np.eye(4), (len(qpos), 1, 1))
+
+
+def place_opened(bodies: Bodies, T: Float[np.ndarray, "P 4 4"]) -> Bodies:
+    """The primitives where displaced parts are."""
+    moved = np.flatnonzero(np.any(np.eye(4) != T, axis=(1, 2))[bodies.parts])
+    return displace(bodies, moved, T[bodies.parts[moved]]) if len(moved) else bodies
+
+
+def find_meetings(bodies: Bodies, path: Path, carried: Bool[np.ndarray, "N"]) -> Meetings:
+    """Where primitives that are moved along a path reach into others.
+
+    Args:
+        bodies: All primitives, where the path begins.
+        path: The way.
+        carried: Which primitives are moved.
+    """
+    ours, others = np.flatnonzero(carried), np.flatnonzero(~carried)
+    if path.turn == 0.0 and np.abs(path.axis).max() > 1.0 - 1e-9:
+        first, second, depth = _sliding_pairs(bodies, path, ours, others)
+        known = bodies.upright[first] & bodies.upright[second]
+    else:
+        first, second = _turning_pairs(bodies, path, ours, others)
+        depth, known = np.zeros(len(first)), np.zeros(len(first), dtype=bool)
+    slid = _slide_deepest(bodies, path, first[known], second[known])
+    rows, T, deep = _measure(bodies, path, ours, first[~known], second[~known])
+    return Meetings(
+        first=np.concatenate([first[known], first[~known][rows]]),
+        second=np.concatenate([second[known], second[~known][rows]]),
+        T=np.concatenate([slid, T]),
+        depth=np.concatenate([depth[known], deep]),
+        exact=np.concatenate([np.ones(len(slid), dtype=bool), np.zeros(len(rows), dtype=bool)]),
+    )
+
+
+def deepest(bodies: Bodies, found: Meetings, rows: Int[np.ndarray, "M"]) -> tuple[float, int]:
+    """The exact depth (m) of the deepest of some meetings, and its row; 0 and -1 where none is deep."""
+    best, at = 0.0, -1
+    order = rows[np.argsort(-found.depth[rows], kind="stable")]
+    pairs = found.first[order] * len(bodies.parts) + found.second[order]
+    for pair in dict.fromkeys(pairs.tolist()):
+        same = order[pairs == pair]
+        same = same[found.depth[same] > best]
+        if not len(same):
+            continue
+        if found.exact[same[0]]:
+            depth = float(found.depth[same[0]])
+        else:
+            depth = penetrate(bodies, int(found.first[same[0]]), int(found.second[same[0]]), found.T[same])
+        if depth > best:
+            best, at = depth, int(same[0])
+    return best, at
+
+
+def _sliding_pairs(
+    bodies: Bodies, path: Path, ours: Int[np.ndarray, "M"], others: Int[np.ndarray, "O"]
+) -> tuple[Int[np.ndarray, "C"], Int[np.ndarray, "C"], Float[np.ndarray, "C"]]:
+    """Pairs whose bounds overlap somewhere along a slide, and how deep (m): exact for upright boxes."""
+    ahead = bodies.high[ours][:, None] - bodies.low[others][None]
+    behind = bodies.high[others][None] - bodies.low[ours][:, None]
+    way = path.axis * path.travel
+    level = (ahead + behind) / 2  # where their middles are level, either way out is as long
+    shared = np.minimum(level, np.minimum(ahead + way.clip(min=0), behind - way.clip(max=0)))
+    depth = shared.min(axis=2)
+    i, j = np.nonzero(depth > TOUCH)
+    return ours[i], others[j], depth[i, j]
+
+
+def _slide_deepest(
+    bodies: Bodies, path: Path, first: Int[np.ndarray, "C"], second: Int[np.ndarray, "C"]
+) -> Float[np.ndarray, "C 4 4"]:
+    """Displacements at which pairs of upright boxes overlap most along a slide."""
+    middle = (bodies.low + bodies.high) / 2
+    ways = np.clip((middle[second] - middle[first]) @ path.axis, 0.0, path.travel)
+    return screw_motion(path.axis, path.origin, np.zeros_like(ways), ways)
+
+
+def _turning_pairs(
+    bodies: Bodies, path: Path, ours: Int[np.ndarray, "M"], others: Int[np.ndarray, "O"]
+) -> tuple[Int[np.ndarray, "C"], Int[np.ndarray, "C"]]:
+    """Pairs that may meet: whose heights along the axis, distances from it and angles about it coincide."""
+    frame = _frame_about(path.axis)
+    local = (bodies.vertices - path.origin) @ frame
+    low, high = local.min(axis=1), local.max(axis=1)
+    outer = np.linalg.norm(local[:, :, :2], axis=2).max(axis=1)
+    inner = np.linalg.norm(np.maximum(low, -high)[:, :2].clip(min=0.0), axis=1)
+    bottom, top = low[ours, 2] + min(0.0, path.travel), high[ours, 2] + max(0.0, path.travel)
+    heights = np.minimum(top[:, None], high[others, 2]) - np.maximum(bottom[:, None], low[others, 2])
+    rings = np.minimum(outer[ours, None], outer[others]) - np.maximum(inner[ours, None], inner[others])
+    i, j = np.nonzero((heights > TOUCH) & (rings > TOUCH))
+    first, second = ours[i], others[j]
+    if path.turn == 0.0 or not len(first):
+        return first, second
+    rows, place = np.unique(np.concatenate([first, second]), return_inverse=True)
+    normals = bodies.planes[rows][:, :, :3] @ frame[:, :2]
+    closest, start, width = _see_from_axis(local[rows, :, :2], normals)
+    one, other = place[: len(first)], place[len(first) :]
+    apart = np.maximum(closest[one], closest[other]) > np.minimum(outer[first], outer[second]) - TOUCH
+    ahead = (start[other] - start[one]) % FULL_TURN
+    beside = (ahead > width[one] + path.turn - _ON_AXIS) & (ahead + width[other] < FULL_TURN + _ON_AXIS)
+    kept = ~(apart | beside)
+    return first[kept], second[kept]
+
+
+def _see_from_axis(
+    corners: Float[np.ndarray, "R V 2"], normals: Float[np.ndarray, "R K 2"]
+) -> tuple[Float[np.ndarray, "R"], Float[np.ndarray, "R"], Float[np.ndarray, "R"]]:
+    """How near convex solids come to an axis (m), the angle where each begins, and how far it reaches.
+
+    A solid around the axis begins at 0 and reaches all round.
+    """
+    ways = np.concatenate([corners, -normals], axis=1)
+    lengths = np.linalg.norm(ways, axis=2, keepdims=True)
+    ways = np.where(lengths > 1e-9, ways / np.maximum(lengths, 1e-9), 0.0)
+    reach = (ways @ np.swapaxes(corners, 1, 2)).min(axis=2)
+    reach[lengths[:, :, 0] <= 1e-9] = -np.inf
+    best = reach.argmax(axis=1)
+    rows = np.arange(len(corners))
+    ahead, closest = ways[rows, best], reach[rows, best]
+    along = np.einsum("rvi,ri->rv", corners, ahead)
+    aside = corners[:, :, 1] * ahead[:, None, 0] - corners[:, :, 0] * ahead[:, None, 1]
+    angles = np.where(np.hypot(along, aside) > _ON_AXIS, np.arctan2(aside, along), 0.0)
+    around = closest < -_ON_AXIS
+    start = np.where(around, 0.0, np.arctan2(ahead[:, 1], ahead[:, 0]) + angles.min(axis=1))
+    return closest.clip(min=0.0), start, np.where(around, FULL_TURN, np.ptp(angles, axis=1))
+
+
+def _measure(
+    bodies: Bodies,
+    path: Path,
+    ours: Int[np.ndarray, "M"],
+    first: Int[np.ndarray, "C"],
+    second: Int[np.ndarray, "C"],
+) -> tuple[Int[np.ndarray, "R"], Float[np.ndarray, "R 4 4"], Float[np.ndarray, "R"]]:
+    """Overlaps of pairs pose by pose: row of the pair, displacement of its first, depth (m) at most."""
+    if not len(first):
+        return first, np.zeros((0, 4, 4)), np.zeros(0)
+    arms = np.linalg.norm(np.cross(path.axis, bodies.vertices - path.origin), axis=2).max(axis=1)
+    way = path.turn * float(arms[ours].max()) if path.turn else path.travel
+    T = _sample_poses(path, way)
+    row, pose = _close_poses(bodies, path, first, second, np.minimum(arms[first], arms[second]), len(T))
+    depth = _shared_depth(bodies, T[pose], first[row], second[row])
+    met = np.flatnonzero(depth > TOUCH)
+    row, pose, depth = row[met], pose[met], depth[met]
+    slanted = np.flatnonzero(~(bodies.upright[first[row]] & bodies.upright[second[row]]))
+    apart = separate(bodies, first[row[slanted]], second[row[slanted]], T[pose[slanted]])
+    depth[slanted] = np.minimum(depth[slanted], -apart)
+    deep = depth > TOUCH
+    return row[deep], T[pose[deep]], depth[deep]
+
+
+def _sample_poses(path: Path, way: float) -> Float[np.ndarray, "P 4 4"]:
+    """Displacements along a path on which the farthest point goes ``way`` (m)."""
+    share = np.linspace(0.0, 1.0, int(np.clip(np.ceil(way / STEP) + 1, *POSES)))
+    return screw_motion(path.axis, path.origin, path.turn * share, path.travel * share)
+
+
+def _close_poses(
+    bodies: Bodies,
+    path: Path,
+    first: Int[np.ndarray, "C"],
+    second: Int[np.ndarray, "C"],
+    arms: Float[np.ndarray, "C"],
+    count: int,
+) -> tuple[Int[np.ndarray, "R"], Int[np.ndarray, "R"]]:
+    """Pairs and poses worth measuring: of every run of `RUN` poses at whose middle the bounds nearly meet.
+
+    What meets is no farther from the axis than ``arms`` (m), so it is not far from its place at the middle.
+    """
+    starts = np.arange(0, count, RUN)
+    ends = np.minimum(starts + RUN, count) - 1
+    middle, half = (starts + ends) / (2 * (count - 1)), (ends - starts) / (2 * (count - 1))
+    T = screw_motion(path.axis, path.origin, path.turn * middle, path.travel * middle)
+    runs, pairs = np.divmod(np.arange(len(starts) * len(first)), len(first))
+    near = half[runs] * (path.turn * arms[pairs] + abs(path.travel))
+    met = _shared_depth(bodies, T[runs], first[pairs], second[pairs]) + near > 0
+    runs, pairs = runs[met], pairs[met]
+    poses = starts[runs, None] + np.arange(RUN)
+    kept = poses <= ends[runs, None]
+    return np.broadcast_to(pairs[:, None], poses.shape)[kept], poses[kept]
+
+
+def _shared_depth(
+    bodies: Bodies, T: Float[np.ndarray, "R 4 4"], first: Int[np.ndarray, "R"], second: Int[np.ndarray, "R"]
+) -> Float[np.ndarray, "R"]:
+    """How deep (m) the bounds of displaced solids overlap those of others at most, seen from either one.
+
+    For upright boxes that is how deep they overlap unless two edges separate them.
+    """
+    middle, half = (bodies.low + bodies.high) / 2, (bodies.high - bodies.low) / 2
+    turn = T[:, :3, :3]
+    size = np.abs(turn)
+    between = (turn @ middle[first][:, :, None])[:, :, 0] + T[:, :3, 3] - middle[second]
+    seen = (size @ half[first][:, :, None])[:, :, 0] + half[second] - np.abs(between)
+    back = np.swapaxes(turn, 1, 2)
+    behind = (back @ between[:, :, None])[:, :, 0]
+    turned = (np.swapaxes(size, 1, 2) @ half[second][:, :, None])[:, :, 0] + half[first] - np.abs(behind)
+    return np.minimum(seen.min(axis=1), turned.min(axis=1))
+
+
+def _frame_about(axis: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 3"]:
+    """A right-handed frame as columns, its third along ``axis``."""
+    helper = np.eye(3)[int(np.abs(axis).argmin())]
+    first = np.cross(helper, axis)
+    first /= np.linalg.norm(first)
+    return np.column_stack([first, np.cross(axis, first), axis])
+
+
+def measure_share(bodies: Bodies, path: Path, found: Meetings, rows: Int[np.ndarray, "M"]) -> float:
+    """Share of a moving body's volume that enters another one somewhere on its way, and is outside at first.
+
+    Args:
+        bodies: All primitives, where the path begins.
+        path: The way.
+        found: Meetings along the path.
+        rows: Those between the two bodies.
+    """
+    link, other = (bodies.links[ids[rows[0]]] for ids in (found.first, found.second))
+    points = _fill_body(bodies, np.flatnonzero(bodies.links == link))
+    at_first = np.zeros(len(points), dtype=bool)
+    for obstacle in np.flatnonzero(bodies.links == other):
+        at_first |= _inside(bodies, int(obstacle), points)
+    outside, entered = points[~at_first], np.zeros(int((~at_first).sum()), dtype=bool)
+    for obstacle in np.unique(found.second[rows]):
+        met = rows[found.second[rows] == obstacle]
+        slid = found.exact[met].any()  # what slides was measured at one place only
+        poses = _sample_poses(path, path.travel) if slid else found.T[met]
+        for T in poses[:: max(1, len(poses) // SHARE_POSES)]:
+            left = np.flatnonzero(~entered)
+            entered[left] = _inside(bodies, int(obstacle), transform_points(T, outside[left]))
+    return float(entered.sum() / len(points))
+
+
+def _fill_body(bodies: Bodies, rows: Int[np.ndarray, "M"]) -> Float[np.ndarray, "S 3"]:
+    """Points drawn from the union of primitives, always the same ones."""
+    low, high = bodies.low[rows].min(axis=0), bodies.high[rows].max(axis=0)
+    for count in (SHARE_POINTS, 8 * SHARE_POINTS):
+        points = np.random.default_rng(0).uniform(low, high, size=(count, 3))
+        inside = np.zeros(count, dtype=bool)
+        for row in rows:
+            inside |= _inside(bodies, int(row), points)
+        if inside.sum() >= SHARE_POINTS / 16:
+            break
+    return points[inside]
+
+
+def _inside(bodies: Bodies, row: int, points: Float[np.ndarray, "S 3"]) -> Bool[np.ndarray, "S"]:
+    near = ((points > bodies.low[row]) & (points < bodies.high[row])).all(axis=1)
+    if not bodies.upright[row]:
+        planes = bodies.planes[row]
+        near[near] = (points[near] @ planes[:, :3].T + planes[:, 3] < 0).all(axis=1)
+    return near

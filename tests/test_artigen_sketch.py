@@ -1,0 +1,281 @@
+"""Sketches: exact inverses of shapes, rules that never stumble, chances that add up."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+import torch
+
+from artigen.errors import SourceError
+from artigen.shapes.draw import draw_shape
+from artigen.shapes.primitives import Primitive, box, cylinder, move, place_vertices, polytope
+from artigen.shapes.shape import Shape
+from artigen.sketch import draw
+from artigen.sketch.batch import Asked, ask_for, make_batch, nothing_asked
+from artigen.sketch.draw import DrawConfig, draw_tables
+from artigen.sketch.model import draw_object, guess_extents, load_sketch_network, save_sketch_network
+from artigen.sketch.network import COARSE, SketchNetwork, SketchNetworkConfig, slots
+from artigen.sketch.pieces import UnknownSolid, build_piece, fit_pieces
+from artigen.sketch.request import AskedFinish, SketchRequest, ask
+from artigen.sketch.rows import CATEGORIES, ROW_KINDS, column, rows_to_sketch, sketch_to_rows
+from artigen.sketch.rules import Writer
+from artigen.sketch.sketch import STEP, SketchError, read_sketch, write_sketch
+
+TINY = SketchNetworkConfig(width=32, layers=2, heads=2, pointer=8)
+SEEDS = (1, 2, 3, 14)
+
+
+@cache
+def _table(category: str, seed: int) -> np.ndarray:
+    return sketch_to_rows(write_sketch(draw_shape(category, seed)))
+
+
+@cache
+def _network() -> SketchNetwork:
+    torch.manual_seed(0)
+    return SketchNetwork(TINY).eval()
+
+
+def _corners(shape: Shape) -> list[np.ndarray]:
+    return [place_vertices(primitive) for part in shape.parts for primitive in part.primitives]
+
+
+@pytest.mark.parametrize("category", CATEGORIES)
+@pytest.mark.parametrize("seed", SEEDS)
+def test_a_sketch_is_its_shape_to_half_a_step_and_writing_it_again_changes_nothing(category: str, seed: int):
+    shape = draw_shape(category, seed)
+    sketch = write_sketch(shape)
+    again = read_sketch(sketch, seed)
+    assert write_sketch(again) == sketch
+    assert rows_to_sketch(sketch_to_rows(sketch)) == sketch
+    shift = again.bounds()[0] - shape.bounds()[0]
+    for have, want in zip(_corners(again), _corners(shape), strict=True):
+        apart = np.abs(have[:, None] - (want + shift)[None]).max(axis=2).min(axis=1)
+        assert apart.max() < 2.5 * STEP  # half a step of a corner, and of what it is measured from
+    assert [part.needs and [need.fraction for need in part.needs] for part in again.parts] == [
+        part.needs and [need.fraction for need in part.needs] for part in shape.parts
+    ]
+    for have, want in zip(again.parts, shape.parts, strict=True):
+        assert (have.motion is None) == (want.motion is None)
+        if have.motion and want.motion:
+            assert have.motion.axis == pytest.approx(want.motion.axis)
+            assert have.motion.upper == pytest.approx(want.motion.upper, abs=0.005)
+            assert have.motion.pitch == pytest.approx(want.motion.pitch, abs=1e-3)
+
+
+@pytest.mark.parametrize("category", CATEGORIES)
+def test_pieces_make_the_primitives_they_were_found_in(category: str):
+    for part in draw_shape(category, 5).parts:
+        made = [solid for piece in fit_pieces(part.primitives) for solid in build_piece(piece)]
+        for have, want in zip(made, part.primitives, strict=True):
+            one, other = place_vertices(have), place_vertices(want)
+            assert np.abs(one[:, None] - other[None]).max(axis=2).min(axis=1).max() < 1e-6
+            assert (have.finish, have.lining) == (want.finish, want.lining)
+
+
+@pytest.mark.parametrize(
+    "solid",
+    [
+        cylinder((0.0, 0.0, 0.0), (0.1, 0.1, 0.0), 0.02, "body"),
+        move(box((0.0, 0.0, 0.0), (0.1, 0.2, 0.3), "body"), turn=0.3, about=(1.0, 1.0, 0.0)),
+        polytope(np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], dtype=float), "body"),
+    ],
+)
+def test_solids_without_a_word_are_named(solid: Primitive):
+    with pytest.raises(UnknownSolid, match="expected"):
+        fit_pieces([solid])
+
+
+@pytest.mark.parametrize("category", CATEGORIES)
+@pytest.mark.parametrize("seed", SEEDS)
+def test_the_rules_allow_what_the_grammar_says(category: str, seed: int):
+    writer = Writer(asked=nothing_asked())
+    for row in _table(category, seed).tolist():
+        while not writer.complete():
+            value = row[len(writer.row)]
+            follows = writer.follows() if writer.row else None
+            slot = slots().of_cell[writer.row[0], len(writer.row)] if writer.row else 0
+            if follows is not None:
+                assert follows == value, (writer.kind, writer.name)
+            elif slots().size[slot]:
+                assert writer.allowed(int(slots().size[slot]))[value], (writer.row, writer.name)
+            else:
+                low, high = writer.span()
+                assert low <= value <= high, (writer.row, writer.name)
+            writer.put(value)
+        writer.close()
+    assert writer.done
+
+
+class _Reciter(draw._Pen):
+    """Says known tables, and adds up what each costs."""
+
+    def begin(self, tables: list[np.ndarray]) -> None:
+        self.truth = tables
+        self.cost = np.zeros(len(tables))
+
+    def _true(self, k: int) -> int:
+        writer = self.writers[k]
+        return int(self.truth[self.index[k]][len(writer.rows)][len(writer.row)])
+
+    def _draw_symbols(self, which: list[int], x: torch.Tensor, slot: torch.Tensor) -> list[int]:
+        chances = self.network.symbol_logits(x, slot).log_softmax(dim=-1)
+        for at, k in enumerate(which):
+            base = int(slots().base[slot[at]])
+            self.cost[self.index[k]] -= float(chances[at, base + self._true(k)])
+        return [self._true(k) for k in which]
+
+    def _draw_numbers(self, which: list[int], x: torch.Tensor, slot: torch.Tensor) -> list[int]:
+        low = min(self.writers[k].span()[0] for k in which)
+        super()._draw_numbers(which, x, slot)
+        for at, k in enumerate(which):
+            self.cost[self.index[k]] -= np.log(float(self.chances[at, self._true(k) - low]))
+        return [self._true(k) for k in which]
+
+    def _draw(self, chances: torch.Tensor) -> torch.Tensor:
+        self.chances = chances
+        return torch.zeros(len(chances), dtype=torch.long)
+
+
+@torch.no_grad()
+def test_a_table_costs_as_much_row_by_row_as_at_once(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(draw, "DIGITS", COARSE)
+    tables = [_table("StorageFurniture", 1), _table("Refrigerator", 2)]
+    requests = [replace(ask_for(table, np.random.default_rng(0))) for table in tables]
+    requests = [Asked(rows=asked.rows[:1], known=asked.known[:1]) for asked in requests]
+    pen = _Reciter(_network(), requests, torch.Generator(), DrawConfig())
+    pen.begin(tables)
+    while pen.writers:
+        pen.write_row()
+    for index, (table, asked) in enumerate(zip(tables, requests, strict=True)):
+        assert np.array_equal(pen.tables[index], table)
+        symbols, numbers = _network()(make_batch([table], [asked]))
+        assert pen.cost[index] == pytest.approx(float(symbols.sum() + numbers.sum()), rel=1e-3)
+
+
+@torch.no_grad()
+def test_padding_beside_a_longer_object_changes_nothing():
+    tables = [_table("Safe", 1), _table("Oven", 2)]
+    asked = [nothing_asked(), nothing_asked()]
+    together = _network()(make_batch(tables, asked))
+    apart = [_network()(make_batch([table], [nothing_asked()])) for table in tables]
+    for side in (0, 1):
+        assert float(together[side].sum()) == pytest.approx(
+            sum(float(one[side].sum()) for one in apart), rel=1e-4
+        )
+
+
+@torch.no_grad()
+def test_chances_of_all_values_of_a_number_add_up_to_one(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(draw, "DIGITS", COARSE)
+    sums: list[float] = []
+
+    class Adder(_Reciter):
+        def _draw_numbers(self, which: list[int], x: torch.Tensor, slot: torch.Tensor) -> list[int]:
+            spans = [writer.span for writer in self.writers]
+            for writer in self.writers:
+                writer.span = lambda: (-8192, 8191)  # type: ignore[method-assign]
+            draw._Pen._draw_numbers(self, which, x, slot)
+            for writer, span in zip(self.writers, spans, strict=True):
+                writer.span = span  # type: ignore[method-assign]
+            sums.extend(self.chances.sum(dim=-1).tolist())
+            return [self._true(k) for k in which]
+
+    pen = Adder(_network(), [nothing_asked()], torch.Generator(), DrawConfig())
+    pen.begin([_table("Safe", 1)])
+    while pen.writers:
+        pen.write_row()
+    assert len(sums) > 50
+    assert sums == pytest.approx([1.0] * len(sums), abs=1e-3)
+
+
+REQUEST = SketchRequest(
+    category="StorageFurniture",
+    counts=(("drawer", 2), ("door", 1), ("handle", 0), ("knob", 0), ("tray", 0), ("shelf", 1), ("wheel", 0)),
+    depth=0.4,
+    width=0.8,
+    height=1.2,
+    finishes=(AskedFinish(role="front", color=(0.2, 0.4, 0.6), material="lacquer"),),
+)
+
+
+def test_what_is_asked_is_delivered_even_by_a_network_that_knows_nothing():
+    tables = draw_tables(
+        _network(), [ask(REQUEST)] * 6, torch.Generator().manual_seed(3), DrawConfig(top_p=1.0)
+    )
+    finished = [table for table in tables if table is not None]
+    assert finished
+    for table in finished:
+        sketch = rows_to_sketch(table)
+        assert sketch.category == "StorageFurniture"
+        assert sketch.counts == {"base": 1, "drawer": 2, "door": 1, "shelf": 1}
+        assert sketch.extents == (800, 1600, 2400)
+        front = next(finish for finish in sketch.finishes if finish.role == "front")
+        assert front.kind == "lacquer"
+        assert front.color == (13, 25, 38)
+        roles = {finish.role for finish in sketch.finishes}
+        for index, part in enumerate(sketch.parts):
+            assert part.parent < index
+            for piece in part.pieces:
+                assert {piece.finish, piece.lining} - {None} <= roles
+
+
+def test_the_same_seed_draws_the_same_and_another_something_else():
+    one, again, other = (
+        draw_tables(_network(), [ask(REQUEST)] * 2, torch.Generator().manual_seed(seed)) for seed in (5, 5, 6)
+    )
+    assert all(np.array_equal(a, b) for a, b in zip(one, again, strict=True))
+    assert not all(np.array_equal(a, b) for a, b in zip(one, other, strict=True))
+
+
+def test_extents_are_guessed_from_the_header_alone():
+    guessed = guess_extents(_network(), replace(REQUEST, height=None), 0)
+    assert guessed["width"] == pytest.approx(0.8)
+    assert 0.02 <= guessed["height"] < 4.1
+
+
+@pytest.mark.parametrize(
+    ("wrong", "said"),
+    [
+        ({"category": "Spaceship"}, "Spaceship"),
+        ({"style": "baroque"}, "baroque"),
+        ({"counts": (("door", 99),)}, "99 parts called door"),
+        ({"width": 9.0}, "width 9 m"),
+        ({"finishes": (AskedFinish(role="soul"),)}, "soul"),
+    ],
+)
+def test_what_cannot_be_asked_is_refused_with_what_can(wrong: dict[str, object], said: str):
+    with pytest.raises(SketchError, match=said):
+        ask(replace(REQUEST, **wrong))  # type: ignore[arg-type]
+
+
+def test_a_network_is_stored_with_its_vocabulary(tmp_path, monkeypatch: pytest.MonkeyPatch):
+    save_sketch_network(_network(), tmp_path, {"preset": "tiny"})
+    loaded = load_sketch_network(tmp_path)
+    batch = make_batch([_table("Safe", 1)], [nothing_asked()])
+    with torch.no_grad():
+        assert float(loaded(batch)[1].sum()) == pytest.approx(float(_network()(batch)[1].sum()), rel=0.01)
+    monkeypatch.setattr("artigen.sketch.model.CATEGORIES", (*CATEGORIES, "Sofa"))
+    with pytest.raises(SourceError, match="Sofa"):
+        load_sketch_network(tmp_path)
+    with pytest.raises(SourceError, match="no such model"):
+        load_sketch_network(tmp_path / "nowhere")
+
+
+def test_an_object_always_comes_with_its_faults_named():
+    drawn = draw_object(_network(), REQUEST, 1)
+    assert drawn.shape.category == "StorageFurniture"
+    assert drawn.faults  # of a network that knows nothing
+    assert all(fault.text for fault in drawn.faults)
+    assert "candidate" in drawn.notes[0]
+
+
+def test_rows_out_of_order_are_refused():
+    table = _table("Safe", 1)
+    part = ROW_KINDS.index("part")
+    with pytest.raises(SketchError, match="cannot follow"):
+        rows_to_sketch(np.delete(table, np.flatnonzero(table[:, 0] == part)[1], axis=0))
+    with pytest.raises(SketchError, match="expected from"):
+        rows_to_sketch(table[:-1])
+    assert column("object", "category") == 1
