@@ -1,14 +1,13 @@
 """`artigen generate`: from a category, words or a picture to proven packages, drawn again where one fails."""
 
 import json
-import math
 import resource
 import sys
 import time
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 import tyro
@@ -21,18 +20,24 @@ from artigen.weights import SHIPPED
 from artigen.workers import Worker
 
 if TYPE_CHECKING:
-    from artigen.appearance import AppearanceModel
-    from artigen.ask import Asked, Request
-    from artigen.generate import StructureModel
-    from artigen.models.conditions import ConditionConfig
+    from artigen.conditioning.request import Request, Understood
+    from artigen.models.picture_reader import PictureReader
+    from artigen.shape_appearance import ShapeAppearanceModel
+    from artigen.shapes.shape import Shape
+    from artigen.sketch.model import Drawn
+    from artigen.sketch.network import SketchNetwork
+    from artigen.sketch.request import SketchRequest
+    from sim_export.package import SimPackage
 
 TIMEOUT = 300.0
 """Seconds that drawing and exporting one object may take."""
+PICTURE_EDGE = 256
+"""Pixels of a picture's edge when cameras are fitted and colours are read."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class GenerateSettings:
-    """What is asked for (what is not said is left to the seed), and how objects are drawn."""
+    """What is asked for (what is not said is drawn), and how objects are drawn."""
 
     text: str | None = None
     """A description in English, such as "a tall cabinet with three drawers and two doors"."""
@@ -41,19 +46,22 @@ class GenerateSettings:
     width: float | None = None
     """Metres, as seen from the front."""
     depth: float | None = None
-    """Metres."""
+    """Metres, handles included."""
     height: float | None = None
     """Metres."""
+    style: str | None = None
+    """A word of the category, such as shaker or steel (docs/shapes.md)."""
     counts: tuple[str, ...] = ()
     """Parts wanted, such as drawer=3 door=0."""
+    structure: Literal["sketch", "latent"] = "sketch"
+    """``sketch`` exports the exact primitives that the sketch network draws; ``latent`` draws 64^3 voxels from
+    the paper's latents within the sketch's boxes, and exports what they show."""
+    temperature: float = 0.7
+    """Of the sketch: 1 is as varied as the training data, less is more usual."""
     redraws: int = 3
     """How often an object that fails a check is drawn again."""
-    steps: int = 6
-    """Steps of the structure's sampler."""
-    encoders: Path | None = None
-    """Folder with the public weights of DINOv2 and CLIP, for models that read conditions with these."""
-    strength: float = 0.0
-    """Guidance; 0 is none: a model that draws outlines has the condition in them. The paper: 3."""
+    gaussians: bool = True
+    """Whether packages also hold Gaussians, one PLY per link."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -80,75 +88,108 @@ class GenerateJob:
 
 def read_job(job: GenerateJob) -> "Request":
     """What a job asks for."""
-    from artigen.ask import Request
+    from artigen.conditioning.request import Request
     from artigen.shapes.draw import Wish
 
     cfg = job.cfg
-    wish = Wish(width=cfg.width, depth=cfg.depth, height=cfg.height, counts=read_counts(cfg.counts))
+    wish = Wish(
+        width=cfg.width, depth=cfg.depth, height=cfg.height, style=cfg.style, counts=read_counts(cfg.counts)
+    )
     return Request(category=job.category, text=cfg.text, image=cfg.image, wish=wish)
 
 
-def _read(job: GenerateJob, known: "ConditionConfig") -> "Asked":
-    """What a job asks of a network with such conditions."""
-    from artigen.ask import read_request
+@lru_cache(maxsize=1)
+def _load_sketch(folder: Path) -> "SketchNetwork":
+    from artigen.sketch.model import load_sketch_network
 
-    return read_request(read_job(job), job.seed, known.image_size, margin=known.image_margin)
+    return load_sketch_network(folder)
 
 
 @lru_cache(maxsize=1)
-def _load(folder: Path, encoders: Path | None) -> tuple["StructureModel", "AppearanceModel | None"]:
-    """The models of a worker process, loaded once; without appearance where the folder has none."""
-    from artigen.appearance import has_appearance, load_appearance_model
-    from artigen.generate import load_structure_model
-    from artigen.models.public_encoders import attach_encoders
+def _load_appearance(folder: Path) -> "ShapeAppearanceModel | None":
+    """None where the folder has no weights of appearance."""
+    from artigen.models.appearance_presets import APPEARANCE_VAE
+    from artigen.models.store import read_description
+    from artigen.shape_appearance import load_shape_appearance
 
-    structure = load_structure_model(folder)
-    if encoders is not None:
-        attach_encoders(structure.flow, encoders)
-    return structure, load_appearance_model(folder) if has_appearance(folder) else None
+    return load_shape_appearance(folder) if APPEARANCE_VAE in read_description(folder) else None
+
+
+@lru_cache(maxsize=1)
+def _load_reader(folder: Path) -> "PictureReader":
+    from artigen.conditioning.image import load_reader
+
+    return load_reader(folder)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Asked:
+    """A request with everything that words and a picture say."""
+
+    request: "SketchRequest"
+    picture: np.ndarray | None
+    notes: tuple[str, ...]
+
+
+def _ask(job: GenerateJob, understood: "Understood") -> _Asked:
+    """Completes a request by its picture, or by the extents that adjectives change."""
+    from artigen.conditioning.image import read_image
+    from artigen.pictures import read_picture
+    from artigen.sketch.model import guess_extents
+
+    request, notes, picture = understood.request, understood.notes, None
+    if job.cfg.image is not None:
+        request, said = read_image(_load_reader(job.model), job.cfg.image, request)
+        shown = read_picture(job.cfg.image, PICTURE_EDGE)
+        picture, notes = shown.rgba, (*notes, *shown.notes, *said)
+    if understood.stretch:
+        usual = guess_extents(_load_sketch(job.model), request, job.seed)
+        request = replace(request, **{axis: factor * usual[axis] for axis, factor in understood.stretch})
+    return _Asked(request=request, picture=picture, notes=notes)
+
+
+def draw_generated(job: GenerateJob) -> "tuple[Drawn, _Asked]":
+    """Draws the object of a job, in the colours of its picture if it has one."""
+    from artigen.conditioning.request import understand
+    from artigen.sketch.alignment import fit_camera, likeness, read_colors
+    from artigen.sketch.draw import DrawConfig
+    from artigen.sketch.model import SketchConfig, draw_alike, draw_object
+
+    asked = _ask(job, understand(read_job(job)))
+    noise = int(np.random.SeedSequence([job.seed, len(job.draws)]).generate_state(1)[0])
+    cfg = SketchConfig(draw=DrawConfig(temperature=job.cfg.temperature))
+    network, picture = _load_sketch(job.model), asked.picture
+    if picture is None:
+        return draw_object(network, asked.request, noise, cfg), asked
+
+    def like(shape: "Shape") -> float:
+        return likeness(shape, picture, fit_camera(shape, picture))
+
+    drawn = draw_alike(network, asked.request, noise, like, cfg)
+    painted = read_colors(drawn.shape, picture, fit_camera(drawn.shape, picture))
+    return replace(drawn, shape=painted), asked
 
 
 def generate_object(job: GenerateJob) -> Made:
     """Draws one object, exports it and writes its package; runs in a worker process."""
     from artigen import __version__
-    from artigen.appearance import AppearanceConfig, generate_appearance
-    from artigen.generate import GenerateConfig, generate_structure
-    from artigen.models.picture_reader import read_condition
     from artigen.models.store import hash_model
-    from artigen.sampling import SamplerConfig
-    from sim_export.export import export_asset
     from sim_export.files.write import write_package
-    from sim_export.geometry.surface import sample_surface
 
-    model, appearance = _load(job.model, job.cfg.encoders)
     started = time.perf_counter()
-    asked = _read(job, model.preset.conditions)
-    noise = np.random.SeedSequence([job.seed, len(job.draws)]).generate_state(2).tolist()
-    sampler = SamplerConfig(steps=job.cfg.steps, strength=job.cfg.strength)
-    condition, read = asked.condition, ()
-    if model.reader is not None:
-        condition, read = read_condition(model.reader, condition)
-    asset = generate_structure(model, condition, noise[0], GenerateConfig(sampler=sampler))
-    asset = replace(asset, name=job.key, notes=(*asked.notes, *read, *asset.notes))
-    drawn = time.perf_counter()
-    if appearance is not None:
-        look = _read(job, appearance.preset.conditions)
-        painting = AppearanceConfig(colors=look.colors)
-        surface = sample_surface(asset)
-        asset = generate_appearance(appearance, asset, look.condition, noise[1], painting, surface=surface)
-    elif asked.colors:
-        named = ", ".join(f"{label} {color}" for label, color in asked.colors)
-        said = f"colours were asked for ({named}), this model draws none"
-        asset = replace(asset, notes=(*asset.notes, said))
-    painted = time.perf_counter()
+    drawn, asked = draw_generated(job)
+    shape = drawn.shape
+    sketched = time.perf_counter()
+    condition = shape.condition
     provenance = {
         "generator": f"artigen {__version__} generate",
         "model": hash_model(job.model),
+        "structure": job.cfg.structure,
         "condition": json.dumps(
             {
                 "category": condition.category,
                 "counts": dict(condition.counts),
-                "size": condition.size,
+                "size": (condition.depth, condition.width, condition.height),
                 "text": job.cfg.text,
                 "image": None if job.cfg.image is None else job.cfg.image.name,
             }
@@ -156,19 +197,31 @@ def generate_object(job: GenerateJob) -> Made:
         "seed": str(job.seed),
         "draws": json.dumps([*job.draws, "this one"]),
     }
-    package = export_asset(asset, provenance=provenance).package
+    faults = tuple(f"sketch: {fault.text}" for fault in drawn.faults)
+    notes = (*asked.notes, *drawn.notes, *faults)
+    make = _make_exact if job.cfg.structure == "sketch" else _make_latent
+    package = replace(make(job, shape, provenance, notes), name=job.key)
     exported = time.perf_counter()
     write_package(package, job.out / job.key, "replace")
     return Made(
         seconds=(
-            ("draw", drawn - started),
-            ("paint", painted - drawn),
-            ("export", exported - painted),
+            ("draw", sketched - started),
+            ("export", exported - sketched),
             ("write", time.perf_counter() - exported),
         ),
         peak_mib=resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
         notes=package.records,
     )
+
+
+def _make_exact(
+    job: GenerateJob, shape: "Shape", provenance: dict[str, str], notes: tuple[str, ...]
+) -> "SimPackage":
+    """The package of the sketch's own primitives."""
+    from artigen.cli.generated import make_generated_package
+
+    appearance = _load_appearance(job.model) if job.cfg.gaussians else None
+    return make_generated_package(shape, appearance, provenance=provenance, notes=notes).package
 
 
 def generate_and_validate(worker: Worker, job: GenerateJob) -> Finished:
@@ -200,35 +253,30 @@ def generate(
     Args:
         out: Folder for the packages and the journal run.jsonl.
         model: Folder of a trained model, model.json and its weights; left out, the one that comes with
-            artigen. Where it has weights of appearance too, packages have textures made from Gaussians, and
-            the Gaussians themselves.
+            artigen.
         category: What to generate, such as StorageFurniture; not needed beside --text or --image.
         seed: Seed of the first object.
         count: Number of objects; seeds follow each other.
         cfg: What is asked for, and how objects are drawn.
         workers: Processes side by side.
     """
-    if count < 1 or seed < 0 or cfg.redraws < 0 or workers < 1:
+    from artigen.conditioning.request import understand
+    from artigen.sketch.request import ask
+
+    if count < 1 or seed < 0 or cfg.redraws < 0 or workers < 1 or not cfg.temperature > 0:
         raise ArtigenError(
-            f"{count} objects from seed {seed} with {cfg.redraws} redraws by {workers} workers: expected at "
-            "least one object and one worker, and nothing below 0"
-        )
-    if cfg.steps < 1 or not 0 <= cfg.strength < math.inf:
-        raise ArtigenError(
-            f"{cfg.steps} steps, strength {cfg.strength:g}: expected at least one step, no strength below 0"
+            f"{count} objects from seed {seed} with {cfg.redraws} redraws at temperature {cfg.temperature:g} "
+            f"by {workers} workers: expected at least one object and one worker, a temperature above 0, and "
+            "nothing else below 0"
         )
     jobs = [
         GenerateJob(model=model, category=category, seed=number, out=out, cfg=cfg)
         for number in range(seed, seed + count)
     ]
     # Says at once what cannot be: no such model, category, sentence or picture.
-    known = _load(model, cfg.encoders)[0].preset.conditions
-    asked = _read(jobs[0], known).condition
-    if asked.category is not None and asked.category not in known.categories:
-        raise ArtigenError(
-            f"category {asked.category!r}: this model knows {', '.join(sorted(known.categories))}; "
-            "artigen shape draws others"
-        )
+    _load_sketch(model)
+    understood = understand(read_job(jobs[0]))
+    ask(_ask(jobs[0], understood).request)
     results = run_shown(generate_and_validate, jobs, out, workers=workers)
     passed = sum(bool(finished.passed) for finished in results)
     written = sum(finished.error is None for finished in results)

@@ -50,10 +50,13 @@ def read_image(
     asked = StructureCondition(category=request.category, counts=request.counts, image=picture.rgba)
     read, notes = read_condition(reader, asked)
     assert read.size is not None
-    sizes = dict(zip(("depth", "width", "height"), read.size, strict=True))
-    given = {name: getattr(request, name) for name in sizes if getattr(request, name) is not None}
-    scale = 1.0
-    if given:
-        scale = sum(given[name] / sizes[name] for name in given) / len(given)
-    lengths = {name: given.get(name, scale * length) for name, length in sizes.items()}
-    return replace(request, category=read.category, counts=read.counts, **lengths), notes
+    given = (request.depth, request.width, request.height)
+    scales = [asked / seen for asked, seen in zip(given, read.size, strict=True) if asked is not None]
+    scale = sum(scales) / len(scales) if scales else 1.0
+    depth, width, height = (
+        scale * seen if asked is None else asked for asked, seen in zip(given, read.size, strict=True)
+    )
+    whole = replace(
+        request, category=read.category, counts=read.counts, depth=depth, width=width, height=height
+    )
+    return whole, notes

@@ -51,8 +51,10 @@ def make_batch(
         said[index, start:end] = find_said(table)
         asked_rows[index, :start] = True
     flat = rows.reshape(-1, WIDTH)
-    low, high, named = row_planes(flat)
     part, piece = number_rows(rows, asked_rows)
+    planes = row_planes(flat)
+    low, high = planes.low.reshape(*shape, 4), planes.high.reshape(*shape, 4)
+    anchor, anchored = find_anchors(low, part)
     return RowBatch(
         rows=torch.from_numpy(rows),
         known=torch.from_numpy(known),
@@ -61,9 +63,12 @@ def make_batch(
         asked=torch.from_numpy(asked_rows),
         part=torch.from_numpy(part),
         piece=torch.from_numpy(piece),
-        low=torch.from_numpy(low.reshape(*shape, 3)),
-        high=torch.from_numpy(high.reshape(*shape, 3)),
-        named=torch.from_numpy(named.reshape(shape) & ~asked_rows),
+        low=torch.from_numpy(low),
+        high=torch.from_numpy(high),
+        named=torch.from_numpy(planes.named.reshape(shape) & ~asked_rows),
+        ranged=torch.from_numpy(planes.ranged.reshape(shape)),
+        anchor=torch.from_numpy(anchor),
+        anchored=torch.from_numpy(anchored),
     )
 
 
@@ -78,25 +83,51 @@ def number_rows(
     return part, np.minimum(at - last, 31)
 
 
-def row_planes(
-    rows: Int[np.ndarray, "N W"],
-) -> tuple[Int[np.ndarray, "N 3"], Int[np.ndarray, "N 3"], Bool[np.ndarray, "N"]]:
-    """Lowest and highest corner of what each row describes, and whether it names planes at all."""
+def find_anchors(
+    low: Int[np.ndarray, "B T 4"], part: Int[np.ndarray, "B T"]
+) -> tuple[Int[np.ndarray, "B T 4"], Bool[np.ndarray, "B T"]]:
+    """Lowest corner of the first piece of each row's part, and whether that piece comes before the row."""
+    at = np.arange(part.shape[1])[None]
+    begins = np.diff(part, axis=1, prepend=0) > 0
+    first = np.maximum.accumulate(np.where(begins, at, 0), axis=1) + 1  # after the row that names the part
+    anchored = (part > 0) & (at > first)
+    anchor = np.take_along_axis(low, np.minimum(first, part.shape[1] - 1)[..., None], axis=1)
+    return np.where(anchored[..., None] | (at == first)[..., None], anchor, 0), anchored
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Planes:
+    """What rows describe: corners, and the range of joints in the last column."""
+
+    low: Int[np.ndarray, "N 4"]
+    high: Int[np.ndarray, "N 4"]
+    named: Bool[np.ndarray, "N"]
+    """Rows that have corners."""
+    ranged: Bool[np.ndarray, "N"]
+    """Joints that have a range."""
+
+
+def row_planes(rows: Int[np.ndarray, "N W"]) -> Planes:
+    """The planes that each row names."""
     kind = rows[:, 0]
     piece = np.isin(kind, _PIECES)
     first = _FIRST[kind]
     at = np.where(piece[:, None], first[:, None] + np.arange(6), 0)
     corners = np.where(piece[:, None], np.take_along_axis(rows, at, axis=1), 0)
-    low, high = corners[:, :3].copy(), corners[:, 3:].copy()
+    low, high = np.zeros((len(rows), 4), dtype=int), np.zeros((len(rows), 4), dtype=int)
+    low[:, :3], high[:, :3] = corners[:, :3], corners[:, 3:]
     whole = kind == _OBJECT
     extents = rows[whole, column("object", "depth") : column("object", "depth") + 3]
     low[whole, :2] = -(extents[:, :2] // 2)
-    high[whole] = low[whole] + extents
-    joint = (kind == _JOINT) & (rows[:, column("joint", "type")] > 0)
-    joint &= rows[:, column("joint", "type")] != _SLIDING
-    origin = rows[joint, column("joint", "x") : column("joint", "x") + 3]
-    low[joint], high[joint] = origin, origin
-    return low, high, piece | whole | joint
+    high[whole, :3] = low[whole, :3] + extents
+    moving = (kind == _JOINT) & (rows[:, column("joint", "type")] > 0)
+    turning = moving & (rows[:, column("joint", "type")] != _SLIDING)
+    origin = rows[turning, column("joint", "x") : column("joint", "x") + 3]
+    low[turning, :3], high[turning, :3] = origin, origin
+    reach = rows[:, column("joint", "upper")]
+    ranged = moving & (reach > 0)
+    low[ranged, 3] = high[ranged, 3] = reach[ranged]
+    return Planes(low=low, high=high, named=piece | whole | turning, ranged=ranged)
 
 
 def ask_for(rows: Int[np.ndarray, "T W"], rng: np.random.Generator) -> Asked:

@@ -1,29 +1,31 @@
-"""`draw_tables`: several tables of rows side by side, drawn from the network within the rules."""
+"""Tables of rows drawn from the network within the rules: several side by side, in any number of steps."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import torch
-from jaxtyping import Bool, Float, Int
+from jaxtyping import Float, Int
 from torch import Tensor
-from torch.nn import functional as F
+from torch.nn import functional
 
 from artigen.sketch.batch import Asked, make_batch, row_planes
 from artigen.sketch.network import (
     COARSE,
     FINE,
-    MIRROR_AXIS,
     OFFSET,
+    SIDES,
     NumberParts,
     RowBatch,
     SketchNetwork,
     _Cache,
+    list_planes,
     slots,
 )
-from artigen.sketch.rows import LENGTH, PIECE_KINDS, REACH, ROW_KINDS, column
-from artigen.sketch.rules import MAX_ROWS, Writer
+from artigen.sketch.rows import REACH, ROW_KINDS, number_axis
+from artigen.sketch.rules import Writer
 
+_PART = ROW_KINDS.index("part")
 DIGITS = 24
 """Coarse digits that a number said anew may have: the likeliest within its span."""
 
@@ -38,64 +40,108 @@ class DrawConfig:
     """Share of chance that is drawn from; the unlikeliest rest is left out."""
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Draft:
+    """A table as far as it is written, with all that the network remembers of it."""
+
+    writer: Writer
+    state: Float[Tensor, "D"]
+    """After the last row."""
+    keys: Float[Tensor, "T K"]
+    """Of the planes of every row."""
+    said: RowBatch
+    cache: tuple[tuple[Float[Tensor, "1 H T E"], Float[Tensor, "1 H T E"]], ...]
+    """Keys and values of every block."""
+
+
 @torch.no_grad()
+def begin_drafts(network: SketchNetwork, requests: Sequence[Asked]) -> list[Draft]:
+    """Empty tables for requests that all have as many rows.
+
+    Raises:
+        ValueError: If they have not.
+    """
+    if len({len(asked.rows) for asked in requests}) != 1:
+        raise ValueError(f"requests of {sorted({len(a.rows) for a in requests})} rows, expected all alike")
+    empty = np.zeros((0, requests[0].rows.shape[1]), dtype=int)
+    batch = make_batch([empty] * len(requests), requests)
+    cache = [_Cache() for _ in network.blocks]
+    states = network.read_rows(network.embed_cells(batch.rows, batch.known, batch.axes), batch, cache)
+    return [
+        Draft(
+            writer=Writer(asked=asked),
+            state=states[index, -1],
+            keys=states.new_zeros(0, network.cfg.pointer * SIDES),
+            said=_take(batch, [index], slice(0, 0)),
+            cache=_slice_cache(cache, index),
+        )
+        for index, asked in enumerate(requests)
+    ]
+
+
+@torch.no_grad()
+def continue_drafts(
+    network: SketchNetwork,
+    drafts: Sequence[Draft],
+    until: Callable[[Writer], bool],
+    generator: torch.Generator,
+    cfg: DrawConfig | None = None,
+) -> list[Draft | None]:
+    """Writes on, side by side, until each table is as far as was asked; None where it grows too long.
+
+    Args:
+        network: trained.
+        drafts: all of as many rows; they stay as they are.
+        until: whether a table is as far, looked at after every row.
+        generator: of all chance.
+        cfg: temperature.
+    """
+    pen = _Pen(network, drafts, generator, cfg or DrawConfig())
+    while pen.writers:
+        pen.write_row()
+        pen.put_aside(until)
+    return pen.finished
+
+
 def draw_tables(
     network: SketchNetwork,
     requests: Sequence[Asked],
     generator: torch.Generator,
     cfg: DrawConfig | None = None,
-    *,
-    rows: int = MAX_ROWS,
 ) -> list[Int[np.ndarray, "T W"] | None]:
-    """Draws one table for every request; None where it grew too long.
-
-    Args:
-        network: trained.
-        requests: all of as many rows.
-        generator: of all chance.
-        cfg: temperature.
-        rows: after so many, tables are returned as they are; by default those that do not end are given up.
-
-    Raises:
-        ValueError: If requests differ in their number of rows.
-    """
-    cfg = cfg or DrawConfig()
-    if len({len(asked.rows) for asked in requests}) != 1:
-        raise ValueError(f"requests of {sorted({len(a.rows) for a in requests})} rows, expected all alike")
-    pen = _Pen(network, requests, generator, cfg)
-    while pen.writers and len(pen.writers[0].rows) < rows:
-        pen.write_row()
-    if rows < MAX_ROWS:
-        return [*(np.array(writer.rows) for writer in pen.writers)]
-    return pen.tables
+    """Draws one whole table for every request, nothing rejected; None where it grew too long."""
+    drafts = continue_drafts(
+        network, begin_drafts(network, requests), lambda writer: writer.done, generator, cfg
+    )
+    return [None if draft is None else np.array(draft.writer.rows) for draft in drafts]
 
 
 class _Pen:
-    """The network with what it has read so far, and the tables that it writes."""
+    """Tables that are written side by side, row after row."""
 
     def __init__(
         self,
         network: SketchNetwork,
-        requests: Sequence[Asked],
+        drafts: Sequence[Draft],
         generator: torch.Generator,
         cfg: DrawConfig,
     ) -> None:
         self.network, self.generator, self.cfg = network, generator, cfg
-        self.tables: list[np.ndarray | None] = [None] * len(requests)
-        self.writers = [Writer(asked=asked) for asked in requests]
-        self.index = list(range(len(requests)))
-        self.cache = [_Cache() for _ in network.blocks]
-        empty = np.zeros((0, requests[0].rows.shape[1]), dtype=int)
-        batch = make_batch([empty] * len(requests), requests)
-        states = network.read_rows(
-            network.embed_cells(batch.rows, batch.known, batch.axes), batch, self.cache
+        self.finished: list[Draft | None] = [None] * len(drafts)
+        self.writers = [draft.writer.copy() for draft in drafts]
+        self.index = list(range(len(drafts)))
+        self.state = torch.stack([draft.state for draft in drafts])
+        self.keys = torch.stack([draft.keys for draft in drafts])
+        names = vars(drafts[0].said)
+        self.said = RowBatch(
+            **{name: torch.cat([getattr(draft.said, name) for draft in drafts]) for name in names}
         )
-        self.state = states[:, -1]
-        count = len(requests)
-        self.keys = torch.zeros(count, 0, network.cfg.pointer * 5)
-        self.low = torch.zeros(count, 0, 3, dtype=torch.long)
-        self.high = torch.zeros(count, 0, 3, dtype=torch.long)
-        self.named = torch.zeros(count, 0, dtype=torch.bool)
+        self.cache = [
+            _Cache(
+                keys=torch.cat([keys for keys, _ in block]), values=torch.cat([values for _, values in block])
+            )
+            for block in zip(*(draft.cache for draft in drafts), strict=True)
+        ]
 
     def write_row(self) -> None:
         """Writes one row of every table, reads it, and takes leave of tables that are done."""
@@ -107,51 +153,35 @@ class _Pen:
                 break
             self._write_fields(open_rows, before)
         rows = np.array([writer.close() for writer in self.writers])
-        part, piece = self._places()
-        low, high, named = row_planes(rows)
-        batch = RowBatch(
-            rows=torch.from_numpy(rows)[:, None],
-            known=torch.ones(rows.shape, dtype=torch.bool)[:, None],
-            said=torch.zeros(rows.shape, dtype=torch.bool)[:, None],
-            axes=torch.full(rows.shape, -1)[:, None],
-            asked=torch.zeros(len(rows), 1, dtype=torch.bool),
-            part=part[:, None],
-            piece=piece[:, None],
-            low=torch.from_numpy(low)[:, None],
-            high=torch.from_numpy(high)[:, None],
-            named=torch.from_numpy(named)[:, None],
-        )
+        last = _describe(self.writers, rows)
         # The sum of the cells is what was gathered field by field.
-        self.state = network.read_rows(before[:, None, None], batch, self.cache)[:, -1]
-        self.low, self.high = torch.cat([self.low, batch.low], 1), torch.cat([self.high, batch.high], 1)
-        self.named = torch.cat([self.named, batch.named], 1)
+        self.state = network.read_rows(before[:, None, None], last, self.cache)[:, -1]
+        self.said = _join(self.said, last)
         self.keys = torch.cat([self.keys, network.keys(self.state)[:, None]], 1)
-        self._drop_finished()
 
-    def _places(self) -> tuple[Int[Tensor, "B"], Int[Tensor, "B"]]:
-        """Number of the part, and of the row within it, of the rows just closed."""
-        part_kind = ROW_KINDS.index("part")
-        places = []
-        for writer in self.writers:
-            starts = [at for at, row in enumerate(writer.rows) if row[0] == part_kind]
-            last = starts[-1] if starts else -len(writer.asked.rows)
-            places.append((min(len(starts), 63), min(len(writer.rows) - 1 - last, 31)))
-        table = torch.tensor(places)
-        return table[:, 0], table[:, 1]
-
-    def _drop_finished(self) -> None:
-        going = [k for k, writer in enumerate(self.writers) if not (writer.done or writer.stuck)]
+    def put_aside(self, until: Callable[[Writer], bool]) -> None:
+        """Takes leave of tables that are as far as they should be, and of those that grew too long."""
+        going = []
         for k, writer in enumerate(self.writers):
-            if writer.done:
-                self.tables[self.index[k]] = np.array(writer.rows)
+            if until(writer) or writer.done:
+                self.finished[self.index[k]] = Draft(
+                    writer=writer,
+                    state=self.state[k],
+                    keys=self.keys[k],
+                    said=_take(self.said, [k], slice(None)),
+                    cache=_slice_cache(self.cache, k),
+                )
+            elif not writer.stuck:
+                going.append(k)
         if len(going) == len(self.writers):
             return
         self.writers = [self.writers[k] for k in going]
         self.index = [self.index[k] for k in going]
-        self.state, self.keys, self.named = self.state[going], self.keys[going], self.named[going]
-        self.low, self.high = self.low[going], self.high[going]
+        self.state, self.keys = self.state[going], self.keys[going]
+        self.said = _take(self.said, going, slice(None))
         for cache in self.cache:
-            assert cache.keys is not None and cache.values is not None
+            assert cache.keys is not None
+            assert cache.values is not None
             cache.keys, cache.values = cache.keys[going], cache.values[going]
 
     def _write_fields(self, some: list[int], before: Float[Tensor, "B D"]) -> None:
@@ -195,14 +225,22 @@ class _Pen:
 
     def _draw_numbers(self, which: list[int], x: Float[Tensor, "N D"], slot: Int[Tensor, "N"]) -> list[int]:
         writers = [self.writers[k] for k in which]
-        axes = torch.tensor([writer.axis() for writer in writers])
         spans = torch.tensor([writer.span() for writer in writers])
-        planes, free = self._planes(which, axes)
-        own = self.network.own_keys.expand(len(which), -1, -1)
-        keys = torch.cat([self.keys[which].unflatten(-1, (5, -1)).flatten(1, 2), own], dim=1)
-        parts = self.network.number_parts(x[:, None], keys, free[:, None], (axes == LENGTH)[:, None])
+        half = _describe(writers, np.array([writer.padded() for writer in writers]))
+        batch = _join(_take(self.said, which, slice(None)), half)
+        columns = torch.tensor([[len(writer.row)] for writer in writers])
+        planes, free = list_planes(
+            batch,
+            torch.arange(len(which))[:, None],
+            torch.full_like(columns, self.said.rows.shape[1]),
+            columns,
+        )
+        keys = torch.cat(
+            [self.keys[which].unflatten(-1, (SIDES, -1)).flatten(1, 2), self._last_keys(len(which))], dim=1
+        )
+        parts = self.network.number_parts(x[:, None], keys, free)
         low, high = int(spans[:, 0].min()), int(spans[:, 1].max())
-        chances = _spread_planes(parts, planes, low, high) + self._anew(parts, x, spans, low, high)
+        chances = _spread_planes(parts, planes[:, 0], low, high) + self._anew(parts, x, spans, low, high)
         values = torch.arange(low, high + 1)
         inside = (values >= spans[:, :1]) & (values <= spans[:, 1:])
         # What lies far from everything the network deems possible is drawn evenly.
@@ -224,31 +262,10 @@ class _Pen:
         out = torch.zeros(len(x), high - low + 1)
         return out.scatter_add_(1, value.clamp(0, high - low), chance * inside)
 
-    def _planes(
-        self, which: list[int], axes: Int[Tensor, "N"]
-    ) -> tuple[Int[Tensor, "N C"], Bool[Tensor, "N C"]]:
-        """As `artigen.sketch.network.list_planes`, for rows that are half written."""
-        place = axes.clamp(max=2)
-        pick = place[:, None, None].expand(-1, self.low.shape[1], 1)
-        low, high = self.low[which].gather(2, pick)[..., 0], self.high[which].gather(2, pick)[..., 0]
-        own = torch.zeros(len(which), 2, dtype=torch.long)
-        has, ends = torch.zeros(len(which), 2, dtype=torch.bool), torch.zeros(len(which), dtype=torch.bool)
-        for at, k in enumerate(which):
-            writer = self.writers[k]
-            if writer.kind not in PIECE_KINDS:
-                continue
-            first, column_at = column(writer.kind, "x0"), len(writer.row)
-            for side in (0, 1):
-                known = column_at > first + 3 * side + int(place[at])
-                has[at, side] = known
-                own[at, side] = writer.row[first + 3 * side + int(place[at])] if known else 0
-            ends[at] = column_at == first + 3 + int(place[at])
-        planes = torch.stack([low, high, -low, -high, own[:, :1] + high - low], dim=-1).flatten(1)
-        named = self.named[which]
-        mirrored = named & (axes == MIRROR_AXIS)[:, None]
-        free = torch.stack([named, named, mirrored, mirrored, named & ends[:, None]], dim=-1).flatten(1)
-        free = torch.cat([free, has], dim=1) & (axes < LENGTH)[:, None]
-        return torch.cat([planes, own], dim=1), free
+    def _last_keys(self, count: int) -> Float[Tensor, "N C P"]:
+        """Keys of the planes of the row that is being written: its own, and none of others."""
+        own = self.network.own_keys
+        return torch.cat([own.new_zeros(SIDES, own.shape[1]), own]).expand(count, -1, -1)
 
     def _draw(self, chances: Float[Tensor, "N V"]) -> Int[Tensor, "N"]:
         """One of each row, after temperature, from its likeliest part."""
@@ -259,6 +276,60 @@ class _Pen:
         ordered = ordered * (ordered.cumsum(dim=-1) - ordered < cfg.top_p)
         pick = torch.multinomial(ordered, 1, generator=self.generator)
         return order.gather(1, pick)[:, 0]
+
+
+def _describe(writers: Sequence[Writer], rows: Int[np.ndarray, "B W"]) -> RowBatch:
+    """One row of every table, closed or half written, with its place among those before."""
+    planes, axes = row_planes(rows), number_axis(rows)
+    part, piece, anchor, anchored = (np.array(column) for column in zip(*map(_place, writers), strict=True))
+    values = {
+        "rows": rows,
+        "known": np.ones(rows.shape, dtype=bool),
+        "said": np.zeros(rows.shape, dtype=bool),
+        "axes": axes,
+        "asked": np.zeros(len(rows), dtype=bool),
+        "part": part,
+        "piece": piece,
+        "anchor": anchor,
+        "anchored": anchored,
+        **vars(planes),
+    }
+    return RowBatch(**{name: torch.from_numpy(value)[:, None] for name, value in values.items()})
+
+
+def _place(writer: Writer) -> tuple[int, int, list[int], bool]:
+    """Where the row that comes next, or was just closed, stands: part, place in it, and what begins it."""
+    kinds = [row[0] for row in writer.rows]
+    at = len(kinds) if writer.row else len(kinds) - 1
+    starts = [index for index, kind in enumerate(kinds) if kind == _PART]
+    first = starts[-1] + 1 if starts else 0
+    place = at - starts[-1] if starts else at + len(writer.asked.rows)
+    anchored = bool(starts) and at > first
+    begun = bool(starts) and len(kinds) > first
+    anchor = row_planes(np.array([writer.rows[first]])).low[0].tolist() if begun else [0] * 4
+    return min(len(starts), 63), min(place, 31), anchor, anchored
+
+
+def _slice_cache(
+    cache: Sequence[_Cache], index: int
+) -> tuple[tuple[Float[Tensor, "1 H T E"], Float[Tensor, "1 H T E"]], ...]:
+    """What every block remembers of one table."""
+    out = []
+    for block in cache:
+        assert block.keys is not None
+        assert block.values is not None
+        out.append((block.keys[[index]], block.values[[index]]))
+    return tuple(out)
+
+
+def _take(batch: RowBatch, objects: list[int] | slice, rows: slice) -> RowBatch:
+    return RowBatch(**{name: value[objects, rows] for name, value in vars(batch).items()})
+
+
+def _join(before: RowBatch, after: RowBatch) -> RowBatch:
+    return RowBatch(
+        **{name: torch.cat([value, getattr(after, name)], dim=1) for name, value in vars(before).items()}
+    )
 
 
 def _spread_planes(
@@ -276,5 +347,5 @@ def _spread_planes(
         1, at, (parts.ways[:, 0, 1:2] + parts.near[:, 0]).exp() * inside
     )
     offsets = parts.offset[:, 0].exp().flip(-1)
-    spread = F.conv1d(near[None], offsets[:, None], groups=len(planes))[0]
+    spread = functional.conv1d(near[None], offsets[:, None], groups=len(planes))[0]
     return same[:, OFFSET:-OFFSET] + spread

@@ -22,7 +22,7 @@ extent           the object is not as large as was asked (`artigen.sketch.model`
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -88,6 +88,8 @@ MAX_ASPECT = 60.0
 """Length over thickness beyond which an exporter cuts a hull."""
 MAX_HULLS, MAX_HULLS_IN_ALL, MAX_LINKS = 32, 256, 64
 """Hulls on a body and in all, and bodies with the empty root."""
+HOPELESS = 4
+"""Faults at rest beyond which the way of parts is not looked at."""
 FLOOR_BAND = 0.005
 """Height (m) above the lowest point up to which a corner stands on the floor."""
 TURN_TOLERANCE = 1e-3
@@ -171,22 +173,34 @@ class _Subject:
 def find_faults(shape: Shape) -> tuple[Fault, ...]:
     """What would make the package of a shape fail its checks; nothing, if nothing would.
 
-    Stricter than they are in one thing: a screw is followed through all of its turns, not through one.
+    Stricter than they are in one thing: a screw is followed through all of its turns, not through one. Parts
+    of a shape with more than `HOPELESS` faults at rest are not moved: that takes long where all overlaps.
     """
     tree = read_tree(shape)
     bodies = list_bodies(shape, tree.leaders)
     near = find_near(bodies, 2 * MAX_GAP)
-    subject = _Subject(
+    still = _Subject(
         shape=shape,
         tree=tree,
         bodies=bodies,
         near=near,
-        courses=tuple(_follow_parts(shape, tree, bodies)),
-        openers=tuple(list_openers(shape, bodies)),
+        courses=(),
+        openers=(),
         rest=_measure_rest(bodies, near),
     )
-    finders = (_overlaps, _blocked, _floating, _loose, _inward, _openings, _ranges, _trees, _hulls, _tips)
-    return tuple(fault for finder in finders for fault in finder(subject))
+    resting = [
+        fault
+        for finder in (_overlaps, _floating, _loose, _ranges, _trees, _hulls, _tips)
+        for fault in finder(still)
+    ]
+    if len(resting) > HOPELESS:
+        return tuple(resting)
+    moving = replace(
+        still,
+        courses=tuple(_follow_parts(shape, tree, bodies)),
+        openers=tuple(list_openers(shape, bodies)),
+    )
+    return (*resting, *(fault for finder in (_blocked, _inward, _openings) for fault in finder(moving)))
 
 
 def _follow_parts(shape: Shape, tree: Tree, bodies: Bodies) -> Iterator[_Course]:

@@ -11,7 +11,7 @@ import torch
 from artigen.errors import SourceError
 from artigen.models.store import load_model, read_description, save_model
 from artigen.shapes.shape import Shape
-from artigen.sketch.draw import DrawConfig, draw_tables
+from artigen.sketch.draw import Draft, DrawConfig, begin_drafts, continue_drafts
 from artigen.sketch.faults import Fault, find_faults
 from artigen.sketch.network import SketchNetwork, SketchNetworkConfig
 from artigen.sketch.request import SketchRequest, ask
@@ -24,6 +24,10 @@ WITHIN = 0.01
 """Share by which an extent may differ from what was asked or announced."""
 
 
+DEFERRED = frozenset(("tipping", "extent"))
+"""Faults that only a whole object can have."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class SketchConfig:
     """How an object is drawn."""
@@ -31,13 +35,18 @@ class SketchConfig:
     draw: DrawConfig = field(default_factory=DrawConfig)
     """Temperature."""
     candidates: int = 8
-    """Objects drawn side by side."""
-    rounds: int = 8
-    """Batches at most; the object with the fewest faults stays when the last is drawn."""
+    """Continuations of an object that are drawn side by side for every part."""
+    rounds: int = 3
+    """Batches of continuations until one has no fault."""
+    attempts: int = 6
+    """Objects that are begun at most."""
 
     def __post_init__(self) -> None:
-        if self.candidates < 1 or self.rounds < 1:
-            raise ValueError(f"{self.candidates} candidates in {self.rounds} rounds, expected at least one")
+        if min(self.candidates, self.rounds, self.attempts) < 1:
+            raise ValueError(
+                f"{self.candidates} candidates in {self.rounds} rounds of {self.attempts} attempts, expected "
+                "at least one of each"
+            )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -47,8 +56,8 @@ class Drawn:
     shape: Shape
     faults: tuple[Fault, ...]
     notes: tuple[str, ...]
-    tried: int
-    """Candidates that were drawn."""
+    seen: Counter[str]
+    """Faults of what was drawn and left out, by id."""
 
 
 def save_sketch_network(network: SketchNetwork, folder: Path, described: dict[str, object]) -> None:
@@ -80,72 +89,111 @@ def load_sketch_network(folder: Path) -> SketchNetwork:
 
 
 def draw_object(
-    network: SketchNetwork,
-    request: SketchRequest,
-    seed: int,
-    cfg: SketchConfig | None = None,
-    *,
-    like: Callable[[Shape], float] | None = None,
+    network: SketchNetwork, request: SketchRequest, seed: int, cfg: SketchConfig | None = None
 ) -> Drawn:
     """Draws an object that meets a request; the same arguments give the same object on one machine.
 
-    Candidates are drawn in batches until one has no fault; of several without, the first stays, or that
-    which ``like`` rates highest.
+    The object grows part by part. Every part is drawn several times side by side, and the first that has no
+    fault beside those before it stays; if all have some, even in several rounds, another object is begun.
+    When all attempts are used up, the one with the fewest faults is returned with these.
 
     Args:
         network: trained.
         request: what is asked for.
         seed: of all chance.
         cfg: temperature and budget.
-        like: rates candidates without faults, such as by their likeness to a picture.
 
     Raises:
-        SketchError: If the request is none that sketches can say, or no candidate could be read.
+        SketchError: If the request is none that sketches can say, or no attempt could be read.
     """
     cfg = cfg or SketchConfig()
-    asked = ask(request)
+    start = begin_drafts(network, [ask(request)])[0]
     generator = torch.Generator().manual_seed(seed)
-    best: tuple[tuple[int, float], Shape, tuple[Fault, ...]] | None = None
     seen: Counter[str] = Counter()
-    tried = 0
-    for _ in range(cfg.rounds):
-        tables = draw_tables(network, [asked] * cfg.candidates, generator, cfg.draw)
-        for table in tables:
-            tried += 1
-            try:
-                shape, faults = _judge(table, seed)
-            except SketchError as error:
-                seen["unreadable: " + str(error).split(":")[0]] += 1
-                continue
-            seen.update({fault.id for fault in faults})
-            rated = -like(shape) if like is not None and not faults else 0.0
-            if best is None or (len(faults), rated) < best[0]:
-                best = ((len(faults), rated), shape, faults)
-            if best[0][0] == 0 and like is None:
-                break
-        if best is not None and best[0][0] == 0:
+    begun = 0
+    best: tuple[Shape, tuple[Fault, ...]] | None = None
+    for _ in range(cfg.attempts):
+        begun += 1
+        table = _grow(network, start, generator, cfg, seen)
+        if table is None:
+            continue
+        shape, faults = _judge(table, seed)
+        seen.update(fault.id for fault in faults)
+        if best is None or len(faults) < len(best[1]):
+            best = (shape, faults)
+        if not faults:
             break
     if best is None:
-        raise SketchError(f"{tried} candidates of {request.category or 'any category'}: none could be read")
+        raise SketchError(
+            f"{cfg.attempts} objects of {request.category or 'any category'} were begun, none could be read"
+        )
     why = ", ".join(f"{count} {name}" for name, count in seen.most_common())
-    note = f"sketch: candidate {tried} was taken" + (f"; faults of others: {why}" if why else "")
-    return Drawn(shape=best[1], faults=best[2], notes=(note,), tried=tried)
+    note = f"sketch: {begun} objects were begun" + (f"; left out on the way: {why}" if why else "")
+    return Drawn(shape=best[0], faults=best[1], notes=(note,), seen=seen)
 
 
-@torch.no_grad()
+def draw_alike(
+    network: SketchNetwork,
+    request: SketchRequest,
+    seed: int,
+    like: Callable[[Shape], float],
+    cfg: SketchConfig | None = None,
+    *,
+    objects: int = 4,
+) -> Drawn:
+    """Draws several objects and returns that without faults which ``like`` rates highest."""
+    seeds = np.random.SeedSequence(seed).generate_state(objects).tolist()
+    drawn = [draw_object(network, request, one, cfg) for one in seeds]
+    return min(drawn, key=lambda one: (len(one.faults), -like(one.shape)))
+
+
+def _grow(
+    network: SketchNetwork, draft: Draft, generator: torch.Generator, cfg: SketchConfig, seen: Counter[str]
+) -> np.ndarray | None:
+    """Adds part after part; None where no faultless one was found. ``seen`` counts the faults of others."""
+    while not draft.writer.delivered:
+        parts = len(draft.writer.moving)
+        for _ in range(cfg.rounds):
+            grown = continue_drafts(
+                network,
+                [draft] * cfg.candidates,
+                lambda writer: len(writer.moving) > parts,  # noqa: B023 - used before it changes
+                generator,
+                cfg.draw,
+            )
+            found = next((one for one in grown if one is not None and _is_sound(one, seen)), None)
+            if found is not None:
+                draft = found
+                break
+        else:
+            return None
+    return draft.writer.table
+
+
+def _is_sound(draft: Draft, seen: Counter[str]) -> bool:
+    """Whether an object that is not whole yet has no fault that it would keep."""
+    try:
+        _, faults = _judge(draft.writer.table, 0)
+    except SketchError:
+        seen["unreadable"] += 1
+        return False
+    lasting = {fault.id for fault in faults} - DEFERRED
+    seen.update(lasting)
+    return not lasting
+
+
 def guess_extents(network: SketchNetwork, request: SketchRequest, seed: int) -> dict[str, float]:
     """Depth, width and height (m) that an object which meets the request may have."""
-    table = draw_tables(network, [ask(request)], torch.Generator().manual_seed(seed), rows=1)[0]
-    assert table is not None
-    return {name: float(table[0, column("object", name)]) * STEP for name in ("depth", "width", "height")}
+    start = begin_drafts(network, [ask(request)])
+    header = continue_drafts(network, start, lambda _: True, torch.Generator().manual_seed(seed))[0]
+    assert header is not None
+    row = header.writer.rows[0]
+    return {name: row[column("object", name)] * STEP for name in ("depth", "width", "height")}
 
 
-def _judge(table: np.ndarray | None, seed: int) -> tuple[Shape, tuple[Fault, ...]]:
+def _judge(table: np.ndarray, seed: int) -> tuple[Shape, tuple[Fault, ...]]:
     """The shape of a table, and its faults."""
-    if table is None:
-        raise SketchError("a table that did not end")
-    sketch = rows_to_sketch(table)
-    shape = read_sketch(sketch, seed)
+    shape = read_sketch(rows_to_sketch(table), seed)
     first = column("object", "depth")
     return shape, (*find_faults(shape), *find_extent_faults(shape, table[0, first : first + 3]))
 

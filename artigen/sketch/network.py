@@ -1,10 +1,9 @@
-"""`SketchNetwork`: a transformer that reads rows and says the next one, field by field.
+"""`SketchNetwork`: a transformer that reads rows and predicts the next one, field by field.
 
-One position per row. Its state and the fields of the row said so far give every next field: a symbol from the
-vocabulary of its slot, or a number. A coordinate is said in one of three ways, whose chances add up: as a plane
-that an earlier row named (low and high sides, both mirrored at the middle plane of the object, a size that is
-repeated), as such a plane and an offset of at most `OFFSET` steps, or anew as two digits. So boards that are
-flush are exactly flush, and a thickness is a symbol.
+There is one position per row. Its state and the fields of the next row said so far give the following field:
+a symbol of its slot's vocabulary, or a number. A coordinate has three ways to be said, whose probabilities
+add up: a plane that an earlier row named, such a plane with an offset of at most `OFFSET` steps, or two digits.
+So boards that are flush are exactly flush, and the thickness of a board is one symbol.
 """
 
 from dataclasses import dataclass
@@ -15,9 +14,9 @@ import numpy as np
 import torch
 from jaxtyping import Bool, Float, Int
 from torch import Tensor, nn
-from torch.nn import functional as F
+from torch.nn import functional
 
-from artigen.sketch.rows import FIELDS, LENGTH, REACH, ROW_KINDS, WIDTH
+from artigen.sketch.rows import FIELDS, LENGTH, REACH, ROW_KINDS, WIDTH, column
 
 OFFSET = 96
 """Steps from a known plane within which a coordinate may be said by its distance."""
@@ -26,8 +25,13 @@ FINE = 32
 COARSE = 2 * REACH // FINE
 FREQUENCIES = 15
 """Sines and cosines that a number is read by: periods from 2 to 2**15 steps."""
-SIDES = 5
-"""Planes that a row names on each axis: low, high, both mirrored, and one by its size from the own low side."""
+SIDES = 8
+"""Planes that a row names on each axis.
+
+In this order: its low side; its high side; both mirrored at the middle plane of the object; the own low side
+plus its size; its middle; one step further than from the row before it to this row; and its low side moved
+from its part into the part that is being written.
+"""
 OWN = 2
 """Planes that the row in question has named itself: its low and its high side."""
 _FAR = -1e9
@@ -89,11 +93,17 @@ class RowBatch:
     asked: Bool[Tensor, "B T"]
     part: Int[Tensor, "B T"]
     piece: Int[Tensor, "B T"]
-    low: Int[Tensor, "B T 3"]
-    """Lowest corner of what a row describes."""
-    high: Int[Tensor, "B T 3"]
+    low: Int[Tensor, "B T 4"]
+    """Lowest corner of what a row describes; last the range of a joint, which later joints may repeat."""
+    high: Int[Tensor, "B T 4"]
     named: Bool[Tensor, "B T"]
     """Whether a row names planes."""
+    ranged: Bool[Tensor, "B T"]
+    """Whether it names the range of a joint."""
+    anchor: Int[Tensor, "B T 4"]
+    """Lowest corner of the first piece of the row's part."""
+    anchored: Bool[Tensor, "B T"]
+    """Whether that piece comes before the row."""
 
     def to(self, device: torch.device | str) -> "RowBatch":
         """The batch on another device."""
@@ -102,6 +112,11 @@ class RowBatch:
 
 class SketchNetwork(nn.Module):
     """The transformer; see the module's description."""
+
+    of_cell: Tensor
+    base: Tensor
+    inside: Tensor
+    turns: Tensor
 
     def __init__(self, cfg: SketchNetworkConfig) -> None:
         super().__init__()
@@ -215,7 +230,7 @@ class SketchNetwork(nn.Module):
 
     def symbol_logits(self, x: Float[Tensor, "N D"], slot: Int[Tensor, "N"]) -> Float[Tensor, "N V"]:
         """Over the whole vocabulary; far below zero outside of the slot."""
-        logits = F.linear(x, self.symbols.weight).float() + self.biases.weight[:, 0].float()
+        logits = functional.linear(x, self.symbols.weight).float() + self.biases.weight[:, 0].float()
         return logits.masked_fill(~self.inside[slot], _FAR)
 
     def number_parts(
@@ -223,21 +238,19 @@ class SketchNetwork(nn.Module):
         x: Float[Tensor, "B N D"],
         keys: Float[Tensor, "B C P"],
         open_planes: Bool[Tensor, "B N C"],
-        length: Bool[Tensor, "B N"],
     ) -> "NumberParts":
         """The three ways to say a number, as logarithms of chances.
 
         Args:
             x: thoughts.
             keys: of the planes; the last `OWN` are the row's own.
-            open_planes: which planes may be pointed at.
-            length: numbers that are lengths, which are always said anew.
+            open_planes: which planes may be pointed at; without any, a number is said anew.
         """
         queries = self.queries(x).float().unflatten(-1, (2, -1))
         scores = torch.einsum("bnqp,bcp->qbnc", queries, keys.float()) * keys.shape[-1] ** -0.5
         scores = scores.masked_fill(~open_planes, _FAR).log_softmax(dim=-1)
         ways = self.ways(x).float()
-        none = length | ~open_planes.any(dim=-1)
+        none = ~open_planes.any(dim=-1)
         blocked = torch.stack([none, none, torch.zeros_like(none)], dim=-1)
         ways = ways.masked_fill(blocked, _FAR).log_softmax(dim=-1)
         return NumberParts(
@@ -268,7 +281,9 @@ class SketchNetwork(nn.Module):
         b, t, c = symbols.nonzero(as_tuple=True)
         x = self.think(states[b, t - 1], before[b, t, c], slot[b, t, c])
         logits = self.symbol_logits(x, slot[b, t, c])
-        first = F.cross_entropy(logits, self.base[slot[b, t, c]] + batch.rows[b, t, c], reduction="none")
+        first = functional.cross_entropy(
+            logits, self.base[slot[b, t, c]] + batch.rows[b, t, c], reduction="none"
+        )
         return first, self._number_losses(batch, states, before, slot)
 
     def _number_losses(
@@ -288,8 +303,8 @@ class SketchNetwork(nn.Module):
             slot[b, t, c].flatten(),
         ).unflatten(0, b.shape)
         planes, free = list_planes(batch, b, t, c)
-        target, axis = batch.rows[b, t, c], batch.axes[b, t, c]
-        parts = self.number_parts(x, self.plane_keys(states), free, axis == LENGTH)
+        target = batch.rows[b, t, c]
+        parts = self.number_parts(x, self.plane_keys(states), free)
         coarse = (target + REACH) // FINE
         fine = self.fine_logits(x, coarse).gather(-1, ((target + REACH) % FINE)[..., None])[..., 0]
         return -parts.score(target, planes, coarse, fine)[given]
@@ -334,20 +349,36 @@ def list_planes(
         c: its column.
     """
     axis = batch.axes[b, t, c].clamp(min=0)
-    place = axis.clamp(max=2)
-    low = batch.low.gather(2, place[:, None, :].expand(-1, batch.low.shape[1], -1)).transpose(1, 2)
-    high = batch.high.gather(2, place[:, None, :].expand(-1, batch.high.shape[1], -1)).transpose(1, 2)
-    own_low, own_high, has_low, has_high, ends = _own_planes(batch, b, t, c, place)
-    planes = torch.stack([low, high, -low, -high, own_low[..., None] + high - low], dim=-1)
-    rows = torch.arange(batch.low.shape[1], device=t.device)
-    earlier = (rows < t[..., None]) & batch.named[:, None, :]
-    mirrored = earlier & (axis == MIRROR_AXIS)[..., None]
-    sized = earlier & ends[..., None]
-    free = torch.stack([earlier, earlier, mirrored, mirrored, sized], dim=-1)
+    low, high, anchor = (
+        values.gather(2, axis[:, None, :].expand(-1, values.shape[1], -1)).transpose(1, 2)
+        for values in (batch.low, batch.high, batch.anchor)
+    )
+    own_low, own_high, has_low, has_high, starts, ends = _own_planes(batch, b, t, c, axis)
+    step = 2 * low - low.roll(1, dims=2)
+    own_anchor = batch.anchor[b, t].gather(-1, axis[..., None])
+    planes = [low, high, -low, -high, own_low[..., None] + high - low]
+    planes += [(low + high).div(2, rounding_mode="floor"), step, own_anchor + low - anchor]
+    earlier = torch.arange(batch.low.shape[1], device=t.device) < t[..., None]
+    ranged = earlier & batch.ranged[:, None, :] & _says_range(batch, b, t, c)[..., None]
     coordinate = (axis < LENGTH)[..., None]
-    planes = torch.cat([planes.flatten(2), own_low[..., None], own_high[..., None]], dim=-1)
-    free = torch.cat([free.flatten(2), has_low[..., None], has_high[..., None]], dim=-1)
-    return planes, free & coordinate
+    named = earlier & batch.named[:, None, :] & coordinate
+    mirrored = named & (axis == MIRROR_AXIS)[..., None]
+    follows = batch.named & batch.named.roll(1, dims=1) & (batch.part == batch.part.roll(1, dims=1))
+    again = named & follows[:, None, :] & starts[..., None]
+    placed = named & (batch.part > 0)[:, None, :] & batch.anchored[b, t][..., None]
+    free = [named | ranged, named, mirrored, mirrored, named & ends[..., None], named, again, placed]
+    own = torch.stack([own_low, own_high], dim=-1)
+    has = torch.stack([has_low, has_high], dim=-1) & coordinate
+    return (
+        torch.cat([torch.stack(planes, dim=-1).flatten(2), own], dim=-1),
+        torch.cat([torch.stack(free, dim=-1).flatten(2), has], dim=-1),
+    )
+
+
+def _says_range(
+    batch: RowBatch, b: Int[Tensor, "B N"], t: Int[Tensor, "B N"], c: Int[Tensor, "B N"]
+) -> Bool[Tensor, "B N"]:
+    return (batch.rows[b, t, 0] == ROW_KINDS.index("joint")) & (c == column("joint", "upper"))
 
 
 def _own_planes(
@@ -355,23 +386,20 @@ def _own_planes(
     b: Int[Tensor, "B N"],
     t: Int[Tensor, "B N"],
     c: Int[Tensor, "B N"],
-    place: Int[Tensor, "B N"],
+    axis: Int[Tensor, "B N"],
 ) -> tuple[Tensor, ...]:
-    """The row's own low and high side, whether they are said before a column, and if it is the high side.
+    """The row's own low and high side, whether each is said before a column, and whether it is said there.
 
     Six columns from the first number of a piece on hold its low and its high corner.
     """
-    numbers = batch.axes[b, t] >= 0
-    first = numbers.int().argmax(dim=-1)
-    piece = batch.axes[b, t].gather(-1, (first + 5).clamp(max=WIDTH - 1)[..., None])[..., 0] >= 0
-    piece &= batch.axes[b, t].gather(-1, first[..., None])[..., 0] < LENGTH
-    low, high = (
-        batch.low[b, t].gather(-1, place[..., None])[..., 0],
-        batch.high[b, t].gather(-1, place[..., None])[..., 0],
-    )
-    has_low = piece & (c > first + place)
-    has_high = piece & (c > first + 3 + place)
-    return low, high, has_low, has_high, piece & (c == first + 3 + place)
+    axes = batch.axes[b, t]
+    first = (axes >= 0).int().argmax(dim=-1)
+    piece = axes.gather(-1, (first + 5).clamp(max=WIDTH - 1)[..., None])[..., 0] >= 0
+    piece &= axes.gather(-1, first[..., None])[..., 0] < LENGTH
+    low, high = (values[b, t].gather(-1, axis[..., None])[..., 0] for values in (batch.low, batch.high))
+    has_low = piece & (c > first + axis)
+    has_high = piece & (c > first + 3 + axis)
+    return low, high, has_low, has_high, piece & (c == first + axis), piece & (c == first + 3 + axis)
 
 
 def _gather_numbers(said: Bool[Tensor, "B T W"]) -> tuple[Int[Tensor, "B N 2"], Bool[Tensor, "B N"]]:
@@ -408,7 +436,7 @@ class _Feed(nn.Module):
         self.down = nn.Linear(2 * width, width, bias=False)
 
     def forward(self, x: Float[Tensor, "... D"]) -> Float[Tensor, "... D"]:
-        return x + self.down(F.gelu(self.up(self.norm(x))))
+        return x + self.down(functional.gelu(self.up(self.norm(x))))
 
 
 class _Block(nn.Module):

@@ -12,7 +12,7 @@ in cyclic order.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
-from typing import Literal, get_args
+from typing import Literal, TypedDict, get_args
 
 import numpy as np
 from jaxtyping import Float
@@ -276,13 +276,20 @@ def _fit_group(primitives: Sequence[Primitive]) -> tuple[Piece, int]:
     return _fit_polytope(first), 1
 
 
-def _lining(primitive: Primitive) -> dict[str, str | int | None]:
+class _Said(TypedDict):
+    finish: str
+    lining: str | None
+    lined: int | None
+
+
+def _surface(primitive: Primitive) -> _Said:
+    """What a piece says of its surface."""
     if primitive.lined_side is None:
-        return {}
+        return _Said(finish=primitive.finish, lining=None, lined=None)
     near = np.array(LINED) @ np.array(primitive.lined_side)
     if near.max() < 1 - 1e-9:
         raise UnknownSolid(f"a lining on the side {primitive.lined_side}, expected along an axis")
-    return {"lining": primitive.lining, "lined": int(near.argmax())}
+    return _Said(finish=primitive.finish, lining=primitive.lining, lined=int(near.argmax()))
 
 
 def _fit_cylinder(primitive: Primitive) -> Piece:
@@ -292,14 +299,14 @@ def _fit_cylinder(primitive: Primitive) -> Piece:
     half = np.full(3, primitive.size[0] / 2)
     half[axis] = primitive.size[2] / 2
     numbers = (*(primitive.center - half).tolist(), *(primitive.center + half).tolist())
-    return Piece(kind="cylinder", finish=primitive.finish, numbers=numbers, axis=axis, **_lining(primitive))
+    return Piece(kind="cylinder", numbers=numbers, axis=axis, **_surface(primitive))
 
 
 def _fit_polytope(primitive: Primitive) -> Piece:
     """A box, sharp or bevelled, a frustum or a prism."""
     points = place_vertices(primitive)
     low, high = points.min(axis=0), points.max(axis=0)
-    shared = {"finish": primitive.finish, **_lining(primitive)}
+    shared = _surface(primitive)
     bevel = _find_bevel(points, low, high)
     if bevel is not None:
         numbers = (*low.tolist(), *high.tolist(), bevel)
@@ -434,7 +441,8 @@ def _fit_ring(
         numbers=(*_square(center, axis, span, outer[1]), inner[0], inner[1], outer[0]),
         axis=axis,
         sides=sides,
-        **({} if first.lining is None else {"lining": first.lining, "lined": INWARD}),
+        lining=first.lining,
+        lined=None if first.lining is None else INWARD,
     )
 
 

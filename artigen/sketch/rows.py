@@ -15,7 +15,7 @@ from jaxtyping import Bool, Int
 
 from artigen.shapes.surfaces.finishes import FinishKind
 from artigen.shapes.surfaces.palette import ROLES
-from artigen.sketch.pieces import INWARD, NUMBERS, PIECE_KINDS, Piece, number_axes
+from artigen.sketch.pieces import INWARD, NUMBERS, PIECE_KINDS, Piece, PieceKind, number_axes
 from artigen.sketch.sketch import (
     LEVELS,
     OPACITIES,
@@ -84,7 +84,7 @@ def _symbols(**sizes: int) -> tuple[Field, ...]:
     return tuple(Field(name=name, size=size) for name, size in sizes.items())
 
 
-def _piece_fields(kind: str) -> tuple[Field, ...]:
+def _piece_fields(kind: PieceKind) -> tuple[Field, ...]:
     said = _symbols(finish=len(ROLES), lined=INWARD + 2, lining=len(ROLES))
     if kind not in ("box", "plate"):
         said += _symbols(axis=3)
@@ -248,6 +248,12 @@ def number_axis(rows: Int[np.ndarray, "T W"]) -> Int[np.ndarray, "T W"]:
     return axes
 
 
+MAY_FOLLOW = frozenset(
+    ("lining", "x1", "y1", "z1", "v1", "axis", "need0", "need1", "fraction", "x", "y", "z", "upper", "travel")
+)
+"""Names of all fields that may follow from others."""
+
+
 def _implied(kind: str, rows: Int[np.ndarray, "N W"]) -> dict[str, Bool[np.ndarray, "N"]]:
     """The fields that may follow from others, and in which rows they do."""
     if kind == "joint":
@@ -281,6 +287,9 @@ def _implied(kind: str, rows: Int[np.ndarray, "N W"]) -> dict[str, Bool[np.ndarr
         for axis, name in enumerate(("x1", "y1", "z1")):
             follows[name] = square & (later == axis)
     return follows
+
+
+_PIECE_KIND: dict[str, PieceKind] = {kind: kind for kind in PIECE_KINDS}
 
 
 def _row(kind: str, *values: int) -> list[int]:
@@ -361,7 +370,7 @@ def _read_finish(row: list[int]) -> SketchFinish:
 
 def _read_piece(kind: str, row: list[int]) -> Piece:
     values = dict(zip(said_fields(kind), row, strict=False))
-    piece_kind = next(known for known in PIECE_KINDS if known == kind)
+    piece_kind = _PIECE_KIND[kind]
     lined = values["lined"]
     return Piece(
         kind=piece_kind,

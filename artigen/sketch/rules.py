@@ -4,7 +4,7 @@ The header is a contract: every label comes as often as it was counted, every co
 extents, parts hang on parts that exist, pieces have finishes of the table and edges longer than nothing.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from jaxtyping import Bool, Int
@@ -17,6 +17,7 @@ from artigen.sketch.rows import (
     FIELDS,
     LENGTH,
     MAX_PARTS,
+    MAY_FOLLOW,
     REACH,
     ROW_KINDS,
     WIDTH,
@@ -28,6 +29,8 @@ from artigen.sketch.rows import (
 from artigen.types import JOINT_TYPES, PART_LABELS
 
 MAX_ROWS = 220
+MAX_PIECES = 32
+"""Of a part: so many hulls of one body engines handle well."""
 LEAST_EXTENT = 40
 """Steps (2 cm): shorter objects are not drawn."""
 _KIND = {kind: index for index, kind in enumerate(ROW_KINDS)}
@@ -46,6 +49,10 @@ class Writer:
     moving: list[bool] = field(default_factory=list)
     """Whether each finished part has a joint that moves."""
 
+    def copy(self) -> "Writer":
+        """The same table, to go on from."""
+        return replace(self, rows=[*self.rows], row=[*self.row], labels=[*self.labels], moving=[*self.moving])
+
     @property
     def done(self) -> bool:
         """Whether the table is closed."""
@@ -55,6 +62,17 @@ class Writer:
     def stuck(self) -> bool:
         """Whether the table has grown too long to be finished."""
         return len(self.rows) >= MAX_ROWS and not self.done
+
+    @property
+    def delivered(self) -> bool:
+        """Whether all parts that the header counts are there."""
+        return bool(self.moving) and len(self.moving) == len(self.labels) and not any(self._left().values())
+
+    @property
+    def table(self) -> Int[np.ndarray, "T W"]:
+        """The rows so far as a whole table, closed if it is not."""
+        end = [_KIND["end"]] + [0] * (WIDTH - 1)
+        return np.array(self.rows if self.done else [*self.rows, end])
 
     @property
     def kind(self) -> str:
@@ -80,7 +98,9 @@ class Writer:
 
     def follows(self) -> int | None:
         """The value of the next field where it follows from others, else None."""
-        padded = self._padded()
+        if self.name not in MAY_FOLLOW:
+            return None
+        padded = self.padded()
         if find_said(np.array([padded]))[0, len(self.row)]:
             return None
         fill_implied(self.kind, padded)
@@ -88,11 +108,11 @@ class Writer:
 
     def axis(self) -> int:
         """The axis of the next field, as `artigen.sketch.rows.number_axis` has it."""
-        return int(number_axis(np.array([self._padded()]))[0, len(self.row)])
+        return int(number_axis(np.array([self.padded()]))[0, len(self.row)])
 
     def close(self) -> list[int]:
         """Ends the row and returns it, padded."""
-        row = self._padded()
+        row = self.padded()
         kind = self.kind
         self.rows.append(row)
         if kind == "part":
@@ -153,7 +173,8 @@ class Writer:
         low = np.array([-(extents[0] // 2), -(extents[1] // 2), 0])
         return np.stack([low, low + extents])
 
-    def _padded(self) -> list[int]:
+    def padded(self) -> list[int]:
+        """The row that is being written, with 0 for what is not said yet."""
         return self.row + [0] * (WIDTH - len(self.row))
 
     def _forced(self) -> int | None:
@@ -176,6 +197,10 @@ class Writer:
             0: 1 - self.labels.count(0)
         }
 
+    def _pieces(self) -> int:
+        """Pieces of the part that is being written."""
+        return next(count for count, row in enumerate(reversed(self.rows)) if row[0] == _KIND["part"])
+
     def _next_kinds(self) -> list[int]:
         if not self.rows:
             return [_KIND["object"]]
@@ -183,7 +208,8 @@ class Writer:
         if last == "part":
             return _PIECE_IDS
         if last in PIECE_KINDS:
-            return [*_PIECE_IDS, _KIND["joint"]]
+            full = self._pieces() >= MAX_PIECES
+            return [_KIND["joint"]] if full else [*_PIECE_IDS, _KIND["joint"]]
         if last == "joint":
             return [_KIND["part"] if any(self._left().values()) else _KIND["end"]]
         wanted = self._next_roles()

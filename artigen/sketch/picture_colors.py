@@ -1,0 +1,276 @@
+"""Colours of finishes, read off a picture over which a shape was laid.
+
+A pixel shows its finish's colour under some light. The light is taken to be that of a bright room, in which
+shapes are drawn too; how bright each side of the object is in this picture follows from the finishes that
+are seen on several sides. What remains is a median for each finish. A finish that the picture does not show
+keeps its colour, or follows one that it was equal to.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from artigen.datasets.mesh_raster import Pinhole, project_points
+from artigen.shapes.shape import Shape
+from artigen.shapes.surfaces.finishes import Color, Finish
+from artigen.shapes.surfaces.textures import paint_primitives
+from artigen.sketch.alignment import Faces, Fit, list_faces, look, read_target
+
+Lighting = Literal["room", "even"]
+"""What the picture was taken in: a bright room, or light that leaves every colour as it is."""
+MIN_PIXELS = 12
+"""Pixels away from edges that a finish needs; with fewer, those at edges count too."""
+FEW_PIXELS = 5
+"""Pixels, at edges or not, that a finish needs at least."""
+OPAQUE = 0.99
+"""Finishes through which more is seen keep their colour."""
+KNOWN = 0.1
+"""Share of the object's pixels that what is known about the room counts as much as, side by side."""
+LARGE = 0.02
+"""Share of the object's pixels that a finish needs on a side to tell how bright the side is."""
+AROUND = tuple(
+    (step * y, step * x) for step in (2, 4) for y in (-1, 0, 1) for x in (-1, 0, 1) if (y, x) != (0, 0)
+)
+"""Steps (pixels) to where something may throw a shadow from."""
+RECESS = 0.006
+"""Height (m) above a surface from which what is near it counts as standing in its light."""
+LEAST = 0.15
+"""Share of a pixel's light that its finish has sent at least; the rest may be mirrored."""
+EQUAL = 0.02
+"""Colours (sRGB) of two finishes that differ by less are equal."""
+LIGHT_EDGE, GREY, DARK = 96, 0.5, 0.03
+"""Pictures in which the room's light is looked up: edge in pixels, grey (sRGB), least share scattered."""
+SIDES = 6
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Spots:
+    """Pixels that show the object, and what the room and the finish's pattern would make of them."""
+
+    light: Float[np.ndarray, "N 3"]
+    """Linear, as pictured."""
+    roles: Int[np.ndarray, "N"]
+    """Index into the shape's finishes."""
+    sides: Int[np.ndarray, "N"]
+    clear: Bool[np.ndarray, "N"]
+    """Whether all pixels around show the same finish on the same side of a part."""
+    bright: Float[np.ndarray, "N"]
+    """Share of its linear colour that the surface scatters."""
+    mirrored: Float[np.ndarray, "N"]
+    """Linear light that it mirrors whatever its colour."""
+    pattern: Float[np.ndarray, "N 3"]
+    """Drawn colour over the finish's main colour (sRGB)."""
+
+
+def read_colors(
+    shape: Shape, picture: Float[np.ndarray, "4 S S"], fit: Fit, *, lighting: Lighting = "room"
+) -> Shape:
+    """The shape in the colours that a picture shows.
+
+    Args:
+        shape: The object that was fitted, at rest.
+        picture: RGBA in [0, 1], premultiplied on black.
+        fit: How it was fitted to this picture.
+        lighting: What light to undo.
+
+    Raises:
+        PictureError: If the picture shows no object.
+    """
+    spots = find_spots(shape, picture, fit.camera, lighting)
+    sides = find_brightness(spots, len(shape.finishes)) if lighting == "room" else np.zeros(SIDES)
+    found = {
+        role: color
+        for index, (role, finish) in enumerate(shape.finishes)
+        if finish.opacity >= OPAQUE and (color := _median(spots, index, sides)) is not None
+    }
+    return replace(
+        shape, finishes=tuple((role, _recolor(role, finish, shape, found)) for role, finish in shape.finishes)
+    )
+
+
+def find_spots(
+    shape: Shape, picture: Float[np.ndarray, "4 S S"], camera: Pinhole, lighting: Lighting = "room"
+) -> Spots:
+    """All pixels that are wholly on the picture's object and on the shape.
+
+    Raises:
+        PictureError: If the picture shows no object.
+    """
+    faces, target = list_faces(shape), read_target(picture, picture.shape[1])
+    seen = look(faces, camera)
+    chosen = (seen >= 0) & (target.alpha > 0.95)
+    chosen[chosen] = ~_find_recessed(faces, seen, camera)[chosen[seen >= 0]]
+    rows, columns = np.nonzero(chosen)
+    face = seen[rows, columns]
+    points = _trace(faces, face, np.column_stack([columns, rows]) + 0.5, camera)
+    normals = faces.normals[face]
+    colors = np.array([finish.color for _, finish in shape.finishes])[faces.roles[face]]
+    footprint = camera.pixel * float(np.linalg.norm(points - camera.position, axis=1).mean())
+    painted = paint_primitives(shape, faces.primitives[face], points, normals, footprint=footprint)
+    bright, mirrored = np.ones(len(face)), np.zeros(len(face))
+    if lighting == "room":
+        bright, mirrored = _light(shape, points, camera)
+    return Spots(
+        light=_linear(target.rgb[rows, columns].astype(float)),
+        roles=faces.roles[face],
+        sides=faces.sides[face],
+        clear=(_find_clear(faces, seen) & target.inside)[rows, columns],
+        bright=bright,
+        mirrored=mirrored,
+        pattern=np.maximum(painted, 1e-3) / np.maximum(colors, 1e-3),
+    )
+
+
+def find_brightness(spots: Spots, roles: int) -> Float[np.ndarray, "6"]:
+    """How much brighter than in the room each side is (logarithm), from finishes seen on several of them.
+
+    Least squares: what each finish sends from each side is its own brightness plus that of the side, which
+    is known to be about zero.
+    """
+    sent = np.log(_undo_light(spots).mean(axis=1))
+    cells = spots.roles * SIDES + spots.sides
+    numbers = np.bincount(cells[spots.clear], minlength=roles * SIDES)
+    rows, wanted = [], []
+    for cell in np.flatnonzero(numbers >= max(MIN_PIXELS, LARGE * len(cells))):
+        row = np.zeros(roles + SIDES)
+        row[[cell // SIDES, roles + cell % SIDES]] = 1.0
+        weight = np.sqrt(numbers[cell])
+        rows.append(weight * row)
+        wanted.append(weight * float(np.median(sent[spots.clear & (cells == cell)])))
+    known = np.sqrt(KNOWN * len(cells)) * np.eye(roles + SIDES)[roles:]
+    system = np.concatenate([np.array(rows).reshape(-1, roles + SIDES), known])
+    return np.linalg.lstsq(system, np.concatenate([wanted, np.zeros(SIDES)]), rcond=None)[0][roles:]
+
+
+def _median(spots: Spots, role: int, sides: Float[np.ndarray, "6"]) -> Color | None:
+    """The main colour (sRGB) of a finish; None where too little of it is seen."""
+    chosen = spots.roles == role
+    if (chosen & spots.clear).sum() >= MIN_PIXELS:
+        chosen &= spots.clear
+    if chosen.sum() < FEW_PIXELS:
+        return None
+    own = Spots(**{name: value[chosen] for name, value in vars(spots).items()})
+    scattered = _undo_light(own) * np.exp(-sides[own.sides])[:, None]
+    color = np.median(_srgb(scattered), axis=0) / np.median(own.pattern, axis=0)
+    r, g, b = color.clip(0.0, 1.0).tolist()
+    return r, g, b
+
+
+def _undo_light(spots: Spots) -> Float[np.ndarray, "N 3"]:
+    """Linear colours."""
+    scattered = np.maximum(spots.light - spots.mirrored[:, None], LEAST * spots.light)
+    return np.maximum(scattered / spots.bright[:, None], 1e-5)
+
+
+def _recolor(role: str, finish: Finish, shape: Shape, found: Mapping[str, Color]) -> Finish:
+    """The finish in the colour found for it, or for one that it is equal to; its accent in proportion."""
+    color = found.get(role)
+    if color is None:
+        color = next((found[o] for o, other in shape.finishes if o in found and _equal(finish, other)), None)
+    if color is None:
+        return finish
+    r, g, b = (
+        float(np.clip(new * accent / max(old, 1e-3), 0.0, 1.0))
+        for new, accent, old in zip(color, finish.accent, finish.color, strict=True)
+    )
+    return replace(finish, color=color, accent=(r, g, b))
+
+
+def _equal(one: Finish, other: Finish) -> bool:
+    apart = np.abs(np.array(one.color) - np.array(other.color)).max()
+    return one.kind == other.kind and one.opacity == other.opacity and bool(apart < EQUAL)
+
+
+def _find_clear(faces: Faces, seen: Int[np.ndarray, "S S"]) -> Bool[np.ndarray, "S S"]:
+    """Pixels around which everything is the same finish on the same side of the same part."""
+    from scipy.ndimage import maximum_filter, minimum_filter
+
+    label = (faces.parts * 64 + faces.roles) * SIDES + faces.sides
+    label = np.where(seen >= 0, label[seen], -1)
+    return maximum_filter(label, 3) == minimum_filter(label, 3)
+
+
+def _find_recessed(faces: Faces, seen: Int[np.ndarray, "S S"], camera: Pinhole) -> Bool[np.ndarray, "N"]:
+    """Which pixels, of those that see the shape, lie in gaps or beside what stands out: in shadow, often."""
+    rows, columns = np.nonzero(seen >= 0)
+    face = seen[rows, columns]
+    points = np.full((*seen.shape, 3), np.nan)
+    points[rows, columns] = _trace(faces, face, np.column_stack([columns, rows]) + 0.5, camera)
+    own, normals = points[rows, columns], faces.normals[face]
+    out = np.zeros(len(rows), dtype=bool)
+    for down, right in AROUND:
+        there = points[
+            np.clip(rows + down, 0, camera.height - 1), np.clip(columns + right, 0, camera.width - 1)
+        ]
+        out |= ((there - own) * normals).sum(axis=1) > RECESS
+    return out
+
+
+def _trace(
+    faces: Faces, face: Int[np.ndarray, "N"], spots: Float[np.ndarray, "N 2"], camera: Pinhole
+) -> Float[np.ndarray, "N 3"]:
+    """Points (m) on faces that places in a picture show."""
+    plane = (spots - np.array([camera.width, camera.height]) / 2) * camera.pixel
+    ray = np.column_stack([plane, np.ones(len(plane))]) @ np.linalg.inv(camera.axes).T
+    normal, corner = faces.normals[face], faces.vertices[faces.corners[face, 0]]
+    speed = np.minimum((normal * ray).sum(axis=1), -1e-6)
+    depth = (normal * (corner - camera.position)).sum(axis=1) / speed
+    return camera.position + depth[:, None] * ray
+
+
+def _light(
+    shape: Shape, points: Float[np.ndarray, "N 3"], camera: Pinhole
+) -> tuple[Float[np.ndarray, "N"], Float[np.ndarray, "N"]]:
+    """What the room's light makes of points (m) that are seen: shares scattered, and light mirrored.
+
+    The shape is drawn twice, all black and all grey: black shows what is mirrored, shadows and all.
+    """
+    import torch
+
+    from artigen.shapes.render import Cameras, RenderConfig, build_scene, render
+
+    plain = replace(camera, axes=_straighten(camera.axes), pixel=1.0, width=0, height=0)
+    plane, _ = project_points(points, plain)
+    reach = 1.02 * float(np.abs(plane).max())
+    eye = torch.tensor(np.stack([camera.position] * 2))
+    cameras = Cameras(
+        position=eye,
+        target=eye + torch.tensor(camera.axes[2]),
+        fov=torch.full((2,), 2.0 * float(np.degrees(np.arctan(reach))), dtype=torch.float64),
+        width=LIGHT_EDGE,
+        height=LIGHT_EDGE,
+    )
+    scene = build_scene([_flatten(shape, 0.0), _flatten(shape, GREY)])
+    still = [np.zeros(len(shape.parts))] * 2
+    drawn = render(scene, cameras, still, shape_ids=[0, 1], cfg=RenderConfig(layers=1)).rgb.double().numpy()
+    column, row = np.clip(((plane / reach + 1.0) / 2.0 * LIGHT_EDGE).astype(int), 0, LIGHT_EDGE - 1).T
+    black, grey = _linear(drawn[:, row, column].mean(axis=2))
+    return np.maximum((grey - black) / _linear(np.array(GREY)), DARK), black
+
+
+def _flatten(shape: Shape, level: float) -> Shape:
+    """The shape with every finish in one grey (sRGB) without a pattern, and nothing to see through."""
+    color = (level, level, level)
+    return replace(
+        shape,
+        finishes=tuple(
+            (role, replace(finish, color=color, accent=color, opacity=1.0)) for role, finish in shape.finishes
+        ),
+    )
+
+
+def _straighten(axes: Float[np.ndarray, "3 3"]) -> Float[np.ndarray, "3 3"]:
+    """Axes without the shear that a crop gave them."""
+    forward = axes[2]
+    return np.stack([axis - (axis @ forward) * forward for axis in axes[:2]] + [forward])
+
+
+def _linear(color: Float[np.ndarray, "*S"]) -> Float[np.ndarray, "*S"]:
+    return np.where(color <= 0.04045, color / 12.92, ((color + 0.055) / 1.055).clip(min=0.0) ** 2.4)
+
+
+def _srgb(light: Float[np.ndarray, "*S"]) -> Float[np.ndarray, "*S"]:
+    return np.where(light <= 0.0031308, 12.92 * light, 1.055 * light.clip(min=1e-8) ** (1 / 2.4) - 0.055)
