@@ -15,7 +15,6 @@ from scipy.sparse.csgraph import connected_components
 
 from artigen.facings import mark_voxels
 from artigen.mending.boxes import Box, fill_boxes, find_boxes
-from artigen.mending.fronts import draw_ellipse
 
 LEAST, SHARE = 4.0, 0.02
 """Certain voxels in a figure that no other holds, and their share of the face: at least both."""
@@ -124,6 +123,12 @@ def is_round(face: Bool[np.ndarray, "H W"]) -> bool:
     whole, disc = np.asarray(binary_fill_holes(face)), draw_ellipse(*face.shape)
     alike = (whole & disc).sum() / (whole | disc).sum()
     return min(face.shape) >= ROUND and alike > whole.mean()
+
+
+def draw_ellipse(height: int, width: int) -> Bool[np.ndarray, "H W"]:
+    """The cells of a rectangle whose middles lie in its ellipse."""
+    y, z = (np.linspace(-1, 1, 2 * count + 1)[1::2] for count in (height, width))
+    return y[:, None] ** 2 + z[None] ** 2 <= 1.0
 
 
 def find_rectangles(

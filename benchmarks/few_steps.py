@@ -2,9 +2,9 @@
 
     python benchmarks/few_steps.py --model RUN/model --out out/few_steps
 
-draws the same held-out conditions (category, counts, size) with the same noise at every number of steps,
-with guidance inside its interval and both velocities in one pass, once each whatever comes out, and scores
-them as `artigen eval` does. Writes ``few_steps.json`` and ``few_steps.md``; a second call goes on.
+draws the same held-out conditions (category, counts, size) with the same noise and within the same boxes at
+every number of steps, with guidance inside its interval and both velocities in one pass, and scores the
+objects as `artigen eval` does. Writes ``few_steps.json`` and ``few_steps.md``; a second call goes on.
 """
 
 import json
@@ -20,11 +20,12 @@ import tyro
 from artigen.claim import claim_folder
 from artigen.errors import ArtigenError
 from artigen.generate import GenerateConfig, StructureModel, load_structure_model
-from artigen.mending.roughness import measure_roughness
 from artigen.metrics.draws import DrawJob, draw_all
 from artigen.metrics.instantiation import PosedSet, pose_set
 from artigen.metrics.report import ROWS, format_score, format_table
+from artigen.metrics.roughness import measure_roughness
 from artigen.metrics.score import ScoreConfig, Scores, score_objects, score_set
+from artigen.metrics.shapes import grammar_source
 from artigen.metrics.subjects import Subject, describe_subject, draw_subjects
 from artigen.models.store import hash_model
 from artigen.sampling import SamplerConfig, is_guided, plan_times
@@ -44,7 +45,7 @@ class Options:
     steps: tuple[int, ...] = (50, 25, 12, 6, 4)
     """Numbers of steps."""
     strength: float = 0.0
-    """Guidance; the paper's model, which draws no outline, takes 3."""
+    """Guidance; the paper's model, which takes no outline, takes 3."""
     objects: int = 70
     """Held-out objects, categories in turn."""
     seed: int = 0
@@ -67,7 +68,7 @@ def run_steps(
         for number, one in enumerate(wanted)
     ]
     folder = options.out / f"steps_{steps}"
-    draws = draw_all(model, jobs, folder, GenerateConfig(sampler=sampler, draws=1))
+    draws = draw_all(model, jobs, folder, GenerateConfig(sampler=sampler), grammar_source())
     found, truths = [draw.asset for draw in draws], [subject.asset for subject in subjects]
     cfg = ScoreConfig()
     return {

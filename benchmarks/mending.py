@@ -23,11 +23,11 @@ from torch import Tensor
 from artigen.fields import decode, encode
 from artigen.generate import StructureModel, load_structure_model
 from artigen.mending.boards import make_boards
-from artigen.mending.roughness import measure_roughness
 from artigen.mending.rows import read_owners
 from artigen.metrics.report import format_table
+from artigen.metrics.roughness import measure_roughness
 from artigen.metrics.subjects import Subject, draw_subjects
-from artigen.models.outline.batch import OutlineBatch, blur_outlines
+from artigen.models.outline import OutlineBatch, blur_outlines
 from artigen.models.steady import SteadyConfig
 from artigen.models.structure_vae import decode_cells
 from artigen.sampling import diffuse

@@ -19,9 +19,9 @@ import tyro
 from PIL import Image
 
 from artigen.appearance import generate_appearance, load_appearance_model
-from artigen.ask import Request, read_request
 from artigen.generate import generate_structure, load_structure_model
 from artigen.kinematics import articulate_gaussians, displacements, qlimits
+from artigen.metrics.shapes import describe_shape
 from artigen.shapes.asset import frame_shape, shape_to_asset
 from artigen.shapes.draw import draw_shape
 from artigen.splats.colors import srgb_from_linear
@@ -153,9 +153,10 @@ def measure(
 def generate(category: str, seed: int) -> Asset:
     """What the shipped model draws."""
     structure, appearance = load_structure_model(SHIPPED), load_appearance_model(SHIPPED)
-    asked = read_request(Request(category=category), seed, structure.preset.conditions.image_size)
-    asset = generate_structure(structure, asked.condition, seed)
-    painted = generate_appearance(appearance, asset, asked.condition, seed, surface=sample_surface(asset))
+    shape = draw_shape(category, seed)
+    asked = describe_shape(shape)
+    asset = generate_structure(structure, asked, seed, boxes=shape)
+    painted = generate_appearance(appearance, asset, asked, seed, surface=sample_surface(asset))
     return replace(painted, name=f"{category}_{seed}")
 
 

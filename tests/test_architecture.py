@@ -16,13 +16,15 @@ SHARED = {"types", "transforms", "kinematics", "io", "errors", "workers", "shape
 """Modules of artigen that the other two packages may use."""
 MODEL_CODE = (
     "artigen.appearance",
-    "artigen.ask",
+    "artigen.conditioning",
     "artigen.models",
     "artigen.train",
     "artigen.generate",
     "artigen.metrics",
     "artigen.sampling",
+    "artigen.shape_appearance",
     "artigen.shapes.render",
+    "artigen.sketch",
     "envs.maniskill",
     "artigen.splats.render",
 )

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 import torch
 
-import artigen.generate
 from artigen.appearance import (
     AppearanceConfig,
     AppearanceModel,
@@ -16,8 +15,8 @@ from artigen.appearance import (
     has_appearance,
     load_appearance_model,
 )
-from artigen.cli.generate import GenerateJob, generate_object
 from artigen.errors import SourceError
+from artigen.generate import build_structure_model
 from artigen.io import read_asset, write_asset
 from artigen.models.appearance_presets import APPEARANCE_PRESETS
 from artigen.models.appearance_vae import (
@@ -39,7 +38,9 @@ from artigen.shapes.draw import draw_shape
 from artigen.splats.ply import read_ply
 from artigen.types import Asset, Gaussians
 from artigen.voxels import voxelize_again
+from sim_export.export import export_asset
 from sim_export.files.read import read_package
+from sim_export.files.write import write_package
 from sim_export.geometry.surface import sample_surface
 from sim_export.package import Link
 from sim_export.physics.links import link_owners
@@ -54,8 +55,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     torch.manual_seed(0)
     preset, look = PRESETS["tiny"], APPEARANCE_PRESETS["tiny"]
     path = tmp_path_factory.mktemp("model")
-    structure = artigen.generate.build_structure_model(preset)
-    for name in ("vae", "outline", "reader", "flow"):
+    structure = build_structure_model(preset)
+    for name in ("vae", "reader", "flow"):
         save_model(getattr(structure, name), path, {"preset": "tiny"}, name)
     assert not has_appearance(path)
     # The encoder depends on the feature extractor, which generating does not need.
@@ -116,12 +117,16 @@ def test_assets_keep_their_gaussians(folder: Path, structure: Asset, tmp_path: P
 
 
 def test_packages_have_one_file_of_gaussians_per_link_and_textures_made_of_them(
-    folder: Path, structure: Asset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    folder: Path, structure: Asset, tmp_path: Path
 ):
-    monkeypatch.setattr(artigen.generate, "generate_structure", lambda *_: structure)
-    job = GenerateJob(model=folder, category="StorageFurniture", seed=9, out=tmp_path)
-    generate_object(job)
-    place = tmp_path / job.key
+    def export() -> None:
+        painted = generate_appearance(
+            load_appearance_model(folder), structure, ASKED, 9, surface=sample_surface(structure)
+        )
+        write_package(export_asset(painted).package, place, "replace")
+
+    place = tmp_path / "painted"
+    export()
     package = read_package(place)
     files = sorted(path.stem for path in (place / "splats").iterdir())
     shown = sorted(link.name for link in package.links if link.visuals)
@@ -141,7 +146,7 @@ def test_packages_have_one_file_of_gaussians_per_link_and_textures_made_of_them(
     assert all(texture is not None and texture.min() > 0 for texture in textures)
     assert any(record.startswith("textures: Gaussians of the own part cover") for record in package.records)
     before = {path.name: path.read_bytes() for path in place.rglob("*") if path.is_file()}
-    generate_object(job)
+    export()
     assert before == {path.name: path.read_bytes() for path in place.rglob("*") if path.is_file()}
 
 

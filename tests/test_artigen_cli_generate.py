@@ -2,6 +2,7 @@
 
 import json
 import shutil
+from collections import Counter
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,79 +10,101 @@ import pytest
 import torch
 from PIL import Image
 
-import artigen.generate
-from artigen.cli.generate import GenerateJob, GenerateSettings, generate, generate_object
+import artigen.sketch.model
+from artigen.cli.generate import (
+    GenerateJob,
+    GenerateSettings,
+    generate,
+    generate_and_validate,
+    generate_object,
+)
 from artigen.errors import ArtigenError, SourceError
-from artigen.generate import build_structure_model
+from artigen.models.picture_reader import PictureReader
 from artigen.models.presets import PRESETS
 from artigen.models.store import hash_model, save_model
-from artigen.types import Asset
+from artigen.shapes.draw import draw_shape
+from artigen.sketch.model import Drawn, save_sketch_network
+from artigen.sketch.network import SketchNetwork, SketchNetworkConfig
+from artigen.workers import Outcome
+
+SHAPE = draw_shape("StorageFurniture", 3)
 
 
 @pytest.fixture(scope="module")
 def model(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A model that knows nothing and finds no cell occupied."""
+    """A model that knows nothing."""
     torch.manual_seed(0)
     preset, path = PRESETS["tiny"], tmp_path_factory.mktemp("model")
-    model = build_structure_model(preset)
-    with torch.no_grad():
-        model.vae.get_parameter("decoder.occupancy_head.2.bias").fill_(-1000.0)
-    for name in ("vae", "outline", "reader", "flow"):
-        save_model(getattr(model, name), path, {"preset": "tiny"}, name)
+    assert preset.reader is not None
+    save_model(PictureReader(preset.reader, preset.conditions), path, {"preset": "tiny"}, "reader")
+    network = SketchNetwork(SketchNetworkConfig(width=32, layers=1, heads=2, pointer=8))
+    save_sketch_network(network, path, {"preset": "tiny"})
     return path
 
 
-def test_a_draw_that_fails_is_drawn_again_and_leaves_no_package(model: Path, tmp_path: Path):
-    out = tmp_path / "out"
-    cfg = GenerateSettings(redraws=1, steps=1)
-    assert generate(out=out, model=model, category="Oven", seed=4, cfg=cfg, workers=1) == 1
-    (line,) = (out / "run.jsonl").read_text().splitlines()
-    said = json.loads(line)
-    assert said["error"]
-    assert "2 draws" in said["notes"]
-    assert [path.name for path in out.iterdir()] == ["run.jsonl"]
+class BrokenWorker:
+    """Fails at everything, and keeps what it was asked to make."""
+
+    def __init__(self) -> None:
+        self.jobs: list[GenerateJob] = []
+
+    def call(self, function: object, job: GenerateJob, timeout: float) -> Outcome[None]:
+        self.jobs.append(job)
+        return Outcome(error=f"failure {len(self.jobs)}")
+
+
+def test_what_fails_is_drawn_again_and_remembered(model: Path, tmp_path: Path):
+    worker = BrokenWorker()
+    job = GenerateJob(model=model, category="Oven", seed=4, out=tmp_path, cfg=GenerateSettings(redraws=2))
+    finished = generate_and_validate(worker, job)  # type: ignore[arg-type]
+    assert finished.error == "failure 3"
+    assert "3 draws" in finished.notes
+    assert [one.draws for one in worker.jobs] == [(), ("failure 1",), ("failure 1", "failure 2")]
+
+
+@pytest.fixture
+def drawn(monkeypatch: pytest.MonkeyPatch) -> list[tuple[object, int]]:
+    """Requests and seeds of what is drawn: always the same cabinet."""
+    seen: list[tuple[object, int]] = []
+
+    def from_memory(network: object, request: object, seed: int, *rest: object) -> Drawn:
+        seen.append((request, seed))
+        return Drawn(shape=SHAPE, faults=(), notes=("sketch: from memory",), seen=Counter())
+
+    monkeypatch.setattr(artigen.sketch.model, "draw_object", from_memory)
+    monkeypatch.setattr(artigen.sketch.model, "draw_alike", from_memory)
+    return seen
 
 
 def test_a_package_tells_condition_model_and_all_draws(
-    model: Path, tmp_path: Path, cabinet: Asset, monkeypatch: pytest.MonkeyPatch
+    model: Path, tmp_path: Path, drawn: list[tuple[object, int]]
 ):
-    noises = []
-
-    def from_memory(model, asked, seed, cfg):
-        noises.append(seed)
-        return replace(cabinet, category=asked.category)
-
-    monkeypatch.setattr(artigen.generate, "generate_structure", from_memory)
     job = GenerateJob(model=model, category="StorageFurniture", seed=9, out=tmp_path)
     for draws in ((), ("V103 of the first",)):
-        generate_object(replace(job, draws=draws))
+        made = generate_object(replace(job, draws=draws))
     said = json.loads((tmp_path / job.key / "provenance.json").read_text())
     assert json.loads(said["draws"]) == ["V103 of the first", "this one"]
-    assert json.loads(said["condition"])["category"] == "StorageFurniture"
+    condition = json.loads(said["condition"])
+    assert condition["category"] == "StorageFurniture"
+    assert condition["counts"] == dict(SHAPE.condition.counts)
     assert said["model"] == hash_model(model)
-    assert len(set(noises)) == 2  # every draw has noise of its own
+    assert said["structure"] == "sketch"
+    assert "sketch: from memory" in made.notes
+    assert len({seed for _, seed in drawn}) == 2  # every draw has chances of its own
 
 
-def test_a_package_tells_what_was_read_off_its_picture(
-    model: Path, tmp_path: Path, cabinet: Asset, monkeypatch: pytest.MonkeyPatch
+def test_a_package_tells_what_was_read_off_its_picture_and_has_its_colours(
+    model: Path, tmp_path: Path, drawn: list[tuple[object, int]]
 ):
-    asked = []
-
-    def from_memory(model, condition, seed, cfg):
-        asked.append(condition)
-        return cabinet
-
-    monkeypatch.setattr(artigen.generate, "generate_structure", from_memory)
     Image.new("RGBA", (64, 64), (200, 30, 30, 255)).save(tmp_path / "red.png")
     settings = GenerateSettings(image=tmp_path / "red.png", counts=("door=2",))
     job = GenerateJob(model=model, category=None, seed=9, out=tmp_path, cfg=settings)
     made = generate_object(job)
     said = json.loads(json.loads((tmp_path / job.key / "provenance.json").read_text())["condition"])
-    (condition,) = asked
-    assert (said["category"], said["image"]) == (condition.category, "red.png")
-    assert said["counts"] == dict(condition.counts)
-    assert said["counts"]["door"] == 2
-    assert said["size"] == pytest.approx(condition.size)
+    ((request, _),) = drawn
+    assert said["image"] == "red.png"
+    assert dict(request.counts)["door"] == 2  # type: ignore[attr-defined]
+    assert request.width is not None  # type: ignore[attr-defined]
     assert any("picture: read as" in note for note in made.notes)
 
 
@@ -93,13 +116,14 @@ def test_a_package_tells_what_was_read_off_its_picture(
         ({"category": "Oven", "cfg": GenerateSettings(counts=("door",))}, "label=number"),
         ({"category": "Oven", "count": 0}, "at least one"),
         ({"category": "Oven", "workers": 0}, "one worker"),
-        ({"category": "Cart"}, "this model knows Dishwasher"),
         ({"category": "Oven", "cfg": GenerateSettings(counts=("door=1", "door=2"))}, "both are asked for"),
         ({"category": "Oven", "cfg": GenerateSettings(counts=("base=2",))}, "2 parts called base"),
         ({"category": "Oven", "cfg": GenerateSettings(height=-1.0)}, "height -1 m"),
         ({"category": "Oven", "cfg": GenerateSettings(width=float("nan"))}, "width nan m"),
         ({"category": "Oven", "cfg": GenerateSettings(steps=0)}, "at least one step"),
         ({"category": "Oven", "cfg": GenerateSettings(strength=float("nan"))}, "strength nan"),
+        ({"category": "Oven", "cfg": GenerateSettings(temperature=0.0)}, "temperature above 0"),
+        ({"category": "Oven", "cfg": GenerateSettings(style="baroque")}, "style 'baroque'"),
         ({"cfg": GenerateSettings(text="a green sofa")}, "no word names a category"),
         ({"cfg": GenerateSettings(text="a table with a drawer", counts=("drawer=2",))}, "number of drawers"),
         ({"cfg": GenerateSettings(image=Path("nothing.png"))}, "no such picture"),
@@ -130,9 +154,9 @@ def test_a_folder_without_a_model_is_named(tmp_path: Path):
 @pytest.mark.parametrize(
     ("spoil", "message"),
     [
-        (lambda folder: cut(folder / "flow-0.safetensors"), "no whole safetensors"),
+        (lambda folder: cut(folder / "sketch-0.safetensors"), "no whole safetensors"),
         (
-            lambda folder: shutil.copy(folder / "vae-0.safetensors", folder / "flow-0.safetensors"),
+            lambda folder: shutil.copy(folder / "reader-0.safetensors", folder / "sketch-0.safetensors"),
             "does not fit",
         ),
         (lambda folder: (folder / "model.json").write_bytes(b"\xff\xfe\x00"), "is no JSON"),

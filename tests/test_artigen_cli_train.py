@@ -24,6 +24,7 @@ from artigen.metrics.evaluate import Evaluation, evaluate_structure
 from artigen.metrics.instantiation import InstantiationConfig
 from artigen.metrics.report import write_report
 from artigen.metrics.score import ScoreConfig
+from artigen.metrics.shapes import ShapeSource, grammar_source
 from artigen.metrics.subjects import Subject
 from artigen.models.conditions import StructureCondition
 from artigen.models.presets import PRESETS
@@ -31,6 +32,8 @@ from artigen.models.store import load_model, save_model
 from artigen.models.structure_vae import StructureVae
 from artigen.models.trellis import read_tensors
 from artigen.sampling import SamplerConfig
+from artigen.shapes.draw import draw_shape
+from artigen.shapes.shape import Shape
 from artigen.train.curves import draw_curves, read_metrics
 from artigen.train.examples import draw_example
 from artigen.train.loop import finished_steps
@@ -79,7 +82,7 @@ def test_a_run_leaves_weights_metrics_curves_and_what_it_was(run: Path):
     assert json.loads((run / "config.json").read_text())["real_share"] == 0.25
     assert set(json.loads((run / "reading.json").read_text())) >= {"category", "counts", "counts of door"}
     assert set(json.loads((run / "spread.json").read_text())) >= {"axis", "origin", "box_center"}
-    for stage in ("vae", "outline", "reader", "flow", "decoder"):
+    for stage in ("vae", "reader", "flow", "decoder"):
         ElementTree.parse(run / stage / "curves.svg")
         assert (run / stage / "weights.safetensors").is_file()
 
@@ -129,18 +132,15 @@ def test_a_run_begins_with_the_weights_of_a_model_and_says_so(run: Path, tmp_pat
     shutil.copytree(run / "train", tmp_path / "new" / "train")
     shutil.copytree(run / "held_out", tmp_path / "new" / "held_out")
     settings = replace(SETTINGS, minutes=1e-9, start=run / "model")  # one step, of 2e-4 in every weight
-    assert train("structure-outline", tmp_path / "new", settings, workers=1) == 0
-    said = json.loads((tmp_path / "new" / "model" / "model.json").read_text())["outline"]
-    before = json.loads((run / "model" / "model.json").read_text())["outline"]
+    assert train("structure-reader", tmp_path / "new", settings, workers=1) == 0
+    said = json.loads((tmp_path / "new" / "model" / "model.json").read_text())["reader"]
+    before = json.loads((run / "model" / "model.json").read_text())["reader"]
     assert said == {"preset": "tiny", "steps": 1, "objects": 2, "real_objects": 0, "start": before}
-    old, new = (
-        read_tensors(folder / "model" / "outline-0.safetensors") for folder in (run, tmp_path / "new")
-    )
-    learnt = [name for name in old if name not in ("mean", "std")]  # those are measured anew
-    moved = max(float((old[name].float() - new[name].float()).abs().max()) for name in learnt)
+    old, new = (read_tensors(folder / "model" / "reader-0.safetensors") for folder in (run, tmp_path / "new"))
+    moved = max(float((old[name].float() - new[name].float()).abs().max()) for name in old)
     assert 1e-4 < moved < 1e-3
     with pytest.raises(SourceError, match="started with start"):
-        train("structure-outline", tmp_path / "new", replace(settings, start=None), workers=1)
+        train("structure-reader", tmp_path / "new", replace(settings, start=None), workers=1)
 
 
 def test_a_run_is_not_gone_on_with_as_another(run: Path, partnet: Path):
@@ -174,6 +174,11 @@ def sparse(run: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+def few_shapes(folder: Path) -> ShapeSource:
+    """Objects of the grammar, the first that has the lengths asked for."""
+    return grammar_source(load_structure_model(folder).reader, tries=2)
+
+
 @pytest.fixture(scope="module")
 def evaluation(
     sparse: Path, partnet: Path, tmp_path_factory: pytest.TempPathFactory
@@ -189,7 +194,13 @@ def evaluation(
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(artigen.metrics.evaluate, "read_subjects", read_here)
         cfg = replace(COARSE, partnet=partnet, packages=2, redraws=1)
-        found = evaluate_structure(sparse, out, cfg, prove=lambda folders: pytest.fail("there is no object"))
+        found = evaluate_structure(
+            sparse,
+            out,
+            cfg,
+            prove=lambda folders: pytest.fail("there is no object"),
+            draw_shape_for=few_shapes(sparse),
+        )
     write_report(found, out)
     return out, found
 
@@ -219,7 +230,7 @@ def test_an_evaluation_has_every_row_and_is_written(evaluation: tuple[Path, Eval
     assert (found.packages.scores["all"].valid, found.packages.scores["all"].draws) == (0.0, 2.0)
     table = (out / "evaluation.md").read_text()
     assert "| all | 2 | 0.00 % | 0.00 % | 0.00 % | 2.00 |" in table
-    assert "| no object: the field has no occupied voxel" in table
+    assert "| no object: no voxel was drawn for" in table
     assert "| occupancy recall |" in table
     assert "- other: not there" in table
     assert "| counts and size | retrieval | 7 |" in table
@@ -232,11 +243,11 @@ def test_draws_are_kept_and_belong_to_their_model(
     monkeypatch.setattr(artigen.metrics.evaluate, "measure_footprint", lambda job: found.footprint)
     journal = (out / "draws" / "draws.jsonl").read_text()
     assert len(journal.splitlines()) == 3 * 7 + 2 + 2  # real ones, and two drawn again
-    again = evaluate_structure(sparse, out, COARSE)
+    again = evaluate_structure(sparse, out, COARSE, draw_shape_for=few_shapes(sparse))
     assert (out / "draws" / "draws.jsonl").read_text() == journal
     assert again.rows == tuple(row for row in found.rows if not row.ask.startswith("real"))
     with pytest.raises(SourceError, match="was started with model"):
-        evaluate_structure(run / "model", out, COARSE)
+        evaluate_structure(run / "model", out, COARSE, draw_shape_for=few_shapes(sparse))
 
 
 def test_a_draw_is_made_once_and_read_again(
@@ -244,20 +255,23 @@ def test_a_draw_is_made_once_and_read_again(
 ):
     drawn = []
 
-    def from_memory(model, asked, seed, cfg):
+    def from_memory(model, asked, seed, cfg, *, boxes):
         drawn.append(seed)
         if seed % 2:
             raise SegmentationError("nothing there")
         return replace(cabinet, surface=None)
 
+    def draw_oven(asked: StructureCondition, seed: int) -> Shape:
+        return draw_shape("Oven", seed)
+
     monkeypatch.setattr(artigen.metrics.draws, "generate_structure", from_memory)
     model = load_structure_model(run / "model")
     jobs = [DrawJob(key=f"one_{seed}", asked=StructureCondition(), seed=seed) for seed in range(3)]
-    first = draw_all(model, jobs[:2], tmp_path, GenerateConfig())
+    first = draw_all(model, jobs[:2], tmp_path, GenerateConfig(), draw_oven)
     with (tmp_path / "draws.jsonl").open("a") as journal:
         journal.write('{"key": "one_2", "sec')  # a session that was killed while it wrote
         journal.write("\n")
-    again = draw_all(model, jobs, tmp_path, GenerateConfig())
+    again = draw_all(model, jobs, tmp_path, GenerateConfig(), draw_oven)
     assert drawn == [0, 1, 2]
     assert [draw.error for draw in again] == [None, "nothing there", None]
     assert first[1].seconds == again[1].seconds

@@ -11,8 +11,8 @@ import artigen.train.appearance.drawn
 from artigen.canvas import lay_out
 from artigen.errors import ArtigenError
 from artigen.facings import find_facings
-from artigen.fields import tabulate_parts
 from artigen.generate import build_structure_model, load_structure_model
+from artigen.models.outline import outline_rows
 from artigen.models.presets import PRESETS
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.draw import draw_shape
@@ -104,7 +104,7 @@ def test_voxels_stay_as_drawn_where_a_part_has_none(monkeypatch: pytest.MonkeyPa
     model = load_structure_model(SHIPPED)
     plain = redraw(model, asset, facings, np.random.default_rng(5))
     more = replace(asset, parts=(*asset.parts, replace(asset.parts[-1], name="another")))
-    monkeypatch.setattr(artigen.train.appearance.drawn, "tabulate_parts", lambda _: tabulate_parts(asset))
+    monkeypatch.setattr(artigen.train.appearance.drawn, "outline_rows", lambda _: outline_rows(asset))
     drawn = redraw(model, more, facings, np.random.default_rng(5), sample_surface)
     np.testing.assert_array_equal(drawn.coords, plain.coords)
     np.testing.assert_array_equal(drawn.facings, plain.facings)

@@ -3,8 +3,15 @@
 import numpy as np
 import pytest
 
-from artigen.figures import LEAST, SHARE, draw_figures, find_edges, number_faces, settle_figures
-from artigen.mending.fronts import draw_ellipse
+from artigen.figures import (
+    LEAST,
+    SHARE,
+    draw_ellipse,
+    draw_figures,
+    find_edges,
+    number_faces,
+    settle_figures,
+)
 
 EDGE = 8
 

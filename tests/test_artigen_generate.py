@@ -1,6 +1,6 @@
-"""Generation: cleaning, completed conditions, and one seed, one object."""
+"""Generation: one seed, one object, within the boxes of an exact one; parts are told or voted for."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -8,45 +8,27 @@ import pytest
 import torch
 
 import artigen.generate
-from artigen.ask import Request, read_request
 from artigen.errors import SegmentationError, SourceError
 from artigen.fields import VoxelFields, decode, encode
 from artigen.generate import (
     GenerateConfig,
+    StructureModel,
     build_structure_model,
     generate_structure,
     load_structure_model,
 )
-from artigen.mending.clean import CleanConfig, remove_strays, select_cells
+from artigen.metrics.delivery import asset_size, part_counts
 from artigen.models.conditions import StructureCondition
+from artigen.models.outline import OutlineBatch, outline_rows, sort_rows
 from artigen.models.presets import PRESETS
 from artigen.models.store import save_model
+from artigen.segment import SegmentConfig
+from artigen.shapes.asset import shape_to_asset
+from artigen.shapes.draw import draw_shape
+from artigen.shapes.shape import Shape
 from artigen.types import Asset
 
-
-def cells_of(fields: VoxelFields) -> set[tuple[int, ...]]:
-    return set(map(tuple, fields.coords.tolist()))
-
-
-def test_strays_are_removed_and_recorded_and_nothing_else(cabinet: Asset):
-    whole = decode(encode(cabinet))
-    field = encode(cabinet)
-    field[:, 0:3, 0, 0] = field[:, whole.coords[0][0], whole.coords[0][1], whole.coords[0][2]][:, None]
-    spoilt = decode(field)
-    cleaned, notes = remove_strays(spoilt)
-    added = {(0, 0, 0), (1, 0, 0), (2, 0, 0)} - cells_of(whole)
-    assert added
-    assert cells_of(spoilt) - cells_of(cleaned) == added
-    assert notes == (f"{len(added)} cells in 1 of 2 loose pieces were removed",)
-    assert remove_strays(cleaned) == (cleaned, ())
-
-
-def test_the_largest_piece_stays_whatever_is_asked(cabinet: Asset):
-    fields = decode(encode(cabinet))
-    few = select_cells(fields, np.arange(len(fields.coords)) < 4)
-    assert len(remove_strays(few, CleanConfig(min_cells=1000))[0].coords) > 0
-    none = select_cells(fields, np.zeros(len(fields.coords), dtype=bool))
-    assert remove_strays(none) == (none, ())
+OPEN = StructureCondition()
 
 
 @pytest.fixture(scope="module")
@@ -55,20 +37,117 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     torch.manual_seed(0)
     preset, path = PRESETS["tiny"], tmp_path_factory.mktemp("model")
     model = build_structure_model(preset)
-    for name in ("vae", "outline", "reader", "flow"):
+    for name in ("vae", "reader", "flow"):
         save_model(getattr(model, name), path, {"preset": "tiny"}, name)
     return path
 
 
-def test_a_model_that_knows_nothing_is_refused_by_the_segmentation_and_not_repaired(folder: Path):
-    model = load_structure_model(folder)
-    asked = read_request(Request(category="Microwave"), 0, 0).condition
-    said = []
-    for _ in range(2):
-        with pytest.raises(SegmentationError) as caught:
-            generate_structure(model, asked, seed=1)
-        said.append(str(caught.value))
-    assert said[0] == said[1]
+@pytest.fixture(scope="module")
+def model(folder: Path) -> StructureModel:
+    return load_structure_model(folder)
+
+
+@pytest.fixture(scope="module")
+def shape() -> Shape:
+    return draw_shape("StorageFurniture", 3)
+
+
+@pytest.fixture(scope="module")
+def exact(shape: Shape) -> Asset:
+    return shape_to_asset(shape, 32)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Decoded:
+    """What a decoder was asked."""
+
+    latent: torch.Tensor
+    outlines: OutlineBatch
+
+
+def say(monkeypatch: pytest.MonkeyPatch, fields: VoxelFields) -> list[Decoded]:
+    """Lets latents be decoded to given fields, and collects what is decoded."""
+    seen: list[Decoded] = []
+
+    def from_memory(vae, latent, outlines, steady):
+        seen.append(Decoded(latent=latent, outlines=outlines))
+        certain = np.full((1, *(fields.resolution,) * 3), -9.0, dtype=np.float32)
+        certain[(0, *fields.coords.T)] = 9.0
+        return [fields], torch.from_numpy(certain)
+
+    monkeypatch.setattr(artigen.generate, "decode_cells", from_memory)
+    return seen
+
+
+@pytest.mark.parametrize("cfg", [GenerateConfig(), GenerateConfig(segment=SegmentConfig())])
+def test_an_object_has_the_parts_and_the_size_of_its_boxes(
+    model: StructureModel, shape: Shape, exact: Asset, cfg: GenerateConfig, monkeypatch: pytest.MonkeyPatch
+):
+    say(monkeypatch, decode(encode(exact)))
+    drawn = generate_structure(model, OPEN, 7, cfg, boxes=shape)
+    assert (drawn.name, drawn.category, drawn.scale) == ("StorageFurniture_7", exact.category, exact.scale)
+    assert (part_counts(drawn) == part_counts(exact)).all()
+    np.testing.assert_allclose(asset_size(drawn), asset_size(exact), rtol=1e-4)
+    assert drawn.voxels is not None
+    assert exact.voxels is not None
+    both = drawn.voxels.occupied() & exact.voxels.occupied()
+    assert both.sum() > 0.9 * (drawn.voxels.occupied() | exact.voxels.occupied()).sum()
+    if cfg.segment is None:
+        assert [part.name for part in drawn.parts] == [part.name for part in exact.parts]
+        assert [part.parent for part in drawn.parts] == [part.parent for part in exact.parts]
+
+
+def test_one_latent_is_drawn_and_follows_from_the_seed(
+    model: StructureModel, exact: Asset, monkeypatch: pytest.MonkeyPatch
+):
+    seen = say(monkeypatch, decode(encode(exact)))
+    for seed in (1, 1, 2):
+        generate_structure(model, OPEN, seed, boxes=exact)
+    assert len(seen) == 3
+    assert torch.equal(seen[0].latent, seen[1].latent)
+    assert not torch.equal(seen[0].latent, seen[2].latent)
+
+
+def test_boxes_are_told_and_what_is_asked_gives_way_to_them(
+    model: StructureModel, exact: Asset, monkeypatch: pytest.MonkeyPatch
+):
+    seen = say(monkeypatch, decode(encode(exact)))
+    generate_structure(model, OPEN, 1, boxes=exact)
+    generate_structure(model, StructureCondition(category="Oven", counts=(("door", 9),)), 1, boxes=exact)
+    assert torch.equal(seen[0].latent, seen[1].latent)
+    assert torch.equal(seen[0].outlines.rows[0], torch.from_numpy(sort_rows(outline_rows(exact))))
+    first, second, *others = exact.parts
+    second = replace(second, box=second.box * [[1.0], [0.98]])
+    generate_structure(model, OPEN, 1, boxes=replace(exact, parts=(first, second, *others)))
+    assert not torch.equal(seen[0].outlines.rows, seen[2].outlines.rows)
+
+
+def test_a_part_without_a_cell_is_refused_by_name(
+    model: StructureModel, exact: Asset, monkeypatch: pytest.MonkeyPatch
+):
+    assert exact.voxels is not None
+    lost = exact.parts[-1].name
+    fewer = exact.voxels.part_ids != len(exact.parts) - 1
+    grid = replace(exact.voxels, coords=exact.voxels.coords[fewer], part_ids=exact.voxels.part_ids[fewer])
+    say(monkeypatch, decode(encode(replace(exact, voxels=grid))))
+    with pytest.raises(SegmentationError, match=f"no voxel was drawn for {lost} of {len(exact.parts)} parts"):
+        generate_structure(model, OPEN, 1, GenerateConfig(boards=None), boxes=exact)
+
+
+def test_votes_that_make_no_object_are_refused(
+    model: StructureModel, exact: Asset, monkeypatch: pytest.MonkeyPatch
+):
+    assert exact.voxels is not None
+    base = exact.voxels.part_ids == exact.root
+    grid = replace(exact.voxels, coords=exact.voxels.coords[~base], part_ids=exact.voxels.part_ids[~base])
+    say(monkeypatch, decode(encode(replace(exact, voxels=grid))))
+    with pytest.raises(SegmentationError, match="is labelled base"):
+        generate_structure(model, OPEN, 1, GenerateConfig(segment=SegmentConfig()), boxes=exact)
+
+
+def test_a_category_that_the_model_does_not_know_is_named(model: StructureModel):
+    with pytest.raises(ValueError, match="category 'Safe' is not one of"):
+        generate_structure(model, OPEN, 0, boxes=draw_shape("Safe", 0))
 
 
 def test_a_folder_without_a_model_says_so(folder: Path, tmp_path: Path):
@@ -77,41 +156,3 @@ def test_a_folder_without_a_model_says_so(folder: Path, tmp_path: Path):
     (tmp_path / "model.json").write_text('{"flow": {"preset": "huge"}}')
     with pytest.raises(SourceError, match="preset 'huge'"):
         load_structure_model(tmp_path)
-
-
-def test_what_has_a_fault_or_is_rough_is_drawn_again_and_the_best_kept(
-    cabinet: Asset, monkeypatch: pytest.MonkeyPatch
-):
-    """Draws from memory, each with its faults and its roughness."""
-    script = iter(
-        [None, (("falls over",), 0.1), ((), 0.3), ((), 0.2), (("overlap",), 0.1), ((), 0.1), ((), 0.1)]
-    )
-    judged: dict[str, tuple[tuple[str, ...], float]] = {}
-
-    def draw(*_: object) -> tuple[Asset, tuple[str, ...]]:
-        said = next(script)
-        if said is None:
-            raise SegmentationError("no cells")
-        asset = replace(cabinet, name=f"cabinet_{len(judged)}")
-        judged[asset.name] = said
-        return asset, tuple(fault for fault in said[0] if fault == "overlap")  # of the outline
-
-    def find(asset: Asset, _: object) -> tuple[str, ...]:
-        return tuple(fault for fault in judged[asset.name][0] if fault != "overlap")
-
-    monkeypatch.setattr(artigen.generate, "_draw", draw)
-    monkeypatch.setattr(artigen.generate, "find_asset_faults", find)
-    monkeypatch.setattr(artigen.generate, "measure_roughness", lambda _: list(judged.values())[-1][1])
-    model, asked = build_structure_model(PRESETS["tiny"]), StructureCondition(category="Oven")
-    kept = generate_structure(model, asked, 0, GenerateConfig(draws=4))
-    assert kept.name == "cabinet_2"
-    assert kept.notes[:4] == (
-        "draw 1: no cells",
-        "draw 2: 0.10 bends per face; falls over",
-        "draw 3: 0.30 bends per face",
-        "draw 4: 0.20 bends per face",
-    )
-    again = generate_structure(model, asked, 0, GenerateConfig(draws=4))
-    assert again.name == "cabinet_4"
-    assert again.notes[0] == "draw 1: 0.10 bends per face; overlap"
-    assert next(script) == ((), 0.1)  # the first that is good ends the search

@@ -2,10 +2,9 @@
 
 import numpy as np
 
-from artigen.fields import VoxelFields, name_rows
+from artigen.fields import name_rows
 from artigen.mending.claim import claim_cells
-from artigen.mending.rows import Owners, fields_of_owners
-from artigen.segment import segment
+from artigen.mending.rows import Owners
 from artigen.types import Asset
 
 
@@ -19,14 +18,8 @@ def test_nothing_happens_where_every_part_has_a_cell(cabinet_owners: Owners, cab
     assert notes == ()
 
 
-def test_nothing_is_claimed_where_nothing_was_drawn(cabinet_owners: Owners, cabinet_rows: np.ndarray):
-    made, notes = claim_cells(np.full_like(cabinet_owners, -1), cabinet_rows)
-    assert (made < 0).all()
-    assert notes == ()
-
-
-def test_a_lost_knob_comes_back_where_it_was_and_is_found_again(
-    cabinet: Asset, cabinet_fields: VoxelFields, cabinet_owners: Owners, cabinet_rows: np.ndarray
+def test_a_lost_knob_comes_back_where_it_was(
+    cabinet: Asset, cabinet_owners: Owners, cabinet_rows: np.ndarray
 ):
     knob = name_rows(cabinet_rows).index("knob")
     again, notes = claim_cells(lose(cabinet_owners, cabinet_rows, "knob"), cabinet_rows)
@@ -35,8 +28,7 @@ def test_a_lost_knob_comes_back_where_it_was_and_is_found_again(
     center, size = cabinet.parts[knob].box
     assert len(place)
     assert (np.abs(place - center) <= size / 2 + 1.0 / len(again)).all()
-    found = segment(fields_of_owners(again, cabinet_rows, cabinet_fields), name="again", scale=cabinet.scale)
-    assert sorted(part.label for part in found.parts) == sorted(part.label for part in cabinet.parts)
+    assert ((again != cabinet_owners) <= ((again == knob) | (cabinet_owners == knob))).all()
 
 
 def test_a_lost_drawer_is_not_made_up(cabinet_owners: Owners, cabinet_rows: np.ndarray):

@@ -4,12 +4,10 @@ import numpy as np
 import pytest
 from cupboard import EDGE, row
 
-from artigen.mending.faults import AssetFaultsConfig, measure_stand
-from artigen.mending.feet import extend_feet
+from artigen.mending.feet import MARGIN, extend_feet, measure_stand
 
 ROWS = row("base", (slice(4, 28), slice(4, 28), slice(2, 28)))[None]
 LEGS = [(x, y) for x in (4, 26) for y in (4, 26)]
-CFG = AssetFaultsConfig()
 
 
 def make_stool(heights: list[int]) -> np.ndarray:
@@ -22,7 +20,7 @@ def make_stool(heights: list[int]) -> np.ndarray:
 
 
 def stand(owners: np.ndarray) -> float:
-    return measure_stand(np.argwhere(owners >= 0), CFG.layers)
+    return measure_stand(np.argwhere(owners >= 0))
 
 
 @pytest.mark.parametrize("heights", [[0, 0, 0, 0], [0, 1, 2, 0]])
@@ -36,7 +34,7 @@ def test_what_stands_stays(heights: list[int]):
 @pytest.mark.parametrize("heights", [[0, 0, 0, 6], [0, 0, 4, 4], [0, 6, 6, 6]])
 def test_what_would_fall_over_stands_on_four_feet(heights: list[int]):
     stool, whole = make_stool(heights), make_stool([0, 0, 0, 0])
-    assert stand(stool) < CFG.margin
+    assert stand(stool) < MARGIN
     made, notes = extend_feet(stool, ROWS)
     assert (made == whole).all()
     short = sum(height > 0 for height in heights)

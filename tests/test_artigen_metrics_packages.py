@@ -22,6 +22,8 @@ from artigen.metrics.subjects import draw_subjects
 from artigen.metrics.voxel_pictures import draw_voxels, list_squares
 from artigen.models.conditions import StructureCondition
 from artigen.models.presets import PRESETS
+from artigen.shapes.draw import draw_shape
+from artigen.shapes.shape import Shape
 from artigen.types import Asset, VoxelGrid
 
 POSES = InstantiationConfig(poses=2, points=60)
@@ -64,11 +66,14 @@ def test_only_what_fails_is_drawn_again_and_nothing_is_done_twice(
 ):
     drawn, proven = [], []
 
-    def from_memory(model, asked, seed, cfg):
+    def from_memory(model, asked, seed, cfg, *, boxes):
         drawn.append(seed)
         if seed == 3:
             raise SegmentationError("none of 7 voxels is labelled base")
         return replace(cabinet, surface=None)
+
+    def draw_oven(asked: StructureCondition, seed: int) -> Shape:
+        return draw_shape("Oven", 0)
 
     def prove(folders: Sequence[Path]):
         """The first draw of 0 and every later one of 3 passes; of 1 none does."""
@@ -83,7 +88,7 @@ def test_only_what_fails_is_drawn_again_and_nothing_is_done_twice(
     jobs = [DrawJob(key=f"one_{seed}", asked=asked, seed=seed) for seed in (0, 1, 3)]
     cfg, told = GenerateConfig(), []
     report = prove_draws(
-        model, jobs, tmp_path, cfg, prove, redraws=2, on_done=lambda *done: told.append(done)
+        model, jobs, tmp_path, cfg, prove, draw_oven, redraws=2, on_done=lambda *done: told.append(done)
     )
     assert proven == ["one_1", "one_0", "one_3_again_1", "one_1_again_1", "one_1_again_2"]
     assert len(set(drawn)) == len(drawn) == 6  # every draw has noise of its own
@@ -93,12 +98,12 @@ def test_only_what_fails_is_drawn_again_and_nothing_is_done_twice(
     assert report.causes == {"V103": 3, "no object: none of # voxels is labelled base": 1}
     assert told[-1] == (1, 1)
     journal = (tmp_path / JOURNAL).read_text()
-    assert prove_draws(model, jobs, tmp_path, cfg, prove, redraws=2) == report
+    assert prove_draws(model, jobs, tmp_path, cfg, prove, draw_oven, redraws=2) == report
     assert (len(proven), len(drawn)) == (5, 6)
     lines = journal.splitlines(keepends=True)
     (tmp_path / JOURNAL).write_text("".join(lines[:-1]) + lines[-1][:9])  # killed while it wrote
     for _ in range(2):
-        assert prove_draws(model, jobs, tmp_path, cfg, prove, redraws=2) == report
+        assert prove_draws(model, jobs, tmp_path, cfg, prove, draw_oven, redraws=2) == report
         assert (proven[5:], len(drawn)) == (["one_1_again_2"], 6)
 
 

@@ -9,11 +9,15 @@ import torch
 from artigen.metrics.instantiation import pose_set
 from artigen.metrics.retrieval import condition_distance, retrieve
 from artigen.metrics.score import ScoreConfig, score_novelty, score_objects, score_set
+from artigen.metrics.shapes import grammar_source
 from artigen.metrics.strict import PENALTY
 from artigen.metrics.structure import score_reconstruction, score_spread
 from artigen.metrics.subjects import Field, Subject, describe_subject, draw_subjects
+from artigen.models.conditions import StructureCondition
+from artigen.models.picture_reader import PictureReader, read_condition
 from artigen.models.presets import PRESETS
 from artigen.models.structure_vae import StructureVae
+from artigen.shapes.draw import ShapeError
 from artigen.train.shards import ShardConfig, ShardJob, make_shard, read_shard
 
 COARSE = ScoreConfig(per_part=100, points=1000)
@@ -131,3 +135,27 @@ def test_sets_are_compared_place_by_place(subjects: list[Subject]):
     assert score_set([truths[0], *[None] * 5], held, cfg) == {}
     assert score_novelty(truths[:2], subjects, cfg) == {"nearest_training": 0.0}
     assert score_novelty(truths[:1], subjects[1:], cfg)["nearest_training"] > 0
+
+
+@pytest.mark.parametrize("fields", [("category", "counts", "size"), ("category",)])
+def test_the_grammar_draws_what_is_near_to_a_condition(subjects: list[Subject], fields: tuple[Field, ...]):
+    asked = describe_subject(subjects[0], fields)
+    draw = grammar_source(tries=6)
+    shape = draw(asked, 5)
+    assert shape.name == draw(asked, 5).name
+    assert shape.category == "Oven"
+    said = shape.condition
+    if asked.size is not None:
+        assert (said.depth, said.width, said.height) == pytest.approx(asked.size, rel=0.25)
+    with pytest.raises(ShapeError, match="no category"):
+        draw(StructureCondition(), 5)
+
+
+def test_a_picture_is_read_before_the_grammar_draws(subjects: list[Subject]):
+    torch.manual_seed(0)
+    preset = PRESETS["tiny"]
+    assert preset.reader is not None
+    reader = PictureReader(preset.reader, preset.conditions)
+    asked = describe_subject(subjects[0], ("image",))
+    read, _ = read_condition(reader, asked)
+    assert grammar_source(reader, tries=3)(asked, 0).category == read.category

@@ -1,4 +1,4 @@
-"""Outlines: order, candidates, hints, and the flow that draws them."""
+"""Outlines: rows of exact objects, order, candidates, hints, and cells that are decoded in view of them."""
 
 from dataclasses import replace
 
@@ -7,8 +7,7 @@ import pytest
 import torch
 
 from artigen.fields import DEFAULT_LAYOUT, part_attributes
-from artigen.models.conditions import StructureCondition, gather_conditions
-from artigen.models.outline.batch import (
+from artigen.models.outline import (
     DEPTH,
     OutlineBatch,
     blur_outlines,
@@ -16,20 +15,15 @@ from artigen.models.outline.batch import (
     find_candidates,
     gather_outlines,
     hint_channels,
-    measure_extents,
+    outline_rows,
     part_labels,
     reach_cells,
 )
-from artigen.models.outline.flow import (
-    OutlineFlow,
-    OutlineFrame,
-    complete_conditions,
-    frame_outlines,
-    sample_outlines,
-)
 from artigen.models.presets import PRESETS
 from artigen.models.structure_vae import StructureVae
-from artigen.sampling import SamplerConfig
+from artigen.shapes.asset import shape_to_asset
+from artigen.shapes.draw import draw_shape
+from artigen.train.examples import draw_example
 from artigen.types import PART_LABELS, Asset
 from artigen.voxels import voxelize
 
@@ -49,14 +43,11 @@ def outlines(table: np.ndarray) -> OutlineBatch:
     return gather_outlines([table, table[:3]])
 
 
-def make_flow() -> OutlineFlow:
-    torch.manual_seed(0)
-    assert TINY.outline is not None
-    flow = OutlineFlow(TINY.outline, TINY.conditions).eval()
-    for parameter in flow.parameters():  # what starts at zero would hide what it is multiplied with
-        if not parameter.any():
-            torch.nn.init.normal_(parameter, std=0.1)
-    return flow
+@pytest.mark.parametrize("category", ["StorageFurniture", "WashingMachine"])
+def test_rows_of_a_shape_are_those_that_training_sees(category: str):
+    shape, example = draw_shape(category, 1), draw_example(category, 1, resolution=32, image_size=0)
+    assert np.array_equal(outline_rows(shape, 32), example.field.table)
+    assert np.array_equal(outline_rows(shape_to_asset(shape, 32)), example.field.table)
 
 
 def test_parts_are_read_in_one_order_whatever_order_they_come_in(table: np.ndarray, outlines: OutlineBatch):
@@ -129,72 +120,6 @@ def test_blur_moves_boxes_alone_and_takes_whole_outlines_away(outlines: OutlineB
     assert not moved[:, : BOX.start].any()
     assert torch.equal(blurred.given, outlines.given)
     assert not blur_outlines(outlines, 1.0, generator).given.any()
-
-
-def test_rows_come_back_from_what_the_flow_sees(outlines: OutlineBatch):
-    flow = make_flow()
-    flow.mean.copy_(torch.linspace(-1, 1, len(flow.mean)))
-    flow.std.copy_(torch.linspace(0.5, 2, len(flow.std)))
-    frame = frame_outlines(outlines)
-    again = flow.restore(flow.normalise(outlines.rows, frame.extents), frame)
-    said = slice(0, BOX.stop)  # all but the category, which a flow is told
-    torch.testing.assert_close(again.rows[..., said], outlines.rows[..., said], atol=1e-5, rtol=1e-5)
-
-
-def test_shares_do_not_change_when_an_object_is_stretched(outlines: OutlineBatch):
-    flow, stretch = make_flow(), torch.tensor([0.5, 0.8, 1.0])
-    rows = outlines.rows.clone()
-    for start in (DEFAULT_LAYOUT.origin.start, DEFAULT_LAYOUT.box.start, DEFAULT_LAYOUT.box.start + 3):
-        rows[..., start - 1 : start + 2] *= stretch
-    rows[..., DEFAULT_LAYOUT.range.stop - 2] *= stretch[0]
-    narrow = OutlineBatch(rows=rows, given=outlines.given)
-    extents = measure_extents(narrow)
-    torch.testing.assert_close(extents, measure_extents(outlines) * stretch)
-    torch.testing.assert_close(
-        flow.normalise(rows, extents), flow.normalise(outlines.rows, measure_extents(outlines))
-    )
-
-
-def test_counts_that_are_asked_for_are_drawn_exactly_and_the_rest_is_completed():
-    flow = make_flow()
-    asked = [
-        StructureCondition(category="Oven", counts=(("base", 1), ("door", 2), ("drawer", 0), ("knob", 5))),
-        StructureCondition(counts=(("base", 1),)),
-    ]
-    nothing = gather_conditions([StructureCondition()] * 2, TINY.conditions)
-    generator = torch.Generator().manual_seed(0)
-    known = complete_conditions(flow, gather_conditions(asked, TINY.conditions), generator)
-    assert (known.category >= 0).all()
-    assert (known.counts >= 0).all()
-    drawn = sample_outlines(flow, known, nothing, generator, SamplerConfig(steps=2, strength=1.0))
-    for row, given, counts, category in zip(
-        drawn.rows, drawn.given, known.counts, known.category, strict=True
-    ):
-        assert torch.equal(torch.bincount(part_labels(row[given][None])[0], minlength=8), counts)
-        kinds = row[given][:, DEFAULT_LAYOUT.category.start - 1 :]
-        assert torch.equal(kinds.argmax(dim=1), category.expand(len(kinds)))
-    named = dict(zip(PART_LABELS, known.counts[0].tolist(), strict=True))
-    assert {name: named[name] for name in ("base", "door", "drawer", "knob")} == {
-        "base": 1, "door": 2, "drawer": 0, "knob": 5,
-    }  # fmt: skip
-
-
-def test_what_is_open_is_drawn_and_not_always_the_same():
-    asked = gather_conditions([StructureCondition()] * 8, TINY.conditions)
-    known = complete_conditions(make_flow(), asked, torch.Generator().manual_seed(0))
-    assert len(torch.unique(torch.cat([known.category[:, None], known.counts], dim=1), dim=0)) == 8
-
-
-def test_padding_does_not_change_what_is_drawn(outlines: OutlineBatch):
-    flow = make_flow()
-    tokens = flow.conditions(gather_conditions([StructureCondition(category="Oven")] * 2, TINY.conditions))
-    frame = frame_outlines(outlines)
-    first = OutlineFrame(labels=frame.labels[1:, :3], given=frame.given[1:, :3], extents=frame.extents[1:])
-    x = torch.randn(2, outlines.rows.shape[1], len(flow.mean))
-    times = torch.tensor([0.5, 0.8])
-    said = flow.velocity(x, times, tokens, frame)
-    alone = flow.velocity(x[1:, :3], times[1:], tokens[1:], first)
-    torch.testing.assert_close(said[1, :3], alone[0], atol=1e-5, rtol=1e-5)
 
 
 def test_cells_get_the_attributes_of_the_part_they_choose(cabinet: Asset, outlines: OutlineBatch):

@@ -9,10 +9,8 @@ import pytest
 import torch
 from clip_files import SMALL as CLIP
 from clip_files import write_clip
-from PIL import Image
 from torch.nn import functional
 
-from artigen.ask import Request, read_request
 from artigen.errors import ArtigenError, SourceError
 from artigen.models.clip import load_clip
 from artigen.models.conditions import (
@@ -119,21 +117,12 @@ def test_sentences_are_left_open_as_other_fields_are():
     assert gather_conditions(asked, replace(KNOWN, clip=None)).texts == (None,) * 200
 
 
-def test_requests_pass_on_their_words(tmp_path: Path):
-    said = "an oven with two doors"
-    assert read_request(Request(text=said), 0, 0).condition.text == said
-    Image.new("RGB", (64, 64), (200, 30, 30)).save(tmp_path / "red.png")
-    both = read_request(Request(text=said, image=tmp_path / "red.png"), 0, 16, margin=KNOWN.image_margin)
-    assert both.condition.text == said
-    assert both.condition.image is not None
-
-
 @pytest.fixture
 def paper(monkeypatch: pytest.MonkeyPatch) -> StructurePreset:
     """The preset of the paper, small enough for a test."""
     tiny = PRESETS["tiny"]
-    preset = replace(tiny, flow=FLOW, conditions=KNOWN, outline=None, reader=None)
-    stages = replace(TRAINING["tiny"], outline=None, reader=None, decoder=None)
+    preset = replace(tiny, flow=FLOW, conditions=KNOWN, reader=None)
+    stages = replace(TRAINING["tiny"], reader=None, decoder=None)
     monkeypatch.setitem(PRESETS, "paper", preset)
     monkeypatch.setitem(TRAINING, "paper", stages)
     return preset

@@ -4,7 +4,7 @@ import pytest
 import torch
 from torch import Tensor
 
-from artigen.models.outline.batch import OutlineBatch
+from artigen.models.outline import OutlineBatch
 from artigen.models.patches import as_patches, from_patches
 from artigen.models.steady import SteadyConfig, steady_occupancy
 

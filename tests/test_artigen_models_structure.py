@@ -19,8 +19,7 @@ from artigen.models.conditions import (
 )
 from artigen.models.conv_vae import ConvVaeConfig
 from artigen.models.latent_dit import EARLIEST, SETTLED, velocity_of, weigh_times
-from artigen.models.outline.batch import gather_outlines
-from artigen.models.outline.flow import OutlineFlow
+from artigen.models.outline import gather_outlines
 from artigen.models.patches import PackedField, PatchBatch, collate, fold, pack_asset, patch_centers, unfold
 from artigen.models.picture_reader import PictureReader
 from artigen.models.presets import PRESETS
@@ -250,9 +249,7 @@ def test_the_shipped_size_fits_its_limit():
     preset = PRESETS["compact"]
     with torch.device("meta"):
         networks = [StructureVae(preset.vae), StructureFlow(preset.flow, preset.conditions)]
-        assert preset.outline is not None
         assert preset.reader is not None
-        networks.append(OutlineFlow(preset.outline, preset.conditions))
         networks.append(PictureReader(preset.reader, preset.conditions))
     assert 2 * sum(value.numel() for network in networks for value in network.state_dict().values()) < 40e6
 

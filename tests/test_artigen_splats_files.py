@@ -1,4 +1,4 @@
-"""Gaussians in files, in other frames, apart and together: PLY, rigid motion, parts, links."""
+"""Gaussians in files, in other frames, apart and together: PLY, rigid motion, parts."""
 
 import struct
 from dataclasses import fields, replace
@@ -8,14 +8,11 @@ import numpy as np
 import pytest
 
 from artigen.errors import SourceError
-from artigen.kinematics import articulate_gaussians, displacements, qlimits
-from artigen.splats.links import join_links, split_links, write_links
 from artigen.splats.motion import scale_gaussians, transform_gaussians
 from artigen.splats.parts import merge_gaussians, select_gaussians, split_gaussians
 from artigen.splats.ply import decode_ply, encode_ply, read_ply, write_ply
 from artigen.transforms import inverse, matrix_from_quat, rotation_about, screw_motion
-from artigen.types import Asset, Gaussians
-from sim_export.physics.links import link_names, link_owners
+from artigen.types import Gaussians
 
 REFERENCE_FIELDS = [
     "x", "y", "z", "nx", "ny", "nz", "f_dc_0", "f_dc_1", "f_dc_2", "opacity",
@@ -190,51 +187,6 @@ def test_parts_are_taken_apart_and_put_together():
         split_gaussians(gaussians, 2)
     with pytest.raises(ValueError, match="no sets"):
         merge_gaussians([])
-
-
-@pytest.fixture
-def splatted(cabinet: Asset) -> Asset:
-    return replace(cabinet, gaussians=make_gaussians(400, len(cabinet.parts)))
-
-
-def test_links_are_those_of_packages(splatted: Asset):
-    links, names, owners = split_links(splatted), link_names(splatted), np.array(link_owners(splatted))
-    assert [link.name for link in links] == list(names.values())
-    for link, leader in zip(links, names, strict=True):
-        members = np.flatnonzero(owners == leader)
-        assert set(link.gaussians.part_ids.tolist()) == set(members.tolist())
-    joined = join_links(links, splatted.scale)
-    assert splatted.gaussians is not None
-    order = np.lexsort(joined.means.T), np.lexsort(splatted.gaussians.means.T)
-    assert len(order[0]) == len(order[1])
-    np.testing.assert_allclose(joined.means[order[0]], splatted.gaussians.means[order[1]], atol=1e-6)
-
-
-def test_files_of_links_placed_at_their_poses_are_the_articulated_object(splatted: Asset, tmp_path: Path):
-    paths = write_links(splatted, tmp_path / "splats")
-    assert [path.name for path in paths] == [f"{link.name}.ply" for link in split_links(splatted)]
-    assert splatted.gaussians is not None
-    qpos = 0.7 * qlimits(splatted)[:, 1]
-    D = displacements(splatted, qpos)
-    D[:, :3, 3] *= splatted.scale
-    want = scale_gaussians(articulate_gaussians(splatted, qpos, splatted.gaussians), splatted.scale)
-    leaders = list(link_names(splatted))
-    for path, link, leader in zip(paths, split_links(splatted), leaders, strict=True):
-        T_link = np.eye(4)
-        T_link[:3, 3] = link.origin
-        placed = transform_gaussians(read_ply(path), D[leader] @ T_link)
-        own = select_gaussians(want, np.array(link_owners(splatted))[want.part_ids] == leader)
-        np.testing.assert_allclose(placed.means, own.means, atol=1e-5)
-        np.testing.assert_allclose(covariances(placed), covariances(own), rtol=1e-3, atol=1e-6)
-
-
-def test_links_need_gaussians_and_a_body_that_stays(splatted: Asset, cabinet: Asset):
-    with pytest.raises(ValueError, match="has no Gaussians"):
-        split_links(cabinet)
-    moving = next(part for part in splatted.parts if part.joint.type != "fixed")
-    parts = tuple(replace(part, joint=moving.joint) if part.parent == -1 else part for part in splatted.parts)
-    with pytest.raises(ValueError, match="root part has a joint"):
-        split_links(replace(splatted, parts=parts))
 
 
 def test_rotations_compose_in_order():

@@ -12,7 +12,6 @@ from artigen.appearance import (
     generate_appearance,
     load_appearance_model,
 )
-from artigen.ask import Request, read_request
 from artigen.canvas import Canvas, lay_out
 from artigen.facings import facing_frames
 from artigen.fields import tabulate_parts
@@ -39,12 +38,17 @@ def test_they_are_small_enough_to_ship():
 
 def test_a_microwave_has_the_parts_that_are_asked_for():
     model = load_structure_model(SHIPPED)
-    request = Request(category="Microwave", wish=Wish(counts=(("door", 1), ("handle", 1), ("knob", 2))))
-    asked = read_request(request, 3, 0).condition
-    asset = generate_structure(model, asked, 3)
-    assert has_counts(asset, asked.counts)
-    assert asked.size is not None
-    assert size_error(asset, asked.size) < 0.1
+    shape = draw_shape("Microwave", 3, Wish(counts=(("door", 1), ("handle", 1), ("knob", 2))))
+    asset = generate_structure(model, StructureCondition(), 3, boxes=shape)
+    said = shape.condition
+    assert has_counts(asset, said.counts)
+    assert size_error(asset, (said.depth, said.width, said.height)) < 0.01
+    exact = shape_to_asset(shape, 64)
+    assert exact.voxels is not None
+    assert asset.voxels is not None
+    assert len(np.unique(asset.voxels.part_ids)) == len(exact.parts)
+    drawn, true = asset.voxels.occupied(), exact.voxels.occupied()
+    assert (drawn & true).sum() > 0.3 * (drawn | true).sum()
     moving = {part.label: part.joint.type for part in asset.parts}
     assert moving["door"] == "revolute"
 

@@ -1,6 +1,7 @@
 """`artigen generate`: from a category, words or a picture to proven packages, drawn again where one fails."""
 
 import json
+import math
 import resource
 import sys
 import time
@@ -21,6 +22,7 @@ from artigen.workers import Worker
 
 if TYPE_CHECKING:
     from artigen.conditioning.request import Request, Understood
+    from artigen.generate import StructureModel
     from artigen.models.picture_reader import PictureReader
     from artigen.shape_appearance import ShapeAppearanceModel
     from artigen.shapes.shape import Shape
@@ -54,12 +56,18 @@ class GenerateSettings:
     counts: tuple[str, ...] = ()
     """Parts wanted, such as drawer=3 door=0."""
     structure: Literal["sketch", "latent"] = "sketch"
-    """``sketch`` exports the exact primitives that the sketch network draws; ``latent`` draws 64^3 voxels from
-    the paper's latents within the sketch's boxes, and exports what they show."""
-    temperature: float = 0.7
+    """``sketch`` exports the exact primitives of the sketch network; ``latent`` draws 64^3 voxels
+    from the paper's latents within the sketch's boxes, and exports what they show, without Gaussians."""
+    temperature: float = 0.6
     """Of the sketch: 1 is as varied as the training data, less is more usual."""
     redraws: int = 3
     """How often an object that fails a check is drawn again."""
+    steps: int = 6
+    """Of the latent's sampler."""
+    strength: float = 0.0
+    """Guidance of the latent; 0 is none, since the condition is in the boxes. The paper: 3."""
+    encoders: Path | None = None
+    """Folder with the public weights of DINOv2 and CLIP, for latent models that read with these."""
     gaussians: bool = True
     """Whether packages also hold Gaussians, one PLY per link."""
 
@@ -108,11 +116,22 @@ def _load_sketch(folder: Path) -> "SketchNetwork":
 @lru_cache(maxsize=1)
 def _load_appearance(folder: Path) -> "ShapeAppearanceModel | None":
     """None where the folder has no weights of appearance."""
-    from artigen.models.appearance_presets import APPEARANCE_VAE
+    from artigen.models.appearance_vae import APPEARANCE_VAE
     from artigen.models.store import read_description
     from artigen.shape_appearance import load_shape_appearance
 
     return load_shape_appearance(folder) if APPEARANCE_VAE in read_description(folder) else None
+
+
+@lru_cache(maxsize=1)
+def _load_structure(folder: Path, encoders: Path | None) -> "StructureModel":
+    from artigen.generate import load_structure_model
+    from artigen.models.public_encoders import attach_encoders
+
+    structure = load_structure_model(folder)
+    if encoders is not None:
+        attach_encoders(structure.flow, encoders)
+    return structure
 
 
 @lru_cache(maxsize=1)
@@ -151,7 +170,6 @@ def _ask(job: GenerateJob, understood: "Understood") -> _Asked:
 def draw_generated(job: GenerateJob) -> "tuple[Drawn, _Asked]":
     """Draws the object of a job, in the colours of its picture if it has one."""
     from artigen.conditioning.request import understand
-    from artigen.sketch.alignment import fit_camera, likeness, read_colors
     from artigen.sketch.draw import DrawConfig
     from artigen.sketch.model import SketchConfig, draw_alike, draw_object
 
@@ -161,6 +179,9 @@ def draw_generated(job: GenerateJob) -> "tuple[Drawn, _Asked]":
     network, picture = _load_sketch(job.model), asked.picture
     if picture is None:
         return draw_object(network, asked.request, noise, cfg), asked
+
+    from artigen.sketch.alignment import fit_camera, likeness
+    from artigen.sketch.picture_colors import read_colors
 
     def like(shape: "Shape") -> float:
         return likeness(shape, picture, fit_camera(shape, picture))
@@ -224,6 +245,31 @@ def _make_exact(
     return make_generated_package(shape, appearance, provenance=provenance, notes=notes).package
 
 
+def _make_latent(
+    job: GenerateJob, shape: "Shape", provenance: dict[str, str], notes: tuple[str, ...]
+) -> "SimPackage":
+    """The package of voxels that the paper's latents show within the sketch's boxes, in its colours."""
+    from artigen.cli.shape import SPACING
+    from artigen.generate import GenerateConfig, generate_structure
+    from artigen.models.conditions import StructureCondition
+    from artigen.pictures import read_picture
+    from artigen.sampling import SamplerConfig
+    from artigen.shapes.asset import frame_shape, shape_to_asset
+    from sim_export.export import export_asset
+
+    model, image = _load_structure(job.model, job.cfg.encoders), None
+    known = model.preset.conditions
+    if job.cfg.image is not None and known.image_size:
+        image = read_picture(job.cfg.image, known.image_size, margin=known.image_margin).rgba
+    noise = int(np.random.SeedSequence([job.seed, len(job.draws), 1]).generate_state(1)[0])
+    told = shape_to_asset(shape, model.preset.resolution, SPACING * frame_shape(shape)[1])
+    asked = StructureCondition(text=job.cfg.text, image=image)
+    cfg = GenerateConfig(sampler=SamplerConfig(steps=job.cfg.steps, strength=job.cfg.strength))
+    asset = generate_structure(model, asked, noise, cfg, boxes=told)
+    colored = replace(asset, name=job.key, surface=told.surface, notes=(*notes, *asset.notes))
+    return export_asset(colored, provenance=provenance).package
+
+
 def generate_and_validate(worker: Worker, job: GenerateJob) -> Finished:
     """Draws an object until it passes every check, at most ``redraws`` times again.
 
@@ -263,11 +309,15 @@ def generate(
     from artigen.conditioning.request import understand
     from artigen.sketch.request import ask
 
-    if count < 1 or seed < 0 or cfg.redraws < 0 or workers < 1 or not cfg.temperature > 0:
+    if count < 1 or seed < 0 or cfg.redraws < 0 or workers < 1:
         raise ArtigenError(
-            f"{count} objects from seed {seed} with {cfg.redraws} redraws at temperature {cfg.temperature:g} "
-            f"by {workers} workers: expected at least one object and one worker, a temperature above 0, and "
-            "nothing else below 0"
+            f"{count} objects from seed {seed} with {cfg.redraws} redraws by {workers} workers: expected at "
+            "least one object and one worker, and nothing below 0"
+        )
+    if cfg.steps < 1 or not 0 <= cfg.strength < math.inf or not 0 < cfg.temperature < math.inf:
+        raise ArtigenError(
+            f"{cfg.steps} steps, strength {cfg.strength:g}, temperature {cfg.temperature:g}: expected at "
+            "least one step, no strength below 0, and a temperature above 0"
         )
     jobs = [
         GenerateJob(model=model, category=category, seed=number, out=out, cfg=cfg)

@@ -64,9 +64,9 @@ class AppearanceSettings:
 
 
 What = Literal[
+    "sketch",
     "structure",
     "structure-reader",
-    "structure-outline",
     "structure-vae",
     "structure-flow",
     "structure-decoder",
@@ -90,7 +90,8 @@ def train(
     A run that was stopped goes on where it was when the same command is given again.
 
     Args:
-        what: All networks of the structure or the appearance model, or one of them; a flow needs its VAE.
+        what: The sketch network; all networks of the structure or the appearance model, or one of them: a
+            flow needs its VAE.
         run: Folder for data, checkpoints, curves and weights.
         cfg: What is trained, on what, and for how long.
         workers: Processes that make data.
@@ -115,7 +116,7 @@ def train(
         scores = begin(on_report=on_report if shown else None)
     if scores:
         rows = "\n".join(f"  {name:20} {value:.4g}" for name, value in scores.items())
-        sys.stdout.write(f"held-out reconstruction:\n{rows}\n")
+        sys.stdout.write(f"held-out objects:\n{rows}\n")
     sys.stdout.write(f"weights are in {run / 'model'}\n")
     return 0
 
@@ -125,6 +126,8 @@ def _prepare(
 ) -> Callable[..., dict[str, float]]:
     """The training that was asked for, ready to begin."""
     given = {name: value for name, value in vars(cfg).items() if value is not None}
+    if what == "sketch":
+        return _prepare_sketch(run, cfg, workers)
     if what in (
         "appearance",
         "appearance-vae",
@@ -155,3 +158,25 @@ def _prepare(
     from artigen.train.run import RunConfig
 
     return partial(train_everything, RunConfig(folder=run, workers=workers, **given), what)
+
+
+def _prepare_sketch(run: Path, cfg: TrainSettings, workers: int) -> Callable[..., dict[str, float]]:
+    """The training of the sketch network; it knows shards, minutes and where to begin, and nothing else."""
+    from artigen.train.sketch import SketchRunConfig, train_sketch
+
+    for name in ("partnet", "trellis", "encoders", "objects"):
+        if getattr(cfg, name) is not None:
+            raise ArtigenError(f"the sketch learns from the grammar alone: leave --{name} out")
+    settings = SketchRunConfig(
+        folder=run,
+        preset=cfg.preset,
+        minutes=cfg.minutes,
+        shards=cfg.shards,
+        start=cfg.start,
+        workers=workers,
+    )
+
+    def begin(on_report: Callable[[str, Mapping[str, float]], None] | None) -> dict[str, float]:
+        return train_sketch(settings, on_report=None if on_report is None else partial(on_report, "sketch"))
+
+    return begin

@@ -9,7 +9,7 @@ from jaxtyping import Float
 from scipy.spatial.transform import Rotation
 
 from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_joints, name_rows
-from artigen.mending.fronts import find_panel
+from artigen.mending.panel import find_panel
 from artigen.mending.rows import Owners
 
 

@@ -6,21 +6,24 @@ from the underside down to the floor.
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
+from scipy.spatial import ConvexHull
 
 from artigen.fields import DEFAULT_LAYOUT, FieldLayout, name_rows
-from artigen.mending.faults import AssetFaultsConfig, measure_stand
 from artigen.mending.rows import Owners
 
 THICK = 2
 """Edge of a foot in cells."""
 REACH = 10
 """Cells that a foot is long, at most."""
+LAYERS = 3
+"""Lowest layers of cells that an object stands on; the exporter levels what is missing in them."""
+MARGIN = 2.5
+"""Cells between the middle of an object and the edge of what it stands on, at least."""
 
 
 def extend_feet(
     owners: Owners,
     rows: Float[np.ndarray, "N C"],
-    cfg: AssetFaultsConfig | None = None,
     layout: FieldLayout = DEFAULT_LAYOUT,
 ) -> tuple[Owners, tuple[str, ...]]:
     """Owners by which the body stands, and a note of how many feet it was given.
@@ -28,13 +31,11 @@ def extend_feet(
     Args:
         owners: a row per cell, -1 where nothing is.
         rows: an outline, the channels after occupancy, one row per part.
-        cfg: what stands badly.
         layout: channels.
     """
-    cfg = cfg or AssetFaultsConfig()
     bodies = np.flatnonzero(np.array(name_rows(rows, layout)) == "base")
     cells = np.argwhere(owners >= 0)
-    if not len(bodies) or not len(cells) or measure_stand(cells, cfg.layers) >= cfg.margin:
+    if not len(bodies) or not len(cells) or measure_stand(cells) >= MARGIN:
         return owners, ()
     owners, floor = owners.copy(), int(cells[:, 2].min())
     lengths = [
@@ -45,6 +46,19 @@ def extend_feet(
     if not lengths:
         return owners, ()
     return owners, (f"{len(lengths)} feet were added or made longer, by {max(lengths)} cells at most",)
+
+
+def measure_stand(coords: Int[np.ndarray, "N 3"]) -> float:
+    """Cells from the mean of all cells to the edge of the hull of the lowest, below 0 outside of it.
+
+    Args:
+        coords: Cells (x, y, z), at least one.
+    """
+    lowest = coords[coords[:, 2] < coords[:, 2].min() + LAYERS, :2]
+    corners = (lowest[:, None] + np.array([[0, 0], [0, 1], [1, 0], [1, 1]])).reshape(-1, 2)
+    sides = ConvexHull(corners).equations
+    middle = coords[:, :2].mean(axis=0) + 0.5
+    return float(-(sides[:, :2] @ middle + sides[:, 2]).max())
 
 
 def _add_foot(owners: Owners, body: int, floor: int, corner: tuple[int, int]) -> int:

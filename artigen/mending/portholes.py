@@ -10,7 +10,7 @@ from jaxtyping import Bool, Float
 
 from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_category, name_joints, name_rows
 from artigen.mending.boxes import reach_box
-from artigen.mending.fronts import find_panel
+from artigen.mending.panel import find_panel
 from artigen.mending.rows import Owners
 
 OBLONG = 1.25

@@ -9,7 +9,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_joints, name_rows
-from artigen.mending.fronts import find_panel
+from artigen.mending.panel import find_panel
 from artigen.mending.rows import Owners
 from artigen.types import PartLabel
 

@@ -6,7 +6,6 @@ from pathlib import Path
 
 import numpy as np
 
-from artigen.ask import Request, read_request
 from artigen.generate import GenerateConfig, StructureModel
 from artigen.metrics.draws import DrawJob, draw_all, reconstruct
 from artigen.metrics.instantiation import PosedSet
@@ -14,8 +13,10 @@ from artigen.metrics.neighbours import draw_neighbours, find_neighbours, pose_li
 from artigen.metrics.packages import PackageReport, Prove, prove_draws
 from artigen.metrics.retrieval import retrieve
 from artigen.metrics.score import ScoreConfig, Scores, score_novelty, score_objects, score_set
+from artigen.metrics.shapes import ShapeSource, describe_shape
 from artigen.metrics.subjects import Field, Subject, describe_subject
 from artigen.sampling import SamplerConfig
+from artigen.shapes.draw import draw_shape
 from artigen.types import Asset
 
 ASKS: dict[str, tuple[Field, ...]] = {
@@ -85,6 +86,8 @@ class Bench:
     """What every question is asked with."""
 
     model: StructureModel
+    draw_shape_for: ShapeSource
+    """Draws the objects whose boxes the model is told."""
     library: list[Subject]
     out: Path
     cfg: EvaluateConfig
@@ -108,6 +111,7 @@ def measure_ask(bench: Bench, ask: str, fields: Sequence[Field], held: HeldOut) 
         jobs,
         bench.out / "draws",
         generation,
+        bench.draw_shape_for,
         on_done=lambda: tell(f"draws by {ask}", next(done), len(jobs)),
     )
     answers: dict[str, list[Asset | None]] = {"model": [draw.asset for draw in draws]}
@@ -140,7 +144,7 @@ def picture_neighbours(bench: Bench, held: HeldOut) -> None:
     chosen = held.subjects[: bench.cfg.pictured]
     jobs = _list_jobs(bench, "category", ASKS["category"], chosen)
     generation = GenerateConfig(sampler=bench.cfg.sampler)
-    draws = draw_all(bench.model, jobs, bench.out / "draws", generation)
+    draws = draw_all(bench.model, jobs, bench.out / "draws", generation, bench.draw_shape_for)
     found = [draw.asset for draw in draws if draw.asset is not None]
     if not found:
         return
@@ -161,6 +165,7 @@ def measure_packages(bench: Bench, held: HeldOut, prove: Prove) -> PackageReport
         bench.out,
         GenerateConfig(sampler=bench.cfg.sampler),
         prove,
+        bench.draw_shape_for,
         redraws=bench.cfg.redraws,
         on_done=lambda done, total: bench.tell("packages", done, total),
     )
@@ -177,7 +182,8 @@ def _list_jobs(bench: Bench, ask: str, fields: Sequence[Field], subjects: Sequen
         seed = _seed(bench.cfg, number)
         asked = describe_subject(subject, fields)
         if tuple(fields) == ASKS["category"]:
-            asked = read_request(Request(category=asked.category), seed, 0).condition
+            assert asked.category is not None
+            asked = describe_shape(draw_shape(asked.category, seed))
         jobs.append(DrawJob(key=f"{stem}_{number:04d}", asked=asked, seed=seed))
     return jobs
 

@@ -7,11 +7,11 @@ from pathlib import Path
 
 import torch
 
-from artigen.errors import SegmentationError
+from artigen.errors import ArtigenError, SegmentationError
 from artigen.generate import GenerateConfig, StructureModel, generate_structure
 from artigen.io import read_asset, write_asset
 from artigen.journal import append_line, read_lines
-from artigen.mending.clean import remove_strays
+from artigen.metrics.shapes import ShapeSource
 from artigen.metrics.subjects import Subject
 from artigen.models.conditions import StructureCondition
 from artigen.models.structure_vae import decode_fields
@@ -45,6 +45,7 @@ def draw_all(
     jobs: Sequence[DrawJob],
     folder: Path,
     cfg: GenerateConfig,
+    draw_shape_for: ShapeSource,
     *,
     on_done: Callable[[], None] | None = None,
 ) -> list[Draw]:
@@ -54,7 +55,8 @@ def draw_all(
         model: Trained networks.
         jobs: What to draw; a key stands for the same condition, seed and model at every start.
         folder: For the journal and one asset folder per object.
-        cfg: Sampler, cleaning, segmentation.
+        cfg: Sampler, clean-up, segmentation.
+        draw_shape_for: Draws the object whose boxes the model is told.
         on_done: Called after each.
     """
     folder.mkdir(parents=True, exist_ok=True)
@@ -68,7 +70,7 @@ def draw_all(
         elif line is not None and kept.is_dir():
             draw = Draw(asset=read_asset(kept), error=None, seconds=float(str(line["seconds"])))
         else:
-            draw = _draw(model, job, cfg)
+            draw = _draw(model, job, cfg, draw_shape_for)
             if draw.asset is not None:
                 write_asset(draw.asset, kept)
             said = {"key": job.key, "seed": job.seed, "seconds": draw.seconds, "error": draw.error}
@@ -80,16 +82,14 @@ def draw_all(
 
 
 def reconstruct(model: StructureModel, subject: Subject, cfg: GenerateConfig) -> Asset | None:
-    """The object found again from its own latent, as a draw is; None where that is no object.
+    """The object found again from its own latent by voting; None where that is no object.
 
-    What no condition can improve on: the limit of decoder, cleaning and segmentation.
+    What no condition can improve on: the limit of decoder and segmentation.
     """
     device = next(model.vae.parameters()).device
     with torch.no_grad():
         mean, _ = model.vae.encode(patch_batch([subject.example]).to(device))
-    fields, _ = remove_strays(
-        decode_fields(model.vae, mean, outline_batch([subject.example]).to(device))[0], cfg.mend.clean
-    )
+    (fields,) = decode_fields(model.vae, mean, outline_batch([subject.example]).to(device))
     asset = subject.asset
     try:
         return segment(fields, cfg.segment, name=asset.name, scale=asset.scale, category=asset.category)
@@ -97,10 +97,11 @@ def reconstruct(model: StructureModel, subject: Subject, cfg: GenerateConfig) ->
         return None
 
 
-def _draw(model: StructureModel, job: DrawJob, cfg: GenerateConfig) -> Draw:
+def _draw(model: StructureModel, job: DrawJob, cfg: GenerateConfig, draw_shape_for: ShapeSource) -> Draw:
     started = time.perf_counter()
     try:
-        asset = generate_structure(model, job.asked, job.seed, cfg)
-    except SegmentationError as error:
+        shape = draw_shape_for(job.asked, job.seed)
+        asset = generate_structure(model, job.asked, job.seed, cfg, boxes=shape)
+    except ArtigenError as error:  # no shape, or a part without cells
         return Draw(asset=None, error=str(error), seconds=time.perf_counter() - started)
     return Draw(asset=asset, error=None, seconds=time.perf_counter() - started)

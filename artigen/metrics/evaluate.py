@@ -26,6 +26,7 @@ from artigen.metrics.instantiation import pose_set
 from artigen.metrics.packages import PackageReport, Prove
 from artigen.metrics.reading import score_reader
 from artigen.metrics.score import Scores
+from artigen.metrics.shapes import ShapeSource, grammar_source
 from artigen.metrics.structure import score_reconstruction, score_spread
 from artigen.metrics.subjects import Subject, describe_subject, draw_subjects, read_subjects
 from artigen.models.store import hash_model, read_description
@@ -61,6 +62,7 @@ def evaluate_structure(
     cfg: EvaluateConfig,
     *,
     prove: Prove | None = None,
+    draw_shape_for: ShapeSource | None = None,
     on_progress: Progress | None = None,
 ) -> Evaluation:
     """Measures a model folder; draws and ``nearest.png`` are kept in ``out``, draws are gone on with.
@@ -70,6 +72,7 @@ def evaluate_structure(
         out: Of the evaluation.
         cfg: What is measured.
         prove: Makes and checks packages of draws; None leaves that out.
+        draw_shape_for: Draws the objects whose boxes the model is told; None takes them from the grammar.
         on_progress: Called as work is done.
 
     Raises:
@@ -102,6 +105,7 @@ def evaluate_structure(
             "rescale": sampler.rescale,
             "interval": f"{sampler.interval[0]} to {sampler.interval[1]}",
             "seed": cfg.seed,
+            "shapes": "grammar" if draw_shape_for is None else getattr(draw_shape_for, "__name__", "others"),
         },
     )
     tell = on_progress or (lambda stage, done, total: None)
@@ -120,7 +124,8 @@ def evaluate_structure(
         name: HeldOut(subjects=subjects, posed=pose_set([one.asset for one in subjects], cfg.score.poses))
         for name, subjects in sets.items()
     }
-    bench = Bench(model=model, library=library, out=out, cfg=cfg, tell=tell)
+    source = draw_shape_for or grammar_source(model.reader)
+    bench = Bench(model=model, draw_shape_for=source, library=library, out=out, cfg=cfg, tell=tell)
     rows = []
     for name, asks in (("procedural", ASKS), ("real", REAL_ASKS)):
         for ask, fields in asks.items():
@@ -130,7 +135,8 @@ def evaluate_structure(
     packages = None
     if prove is not None and cfg.packages:
         packages = measure_packages(bench, held["procedural"], prove)
-    typical = describe_subject(sets["procedural"][0], ASKS["counts and size"])
+    first = sets["procedural"][0]
+    typical = describe_subject(first, ASKS["counts and size"])
     generation = GenerateConfig(sampler=sampler)
     tell("time and memory", 0, 1)
     return Evaluation(
@@ -143,7 +149,9 @@ def evaluate_structure(
         if model.reader is None
         else {name: score_reader(model.reader, chosen) for name, chosen in examples.items()},
         rows=tuple(rows),
-        footprint=measure_footprint(FootprintJob(model=folder, asked=typical, cfg=generation)),
+        footprint=measure_footprint(
+            FootprintJob(model=folder, asked=typical, boxes=first.asset, cfg=generation)
+        ),
         left_out=left_out,
         packages=packages,
     )

@@ -9,6 +9,7 @@ from pathlib import Path
 from artigen.errors import SegmentationError, SourceError
 from artigen.generate import GenerateConfig, generate_structure, load_structure_model
 from artigen.models.conditions import StructureCondition
+from artigen.types import Asset
 from artigen.workers import Worker
 
 TIMEOUT = 1800.0
@@ -33,6 +34,7 @@ class FootprintJob:
 
     model: Path
     asked: StructureCondition
+    boxes: Asset
     cfg: GenerateConfig
     repeats: int = 3
 
@@ -58,7 +60,7 @@ def time_draws(job: FootprintJob) -> Footprint:
     for seed in range(job.repeats + 1):
         started, worked = time.perf_counter(), time.process_time()
         with suppress(SegmentationError):  # what becomes of the object is measured elsewhere
-            generate_structure(model, job.asked, seed, job.cfg)
+            generate_structure(model, job.asked, seed, job.cfg, boxes=job.boxes)
         seconds.append(time.perf_counter() - started)
         busy.append(time.process_time() - worked)
     return Footprint(

@@ -11,7 +11,7 @@ from torch import Tensor
 
 from artigen.fields import FieldLayout, after_occupancy
 from artigen.metrics.deviations import part_deviations
-from artigen.models.outline.batch import OutlineBatch
+from artigen.models.outline import OutlineBatch
 from artigen.models.patches import PatchBatch
 from artigen.models.structure_vae import StructureVae
 from artigen.train.batches import outline_batch, patch_batch

@@ -20,6 +20,8 @@ from artigen.types import PAPER_CATEGORIES, PART_LABELS, PartLabel
 
 MAX_COUNT = 24
 """Counts from here on are one token."""
+ALONE = 0.25
+"""Share of the pictures in training of which nothing else is said."""
 FIELDS = 1 + len(PART_LABELS) + 1
 
 

@@ -18,7 +18,7 @@ from torch.nn import functional
 from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy
 from artigen.models.attention import FeedForward, SelfAttention, plain_norm
 from artigen.models.embeddings import embed_positions, grid_positions
-from artigen.models.outline.batch import DEPTH, hint_channels
+from artigen.models.outline import DEPTH, hint_channels
 from artigen.models.patches import CELLS, PATCH, PatchBatch, patch_centers, relative
 from artigen.models.volumes import (
     ChannelLayerNorm,

@@ -131,12 +131,6 @@ def read_condition(
     return whole, (f"picture: read as {category} of {metres} m with {parts or 'no parts'}",)
 
 
-@torch.no_grad()
-def locate_parts(reader: PictureReader, image: Float[np.ndarray, "4 H W"]) -> Float[np.ndarray, "L h w"]:
-    """Parts of each label per cell of a picture, seen where their middles are."""
-    return _look(reader, image).density[0].float().cpu().numpy()
-
-
 def _look(reader: PictureReader, image: Float[np.ndarray, "4 H W"]) -> Reading:
     picture = torch.from_numpy(np.ascontiguousarray(image, dtype=np.float32))
     return reader(picture[None].to(next(reader.parameters()).device))

@@ -12,8 +12,7 @@ from artigen.models.conditions import ConditionConfig
 from artigen.models.conv_vae import ConvVaeConfig
 from artigen.models.dinov2 import DinoConfig
 from artigen.models.latent_dit import LatentDitConfig
-from artigen.models.outline.batch import hint_channels
-from artigen.models.outline.flow import OutlineFlowConfig
+from artigen.models.outline import hint_channels
 from artigen.models.patch_vae import PatchVaeConfig
 from artigen.models.picture_reader import PictureReaderConfig
 from artigen.models.structure_dit import StructureDitConfig
@@ -31,12 +30,15 @@ class StructurePreset:
     """Flow on their latents."""
     conditions: ConditionConfig
     """What can be asked for."""
-    outline: OutlineFlowConfig | None = None
-    """Flow of the parts' boxes and joints, which the flow of latents is then told; None draws all at once."""
     reader: PictureReaderConfig | None = None
     """What reads pictures, where they can be given."""
     resolution: int = 64
     """Edge of the fields."""
+
+    @property
+    def takes_outlines(self) -> bool:
+        """Whether latents are drawn and decoded within boxes of the parts; the paper draws all at once."""
+        return isinstance(self.flow, LatentDitConfig) and self.flow.hint > 0
 
 
 PRESETS: dict[PresetName, StructurePreset] = {
@@ -48,7 +50,6 @@ PRESETS: dict[PresetName, StructurePreset] = {
             edge=8, width=64, blocks=2, heads=2, cell_width=32, cell_blocks=2, hint=hint_channels()
         ),
         conditions=ConditionConfig(width=64, image_size=32, image_patch=8, image_width=32, image_blocks=1),
-        outline=OutlineFlowConfig(width=64, blocks=2, heads=2),
         reader=PictureReaderConfig(widths=(16, 32), blocks=1, stem=8, hidden=64),
         resolution=32,
     ),
@@ -56,14 +57,12 @@ PRESETS: dict[PresetName, StructurePreset] = {
         vae=PatchVaeConfig(width=64, encoder_blocks=1, decoder_blocks=3, global_width=128, global_blocks=2),
         flow=LatentDitConfig(hint=hint_channels()),
         conditions=ConditionConfig(),
-        outline=OutlineFlowConfig(blocks=6),
         reader=PictureReaderConfig(),
     ),
     "compact": StructurePreset(
         vae=PatchVaeConfig(),
         flow=LatentDitConfig(cell_width=64, cell_blocks=4, hint=hint_channels()),
         conditions=ConditionConfig(),
-        outline=OutlineFlowConfig(),
         reader=PictureReaderConfig(widths=(32, 48, 64), stem=16, hidden=128),  # 40 MB in all
     ),
     "paper": StructurePreset(

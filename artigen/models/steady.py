@@ -12,7 +12,7 @@ from jaxtyping import Bool, Float
 from torch import Tensor
 from torch.nn import functional
 
-from artigen.models.outline.batch import OutlineBatch, part_labels, touched_cells
+from artigen.models.outline import OutlineBatch, part_labels, touched_cells
 from artigen.types import PART_LABELS, PartLabel
 
 

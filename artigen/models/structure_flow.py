@@ -10,7 +10,7 @@ from torch import Tensor, nn
 
 from artigen.models.conditions import ConditionBatch, ConditionConfig, ConditionEncoder
 from artigen.models.latent_dit import LatentDit, LatentDitConfig, velocity_of, weigh_times
-from artigen.models.outline.batch import OutlineBatch, draw_hint, find_candidates
+from artigen.models.outline import OutlineBatch, draw_hint, find_candidates
 from artigen.models.structure_dit import StructureDit, StructureDitConfig
 from artigen.sampling import SamplerConfig, sample_flow
 

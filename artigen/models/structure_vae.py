@@ -12,7 +12,7 @@ from torch import Tensor, nn
 
 from artigen.fields import DEFAULT_LAYOUT, FieldLayout, VoxelFields, after_occupancy
 from artigen.models.conv_vae import ConvDecoder, ConvEncoder, ConvVaeConfig
-from artigen.models.outline.batch import OutlineBatch, draw_hint, find_candidates, reach_cells
+from artigen.models.outline import OutlineBatch, draw_hint, find_candidates, reach_cells
 from artigen.models.patch_vae import NEVER, PatchDecoder, PatchEncoder, PatchVaeConfig
 from artigen.models.patches import PATCH, PatchBatch, as_patches, fold, from_patches, unfold
 from artigen.models.steady import SteadyConfig, steady_occupancy

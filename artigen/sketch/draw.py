@@ -15,10 +15,10 @@ from artigen.sketch.network import (
     FINE,
     OFFSET,
     SIDES,
+    Cache,
     NumberParts,
     RowBatch,
     SketchNetwork,
-    _Cache,
     list_planes,
     slots,
 )
@@ -65,7 +65,7 @@ def begin_drafts(network: SketchNetwork, requests: Sequence[Asked]) -> list[Draf
         raise ValueError(f"requests of {sorted({len(a.rows) for a in requests})} rows, expected all alike")
     empty = np.zeros((0, requests[0].rows.shape[1]), dtype=int)
     batch = make_batch([empty] * len(requests), requests)
-    cache = [_Cache() for _ in network.blocks]
+    cache = [Cache() for _ in network.blocks]
     states = network.read_rows(network.embed_cells(batch.rows, batch.known, batch.axes), batch, cache)
     return [
         Draft(
@@ -137,7 +137,7 @@ class _Pen:
             **{name: torch.cat([getattr(draft.said, name) for draft in drafts]) for name in names}
         )
         self.cache = [
-            _Cache(
+            Cache(
                 keys=torch.cat([keys for keys, _ in block]), values=torch.cat([values for _, values in block])
             )
             for block in zip(*(draft.cache for draft in drafts), strict=True)
@@ -311,7 +311,7 @@ def _place(writer: Writer) -> tuple[int, int, list[int], bool]:
 
 
 def _slice_cache(
-    cache: Sequence[_Cache], index: int
+    cache: Sequence[Cache], index: int
 ) -> tuple[tuple[Float[Tensor, "1 H T E"], Float[Tensor, "1 H T E"]], ...]:
     """What every block remembers of one table."""
     out = []

@@ -202,7 +202,7 @@ class SketchNetwork(nn.Module):
         return said.index_put((number,), self.numbers(waves) * self.gates(slot[number]))
 
     def read_rows(
-        self, cells: Float[Tensor, "B T W D"], batch: RowBatch, cache: "list[_Cache] | None" = None
+        self, cells: Float[Tensor, "B T W D"], batch: RowBatch, cache: "list[Cache] | None" = None
     ) -> Float[Tensor, "B T D"]:
         """States after each row; with a cache, rows go on from those read before."""
         x = (
@@ -412,7 +412,7 @@ def _gather_numbers(said: Bool[Tensor, "B T W"]) -> tuple[Int[Tensor, "B N 2"], 
 
 
 @dataclass(eq=False)
-class _Cache:
+class Cache:
     """Keys and values of the rows read so far by one block."""
 
     keys: Float[Tensor, "B H T E"] | None = None
@@ -450,7 +450,7 @@ class _Block(nn.Module):
         self.out = nn.Linear(width, width, bias=False)
         self.feed = _Feed(width)
 
-    def forward(self, x: Float[Tensor, "B T D"], cache: _Cache | None = None) -> Float[Tensor, "B T D"]:
+    def forward(self, x: Float[Tensor, "B T D"], cache: Cache | None = None) -> Float[Tensor, "B T D"]:
         q, k, v = self.qkv(self.norm(x)).unflatten(-1, (3, self.heads, -1)).permute(2, 0, 3, 1, 4)
         start = 0 if cache is None or cache.keys is None else cache.keys.shape[2]
         q, k = _turn(q, start), _turn(k, start)

@@ -12,7 +12,7 @@ from jaxtyping import Float, UInt8
 from torch import Tensor
 
 from artigen.models.conditions import ConditionBatch, ConditionConfig
-from artigen.models.outline.batch import OutlineBatch, gather_outlines
+from artigen.models.outline import OutlineBatch, gather_outlines
 from artigen.models.patches import PatchBatch, collate
 from artigen.text import write_text
 from artigen.train.examples import StructureExample

@@ -14,7 +14,7 @@ from jaxtyping import Float
 from torch import Tensor, nn
 
 from artigen.models.conditions import ConditionConfig
-from artigen.models.outline.batch import OutlineBatch, blur_outlines
+from artigen.models.outline import OutlineBatch, blur_outlines
 from artigen.models.structure_flow import StructureFlow
 from artigen.models.structure_vae import StructureVae
 from artigen.sampling import diffuse, predict_data

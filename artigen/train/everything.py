@@ -20,7 +20,6 @@ from artigen.errors import SourceError
 from artigen.io import write_whole
 from artigen.metrics.reading import score_reader
 from artigen.metrics.structure import score_reconstruction, score_spread
-from artigen.models.outline.flow import OutlineFlow
 from artigen.models.picture_reader import PictureReader
 from artigen.models.presets import PRESETS, StructurePreset
 from artigen.models.public_encoders import attach_encoders
@@ -31,7 +30,6 @@ from artigen.models.trellis import load_strictly, load_trellis
 from artigen.train.decoder import train_decoder
 from artigen.train.examples import StructureExample
 from artigen.train.loop import finished_steps
-from artigen.train.outline import train_outline_flow
 from artigen.train.presets import TRAINING
 from artigen.train.reader import train_picture_reader
 from artigen.train.real import real_examples
@@ -79,8 +77,6 @@ def train_everything(
     data = make_data(cfg)
     if stage in ("structure", "structure-reader"):
         train_reader(cfg, data, report)
-    if stage in ("structure", "structure-outline"):
-        train_outline(cfg, data, report)
     if stage in ("structure", "structure-vae"):
         train_vae(cfg, data, report)
     if stage in ("structure", "structure-flow", "structure-decoder"):
@@ -138,26 +134,6 @@ def load_vae(cfg: RunConfig) -> StructureVae:
         SourceError: If its weights are damaged or of another preset.
     """
     return load_stage(StructureVae(PRESETS[cfg.preset].vae), cfg.folder / "vae")
-
-
-def train_outline(cfg: RunConfig, data: RunData, report: Report) -> OutlineFlow | None:
-    """Trains the flow of outlines and stores it; None where the preset has none."""
-    preset, training = PRESETS[cfg.preset], TRAINING[cfg.preset]
-    if preset.outline is None or training.outline is None:
-        return None
-    torch.manual_seed(2)
-    flow = begin_stage(OutlineFlow(preset.outline, preset.conditions), cfg.start, "outline")
-    train_outline_flow(
-        flow,
-        data.trained,
-        cfg.folder / "outline",
-        plan_loop(training.outline, cfg.minutes),
-        batch=training.outline.batch,
-        conditions=preset.conditions,
-        on_report=lambda line: report("outline", line),
-    )
-    _store(cfg, data, flow, "outline")
-    return flow
 
 
 def train_reader(cfg: RunConfig, data: RunData, report: Report) -> PictureReader | None:

@@ -13,7 +13,7 @@ from torch.nn import functional
 
 from artigen.errors import SourceError
 from artigen.models.conditions import MAX_COUNT, ConditionConfig
-from artigen.models.outline.batch import part_labels
+from artigen.models.outline import part_labels
 from artigen.models.picture_reader import CELL, PictureReader, Reading
 from artigen.train.batches import condition_batch, draw_batches, prefetch
 from artigen.train.examples import StructureExample

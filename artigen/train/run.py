@@ -16,7 +16,6 @@ from artigen.train.real import list_split
 Stage = Literal[
     "structure",
     "structure-reader",
-    "structure-outline",
     "structure-vae",
     "structure-flow",
     "structure-decoder",

@@ -9,7 +9,7 @@ from torch import Tensor, nn
 
 from artigen.models.conditions import ConditionConfig, drop_conditions
 from artigen.models.conv_vae import kl_divergence
-from artigen.models.outline.batch import blur_outlines
+from artigen.models.outline import blur_outlines
 from artigen.models.structure_flow import StructureFlow
 from artigen.models.structure_vae import StructureVae
 from artigen.sampling import diffuse, draw_times, target_velocity

@@ -16,11 +16,10 @@ from scipy.spatial import KDTree
 
 from artigen.canvas import lay_out
 from artigen.facings import find_facings
-from artigen.fields import tabulate_parts
 from artigen.generate import GenerateConfig, StructureModel, draw_cells, load_structure_model
 from artigen.io import read_arrays
-from artigen.mending.rows import read_owners
 from artigen.models.conditions import StructureCondition, gather_conditions
+from artigen.models.outline import outline_rows
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.draw import draw_shape
 from artigen.train.appearance.examples import lay_true_voxels
@@ -128,21 +127,20 @@ def redraw(
         ValueError: If the model draws without outlines, or the asset has no voxels of its resolution.
     """
     voxels, wanted = asset.voxels, model.preset.resolution
-    if model.outline is None or voxels is None or voxels.resolution != wanted:
+    if not model.preset.takes_outlines or voxels is None or voxels.resolution != wanted:
         found = "no voxels" if voxels is None else f"voxels of {voxels.resolution}^3"
-        how = "without outlines" if model.outline is None else "within outlines"
+        how = "within outlines" if model.preset.takes_outlines else "without outlines"
         raise ValueError(
             f"asset {asset.name!r} has {found}, the model draws those of {wanted}^3 {how}: expected the same "
             "resolution, and a model that draws within outlines"
         )
-    rows, edge = tabulate_parts(asset), model.flow.edge
+    rows, edge = outline_rows(asset), model.flow.edge
     asked = gather_conditions([StructureCondition(category=asset.category)], model.preset.conditions)
     shape = (1, model.flow.channels, edge, edge, edge)
     noise = torch.from_numpy(rng.standard_normal(shape, dtype=np.float32))
     device = next(model.flow.parameters()).device
     with torch.no_grad():
-        fields, _ = draw_cells(model, asked.to(device), noise.to(device), rows, GenerateConfig())
-    owners = read_owners(fields, rows)
+        owners, _ = draw_cells(model, asked.to(device), noise.to(device), rows, GenerateConfig())
     coords = np.argwhere(owners >= 0)
     drawn = VoxelGrid(resolution=wanted, coords=coords, part_ids=owners[tuple(coords.T)])
     if resurface is not None and len(np.unique(drawn.part_ids)) == len(asset.parts):

@@ -12,6 +12,7 @@ from torch import Tensor, nn
 
 from artigen.facings import FACINGS
 from artigen.models.conditions import (
+    ALONE,
     ConditionBatch,
     ConditionConfig,
     drop_conditions,
@@ -27,7 +28,6 @@ from artigen.train.appearance.examples import AppearanceExample
 from artigen.train.appearance.transfer import find_models, transfer_latents, transfer_looks
 from artigen.train.batches import condition_batch, draw_batches, prefetch
 from artigen.train.loop import LoopConfig, Report, process_seed, train
-from artigen.train.outline import ALONE
 from artigen.train.structure import DROPOUT
 from artigen.types import PART_LABELS
 

@@ -15,6 +15,7 @@ from torch import Tensor, nn
 
 from artigen.io import read_arrays
 from artigen.models.conditions import (
+    ALONE,
     ConditionBatch,
     ConditionConfig,
     drop_conditions,
@@ -27,7 +28,6 @@ from artigen.train.appearance.examples import paint_parts
 from artigen.train.batches import condition_batch, draw_batches, prefetch
 from artigen.train.examples import draw_example_of
 from artigen.train.loop import LoopConfig, Report, process_seed, train
-from artigen.train.outline import ALONE
 from artigen.train.shards import (
     ShardConfig,
     ShardJob,

@@ -141,10 +141,12 @@ def _claim_structure(cfg: AppearanceRunConfig) -> str | None:
     if cfg.structure is None:
         return None
     name = read_description(cfg.structure).get("flow", {}).get("preset")
-    drawn = next((preset for key, preset in PRESETS.items() if key == name and preset.outline), None)
+    drawn = next((preset for key, preset in PRESETS.items() if key == name and preset.takes_outlines), None)
     wanted = APPEARANCE_PRESETS[cfg.preset].encoder.resolution
     if drawn is None or drawn.resolution != wanted:
-        able = ", ".join(key for key, one in PRESETS.items() if one.outline and one.resolution == wanted)
+        able = ", ".join(
+            key for key, one in PRESETS.items() if one.takes_outlines and one.resolution == wanted
+        )
         raise ArtigenError(
             f"{cfg.structure}: its structure is of preset {name!r}; voxels of {wanted}^3 within outlines are "
             f"drawn by {able}: name such a model, or leave --structure out"

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from artigen.mending.roughness import measure_roughness
+from artigen.metrics.roughness import measure_roughness
 
 
 def make_box(*edges: int) -> np.ndarray:

@@ -1,4 +1,8 @@
-"""Outlines of several objects side by side, and what networks that draw cells are shown of them."""
+"""Outlines: one row per part with label, joint, axis, origin, range and box, and hints made of them.
+
+An outline is what a voxel field says about its parts and leaves out their shapes. The flow of latents and the
+decoder are told the outline of the object that they draw (`outline_rows`).
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,16 +13,19 @@ from jaxtyping import Bool, Float, Int
 from torch import Tensor
 from torch.nn import functional
 
-from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy
+from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, tabulate_parts
+from artigen.shapes.asset import shape_to_asset
+from artigen.shapes.shape import Shape
+from artigen.types import Asset
 
 BLUR = 0.25 / 64
-"""Standard deviation of the error of drawn boxes, in unit-cube lengths."""
+"""Standard deviation of the noise on boxes in training, in unit-cube lengths."""
 FACES = 6
 """Distances to the faces of a box, in a hint."""
 DEPTH = 4
 """How many parts a cell is told about: the smallest that reach into it."""
 MARGIN = 0.5 / 64
-"""How far beyond its box a part reaches, in unit-cube lengths: boxes that were drawn are a little off."""
+"""How far beyond its box a part reaches, in unit-cube lengths: boxes may be a little off."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -43,6 +50,16 @@ class OutlineBatch:
         return OutlineBatch(rows=self.rows.to(device), given=self.given.to(device))
 
 
+def outline_rows(source: Asset | Shape, resolution: int = 64) -> Float[np.ndarray, "N C"]:
+    """The outline of an exact object: a row per part that the grid resolves, in the order of the parts.
+
+    Args:
+        source: The object; the parts of an asset are taken as they are.
+        resolution: Cells along the longest edge; parts of a shape that own none join their parents.
+    """
+    return tabulate_parts(shape_to_asset(source, resolution) if isinstance(source, Shape) else source)
+
+
 def sort_rows(
     table: Float[np.ndarray, "N C"], layout: FieldLayout = DEFAULT_LAYOUT
 ) -> Float[np.ndarray, "N C"]:
@@ -64,17 +81,10 @@ def gather_outlines(tables: Sequence[Float[np.ndarray, "N C"]]) -> OutlineBatch:
     return OutlineBatch(rows=torch.from_numpy(rows), given=torch.from_numpy(given))
 
 
-def measure_extents(outlines: OutlineBatch, layout: FieldLayout = DEFAULT_LAYOUT) -> Float[Tensor, "B 3"]:
-    """Edges of the box around all parts, in unit-cube lengths; objects are centred."""
-    low, high = _faces(outlines, layout)
-    given = outlines.given[..., None]
-    return torch.where(given, high, -1.0).amax(dim=1) - torch.where(given, low, 1.0).amin(dim=1)
-
-
 def blur_outlines(outlines: OutlineBatch, share: float, generator: torch.Generator) -> OutlineBatch:
-    """Outlines as a flow would draw them: boxes off by a quarter of a 64th, and with ``share`` none at all.
+    """Outlines with boxes off by a quarter of a 64th, and with ``share`` none at all.
 
-    A network trained with exact boxes alone would follow every error of drawn ones.
+    A network that is trained with exact boxes alone relies on their last digit.
     """
     rows, box = outlines.rows.clone(), after_occupancy(DEFAULT_LAYOUT.box)
     noise = torch.randn(rows[..., box].shape, generator=generator, device=generator.device)

@@ -1,0 +1,79 @@
+"""Exact objects for conditions: a structure model that is measured draws within their boxes."""
+
+from collections.abc import Callable
+from contextlib import suppress
+
+import numpy as np
+
+from artigen.models.conditions import StructureCondition
+from artigen.models.picture_reader import PictureReader, read_condition
+from artigen.shapes.draw import ShapeError, Wish, draw_shape
+from artigen.shapes.shape import Shape
+from artigen.sketch.model import draw_object
+from artigen.sketch.network import SketchNetwork
+from artigen.sketch.request import SketchRequest
+from artigen.types import PART_LABELS
+
+ShapeSource = Callable[[StructureCondition, int], Shape]
+"""Draws an object for a condition and a seed."""
+TRIES = 40
+"""Objects of the grammar among which the nearest is taken."""
+
+
+def grammar_source(reader: PictureReader | None = None, *, tries: int = TRIES) -> ShapeSource:
+    """Objects of the grammar with the lengths that are asked for and the nearest counts among some draws.
+
+    Args:
+        reader: Reads what a condition leaves open off its picture.
+        tries: Draws per object, at most.
+    """
+
+    def draw_grammar(asked: StructureCondition, seed: int) -> Shape:
+        if reader is not None:
+            asked, _ = read_condition(reader, asked)
+        if asked.category is None:
+            raise ShapeError("no category is asked for, and none can be read off a picture")
+        wanted = dict(asked.counts)
+        depth, width, height = asked.size or (None, None, None)
+        wish = Wish(depth=depth, width=width, height=height)
+        best: tuple[int, Shape] | None = None
+        for number in np.random.SeedSequence(seed).generate_state(tries).tolist():
+            with suppress(ValueError):  # some styles have no such lengths
+                shape = draw_shape(asked.category, number, wish)
+                held = dict(shape.condition.counts)
+                off = sum(abs(held.get(label, 0) - count) for label, count in wanted.items())
+                if best is None or off < best[0]:
+                    best = off, shape
+                if off == 0:
+                    break
+        if best is None:
+            raise ShapeError(f"no {asked.category} of {tries} has the size {asked.size} m")
+        return best[1]
+
+    return draw_grammar
+
+
+def sketch_source(network: SketchNetwork, reader: PictureReader | None = None) -> ShapeSource:
+    """Objects of the sketch network: what a condition leaves open is drawn, or read off its picture."""
+
+    def draw_sketch(asked: StructureCondition, seed: int) -> Shape:
+        if reader is not None:
+            asked, _ = read_condition(reader, asked)
+        depth, width, height = asked.size or (None, None, None)
+        request = SketchRequest(
+            category=asked.category, counts=asked.counts, depth=depth, width=width, height=height
+        )
+        return draw_object(network, request, seed).shape
+
+    return draw_sketch
+
+
+def describe_shape(shape: Shape) -> StructureCondition:
+    """Category, counts of every label and size of a shape."""
+    said = shape.condition
+    held = dict(said.counts)
+    return StructureCondition(
+        category=shape.category,
+        counts=tuple((label, held.get(label, 0)) for label in PART_LABELS),
+        size=(said.depth, said.width, said.height),
+    )

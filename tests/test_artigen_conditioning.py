@@ -1,0 +1,106 @@
+"""What is asked for becomes one request of the sketch, or a sentence that says why not."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from artigen.conditioning.image import load_reader, read_image
+from artigen.conditioning.request import Request, understand
+from artigen.errors import ArtigenError, SourceError
+from artigen.shapes.draw import Wish
+from artigen.sketch.request import SketchRequest, ask
+from artigen.types import PART_LABELS
+from artigen.weights import SHIPPED
+
+
+def test_words_ask_for_the_same_as_flags():
+    words = understand(Request(text="a table with three drawers, 1.4 m wide"))
+    flags = understand(Request(category="Table", wish=Wish(width=1.4, counts=(("drawer", 3),))))
+    assert words.request == flags.request
+    assert words.request.width == pytest.approx(1.4)
+    assert words.request.depth is None
+
+
+def test_what_is_not_said_stays_open():
+    request = understand(Request(category="Oven")).request
+    assert request == SketchRequest(category="Oven")
+    known = ask(request).known
+    assert known[0, :2].all()
+    assert not known[0, 2:].any()
+
+
+def test_adjectives_stretch_only_what_is_open():
+    assert understand(Request(text="a tall cabinet")).stretch == (("height", 1.35),)
+    assert understand(Request(text="a tall cabinet, 2 m high")).stretch == ()
+
+
+def test_a_colour_of_a_part_goes_before_that_of_the_whole_and_some_name_a_material():
+    finishes = {
+        finish.role: finish
+        for finish in understand(Request(text="an oak cabinet with two black handles")).request.finishes
+    }
+    assert finishes["body"].material == "wood"
+    assert finishes["handle"].material is None
+    assert max(finishes["handle"].color or (1.0,)) < 0.2
+    doors = understand(Request(text="a white cabinet with two blue doors")).request.finishes
+    front, body = ({finish.role: finish.color for finish in doors}[role] for role in ("front", "body"))
+    assert front is not None
+    assert body is not None
+    assert front[2] > front[0] + 0.2
+    assert min(body) > 0.8
+
+
+def test_words_that_mean_nothing_are_named():
+    assert "zebra" in understand(Request(text="a zebra cabinet")).notes[0]
+
+
+@pytest.mark.parametrize(
+    ("request_", "said"),
+    [
+        (Request(), "no category"),
+        (Request(category="Spaceship"), "Spaceship"),
+        (Request(category="Oven", text="a table"), "both Oven and Table"),
+        (
+            Request(category="Table", text="a table with two drawers", wish=Wish(counts=(("drawer", 3),))),
+            "both 3 and 2",
+        ),
+        (Request(category="Table", wish=Wish(width=-1.0)), "width -1 m"),
+        (Request(category="Table", wish=Wish(counts=(("base", 2),))), "2 parts called base"),
+        (Request(text="hello"), "no word"),
+    ],
+)
+def test_contradictions_and_nonsense_are_refused(request_: Request, said: str):
+    with pytest.raises(ArtigenError, match=said):
+        understand(request_)
+
+
+def test_a_picture_fills_what_is_open_and_lengths_that_are_given_set_the_scale(tmp_path: Path):
+    picture = np.full((96, 72, 3), 250, dtype=np.uint8)
+    picture[16:80, 12:60] = (120, 60, 20)
+    Image.fromarray(picture).save(tmp_path / "box.png")
+    reader = load_reader(SHIPPED)
+    read, notes = read_image(
+        reader, tmp_path / "box.png", SketchRequest(category="Oven", counts=(("door", 1),))
+    )
+    assert read.category == "Oven"
+    assert dict(read.counts)["door"] == 1
+    assert set(dict(read.counts)) == set(PART_LABELS)
+    assert "picture" in notes[0]
+    assert read.width is not None
+    assert read.height is not None
+    wide, _ = read_image(
+        reader, tmp_path / "box.png", replace(SketchRequest(category="Oven"), width=2 * read.width)
+    )
+    assert wide.width == pytest.approx(2 * read.width)
+    assert wide.height == pytest.approx(2 * read.height, rel=0.01)
+    with pytest.raises(SourceError, match="no such picture"):
+        read_image(reader, tmp_path / "nothing.png", SketchRequest())
+
+
+def test_a_folder_without_a_reader_says_so(tmp_path: Path):
+    (tmp_path / "model.json").write_text("{}")
+    with pytest.raises(SourceError, match="no picture reader"):
+        load_reader(tmp_path)
