@@ -100,7 +100,7 @@ def _provenance(package: Path) -> dict[str, str]:
 def write_table(rows: Sequence[Row]) -> str:
     """The rows as a Markdown table, totals last."""
     lines = [
-        "| category | pass as first drawn | within redraws | counts | extents | s to `Shape` | s to package |",
+        "| category | pass at first | within redraws | counts | extents | s to `Shape` | s to package |",
         "|---|---|---|---|---|---|---|",
     ]
     for row in rows:

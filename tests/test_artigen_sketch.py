@@ -278,9 +278,14 @@ def test_a_network_is_stored_with_its_vocabulary(tmp_path, monkeypatch: pytest.M
 
 
 @pytest.mark.usefixtures("_short")
-def test_nothing_is_returned_for_want_of_a_sound_object():
-    with pytest.raises(SketchError, match="2 objects of StorageFurniture were begun"):
-        draw_object(_network(), REQUEST, 1, SketchConfig(candidates=2, rounds=1, attempts=2))
+def test_an_object_that_cannot_be_made_sound_is_finished_with_its_faults_named():
+    """A network that knows nothing never draws a sound object."""
+    request = replace(REQUEST, counts=(*REQUEST.counts[1:], ("drawer", 0)))
+    drawn = draw_object(_network(), request, 1, SketchConfig(candidates=12, rounds=1, batches=2))
+    assert dict(drawn.shape.condition.counts) == {"base": 1, "door": 1}
+    assert drawn.faults
+    assert all(fault.text for fault in drawn.faults)
+    assert "batches" in drawn.notes[0]
 
 
 def test_a_draft_that_is_continued_stays_as_it_was():

@@ -1,7 +1,7 @@
 """The sketch network with its weights, and objects drawn from it until one has no fault."""
 
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -36,15 +36,15 @@ class SketchConfig:
     """Temperature."""
     candidates: int = 8
     """Continuations of an object that are drawn side by side for every part."""
-    rounds: int = 3
-    """Batches of continuations until one has no fault."""
-    attempts: int = 6
-    """Objects that are begun at most."""
+    rounds: int = 2
+    """Batches of continuations without a sound one after which the part before is drawn again."""
+    batches: int = 80
+    """Batches in all."""
 
     def __post_init__(self) -> None:
-        if min(self.candidates, self.rounds, self.attempts) < 1:
+        if min(self.candidates, self.rounds, self.batches) < 1:
             raise ValueError(
-                f"{self.candidates} candidates in {self.rounds} rounds of {self.attempts} attempts, expected "
+                f"{self.candidates} candidates in {self.rounds} rounds of {self.batches} batches, expected "
                 "at least one of each"
             )
 
@@ -94,8 +94,9 @@ def draw_object(
     """Draws an object that meets a request; the same arguments give the same object on one machine.
 
     The object grows part by part. Every part is drawn several times side by side, and the first that has no
-    fault beside those before it stays; if all have some, even in several rounds, another object is begun.
-    When all attempts are used up, the one with the fewest faults is returned with these.
+    fault beside those before it stays. Where all have some, the part before is drawn again, at each further
+    dead end of as many parts one more. When the budget is used up, the object is finished with the fewest
+    faults that a batch has, and these are returned with it.
 
     Args:
         network: trained.
@@ -104,32 +105,39 @@ def draw_object(
         cfg: temperature and budget.
 
     Raises:
-        SketchError: If the request is none that sketches can say, or no attempt could be read.
+        SketchError: If the request is none that sketches can say, or no object could be read.
     """
     cfg = cfg or SketchConfig()
-    start = begin_drafts(network, [ask(request)])[0]
-    generator = torch.Generator().manual_seed(seed)
-    seen: Counter[str] = Counter()
-    begun = 0
+    hand = _Hand(network=network, generator=torch.Generator().manual_seed(seed), cfg=cfg)
+    grown = begin_drafts(network, [ask(request)])
+    dead_ends: Counter[int] = Counter()
     best: tuple[Shape, tuple[Fault, ...]] | None = None
-    for _ in range(cfg.attempts):
-        begun += 1
-        table = _grow(network, start, generator, cfg, seen)
-        if table is None:
-            continue
-        shape, faults = _judge(table, seed)
-        seen.update(fault.id for fault in faults)
-        if best is None or len(faults) < len(best[1]):
-            best = (shape, faults)
-        if not faults:
-            break
+    misses = 0
+    while hand.batches < cfg.batches:
+        found = hand.grow(grown[-1])
+        if found is not None:
+            grown.append(found)
+            misses = 0
+            if not found.writer.delivered:
+                continue
+            shape, faults = _judge(found.writer.table, seed)
+            if best is None or len(faults) < len(best[1]):
+                best = (shape, faults)
+            if not faults:
+                break
+            hand.seen.update(fault.id for fault in faults)
+            del grown[1:]
+        elif misses + 1 < cfg.rounds:
+            misses += 1
+        else:
+            misses = 0
+            dead_ends[len(grown)] += 1
+            del grown[max(1, len(grown) - dead_ends[len(grown)]) :]
     if best is None:
-        raise SketchError(
-            f"{cfg.attempts} objects of {request.category or 'any category'} were begun, none could be read"
-        )
-    why = ", ".join(f"{count} {name}" for name, count in seen.most_common())
-    note = f"sketch: {begun} objects were begun" + (f"; left out on the way: {why}" if why else "")
-    return Drawn(shape=best[0], faults=best[1], notes=(note,), seen=seen)
+        best = _judge(hand.finish(grown[-1]).writer.table, seed)
+    why = ", ".join(f"{count} {name}" for name, count in hand.seen.most_common())
+    note = f"sketch: {hand.batches} batches were drawn" + (f"; left out on the way: {why}" if why else "")
+    return Drawn(shape=best[0], faults=best[1], notes=(note,), seen=hand.seen)
 
 
 def draw_alike(
@@ -147,39 +155,61 @@ def draw_alike(
     return min(drawn, key=lambda one: (len(one.faults), -like(one.shape)))
 
 
-def _grow(
-    network: SketchNetwork, draft: Draft, generator: torch.Generator, cfg: SketchConfig, seen: Counter[str]
-) -> np.ndarray | None:
-    """Adds part after part; None where no faultless one was found. ``seen`` counts the faults of others."""
-    while not draft.writer.delivered:
+@dataclass(kw_only=True, eq=False)
+class _Hand:
+    """Adds parts to drafts, and counts the faults of what it leaves out."""
+
+    network: SketchNetwork
+    generator: torch.Generator
+    cfg: SketchConfig
+    seen: Counter[str] = field(default_factory=Counter)
+    batches: int = 0
+
+    def grow(self, draft: Draft) -> Draft | None:
+        """The first of a batch of continuations by one part that is sound, if any is."""
+        return next((one for one, faults in self._batch(draft) if not faults), None)
+
+    def finish(self, draft: Draft) -> Draft:
+        """Adds the parts that are missing, of every batch the one with the fewest faults.
+
+        Raises:
+            SketchError: If no continuation could be read.
+        """
+        while not draft.writer.delivered:
+            batch = [(one, faults) for one, faults in self._batch(draft) if "unreadable" not in faults]
+            if not batch:
+                raise SketchError(
+                    f"none of {self.cfg.candidates} continuations of an object could be read; the last had "
+                    f"{len(draft.writer.moving)} parts"
+                )
+            draft = min(batch, key=lambda drawn: len(drawn[1]))[0]
+        return draft
+
+    def _batch(self, draft: Draft) -> Iterator[tuple[Draft, set[str]]]:
+        """Continuations by one part, and the faults that each would keep."""
+        self.batches += 1
         parts = len(draft.writer.moving)
-        for _ in range(cfg.rounds):
-            grown = continue_drafts(
-                network,
-                [draft] * cfg.candidates,
-                lambda writer: len(writer.moving) > parts,  # noqa: B023 - used before it changes
-                generator,
-                cfg.draw,
-            )
-            found = next((one for one in grown if one is not None and _is_sound(one, seen)), None)
-            if found is not None:
-                draft = found
-                break
-        else:
-            return None
-    return draft.writer.table
+        drawn = continue_drafts(
+            self.network,
+            [draft] * self.cfg.candidates,
+            lambda writer: len(writer.moving) > parts,
+            self.generator,
+            self.cfg.draw,
+        )
+        for one in drawn:
+            if one is not None:
+                faults = _find_lasting(one)
+                self.seen.update(faults)
+                yield one, faults
 
 
-def _is_sound(draft: Draft, seen: Counter[str]) -> bool:
-    """Whether an object that is not whole yet has no fault that it would keep."""
+def _find_lasting(draft: Draft) -> set[str]:
+    """Faults of an object that is not whole yet which it would keep."""
     try:
         _, faults = _judge(draft.writer.table, 0)
     except SketchError:
-        seen["unreadable"] += 1
-        return False
-    lasting = {fault.id for fault in faults} - DEFERRED
-    seen.update(lasting)
-    return not lasting
+        return {"unreadable"}
+    return {fault.id for fault in faults} - DEFERRED
 
 
 def guess_extents(network: SketchNetwork, request: SketchRequest, seed: int) -> dict[str, float]:

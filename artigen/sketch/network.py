@@ -2,8 +2,8 @@
 
 There is one position per row. Its state and the fields of the next row said so far give the following field:
 a symbol of its slot's vocabulary, or a number. A coordinate has three ways to be said, whose probabilities
-add up: a plane that an earlier row named, such a plane with an offset of at most `OFFSET` steps, or two digits.
-So boards that are flush are exactly flush, and the thickness of a board is one symbol.
+add up: a plane that an earlier row named, such a plane with an offset of at most `OFFSET` steps, or two
+digits. So boards that are flush are exactly flush, and the thickness of a board is one symbol.
 """
 
 from dataclasses import dataclass

@@ -17,7 +17,8 @@ from artigen.datasets.mesh_raster import Pinhole, project_points
 from artigen.shapes.shape import Shape
 from artigen.shapes.surfaces.finishes import Color, Finish
 from artigen.shapes.surfaces.textures import paint_primitives
-from artigen.sketch.alignment import Faces, Fit, list_faces, look, read_target
+from artigen.sketch.alignment import Fit
+from artigen.sketch.overlay import SIDES, Faces, list_faces, look, read_target
 
 Lighting = Literal["room", "even"]
 """What the picture was taken in: a bright room, or light that leaves every colour as it is."""
@@ -39,17 +40,22 @@ RECESS = 0.006
 """Height (m) above a surface from which what is near it counts as standing in its light."""
 LEAST = 0.15
 """Share of a pixel's light that its finish has sent at least; the rest may be mirrored."""
+THIN = ("handle", "accent", "steel", "plastic")
+"""Roles of things that stand before others."""
+NEAR, ODD = 8, 0.1
+"""How far (pixels) around a thin thing its like is looked for, and how much it differs (sRGB)."""
 EQUAL = 0.02
 """Colours (sRGB) of two finishes that differ by less are equal."""
 LIGHT_EDGE, GREY, DARK = 96, 0.5, 0.03
 """Pictures in which the room's light is looked up: edge in pixels, grey (sRGB), least share scattered."""
-SIDES = 6
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Spots:
     """Pixels that show the object, and what the room and the finish's pattern would make of them."""
 
+    places: Int[np.ndarray, "N 2"]
+    """Row and column."""
     light: Float[np.ndarray, "N 3"]
     """Linear, as pictured."""
     roles: Int[np.ndarray, "N"]
@@ -81,11 +87,13 @@ def read_colors(
     """
     spots = find_spots(shape, picture, fit.camera, lighting)
     sides = find_brightness(spots, len(shape.finishes)) if lighting == "room" else np.zeros(SIDES)
-    found = {
-        role: color
-        for index, (role, finish) in enumerate(shape.finishes)
-        if finish.opacity >= OPAQUE and (color := _median(spots, index, sides)) is not None
-    }
+    colors = _srgb(_undo_light(spots) * np.exp(-sides[spots.sides])[:, None])
+    found: dict[str, Color] = {}
+    for index, (role, finish) in enumerate(shape.finishes):
+        chosen = _choose(spots, colors, index, thin=role in THIN)
+        if finish.opacity >= OPAQUE and len(chosen) >= FEW_PIXELS:
+            r, g, b = np.median(colors[chosen], axis=0) / np.median(spots.pattern[chosen], axis=0)
+            found[role] = (min(float(r), 1.0), min(float(g), 1.0), min(float(b), 1.0))
     return replace(
         shape, finishes=tuple((role, _recolor(role, finish, shape, found)) for role, finish in shape.finishes)
     )
@@ -102,7 +110,8 @@ def find_spots(
     faces, target = list_faces(shape), read_target(picture, picture.shape[1])
     seen = look(faces, camera)
     chosen = (seen >= 0) & (target.alpha > 0.95)
-    chosen[chosen] = ~_find_recessed(faces, seen, camera)[chosen[seen >= 0]]
+    clear = _find_clear(faces, seen) & target.inside
+    chosen &= _find_open(faces, seen, clear, camera)
     rows, columns = np.nonzero(chosen)
     face = seen[rows, columns]
     points = _trace(faces, face, np.column_stack([columns, rows]) + 0.5, camera)
@@ -114,10 +123,11 @@ def find_spots(
     if lighting == "room":
         bright, mirrored = _light(shape, points, camera)
     return Spots(
+        places=np.column_stack([rows, columns]),
         light=_linear(target.rgb[rows, columns].astype(float)),
         roles=faces.roles[face],
         sides=faces.sides[face],
-        clear=(_find_clear(faces, seen) & target.inside)[rows, columns],
+        clear=clear[rows, columns],
         bright=bright,
         mirrored=mirrored,
         pattern=np.maximum(painted, 1e-3) / np.maximum(colors, 1e-3),
@@ -145,18 +155,38 @@ def find_brightness(spots: Spots, roles: int) -> Float[np.ndarray, "6"]:
     return np.linalg.lstsq(system, np.concatenate([wanted, np.zeros(SIDES)]), rcond=None)[0][roles:]
 
 
-def _median(spots: Spots, role: int, sides: Float[np.ndarray, "6"]) -> Color | None:
-    """The main colour (sRGB) of a finish; None where too little of it is seen."""
-    chosen = spots.roles == role
-    if (chosen & spots.clear).sum() >= MIN_PIXELS:
-        chosen &= spots.clear
-    if chosen.sum() < FEW_PIXELS:
-        return None
-    own = Spots(**{name: value[chosen] for name, value in vars(spots).items()})
-    scattered = _undo_light(own) * np.exp(-sides[own.sides])[:, None]
-    color = np.median(_srgb(scattered), axis=0) / np.median(own.pattern, axis=0)
-    r, g, b = color.clip(0.0, 1.0).tolist()
-    return r, g, b
+def _choose(spots: Spots, colors: Float[np.ndarray, "N 3"], role: int, *, thin: bool) -> Int[np.ndarray, "K"]:
+    """The pixels that tell a finish's colour.
+
+    Of a handle few pixels show nothing else, and the picture's may be a little elsewhere: then those count
+    that differ from what is around, on the finish or near it.
+    """
+    from scipy.ndimage import binary_dilation
+
+    every = spots.roles == role
+    own = every & spots.clear if (every & spots.clear).sum() >= MIN_PIXELS else every
+    if not own.any() or not thin:
+        return np.flatnonzero(own)
+    mask = np.zeros(spots.places.max(axis=0) + 1, dtype=bool)
+    mask[tuple(spots.places[every].T)] = True
+    near = np.asarray(binary_dilation(mask, iterations=NEAR))[tuple(spots.places.T)]
+    near &= ~every
+    cells = spots.roles * SIDES + spots.sides
+    around = cells[near & spots.clear]
+    if not len(around):
+        return np.flatnonzero(own)
+    ground = near & (cells == np.bincount(around).argmax())
+    apart = colors - np.median(colors[ground & spots.clear], axis=0)
+    size = np.abs(apart).max(axis=1)
+    odd = size > ODD + 2.0 * np.median(size[ground & spots.clear])
+    if 2 * (own & odd).sum() >= own.sum():
+        return np.flatnonzero(own & odd)
+    odd &= every | ground
+    bright = odd & (apart.mean(axis=1) > 0)  # what is darker may be a gap or a shadow
+    for other, least in ((bright, MIN_PIXELS), (odd, max(MIN_PIXELS, own.sum() // 2))):
+        if other.sum() >= least:
+            return np.flatnonzero(other)
+    return np.flatnonzero(own)
 
 
 def _undo_light(spots: Spots) -> Float[np.ndarray, "N 3"]:
@@ -193,19 +223,26 @@ def _find_clear(faces: Faces, seen: Int[np.ndarray, "S S"]) -> Bool[np.ndarray, 
     return maximum_filter(label, 3) == minimum_filter(label, 3)
 
 
-def _find_recessed(faces: Faces, seen: Int[np.ndarray, "S S"], camera: Pinhole) -> Bool[np.ndarray, "N"]:
-    """Which pixels, of those that see the shape, lie in gaps or beside what stands out: in shadow, often."""
+def _find_open(
+    faces: Faces, seen: Int[np.ndarray, "S S"], clear: Bool[np.ndarray, "S S"], camera: Pinhole
+) -> Bool[np.ndarray, "S S"]:
+    """Pixels that are in no gap and not beside what stands out, where shadows are, and of which one is never
+    sure; of finishes that have no other, those are taken that are away from edges.
+    """
     rows, columns = np.nonzero(seen >= 0)
     face = seen[rows, columns]
     points = np.full((*seen.shape, 3), np.nan)
     points[rows, columns] = _trace(faces, face, np.column_stack([columns, rows]) + 0.5, camera)
     own, normals = points[rows, columns], faces.normals[face]
-    out = np.zeros(len(rows), dtype=bool)
+    free = np.ones(len(rows), dtype=bool)
     for down, right in AROUND:
         there = points[
             np.clip(rows + down, 0, camera.height - 1), np.clip(columns + right, 0, camera.width - 1)
         ]
-        out |= ((there - own) * normals).sum(axis=1) > RECESS
+        free &= ~(((there - own) * normals).sum(axis=1) > RECESS)
+    roles = faces.roles[face]
+    out = np.zeros(seen.shape, dtype=bool)
+    out[rows, columns] = free | (clear[rows, columns] & ~np.isin(roles, roles[free]))
     return out
 
 

@@ -94,7 +94,7 @@ def train_sketch(cfg: SketchRunConfig, *, on_report: Report | None = None) -> di
         )
     start = None if cfg.start is None else hash_model(cfg.start)
     claim_folder(cfg.folder / "config.json", {"sketch": cfg.preset, "start": start})
-    trained = make_tables(cfg.folder / "train", HELD_OUT, cfg.shards, cfg.workers)
+    trained = make_tables(cfg.folder / "train", HELD_OUT, cfg.shards, cfg.workers, count=SHARD)
     held_out = make_tables(cfg.folder / "held_out", 0, 1, cfg.workers, count=MEASURED // len(CATEGORIES))
     torch.manual_seed(0)
     network = SketchNetwork(SIZES[cfg.preset]) if cfg.start is None else load_sketch_network(cfg.start)
@@ -162,7 +162,7 @@ def draw_batches(tables: Sequence[Table], rows: int, seed: int) -> Iterator[RowB
         yield make_batch(picked, [ask_for(table, rng) for table in picked])
 
 
-def make_tables(folder: Path, first: int, shards: int, workers: int, *, count: int = SHARD) -> list[Table]:
+def make_tables(folder: Path, first: int, shards: int, workers: int, *, count: int) -> list[Table]:
     """Makes the shards that are missing and reads all.
 
     Args:

@@ -1,0 +1,284 @@
+"""The camera that a picture was taken with, found by laying a shape over it, and how alike the two are.
+
+A picture of one object, cut out, says where its silhouette and the edges between its parts are. A camera is
+fitted that makes the closed shape's agree: directions are compared coarsely by the hull of the silhouette,
+then refined on buffers that say which face each pixel sees. No network takes part.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Float
+
+from artigen.datasets.mesh_raster import Pinhole
+from artigen.shapes.shape import Shape
+from artigen.sketch.overlay import (
+    Faces,
+    Target,
+    list_faces,
+    look,
+    measure_edges,
+    measure_evenness,
+    measure_overlap,
+    read_target,
+)
+
+EDGE = 80
+"""Edge (pixels) of the picture that cameras are looked for on."""
+BOUNDS = {
+    "yaw": (-np.radians(66.0), np.radians(66.0)),
+    "pitch": (-np.radians(12.0), np.radians(48.0)),
+    "closeness": (0.04, 0.55),
+    "zoom": (-0.1, 0.1),
+    "aside": (-0.1, 0.1),
+    "down": (-0.1, 0.1),
+}
+"""How far aside, up, near and off cameras are looked for."""
+STEPS = {"yaw": 0.06, "pitch": 0.05, "closeness": 0.06, "zoom": 0.008, "aside": 0.004, "down": 0.004}
+"""First steps of the refinement."""
+YAWS = np.radians(np.linspace(-60.0, 60.0, 21))
+PITCHES = np.radians([-10.0, -5.0, -1.0, 3.0, 7.0, 12.0, 18.0, 25.0, 34.0, 44.0])
+CLOSENESSES = np.array([0.13, 0.22, 0.36])
+"""Views that silhouettes are first compared from; closeness is half the diagonal over the distance."""
+NEAR_YAWS, NEAR_PITCHES, NEAR_CLOSENESSES = np.radians([-3, 0, 3]), np.radians([-2, 0, 2]), (0.8, 1.0, 1.25)
+"""Views around the best of these: added, and multiplied."""
+USUAL_CLOSENESS, CLOSENESS_WEIGHT = 0.22, 0.012
+"""What most pictures are taken from, and what the square of a factor e from there costs."""
+DIRECTIONS = 20
+"""In which the hulls of silhouettes are compared."""
+STARTS, ROUNDS = 16, 2
+"""Views that are looked at after the comparison of hulls, and those of them that are refined."""
+ALIKE = np.array([np.radians(4.0), np.radians(3.0), 1.0])
+"""Views that differ by less, in yaw, pitch and closeness, are one start."""
+COARSE_TRIES, TRIES = 24, 56
+"""Views that each refinement may look at, coarsely and at last."""
+SURE = 0.96
+"""Overlap below which a camera is refined once more, on the whole picture."""
+WEIGHTS = ((0.2, 0.0), (0.2, 0.2), (0.1, 0.1))
+"""Weights of even colours and of edges beside the overlap of silhouettes: to tell directions apart, when
+one is chosen, and at last. Were they larger, a shape that is not quite the pictured one would be turned until
+some of its edges agree."""
+EVENNESS, EDGES = 0.4, 0.3
+"""The same where shapes are compared."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class View:
+    """A camera about the object: angles in radians, the rest without unit."""
+
+    yaw: float
+    """Turn aside from the front, positive towards +y."""
+    pitch: float
+    """Lift above the horizon."""
+    closeness: float
+    """Half the object's diagonal over the distance of the camera from its middle; 0 is infinitely far."""
+    zoom: float = 0.0
+    """Logarithm by which the object is larger than its box in the picture."""
+    aside: float = 0.0
+    """Shift to the right, as a share of the picture's edge."""
+    down: float = 0.0
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Fit:
+    """The camera under which a shape covers a picture best."""
+
+    view: View
+    camera: Pinhole
+    """For the picture as it was given; rows of ``axes`` are sheared by where the crop lies."""
+    overlap: float
+    """Intersection over union of the silhouettes."""
+    evenness: float
+    """Share of the picture's variance that one colour for each finish on each side explains."""
+    edges: float
+    """Correlation of the edges between parts with the picture's, -1 to 1."""
+
+
+def fit_camera(shape: Shape, picture: Float[np.ndarray, "4 S S"]) -> Fit:
+    """Finds the camera under which the closed shape covers a picture best.
+
+    Args:
+        shape: The object, at rest.
+        picture: RGBA in [0, 1], premultiplied on black, as `artigen.pictures.read_picture` gives it.
+
+    Raises:
+        PictureError: If the picture shows no object.
+    """
+    faces = list_faces(shape)
+    hull = find_hull(faces.vertices)
+    target = read_target(picture, EDGE)
+    shown = keep_shown(faces, hull, target)
+    first, choose, last = (_scorer(shown, hull, target, weights=weights) for weights in WEIGHTS)
+    ranked = sorted(find_starts(hull, target), key=first, reverse=True)
+    found = [refine(first, view, 3, COARSE_TRIES) for view in ranked[:ROUNDS]]
+    view = refine(last, max(found, key=choose), 6, TRIES)
+    whole = read_target(picture, picture.shape[1])
+    if measure_overlap(look(shown, place_camera(view, hull, whole)), whole) < SURE:  # thin parts
+        view = refine(_scorer(shown, hull, whole, weights=WEIGHTS[-1]), view, 6, TRIES)
+    camera = place_camera(view, hull, whole)
+    seen = look(faces, camera)
+    return Fit(
+        view=view,
+        camera=camera,
+        overlap=measure_overlap(seen, whole),
+        evenness=measure_evenness(faces, seen, whole),
+        edges=measure_edges(faces, seen, whole),
+    )
+
+
+def likeness(shape: Shape, picture: Float[np.ndarray, "4 S S"], fit: Fit) -> float:
+    """How alike a fitted shape and a picture are: higher is more alike, comparable within one picture."""
+    faces, target = list_faces(shape), read_target(picture, picture.shape[1])
+    seen = look(faces, fit.camera)
+    out = measure_overlap(seen, target) + EVENNESS * measure_evenness(faces, seen, target)
+    return out + EDGES * measure_edges(faces, seen, target)
+
+
+def _scorer(
+    faces: Faces, hull: Float[np.ndarray, "H 3"], target: Target, *, weights: tuple[float, float]
+) -> Callable[[View], float]:
+    """How well views agree with a picture; ``weights`` are those of even colours and of edges."""
+    evenness, edges = weights
+
+    def score(view: View) -> float:
+        seen = look(faces, place_camera(view, hull, target))
+        odd = np.log(view.closeness / USUAL_CLOSENESS)
+        out = measure_overlap(seen, target) - CLOSENESS_WEIGHT * odd * odd
+        out += evenness * measure_evenness(faces, seen, target)
+        return out + (edges * measure_edges(faces, seen, target) if edges else 0.0)
+
+    return score
+
+
+def keep_shown(faces: Faces, hull: Float[np.ndarray, "H 3"], target: Target) -> Faces:
+    """Only the faces that are seen from somewhere in front: most are inside of the object."""
+    shown = np.zeros(len(faces.corners), dtype=bool)
+    for yaw in np.radians([-60.0, -30.0, 0.0, 30.0, 60.0]):
+        for pitch in np.radians([-8.0, 25.0]):
+            camera = place_camera(View(yaw=yaw, pitch=pitch, closeness=0.25), hull, target)
+            seen = look(faces, camera)
+            shown[seen[seen >= 0]] = True
+    kept = {name: value[shown] for name, value in vars(faces).items() if name != "vertices"}
+    used, corners = np.unique(kept["corners"], return_inverse=True)
+    return Faces(vertices=faces.vertices[used], **(kept | {"corners": corners.reshape(-1, 3)}))
+
+
+def find_hull(points: Float[np.ndarray, "N 3"]) -> Float[np.ndarray, "H 3"]:
+    """The points that bound all views of a set."""
+    from scipy.spatial import ConvexHull
+
+    return points[ConvexHull(points).vertices]
+
+
+def place_camera(view: View, hull: Float[np.ndarray, "H 3"], target: Target) -> Pinhole:
+    """The camera of a view, scaled and sheared so that the object's box comes to lie on the picture's."""
+    edge = len(target.alpha)
+    axes, position = _stand(hull, *(np.array([v]) for v in (view.yaw, view.pitch, view.closeness)))
+    axes, position = axes[0], position[0]
+    local = (hull - position) @ axes.T
+    plane = local[:, :2] / local[:, 2:]
+    low, high = plane.min(axis=0), plane.max(axis=0)
+    pixel = float(np.exp(-view.zoom) * np.sqrt(np.prod((high - low) / (target.high - target.low))))
+    middle = (target.low + target.high) / 2 + edge * np.array([view.aside, view.down])
+    shear = (middle - edge / 2) * pixel - (low + high) / 2
+    return Pinhole(
+        position=position,
+        axes=axes + np.array([[shear[0]], [shear[1]], [0.0]]) * axes[2],
+        pixel=pixel,
+        width=edge,
+        height=edge,
+    )
+
+
+def find_starts(hull: Float[np.ndarray, "H 3"], target: Target) -> list[View]:
+    """Views whose silhouettes have about the hull that the picture's has, no two of them alike."""
+    grid = _cross(YAWS, PITCHES, CLOSENESSES)
+    best = _spread(grid[np.argsort(_measure_hulls(hull, target, grid), kind="stable")], STARTS)
+    steps = _cross(NEAR_YAWS, NEAR_PITCHES, np.array(NEAR_CLOSENESSES))
+    near = best[:, None] * np.array([1.0, 1.0, 0.0]) + steps * np.array([1.0, 1.0, 0.0])
+    near[:, :, 2] = best[:, None, 2] * steps[:, 2]
+    apart = _measure_hulls(hull, target, near.reshape(-1, 3)).reshape(len(best), -1)
+    chosen = near[np.arange(len(best)), apart.argmin(axis=1)]
+    return [View(yaw=yaw, pitch=pitch, closeness=closeness) for yaw, pitch, closeness in chosen.tolist()]
+
+
+def _measure_hulls(
+    hull: Float[np.ndarray, "H 3"], target: Target, views: Float[np.ndarray, "N 3"]
+) -> Float[np.ndarray, "N"]:
+    """How far the hull of each view's silhouette is from the picture's, as a share of the object's size."""
+    angles = np.arange(DIRECTIONS) * 2 * np.pi / DIRECTIONS
+    ways = np.stack([np.cos(angles), np.sin(angles)])
+    rows, columns = np.nonzero(target.alpha > 0.5)
+    spots = np.column_stack([columns, rows]) + 0.5
+    size = np.sqrt(np.prod(target.high - target.low))
+    wanted = ((spots - (target.low + target.high) / 2) @ ways).max(axis=0) + 0.5 * np.abs(ways).sum(axis=0)
+    axes, position = _stand(hull, *views.T)
+    local = ((hull[None] - position[:, None]) @ np.swapaxes(axes, 1, 2)).astype(np.float32)
+    plane = local[:, :, :2] / local[:, :, 2:]
+    low, high = plane.min(axis=1), plane.max(axis=1)
+    plane = (plane - (low + high)[:, None] / 2) / np.sqrt((high - low).prod(axis=1))[:, None, None]
+    reach = (plane @ ways.astype(np.float32)).max(axis=1)
+    return np.abs(reach - wanted / size).mean(axis=1)
+
+
+def refine(score: Callable[[View], float], start: View, count: int, tries: int) -> View:
+    """The best view near ``start``: a simplex walks uphill in the first ``count`` of a view's numbers."""
+    from scipy.optimize import minimize
+
+    names = list(BOUNDS)[:count]
+    lows, highs = np.array([BOUNDS[name] for name in names]).T
+    steps = np.array([STEPS[name] for name in names])
+
+    def view_of(values: np.ndarray) -> View:
+        return replace(start, **dict(zip(names, np.clip(values, lows, highs).tolist(), strict=True)))
+
+    def cost(values: np.ndarray) -> float:
+        outside = np.abs(values - np.clip(values, lows, highs)) / steps
+        return 0.05 * float(outside.sum()) - score(view_of(values))
+
+    at = np.array([getattr(start, name) for name in names])
+    done = minimize(
+        cost,
+        at,
+        method="Nelder-Mead",
+        options={
+            "initial_simplex": np.vstack([at, at + np.diag(steps)]),
+            "maxfev": tries,
+            "xatol": 1e-3,
+            "fatol": 2e-4,
+        },
+    )
+    return view_of(done.x)
+
+
+def _stand(
+    hull: Float[np.ndarray, "H 3"],
+    yaw: Float[np.ndarray, "N"],
+    pitch: Float[np.ndarray, "N"],
+    closeness: Float[np.ndarray, "N"],
+) -> tuple[Float[np.ndarray, "N 3 3"], Float[np.ndarray, "N 3"]]:
+    """Axes (right, down, forward) and positions (m) of cameras that look at the middle of an object."""
+    low, high = hull.min(axis=0), hull.max(axis=0)
+    level, zero = np.cos(pitch), np.zeros_like(yaw)
+    forward = np.stack([np.cos(yaw) * level, -np.sin(yaw) * level, -np.sin(pitch)], axis=1)
+    right = np.stack([-np.sin(yaw), -np.cos(yaw), zero], axis=1)
+    axes = np.stack([right, np.cross(forward, right), forward], axis=1)
+    distance = np.linalg.norm(high - low) / 2 / closeness
+    return axes, (low + high) / 2 - distance[:, None] * forward
+
+
+def _cross(*values: Float[np.ndarray, "K"]) -> Float[np.ndarray, "N D"]:
+    """Every combination of values."""
+    return np.stack([one.ravel() for one in np.meshgrid(*values, indexing="ij")], axis=1)
+
+
+def _spread(ranked: Float[np.ndarray, "N 3"], count: int) -> Float[np.ndarray, "K 3"]:
+    """The first rows (yaw, pitch, closeness) of which no two are alike."""
+    chosen: list[np.ndarray] = []
+    for row in ranked:
+        if all((np.abs(row - other) > ALIKE).any() for other in chosen):
+            chosen.append(row)
+            if len(chosen) == count:
+                break
+    return np.array(chosen)
