@@ -227,6 +227,7 @@ def test_what_is_asked_is_delivered_even_by_a_network_that_knows_nothing():
         front = next(finish for finish in sketch.finishes if finish.role == "front")
         assert front.kind == "lacquer"
         assert front.color == (13, 25, 38)
+        assert front.accent == (12, 24, 36)  # a shade darker, as lacquers are
         roles = {finish.role for finish in sketch.finishes}
         for index, part in enumerate(sketch.parts):
             assert part.parent < index

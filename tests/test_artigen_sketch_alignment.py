@@ -209,3 +209,13 @@ def test_the_same_picture_gives_the_same_colours():
     picture = photograph(shape, 1)
     first, again = (read_colors(shape, picture, fit_camera(shape, picture)) for _ in range(2))
     assert first.finishes == again.finishes
+
+
+def test_a_picture_beside_the_shape_changes_no_colour():
+    shape = odd_object()
+    view = View(yaw=0.2, pitch=0.1, closeness=0.22)
+    _, camera = stand(shape, view)
+    picture = np.zeros((4, SIZE, SIZE), dtype=np.float32)
+    picture[:, :4, :4] = 1.0
+    read = read_colors(shape, picture, Fit(view=view, camera=camera, overlap=0.0, evenness=0.0, edges=0.0))
+    assert read.finishes == shape.finishes

@@ -58,6 +58,8 @@ class Drawn:
     notes: tuple[str, ...]
     seen: Counter[str]
     """Faults of what was drawn and left out, by id."""
+    batches: int = 1
+    """Batches that were drawn."""
 
 
 def save_sketch_network(network: SketchNetwork, folder: Path, described: dict[str, object]) -> None:
@@ -137,7 +139,7 @@ def draw_object(
         best = _judge(hand.finish(grown[-1]).writer.table, seed)
     why = ", ".join(f"{count} {name}" for name, count in hand.seen.most_common())
     note = f"sketch: {hand.batches} batches were drawn" + (f"; left out on the way: {why}" if why else "")
-    return Drawn(shape=best[0], faults=best[1], notes=(note,), seen=hand.seen)
+    return Drawn(shape=best[0], faults=best[1], notes=(note,), seen=hand.seen, batches=hand.batches)
 
 
 def draw_alike(
@@ -149,9 +151,16 @@ def draw_alike(
     *,
     objects: int = 4,
 ) -> Drawn:
-    """Draws several objects and returns that without faults which ``like`` rates highest."""
-    seeds = np.random.SeedSequence(seed).generate_state(objects).tolist()
-    drawn = [draw_object(network, request, one, cfg) for one in seeds]
+    """Draws several objects and returns that without faults which ``like`` rates highest.
+
+    No further one is begun when the budget of one object is used up.
+    """
+    cfg = cfg or SketchConfig()
+    drawn: list[Drawn] = []
+    for one in np.random.SeedSequence(seed).generate_state(objects).tolist():
+        drawn.append(draw_object(network, request, one, cfg))
+        if sum(found.batches for found in drawn) >= cfg.batches:
+            break
     return min(drawn, key=lambda one: (len(one.faults), -like(one.shape)))
 
 

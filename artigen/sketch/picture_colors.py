@@ -29,7 +29,7 @@ FEW_PIXELS = 5
 OPAQUE = 0.99
 """Finishes through which more is seen keep their colour."""
 KNOWN = 0.1
-"""Share of the object's pixels that what is known about the room counts as much as, side by side."""
+"""Share of the object's pixels that count as much as what is known about the room, side by side."""
 LARGE = 0.02
 """Share of the object's pixels that a finish needs on a side to tell how bright the side is."""
 AROUND = tuple(
@@ -117,10 +117,11 @@ def find_spots(
     points = _trace(faces, face, np.column_stack([columns, rows]) + 0.5, camera)
     normals = faces.normals[face]
     colors = np.array([finish.color for _, finish in shape.finishes])[faces.roles[face]]
-    footprint = camera.pixel * float(np.linalg.norm(points - camera.position, axis=1).mean())
+    away = np.linalg.norm(points - camera.position, axis=1)
+    footprint = camera.pixel * float(away.mean()) if len(face) else 0.0
     painted = paint_primitives(shape, faces.primitives[face], points, normals, footprint=footprint)
     bright, mirrored = np.ones(len(face)), np.zeros(len(face))
-    if lighting == "room":
+    if lighting == "room" and len(face):
         bright, mirrored = _light(shape, points, camera)
     return Spots(
         places=np.column_stack([rows, columns]),

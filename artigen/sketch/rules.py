@@ -4,11 +4,13 @@ The header is a contract: every label comes as often as it was counted, every co
 extents, parts hang on parts that exist, pieces have finishes of the table and edges longer than nothing.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 from jaxtyping import Bool, Int
 
+from artigen.shapes.surfaces.finishes import FinishKind
 from artigen.shapes.surfaces.palette import ROLES
 from artigen.sketch.batch import Asked
 from artigen.sketch.pieces import MIN_WEDGES, PIECE_KINDS, ROUND_SIDES, across
@@ -16,6 +18,7 @@ from artigen.sketch.rows import (
     COUNTED,
     FIELDS,
     LENGTH,
+    MATERIALS,
     MAX_PARTS,
     MAY_FOLLOW,
     REACH,
@@ -26,11 +29,22 @@ from artigen.sketch.rows import (
     find_said,
     number_axis,
 )
+from artigen.sketch.sketch import LEVELS
 from artigen.types import JOINT_TYPES, PART_LABELS
 
 MAX_ROWS = 220
 MAX_PIECES = 32
 """Of a part: so many hulls of one body engines handle well."""
+ACCENTS: Mapping[FinishKind, float] = {
+    "wood": 0.78,
+    "lacquer": 0.96,
+    "steel": 0.87,
+    "plastic": 0.96,
+    "glass": 1.1,
+    "rubber": 1.3,
+    "stone": 0.8,
+}
+"""Brightness of the accent over that of a colour that is asked for, as `artigen.shapes.surfaces` has them."""
 LEAST_EXTENT = 40
 """Steps (2 cm): shorter objects are not drawn."""
 _KIND = {kind: index for index, kind in enumerate(ROW_KINDS)}
@@ -186,8 +200,13 @@ class Writer:
             return int(asked.rows[0, at])
         if self.kind == "finish" and self.name != "role":
             for row, known in zip(asked.rows[1:], asked.known[1:], strict=True):
-                if row[1] == self.value("role") and known[at]:
+                if row[1] != self.value("role"):
+                    continue
+                if known[at]:
                     return int(row[at])
+                if self.name.startswith("accent_") and known[at - 3]:
+                    share = ACCENTS[MATERIALS[self.value("material")]]
+                    return min(round(share * int(row[at - 3])), LEVELS)
         return None
 
     def _left(self) -> dict[int, int]:
