@@ -59,7 +59,7 @@ WEIGHTS = ((0.2, 0.0), (0.2, 0.2), (0.1, 0.1))
 """Weights of even colours and of edges beside the overlap of silhouettes: to tell directions apart, when
 one is chosen, and at last. Were they larger, a shape that is not quite the pictured one would be turned until
 some of its edges agree."""
-EVENNESS, EDGES = 0.4, 0.3
+EVENNESS, EDGES = 0.12, 0.3
 """The same where shapes are compared."""
 
 

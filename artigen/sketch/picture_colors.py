@@ -44,6 +44,10 @@ THIN = ("handle", "accent", "steel", "plastic")
 """Roles of things that stand before others."""
 NEAR, ODD = 8, 0.1
 """How far (pixels) around a thin thing its like is looked for, and how much it differs (sRGB)."""
+SHADED, BLACK = 0.8, 0.35
+"""Brightness between these, as a share of what is around, may be a shadow: such pixels say nothing."""
+LIT, OWN = 0.6, 0.25
+"""Least light on them as a share of the most, and share of a thin thing's own pixels that must differ."""
 EQUAL = 0.02
 """Colours (sRGB) of two finishes that differ by less are equal."""
 LIGHT_EDGE, GREY, DARK = 96, 0.5, 0.03
@@ -177,16 +181,20 @@ def _choose(spots: Spots, colors: Float[np.ndarray, "N 3"], role: int, *, thin: 
     if not len(around):
         return np.flatnonzero(own)
     ground = near & (cells == np.bincount(around).argmax())
-    apart = colors - np.median(colors[ground & spots.clear], axis=0)
-    size = np.abs(apart).max(axis=1)
-    odd = size > ODD + 2.0 * np.median(size[ground & spots.clear])
-    if 2 * (own & odd).sum() >= own.sum():
-        return np.flatnonzero(own & odd)
-    odd &= every | ground
-    bright = odd & (apart.mean(axis=1) > 0)  # what is darker may be a gap or a shadow
-    for other, least in ((bright, MIN_PIXELS), (odd, max(MIN_PIXELS, own.sum() // 2))):
-        if other.sum() >= least:
-            return np.flatnonzero(other)
+    usual = np.median(colors[ground & spots.clear], axis=0)
+    light = colors.mean(axis=1) / max(float(usual.mean()), 1e-3)
+    sound = (every | ground) & ((light > SHADED) | (light < BLACK))
+    sound &= spots.bright > LIT * np.quantile(spots.bright[own], 0.9)
+    apart = np.abs(colors - usual).max(axis=1)
+    odd = sound & (apart > ODD + 2.0 * np.median(apart[ground & spots.clear]))
+    for some, least in (
+        (own & odd, max(FEW_PIXELS, OWN * own.sum())),
+        (odd & (light > 1.0), MIN_PIXELS),
+        (odd, MIN_PIXELS),
+        (own & sound, FEW_PIXELS),
+    ):
+        if some.sum() >= least:
+            return np.flatnonzero(some)
     return np.flatnonzero(own)
 
 
