@@ -16,7 +16,6 @@ from artigen.mending.rows import Owners, read_owners
 from artigen.metrics.delivery import asset_size, part_counts
 from artigen.models.conditions import ConditionBatch, StructureCondition, gather_conditions
 from artigen.models.outline import gather_outlines, outline_rows
-from artigen.models.picture_reader import PictureReader
 from artigen.models.presets import PRESETS, StructurePreset
 from artigen.models.steady import SteadyConfig
 from artigen.models.store import load_model, read_description
@@ -36,8 +35,6 @@ class StructureModel:
     preset: StructurePreset
     vae: StructureVae
     flow: StructureFlow
-    reader: PictureReader | None
-    """Reads pictures, where the preset has such a network."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -59,12 +56,10 @@ class GenerateConfig:
 
 def build_structure_model(preset: StructurePreset) -> StructureModel:
     """The networks of a preset, untrained."""
-    reader = None if preset.reader is None else PictureReader(preset.reader, preset.conditions)
     return StructureModel(
         preset=preset,
         vae=StructureVae(preset.vae).eval(),
         flow=StructureFlow(preset.flow, preset.conditions).eval(),
-        reader=None if reader is None else reader.eval(),
     )
 
 
@@ -80,11 +75,9 @@ def load_structure_model(folder: Path, device: torch.device | str = "cpu") -> St
     if preset is None:
         raise SourceError(f"{folder}: preset {name!r}, expected one of {', '.join(PRESETS)}")
     model = build_structure_model(preset)
-    networks = {"vae": model.vae, "reader": model.reader, "flow": model.flow}
-    for key, network in networks.items():
-        if network is not None:
-            load_model(network, folder, key)
-            network.to(device)
+    for key, network in (("vae", model.vae), ("flow", model.flow)):
+        load_model(network, folder, key)
+        network.to(device)
     return model
 
 

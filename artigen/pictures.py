@@ -83,6 +83,20 @@ def read_picture(path: Path, size: int, *, margin: float = MARGIN) -> Picture:
     return Picture(rgba=square, notes=tuple(notes))
 
 
+def shrink_picture(rgba: Float[np.ndarray, "4 S S"], size: int) -> Float[np.ndarray, "4 s s"]:
+    """A picture of ``size`` pixels, each the mean of those that it covers.
+
+    Raises:
+        ValueError: If the picture's edge is no multiple of ``size``.
+    """
+    edge = rgba.shape[1]
+    if edge % size:
+        raise ValueError(
+            f"a picture of {edge} pixels cannot be shrunk to {size}, expected a divisor of {edge}"
+        )
+    return rgba.reshape(4, size, edge // size, size, edge // size).mean(axis=(2, 4))
+
+
 def find_object(rgb: Float[np.ndarray, "H W 3"]) -> tuple[Bool[np.ndarray, "H W"], str]:
     """What differs from a plain background, and a sentence about it; everything when there is none."""
     border = np.concatenate([rgb[0], rgb[-1], rgb[:, 0], rgb[:, -1]])

@@ -20,7 +20,7 @@ import tyro
 from artigen.claim import claim_folder
 from artigen.errors import ArtigenError
 from artigen.generate import GenerateConfig, StructureModel, load_structure_model
-from artigen.metrics.draws import DrawJob, draw_all
+from artigen.metrics.draws import DrawJob, draw_all, draw_latent
 from artigen.metrics.instantiation import PosedSet, pose_set
 from artigen.metrics.report import ROWS, format_score, format_table
 from artigen.metrics.roughness import measure_roughness
@@ -68,7 +68,8 @@ def run_steps(
         for number, one in enumerate(wanted)
     ]
     folder = options.out / f"steps_{steps}"
-    draws = draw_all(model, jobs, folder, GenerateConfig(sampler=sampler), grammar_source())
+    make = draw_latent(model, grammar_source(), GenerateConfig(sampler=sampler))
+    draws = draw_all(jobs, folder, make)
     found, truths = [draw.asset for draw in draws], [subject.asset for subject in subjects]
     cfg = ScoreConfig()
     return {

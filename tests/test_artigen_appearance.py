@@ -56,7 +56,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     preset, look = PRESETS["tiny"], APPEARANCE_PRESETS["tiny"]
     path = tmp_path_factory.mktemp("model")
     structure = build_structure_model(preset)
-    for name in ("vae", "reader", "flow"):
+    for name in ("vae", "flow"):
         save_model(getattr(structure, name), path, {"preset": "tiny"}, name)
     assert not has_appearance(path)
     # The encoder depends on the feature extractor, which generating does not need.

@@ -19,7 +19,7 @@ from artigen.datasets.sample_partnet import write_sample
 from artigen.errors import ArtigenError, SegmentationError, SourceError
 from artigen.generate import GenerateConfig, load_structure_model
 from artigen.metrics.asks import EvaluateConfig
-from artigen.metrics.draws import DrawJob, draw_all
+from artigen.metrics.draws import DrawJob, draw_all, draw_latent
 from artigen.metrics.evaluate import Evaluation, evaluate_structure
 from artigen.metrics.instantiation import InstantiationConfig
 from artigen.metrics.report import write_report
@@ -80,9 +80,8 @@ def test_a_run_leaves_weights_metrics_curves_and_what_it_was(run: Path):
     }
     assert said["vae"]["decoder_steps"] == finished_steps(run / "decoder") > 0
     assert json.loads((run / "config.json").read_text())["real_share"] == 0.25
-    assert set(json.loads((run / "reading.json").read_text())) >= {"category", "counts", "counts of door"}
     assert set(json.loads((run / "spread.json").read_text())) >= {"axis", "origin", "box_center"}
-    for stage in ("vae", "reader", "flow", "decoder"):
+    for stage in ("vae", "flow", "decoder"):
         ElementTree.parse(run / stage / "curves.svg")
         assert (run / stage / "weights.safetensors").is_file()
 
@@ -132,15 +131,15 @@ def test_a_run_begins_with_the_weights_of_a_model_and_says_so(run: Path, tmp_pat
     shutil.copytree(run / "train", tmp_path / "new" / "train")
     shutil.copytree(run / "held_out", tmp_path / "new" / "held_out")
     settings = replace(SETTINGS, minutes=1e-9, start=run / "model")  # one step, of 2e-4 in every weight
-    assert train("structure-reader", tmp_path / "new", settings, workers=1) == 0
-    said = json.loads((tmp_path / "new" / "model" / "model.json").read_text())["reader"]
-    before = json.loads((run / "model" / "model.json").read_text())["reader"]
+    assert train("structure-vae", tmp_path / "new", settings, workers=1) == 0
+    said = json.loads((tmp_path / "new" / "model" / "model.json").read_text())["vae"]
+    before = json.loads((run / "model" / "model.json").read_text())["vae"]
     assert said == {"preset": "tiny", "steps": 1, "objects": 2, "real_objects": 0, "start": before}
-    old, new = (read_tensors(folder / "model" / "reader-0.safetensors") for folder in (run, tmp_path / "new"))
+    old, new = (read_tensors(folder / "model" / "vae-0.safetensors") for folder in (run, tmp_path / "new"))
     moved = max(float((old[name].float() - new[name].float()).abs().max()) for name in old)
     assert 1e-4 < moved < 1e-3
     with pytest.raises(SourceError, match="started with start"):
-        train("structure-reader", tmp_path / "new", replace(settings, start=None), workers=1)
+        train("structure-vae", tmp_path / "new", replace(settings, start=None), workers=1)
 
 
 def test_a_run_is_not_gone_on_with_as_another(run: Path, partnet: Path):
@@ -157,6 +156,7 @@ COARSE = EvaluateConfig(
     held_out=7,
     training=7,
     sampler=SamplerConfig(steps=2),
+    image_size=32,
     score=ScoreConfig(per_part=50, points=300, poses=InstantiationConfig(poses=2, points=40)),
     workers=1,
 )
@@ -174,9 +174,9 @@ def sparse(run: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def few_shapes(folder: Path) -> ShapeSource:
+def few_shapes() -> ShapeSource:
     """Objects of the grammar, the first that has the lengths asked for."""
-    return grammar_source(load_structure_model(folder).reader, tries=2)
+    return grammar_source(tries=2)
 
 
 @pytest.fixture(scope="module")
@@ -199,7 +199,7 @@ def evaluation(
             out,
             cfg,
             prove=lambda folders: pytest.fail("there is no object"),
-            draw_shape_for=few_shapes(sparse),
+            draw_shape_for=few_shapes(),
         )
     write_report(found, out)
     return out, found
@@ -243,11 +243,11 @@ def test_draws_are_kept_and_belong_to_their_model(
     monkeypatch.setattr(artigen.metrics.evaluate, "measure_footprint", lambda job: found.footprint)
     journal = (out / "draws" / "draws.jsonl").read_text()
     assert len(journal.splitlines()) == 3 * 7 + 2 + 2  # real ones, and two drawn again
-    again = evaluate_structure(sparse, out, COARSE, draw_shape_for=few_shapes(sparse))
+    again = evaluate_structure(sparse, out, COARSE, draw_shape_for=few_shapes())
     assert (out / "draws" / "draws.jsonl").read_text() == journal
     assert again.rows == tuple(row for row in found.rows if not row.ask.startswith("real"))
     with pytest.raises(SourceError, match="was started with model"):
-        evaluate_structure(run / "model", out, COARSE, draw_shape_for=few_shapes(sparse))
+        evaluate_structure(run / "model", out, COARSE, draw_shape_for=few_shapes())
 
 
 def test_a_draw_is_made_once_and_read_again(
@@ -267,11 +267,12 @@ def test_a_draw_is_made_once_and_read_again(
     monkeypatch.setattr(artigen.metrics.draws, "generate_structure", from_memory)
     model = load_structure_model(run / "model")
     jobs = [DrawJob(key=f"one_{seed}", asked=StructureCondition(), seed=seed) for seed in range(3)]
-    first = draw_all(model, jobs[:2], tmp_path, GenerateConfig(), draw_oven)
+    make = draw_latent(model, draw_oven, GenerateConfig())
+    first = draw_all(jobs[:2], tmp_path, make)
     with (tmp_path / "draws.jsonl").open("a") as journal:
         journal.write('{"key": "one_2", "sec')  # a session that was killed while it wrote
         journal.write("\n")
-    again = draw_all(model, jobs, tmp_path, GenerateConfig(), draw_oven)
+    again = draw_all(jobs, tmp_path, make)
     assert drawn == [0, 1, 2]
     assert [draw.error for draw in again] == [None, "nothing there", None]
     assert first[1].seconds == again[1].seconds

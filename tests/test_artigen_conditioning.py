@@ -1,19 +1,11 @@
 """What is asked for becomes one request of the sketch, or a sentence that says why not."""
 
-from dataclasses import replace
-from pathlib import Path
-
-import numpy as np
 import pytest
-from PIL import Image
 
-from artigen.conditioning.image import load_reader, read_image
 from artigen.conditioning.request import Request, understand
-from artigen.errors import ArtigenError, SourceError
+from artigen.errors import ArtigenError
 from artigen.shapes.draw import Wish
 from artigen.sketch.request import SketchRequest, ask
-from artigen.types import PART_LABELS
-from artigen.weights import SHIPPED
 
 
 def test_words_ask_for_the_same_as_flags():
@@ -75,32 +67,3 @@ def test_words_that_mean_nothing_are_named():
 def test_contradictions_and_nonsense_are_refused(request_: Request, said: str):
     with pytest.raises(ArtigenError, match=said):
         understand(request_)
-
-
-def test_a_picture_fills_what_is_open_and_lengths_that_are_given_set_the_scale(tmp_path: Path):
-    picture = np.full((96, 72, 3), 250, dtype=np.uint8)
-    picture[16:80, 12:60] = (120, 60, 20)
-    Image.fromarray(picture).save(tmp_path / "box.png")
-    reader = load_reader(SHIPPED)
-    read, notes = read_image(
-        reader, tmp_path / "box.png", SketchRequest(category="Oven", counts=(("door", 1),))
-    )
-    assert read.category == "Oven"
-    assert dict(read.counts)["door"] == 1
-    assert set(dict(read.counts)) == set(PART_LABELS)
-    assert "picture" in notes[0]
-    assert read.width is not None
-    assert read.height is not None
-    wide, _ = read_image(
-        reader, tmp_path / "box.png", replace(SketchRequest(category="Oven"), width=2 * read.width)
-    )
-    assert wide.width == pytest.approx(2 * read.width)
-    assert wide.height == pytest.approx(2 * read.height, rel=0.01)
-    with pytest.raises(SourceError, match="no such picture"):
-        read_image(reader, tmp_path / "nothing.png", SketchRequest())
-
-
-def test_a_folder_without_a_reader_says_so(tmp_path: Path):
-    (tmp_path / "model.json").write_text("{}")
-    with pytest.raises(SourceError, match="no picture reader"):
-        load_reader(tmp_path)

@@ -37,7 +37,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     torch.manual_seed(0)
     preset, path = PRESETS["tiny"], tmp_path_factory.mktemp("model")
     model = build_structure_model(preset)
-    for name in ("vae", "reader", "flow"):
+    for name in ("vae", "flow"):
         save_model(getattr(model, name), path, {"preset": "tiny"}, name)
     return path
 

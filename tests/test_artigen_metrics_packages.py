@@ -14,7 +14,7 @@ from artigen.cli.batch import Finished
 from artigen.cli.prove import prove_assets
 from artigen.errors import SegmentationError
 from artigen.generate import GenerateConfig, StructureModel, build_structure_model
-from artigen.metrics.draws import DrawJob
+from artigen.metrics.draws import DrawJob, draw_latent
 from artigen.metrics.instantiation import InstantiationConfig
 from artigen.metrics.neighbours import Neighbour, draw_neighbours, find_neighbours, pose_library
 from artigen.metrics.packages import JOURNAL, Proof, count_proofs, name_cause, prove_draws
@@ -86,10 +86,8 @@ def test_only_what_fails_is_drawn_again_and_nothing_is_done_twice(
     monkeypatch.setattr(artigen.metrics.draws, "generate_structure", from_memory)
     asked = StructureCondition(category="Oven")
     jobs = [DrawJob(key=f"one_{seed}", asked=asked, seed=seed) for seed in (0, 1, 3)]
-    cfg, told = GenerateConfig(), []
-    report = prove_draws(
-        model, jobs, tmp_path, cfg, prove, draw_oven, redraws=2, on_done=lambda *done: told.append(done)
-    )
+    make, told = draw_latent(model, draw_oven, GenerateConfig()), []
+    report = prove_draws(jobs, tmp_path, make, prove, redraws=2, on_done=lambda *done: told.append(done))
     assert proven == ["one_1", "one_0", "one_3_again_1", "one_1_again_1", "one_1_again_2"]
     assert len(set(drawn)) == len(drawn) == 6  # every draw has noise of its own
     scores = report.scores["all"]
@@ -98,12 +96,12 @@ def test_only_what_fails_is_drawn_again_and_nothing_is_done_twice(
     assert report.causes == {"V103": 3, "no object: none of # voxels is labelled base": 1}
     assert told[-1] == (1, 1)
     journal = (tmp_path / JOURNAL).read_text()
-    assert prove_draws(model, jobs, tmp_path, cfg, prove, draw_oven, redraws=2) == report
+    assert prove_draws(jobs, tmp_path, make, prove, redraws=2) == report
     assert (len(proven), len(drawn)) == (5, 6)
     lines = journal.splitlines(keepends=True)
     (tmp_path / JOURNAL).write_text("".join(lines[:-1]) + lines[-1][:9])  # killed while it wrote
     for _ in range(2):
-        assert prove_draws(model, jobs, tmp_path, cfg, prove, draw_oven, redraws=2) == report
+        assert prove_draws(jobs, tmp_path, make, prove, redraws=2) == report
         assert (proven[5:], len(drawn)) == (["one_1_again_2"], 6)
 
 

@@ -14,7 +14,6 @@ from artigen.metrics.strict import PENALTY
 from artigen.metrics.structure import score_reconstruction, score_spread
 from artigen.metrics.subjects import Field, Subject, describe_subject, draw_subjects
 from artigen.models.conditions import StructureCondition
-from artigen.models.picture_reader import PictureReader, read_condition
 from artigen.models.presets import PRESETS
 from artigen.models.structure_vae import StructureVae
 from artigen.shapes.draw import ShapeError
@@ -149,13 +148,3 @@ def test_the_grammar_draws_what_is_near_to_a_condition(subjects: list[Subject], 
         assert (said.depth, said.width, said.height) == pytest.approx(asked.size, rel=0.25)
     with pytest.raises(ShapeError, match="no category"):
         draw(StructureCondition(), 5)
-
-
-def test_a_picture_is_read_before_the_grammar_draws(subjects: list[Subject]):
-    torch.manual_seed(0)
-    preset = PRESETS["tiny"]
-    assert preset.reader is not None
-    reader = PictureReader(preset.reader, preset.conditions)
-    asked = describe_subject(subjects[0], ("image",))
-    read, _ = read_condition(reader, asked)
-    assert grammar_source(reader, tries=3)(asked, 0).category == read.category

@@ -121,8 +121,8 @@ def test_sentences_are_left_open_as_other_fields_are():
 def paper(monkeypatch: pytest.MonkeyPatch) -> StructurePreset:
     """The preset of the paper, small enough for a test."""
     tiny = PRESETS["tiny"]
-    preset = replace(tiny, flow=FLOW, conditions=KNOWN, reader=None)
-    stages = replace(TRAINING["tiny"], reader=None, decoder=None)
+    preset = replace(tiny, flow=FLOW, conditions=KNOWN)
+    stages = replace(TRAINING["tiny"], decoder=None)
     monkeypatch.setitem(PRESETS, "paper", preset)
     monkeypatch.setitem(TRAINING, "paper", stages)
     return preset

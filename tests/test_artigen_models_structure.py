@@ -21,7 +21,6 @@ from artigen.models.conv_vae import ConvVaeConfig
 from artigen.models.latent_dit import EARLIEST, SETTLED, velocity_of, weigh_times
 from artigen.models.outline import gather_outlines
 from artigen.models.patches import PackedField, PatchBatch, collate, fold, pack_asset, patch_centers, unfold
-from artigen.models.picture_reader import PictureReader
 from artigen.models.presets import PRESETS
 from artigen.models.store import load_model, save_model
 from artigen.models.structure_dit import StructureDitConfig
@@ -249,8 +248,6 @@ def test_the_shipped_size_fits_its_limit():
     preset = PRESETS["compact"]
     with torch.device("meta"):
         networks = [StructureVae(preset.vae), StructureFlow(preset.flow, preset.conditions)]
-        assert preset.reader is not None
-        networks.append(PictureReader(preset.reader, preset.conditions))
     assert 2 * sum(value.numel() for network in networks for value in network.state_dict().values()) < 40e6
 
 

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,19 +17,22 @@ from artigen.sketch.batch import Asked, ask_for, make_batch, nothing_asked
 from artigen.sketch.draw import DrawConfig, begin_drafts, continue_drafts, draw_tables
 from artigen.sketch.model import (
     SketchConfig,
+    draw_header,
     draw_object,
-    guess_extents,
     load_sketch_network,
+    read_object_picture,
     save_sketch_network,
 )
 from artigen.sketch.network import COARSE, SketchNetwork, SketchNetworkConfig, slots
+from artigen.sketch.picture import PictureConfig
 from artigen.sketch.pieces import UnknownSolid, build_piece, fit_pieces
 from artigen.sketch.request import AskedFinish, SketchRequest, ask
-from artigen.sketch.rows import CATEGORIES, ROW_KINDS, column, rows_to_sketch, sketch_to_rows
+from artigen.sketch.rows import CATEGORIES, FIELDS, ROW_KINDS, column, rows_to_sketch, sketch_to_rows
 from artigen.sketch.rules import Writer
 from artigen.sketch.sketch import STEP, SketchError, read_sketch, write_sketch
 
-TINY = SketchNetworkConfig(width=32, layers=2, heads=2, pointer=8)
+TINY = SketchNetworkConfig(width=32, layers=2, heads=2, pointer=8, picture=None)
+PICTURE = PictureConfig(edge=32, widths=(8, 16, 24), blocks=(1, 1, 1), stem=8)
 SEEDS = (1, 2, 3, 14)
 
 
@@ -41,6 +45,21 @@ def _table(category: str, seed: int) -> np.ndarray:
 def _network() -> SketchNetwork:
     torch.manual_seed(0)
     return SketchNetwork(TINY).eval()
+
+
+@cache
+def _seeing_network() -> SketchNetwork:
+    """One that makes something of pictures, as if it had been trained."""
+    torch.manual_seed(0)
+    network = SketchNetwork(replace(TINY, picture=PICTURE)).eval()
+    for name, weight in network.named_parameters():
+        if ".look.out." in name:
+            torch.nn.init.normal_(weight, std=0.3)
+    return network
+
+
+def _pictures() -> torch.Tensor:
+    return torch.rand(2, 4, PICTURE.edge, PICTURE.edge, generator=torch.Generator().manual_seed(0))
 
 
 def _corners(shape: Shape) -> list[np.ndarray]:
@@ -148,19 +167,56 @@ class _Reciter(draw._Pen):
 
 
 @torch.no_grad()
-def test_a_table_costs_as_much_row_by_row_as_at_once(monkeypatch: pytest.MonkeyPatch):
+@pytest.mark.parametrize("reads", ["words", "pictures"])
+def test_a_table_costs_as_much_row_by_row_as_at_once(reads: str, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(draw, "DIGITS", COARSE)
+    pictured = reads == "pictures"
+    network = _seeing_network() if pictured else _network()
     tables = [_table("StorageFurniture", 1), _table("Refrigerator", 2)]
     requests = [replace(ask_for(table, np.random.default_rng(0))) for table in tables]
     requests = [Asked(rows=asked.rows[:1], known=asked.known[:1]) for asked in requests]
-    pen = _Reciter(_network(), begin_drafts(_network(), requests), torch.Generator(), DrawConfig())
+    sight = network.look(_pictures())[1] if pictured else None
+    pen = _Reciter(network, begin_drafts(network, requests, sight), torch.Generator(), DrawConfig())
     pen.recite(tables)
     for index, (table, asked) in enumerate(zip(tables, requests, strict=True)):
         draft = pen.finished[index]
         assert draft is not None
         assert np.array_equal(draft.writer.table, table)
-        symbols, numbers = _network()(make_batch([table], [asked]))
+        own = None if sight is None else sight.take([index])
+        symbols, numbers = network(make_batch([table], [asked]), own)
         assert pen.cost[index] == pytest.approx(float(symbols.sum() + numbers.sum()), rel=1e-3)
+
+
+@torch.no_grad()
+def test_an_untrained_look_changes_nothing_and_a_trained_one_sees_which_picture_it_is():
+    batch = make_batch([_table("Safe", 1)], [nothing_asked()])
+    network = SketchNetwork(replace(TINY, picture=PICTURE)).eval()
+    blind = network(batch)[0].sum()
+    seen = [network(batch, network.look(picture[None])[1])[0].sum() for picture in _pictures()]
+    assert float(seen[0]) == pytest.approx(float(blind)) == pytest.approx(float(seen[1]))
+    network = _seeing_network()
+    seen = [network(batch, network.look(picture[None])[1])[0].sum() for picture in _pictures()]
+    assert abs(float(seen[0] - seen[1])) > 1e-3
+
+
+@torch.no_grad()
+def test_pictures_are_read_one_by_one_as_side_by_side():
+    network = _seeing_network()
+    together = network.look(_pictures())[0]
+    for index, picture in enumerate(_pictures()):
+        alone = network.look(picture[None])[0]
+        torch.testing.assert_close(alone.tokens[0], together.tokens[index], atol=1e-4, rtol=1e-3)
+        torch.testing.assert_close(alone.view[0], together.view[index], atol=1e-4, rtol=1e-3)
+    assert together.tokens.shape[1] == (PICTURE.edge // 16) ** 2 + 2
+    large = torch.nn.functional.interpolate(_pictures(), scale_factor=3.0)  # scaled down again
+    assert network.look(large)[0].tokens.shape == together.tokens.shape
+
+
+def test_a_network_that_reads_no_pictures_says_so(tmp_path: Path):
+    with pytest.raises(SourceError, match="reads no pictures"):
+        read_object_picture(_network(), tmp_path / "photo.png")
+    with pytest.raises(ValueError, match="reads no pictures"):
+        _network().look(_pictures())
 
 
 @torch.no_grad()
@@ -244,10 +300,13 @@ def test_the_same_seed_draws_the_same_and_another_something_else():
     assert not all(np.array_equal(a, b) for a, b in zip(one, other, strict=True))
 
 
-def test_extents_are_guessed_from_the_header_alone():
-    guessed = guess_extents(_network(), replace(REQUEST, height=None), 0)
-    assert guessed["width"] == pytest.approx(0.8)
-    assert 0.02 <= guessed["height"] < 4.1
+def test_a_header_says_what_is_asked_and_all_that_is_not():
+    header = draw_header(_network(), replace(REQUEST, height=None), 0)
+    assert header.width == pytest.approx(0.8)
+    assert header.height is not None
+    assert 0.02 <= header.height < 4.1
+    assert (header.category, header.counts) == (REQUEST.category, REQUEST.counts)
+    assert ask(header).known[0, : 1 + len(FIELDS["object"])].all()
 
 
 @pytest.mark.parametrize(
@@ -265,12 +324,15 @@ def test_what_cannot_be_asked_is_refused_with_what_can(wrong: dict[str, object],
         ask(replace(REQUEST, **wrong))  # type: ignore[arg-type]
 
 
-def test_a_network_is_stored_with_its_vocabulary(tmp_path, monkeypatch: pytest.MonkeyPatch):
-    save_sketch_network(_network(), tmp_path, {"preset": "tiny"})
+@pytest.mark.parametrize("reads", ["words", "pictures"])
+def test_a_network_is_stored_with_its_vocabulary(reads: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    network = _seeing_network() if reads == "pictures" else _network()
+    save_sketch_network(network, tmp_path, {"preset": "tiny"})
     loaded = load_sketch_network(tmp_path)
+    assert loaded.cfg == network.cfg
     batch = make_batch([_table("Safe", 1)], [nothing_asked()])
     with torch.no_grad():
-        assert float(loaded(batch)[1].sum()) == pytest.approx(float(_network()(batch)[1].sum()), rel=0.01)
+        assert float(loaded(batch)[1].sum()) == pytest.approx(float(network(batch)[1].sum()), rel=0.01)
     monkeypatch.setattr("artigen.sketch.model.CATEGORIES", (*CATEGORIES, "Sofa"))
     with pytest.raises(SourceError, match="Sofa"):
         load_sketch_network(tmp_path)

@@ -1,5 +1,7 @@
 """Training of the sketch network: it learns, goes on where it stopped, and leaves a model that loads."""
 
+from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,22 +13,39 @@ from artigen.shapes.draw import draw_shape
 from artigen.sketch.batch import make_batch, nothing_asked
 from artigen.sketch.model import load_sketch_network
 from artigen.sketch.network import SketchNetwork
+from artigen.sketch.picture import CELL, MAX_COUNT, Seen
 from artigen.sketch.rows import sketch_to_rows
 from artigen.sketch.sketch import write_sketch
+from artigen.train.photos import EDGE, NOTHING, PhotoBatch, gather_photos
 from artigen.train.sketch import (
+    HEADER,
     SIZES,
+    SketchBatch,
+    SketchExample,
+    SketchLosses,
     SketchRunConfig,
     draw_batches,
-    make_tables,
+    make_examples,
+    reading_losses,
     sketch_losses,
+    spread_spots,
     train_sketch,
+    weigh_fields,
 )
+from artigen.types import PART_LABELS
+
+
+@pytest.fixture(scope="module")
+def photos(tmp_path_factory: pytest.TempPathFactory) -> PhotoBatch:
+    examples = make_examples(tmp_path_factory.mktemp("shards"), 3, 1, count=1, workers=1, photos=True)
+    return gather_photos([one.photo for one in examples if one.photo is not None])
 
 
 def test_an_object_seen_often_is_learnt_by_heart():
     torch.manual_seed(0)
-    network = SketchNetwork(SIZES["tiny"])
-    batch = make_batch([sketch_to_rows(write_sketch(draw_shape("Safe", 1)))], [nothing_asked()])
+    network = SketchLosses(SketchNetwork(SIZES["tiny"]))
+    rows = make_batch([sketch_to_rows(write_sketch(draw_shape("Safe", 1)))], [nothing_asked()])
+    batch = SketchBatch(rows=rows, photos=None)
     optimizer = torch.optim.AdamW(network.parameters(), lr=3e-3)
     losses = []
     for _ in range(60):
@@ -40,18 +59,55 @@ def test_an_object_seen_often_is_learnt_by_heart():
 
 
 def test_batches_hold_objects_of_like_length_and_about_so_many_rows():
-    tables = [
-        sketch_to_rows(write_sketch(draw_shape(category, seed)))
+    examples = [
+        SketchExample(table=sketch_to_rows(write_sketch(draw_shape(category, seed))))
         for category in ("Safe", "Table")
         for seed in range(6)
     ]
-    batches = draw_batches(tables, 100, 0)
-    again = draw_batches(tables, 100, 0)
+    batches = draw_batches(examples, 100, 0)
+    again = draw_batches(examples, 100, 0)
     for _ in range(5):
         batch, same = next(batches), next(again)
-        assert torch.equal(batch.rows, same.rows)
-        assert len(batch.rows) >= 2
-        assert int(batch.said.any(dim=2).sum()) <= 250
+        assert batch.photos is None
+        assert torch.equal(batch.rows.rows, same.rows.rows)
+        assert len(batch.rows.rows) >= 2
+        assert int(batch.rows.said.any(dim=2).sum()) <= 250
+
+
+def test_the_weights_of_fields_belong_to_the_header_of_the_object_and_to_nothing_else():
+    tables = [sketch_to_rows(write_sketch(draw_shape("Safe", seed))) for seed in (1, 2)]
+    for rows in (make_batch(tables[:1], [nothing_asked()]), make_batch(tables, [nothing_asked()] * 2)):
+        symbols, numbers = weigh_fields(rows)
+        found = SketchNetwork(SIZES["tiny"])(rows)
+        assert (len(symbols), len(numbers)) == (len(found[0]), len(found[1]))
+        count = len(rows.rows)
+        assert int((symbols == HEADER).sum()) == (1 + 2 + 7) * count  # kind, category, style, counts
+        assert int((numbers == HEADER).sum()) == 3 * count  # extents
+
+
+def test_maps_that_are_true_cost_less_than_maps_that_miss(photos: PhotoBatch):
+    truth = spread_spots(photos, EDGE // CELL)
+    assert truth.sum(dim=(2, 3)).sum(dim=1).tolist() == pytest.approx(photos.given.sum(dim=1).tolist())
+    labels = 12.0 * torch.nn.functional.one_hot(photos.labels, NOTHING + 1).permute(0, 3, 1, 2).float()
+    tokens = torch.zeros(len(truth), 1, 8)
+    nothing = torch.zeros(len(truth), 8, MAX_COUNT + 1)
+    right = Seen(
+        tokens=tokens,
+        density=truth,
+        labels=labels,
+        counts=nothing,
+        category=nothing[:, 0, :9],
+        view=photos.view,
+    )
+    wrong = {
+        "parts": replace(right, density=truth.roll(9, dims=3)),
+        "in view": replace(right, density=1.2 * truth),
+        "labels": replace(right, labels=labels.roll(1, dims=1)),
+        "view": replace(right, view=photos.view + 0.1),
+    }
+    best = reading_losses(right, photos)
+    for name, said in wrong.items():
+        assert float(reading_losses(said, photos)[name]) > float(best[name]) + 1e-4
 
 
 def test_a_run_goes_on_where_it_was_and_its_model_loads(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
@@ -59,7 +115,8 @@ def test_a_run_goes_on_where_it_was_and_its_model_loads(tmp_path: Path, monkeypa
     monkeypatch.setattr("artigen.train.sketch.MEASURED", 9)
     cfg = SketchRunConfig(folder=tmp_path, preset="tiny", minutes=0.02, shards=1, rows=120, workers=1)
     scores = train_sketch(cfg)
-    assert scores["per_field"] > 0
+    assert scores["asked_per_field"] > 0
+    assert scores["pictured_per_field"] > 0
     network = load_sketch_network(tmp_path / "model")
     assert network.cfg == SIZES["tiny"]
     before = (tmp_path / "train" / "tables-000.npz").stat().st_mtime_ns
@@ -67,7 +124,7 @@ def test_a_run_goes_on_where_it_was_and_its_model_loads(tmp_path: Path, monkeypa
     assert (tmp_path / "train" / "tables-000.npz").stat().st_mtime_ns == before
     (tmp_path / "train" / "tables-000.npz").write_bytes(b"torn")
     with pytest.raises(SourceError, match="delete it"):
-        make_tables(tmp_path / "train", 10_000, 1, 1, count=1)
+        make_examples(tmp_path / "train", 10_000, 1, count=1, workers=1, photos=True)
 
 
 @pytest.mark.parametrize(
@@ -80,7 +137,16 @@ def test_settings_that_make_no_sense_are_refused(tmp_path: Path, changed: dict[s
     assert not (tmp_path / "run").exists()
 
 
-def test_tables_of_a_shard_are_those_of_the_grammar(tmp_path: Path):
-    tables = make_tables(tmp_path, 3, 1, 1, count=1)
-    assert len(tables) == 9
-    assert any(np.array_equal(table, sketch_to_rows(write_sketch(draw_shape("Oven", 3)))) for table in tables)
+def test_tables_of_a_shard_are_those_of_the_grammar_and_photos_show_them(tmp_path: Path):
+    examples = make_examples(tmp_path, 3, 1, count=1, workers=1, photos=True)
+    assert len(examples) == 9
+    oven = sketch_to_rows(write_sketch(draw_shape("Oven", 3)))
+    (shown,) = [one.photo for one in examples if np.array_equal(one.table, oven)]
+    assert shown is not None
+    held = dict(draw_shape("Oven", 3).condition.counts)
+    seen = Counter(PART_LABELS[int(label)] for label in shown.spots[:, 0])
+    assert seen["door"] == held["door"]
+    assert all(count <= held[label] for label, count in seen.items())
+    (tmp_path / "photos-000.npz").write_bytes(b"torn")
+    with pytest.raises(SourceError, match="delete it"):
+        make_examples(tmp_path, 3, 1, count=1, workers=1, photos=True)

@@ -31,7 +31,8 @@ class EvaluateSettings:
     seed: int = 0
     """Of the noise."""
     packages: int = 14
-    """Held-out objects whose draws by counts and size are exported and checked (L0 to L3); 0 skips that."""
+    """Held-out objects whose draws of structure by counts and size are exported and checked (L0 to L3); 0
+    skips that."""
     redraws: int = 3
     """How often such an object is drawn again where its package fails."""
     pictured: int = 14
@@ -51,7 +52,7 @@ class AppearanceViews:
 
 
 def evaluate(
-    what: tyro.conf.Positional[Literal["structure", "appearance"]],
+    what: tyro.conf.Positional[Literal["sketch", "structure", "appearance"]],
     out: Out,
     model: Path = SHIPPED,
     cfg: tyro.conf.OmitArgPrefixes[EvaluateSettings] = EvaluateSettings(),
@@ -63,7 +64,7 @@ def evaluate(
     Objects that were drawn already are not drawn again when the same command is run again.
 
     Args:
-        what: The model to measure: structure is its networks together, appearance its VAE.
+        what: What to measure: the sketch network, the paper's latents within its boxes, or appearance.
         out: Folder for the results and the drawn objects.
         model: Folder of a trained model, model.json and its weights; left out, the one that ships.
         cfg: With what, and how many.
@@ -72,7 +73,7 @@ def evaluate(
     """
     from artigen.cli.prove import prove_assets
     from artigen.metrics.asks import EvaluateConfig
-    from artigen.metrics.evaluate import evaluate_structure
+    from artigen.metrics.evaluate import evaluate_sketch, evaluate_structure
     from artigen.metrics.report import write_report
     from artigen.sampling import SamplerConfig
 
@@ -102,7 +103,10 @@ def evaluate(
             bar.total, bar.n = total, done
             bar.refresh()
 
-        evaluation = evaluate_structure(model, out, settings, prove=prove, on_progress=on_progress)
+        if what == "sketch":
+            evaluation = evaluate_sketch(model, out, settings, on_progress=on_progress)
+        else:
+            evaluation = evaluate_structure(model, out, settings, prove=prove, on_progress=on_progress)
     _, table = write_report(evaluation, out)
     sys.stdout.write(f"{table.read_text(encoding='utf-8')}\nwritten to {out}\n")
     return 0

@@ -23,7 +23,6 @@ from artigen.workers import Worker
 if TYPE_CHECKING:
     from artigen.conditioning.request import Request, Understood
     from artigen.generate import StructureModel
-    from artigen.models.picture_reader import PictureReader
     from artigen.shape_appearance import ShapeAppearanceModel
     from artigen.shapes.shape import Shape
     from artigen.sketch.model import Drawn
@@ -33,8 +32,6 @@ if TYPE_CHECKING:
 
 TIMEOUT = 300.0
 """Seconds that drawing and exporting one object may take."""
-PICTURE_EDGE = 256
-"""Pixels of a picture's edge when cameras are fitted and colours are read."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -134,16 +131,9 @@ def _load_structure(folder: Path, encoders: Path | None) -> "StructureModel":
     return structure
 
 
-@lru_cache(maxsize=1)
-def _load_reader(folder: Path) -> "PictureReader":
-    from artigen.conditioning.image import load_reader
-
-    return load_reader(folder)
-
-
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Asked:
-    """A request with everything that words and a picture say."""
+    """A request with everything that words say, and its picture."""
 
     request: "SketchRequest"
     picture: np.ndarray | None
@@ -151,19 +141,18 @@ class _Asked:
 
 
 def _ask(job: GenerateJob, understood: "Understood") -> _Asked:
-    """Completes a request by its picture, or by the extents that adjectives change."""
-    from artigen.conditioning.image import read_image
-    from artigen.pictures import read_picture
-    from artigen.sketch.model import guess_extents
+    """Reads the picture of a request, and completes it by the extents that adjectives change."""
+    from artigen.sketch.model import draw_header, read_object_picture
 
-    request, notes, picture = understood.request, understood.notes, None
+    network, request = _load_sketch(job.model), understood.request
+    picture, notes = None, understood.notes
     if job.cfg.image is not None:
-        request, said = read_image(_load_reader(job.model), job.cfg.image, request)
-        shown = read_picture(job.cfg.image, PICTURE_EDGE)
-        picture, notes = shown.rgba, (*notes, *shown.notes, *said)
+        shown = read_object_picture(network, job.cfg.image)
+        picture, notes = shown.rgba, (*notes, *shown.notes)
     if understood.stretch:
-        usual = guess_extents(_load_sketch(job.model), request, job.seed)
-        request = replace(request, **{axis: factor * usual[axis] for axis, factor in understood.stretch})
+        usual = draw_header(network, request, job.seed)
+        stretched = {axis: factor * getattr(usual, axis) for axis, factor in understood.stretch}
+        request = replace(request, **stretched)
     return _Asked(request=request, picture=picture, notes=notes)
 
 
@@ -172,23 +161,16 @@ def draw_generated(job: GenerateJob) -> "tuple[Drawn, _Asked]":
     from artigen.conditioning.request import understand
     from artigen.sketch.draw import DrawConfig
     from artigen.sketch.model import SketchConfig, draw_alike, draw_object
+    from artigen.sketch.picture_colors import read_colors
 
     asked = _ask(job, understand(read_job(job)))
     noise = int(np.random.SeedSequence([job.seed, len(job.draws)]).generate_state(1)[0])
     cfg = SketchConfig(draw=DrawConfig(temperature=job.cfg.temperature))
-    network, picture = _load_sketch(job.model), asked.picture
-    if picture is None:
+    network = _load_sketch(job.model)
+    if asked.picture is None:
         return draw_object(network, asked.request, noise, cfg), asked
-
-    from artigen.sketch.alignment import fit_camera, likeness
-    from artigen.sketch.picture_colors import read_colors
-
-    def like(shape: "Shape") -> float:
-        return likeness(shape, picture, fit_camera(shape, picture))
-
-    drawn = draw_alike(network, asked.request, noise, like, cfg)
-    painted = read_colors(drawn.shape, picture, fit_camera(drawn.shape, picture))
-    return replace(drawn, shape=painted), asked
+    drawn, fit = draw_alike(network, asked.request, noise, asked.picture, cfg)
+    return replace(drawn, shape=read_colors(drawn.shape, asked.picture, fit)), asked
 
 
 def generate_object(job: GenerateJob) -> Made:

@@ -66,7 +66,6 @@ class AppearanceSettings:
 What = Literal[
     "sketch",
     "structure",
-    "structure-reader",
     "structure-vae",
     "structure-flow",
     "structure-decoder",

@@ -6,17 +6,14 @@ from pathlib import Path
 
 import numpy as np
 
-from artigen.generate import GenerateConfig, StructureModel
-from artigen.metrics.draws import DrawJob, draw_all, reconstruct
+from artigen.metrics.draws import DrawAsset, DrawJob, draw_all
 from artigen.metrics.instantiation import PosedSet
 from artigen.metrics.neighbours import draw_neighbours, find_neighbours, pose_library, write_sheet
 from artigen.metrics.packages import PackageReport, Prove, prove_draws
 from artigen.metrics.retrieval import retrieve
 from artigen.metrics.score import ScoreConfig, Scores, score_novelty, score_objects, score_set
-from artigen.metrics.shapes import ShapeSource, describe_shape
 from artigen.metrics.subjects import Field, Subject, describe_subject
 from artigen.sampling import SamplerConfig
-from artigen.shapes.draw import draw_shape
 from artigen.types import Asset
 
 ASKS: dict[str, tuple[Field, ...]] = {
@@ -45,7 +42,9 @@ class EvaluateConfig:
     training: int = 350
     """Training objects that the baselines look in, categories in turn from the first training seed."""
     sampler: SamplerConfig = field(default_factory=SamplerConfig)
-    """Steps and guidance."""
+    """Steps and guidance of the structure's latents."""
+    image_size: int = 256
+    """Pixels of the edge of pictures."""
     score: ScoreConfig = field(default_factory=ScoreConfig)
     """How finely objects are sampled."""
     seed: int = 0
@@ -85,9 +84,10 @@ class HeldOut:
 class Bench:
     """What every question is asked with."""
 
-    model: StructureModel
-    draw_shape_for: ShapeSource
-    """Draws the objects whose boxes the model is told."""
+    draw_asset: DrawAsset
+    """Draws an object for a condition."""
+    reconstruct: Callable[[Subject], Asset | None] | None
+    """Finds an object again from its own latent, where the model has such."""
     library: list[Subject]
     out: Path
     cfg: EvaluateConfig
@@ -96,9 +96,8 @@ class Bench:
 
 def measure_ask(bench: Bench, ask: str, fields: Sequence[Field], held: HeldOut) -> list[Row]:
     """The model, and what else answers the same conditions, against the objects that they describe."""
-    model, library, cfg, tell = bench.model, bench.library, bench.cfg, bench.tell
+    library, cfg, tell = bench.library, bench.cfg, bench.tell
     subjects = held.subjects
-    generation = GenerateConfig(sampler=cfg.sampler)
     jobs = _list_jobs(bench, ask, fields, subjects)
     asked = [job.asked for job in jobs]
     # A picture shows how many parts there are, so they are to be met as if they were asked for.
@@ -107,18 +106,16 @@ def measure_ask(bench: Bench, ask: str, fields: Sequence[Field], held: HeldOut) 
     truths = [subject.asset for subject in subjects]
     done = iter(range(1, len(jobs) + 1))
     draws = draw_all(
-        model,
         jobs,
         bench.out / "draws",
-        generation,
-        bench.draw_shape_for,
+        bench.draw_asset,
         on_done=lambda: tell(f"draws by {ask}", next(done), len(jobs)),
     )
     answers: dict[str, list[Asset | None]] = {"model": [draw.asset for draw in draws]}
     if "counts" in fields or "image" in fields:
         answers["retrieval"] = [retrieve(one, library).asset for one in asked]
-    if "counts" in fields:
-        answers["reconstruction"] = [reconstruct(model, subject, generation) for subject in subjects]
+    if "counts" in fields and bench.reconstruct is not None:
+        answers["reconstruction"] = [bench.reconstruct(subject) for subject in subjects]
     if tuple(fields) == ASKS["category"]:
         answers["training set"] = _pick(library, subjects, cfg.seed)
         answers["held-out set"] = list(truths)
@@ -143,8 +140,7 @@ def picture_neighbours(bench: Bench, held: HeldOut) -> None:
     """Writes ``nearest.png``: draws by category beside the nearest training objects."""
     chosen = held.subjects[: bench.cfg.pictured]
     jobs = _list_jobs(bench, "category", ASKS["category"], chosen)
-    generation = GenerateConfig(sampler=bench.cfg.sampler)
-    draws = draw_all(bench.model, jobs, bench.out / "draws", generation, bench.draw_shape_for)
+    draws = draw_all(jobs, bench.out / "draws", bench.draw_asset)
     found = [draw.asset for draw in draws if draw.asset is not None]
     if not found:
         return
@@ -160,31 +156,22 @@ def measure_packages(bench: Bench, held: HeldOut, prove: Prove) -> PackageReport
     """Makes packages of first draws by counts and size, and of further ones where they fail."""
     ask = "counts and size"
     return prove_draws(
-        bench.model,
         _list_jobs(bench, ask, ASKS[ask], held.subjects[: bench.cfg.packages]),
         bench.out,
-        GenerateConfig(sampler=bench.cfg.sampler),
+        bench.draw_asset,
         prove,
-        bench.draw_shape_for,
         redraws=bench.cfg.redraws,
         on_done=lambda done, total: bench.tell("packages", done, total),
     )
 
 
 def _list_jobs(bench: Bench, ask: str, fields: Sequence[Field], subjects: Sequence[Subject]) -> list[DrawJob]:
-    """One first draw for each subject; equal at every start.
-
-    Of a category alone, counts and size are drawn from the grammar, as `artigen generate` draws them.
-    """
+    """One first draw for each subject; equal at every start."""
     stem = ask.replace(": ", "_").replace(" ", "_")
     jobs = []
     for number, subject in enumerate(subjects):
-        seed = _seed(bench.cfg, number)
         asked = describe_subject(subject, fields)
-        if tuple(fields) == ASKS["category"]:
-            assert asked.category is not None
-            asked = describe_shape(draw_shape(asked.category, seed))
-        jobs.append(DrawJob(key=f"{stem}_{number:04d}", asked=asked, seed=seed))
+        jobs.append(DrawJob(key=f"{stem}_{number:04d}", asked=asked, seed=_seed(bench.cfg, number)))
     return jobs
 
 

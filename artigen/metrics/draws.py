@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import torch
@@ -15,11 +15,32 @@ from artigen.metrics.shapes import ShapeSource
 from artigen.metrics.subjects import Subject
 from artigen.models.conditions import StructureCondition
 from artigen.models.structure_vae import decode_fields
+from artigen.pictures import shrink_picture
 from artigen.segment import segment
+from artigen.shapes.asset import shape_to_asset
 from artigen.train.batches import outline_batch, patch_batch
 from artigen.types import Asset
 
 JOURNAL = "draws.jsonl"
+DrawAsset = Callable[[StructureCondition, int], Asset]
+"""Draws an object with voxels for a condition and a seed."""
+
+
+def draw_exact(source: ShapeSource, resolution: int) -> DrawAsset:
+    """The exact voxels of drawn shapes."""
+    return lambda asked, seed: shape_to_asset(source(asked, seed), resolution)
+
+
+def draw_latent(model: StructureModel, source: ShapeSource, cfg: GenerateConfig) -> DrawAsset:
+    """Voxels that the paper's latents show within the boxes of drawn shapes."""
+
+    def draw(asked: StructureCondition, seed: int) -> Asset:
+        shape = source(asked, seed)
+        edge = model.preset.conditions.image_size
+        image = None if asked.image is None or not edge else shrink_picture(asked.image, edge)
+        return generate_structure(model, replace(asked, image=image), seed, cfg, boxes=shape)
+
+    return draw
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -41,22 +62,18 @@ class Draw:
 
 
 def draw_all(
-    model: StructureModel,
     jobs: Sequence[DrawJob],
     folder: Path,
-    cfg: GenerateConfig,
-    draw_shape_for: ShapeSource,
+    draw_asset: DrawAsset,
     *,
     on_done: Callable[[], None] | None = None,
 ) -> list[Draw]:
     """Makes the draws that ``folder`` does not hold yet, and returns all, in the order of ``jobs``.
 
     Args:
-        model: Trained networks.
         jobs: What to draw; a key stands for the same condition, seed and model at every start.
         folder: For the journal and one asset folder per object.
-        cfg: Sampler, clean-up, segmentation.
-        draw_shape_for: Draws the object whose boxes the model is told.
+        draw_asset: Draws an object.
         on_done: Called after each.
     """
     folder.mkdir(parents=True, exist_ok=True)
@@ -70,7 +87,7 @@ def draw_all(
         elif line is not None and kept.is_dir():
             draw = Draw(asset=read_asset(kept), error=None, seconds=float(str(line["seconds"])))
         else:
-            draw = _draw(model, job, cfg, draw_shape_for)
+            draw = _draw(job, draw_asset)
             if draw.asset is not None:
                 write_asset(draw.asset, kept)
             said = {"key": job.key, "seed": job.seed, "seconds": draw.seconds, "error": draw.error}
@@ -97,11 +114,10 @@ def reconstruct(model: StructureModel, subject: Subject, cfg: GenerateConfig) ->
         return None
 
 
-def _draw(model: StructureModel, job: DrawJob, cfg: GenerateConfig, draw_shape_for: ShapeSource) -> Draw:
+def _draw(job: DrawJob, draw_asset: DrawAsset) -> Draw:
     started = time.perf_counter()
     try:
-        shape = draw_shape_for(job.asked, job.seed)
-        asset = generate_structure(model, job.asked, job.seed, cfg, boxes=shape)
+        asset = draw_asset(job.asked, job.seed)
     except ArtigenError as error:  # no shape, or a part without cells
         return Draw(asset=None, error=str(error), seconds=time.perf_counter() - started)
     return Draw(asset=asset, error=None, seconds=time.perf_counter() - started)

@@ -1,14 +1,14 @@
-"""The whole measurement of a structure model: reconstruction, draws, baselines, packages, time and memory."""
+"""Whole measurements: the sketch, and the structure model with reconstruction, packages, time and memory."""
 
-from dataclasses import asdict, dataclass
-from functools import partial
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 import torch
 
 from artigen.claim import claim_folder
 from artigen.errors import ArtigenError
-from artigen.generate import GenerateConfig, StructureModel, load_structure_model
+from artigen.generate import GenerateConfig, load_structure_model
 from artigen.metrics.asks import (
     ASKS,
     REAL_ASKS,
@@ -21,39 +21,89 @@ from artigen.metrics.asks import (
     measure_packages,
     picture_neighbours,
 )
+from artigen.metrics.draws import draw_exact, draw_latent, reconstruct
 from artigen.metrics.footprint import Footprint, FootprintJob, measure_footprint
 from artigen.metrics.instantiation import pose_set
 from artigen.metrics.packages import PackageReport, Prove
-from artigen.metrics.reading import score_reader
+from artigen.metrics.reading import score_reading
 from artigen.metrics.score import Scores
-from artigen.metrics.shapes import ShapeSource, grammar_source
+from artigen.metrics.shapes import ShapeSource, sketch_source
 from artigen.metrics.structure import score_reconstruction, score_spread
 from artigen.metrics.subjects import Subject, describe_subject, draw_subjects, read_subjects
 from artigen.models.store import hash_model, read_description
+from artigen.sketch.model import load_sketch_network
 from artigen.train.real import list_split
 from artigen.train.shards import HELD_OUT
+from artigen.types import PAPER_CATEGORIES
+
+RESOLUTION = 64
+"""Edge of the voxels that exact objects are compared as."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Evaluation:
-    """Everything that was measured."""
+    """Everything that was measured; what a model has not is empty or None."""
 
     model: str
     """Hash of the weights."""
     device: str
     config: dict[str, object]
-    reconstruction: dict[str, Scores]
-    """Table 3 and more, by set of objects."""
-    spread: dict[str, dict[str, tuple[float, ...]]]
-    """Table 4, by set of objects."""
-    reading: dict[str, Scores]
-    """How well pictures are read, by set of objects; empty where the model has no such network."""
     rows: tuple[Row, ...]
-    footprint: Footprint
     left_out: dict[str, str]
     """Real objects that could not be read, and why."""
-    packages: PackageReport | None
-    """What became of draws as packages; None where none were made."""
+    reconstruction: dict[str, Scores] = field(default_factory=dict)
+    """Table 3 and more, by set of objects."""
+    spread: dict[str, dict[str, tuple[float, ...]]] = field(default_factory=dict)
+    """Table 4, by set of objects."""
+    reading: dict[str, Scores] = field(default_factory=dict)
+    """How well pictures are read, by set of objects."""
+    footprint: Footprint | None = None
+    packages: PackageReport | None = None
+    """What became of draws as packages."""
+
+
+def evaluate_sketch(
+    folder: Path, out: Path, cfg: EvaluateConfig, *, on_progress: Progress | None = None
+) -> Evaluation:
+    """Measures the sketch network of a model folder: pictures read, exact objects drawn by category, counts,
+    size and pictures; draws and ``nearest.png`` are kept in ``out``, draws are gone on with.
+
+    Args:
+        folder: Of the model.
+        out: Of the evaluation.
+        cfg: What is measured; packages of sketches are those of `artigen generate`, and not made here.
+        on_progress: Called as work is done.
+
+    Raises:
+        SourceError: If the folder holds no sketch network, ``out`` belongs to another one, or real objects
+            cannot be read.
+        ArtigenError: If there are too few objects to say anything.
+    """
+    _check_evaluation(cfg)
+    network = load_sketch_network(folder)
+    pictured = network.cfg.picture is not None
+    tell = on_progress or (lambda stage, done, total: None)
+    claim_folder(out / "settings.json", {"model": hash_model(folder), "seed": cfg.seed, "what": "sketch"})
+    sets, left_out = _gather_sets(cfg, RESOLUTION, tell)
+    bench = Bench(
+        draw_asset=draw_exact(sketch_source(network), RESOLUTION),
+        reconstruct=None,
+        library=_draw_set("training objects", HELD_OUT, cfg.training, RESOLUTION, cfg.image_size, tell),
+        out=out,
+        cfg=cfg,
+        tell=tell,
+    )
+    held = _pose_sets(sets, cfg)
+    rows = _measure_asks(bench, held, pictured=pictured)
+    picture_neighbours(bench, held["procedural"])
+    return Evaluation(
+        model=hash_model(folder),
+        device="cpu",
+        config={**asdict(cfg), "partnet": cfg.partnet is not None},
+        reading={name: score_reading(network, chosen) for name, chosen in sets.items()} if pictured else {},
+        rows=rows,
+        left_out=left_out,
+    )
 
 
 def evaluate_structure(
@@ -72,7 +122,8 @@ def evaluate_structure(
         out: Of the evaluation.
         cfg: What is measured.
         prove: Makes and checks packages of draws; None leaves that out.
-        draw_shape_for: Draws the objects whose boxes the model is told; None takes them from the grammar.
+        draw_shape_for: Draws the objects whose boxes the model is told; None takes the sketch network of the
+            folder.
         on_progress: Called as work is done.
 
     Raises:
@@ -80,22 +131,12 @@ def evaluate_structure(
             cannot be read.
         ArtigenError: If there are too few objects to say anything.
     """
+    _check_evaluation(cfg)
     device = torch.device("cuda" if torch.cuda.is_available() else "cpu")
     model = load_structure_model(folder, device)
-    categories = model.preset.conditions.categories
-    for name, count in (("held-out", cfg.held_out), ("training", cfg.training)):
-        if count < len(categories):
-            raise ArtigenError(
-                f"{count} {name} objects: expected at least {len(categories)}, one of each category"
-            )
-    if min(cfg.packages, cfg.redraws, cfg.pictured) < 0:
-        raise ArtigenError(
-            f"{cfg.packages} objects as packages with {cfg.redraws} redraws, {cfg.pictured} pictured: "
-            "expected nothing below 0"
-        )
-    if cfg.partnet is not None:
-        list_split(cfg.partnet, "val")
-    sampler = cfg.sampler
+    source = draw_shape_for or sketch_source(load_sketch_network(folder))
+    tell = on_progress or (lambda stage, done, total: None)
+    sampler, resolution = cfg.sampler, model.preset.resolution
     claim_folder(
         out / "settings.json",
         {
@@ -105,39 +146,33 @@ def evaluate_structure(
             "rescale": sampler.rescale,
             "interval": f"{sampler.interval[0]} to {sampler.interval[1]}",
             "seed": cfg.seed,
-            "shapes": "grammar" if draw_shape_for is None else getattr(draw_shape_for, "__name__", "others"),
+            "shapes": "sketch" if draw_shape_for is None else getattr(draw_shape_for, "__name__", "others"),
         },
     )
-    tell = on_progress or (lambda stage, done, total: None)
-    library = _draw_set(model, "training objects", HELD_OUT, cfg.training, tell)
-    sets = {"procedural": _draw_set(model, "held-out objects", 0, cfg.held_out, tell)}
-    left_out: dict[str, str] = {}
-    if cfg.partnet is not None:
-        resolution, size = model.preset.resolution, model.preset.conditions.image_size
-        read = partial(read_subjects, cfg.partnet, image_size=size, workers=cfg.workers)
-        tell("real objects", 0, 1)
-        sets["real"], left_out = read("val", resolution)
-        if read_description(folder)["vae"].get("real_objects"):  # they are training objects, too
-            library += read("train", resolution)[0]
+    sets, left_out = _gather_sets(cfg, resolution, tell)
+    library = _draw_set("training objects", HELD_OUT, cfg.training, resolution, cfg.image_size, tell)
+    if cfg.partnet is not None and read_description(folder)["vae"].get("real_objects"):
+        library += read_subjects(
+            cfg.partnet, "train", resolution, image_size=cfg.image_size, workers=cfg.workers
+        )[0]  # they are training objects, too
     examples = {name: [subject.example for subject in subjects] for name, subjects in sets.items()}
-    held = {
-        name: HeldOut(subjects=subjects, posed=pose_set([one.asset for one in subjects], cfg.score.poses))
-        for name, subjects in sets.items()
-    }
-    source = draw_shape_for or grammar_source(model.reader)
-    bench = Bench(model=model, draw_shape_for=source, library=library, out=out, cfg=cfg, tell=tell)
-    rows = []
-    for name, asks in (("procedural", ASKS), ("real", REAL_ASKS)):
-        for ask, fields in asks.items():
-            if name in held and ("image" not in fields or model.preset.conditions.image_size):
-                rows += measure_ask(bench, ask, fields, held[name])
+    generation = GenerateConfig(sampler=sampler)
+    bench = Bench(
+        draw_asset=draw_latent(model, source, generation),
+        reconstruct=lambda subject: reconstruct(model, subject, generation),
+        library=library,
+        out=out,
+        cfg=cfg,
+        tell=tell,
+    )
+    held = _pose_sets(sets, cfg)
+    rows = _measure_asks(bench, held, pictured=model.preset.conditions.image_size > 0)
     picture_neighbours(bench, held["procedural"])
     packages = None
     if prove is not None and cfg.packages:
         packages = measure_packages(bench, held["procedural"], prove)
     first = sets["procedural"][0]
     typical = describe_subject(first, ASKS["counts and size"])
-    generation = GenerateConfig(sampler=sampler)
     tell("time and memory", 0, 1)
     return Evaluation(
         model=hash_model(folder),
@@ -145,10 +180,7 @@ def evaluate_structure(
         config={**asdict(cfg), "partnet": cfg.partnet is not None},
         reconstruction={name: score_reconstruction(model.vae, chosen) for name, chosen in examples.items()},
         spread={name: score_spread(model.vae, chosen) for name, chosen in examples.items()},
-        reading={}
-        if model.reader is None
-        else {name: score_reader(model.reader, chosen) for name, chosen in examples.items()},
-        rows=tuple(rows),
+        rows=rows,
         footprint=measure_footprint(
             FootprintJob(model=folder, asked=typical, boxes=first.asset, cfg=generation)
         ),
@@ -157,15 +189,60 @@ def evaluate_structure(
     )
 
 
+def _check_evaluation(cfg: EvaluateConfig) -> None:
+    for name, count in (("held-out", cfg.held_out), ("training", cfg.training)):
+        if count < len(PAPER_CATEGORIES):
+            raise ArtigenError(
+                f"{count} {name} objects: expected at least {len(PAPER_CATEGORIES)}, one of each category"
+            )
+    if min(cfg.packages, cfg.redraws, cfg.pictured) < 0:
+        raise ArtigenError(
+            f"{cfg.packages} objects as packages with {cfg.redraws} redraws, {cfg.pictured} pictured: "
+            "expected nothing below 0"
+        )
+    if cfg.partnet is not None:
+        list_split(cfg.partnet, "val")
+
+
+def _gather_sets(
+    cfg: EvaluateConfig, resolution: int, tell: Progress
+) -> tuple[dict[str, list[Subject]], dict[str, str]]:
+    """Held-out objects, procedural and real, and why some of the latter are left out."""
+    sets = {"procedural": _draw_set("held-out objects", 0, cfg.held_out, resolution, cfg.image_size, tell)}
+    left_out: dict[str, str] = {}
+    if cfg.partnet is not None:
+        tell("real objects", 0, 1)
+        sets["real"], left_out = read_subjects(
+            cfg.partnet, "val", resolution, image_size=cfg.image_size, workers=cfg.workers
+        )
+    return sets, left_out
+
+
+def _pose_sets(sets: Mapping[str, list[Subject]], cfg: EvaluateConfig) -> dict[str, HeldOut]:
+    return {
+        name: HeldOut(subjects=subjects, posed=pose_set([one.asset for one in subjects], cfg.score.poses))
+        for name, subjects in sets.items()
+    }
+
+
+def _measure_asks(bench: Bench, held: Mapping[str, HeldOut], *, pictured: bool) -> tuple[Row, ...]:
+    rows: list[Row] = []
+    for name, asks in (("procedural", ASKS), ("real", REAL_ASKS)):
+        for ask, fields in asks.items():
+            if name in held and ("image" not in fields or pictured):
+                rows += measure_ask(bench, ask, fields, held[name])
+    return tuple(rows)
+
+
 def _draw_set(
-    model: StructureModel, stage: str, first_seed: int, count: int, tell: Progress
+    stage: str, first_seed: int, count: int, resolution: int, image_size: int, tell: Progress
 ) -> list[Subject]:
     done = iter(range(1, count + 1))
     return draw_subjects(
-        model.preset.conditions.categories,
+        PAPER_CATEGORIES,
         first_seed,
         count,
-        resolution=model.preset.resolution,
-        image_size=model.preset.conditions.image_size,
+        resolution=resolution,
+        image_size=image_size,
         on_done=lambda: tell(stage, next(done), count),
     )

@@ -13,10 +13,8 @@ from pathlib import Path
 
 import numpy as np
 
-from artigen.generate import GenerateConfig, StructureModel
 from artigen.journal import append_line, read_lines
-from artigen.metrics.draws import DrawJob, draw_all
-from artigen.metrics.shapes import ShapeSource
+from artigen.metrics.draws import DrawAsset, DrawJob, draw_all
 
 JOURNAL = "packages.jsonl"
 
@@ -62,12 +60,10 @@ class PackageReport:
 
 
 def prove_draws(
-    model: StructureModel,
     jobs: Sequence[DrawJob],
     out: Path,
-    cfg: GenerateConfig,
+    draw_asset: DrawAsset,
     prove: Prove,
-    draw_shape_for: ShapeSource,
     *,
     redraws: int,
     on_done: Callable[[int, int], None] | None = None,
@@ -75,12 +71,10 @@ def prove_draws(
     """Draws, makes and checks what ``out`` does not know yet, and counts.
 
     Args:
-        model: Trained networks.
         jobs: First draws, each with its category.
         out: Holds ``draws/`` and the journal ``packages.jsonl``.
-        cfg: Sampler, clean-up, segmentation.
+        draw_asset: Draws an object.
         prove: Makes and checks packages.
-        draw_shape_for: Draws the objects whose boxes the model is told.
         redraws: How often an object that fails is drawn again.
         on_done: Called with the proofs of a round that are there, and all of it.
     """
@@ -91,7 +85,7 @@ def prove_draws(
         if not waiting:
             break
         drawn = waiting if number == 0 else [_draw_again(job, number) for job in waiting]
-        found = _prove_round(model, drawn, out, cfg, prove, draw_shape_for, tell)
+        found = _prove_round(drawn, out, draw_asset, prove, tell)
         for job, proof in zip(waiting, found, strict=True):
             history[job.key].append(proof)
         waiting = [job for job, proof in zip(waiting, found, strict=True) if not proof.passed]
@@ -129,12 +123,10 @@ def _draw_again(job: DrawJob, number: int) -> DrawJob:
 
 
 def _prove_round(
-    model: StructureModel,
     jobs: Sequence[DrawJob],
     out: Path,
-    cfg: GenerateConfig,
+    draw_asset: DrawAsset,
     prove: Prove,
-    draw_shape_for: ShapeSource,
     tell: Callable[[int, int], None],
 ) -> list[Proof]:
     """Proofs in the order of ``jobs``; those that the journal knows are not made again."""
@@ -142,7 +134,7 @@ def _prove_round(
     known = {line["key"]: Proof(**{**line, "causes": tuple(line["causes"])}) for line in read_lines(journal)}
     tell(sum(job.key in known for job in jobs), len(jobs))
     missing = [job for job in jobs if job.key not in known]
-    draws = draw_all(model, missing, out / "draws", cfg, draw_shape_for)
+    draws = draw_all(missing, out / "draws", draw_asset)
     for job, draw in zip(missing, draws, strict=True):
         if draw.error is not None:
             known[job.key] = Proof(key=job.key, passed=False, causes=(name_cause(NO_OBJECT, draw.error),))

@@ -2,41 +2,52 @@
 
 from collections.abc import Sequence
 
+import numpy as np
 import torch
 
-from artigen.models.picture_reader import PictureReader
-from artigen.train.examples import StructureExample
-from artigen.train.reader import see_parts
-from artigen.types import PART_LABELS
+from artigen.metrics.subjects import Subject, describe_subject
+from artigen.sketch.draw import DrawConfig
+from artigen.sketch.model import draw_header
+from artigen.sketch.network import SketchNetwork
+from artigen.sketch.request import SketchRequest
+from artigen.types import PART_LABELS, PartLabel
+
+HIDDEN: tuple[PartLabel, ...] = ("shelf", "tray")
+"""Labels of parts that are mostly behind doors."""
+LIKELIEST = DrawConfig(temperature=0.1)
 
 
-@torch.no_grad()
-def score_reader(
-    reader: PictureReader, examples: Sequence[StructureExample], *, batch: int = 64
-) -> dict[str, float]:
-    """Reads the pictures of examples; shares in [0, 1].
+def score_reading(network: SketchNetwork, subjects: Sequence[Subject]) -> dict[str, float]:
+    """Reads the pictures of objects by the likeliest header of each; shares in [0, 1].
 
-    ``category`` and ``counts`` are the shares of pictures read right, the latter of every label at once;
-    ``counts of <label>`` those of one label; ``extents`` is the mean error of the logarithms of the extents
-    as shares of the longest.
+    ``category`` and ``counts`` are the shares of pictures read right, the latter of every label at once,
+    ``counts in view`` without shelves and trays; ``counts of <label>`` those of one label; ``extents`` is the
+    mean error of the logarithms of the extents as shares of the longest.
     """
-    device = next(reader.parameters()).device
-    rights: list[torch.Tensor] = []
-    kinds: list[torch.Tensor] = []
-    errors: list[torch.Tensor] = []
-    for start in range(0, len(examples), batch):
-        seen = see_parts(examples[start : start + batch], reader.conditions).to(device)
-        said = reader(seen.image)
-        rights.append(said.counts.argmax(dim=-1) == seen.counts)
-        kinds.append(said.category.argmax(dim=-1) == seen.category)
-        errors.append((said.log_extents - seen.log_extents).abs().mean(dim=1))
-    right = torch.cat(rights).float()
+    kinds, rights, errors = [], [], []
+    for subject in subjects:
+        image = describe_subject(subject, ("image",)).image
+        assert image is not None
+        with torch.no_grad():
+            _, sight = network.look(torch.from_numpy(image)[None])
+        said = draw_header(network, SketchRequest(), 0, LIKELIEST, sight)
+        held = {"base": 1, **dict(said.counts)}
+        kinds.append(said.category == subject.example.category)
+        rights.append(
+            [held[label] == count for label, count in zip(PART_LABELS, subject.example.counts, strict=True)]
+        )
+        extents = np.array([said.depth, said.width, said.height], dtype=float)
+        off = np.log(extents / extents.max()) - np.log(subject.example.size / subject.example.size.max())
+        errors.append(np.abs(off).mean())
+    right = np.array(rights)
+    shown = [label not in HIDDEN for label in PART_LABELS]
     return {
-        "category": float(torch.cat(kinds).float().mean()),
-        "counts": float(right.amin(dim=1).mean()),
+        "category": float(np.mean(kinds)),
+        "counts": float(right.all(axis=1).mean()),
+        "counts in view": float(right[:, shown].all(axis=1).mean()),
         **{
             f"counts of {label}": float(share)
-            for label, share in zip(PART_LABELS, right.mean(dim=0), strict=True)
+            for label, share in zip(PART_LABELS, right.mean(axis=0), strict=True)
         },
-        "extents": float(torch.cat(errors).mean()),
+        "extents": float(np.mean(errors)),
     }

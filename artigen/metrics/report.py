@@ -69,25 +69,11 @@ def write_evaluation(found: Mapping[str, object], table: str, out: Path) -> tupl
 
 def format_report(evaluation: Evaluation) -> str:
     """The tables: reconstruction, deviations within parts, draws beside their baselines, time and memory."""
-    sets = list(evaluation.reconstruction)
-    lines = [f"Model {evaluation.model[:12]}, device {evaluation.device}.", "", "## Reconstruction", ""]
-    lines += format_table(
-        ("held-out objects", *sets, "paper, its own data"),
-        [
-            (name, *(format_score(evaluation.reconstruction[one].get(key), form) for one in sets), paper)
-            for key, name, form, paper in RECONSTRUCTION
-        ],
-    )
-    lines += ["", "Standard deviation within a part, mean over parts:", ""]
-    lines += format_table(
-        ("of", *sets, "paper, its own data"),
-        [
-            (name, *(_triple(evaluation.spread[one].get(key, ())) for one in sets), _triple(paper))
-            for key, name, paper in SPREAD
-        ],
-    )
+    lines = [f"Model {evaluation.model[:12]}, device {evaluation.device}."]
+    if evaluation.reconstruction:
+        lines += _format_reconstruction(evaluation)
     if evaluation.reading:
-        read = next(iter(evaluation.reading.values()))
+        read, sets = next(iter(evaluation.reading.values())), list(evaluation.reading)
         lines += ["", "## Pictures read", ""]
         lines += format_table(
             ("share of pictures read right", *sets),
@@ -118,17 +104,41 @@ def format_report(evaluation: Evaluation) -> str:
         "Strict and compat distances follow different protocols and are not comparable. Distances are",
         "squared: strict ones in the unit cube, compat ones in a cube of edge 2. 1-NNA: 50 % is perfect.",
         *_format_packages(evaluation.packages),
-        "",
-        "## Time and memory",
-        "",
-        f"One object, latent to parts: {evaluation.footprint.seconds:.2f} s "
-        f"({evaluation.footprint.cpu_seconds:.2f} s of processor time); peak memory of the process "
-        f"{evaluation.footprint.peak_mib:.0f} MiB.",
     ]
+    if evaluation.footprint is not None:
+        lines += [
+            "",
+            "## Time and memory",
+            "",
+            f"One object, latent to parts: {evaluation.footprint.seconds:.2f} s "
+            f"({evaluation.footprint.cpu_seconds:.2f} s of processor time); peak memory of the process "
+            f"{evaluation.footprint.peak_mib:.0f} MiB.",
+        ]
     if evaluation.left_out:
         lines += ["", "Real objects left out:", ""]
         lines += [f"- {name}: {reason}" for name, reason in sorted(evaluation.left_out.items())]
     return "\n".join(lines) + "\n"
+
+
+def _format_reconstruction(evaluation: Evaluation) -> list[str]:
+    """Tables 3 and 4 of the paper beside ours."""
+    sets = list(evaluation.reconstruction)
+    lines = ["", "## Reconstruction", ""]
+    lines += format_table(
+        ("held-out objects", *sets, "paper, its own data"),
+        [
+            (name, *(format_score(evaluation.reconstruction[one].get(key), form) for one in sets), paper)
+            for key, name, form, paper in RECONSTRUCTION
+        ],
+    )
+    lines += ["", "Standard deviation within a part, mean over parts:", ""]
+    return lines + format_table(
+        ("of", *sets, "paper, its own data"),
+        [
+            (name, *(_triple(evaluation.spread[one].get(key, ())) for one in sets), _triple(paper))
+            for key, name, paper in SPREAD
+        ],
+    )
 
 
 def _format_packages(report: PackageReport | None) -> list[str]:

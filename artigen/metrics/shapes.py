@@ -6,10 +6,9 @@ from contextlib import suppress
 import numpy as np
 
 from artigen.models.conditions import StructureCondition
-from artigen.models.picture_reader import PictureReader, read_condition
 from artigen.shapes.draw import ShapeError, Wish, draw_shape
 from artigen.shapes.shape import Shape
-from artigen.sketch.model import draw_object
+from artigen.sketch.model import SketchConfig, draw_alike, draw_object
 from artigen.sketch.network import SketchNetwork
 from artigen.sketch.request import SketchRequest
 from artigen.types import PART_LABELS
@@ -20,19 +19,16 @@ TRIES = 40
 """Objects of the grammar among which the nearest is taken."""
 
 
-def grammar_source(reader: PictureReader | None = None, *, tries: int = TRIES) -> ShapeSource:
+def grammar_source(*, tries: int = TRIES) -> ShapeSource:
     """Objects of the grammar with the lengths that are asked for and the nearest counts among some draws.
 
     Args:
-        reader: Reads what a condition leaves open off its picture.
         tries: Draws per object, at most.
     """
 
     def draw_grammar(asked: StructureCondition, seed: int) -> Shape:
-        if reader is not None:
-            asked, _ = read_condition(reader, asked)
         if asked.category is None:
-            raise ShapeError("no category is asked for, and none can be read off a picture")
+            raise ShapeError("no category is asked for, and the grammar reads none off pictures")
         wanted = dict(asked.counts)
         depth, width, height = asked.size or (None, None, None)
         wish = Wish(depth=depth, width=width, height=height)
@@ -53,17 +49,17 @@ def grammar_source(reader: PictureReader | None = None, *, tries: int = TRIES) -
     return draw_grammar
 
 
-def sketch_source(network: SketchNetwork, reader: PictureReader | None = None) -> ShapeSource:
-    """Objects of the sketch network: what a condition leaves open is drawn, or read off its picture."""
+def sketch_source(network: SketchNetwork, cfg: SketchConfig | None = None) -> ShapeSource:
+    """Objects of the sketch network, by words or by pictures: what a condition leaves open is drawn."""
 
     def draw_sketch(asked: StructureCondition, seed: int) -> Shape:
-        if reader is not None:
-            asked, _ = read_condition(reader, asked)
         depth, width, height = asked.size or (None, None, None)
         request = SketchRequest(
             category=asked.category, counts=asked.counts, depth=depth, width=width, height=height
         )
-        return draw_object(network, request, seed).shape
+        if asked.image is None:
+            return draw_object(network, request, seed, cfg).shape
+        return draw_alike(network, request, seed, asked.image, cfg)[0].shape
 
     return draw_sketch
 

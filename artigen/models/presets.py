@@ -14,7 +14,6 @@ from artigen.models.dinov2 import DinoConfig
 from artigen.models.latent_dit import LatentDitConfig
 from artigen.models.outline import hint_channels
 from artigen.models.patch_vae import PatchVaeConfig
-from artigen.models.picture_reader import PictureReaderConfig
 from artigen.models.structure_dit import StructureDitConfig
 
 PresetName = Literal["tiny", "small", "compact", "paper"]
@@ -30,8 +29,6 @@ class StructurePreset:
     """Flow on their latents."""
     conditions: ConditionConfig
     """What can be asked for."""
-    reader: PictureReaderConfig | None = None
-    """What reads pictures, where they can be given."""
     resolution: int = 64
     """Edge of the fields."""
 
@@ -50,20 +47,17 @@ PRESETS: dict[PresetName, StructurePreset] = {
             edge=8, width=64, blocks=2, heads=2, cell_width=32, cell_blocks=2, hint=hint_channels()
         ),
         conditions=ConditionConfig(width=64, image_size=32, image_patch=8, image_width=32, image_blocks=1),
-        reader=PictureReaderConfig(widths=(16, 32), blocks=1, stem=8, hidden=64),
         resolution=32,
     ),
     "small": StructurePreset(
         vae=PatchVaeConfig(width=64, encoder_blocks=1, decoder_blocks=3, global_width=128, global_blocks=2),
         flow=LatentDitConfig(hint=hint_channels()),
         conditions=ConditionConfig(),
-        reader=PictureReaderConfig(),
     ),
     "compact": StructurePreset(
         vae=PatchVaeConfig(),
         flow=LatentDitConfig(cell_width=64, cell_blocks=4, hint=hint_channels()),
         conditions=ConditionConfig(),
-        reader=PictureReaderConfig(widths=(32, 48, 64), stem=16, hidden=128),  # 40 MB in all
     ),
     "paper": StructurePreset(
         vae=ConvVaeConfig(),

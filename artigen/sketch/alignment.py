@@ -1,8 +1,9 @@
 """The camera that a picture was taken with, found by laying a shape over it, and how alike the two are.
 
 A picture of one object, cut out, says where its silhouette and the edges between its parts are. A camera is
-fitted that makes the closed shape's agree: directions are compared coarsely by the hull of the silhouette,
-then refined on buffers that say which face each pixel sees. No network takes part.
+fitted that makes the closed shape's agree. It begins with a view that is given, such as the one that
+`artigen.sketch.picture` reads, or with all directions, compared coarsely by the hull of the silhouette; it is
+refined on buffers that say which face each pixel sees.
 """
 
 from collections.abc import Callable
@@ -63,7 +64,7 @@ EVENNESS, EDGES = 0.12, 0.3
 """The same where shapes are compared."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class View:
     """A camera about the object: angles in radians, the rest without unit."""
 
@@ -94,13 +95,20 @@ class Fit:
     edges: float
     """Correlation of the edges between parts with the picture's, -1 to 1."""
 
+    @property
+    def likeness(self) -> float:
+        """How alike shape and picture are: higher is more alike, comparable within one picture."""
+        return self.overlap + EVENNESS * self.evenness + EDGES * self.edges
 
-def fit_camera(shape: Shape, picture: Float[np.ndarray, "4 S S"]) -> Fit:
+
+def fit_camera(shape: Shape, picture: Float[np.ndarray, "4 S S"], near: View | None = None) -> Fit:
     """Finds the camera under which the closed shape covers a picture best.
 
     Args:
         shape: The object, at rest.
         picture: RGBA in [0, 1], premultiplied on black, as `artigen.pictures.read_picture` gives it.
+        near: About where the camera is; what is beyond `BOUNDS` is taken to be at their edge. None looks for
+            it everywhere in front.
 
     Raises:
         PictureError: If the picture shows no object.
@@ -110,7 +118,8 @@ def fit_camera(shape: Shape, picture: Float[np.ndarray, "4 S S"]) -> Fit:
     target = read_target(picture, EDGE)
     shown = keep_shown(faces, hull, target)
     first, choose, last = (_scorer(shown, hull, target, weights=weights) for weights in WEIGHTS)
-    ranked = sorted(find_starts(hull, target), key=first, reverse=True)
+    starts = find_starts(hull, target) if near is None else [_bound(near)]
+    ranked = sorted(starts, key=first, reverse=True)
     found = [refine(first, view, 3, COARSE_TRIES) for view in ranked[:ROUNDS]]
     view = refine(last, max(found, key=choose), 6, TRIES)
     whole = read_target(picture, picture.shape[1])
@@ -125,14 +134,6 @@ def fit_camera(shape: Shape, picture: Float[np.ndarray, "4 S S"]) -> Fit:
         evenness=measure_evenness(faces, seen, whole),
         edges=measure_edges(faces, seen, whole),
     )
-
-
-def likeness(shape: Shape, picture: Float[np.ndarray, "4 S S"], fit: Fit) -> float:
-    """How alike a fitted shape and a picture are: higher is more alike, comparable within one picture."""
-    faces, target = list_faces(shape), read_target(picture, picture.shape[1])
-    seen = look(faces, fit.camera)
-    out = measure_overlap(seen, target) + EVENNESS * measure_evenness(faces, seen, target)
-    return out + EDGES * measure_edges(faces, seen, target)
 
 
 def _scorer(
@@ -250,6 +251,11 @@ def refine(score: Callable[[View], float], start: View, count: int, tries: int) 
         },
     )
     return view_of(done.x)
+
+
+def _bound(view: View) -> View:
+    """The nearest view within `BOUNDS`."""
+    return View(**{name: min(max(getattr(view, name), low), high) for name, (low, high) in BOUNDS.items()})
 
 
 def _stand(

@@ -18,7 +18,9 @@ from artigen.sketch.network import (
     Cache,
     NumberParts,
     RowBatch,
+    Sight,
     SketchNetwork,
+    join_sights,
     list_planes,
     slots,
 )
@@ -52,21 +54,31 @@ class Draft:
     said: RowBatch
     cache: tuple[tuple[Float[Tensor, "1 H T E"], Float[Tensor, "1 H T E"]], ...]
     """Keys and values of every block."""
+    sight: Sight | None = None
+    """What is seen of the object's picture, if there is one."""
 
 
 @torch.no_grad()
-def begin_drafts(network: SketchNetwork, requests: Sequence[Asked]) -> list[Draft]:
+def begin_drafts(
+    network: SketchNetwork, requests: Sequence[Asked], sight: Sight | None = None
+) -> list[Draft]:
     """Empty tables for requests that all have as many rows.
 
+    Args:
+        network: trained.
+        requests: what is asked for.
+        sight: what is seen of the objects' pictures; None where there are none.
+
     Raises:
-        ValueError: If they have not.
+        ValueError: If requests differ in length.
     """
     if len({len(asked.rows) for asked in requests}) != 1:
         raise ValueError(f"requests of {sorted({len(a.rows) for a in requests})} rows, expected all alike")
     empty = np.zeros((0, requests[0].rows.shape[1]), dtype=int)
     batch = make_batch([empty] * len(requests), requests)
     cache = [Cache() for _ in network.blocks]
-    states = network.read_rows(network.embed_cells(batch.rows, batch.known, batch.axes), batch, cache)
+    cells = network.embed_cells(batch.rows, batch.known, batch.axes)
+    states = network.read_rows(cells, batch, cache, sight)
     return [
         Draft(
             writer=Writer(asked=asked),
@@ -74,6 +86,7 @@ def begin_drafts(network: SketchNetwork, requests: Sequence[Asked]) -> list[Draf
             keys=states.new_zeros(0, network.cfg.pointer * SIDES),
             said=_take(batch, [index], slice(0, 0)),
             cache=_slice_cache(cache, index),
+            sight=None if sight is None else sight.take([index]),
         )
         for index, asked in enumerate(requests)
     ]
@@ -142,6 +155,7 @@ class _Pen:
             )
             for block in zip(*(draft.cache for draft in drafts), strict=True)
         ]
+        self.sight = join_sights([draft.sight for draft in drafts if draft.sight is not None])
 
     def write_row(self) -> None:
         """Writes one row of every table, reads it, and takes leave of tables that are done."""
@@ -155,7 +169,7 @@ class _Pen:
         rows = np.array([writer.close() for writer in self.writers])
         last = _describe(self.writers, rows)
         # The sum of the cells is what was gathered field by field.
-        self.state = network.read_rows(before[:, None, None], last, self.cache)[:, -1]
+        self.state = network.read_rows(before[:, None, None], last, self.cache, self.sight)[:, -1]
         self.said = _join(self.said, last)
         self.keys = torch.cat([self.keys, network.keys(self.state)[:, None]], 1)
 
@@ -170,6 +184,7 @@ class _Pen:
                     keys=self.keys[k],
                     said=_take(self.said, [k], slice(None)),
                     cache=_slice_cache(self.cache, k),
+                    sight=None if self.sight is None else self.sight.take([k]),
                 )
             elif not writer.stuck:
                 going.append(k)
@@ -179,6 +194,7 @@ class _Pen:
         self.index = [self.index[k] for k in going]
         self.state, self.keys = self.state[going], self.keys[going]
         self.said = _take(self.said, going, slice(None))
+        self.sight = None if self.sight is None else self.sight.take(going)
         for cache in self.cache:
             assert cache.keys is not None
             assert cache.values is not None

@@ -1,29 +1,34 @@
 """The sketch network with its weights, and objects drawn from it until one has no fault."""
 
 from collections import Counter
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import torch
+from jaxtyping import Float
 
 from artigen.errors import SourceError
 from artigen.models.store import load_model, read_description, save_model
+from artigen.pictures import Picture, read_picture
 from artigen.shapes.shape import Shape
+from artigen.sketch.alignment import Fit, View, fit_camera
 from artigen.sketch.draw import Draft, DrawConfig, begin_drafts, continue_drafts
 from artigen.sketch.faults import Fault, find_faults
-from artigen.sketch.network import SketchNetwork, SketchNetworkConfig
+from artigen.sketch.network import Sight, SketchNetwork, SketchNetworkConfig
+from artigen.sketch.picture import PictureConfig
 from artigen.sketch.request import SketchRequest, ask
-from artigen.sketch.rows import CATEGORIES, STYLES, column, rows_to_sketch
+from artigen.sketch.rows import CATEGORIES, COUNTED, STYLES, column, rows_to_sketch
 from artigen.sketch.sketch import STEP, SketchError, read_sketch
 
 NAME = "sketch"
 """Of the network in a model folder."""
+PICTURE_EDGE = 256
+"""Pixels of a picture's edge when cameras are fitted and colours are read."""
 WITHIN = 0.01
 """Share by which an extent may differ from what was asked or announced."""
-
-
 DEFERRED = frozenset(("tipping", "extent"))
 """Faults that only a whole object can have."""
 
@@ -34,6 +39,8 @@ class SketchConfig:
 
     draw: DrawConfig = field(default_factory=DrawConfig)
     """Temperature."""
+    header: DrawConfig = field(default_factory=lambda: DrawConfig(temperature=1.0))
+    """That of the header: category, style, counts and extents."""
     candidates: int = 8
     """Continuations of an object that are drawn side by side for every part."""
     rounds: int = 2
@@ -64,7 +71,7 @@ class Drawn:
 
 def save_sketch_network(network: SketchNetwork, folder: Path, described: dict[str, object]) -> None:
     """Writes the weights, and the vocabulary that they belong to, into a model folder."""
-    said = {"sizes": vars(network.cfg), "categories": list(CATEGORIES), "styles": list(STYLES)}
+    said = {"sizes": asdict(network.cfg), "categories": list(CATEGORIES), "styles": list(STYLES)}
     save_model(network, folder, {**said, **described}, NAME)
 
 
@@ -82,40 +89,60 @@ def load_sketch_network(folder: Path) -> SketchNetwork:
             raise SourceError(
                 f"{folder}: a sketch network for {name} {said.get(name)}, expected {list(words)}"
             )
-    sizes = said.get("sizes")
-    if not isinstance(sizes, dict) or not sizes.keys() <= set(SketchNetworkConfig.__dataclass_fields__):
-        raise SourceError(f"{folder}: sizes {sizes} of a sketch network, expected {SketchNetworkConfig()}")
-    network = SketchNetwork(SketchNetworkConfig(**sizes))
+    try:
+        network = SketchNetwork(_read_sizes(said.get("sizes")))
+    except (TypeError, ValueError) as error:
+        raise SourceError(
+            f"{folder}: sizes {said.get('sizes')} of a sketch network ({error}), expected such as "
+            f"{SketchNetworkConfig()}"
+        ) from error
     load_model(network, folder, NAME)
     return network
 
 
+def _read_sizes(said: Any) -> SketchNetworkConfig:
+    """Sizes as a description has them; networks from before pictures do not name these."""
+    picture = said.get("picture")
+    if picture is not None:
+        picture = PictureConfig(
+            **{**picture, **{name: tuple(picture[name]) for name in ("widths", "blocks") if name in picture}}
+        )
+    return SketchNetworkConfig(**{**said, "picture": picture})
+
+
 def draw_object(
-    network: SketchNetwork, request: SketchRequest, seed: int, cfg: SketchConfig | None = None
+    network: SketchNetwork,
+    request: SketchRequest,
+    seed: int,
+    cfg: SketchConfig | None = None,
+    sight: Sight | None = None,
 ) -> Drawn:
     """Draws an object that meets a request; the same arguments give the same object on one machine.
 
-    The object grows part by part. Every part is drawn several times side by side, and the first that has no
-    fault beside those before it stays. Where all have some, the part before is drawn again, at each further
-    dead end of as many parts one more. When the budget is used up, the object is finished with the fewest
-    faults that a batch has, and these are returned with it.
+    The header is drawn first; then the object grows part by part. Every part is drawn several times side by
+    side, and the first that has no fault beside those before it stays. Where all have some, the part before
+    is drawn again, at each further dead end of as many parts one more. When the budget is used up, the object
+    is finished with the fewest faults that a batch has, and these are returned with it.
 
     Args:
         network: trained.
         request: what is asked for.
         seed: of all chance.
         cfg: temperature and budget.
+        sight: what is seen of its picture (`SketchNetwork.look`), if it has one.
 
     Raises:
         SketchError: If the request is none that sketches can say, or no object could be read.
     """
     cfg = cfg or SketchConfig()
     hand = _Hand(network=network, generator=torch.Generator().manual_seed(seed), cfg=cfg)
-    grown = begin_drafts(network, [ask(request)])
+    grown = begin_drafts(network, [ask(request)], sight)
     dead_ends: Counter[int] = Counter()
     best: tuple[Shape, tuple[Fault, ...]] | None = None
     misses = 0
     while hand.batches < cfg.batches:
+        if len(grown) == 1:
+            grown.append(hand.head(grown[0]))
         found = hand.grow(grown[-1])
         if found is not None:
             grown.append(found)
@@ -142,26 +169,59 @@ def draw_object(
     return Drawn(shape=best[0], faults=best[1], notes=(note,), seen=hand.seen, batches=hand.batches)
 
 
+def read_object_picture(network: SketchNetwork, path: Path) -> Picture:
+    """Reads a picture as the network takes it.
+
+    Raises:
+        SourceError: If the network reads no pictures, or the file holds none.
+    """
+    if network.cfg.picture is None:
+        raise SourceError(
+            f"{path}: the sketch network of this model reads no pictures; describe the object in words, or "
+            "give a model that was trained with pictures"
+        )
+    return read_picture(path, PICTURE_EDGE)
+
+
 def draw_alike(
     network: SketchNetwork,
     request: SketchRequest,
     seed: int,
-    like: Callable[[Shape], float],
+    picture: Float[np.ndarray, "4 S S"],
     cfg: SketchConfig | None = None,
     *,
-    objects: int = 4,
-) -> Drawn:
-    """Draws several objects and returns that without faults which ``like`` rates highest.
+    objects: int = 2,
+) -> tuple[Drawn, Fit]:
+    """Draws several objects by a picture and returns the one that looks most like it, with its camera.
 
-    No further one is begun when the budget of one object is used up.
+    Of objects with faults, only those with the fewest are compared. No further one is begun when the budget
+    of one object is used up.
+
+    Args:
+        network: trained, one that reads pictures.
+        request: what is asked for besides; it goes before what the picture shows.
+        seed: of all chance.
+        picture: RGBA in [0, 1], premultiplied on black.
+        cfg: temperature and budget of each.
+        objects: how many, at most.
+
+    Raises:
+        SketchError: As `draw_object` does.
+        PictureError: If the picture shows no object.
     """
     cfg = cfg or SketchConfig()
+    image = torch.from_numpy(np.ascontiguousarray(picture, dtype=np.float32))[None]
+    with torch.no_grad():
+        seen, sight = network.look(image)
+    view = View(*seen.view[0].tolist())
     drawn: list[Drawn] = []
     for one in np.random.SeedSequence(seed).generate_state(objects).tolist():
-        drawn.append(draw_object(network, request, one, cfg))
+        drawn.append(draw_object(network, request, one, cfg, sight))
         if sum(found.batches for found in drawn) >= cfg.batches:
             break
-    return min(drawn, key=lambda one: (len(one.faults), -like(one.shape)))
+    fewest = min(len(one.faults) for one in drawn)
+    fitted = [(one, fit_camera(one.shape, picture, view)) for one in drawn if len(one.faults) == fewest]
+    return max(fitted, key=lambda pair: pair[1].likeness)
 
 
 @dataclass(kw_only=True, eq=False)
@@ -173,6 +233,10 @@ class _Hand:
     cfg: SketchConfig
     seen: Counter[str] = field(default_factory=Counter)
     batches: int = 0
+
+    def head(self, draft: Draft) -> Draft:
+        """An empty table with its header."""
+        return _draw_header(self.network, draft, self.generator, self.cfg.header)
 
     def grow(self, draft: Draft) -> Draft | None:
         """The first of a batch of continuations by one part that is sound, if any is."""
@@ -221,13 +285,46 @@ def _find_lasting(draft: Draft) -> set[str]:
     return {fault.id for fault in faults} - DEFERRED
 
 
-def guess_extents(network: SketchNetwork, request: SketchRequest, seed: int) -> dict[str, float]:
-    """Depth, width and height (m) that an object which meets the request may have."""
-    start = begin_drafts(network, [ask(request)])
-    header = continue_drafts(network, start, lambda _: True, torch.Generator().manual_seed(seed))[0]
+def draw_header(
+    network: SketchNetwork,
+    request: SketchRequest,
+    seed: int,
+    cfg: DrawConfig | None = None,
+    sight: Sight | None = None,
+) -> SketchRequest:
+    """Category, style, counts of every label and extents of an object that meets a request.
+
+    Args:
+        network: trained.
+        request: what is asked for.
+        seed: of all chance.
+        cfg: temperature; a low one gives the likeliest.
+        sight: what is seen of its picture, if it has one.
+
+    Raises:
+        SketchError: If the request is none that sketches can say.
+    """
+    generator = torch.Generator().manual_seed(seed)
+    (empty,) = begin_drafts(network, [ask(request)], sight)
+    row = _draw_header(network, empty, generator, cfg).writer.rows[0]
+    depth, width, height = (row[column("object", name)] * STEP for name in ("depth", "width", "height"))
+    return SketchRequest(
+        category=CATEGORIES[row[column("object", "category")]],
+        style=STYLES[row[column("object", "style")]],
+        counts=tuple((label, row[column("object", label)]) for label in COUNTED),
+        depth=depth,
+        width=width,
+        height=height,
+        finishes=request.finishes,
+    )
+
+
+def _draw_header(
+    network: SketchNetwork, empty: Draft, generator: torch.Generator, cfg: DrawConfig | None
+) -> Draft:
+    (header,) = continue_drafts(network, [empty], lambda _: True, generator, cfg)
     assert header is not None
-    row = header.writer.rows[0]
-    return {name: row[column("object", name)] * STEP for name in ("depth", "width", "height")}
+    return header
 
 
 def _judge(table: np.ndarray, seed: int) -> tuple[Shape, tuple[Fault, ...]]:

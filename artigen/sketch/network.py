@@ -4,9 +4,12 @@ There is one position per row. Its state and the fields of the next row said so 
 a symbol of its slot's vocabulary, or a number. A coordinate has three ways to be said, whose probabilities
 add up: a plane that an earlier row named, such a plane with an offset of at most `OFFSET` steps, or two
 digits. So boards that are flush are exactly flush, and the thickness of a board is one symbol.
+
+Where the object's picture is given, every second block also attends to what `PictureEncoder` sees in it.
 """
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from functools import cache
 from math import log
 
@@ -16,6 +19,7 @@ from jaxtyping import Bool, Float, Int
 from torch import Tensor, nn
 from torch.nn import functional
 
+from artigen.sketch.picture import PictureConfig, PictureEncoder, Seen
 from artigen.sketch.rows import FIELDS, LENGTH, REACH, ROW_KINDS, WIDTH, column
 
 OFFSET = 96
@@ -47,6 +51,8 @@ class SketchNetworkConfig:
     heads: int = 8
     pointer: int = 64
     """Width of keys and queries of planes."""
+    picture: PictureConfig | None = field(default_factory=PictureConfig)
+    """How pictures are read; None for a network that sees none."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -69,11 +75,11 @@ def slots() -> Slots:
     of_cell[:, 0] = 0
     base, size, total = [0], [len(ROW_KINDS)], len(ROW_KINDS)
     for index, kind in enumerate(ROW_KINDS):
-        for at, field in enumerate(FIELDS[kind], start=1):
+        for at, told in enumerate(FIELDS[kind], start=1):
             of_cell[index, at] = len(base)
-            base.append(total if field.size else -1)
-            size.append(field.size)
-            total += field.size
+            base.append(total if told.size else -1)
+            size.append(told.size)
+            total += told.size
     return Slots(of_cell=of_cell, base=np.array(base), size=np.array(size), total=total)
 
 
@@ -110,6 +116,32 @@ class RowBatch:
         return RowBatch(**{name: value.to(device) for name, value in vars(self).items()})
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Sight:
+    """What blocks attend to of pictures: keys and values of each that looks."""
+
+    keys: tuple[Float[Tensor, "B H N E"], ...]
+    values: tuple[Float[Tensor, "B H N E"], ...]
+
+    def take(self, objects: Sequence[int]) -> "Sight":
+        """That of some of the objects, in this order."""
+        rows = list(objects)
+        return Sight(
+            keys=tuple(one[rows] for one in self.keys), values=tuple(one[rows] for one in self.values)
+        )
+
+
+def join_sights(sights: Sequence[Sight]) -> Sight | None:
+    """Those of several objects side by side; None for none."""
+    if not sights:
+        return None
+    keys, values = ([getattr(one, name) for one in sights] for name in ("keys", "values"))
+    return Sight(
+        keys=tuple(torch.cat(block) for block in zip(*keys, strict=True)),
+        values=tuple(torch.cat(block) for block in zip(*values, strict=True)),
+    )
+
+
 class SketchNetwork(nn.Module):
     """The transformer; see the module's description."""
 
@@ -132,7 +164,11 @@ class SketchNetwork(nn.Module):
         self.piece = nn.Embedding(32, width)
         self.asked = nn.Embedding(2, width)
         self.enter = _Feed(width)
-        self.blocks = nn.ModuleList(_Block(width, cfg.heads) for _ in range(cfg.layers))
+        self.picture = None if cfg.picture is None else PictureEncoder(cfg.picture, width)
+        self.blocks = nn.ModuleList(
+            _Block(width, cfg.heads, looks=cfg.picture is not None and layer % 2 == 0)
+            for layer in range(cfg.layers)
+        )
         self.leave = nn.RMSNorm(width)
         self.state = nn.Linear(width, width, bias=False)
         self.inner = nn.ModuleList(_Feed(width) for _ in range(2))
@@ -174,6 +210,8 @@ class SketchNetwork(nn.Module):
             assert isinstance(block, _Block)
             for last in (block.out, block.feed.down):
                 nn.init.normal_(last.weight, std=0.5 / (cfg.width * 2 * cfg.layers) ** 0.5)
+            if block.look is not None:  # a network that has seen none begins as if there were none
+                nn.init.zeros_(block.look.out.weight)
 
     def embed_cells(
         self, rows: Int[Tensor, "*N W"], known: Bool[Tensor, "*N W"], axes: Int[Tensor, "*N W"]
@@ -185,9 +223,7 @@ class SketchNetwork(nn.Module):
         symbol = self.base[slot] + torch.where(number | ~known | ~exists, 0, rows)
         said = self.symbols(symbol)
         where = number & known & exists
-        angle = rows[where][:, None] * self.turns
-        waves = torch.cat([angle.sin(), angle.cos()], dim=-1)
-        said = said.index_put((where,), (self.numbers(waves) * self.gates(slot[where])).to(said.dtype))
+        said = said.index_put((where,), self._embed_numbers(slot[where], rows[where]).to(said.dtype))
         unknown = exists & ~known
         said = said.index_put((unknown,), self.unknown(slot[unknown]).to(said.dtype))
         return said * exists[..., None]
@@ -197,12 +233,41 @@ class SketchNetwork(nn.Module):
     ) -> Float[Tensor, "N D"]:
         """What single cells say: as `embed_cells`, for known ones."""
         said = self.symbols(self.base[slot] + torch.where(number, 0, value))
-        angle = value[number][:, None] * self.turns
-        waves = torch.cat([angle.sin(), angle.cos()], dim=-1)
-        return said.index_put((number,), self.numbers(waves) * self.gates(slot[number]))
+        return said.index_put((number,), self._embed_numbers(slot[number], value[number]))
+
+    def _embed_numbers(self, slot: Int[Tensor, "N"], value: Int[Tensor, "N"]) -> Float[Tensor, "N D"]:
+        """Sines and cosines of numbers, weighed by what they are."""
+        angle = value[:, None] * self.turns
+        return self.numbers(torch.cat([angle.sin(), angle.cos()], dim=-1)) * self.gates(slot)
+
+    def look(self, image: Float[Tensor, "B 4 S S"]) -> tuple[Seen, Sight]:
+        """What pictures show, and what the blocks attend to of it.
+
+        Args:
+            image: RGB and alpha in [0, 1], premultiplied on black; scaled to the encoder's edge.
+
+        Raises:
+            ValueError: If the network reads no pictures.
+        """
+        if self.picture is None:
+            raise ValueError("this network reads no pictures")
+        edge = self.picture.cfg.edge
+        if image.shape[-1] != edge:
+            image = functional.interpolate(image, (edge, edge), mode="bilinear", antialias=True)
+        seen = self.picture(image)
+        looks = [block.look for block in self._blocks() if block.look is not None]
+        pairs = [look.remember(seen.tokens) for look in looks]
+        return seen, Sight(keys=tuple(keys for keys, _ in pairs), values=tuple(values for _, values in pairs))
+
+    def _blocks(self) -> "list[_Block]":
+        return [block for block in self.blocks if isinstance(block, _Block)]
 
     def read_rows(
-        self, cells: Float[Tensor, "B T W D"], batch: RowBatch, cache: "list[Cache] | None" = None
+        self,
+        cells: Float[Tensor, "B T W D"],
+        batch: RowBatch,
+        cache: "list[Cache] | None" = None,
+        sight: Sight | None = None,
     ) -> Float[Tensor, "B T D"]:
         """States after each row; with a cache, rows go on from those read before."""
         x = (
@@ -212,8 +277,13 @@ class SketchNetwork(nn.Module):
             + self.asked(batch.asked.long())
         )
         x = self.enter(x)
-        for index, block in enumerate(self.blocks):
+        looking = 0
+        for index, block in enumerate(self._blocks()):
             x = block(x, None if cache is None else cache[index])
+            if block.look is not None:
+                if sight is not None:
+                    x = block.look(x, sight.keys[looking], sight.values[looking])
+                looking += 1
         return self.leave(x)
 
     def think(
@@ -271,10 +341,12 @@ class SketchNetwork(nn.Module):
         own = self.own_keys.to(keys.dtype).expand(len(states), -1, -1)
         return torch.cat([keys, own], dim=1)
 
-    def forward(self, batch: RowBatch) -> tuple[Float[Tensor, "M"], Float[Tensor, "N"]]:
+    def forward(
+        self, batch: RowBatch, sight: Sight | None = None
+    ) -> tuple[Float[Tensor, "M"], Float[Tensor, "N"]]:
         """Negative log likelihood of every symbol and of every number that the batch says (nats)."""
         cells = self.embed_cells(batch.rows, batch.known, batch.axes)
-        states = self.read_rows(cells, batch)
+        states = self.read_rows(cells, batch, sight=sight)
         before = cells.cumsum(dim=2) - cells
         slot = self.of_cell[batch.rows[..., 0]].clamp(min=0)
         symbols = batch.said & (batch.axes < 0)
@@ -442,13 +514,14 @@ class _Feed(nn.Module):
 class _Block(nn.Module):
     """Causal attention with rotary positions, then a feed-forward layer."""
 
-    def __init__(self, width: int, heads: int) -> None:
+    def __init__(self, width: int, heads: int, *, looks: bool = False) -> None:
         super().__init__()
         self.heads = heads
         self.norm = nn.RMSNorm(width)
         self.qkv = nn.Linear(width, 3 * width, bias=False)
         self.out = nn.Linear(width, width, bias=False)
         self.feed = _Feed(width)
+        self.look = _Look(width, heads) if looks else None
 
     def forward(self, x: Float[Tensor, "B T D"], cache: Cache | None = None) -> Float[Tensor, "B T D"]:
         q, k, v = self.qkv(self.norm(x)).unflatten(-1, (3, self.heads, -1)).permute(2, 0, 3, 1, 4)
@@ -463,6 +536,33 @@ class _Block(nn.Module):
         mixed = scores.float().softmax(dim=-1).to(v.dtype) @ v
         x = x + self.out(mixed.transpose(1, 2).flatten(2))
         return self.feed(x)
+
+
+class _Look(nn.Module):
+    """Attention to a picture."""
+
+    def __init__(self, width: int, heads: int) -> None:
+        super().__init__()
+        self.heads = heads
+        self.norm = nn.RMSNorm(width)
+        self.query = nn.Linear(width, width, bias=False)
+        self.memory = nn.Linear(width, 2 * width, bias=False)
+        self.out = nn.Linear(width, width, bias=False)
+
+    def remember(self, tokens: Float[Tensor, "B N D"]) -> tuple[Tensor, Tensor]:
+        """Keys and values of a picture's tokens."""
+        keys, values = self.memory(tokens).unflatten(-1, (2, self.heads, -1)).permute(2, 0, 3, 1, 4)
+        return keys, values
+
+    def forward(
+        self,
+        x: Float[Tensor, "B T D"],
+        keys: Float[Tensor, "B H N E"],
+        values: Float[Tensor, "B H N E"],
+    ) -> Float[Tensor, "B T D"]:
+        query = self.query(self.norm(x)).unflatten(-1, (self.heads, -1)).transpose(1, 2)
+        mixed = functional.scaled_dot_product_attention(query, keys.to(query.dtype), values.to(query.dtype))
+        return x + self.out(mixed.transpose(1, 2).flatten(2))
 
 
 def _turn(x: Float[Tensor, "B H T E"], start: int) -> Float[Tensor, "B H T E"]:

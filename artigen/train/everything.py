@@ -18,9 +18,7 @@ from torch import Tensor, nn
 
 from artigen.errors import SourceError
 from artigen.io import write_whole
-from artigen.metrics.reading import score_reader
 from artigen.metrics.structure import score_reconstruction, score_spread
-from artigen.models.picture_reader import PictureReader
 from artigen.models.presets import PRESETS, StructurePreset
 from artigen.models.public_encoders import attach_encoders
 from artigen.models.store import save_model
@@ -31,7 +29,6 @@ from artigen.train.decoder import train_decoder
 from artigen.train.examples import StructureExample
 from artigen.train.loop import finished_steps
 from artigen.train.presets import TRAINING
-from artigen.train.reader import train_picture_reader
 from artigen.train.real import real_examples
 from artigen.train.run import RunConfig, Stage, claim_run, run_conditions
 from artigen.train.shards import HELD_OUT, ShardConfig, make_shard, make_shards, read_shard
@@ -75,8 +72,6 @@ def train_everything(
     claim_run(cfg)
     report = on_report or log_metrics
     data = make_data(cfg)
-    if stage in ("structure", "structure-reader"):
-        train_reader(cfg, data, report)
     if stage in ("structure", "structure-vae"):
         train_vae(cfg, data, report)
     if stage in ("structure", "structure-flow", "structure-decoder"):
@@ -134,28 +129,6 @@ def load_vae(cfg: RunConfig) -> StructureVae:
         SourceError: If its weights are damaged or of another preset.
     """
     return load_stage(StructureVae(PRESETS[cfg.preset].vae), cfg.folder / "vae")
-
-
-def train_reader(cfg: RunConfig, data: RunData, report: Report) -> PictureReader | None:
-    """Trains the picture reader, stores it, and writes how well it reads; None where the preset has none."""
-    preset, training = PRESETS[cfg.preset], TRAINING[cfg.preset]
-    if preset.reader is None or training.reader is None:
-        return None
-    torch.manual_seed(3)
-    reader = begin_stage(PictureReader(preset.reader, preset.conditions), cfg.start, "reader")
-    train_picture_reader(
-        reader,
-        data.trained,
-        cfg.folder / "reader",
-        plan_loop(training.reader, cfg.minutes),
-        batch=training.reader.batch,
-        on_report=lambda line: report("reader", line),
-    )
-    _store(cfg, data, reader, "reader")
-    scores = score_reader(reader, data.held_out)
-    write_whole(cfg.folder / "reading.json", json.dumps(scores, indent=1) + "\n")
-    logger.info("held-out pictures %s", scores)
-    return reader
 
 
 def train_flow(

@@ -32,8 +32,6 @@ class TrainingPreset:
     """Training of the VAE."""
     flow: StageConfig
     """Training of the flow."""
-    reader: StageConfig | None = None
-    """Training of the picture reader, where the preset has one."""
     decoder: StageConfig | None = None
     """Training of the decoder on the flow's guesses; the paper has none."""
     losses: StructureLossConfig = field(default_factory=StructureLossConfig)
@@ -45,22 +43,19 @@ class TrainingPreset:
 
 TRAINING: dict[PresetName, TrainingPreset] = {
     "tiny": TrainingPreset(
-        vae=StageConfig(batch=4, learning_rate=2e-3, warmup=5, decay=1.0, ema=0.9, share=0.3),
-        flow=StageConfig(batch=8, learning_rate=1e-3, warmup=5, decay=0.5, ema=0.9, share=0.5),
-        reader=StageConfig(batch=8, learning_rate=1e-3, warmup=5, decay=1.0, ema=0.9, share=0.1),
+        vae=StageConfig(batch=4, learning_rate=2e-3, warmup=5, decay=1.0, ema=0.9, share=0.35),
+        flow=StageConfig(batch=8, learning_rate=1e-3, warmup=5, decay=0.5, ema=0.9, share=0.55),
         decoder=StageConfig(batch=4, learning_rate=1e-3, warmup=5, decay=1.0, ema=0.9, share=0.1),
     ),
     "small": TrainingPreset(
-        vae=StageConfig(batch=4, learning_rate=1.5e-3, warmup=100, decay=1.0, ema=0.995, share=0.15),
-        flow=StageConfig(batch=4, learning_rate=6e-4, warmup=100, decay=0.3, ema=0.998, share=0.6),
-        reader=StageConfig(batch=32, learning_rate=1.5e-3, warmup=100, decay=1.0, ema=0.998, share=0.1),
+        vae=StageConfig(batch=4, learning_rate=1.5e-3, warmup=100, decay=1.0, ema=0.995, share=0.2),
+        flow=StageConfig(batch=4, learning_rate=6e-4, warmup=100, decay=0.3, ema=0.998, share=0.65),
         decoder=StageConfig(batch=4, learning_rate=7e-4, warmup=30, decay=1.0, ema=0.995, share=0.15),
         losses=StructureLossConfig(kl=5e-3),
     ),
     "compact": TrainingPreset(
-        vae=StageConfig(batch=64, learning_rate=1e-3, warmup=200, decay=1.0, ema=0.999, share=0.25),
-        flow=StageConfig(batch=256, learning_rate=4e-4, warmup=300, decay=0.3, ema=0.999, share=0.55),
-        reader=StageConfig(batch=128, learning_rate=1.5e-3, warmup=200, decay=1.0, ema=0.998, share=0.1),
+        vae=StageConfig(batch=64, learning_rate=1e-3, warmup=200, decay=1.0, ema=0.999, share=0.3),
+        flow=StageConfig(batch=256, learning_rate=4e-4, warmup=300, decay=0.3, ema=0.999, share=0.6),
         decoder=StageConfig(batch=64, learning_rate=5e-4, warmup=50, decay=1.0, ema=0.998, share=0.1),
     ),
     "paper": TrainingPreset(

@@ -15,7 +15,6 @@ from artigen.train.real import list_split
 
 Stage = Literal[
     "structure",
-    "structure-reader",
     "structure-vae",
     "structure-flow",
     "structure-decoder",

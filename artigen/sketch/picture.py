@@ -1,0 +1,175 @@
+"""`PictureEncoder`: what one picture shows, as tokens that a network attends to.
+
+A convolutional pyramid sees the picture at a quarter and at a sixteenth of its resolution. How many drawers a
+cabinet has is seen where the drawers are, so counting is learnt there: a map for each label whose sum is the
+number of parts in view, as crowds are counted (Lempitsky and Zisserman 2010). From these sums and the whole
+picture it is guessed how many there are, those out of view too.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+from jaxtyping import Float
+from torch import Tensor, nn
+from torch.nn import functional
+
+from artigen.sketch.rows import CATEGORIES
+from artigen.types import PART_LABELS
+
+CELL = 4
+"""Edge of a cell of the maps, in pixels."""
+TOKEN = 16
+"""Edge of what a token stands for, in pixels."""
+GROUPS = 8
+"""Groups of channels that are normalised together."""
+EMPTY = -5.0
+"""What an untrained map says everywhere, before it is made positive: nothing is here."""
+MAX_COUNT = 24
+"""Numbers of parts are told apart up to here."""
+WAVES = 6
+"""Sines and cosines by which a token's place is told, on each axis."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class PictureConfig:
+    """Sizes of the picture encoder."""
+
+    edge: int = 192
+    """Pixels of the picture's edge."""
+    widths: tuple[int, int, int] = (64, 128, 192)
+    """Channels at a quarter, an eighth and a sixteenth of the picture's resolution."""
+    blocks: tuple[int, int, int] = (1, 2, 2)
+    """Residual blocks of each level."""
+    stem: int = 32
+    """Channels at half the resolution."""
+    whole: int = 128
+    """Width of what is said of the whole picture."""
+
+    def __post_init__(self) -> None:
+        if self.edge % TOKEN or self.edge < TOKEN:
+            raise ValueError(f"pictures of {self.edge} pixels, expected a multiple of {TOKEN}")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Seen:
+    """What pictures seem to show."""
+
+    tokens: Float[Tensor, "B N D"]
+    """One for every square of the picture, and two for all of it: what it looks like, and what is guessed."""
+    density: Float[Tensor, "B L h w"]
+    """Parts of each label per cell: the sum is how many are in view."""
+    labels: Float[Tensor, "B L+1 h w"]
+    """Logits of the label that a cell shows; the last one: none."""
+    counts: Float[Tensor, "B L K"]
+    """Logits of how many parts of each label there are."""
+    category: Float[Tensor, "B G"]
+    """Logits."""
+    view: Float[Tensor, "B 3"]
+    """Yaw and pitch of the camera (radians), and half the object's diagonal over its distance."""
+
+
+class PictureEncoder(nn.Module):
+    """The pyramid, its maps, and the tokens."""
+
+    places: Tensor
+
+    def __init__(self, cfg: PictureConfig, width: int) -> None:
+        super().__init__()
+        self.cfg = cfg
+        first, _, last = cfg.widths
+        kinds, side = len(PART_LABELS), cfg.edge // TOKEN
+        self.stem = nn.Sequential(_block(4, cfg.stem, 2), _block(cfg.stem, cfg.stem))
+        self.levels = nn.ModuleList(
+            nn.Sequential(_block(before, here, 2), *(_Residual(here) for _ in range(blocks)))
+            for before, here, blocks in zip((cfg.stem, *cfg.widths), cfg.widths, cfg.blocks, strict=False)
+        )
+        self.aside = nn.ModuleList(nn.Conv2d(here, first, 1) for here in cfg.widths)
+        self.merge = nn.ModuleList(_block(first, first) for _ in cfg.widths[1:])
+        self.maps = nn.Conv2d(first, 2 * kinds + 1, 1)
+        fine = first * (TOKEN // CELL) ** 2
+        self.squares = nn.Linear(fine + last + 4 * WAVES, width)
+        whole = 2 * last + first
+        self.whole = nn.Sequential(nn.LayerNorm(whole), nn.Linear(whole, cfg.whole), nn.SiLU())
+        self.whole_token = nn.Linear(cfg.whole, width)
+        guessed = kinds * (MAX_COUNT + 1) + len(CATEGORIES)
+        self.weigh = nn.Sequential(
+            nn.Linear(kinds * (MAX_COUNT + 1) + cfg.whole, 2 * cfg.whole),
+            nn.SiLU(),
+            nn.Linear(2 * cfg.whole, guessed),
+        )
+        self.guess_token = nn.Linear(guessed, width)
+        self.view = nn.Linear(cfg.whole, 3)
+        self.norm = nn.RMSNorm(width)
+        assert self.maps.bias is not None
+        nn.init.constant_(self.maps.bias[:kinds], EMPTY)
+        self.register_buffer("places", _place_waves(side), persistent=False)
+
+    def forward(self, image: Float[Tensor, "B 4 S S"]) -> Seen:
+        """Reads pictures: RGB and alpha in [0, 1], premultiplied on black."""
+        x, levels = self.stem((2.0 * image - 1.0).contiguous(memory_format=torch.channels_last)), []
+        for level in self.levels:
+            x = level(x)
+            levels.append(x)
+        fine = self.aside[-1](x)
+        for finer, aside, merge in zip(levels[-2::-1], self.aside[-2::-1], self.merge, strict=True):
+            fine = merge(functional.interpolate(fine, scale_factor=2.0) + aside(finer))
+        said = self.maps(fine).float()
+        density = functional.softplus(said[:, : len(PART_LABELS)])
+        pooled = torch.cat([x.mean(dim=(2, 3)), x.amax(dim=(2, 3)), fine.mean(dim=(2, 3))], dim=1)
+        whole = self.whole(pooled.float())
+        squares = torch.cat([functional.pixel_unshuffle(fine, TOKEN // CELL), x], dim=1)
+        squares = squares.flatten(2).transpose(1, 2)
+        places = self.places.to(squares.dtype).expand(len(squares), -1, -1)
+        sums = _soft_one_hot(density.sum(dim=(2, 3))).flatten(1)
+        counts, category = (
+            self.weigh(torch.cat([sums, whole], dim=1))
+            .float()
+            .tensor_split((len(PART_LABELS) * (MAX_COUNT + 1),), dim=1)
+        )
+        counts = counts.unflatten(1, (len(PART_LABELS), -1))
+        chances = [counts.softmax(dim=2).flatten(1), category.softmax(dim=1)]
+        tokens = [
+            self.squares(torch.cat([squares, places], dim=2)),
+            self.whole_token(whole)[:, None],
+            self.guess_token(torch.cat(chances, dim=1))[:, None],
+        ]
+        return Seen(
+            tokens=self.norm(torch.cat([token.float() for token in tokens], dim=1)),
+            density=density,
+            labels=said[:, len(PART_LABELS) :],
+            counts=counts,
+            category=category,
+            view=self.view(whole).float(),
+        )
+
+
+class _Residual(nn.Module):
+    def __init__(self, width: int) -> None:
+        super().__init__()
+        self.block = nn.Sequential(
+            _block(width, width), nn.Conv2d(width, width, 3, 1, 1, bias=False), nn.GroupNorm(GROUPS, width)
+        )
+
+    def forward(self, x: Float[Tensor, "B C h w"]) -> Float[Tensor, "B C h w"]:
+        return functional.silu(x + self.block(x))
+
+
+def _block(before: int, width: int, stride: int = 1) -> nn.Sequential:
+    return nn.Sequential(
+        nn.Conv2d(before, width, 3, stride, 1, bias=False), nn.GroupNorm(GROUPS, width), nn.SiLU()
+    )
+
+
+def _soft_one_hot(numbers: Float[Tensor, "B L"]) -> Float[Tensor, "B L K"]:
+    """Bumps around every whole number up to `MAX_COUNT`, at which a linear layer can tell numbers apart."""
+    return torch.exp(-2.0 * (numbers[..., None] - torch.arange(MAX_COUNT + 1, device=numbers.device)) ** 2)
+
+
+def _place_waves(side: int) -> Float[Tensor, "N W"]:
+    """Where each square of the picture is: sines and cosines of its row and its column."""
+    at = (np.arange(side) + 0.5) / side
+    waves = at[:, None] * np.pi * 2.0 ** np.arange(WAVES)
+    line = np.concatenate([np.sin(waves), np.cos(waves)], axis=1)
+    rows, columns = np.indices((side, side))
+    return torch.from_numpy(np.concatenate([line[rows.ravel()], line[columns.ravel()]], axis=1)).float()

@@ -1,0 +1,259 @@
+"""Pictures that the sketch network learns to read: objects from many sides, some of them a little open.
+
+What a picture shows is kept with it: the label seen in the middle of each cell, the middles of the parts in
+view, and the direction of the camera. Backgrounds, colour casts, blur and grain come when a picture is used
+(`vary_photos`).
+"""
+
+import io
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+import torch
+from jaxtyping import Float, Int, UInt8
+from torch import Tensor
+from torch.nn import functional
+
+from artigen.errors import SourceError
+from artigen.shapes.poses import pose_parts
+from artigen.shapes.primitives import place_vertices
+from artigen.shapes.render import RenderConfig, build_scene, frame_points, render
+from artigen.shapes.shape import Shape
+from artigen.sketch.picture import CELL
+from artigen.types import PART_LABELS
+
+EDGE = 256
+"""Pixels of a picture's edge."""
+NOTHING = len(PART_LABELS)
+"""Label of a cell that shows no part."""
+IN_VIEW = 4
+"""Pixels of a part, at least, for it to be in view."""
+NEAR, FAR = (0.6, 0.3), (0.9, 0.7)
+"""Turn to either side and lift (radians) within which half of the cameras stand, and all others."""
+OPEN = 0.2
+"""Share of the objects of which one part is open, by any amount."""
+PLAIN = 0.85
+"""Share of the pictures that are cut out; the others show a background."""
+ZOOM, SHIFT = 0.09, 0.05
+"""Largest change of scale, and shift as a share of the edge."""
+SMALL = 0.6
+"""Least scale of an object before a background."""
+GAIN, CAST, GAMMA, GRAIN, BLUR = 0.2, 0.06, 0.25, 0.03, 1.2
+"""Largest change of brightness, of single colour channels and of contrast; noise; pixels."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Photo:
+    """A picture of an object, and what it shows."""
+
+    rgba: UInt8[np.ndarray, "S S 4"]
+    """Premultiplied on black."""
+    labels: UInt8[np.ndarray, "s s"]
+    """Label in the middle of each cell, `NOTHING` where there is none."""
+    spots: Float[np.ndarray, "N 3"]
+    """Parts in view: label, then the middle of what is seen of it, right and down from -1 to 1."""
+    view: Float[np.ndarray, "3"]
+    """Yaw and pitch of the camera (radians), and half the diagonal of the object over its distance."""
+
+
+def take_photo(shape: Shape, rng: np.random.Generator) -> Photo:
+    """Photographs an object from somewhere in front, in some light, closed or with one part open."""
+    qpos = np.zeros(len(shape.parts))
+    free = [k for k, part in enumerate(shape.parts) if part.motion is not None and not part.needs]
+    if free and rng.random() < OPEN:
+        part = int(rng.choice(free))
+        motion = shape.parts[part].motion
+        assert motion is not None
+        qpos[part] = rng.random() * min(motion.upper, 2.0)
+    posed = pose_parts(shape, qpos)
+    points = np.concatenate(
+        [
+            place_vertices(primitive) @ move[:3, :3].T + move[:3, 3]
+            for part, move in zip(shape.parts, posed, strict=True)
+            for primitive in part.primitives
+        ]
+    )
+    wide, high = NEAR if rng.random() < 0.5 else FAR
+    yaw, pitch = rng.uniform(-wide, wide), rng.uniform(-0.08, high)
+    way = (
+        float(-np.cos(yaw) * np.cos(pitch)),
+        float(np.sin(yaw) * np.cos(pitch)),
+        float(np.sin(pitch)),
+    )
+    camera = frame_points(points, way, fov=rng.uniform(14.0, 55.0), width=EDGE, height=EDGE)
+    light = RenderConfig(
+        lamp=(-rng.uniform(0.3, 1.0), rng.uniform(-0.8, 0.8), rng.uniform(0.3, 1.0)),
+        lamp_strength=rng.uniform(0.3, 0.8),
+        fill_strength=rng.uniform(0.2, 0.5),
+        shadow_rays=int(rng.random() < 0.8),
+        openness=bool(rng.random() < 0.8),
+    )
+    seen = render(build_scene([shape]), camera, [qpos], cfg=light)
+    mask, parts = seen.mask[0].numpy(), seen.part_ids[0].numpy()
+    alpha = mask[..., None].astype(np.float32)
+    rgba = np.concatenate([seen.rgb[0].numpy() * alpha, alpha], axis=2)
+    names = np.array([PART_LABELS.index(part.label) for part in shape.parts])
+    low, high_corner = shape.bounds()
+    away = camera.position[0].numpy() - (low + high_corner) / 2
+    distance = float(np.linalg.norm(away))
+    near = float(np.linalg.norm(high_corner - low)) / 2 / distance
+    return Photo(
+        rgba=np.round(255 * rgba).astype(np.uint8),
+        labels=np.where(mask, names[parts], NOTHING)[CELL // 2 :: CELL, CELL // 2 :: CELL].astype(np.uint8),
+        spots=_find_spots(np.where(mask, parts, len(names)), names),
+        view=np.array([np.arctan2(away[1], -away[0]), np.arcsin(away[2] / distance), near]),
+    )
+
+
+def _find_spots(parts: Int[np.ndarray, "S S"], names: Int[np.ndarray, "P"]) -> Float[np.ndarray, "N 3"]:
+    """Label and place of the parts in view; pixels without a part have their number."""
+    count, flat = len(names) + 1, parts.ravel()
+    pixels = np.bincount(flat, minlength=count)[: len(names)]
+    seen = np.flatnonzero(pixels >= IN_VIEW)
+    rows, columns = np.indices(parts.shape)
+    sums = [np.bincount(flat, places.ravel() + 0.5, count)[seen] for places in (columns, rows)]
+    return np.column_stack([names[seen], *(2.0 * one / pixels[seen] / len(parts) - 1.0 for one in sums)])
+
+
+def write_photos(path: Path, photos: Sequence[Photo]) -> None:
+    """Writes photos side by side, their pictures as PNG; the file appears whole."""
+    pictures = [_to_png(photo.rgba) for photo in photos]
+    scratch = path.with_name("." + path.name)
+    np.savez(
+        scratch,
+        pictures=np.frombuffer(b"".join(pictures), dtype=np.uint8),
+        picture_ends=np.cumsum([len(picture) for picture in pictures]),
+        labels=np.stack([photo.labels for photo in photos]),
+        spots=np.concatenate([photo.spots for photo in photos]).astype(np.float32),
+        spot_ends=np.cumsum([len(photo.spots) for photo in photos]),
+        views=np.stack([photo.view for photo in photos]).astype(np.float32),
+    )
+    scratch.replace(path)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PackedPhoto:
+    """A photo whose picture is still compressed."""
+
+    png: bytes
+    labels: UInt8[np.ndarray, "s s"]
+    spots: Float[np.ndarray, "N 3"]
+    view: Float[np.ndarray, "3"]
+
+
+def read_photos(path: Path) -> list[PackedPhoto]:
+    """Reads a file of photos.
+
+    Raises:
+        SourceError: If it is missing or damaged.
+    """
+    try:
+        with np.load(path) as stored:
+            blob, ends = stored["pictures"].tobytes(), stored["picture_ends"].tolist()
+            labels, views = stored["labels"], stored["views"]
+            spots = np.split(stored["spots"], stored["spot_ends"][:-1])
+    except (OSError, ValueError, KeyError) as error:
+        raise SourceError(f"{path}: no file of photos ({error}); delete it to have it made anew") from error
+    starts = [0, *ends[:-1]]
+    return [
+        PackedPhoto(png=blob[start:end], labels=labels[k], spots=spots[k], view=views[k])
+        for k, (start, end) in enumerate(zip(starts, ends, strict=True))
+    ]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PhotoBatch:
+    """Photos side by side, and all that is to be read off them."""
+
+    image: Float[Tensor, "B 4 S S"]
+    labels: Int[Tensor, "B s s"]
+    kinds: Int[Tensor, "B N"]
+    """Labels of the parts in view."""
+    centers: Float[Tensor, "B N 2"]
+    given: Tensor
+    """Which of the rows are parts."""
+    view: Float[Tensor, "B 3"]
+
+    def to(self, device: torch.device | str) -> "PhotoBatch":
+        """The same batch on another device."""
+        return PhotoBatch(**{name: value.to(device, non_blocking=True) for name, value in vars(self).items()})
+
+
+def gather_photos(photos: Sequence[PackedPhoto]) -> PhotoBatch:
+    """Unpacks photos and lays them side by side."""
+    from PIL import Image
+
+    most = max(1, *(len(photo.spots) for photo in photos))
+    spots = np.zeros((len(photos), most, 3), dtype=np.float32)
+    for row, photo in zip(spots, photos, strict=True):
+        row[: len(photo.spots)] = photo.spots
+    number = torch.tensor([len(photo.spots) for photo in photos])
+    images = np.stack([np.asarray(Image.open(io.BytesIO(photo.png))) for photo in photos])
+    return PhotoBatch(
+        image=torch.from_numpy(images).permute(0, 3, 1, 2).float() / 255.0,
+        labels=torch.from_numpy(np.stack([photo.labels for photo in photos]).astype(np.int64)),
+        kinds=torch.from_numpy(spots[..., 0].astype(np.int64)),
+        centers=torch.from_numpy(spots[..., 1:]),
+        given=torch.arange(most) < number[:, None],
+        view=torch.from_numpy(np.stack([photo.view for photo in photos])),
+    )
+
+
+def vary_photos(photos: PhotoBatch, generator: torch.Generator) -> PhotoBatch:
+    """The same objects nearer or further off, to a side, in other colours, blurred, some before something."""
+    count, _, edge, _ = photos.image.shape
+
+    def chance(*shape: int) -> Tensor:
+        return torch.rand(shape, generator=generator)
+
+    def within(limit: float, *shape: int) -> Tensor:
+        return limit * (2.0 * chance(*shape) - 1.0)
+
+    before = chance(count) >= PLAIN
+    zoom = 1.0 / torch.where(before, 1.0 - (1.0 - SMALL) * chance(count), 1.0 + within(ZOOM, count))
+    scale = zoom[:, None].expand(-1, 2)
+    shift = 2.0 * within(SHIFT, count, 2)
+    affine = torch.cat([torch.diag_embed(scale), shift[..., None]], dim=2)
+    grid = functional.affine_grid(affine, [count, 1, edge, edge], align_corners=False)
+    image = functional.grid_sample(photos.image, grid, align_corners=False)
+    coarse = functional.affine_grid(affine, [count, 1, *photos.labels.shape[1:]], align_corners=False)
+    marks = (photos.labels[:, None] - NOTHING).to(image.dtype)  # beyond the edge there is nothing
+    labels = functional.grid_sample(marks, coarse, mode="nearest", align_corners=False).round().long()
+    alpha = image[:, 3:]
+    color = (image[:, :3] / alpha.clamp(min=1e-2)).clamp(0.0, 1.0)
+    color = color ** torch.exp(within(GAMMA, count, 1, 1, 1)) * (1.0 + within(GAIN, count, 1, 1, 1))
+    color = color * (1.0 + within(CAST, count, 3, 1, 1))
+    patches = functional.interpolate(chance(count, 3, 4, 4) - 0.5, edge, mode="bilinear")
+    behind = chance(count, 3, 1, 1) + 0.3 * patches
+    color = torch.where(before[:, None, None, None], alpha * color + (1 - alpha) * behind, color)
+    alpha = torch.where(before[:, None, None, None], 1.0, alpha)
+    color = _blur(color * alpha, chance(count) * BLUR)
+    alpha = torch.where(before[:, None, None, None], 1.0, alpha)
+    color = color + GRAIN * chance(count, 1, 1, 1) * torch.randn(color.shape, generator=generator) * alpha
+    return replace(
+        photos,
+        image=torch.cat([color.clamp(0.0, 1.0), alpha], dim=1),
+        labels=labels[:, 0] + NOTHING,
+        centers=(photos.centers - shift[:, None]) / scale[:, None],
+    )
+
+
+def _blur(image: Float[Tensor, "B 3 S S"], sigma: Float[Tensor, "B"]) -> Float[Tensor, "B 3 S S"]:
+    """Each picture with a Gaussian of its own."""
+    steps = torch.arange(-3, 4)
+    weights = torch.exp(-0.5 * (steps / sigma.clamp(min=0.1)[:, None]) ** 2)
+    weights = (weights / weights.sum(dim=1, keepdim=True)).repeat_interleave(3, dim=0)
+    flat = image.flatten(0, 1)[None]
+    flat = functional.conv2d(flat, weights[:, None, None, :], padding=(0, 3), groups=flat.shape[1])
+    flat = functional.conv2d(flat, weights[:, None, :, None], padding=(3, 0), groups=flat.shape[1])
+    return flat[0].unflatten(0, image.shape[:2])
+
+
+def _to_png(rgba: UInt8[np.ndarray, "S S 4"]) -> bytes:
+    from PIL import Image
+
+    out = io.BytesIO()
+    Image.fromarray(rgba).save(out, format="PNG", compress_level=1)
+    return out.getvalue()
