@@ -14,7 +14,7 @@ from artigen.shapes.primitives import Primitive, box, cylinder, move, place_vert
 from artigen.shapes.shape import Shape
 from artigen.sketch import draw
 from artigen.sketch.batch import Asked, ask_for, make_batch, nothing_asked
-from artigen.sketch.draw import DrawConfig, begin_drafts, continue_drafts, draw_tables
+from artigen.sketch.draw import DrawConfig, begin_drafts, continue_drafts
 from artigen.sketch.model import (
     SketchConfig,
     draw_header,
@@ -269,10 +269,16 @@ REQUEST = SketchRequest(
 )
 
 
+def _draw_tables(requests: list[Asked], seed: int, top_p: float = 0.98) -> list[np.ndarray | None]:
+    """Whole tables, nothing rejected; None where one grew too long."""
+    cfg, generator = DrawConfig(temperature=0.8, top_p=top_p), torch.Generator().manual_seed(seed)
+    begun = begin_drafts(_network(), requests)
+    drafts = continue_drafts(_network(), begun, lambda writer: writer.done, generator, cfg)
+    return [None if draft is None else np.array(draft.writer.rows) for draft in drafts]
+
+
 def test_what_is_asked_is_delivered_even_by_a_network_that_knows_nothing():
-    tables = draw_tables(
-        _network(), [ask(REQUEST)] * 6, torch.Generator().manual_seed(3), DrawConfig(top_p=1.0)
-    )
+    tables = _draw_tables([ask(REQUEST)] * 6, 3, top_p=1.0)
     finished = [table for table in tables if table is not None]
     assert finished
     for table in finished:
@@ -293,9 +299,7 @@ def test_what_is_asked_is_delivered_even_by_a_network_that_knows_nothing():
 
 @pytest.mark.usefixtures("_short")
 def test_the_same_seed_draws_the_same_and_another_something_else():
-    one, again, other = (
-        draw_tables(_network(), [ask(REQUEST)] * 2, torch.Generator().manual_seed(seed)) for seed in (5, 5, 6)
-    )
+    one, again, other = (_draw_tables([ask(REQUEST)] * 2, seed) for seed in (5, 5, 6))
     assert all(np.array_equal(a, b) for a, b in zip(one, again, strict=True))
     assert not all(np.array_equal(a, b) for a, b in zip(one, other, strict=True))
 

@@ -6,15 +6,13 @@ import numpy as np
 import torch
 
 from artigen.metrics.subjects import Subject, describe_subject
-from artigen.sketch.draw import DrawConfig
-from artigen.sketch.model import draw_header
+from artigen.sketch.model import LIKELIEST, draw_header
 from artigen.sketch.network import SketchNetwork
 from artigen.sketch.request import SketchRequest
 from artigen.types import PART_LABELS, PartLabel
 
 HIDDEN: tuple[PartLabel, ...] = ("shelf", "tray")
 """Labels of parts that are mostly behind doors."""
-LIKELIEST = DrawConfig(temperature=0.1)
 
 
 def score_reading(network: SketchNetwork, subjects: Sequence[Subject]) -> dict[str, float]:

@@ -7,9 +7,10 @@ import numpy as np
 import torch
 from jaxtyping import Bool, Int
 
-from artigen.sketch.network import RowBatch
+from artigen.sketch.network import PARTS, PLACES, RowBatch
 from artigen.sketch.pieces import PIECE_KINDS
 from artigen.sketch.rows import FIELDS, ROW_KINDS, WIDTH, column, find_said, number_axis
+from artigen.sketch.sketch import lowest_corner
 
 _PIECES = [ROW_KINDS.index(kind) for kind in PIECE_KINDS]
 _FIRST = np.array([column(kind, "x0") if kind in PIECE_KINDS else 0 for kind in ROW_KINDS])
@@ -75,12 +76,13 @@ def make_batch(
 def number_rows(
     rows: Int[np.ndarray, "B T W"], asked: Bool[np.ndarray, "B T"]
 ) -> tuple[Int[np.ndarray, "B T"], Int[np.ndarray, "B T"]]:
-    """The part that each row belongs to, from 1 (0 before the first), and its place within the part."""
+    """The part that each row belongs to, from 1 (0 before the first), and its place within the part; the
+    network tells no more of them apart than `PARTS` and `PLACES`."""
     starts = (rows[:, :, 0] == _PART) & ~asked
-    part = np.minimum(np.cumsum(starts, axis=1), 63)
+    part = np.minimum(np.cumsum(starts, axis=1), PARTS - 1)
     at = np.arange(rows.shape[1])[None]
     last = np.maximum.accumulate(np.where(starts, at, 0), axis=1)
-    return part, np.minimum(at - last, 31)
+    return part, np.minimum(at - last, PLACES - 1)
 
 
 def find_anchors(
@@ -118,7 +120,7 @@ def row_planes(rows: Int[np.ndarray, "N W"]) -> Planes:
     low[:, :3], high[:, :3] = corners[:, :3], corners[:, 3:]
     whole = kind == _OBJECT
     extents = rows[whole, column("object", "depth") : column("object", "depth") + 3]
-    low[whole, :2] = -(extents[:, :2] // 2)
+    low[whole, :3] = lowest_corner(extents)
     high[whole, :3] = low[whole, :3] + extents
     moving = (kind == _JOINT) & (rows[:, column("joint", "type")] > 0)
     turning = moving & (rows[:, column("joint", "type")] != _SLIDING)

@@ -14,6 +14,8 @@ from artigen.sketch.network import (
     COARSE,
     FINE,
     OFFSET,
+    PARTS,
+    PLACES,
     SIDES,
     Cache,
     NumberParts,
@@ -36,7 +38,7 @@ DIGITS = 24
 class DrawConfig:
     """How tables are drawn."""
 
-    temperature: float = 0.8
+    temperature: float = 0.6
     """Below 1 the likely becomes likelier."""
     top_p: float = 0.98
     """Share of chance that is drawn from; the unlikeliest rest is left out."""
@@ -114,19 +116,6 @@ def continue_drafts(
         pen.write_row()
         pen.put_aside(until)
     return pen.finished
-
-
-def draw_tables(
-    network: SketchNetwork,
-    requests: Sequence[Asked],
-    generator: torch.Generator,
-    cfg: DrawConfig | None = None,
-) -> list[Int[np.ndarray, "T W"] | None]:
-    """Draws one whole table for every request, nothing rejected; None where it grew too long."""
-    drafts = continue_drafts(
-        network, begin_drafts(network, requests), lambda writer: writer.done, generator, cfg
-    )
-    return [None if draft is None else np.array(draft.writer.rows) for draft in drafts]
 
 
 class _Pen:
@@ -323,7 +312,7 @@ def _place(writer: Writer) -> tuple[int, int, list[int], bool]:
     anchored = bool(starts) and at > first
     begun = bool(starts) and len(kinds) > first
     anchor = row_planes(np.array([writer.rows[first]])).low[0].tolist() if begun else [0] * 4
-    return min(len(starts), 63), min(place, 31), anchor, anchored
+    return min(len(starts), PARTS - 1), min(place, PLACES - 1), anchor, anchored
 
 
 def _slice_cache(

@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +27,8 @@ NAME = "sketch"
 """Of the network in a model folder."""
 PICTURE_EDGE = 256
 """Pixels of a picture's edge when cameras are fitted and colours are read."""
+LIKELIEST = DrawConfig(temperature=0.2)
+"""How headers are drawn where a picture shows what they say."""
 WITHIN = 0.01
 """Share by which an extent may differ from what was asked or announced."""
 DEFERRED = frozenset(("tipping", "extent"))
@@ -210,6 +212,7 @@ def draw_alike(
         PictureError: If the picture shows no object.
     """
     cfg = cfg or SketchConfig()
+    cfg = replace(cfg, header=LIKELIEST)  # a picture is to be read, not to be added to
     image = torch.from_numpy(np.ascontiguousarray(picture, dtype=np.float32))[None]
     with torch.no_grad():
         seen, sight = network.look(image)

@@ -38,6 +38,8 @@ from its part into the part that is being written.
 """
 OWN = 2
 """Planes that the row in question has named itself: its low and its high side."""
+PARTS, PLACES = 64, 32
+"""Numbers of parts, and of places within a part, that are told apart; the last stands for all beyond."""
 _FAR = -1e9
 MIRROR_AXIS = 1
 
@@ -160,8 +162,8 @@ class SketchNetwork(nn.Module):
         self.numbers = nn.Linear(2 * FREQUENCIES, width, bias=False)
         self.gates = nn.Embedding(count, width)
         self.slots = nn.Embedding(count, width)
-        self.part = nn.Embedding(64, width)
-        self.piece = nn.Embedding(32, width)
+        self.part = nn.Embedding(PARTS, width)
+        self.piece = nn.Embedding(PLACES, width)
         self.asked = nn.Embedding(2, width)
         self.enter = _Feed(width)
         self.picture = None if cfg.picture is None else PictureEncoder(cfg.picture, width)

@@ -411,22 +411,30 @@ def _fit_turned(primitives: Sequence[Primitive]) -> Piece | None:
         about = _vector(np.eye(3)[axis])
         base = move(first, _vector(-center), turn=0.0)
         points = place_vertices(move(base, turn=-phase * np.pi / sides, about=about))
+        copy = _Copy(points=points, center=center, axis=axis, sides=sides, phase=phase, first=first)
         for fit in (_fit_spokes, _fit_ring):
-            piece = fit(points, center, axis, sides, phase, first)
+            piece = fit(copy)
             if piece is not None and _is_same(primitives[:sides], build_piece(piece)):
                 return piece
     return None
 
 
-def _fit_ring(
-    points: Float[np.ndarray, "V 3"],
-    center: Float[np.ndarray, "3"],
-    axis: int,
-    sides: int,
-    phase: int,
-    first: Primitive,
-) -> Piece | None:
-    if phase == 0 or axis == 1 or len(points) != 8 or sides < MIN_WEDGES:
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Copy:
+    """The first of solids that are copies turned about one axis, moved to the origin and turned back."""
+
+    points: Float[np.ndarray, "V 3"]
+    center: Float[np.ndarray, "3"]
+    axis: int
+    sides: int
+    phase: int
+    """1 where the first is turned by half a step."""
+    first: Primitive
+
+
+def _fit_ring(copy: _Copy) -> Piece | None:
+    points, axis, sides, first = copy.points, copy.axis, copy.sides, copy.first
+    if copy.phase == 0 or axis == 1 or len(points) != 8 or sides < MIN_WEDGES:
         return None
     out = points[:, _spoke_axes(axis)[0]]
     span = (points[:, axis].min(), points[:, axis].max())
@@ -438,7 +446,7 @@ def _fit_ring(
     return Piece(
         kind="ring",
         finish=first.finish,
-        numbers=(*_square(center, axis, span, outer[1]), inner[0], inner[1], outer[0]),
+        numbers=(*_square(copy.center, axis, span, outer[1]), inner[0], inner[1], outer[0]),
         axis=axis,
         sides=sides,
         lining=first.lining,
@@ -446,14 +454,8 @@ def _fit_ring(
     )
 
 
-def _fit_spokes(
-    points: Float[np.ndarray, "V 3"],
-    center: Float[np.ndarray, "3"],
-    axis: int,
-    sides: int,
-    phase: int,
-    first: Primitive,
-) -> Piece | None:
+def _fit_spokes(copy: _Copy) -> Piece | None:
+    points, axis, first = copy.points, copy.axis, copy.first
     u, v = _spoke_axes(axis)
     low, high = points.min(axis=0), points.max(axis=0)
     if _find_bevel(points, low, high) != 0.0 or low[u] <= 0 or first.lining is not None:
@@ -462,10 +464,10 @@ def _fit_spokes(
     return Piece(
         kind="spokes",
         finish=first.finish,
-        numbers=(*_square(center, axis, span, float(high[u])), float(low[u]), float(high[v])),
+        numbers=(*_square(copy.center, axis, span, float(high[u])), float(low[u]), float(high[v])),
         axis=axis,
-        sides=sides,
-        phase=phase,
+        sides=copy.sides,
+        phase=copy.phase,
     )
 
 

@@ -29,7 +29,7 @@ from artigen.sketch.rows import (
     find_said,
     number_axis,
 )
-from artigen.sketch.sketch import LEVELS
+from artigen.sketch.sketch import LEVELS, lowest_corner
 from artigen.types import JOINT_TYPES, PART_LABELS
 
 MAX_ROWS = 220
@@ -184,7 +184,7 @@ class Writer:
         """Lowest and highest corner of the object."""
         first = column("object", "depth")
         extents = np.array(self.rows[0][first : first + 3])
-        low = np.array([-(extents[0] // 2), -(extents[1] // 2), 0])
+        low = lowest_corner(extents)
         return np.stack([low, low + extents])
 
     def padded(self) -> list[int]:

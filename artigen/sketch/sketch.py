@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from artigen.errors import ArtigenError
 from artigen.shapes.shape import Motion, Need, Shape, ShapePart
@@ -97,6 +97,11 @@ class Sketch:
         return dict(Counter(part.label for part in self.parts))
 
 
+def lowest_corner(extents: Int[np.ndarray, "*N 3"]) -> Int[np.ndarray, "*N 3"]:
+    """Lowest corner (steps) of closed objects with these extents: x and y are centred, the floor is z = 0."""
+    return -(extents // 2) * np.array([1, 1, 0])
+
+
 def write_sketch(shape: Shape) -> Sketch:
     """The sketch of a shape.
 
@@ -109,7 +114,7 @@ def write_sketch(shape: Shape) -> Sketch:
     snapped = [[snap_piece(move_piece(piece, -low)) for piece in pieces] for pieces in fitted]
     start, end = _bound_pieces(snapped)
     extents = (end - start).astype(int)
-    shift = np.array([-(extents[0] // 2), -(extents[1] // 2), 0]) - start.astype(int)
+    shift = lowest_corner(extents) - start.astype(int)
     names = [part.name for part in shape.parts]
     parts = tuple(
         _write_part(
