@@ -21,14 +21,17 @@ from artigen.weights import SHIPPED
 from artigen.workers import Worker
 
 if TYPE_CHECKING:
+    from artigen.appearance import AppearanceModel
     from artigen.conditioning.request import Request, Understood
     from artigen.generate import StructureModel
     from artigen.models.picture_reader import PictureReader
+    from artigen.paint import PaintedSurface
     from artigen.shape_appearance import ShapeAppearanceModel
     from artigen.shapes.shape import Shape
     from artigen.sketch.model import Drawn
     from artigen.sketch.network import SketchNetwork
     from artigen.sketch.request import SketchRequest
+    from artigen.types import Asset
     from sim_export.package import SimPackage
 
 TIMEOUT = 300.0
@@ -57,7 +60,7 @@ class GenerateSettings:
     """Parts wanted, such as drawer=3 door=0."""
     structure: Literal["sketch", "latent"] = "sketch"
     """``sketch`` exports the exact primitives of the sketch network; ``latent`` draws 64^3 voxels
-    from the paper's latents within the sketch's boxes, and exports what they show, without Gaussians."""
+    from the paper's latents within the sketch's boxes, and exports what they show in its colours."""
     temperature: float = 0.6
     """Of the sketch: 1 is as varied as the training data, less is more usual."""
     redraws: int = 3
@@ -69,7 +72,8 @@ class GenerateSettings:
     encoders: Path | None = None
     """Folder with the public weights of DINOv2 and CLIP, for latent models that read with these."""
     gaussians: bool = True
-    """Whether packages also hold Gaussians, one PLY per link."""
+    """Whether packages also hold Gaussians, one PLY per link: decoded from the sketch's exact surfaces, or
+    drawn by the paper's sparse flow on the surface of latent structures."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -132,6 +136,14 @@ def _load_structure(folder: Path, encoders: Path | None) -> "StructureModel":
     if encoders is not None:
         attach_encoders(structure.flow, encoders)
     return structure
+
+
+@lru_cache(maxsize=1)
+def _load_drawer(folder: Path) -> "AppearanceModel | None":
+    """None where the folder has no weights of appearance."""
+    from artigen.appearance import has_appearance, load_appearance_model
+
+    return load_appearance_model(folder) if has_appearance(folder) else None
 
 
 @lru_cache(maxsize=1)
@@ -248,13 +260,18 @@ def _make_exact(
 def _make_latent(
     job: GenerateJob, shape: "Shape", provenance: dict[str, str], notes: tuple[str, ...]
 ) -> "SimPackage":
-    """The package of voxels that the paper's latents show within the sketch's boxes, in its colours."""
+    """The package of voxels that the paper's latents show within the sketch's boxes, in its colours.
+
+    Raises:
+        ArtigenError: If the sketch's surface has no sample of a part that Gaussians are drawn for.
+    """
     from artigen.cli.shape import SPACING
     from artigen.generate import GenerateConfig, generate_structure
     from artigen.models.conditions import StructureCondition
     from artigen.pictures import read_picture
     from artigen.sampling import SamplerConfig
-    from artigen.shapes.asset import frame_shape, shape_to_asset
+    from artigen.shapes.asset import shape_to_asset
+    from artigen.train.appearance.paint import paint_surface
     from sim_export.export import export_asset
 
     model, image = _load_structure(job.model, job.cfg.encoders), None
@@ -262,12 +279,39 @@ def _make_latent(
     if job.cfg.image is not None and known.image_size:
         image = read_picture(job.cfg.image, known.image_size, margin=known.image_margin).rgba
     noise = int(np.random.SeedSequence([job.seed, len(job.draws), 1]).generate_state(1)[0])
-    told = shape_to_asset(shape, model.preset.resolution, SPACING * frame_shape(shape)[1])
+    told = shape_to_asset(shape, model.preset.resolution)
+    painted = paint_surface(shape, told, SPACING)
     asked = StructureCondition(text=job.cfg.text, image=image)
     cfg = GenerateConfig(sampler=SamplerConfig(steps=job.cfg.steps, strength=job.cfg.strength))
     asset = generate_structure(model, asked, noise, cfg, boxes=told)
-    colored = replace(asset, name=job.key, surface=told.surface, notes=(*notes, *asset.notes))
-    return export_asset(colored, provenance=provenance).package
+    colored = replace(asset, name=job.key, surface=painted.samples, notes=(*notes, *asset.notes))
+    package = export_asset(colored, provenance=provenance).package
+    drawer = _load_drawer(job.model) if job.cfg.gaussians else None
+    return package if drawer is None else _attach_drawn(package, drawer, colored, shape, painted, noise)
+
+
+def _attach_drawn(
+    package: "SimPackage",
+    drawer: "AppearanceModel",
+    asset: "Asset",
+    shape: "Shape",
+    painted: "PaintedSurface",
+    seed: int,
+) -> "SimPackage":
+    """The package with Gaussians that the sparse flow draws on the meshes of an asset's voxels, each part in
+    the paint of the same part of a shape."""
+    from artigen.appearance import generate_appearance
+    from artigen.metrics.shapes import describe_shape
+    from artigen.paint import repaint
+    from sim_export.appearance.splats import attach_splats
+    from sim_export.geometry.surface import sample_surface
+
+    surface = repaint(sample_surface(asset), painted, [part.name for part in asset.parts])
+    shown = generate_appearance(drawer, asset, describe_shape(shape), seed, surface=surface)
+    assert shown.gaussians is not None
+    said = f"{len(shown.gaussians.means)} Gaussians are drawn on the meshes in the paint of the sketch"
+    records = (*package.records, *shown.notes[len(asset.notes) :], said)
+    return replace(package, links=attach_splats(package.links, shown), records=records)
 
 
 def generate_and_validate(worker: Worker, job: GenerateJob) -> Finished:
