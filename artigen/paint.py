@@ -85,7 +85,7 @@ def repaint(surface: SurfaceSamples, like: PaintedSurface, names: Sequence[str])
     Raises:
         ArtigenError: If the other surface has no sample of a part.
     """
-    parts = np.unique(surface.part_ids)
+    parts: list[int] = np.unique(surface.part_ids).tolist()
     lost = [names[part] for part in parts if not (like.samples.part_ids == part).any()]
     if lost:
         raise ArtigenError(

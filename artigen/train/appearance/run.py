@@ -31,7 +31,7 @@ class AppearanceRunConfig:
     preset: PresetName = "compact"
     """Sizes."""
     minutes: float = 30.0
-    """Budget of the training of all networks; making data comes on top."""
+    """Budget of the training of both networks; making data comes on top."""
     shards: int = 100
     """Shards of training data."""
     held_out: int = 2
