@@ -142,6 +142,7 @@ def test_a_latent_package_has_gaussians_on_the_meshes_of_its_links(latent: Gener
     made = generate_object(latent)
     package = read_package(latent.out / latent.key)
     assert any("Gaussians are drawn on the meshes in the paint of the sketch" in one for one in made.notes)
+    assert any("surface samples of the own part cover 100.00 %" in one for one in made.notes)
     for link in package.links:
         assert (link.splats is None) == (not link.visuals)
         if link.splats is not None:
@@ -158,6 +159,15 @@ def test_gaussians_change_nothing_else_of_a_latent_package_and_may_be_left_out(l
     generate_object(replace(latent, cfg=replace(latent.cfg, gaussians=False)))
     assert all(link.splats is None for link in read_package(folder).links)
     assert shown == {path.relative_to(folder): path.read_bytes() for path in (folder / "visual").rglob("*.*")}
+
+
+def test_parts_that_are_not_the_sketchs_are_named(latent: GenerateJob, monkeypatch: pytest.MonkeyPatch):
+    def rename(*rest: object, boxes: Asset) -> Asset:
+        return replace(boxes, parts=tuple(replace(part, name=f"found_{part.name}") for part in boxes.parts))
+
+    monkeypatch.setattr(artigen.generate, "generate_structure", rename)
+    with pytest.raises(ArtigenError, match=r"shows the parts found_.*, expected those of the sketch"):
+        generate_object(latent)
 
 
 def test_a_part_without_painted_surface_is_named(latent: GenerateJob, monkeypatch: pytest.MonkeyPatch):

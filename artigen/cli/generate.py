@@ -260,19 +260,24 @@ def _make_exact(
 def _make_latent(
     job: GenerateJob, shape: "Shape", provenance: dict[str, str], notes: tuple[str, ...]
 ) -> "SimPackage":
-    """The package of voxels that the paper's latents show within the sketch's boxes, in its colours.
+    """The package of voxels that the paper's latents show within the sketch's boxes.
+
+    Their meshes take the paint of the sketch's surface, part by part: it colours the textures, and the sparse
+    flow is told it.
 
     Raises:
-        ArtigenError: If the sketch's surface has no sample of a part that Gaussians are drawn for.
+        ArtigenError: If the parts are not those of the sketch, or its surface has no sample of one.
     """
     from artigen.cli.shape import SPACING
     from artigen.generate import GenerateConfig, generate_structure
     from artigen.models.conditions import StructureCondition
+    from artigen.paint import repaint
     from artigen.pictures import read_picture
     from artigen.sampling import SamplerConfig
     from artigen.shapes.asset import shape_to_asset
     from artigen.train.appearance.paint import paint_surface
     from sim_export.export import export_asset
+    from sim_export.geometry.surface import sample_surface
 
     model, image = _load_structure(job.model, job.cfg.encoders), None
     known = model.preset.conditions
@@ -284,10 +289,17 @@ def _make_latent(
     asked = StructureCondition(text=job.cfg.text, image=image)
     cfg = GenerateConfig(sampler=SamplerConfig(steps=job.cfg.steps, strength=job.cfg.strength))
     asset = generate_structure(model, asked, noise, cfg, boxes=told)
-    colored = replace(asset, name=job.key, surface=painted.samples, notes=(*notes, *asset.notes))
+    names, known_names = ([part.name for part in one.parts] for one in (asset, told))
+    if names != known_names:
+        raise ArtigenError(
+            f"{job.key}: the latent shows the parts {', '.join(names)}, expected those of the sketch, "
+            f"{', '.join(known_names)}, whose colours they take; use a model that draws within outlines"
+        )
+    surface = repaint(sample_surface(asset), painted, names)
+    colored = replace(asset, name=job.key, surface=surface.samples, notes=(*notes, *asset.notes))
     package = export_asset(colored, provenance=provenance).package
     drawer = _load_drawer(job.model) if job.cfg.gaussians else None
-    return package if drawer is None else _attach_drawn(package, drawer, colored, shape, painted, noise)
+    return package if drawer is None else _attach_drawn(package, drawer, colored, shape, surface, noise)
 
 
 def _attach_drawn(
@@ -295,18 +307,14 @@ def _attach_drawn(
     drawer: "AppearanceModel",
     asset: "Asset",
     shape: "Shape",
-    painted: "PaintedSurface",
+    surface: "PaintedSurface",
     seed: int,
 ) -> "SimPackage":
-    """The package with Gaussians that the sparse flow draws on the meshes of an asset's voxels, each part in
-    the paint of the same part of a shape."""
+    """The package with Gaussians that the sparse flow draws on the painted surface of an asset's meshes."""
     from artigen.appearance import generate_appearance
     from artigen.metrics.shapes import describe_shape
-    from artigen.paint import repaint
     from sim_export.appearance.splats import attach_splats
-    from sim_export.geometry.surface import sample_surface
 
-    surface = repaint(sample_surface(asset), painted, [part.name for part in asset.parts])
     shown = generate_appearance(drawer, asset, describe_shape(shape), seed, surface=surface)
     assert shown.gaussians is not None
     said = f"{len(shown.gaussians.means)} Gaussians are drawn on the meshes in the paint of the sketch"
