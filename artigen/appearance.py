@@ -7,34 +7,26 @@ import numpy as np
 import torch
 from jaxtyping import Float
 
-from artigen.bare_sides import cover_bare_sides
+from artigen.attributes import describe_voxels, read_kinds
 from artigen.canvas import Canvas, lay_out
 from artigen.errors import SourceError
 from artigen.facings import find_facings
-from artigen.fields import name_rows, tabulate_parts
+from artigen.fields import tabulate_parts
 from artigen.figures import find_edges
 from artigen.models.appearance_presets import APPEARANCE_PRESETS, AppearancePreset
-from artigen.models.appearance_vae import (
-    APPEARANCE_FLOW,
-    APPEARANCE_PAINTER,
-    APPEARANCE_PALETTE,
-    APPEARANCE_VAE,
-)
+from artigen.models.appearance_vae import APPEARANCE_FLOW, APPEARANCE_VAE
 from artigen.models.conditions import StructureCondition, gather_conditions
 from artigen.models.evenness import even_sides
 from artigen.models.gaussian_decoder import GaussianDecoder, to_gaussians
-from artigen.models.painter import Painter, paint_voxels
-from artigen.models.palette_flow import PaletteFlow, sample_palettes
 from artigen.models.slat_flow import SlatFlow, sample_slats
 from artigen.models.store import DESCRIPTION, load_model, read_description
 from artigen.models.trellis import load_strictly, read_tensors
-from artigen.palettes import ask_colors, describe_voxels, read_kinds
+from artigen.paint import PaintedSurface, gather_paint
 from artigen.places import describe_places, measure_places
 from artigen.sampling import SamplerConfig
 from artigen.splats.render.splats import Splats
 from artigen.splats.seams import SeamConfig, settle_seams
-from artigen.text import Color
-from artigen.types import Asset, PartLabel, SurfaceSamples
+from artigen.types import Asset
 from artigen.voxels import voxelize_again
 
 DECODER = "decoder."
@@ -48,10 +40,6 @@ class AppearanceModel:
     preset: AppearancePreset
     decoder: GaussianDecoder
     flow: SlatFlow
-    palette: PaletteFlow | None = None
-    """Draws the colours of parts, where the preset has it."""
-    painter: Painter | None = None
-    """Puts them on the voxels, where the preset has palettes."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,13 +48,6 @@ class AppearanceConfig:
 
     sampler: SamplerConfig | None = None
     """Steps and guidance; None leaves them to the model's preset."""
-    palettes: SamplerConfig = field(default_factory=lambda: SamplerConfig(steps=25, strength=0.0))
-    """Steps and guidance of the palettes, whose steps cost next to nothing."""
-    seen: SamplerConfig = field(default_factory=lambda: SamplerConfig(steps=1, strength=0.0))
-    """The same where a picture shows the colours: one step gives the mean of what it lets one expect, nearly
-    the same for every seed."""
-    colors: tuple[tuple[PartLabel, Color], ...] = ()
-    """Main colours that parts are to have; that of the base is the object's."""
     seams: SeamConfig = field(default_factory=SeamConfig)
     """What counts as a Gaussian that strays over a neighbouring part."""
 
@@ -108,29 +89,7 @@ def load_appearance_model(folder: Path, device: torch.device | str = "cpu") -> A
     }
     load_strictly(decoder, tensors, f"{folder / APPEARANCE_VAE} ({DECODER}*)")
     load_model(flow, folder, APPEARANCE_FLOW)
-    palette = painter = None
-    if preset.palette is not None:
-        palette, painter = PaletteFlow(preset.palette, preset.conditions), Painter(preset.painter)
-        load_model(palette, folder, APPEARANCE_PALETTE)
-        load_model(painter, folder, APPEARANCE_PAINTER)
-        palette, painter = palette.to(device), painter.to(device)
-    return AppearanceModel(
-        preset=preset,
-        decoder=decoder.to(device).eval(),
-        flow=flow.to(device),
-        palette=palette,
-        painter=painter,
-    )
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Told:
-    """Colours that are known, and not drawn (`artigen.palettes`)."""
-
-    palettes: Float[np.ndarray, "P 7"] | None = None
-    """Of the parts."""
-    paint: Float[np.ndarray, "N 7"] | None = None
-    """Of the voxels; then palettes are not asked for."""
+    return AppearanceModel(preset=preset, decoder=decoder.to(device).eval(), flow=flow.to(device))
 
 
 @torch.no_grad()
@@ -141,7 +100,7 @@ def draw_splats(
     seed: int,
     cfg: AppearanceConfig,
     *,
-    told: Told | None = None,
+    paint: Float[np.ndarray, "N 7"] | None = None,
 ) -> Splats:
     """Draws the Gaussians of given voxels, voxel after voxel.
 
@@ -150,11 +109,12 @@ def draw_splats(
         canvas: the voxels.
         asked: the condition.
         seed: of the noise.
-        cfg: samplers.
-        told: colours that are not drawn, where the model draws any.
+        cfg: sampler.
+        paint: colours of both sides of each voxel, and how clear it is (`artigen.paint`); all models but
+            ``paper`` are told.
 
     Raises:
-        ValueError: If the model is to be told where surface lies, and is not.
+        ValueError: If the model is to be told paint and where surface lies, and is not.
     """
     device = next(model.flow.parameters()).device
     generator = torch.Generator().manual_seed(seed)
@@ -162,22 +122,15 @@ def draw_splats(
         gather_conditions([condition], model.preset.conditions).to(device)
         for condition in (asked, StructureCondition())
     )
-    attributes = paint = None
+    attributes = None
     edge = model.preset.decoder.trunk.resolution
     coords, part_ids, facings, table = canvas.coords, canvas.part_ids, canvas.facings, canvas.table
-    if model.palette is not None and model.painter is not None:
-        if canvas.places is None:
-            raise ValueError(f"{len(coords)} voxels without places; this model is told where surface lies")
-        paint, palettes = (None, None) if told is None else (told.paint, told.palettes)
-        if paint is None:
-            if palettes is None:
-                fixed = ask_colors(name_rows(table), dict(cfg.colors))
-                steps = cfg.palettes if asked.image is None or cfg.colors else cfg.seen
-                palettes = sample_palettes(
-                    model.palette, table, known, nothing, generator, steps, fixed=fixed
-                )
-            paint = paint_voxels(model.painter, coords, part_ids, facings, table, palettes, edge)
-            paint = cover_bare_sides(paint, canvas.places.faced, coords, part_ids)
+    if model.flow.attribute_channels:
+        if canvas.places is None or paint is None:
+            lacks = "places" if canvas.places is None else "paint"
+            raise ValueError(
+                f"{len(coords)} voxels without {lacks}; this model is told where surface lies and its paint"
+            )
         kinds = read_kinds(coords, part_ids, facings, table, edge)
         attributes = torch.from_numpy(describe_voxels(kinds, describe_places(canvas.places), paint)).to(
             device
@@ -186,7 +139,7 @@ def draw_splats(
     noise = torch.randn((len(coords), model.flow.channels), generator=generator).to(device)
     sampler = cfg.sampler or model.preset.sampler
     latents = sample_slats(model.flow, places, known, nothing, noise, sampler, attributes=attributes)
-    if paint is not None:
+    if attributes is not None and paint is not None:
         edges = find_edges(coords, part_ids, facings, edge)
         latents = even_sides(latents, model.flow.expect(attributes), paint, edges)
     faced = torch.from_numpy(facings).to(device) if model.preset.decoder.trunk.sided else None
@@ -200,22 +153,22 @@ def generate_appearance(
     seed: int,
     cfg: AppearanceConfig | None = None,
     *,
-    surface: SurfaceSamples | None = None,
+    surface: PaintedSurface | None = None,
 ) -> Asset:
     """Draws Gaussians for the surface of an asset; the same arguments give the same ones on one machine.
 
-    Given samples of its surface, they are drawn on the voxels that it passes through, as those of true
-    objects are; else on the asset's own. Every Gaussian belongs to the part of its voxel, but for those that
-    stray (`artigen.splats.seams`).
+    Given painted samples of its surface, they are drawn in these colours on the voxels that it passes
+    through, as those of true objects are; else on the asset's own. Every Gaussian belongs to the part of its
+    voxel, but for those that stray (`artigen.splats.seams`).
 
     Args:
         model: trained networks.
         asset: with voxels in the model's resolution.
         asked: the condition that the structure was drawn from.
         seed: of the noise.
-        cfg: samplers and seams.
-        surface: samples of the surface that the voxels stand for, of a drawn structure those of its meshes
-            (`sim_export.geometry.surface`); models that are told where it lies need them (all but ``paper``).
+        cfg: sampler and seams.
+        surface: painted samples of the surface that the voxels stand for, of a drawn structure those of its
+            meshes (`sim_export.geometry.surface`, `artigen.paint.repaint`); needed but for ``paper``.
 
     Raises:
         ValueError: If the asset has no voxels, has them in another resolution, or samples are missing.
@@ -225,14 +178,17 @@ def generate_appearance(
     if voxels is None or not len(voxels.coords) or voxels.resolution != edge:
         found = "none" if voxels is None else f"{len(voxels.coords)} of {voxels.resolution}^3"
         raise ValueError(f"asset {asset.name!r}: voxels are {found}, this model draws on those of {edge}^3")
-    places = None
+    places = paint = None
     if surface is not None:
-        voxels, facings = lay_out(surface, voxelize_again(surface, voxels))
-        places = measure_places(surface, voxels, facings)
+        samples = surface.samples
+        voxels, facings = lay_out(samples, voxelize_again(samples, voxels))
+        places = measure_places(samples, voxels, facings)
+        paint = (gather_paint(surface, voxels, facings).packed() / 255.0).astype(np.float32)
     elif model.flow.attribute_channels:
         raise ValueError(
-            f"asset {asset.name!r} came without samples of its surface, which say where in its voxels "
-            "Gaussians belong; take some of its meshes (sim_export.geometry.surface)"
+            f"asset {asset.name!r} came without painted samples of its surface, which say where in its "
+            "voxels Gaussians belong and in which colours; take some of its meshes "
+            "(sim_export.geometry.surface) and paint them (artigen.paint.repaint)"
         )
     else:
         facings = find_facings(voxels.coords, voxels.part_ids, edge)
@@ -243,6 +199,6 @@ def generate_appearance(
         table=tabulate_parts(asset),
         places=places,
     )
-    splats = draw_splats(model, canvas, asked, seed, cfg)
+    splats = draw_splats(model, canvas, asked, seed, cfg, paint=paint)
     painted = replace(asset, voxels=voxels, gaussians=to_gaussians(splats, voxels.part_ids))
     return replace(settle_seams(painted, cfg.seams), voxels=asset.voxels)

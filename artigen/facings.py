@@ -59,7 +59,7 @@ def find_outward(
         axes: Axis of each, 0 to 2.
     """
     cells, every = coords.astype(np.int64), np.arange(len(coords))
-    middle = find_middles(cells, part_ids, float(LONGEST))
+    middle = _find_middles(cells, part_ids, float(LONGEST))
     return 2 * axes + (cells[every, axes] > middle[every, axes])
 
 
@@ -155,7 +155,7 @@ def facing_frames() -> Float[np.ndarray, "6 3 3"]:
     return frames
 
 
-def find_middles(
+def _find_middles(
     points: Real[np.ndarray, "N 3"], part_ids: Integer[np.ndarray, "N"], thin: float
 ) -> Float[np.ndarray, "N 3"]:
     """Where the inside is for each point: the middle of its part, or of the whole along the axes along which

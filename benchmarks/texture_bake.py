@@ -4,9 +4,9 @@
 
 Gaussians are discs on the surface of procedural objects (`artigen.splats.surface`). They are baked onto two
 kinds of meshes: the objects' own surfaces (what the bake alone loses), and the meshes that the export makes
-of 64^3 voxels (what a package loses; silhouettes differ too). A third row is of what a user gets: an object
-that the shipped model draws by category and seed, its Gaussians on its meshes. All are drawn without light,
-colours as they are. Writes a Markdown table, and a picture per object.
+of 64^3 voxels (what a package loses; silhouettes differ too). A third row is of what
+`--structure latent` draws within the boxes and in the paint of the object, its Gaussians on its meshes. All
+are drawn without light, colours as they are. Writes a Markdown table, and a picture per object.
 """
 
 import time
@@ -22,6 +22,7 @@ from artigen.appearance import generate_appearance, load_appearance_model
 from artigen.generate import generate_structure, load_structure_model
 from artigen.kinematics import articulate_gaussians, displacements, qlimits
 from artigen.metrics.shapes import describe_shape
+from artigen.paint import repaint
 from artigen.shapes.asset import frame_shape, shape_to_asset
 from artigen.shapes.draw import draw_shape
 from artigen.splats.colors import srgb_from_linear
@@ -30,6 +31,7 @@ from artigen.splats.parts import select_gaussians
 from artigen.splats.render import RasterConfig
 from artigen.splats.render.picture import draw_gaussians
 from artigen.splats.surface import splat_surface
+from artigen.train.appearance.paint import paint_surface
 from artigen.types import Asset
 from artigen.weights import SHIPPED
 from sim_export.appearance.texture import BakedMesh, bake_mesh
@@ -151,13 +153,16 @@ def measure(
 
 
 def generate(category: str, seed: int) -> Asset:
-    """What the shipped model draws."""
+    """What the shipped model draws within the boxes of an object, in its paint."""
     structure, appearance = load_structure_model(SHIPPED), load_appearance_model(SHIPPED)
     shape = draw_shape(category, seed)
     asked = describe_shape(shape)
-    asset = generate_structure(structure, asked, seed, boxes=shape)
-    painted = generate_appearance(appearance, asset, asked, seed, surface=sample_surface(asset))
-    return replace(painted, name=f"{category}_{seed}")
+    told = shape_to_asset(shape)
+    asset = generate_structure(structure, asked, seed, boxes=told)
+    names = [part.name for part in asset.parts]
+    surface = repaint(sample_surface(asset), paint_surface(shape, told, SPACING), names)
+    shown = generate_appearance(appearance, asset, asked, seed, surface=surface)
+    return replace(shown, name=f"{category}_{seed}")
 
 
 def measure_object(name: str, out: Path) -> list[Row]:

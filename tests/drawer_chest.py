@@ -9,7 +9,7 @@ from artigen.shapes.render import RenderConfig
 from artigen.shapes.shape import Motion, Need, Shape, ShapePart
 from artigen.shapes.surfaces.finishes import Finish
 from artigen.train.appearance.curation import CurationConfig, curate
-from artigen.train.appearance.examples import AppearanceExample, lay_true_voxels, paint_parts
+from artigen.train.appearance.examples import AppearanceExample, lay_true_voxels
 from artigen.train.appearance.paint import read_paint
 from artigen.train.appearance.views import ViewConfig
 from artigen.types import Asset
@@ -108,7 +108,6 @@ def make_example(shape: Shape, resolution: int = 16, **changes) -> tuple[Asset, 
         features=features.values.astype(np.float16),
         views=features.views.astype(np.uint16),
         table=labels,
-        palettes=paint_parts(shape, asset),
         pictures=pictures,
         counts=np.zeros(8, dtype=np.uint8),
         size=np.ones(3, dtype=np.float32),

@@ -19,19 +19,12 @@ from artigen.errors import SourceError
 from artigen.generate import build_structure_model
 from artigen.io import read_asset, write_asset
 from artigen.models.appearance_presets import APPEARANCE_PRESETS
-from artigen.models.appearance_vae import (
-    APPEARANCE_FLOW,
-    APPEARANCE_PAINTER,
-    APPEARANCE_PALETTE,
-    APPEARANCE_VAE,
-    AppearanceVae,
-)
+from artigen.models.appearance_vae import APPEARANCE_FLOW, APPEARANCE_VAE, AppearanceVae
 from artigen.models.conditions import StructureCondition
-from artigen.models.painter import Painter
-from artigen.models.palette_flow import PaletteFlow
 from artigen.models.presets import PRESETS
 from artigen.models.slat_flow import SlatFlow
 from artigen.models.store import save_model
+from artigen.paint import PaintedSurface
 from artigen.sampling import SamplerConfig
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.draw import draw_shape
@@ -62,8 +55,6 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     # The encoder depends on the feature extractor, which generating does not need.
     vae = AppearanceVae(replace(look.encoder, in_channels=19), look.decoder)
     flow = SlatFlow(look.flow, look.conditions)
-    save_model(PaletteFlow(look.palette, look.conditions), path, {"preset": "tiny"}, APPEARANCE_PALETTE)
-    save_model(Painter(look.painter), path, {"preset": "tiny"}, APPEARANCE_PAINTER)
     for layer in (vae.decoder.out_layer, flow.network.out_layer):  # zero in untrained networks
         torch.nn.init.normal_(layer.weight, std=0.1)
     with torch.no_grad():  # the last channels are the opacities: Gaussians that hide something
@@ -80,7 +71,16 @@ def structure() -> Asset:
 
 
 def paint(model: AppearanceModel, structure: Asset, seed: int) -> Asset:
-    return generate_appearance(model, structure, ASKED, seed, FEW, surface=sample_surface(structure))
+    return generate_appearance(model, structure, ASKED, seed, FEW, surface=sample_painted(structure))
+
+
+def sample_painted(structure: Asset) -> PaintedSurface:
+    """The surface of an asset's meshes, every part in a colour of its own."""
+    samples = sample_surface(structure)
+    colors = np.random.default_rng(0).integers(0, 256, (len(structure.parts), 3), dtype=np.uint8)
+    return PaintedSurface(
+        samples=replace(samples, colors=colors[samples.part_ids]), clear=np.zeros(len(samples.points))
+    )
 
 
 def test_the_same_seed_gives_the_same_gaussians_and_another_seed_others(folder: Path, structure: Asset):
@@ -121,7 +121,7 @@ def test_packages_have_one_file_of_gaussians_per_link_and_textures_made_of_them(
 ):
     def export() -> None:
         painted = generate_appearance(
-            load_appearance_model(folder), structure, ASKED, 9, surface=sample_surface(structure)
+            load_appearance_model(folder), structure, ASKED, 9, surface=sample_painted(structure)
         )
         write_package(export_asset(painted).package, place, "replace")
 
@@ -164,7 +164,7 @@ def test_what_does_not_fit_is_said(folder: Path, structure: Asset, tmp_path: Pat
     finer = replace(structure.voxels, resolution=64)
     with pytest.raises(ValueError, match=r"of 64\^3, this model draws on those of 32\^3"):
         generate_appearance(model, replace(structure, voxels=finer), ASKED, 0)
-    with pytest.raises(ValueError, match="came without samples of its surface"):
+    with pytest.raises(ValueError, match="came without painted samples of its surface"):
         generate_appearance(model, structure, ASKED, 0)
     with pytest.raises(SourceError, match="there is no such model"):
         load_appearance_model(tmp_path)

@@ -11,6 +11,8 @@ import pytest
 import torch
 from PIL import Image
 
+import artigen.cli.shape
+import artigen.generate
 import artigen.sketch.model
 from artigen.cli.generate import (
     GenerateJob,
@@ -21,13 +23,20 @@ from artigen.cli.generate import (
     generate_object,
 )
 from artigen.errors import ArtigenError, SourceError
+from artigen.generate import build_structure_model
+from artigen.models.appearance_presets import APPEARANCE_PRESETS
+from artigen.models.appearance_vae import APPEARANCE_FLOW, APPEARANCE_VAE, AppearanceVae
+from artigen.models.presets import PRESETS
+from artigen.models.slat_flow import SlatFlow
 from artigen.models.store import hash_model, save_model
 from artigen.shapes.draw import draw_shape
 from artigen.sketch.model import Drawn, save_sketch_network
 from artigen.sketch.network import SketchNetwork, SketchNetworkConfig
 from artigen.sketch.picture import PictureConfig
 from artigen.train.photographs import photograph_shape
+from artigen.types import Asset
 from artigen.workers import Outcome
+from sim_export.files.read import read_package
 
 SHAPE = draw_shape("StorageFurniture", 3)
 OTHER = SketchNetworkConfig(width=16, layers=1, heads=2, pointer=8, picture=None)
@@ -111,6 +120,66 @@ def test_a_package_by_a_picture_has_its_colours(model: Path, tmp_path: Path, dra
     generate_object(job)
     condition = json.loads((tmp_path / job.key / "provenance.json").read_text())["condition"]
     assert json.loads(condition)["image"] == "red.png"
+
+
+@pytest.fixture
+def latent(
+    model: Path, tmp_path: Path, drawn: list[tuple[object, int]], monkeypatch: pytest.MonkeyPatch
+) -> GenerateJob:
+    """A job for the same cabinet as voxels, by a model that knows nothing: they are those of its boxes."""
+    preset, look = PRESETS["tiny"], APPEARANCE_PRESETS["tiny"]
+    folder = Path(shutil.copytree(model, tmp_path / "model"))
+    structure = build_structure_model(preset)
+    save_model(structure.vae, folder, {"preset": "tiny"}, "vae")
+    save_model(structure.flow, folder, {"preset": "tiny"}, "flow")
+    save_model(AppearanceVae(look.encoder, look.decoder), folder, {"preset": "tiny"}, APPEARANCE_VAE)
+    save_model(SlatFlow(look.flow, look.conditions), folder, {"preset": "tiny"}, APPEARANCE_FLOW)
+
+    def keep(*rest: object, boxes: Asset) -> Asset:
+        return boxes
+
+    monkeypatch.setattr(artigen.generate, "generate_structure", keep)
+    settings = GenerateSettings(structure="latent")
+    return GenerateJob(model=folder, category=SHAPE.category, seed=9, out=tmp_path, cfg=settings)
+
+
+def test_a_latent_package_has_gaussians_on_the_meshes_of_its_links(latent: GenerateJob):
+    made = generate_object(latent)
+    package = read_package(latent.out / latent.key)
+    assert any("Gaussians are drawn on the meshes in the paint of the sketch" in one for one in made.notes)
+    assert any("surface samples of the own part cover 100.00 %" in one for one in made.notes)
+    for link in package.links:
+        assert (link.splats is None) == (not link.visuals)
+        if link.splats is not None:
+            corners = np.concatenate([visual.mesh.vertices for visual in link.visuals])
+            voxel = 1.0 / 32 * max(SHAPE.condition.depth, SHAPE.condition.width, SHAPE.condition.height)
+            assert (link.splats.means > corners.min(axis=0) - 2 * voxel).all()
+            assert (link.splats.means < corners.max(axis=0) + 2 * voxel).all()
+
+
+def test_gaussians_change_nothing_else_of_a_latent_package_and_may_be_left_out(latent: GenerateJob):
+    generate_object(latent)
+    folder = latent.out / latent.key
+    shown = {path.relative_to(folder): path.read_bytes() for path in sorted((folder / "visual").rglob("*.*"))}
+    generate_object(replace(latent, cfg=replace(latent.cfg, gaussians=False)))
+    assert all(link.splats is None for link in read_package(folder).links)
+    assert shown == {path.relative_to(folder): path.read_bytes() for path in (folder / "visual").rglob("*.*")}
+
+
+def test_parts_that_are_not_the_sketchs_are_named(latent: GenerateJob, monkeypatch: pytest.MonkeyPatch):
+    def rename(*rest: object, boxes: Asset) -> Asset:
+        return replace(boxes, parts=tuple(replace(part, name=f"found_{part.name}") for part in boxes.parts))
+
+    monkeypatch.setattr(artigen.generate, "generate_structure", rename)
+    with pytest.raises(ArtigenError, match=r"shows the parts found_.*, expected those of the sketch"):
+        generate_object(latent)
+
+
+def test_a_part_without_painted_surface_is_named(latent: GenerateJob, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(artigen.cli.shape, "SPACING", 0.5)
+    with pytest.raises(ArtigenError, match=r"handle.*: none of \d+ painted samples"):
+        generate_object(latent)
+    assert not (latent.out / latent.key).exists()
 
 
 @pytest.mark.parametrize(

@@ -17,7 +17,7 @@ from artigen.models.presets import PRESETS
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.shape import Shape
-from artigen.train.appearance.drawn import NEAR, DrawnVoxels, keep_voxels, redraw, roughen
+from artigen.train.appearance.drawn import NEAR, DrawnVoxels, redraw, roughen
 from artigen.train.appearance.examples import lay_true_voxels
 from artigen.train.appearance.run import AppearanceRunConfig, claim_appearance_run
 from artigen.types import Asset, SurfaceSamples
@@ -41,12 +41,6 @@ def distances(asset: Asset, drawn: DrawnVoxels) -> np.ndarray:
     assert drawn.coords.max() < asset.voxels.resolution
     assert (drawn.part_ids[drawn.rows] == asset.voxels.part_ids[drawn.like]).all()
     return np.linalg.norm(drawn.coords[drawn.rows] - asset.voxels.coords[drawn.like].astype(int), axis=1)
-
-
-def test_kept_voxels_are_themselves():
-    asset, facings = voxelize(make_chest(), 16)
-    assert asset.voxels is not None
-    assert not distances(asset, keep_voxels(asset.voxels, facings)).any()
 
 
 def test_roughened_voxels_are_a_little_off():

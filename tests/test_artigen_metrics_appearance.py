@@ -12,7 +12,7 @@ from artigen.cli.evaluate import AppearanceViews, EvaluateSettings, evaluate
 from artigen.cli.train import AppearanceSettings, TrainSettings, train
 from artigen.errors import ArtigenError, SourceError
 from artigen.metrics.appearance import Comparison, score_comparisons, score_sets, split_states
-from artigen.metrics.part_colors import borrow_colors, color_error, mean_colors
+from artigen.metrics.part_colors import color_error, mean_colors
 from artigen.metrics.pictures import (
     frechet_distance,
     kernel_distance,
@@ -28,15 +28,13 @@ from artigen.models.store import load_model
 from artigen.splats.render.splats import Splats
 from artigen.train.appearance.curation import CurationConfig
 from artigen.train.appearance.examples import draw_appearance
-from artigen.train.appearance.painter import draw_painted, write_paint_shard
-from artigen.train.appearance.palettes import draw_palettes, write_palette_shard
 from artigen.train.appearance.photographs import NOTHING
 from artigen.train.appearance.presets import APPEARANCE_TRAINING
 from artigen.train.appearance.shards import write_appearance_shard
 from artigen.train.appearance.views import ViewConfig
 from artigen.train.loop import finished_steps
 from artigen.train.shards import HELD_OUT
-from artigen.types import FIXED, Part, SurfaceSamples
+from artigen.types import SurfaceSamples
 from artigen.weights import SHIPPED
 
 
@@ -92,7 +90,7 @@ def test_kernel_distance_is_unbiased_and_has_its_closed_form():
         kernel_distance(first[:1], second)
 
 
-def test_colours_of_parts_are_compared_and_borrowed_part_by_part():
+def test_colours_of_parts_are_compared_part_by_part():
     parts = np.full((1, 8, 8), NOTHING, dtype=np.uint8)
     parts[0, :4], parts[0, 4:, :2], parts[0, 4:, 7] = 0, 1, 2
     rgb = np.zeros((1, 8, 8, 3))
@@ -105,16 +103,6 @@ def test_colours_of_parts_are_compared_and_borrowed_part_by_part():
     assert color_error({0: np.full(3, 0.2), 1: np.ones(3), 2: np.zeros(3)}, truth) == pytest.approx(0.1)
     with pytest.raises(ValueError, match="expected those of"):
         color_error({0: np.zeros(3)}, truth)
-
-    def part(label, height: float) -> Part:
-        box = np.array([[0.0, 0.0, height], [0.1, 0.1, 0.1]])
-        return Part(name=f"{label} {height}", label=label, parent=-1, joint=FIXED, box=box)
-
-    mine = [part("base", 0.0), part("drawer", 0.3), part("door", 0.1)]
-    others = [part("base", 0.4), part("drawer", -0.4), part("drawer", 0.2)]
-    lent = {index: np.full(3, 0.1 * index) for index in range(3)}
-    borrowed = borrow_colors({0: truth[0], 1: truth[0], 2: truth[0]}, mine, lent, others)
-    assert [float(color[0]) for color in borrowed.values()] == pytest.approx([0.0, 0.2, 0.2])
 
 
 def test_distances_move_gaussians_and_surface_with_their_parts():
@@ -190,12 +178,6 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
             draw_appearance("Microwave", seed, PyramidFeatures(), sided, resolution=32, image_size=32)
         ] * 2
         write_appearance_shard(folder / "appearance" / name / "shard_00000.npz", drawn)
-    (folder / "appearance" / "painted").mkdir()
-    painted = draw_palettes("Microwave", HELD_OUT, resolution=32, image_size=32)
-    write_palette_shard(folder / "appearance" / "painted" / "shard_00000.npz", [painted] * 2)
-    (folder / "appearance" / "paint").mkdir()
-    voxels = draw_painted("Microwave", HELD_OUT, resolution=32, kept=32)
-    write_paint_shard(folder / "appearance" / "paint" / "shard_00000.npz", [voxels] * 2)
     with pytest.MonkeyPatch.context() as patch:
         patch.setitem(APPEARANCE_TRAINING, "tiny", replace(APPEARANCE_TRAINING["tiny"], curation=TINY))
         assert train("appearance", folder, SETTINGS, workers=1) == 0
@@ -204,11 +186,11 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_a_run_leaves_weights_scores_and_what_it_was(run: Path):
     said = json.loads((run / "model" / "model.json").read_text())
-    for stage, objects in (("vae", 2), ("flow", 2), ("palette", 16), ("painter", 16)):
+    for stage in ("vae", "flow"):
         assert said[f"appearance-{stage}"] == {
             "preset": "tiny",
             "steps": finished_steps(run / "appearance" / stage),
-            "objects": objects,
+            "objects": 2,
             "articulated": True,
             "weighting": "seen",
             "features": "pyramid",
@@ -217,7 +199,7 @@ def test_a_run_leaves_weights_scores_and_what_it_was(run: Path):
     load_model(SlatFlow(tiny.flow, tiny.conditions), run / "model", "appearance-flow")
     scores = json.loads((run / "appearance" / "reconstruction.json").read_text())
     assert scores.keys() >= {"psnr", "ssim", "exposed", "rest"}
-    for stage in ("palette", "painter", "vae", "flow"):
+    for stage in ("vae", "flow"):
         assert (run / "appearance" / stage / "weights.safetensors").is_file()
 
 
@@ -252,7 +234,7 @@ def test_an_evaluation_names_states_features_and_the_model(
 ):
     monkeypatch.setitem(APPEARANCE_TRAINING, "tiny", replace(APPEARANCE_TRAINING["tiny"], curation=TINY))
     views = AppearanceViews(states=2, views=2)
-    settings = EvaluateSettings(held_out=1, training=1, steps=2)
+    settings = EvaluateSettings(held_out=1, steps=2)
     assert evaluate("appearance", tmp_path, run / "model", settings, 1, views) == 0
     found = json.loads((tmp_path / "evaluation.json").read_text())
     assert list(found["states"]) == ["0.00", "1.00"]
@@ -265,10 +247,9 @@ def test_an_evaluation_names_states_features_and_the_model(
     assert "pyramid-16 features" in table
     assert "closed (RS)" in table
     assert 0 < found["total"]["shape_rest"] < 0.01
-    assert found["draws"].keys() == {"paint", "palettes", "picture"}
-    assert all(scores["psnr"] > 0 for scores in found["draws"].values())
+    assert found["drawn"]["psnr"] > 0
     assert "| told | PSNR (dB) |" in table
-    assert found["colors"].keys() == {"paint", "palettes", "picture", "autoencoded", "retrieval"}
+    assert found["colors"].keys() == {"autoencoded", "drawn"}
     assert all(0 < error < 1 for error in found["colors"].values())
     (tmp_path / "model.json").write_text("{}")
     with pytest.raises(SourceError, match="holds no appearance-vae"):

@@ -23,7 +23,7 @@ from artigen.models.gaussian_decoder import GaussianConfig, GaussianDecoderConfi
 from artigen.models.slat_flow import SlatFlow
 from artigen.models.slat_patch_dit import SlatPatchDitConfig
 from artigen.models.slat_vae import SlatVaeConfig
-from artigen.palettes import PAINT
+from artigen.paint import PAINT, VoxelPaint
 from artigen.places import HEIGHT_REACH
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.render import build_scene, render
@@ -39,7 +39,6 @@ from artigen.train.appearance.losses import (
     draw_pictures,
     raster_config,
 )
-from artigen.train.appearance.paint import VoxelPaint
 from artigen.train.appearance.photographs import look_at_surface, photograph, take_pictures
 from artigen.train.appearance.run import close_curation
 from artigen.train.appearance.shards import PER_VOXEL, read_appearance_shard, write_appearance_shard
@@ -342,7 +341,7 @@ def test_shards_give_back_what_was_written(tmp_path: Path, chest: tuple[Asset, A
     first, second = read_appearance_shard(path)
     assert (first.name, second.name, second.resolution) == (example.name, "again", 16)
     for one in (first, second):
-        for name in (*PER_VOXEL, *PER_OBJECT, "table", "palettes", "image"):
+        for name in (*PER_VOXEL, *PER_OBJECT, "table", "image"):
             assert np.array_equal(getattr(one, name), getattr(example, name))
         for name, value in vars(example.pictures).items():
             assert np.array_equal(getattr(one.pictures, name), value)

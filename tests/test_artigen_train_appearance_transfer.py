@@ -11,13 +11,7 @@ from drawer_chest import make_chest, make_example
 from artigen.models.conditions import ConditionConfig
 from artigen.models.slat_flow import SlatFlow
 from artigen.models.slat_patch_dit import SlatPatchDitConfig
-from artigen.train.appearance.drawn import (
-    DrawnVoxels,
-    keep_voxels,
-    read_drawn_shard,
-    roughen,
-    write_drawn_shard,
-)
+from artigen.train.appearance.drawn import DrawnVoxels, read_drawn_shard, roughen, write_drawn_shard
 from artigen.train.appearance.examples import AppearanceExample
 from artigen.train.appearance.flow import measure_slats, redraw_slats
 from artigen.train.appearance.transfer import find_models, transfer_looks
@@ -51,7 +45,14 @@ def make_flow(example: AppearanceExample, mean: torch.Tensor, std: torch.Tensor)
 def test_what_is_kept_looks_as_it_did(chest: tuple[Asset, AppearanceExample]):
     asset, example = chest
     assert asset.voxels is not None
-    kept = keep_voxels(asset.voxels, example.facings.astype(int))
+    every = np.arange(len(example.coords))
+    kept = DrawnVoxels(
+        coords=asset.voxels.coords,
+        part_ids=asset.voxels.part_ids.astype(int),
+        facings=example.facings.astype(int),
+        rows=every,
+        like=every,
+    )
     models, sure = find_models(example, kept)
     assert sure.all()
     other = transfer_looks(example, kept, models)

@@ -21,7 +21,7 @@ class EvaluateSettings:
     held_out: int = 70
     """Held-out procedural objects, categories in turn."""
     training: int = 350
-    """Training objects that the baselines look in."""
+    """Training objects that the baselines of structure look in."""
     partnet: Path | None = None
     """Folder with partnet_mobility/ and splits.json: its validation split is measured too."""
     steps: int = 6
@@ -118,7 +118,6 @@ def _evaluate_appearance(out: Path, model: Path, cfg: EvaluateSettings, own: App
 
     settings = EvaluateAppearanceConfig(
         held_out=cfg.held_out,
-        training=cfg.training,
         seed=cfg.seed,
         **vars(own),
     )

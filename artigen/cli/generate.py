@@ -21,13 +21,16 @@ from artigen.weights import SHIPPED
 from artigen.workers import Worker
 
 if TYPE_CHECKING:
+    from artigen.appearance import AppearanceModel
     from artigen.conditioning.request import Request, Understood
     from artigen.generate import StructureModel
+    from artigen.paint import PaintedSurface
     from artigen.shape_appearance import ShapeAppearanceModel
     from artigen.shapes.shape import Shape
     from artigen.sketch.model import Drawn
     from artigen.sketch.network import SketchNetwork
     from artigen.sketch.request import SketchRequest
+    from artigen.types import Asset
     from sim_export.package import SimPackage
 
 TIMEOUT = 300.0
@@ -54,7 +57,7 @@ class GenerateSettings:
     """Parts wanted, such as drawer=3 door=0."""
     structure: Literal["sketch", "latent"] = "sketch"
     """``sketch`` exports the exact primitives of the sketch network; ``latent`` draws 64^3 voxels
-    from the paper's latents within the sketch's boxes, and exports what they show, without Gaussians."""
+    from the paper's latents within the sketch's boxes, and exports what they show in its colours."""
     temperature: float = 0.6
     """Of the sketch: 1 is as varied as the training data, less is more usual."""
     redraws: int = 3
@@ -66,7 +69,8 @@ class GenerateSettings:
     encoders: Path | None = None
     """Folder with the public weights of DINOv2 and CLIP, for latent models that read with these."""
     gaussians: bool = True
-    """Whether packages also hold Gaussians, one PLY per link."""
+    """Whether packages also hold Gaussians, one PLY per link: decoded from the sketch's exact surfaces, or
+    drawn by the paper's sparse flow on the surface of latent structures."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -129,6 +133,14 @@ def _load_structure(folder: Path, encoders: Path | None) -> "StructureModel":
     if encoders is not None:
         attach_encoders(structure.flow, encoders)
     return structure
+
+
+@lru_cache(maxsize=1)
+def _load_drawer(folder: Path) -> "AppearanceModel | None":
+    """None where the folder has no weights of appearance."""
+    from artigen.appearance import has_appearance, load_appearance_model
+
+    return load_appearance_model(folder) if has_appearance(folder) else None
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -230,26 +242,66 @@ def _make_exact(
 def _make_latent(
     job: GenerateJob, shape: "Shape", provenance: dict[str, str], notes: tuple[str, ...]
 ) -> "SimPackage":
-    """The package of voxels that the paper's latents show within the sketch's boxes, in its colours."""
+    """The package of voxels that the paper's latents show within the sketch's boxes.
+
+    Their meshes take the paint of the sketch's surface, part by part: it colours the textures, and the sparse
+    flow is told it.
+
+    Raises:
+        ArtigenError: If the parts are not those of the sketch, or its surface has no sample of one.
+    """
     from artigen.cli.shape import SPACING
     from artigen.generate import GenerateConfig, generate_structure
     from artigen.models.conditions import StructureCondition
+    from artigen.paint import repaint
     from artigen.pictures import read_picture
     from artigen.sampling import SamplerConfig
-    from artigen.shapes.asset import frame_shape, shape_to_asset
+    from artigen.shapes.asset import shape_to_asset
+    from artigen.train.appearance.paint import paint_surface
     from sim_export.export import export_asset
+    from sim_export.geometry.surface import sample_surface
 
     model, image = _load_structure(job.model, job.cfg.encoders), None
     known = model.preset.conditions
     if job.cfg.image is not None and known.image_size:
         image = read_picture(job.cfg.image, known.image_size, margin=known.image_margin).rgba
     noise = int(np.random.SeedSequence([job.seed, len(job.draws), 1]).generate_state(1)[0])
-    told = shape_to_asset(shape, model.preset.resolution, SPACING * frame_shape(shape)[1])
+    told = shape_to_asset(shape, model.preset.resolution)
+    painted = paint_surface(shape, told, SPACING)
     asked = StructureCondition(text=job.cfg.text, image=image)
     cfg = GenerateConfig(sampler=SamplerConfig(steps=job.cfg.steps, strength=job.cfg.strength))
     asset = generate_structure(model, asked, noise, cfg, boxes=told)
-    colored = replace(asset, name=job.key, surface=told.surface, notes=(*notes, *asset.notes))
-    return export_asset(colored, provenance=provenance).package
+    names, known_names = ([part.name for part in one.parts] for one in (asset, told))
+    if names != known_names:
+        raise ArtigenError(
+            f"{job.key}: the latent shows the parts {', '.join(names)}, expected those of the sketch, "
+            f"{', '.join(known_names)}, whose colours they take; use a model that draws within outlines"
+        )
+    surface = repaint(sample_surface(asset), painted, names)
+    colored = replace(asset, name=job.key, surface=surface.samples, notes=(*notes, *asset.notes))
+    package = export_asset(colored, provenance=provenance).package
+    drawer = _load_drawer(job.model) if job.cfg.gaussians else None
+    return package if drawer is None else _attach_drawn(package, drawer, colored, shape, surface, noise)
+
+
+def _attach_drawn(
+    package: "SimPackage",
+    drawer: "AppearanceModel",
+    asset: "Asset",
+    shape: "Shape",
+    surface: "PaintedSurface",
+    seed: int,
+) -> "SimPackage":
+    """The package with Gaussians that the sparse flow draws on the painted surface of an asset's meshes."""
+    from artigen.appearance import generate_appearance
+    from artigen.metrics.shapes import describe_shape
+    from sim_export.appearance.splats import attach_splats
+
+    shown = generate_appearance(drawer, asset, describe_shape(shape), seed, surface=surface)
+    assert shown.gaussians is not None
+    said = f"{len(shown.gaussians.means)} Gaussians are drawn on the meshes in the paint of the sketch"
+    records = (*package.records, *shown.notes[len(asset.notes) :], said)
+    return replace(package, links=attach_splats(package.links, shown), records=records)
 
 
 def generate_and_validate(worker: Worker, job: GenerateJob) -> Finished:

@@ -48,8 +48,6 @@ class TrainSettings:
 class AppearanceSettings:
     """What only appearance asks for."""
 
-    painted: int = 8
-    """Objects whose palettes are learnt, for every one that is photographed."""
     articulated: bool = True
     """Whether objects are seen in all joint states, or in as many pictures of the closed one."""
     weighting: Literal["seen", "plain"] = "seen"
@@ -59,7 +57,7 @@ class AppearanceSettings:
     dinov2: Path | None = None
     """Folder with the weights of DINOv2, where they are the features."""
     structure: Path | None = None
-    """Folder of the structure model that draws the voxels which painter and flow learn on besides true ones,
+    """Folder of the structure model that draws the voxels which the flow learns on besides true ones,
     artigen's own for instance; without one, these are roughened."""
 
 
@@ -71,8 +69,6 @@ What = Literal[
     "structure-decoder",
     "appearance",
     "appearance-vae",
-    "appearance-palette",
-    "appearance-painter",
     "appearance-flow",
 ]
 
@@ -127,13 +123,7 @@ def _prepare(
     given = {name: value for name, value in vars(cfg).items() if value is not None}
     if what == "sketch":
         return _prepare_sketch(run, cfg, workers)
-    if what in (
-        "appearance",
-        "appearance-vae",
-        "appearance-palette",
-        "appearance-painter",
-        "appearance-flow",
-    ):
+    if what in ("appearance", "appearance-vae", "appearance-flow"):
         from artigen.train.appearance.everything import train_appearance
         from artigen.train.appearance.run import AppearanceRunConfig
         from sim_export.geometry.surface import sample_surface

@@ -1,6 +1,6 @@
 """The whole measurement of an appearance model on held-out procedural objects."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
@@ -18,9 +18,9 @@ from artigen.metrics.appearance import (
     score_sets,
     split_states,
 )
-from artigen.metrics.conditioned import PictureTask, compare_draws, score_colors
+from artigen.metrics.painted import draw_painted
+from artigen.metrics.part_colors import score_colors
 from artigen.metrics.splat_distance import score_distances
-from artigen.metrics.subjects import draw_subjects
 from artigen.models.appearance_presets import APPEARANCE_PRESETS
 from artigen.models.appearance_vae import APPEARANCE_VAE, AppearanceVae
 from artigen.models.conditions import ConditionConfig
@@ -36,7 +36,6 @@ from artigen.train.appearance.photographs import take_pictures
 from artigen.train.appearance.run import AppearanceRunConfig, run_curation, run_encoder, run_extractor
 from artigen.train.appearance.states import plan_fractions
 from artigen.train.appearance.views import ViewConfig
-from artigen.train.shards import HELD_OUT
 from artigen.types import Asset, SurfaceSamples
 
 SPACING = 0.02
@@ -57,8 +56,6 @@ class EvaluateAppearanceConfig:
     """Pictures of each state."""
     size: int = 128
     """Their edge in pixels."""
-    training: int = 70
-    """Training objects that the baseline of looking up a picture looks in; 0 leaves that question out."""
     sampler: SamplerConfig | None = None
     """Steps and guidance; None leaves them to the model's preset."""
     seed: int = 0
@@ -86,10 +83,10 @@ class AppearanceEvaluation:
     states: dict[str, Scores]
     """By the share of their ranges that joints are open by."""
     objects: dict[str, Scores]
-    draws: dict[str, Scores]
-    """Of Gaussians drawn on true voxels, by what was told; empty where there is no flow."""
+    drawn: Scores
+    """Of Gaussians drawn on true voxels, told their paint; empty where there is no flow that is told."""
     colors: Scores
-    """Colour errors under a picture, by method; empty where there is no flow or no picture to ask with."""
+    """Errors of the mean colours of parts, autoencoded and drawn."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -165,10 +162,10 @@ def evaluate_appearance(
         extractor = make_extractor(ExtractorConfig(name="dinov2", folder=cfg.dinov2))
     comparisons: dict[str, Comparison] = {}
     distances: dict[str, Scores] = {}
-    tasks = []
+    subjects: list[tuple[Asset, AppearanceExample]] = []
     for number in range(cfg.held_out):
         asset, example = draw_subject(model, number, cfg)
-        tasks.append(PictureTask(asset=asset, example=example))
+        subjects.append((asset, example))
         splats = reconstruct_splats(model.vae, example)
         comparisons[example.name] = compare_pictures(model.vae, splats, example)
         distances[example.name] = score_distances(
@@ -176,7 +173,8 @@ def evaluate_appearance(
         )
         tell("held-out objects", number + 1, cfg.held_out)
     every = list(comparisons.values())
-    draws = _compare_draws(model, tasks, cfg, tell)
+    drawn = _compare_drawn(model, subjects, cfg, tell)
+    answers = {"autoencoded": every} | ({"drawn": drawn} if drawn else {})
     return AppearanceEvaluation(
         model=hash_model(folder),
         device=str(device),
@@ -190,8 +188,8 @@ def evaluate_appearance(
             for share, some in split_states(every).items()
         },
         objects={name: score_comparisons([one]) | distances[name] for name, one in comparisons.items()},
-        draws={name: score_comparisons(some) for name, some in draws.items()},
-        colors=_score_colors(model, tasks, {"autoencoded": every, **draws}, cfg, tell),
+        drawn=score_comparisons(drawn),
+        colors=score_colors([example for _, example in subjects], answers),
     )
 
 
@@ -225,42 +223,18 @@ def _mean(scores: list[Scores]) -> Scores:
     return {name: float(np.mean([one[name] for one in scores])) for name in scores[0]}
 
 
-def _compare_draws(
-    model: TrainedAppearance, tasks: list[PictureTask], cfg: EvaluateAppearanceConfig, tell: Progress
-) -> dict[str, list[Comparison]]:
-    """Pictures of what the flow draws, where there is one."""
-    if model.drawer is None:
-        return {}
-    done = iter(range(1, len(tasks) + 1))
-    return compare_draws(
-        model.vae,
-        model.drawer,
-        tasks,
-        AppearanceConfig(sampler=cfg.sampler),
-        cfg.seed,
-        on_done=lambda: tell("draws", next(done), len(tasks)),
-    )
-
-
-def _score_colors(
+def _compare_drawn(
     model: TrainedAppearance,
-    tasks: list[PictureTask],
-    answers: Mapping[str, Sequence[Comparison]],
+    subjects: Sequence[tuple[Asset, AppearanceExample]],
     cfg: EvaluateAppearanceConfig,
     tell: Progress,
-) -> Scores:
-    """Colour errors of the flow and its baselines, where there is something to ask and to look in."""
-    if model.drawer is None or not model.conditions.image_size or not cfg.training:
-        return {}
-    tell("training objects", 0, cfg.training)
-    library = draw_subjects(
-        model.conditions.categories,
-        HELD_OUT,
-        cfg.training,
-        resolution=model.vae.encoder.cfg.resolution,
-        image_size=model.conditions.image_size,
-    )
-    done = iter(range(1, len(tasks) + 1))
-    return score_colors(
-        tasks, answers, library, on_done=lambda: tell("colours of parts", next(done), len(tasks))
-    )
+) -> list[Comparison]:
+    """Pictures of what the flow draws, where there is one that is told paint."""
+    if model.drawer is None or not model.drawer.flow.attribute_channels:
+        return []
+    settings, out = AppearanceConfig(sampler=cfg.sampler), []
+    for number, (asset, example) in enumerate(subjects, 1):
+        splats = draw_painted(model.drawer, asset, example, settings, cfg.seed)
+        out.append(compare_pictures(model.vae, splats, example))
+        tell("draws", number, len(subjects))
+    return out

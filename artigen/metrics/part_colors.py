@@ -1,4 +1,4 @@
-"""Whether the parts of an object have the colours that a picture showed: mean colours, part by part.
+"""Whether the parts of an object have its colours in pictures: mean colours, part by part.
 
 Only parts count that the closed object shows: of the others, a picture says nothing.
 """
@@ -8,8 +8,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from jaxtyping import Float, UInt8
 
+from artigen.metrics.appearance import Comparison
+from artigen.train.appearance.examples import AppearanceExample
 from artigen.train.photographs import NOTHING
-from artigen.types import Part
 
 MIN_PIXELS = 12
 """Pixels, over all pictures, that a part must have to be counted."""
@@ -38,29 +39,21 @@ def color_error(found: Mapping[int, np.ndarray], truth: Mapping[int, np.ndarray]
     return float(np.mean([np.abs(found[part] - color).mean() for part, color in truth.items()]))
 
 
-def borrow_colors(
-    truth: Mapping[int, np.ndarray], parts: Sequence[Part], lent: Colors, lenders: Sequence[Part]
-) -> Colors:
-    """The colours that another object would lend to the parts of this one.
-
-    Each part takes those of the nearest part, by the centres of boxes, with the same label; of all parts
-    that have a colour where none has the label.
+def score_colors(
+    examples: Sequence[AppearanceExample], answers: Mapping[str, Sequence[Comparison]]
+) -> dict[str, float]:
+    """Mean absolute error of the mean colour of each part that the closed object shows, over objects.
 
     Args:
-        truth: the parts that want a colour.
-        parts: of this object.
-        lent: colours of the other object's parts.
-        lenders: parts of the other object.
-
-    Raises:
-        ValueError: If the other object has no colours.
+        examples: The objects.
+        answers: Pictures of each of them, by what was done.
     """
-    if not lent:
-        raise ValueError("an object without colours has none to lend")
-    out = {}
-    for index in truth:
-        part = parts[index]
-        alike = [other for other in lent if lenders[other].label == part.label] or list(lent)
-        apart = [float(np.linalg.norm(lenders[other].box[0] - part.box[0])) for other in alike]
-        out[index] = lent[alike[int(np.argmin(apart))]]
-    return out
+    rows: dict[str, list[float]] = {name: [] for name in answers}
+    for number, example in enumerate(examples):
+        closed = example.pictures.state == 0
+        parts = example.pictures.parts[closed]
+        truth = mean_colors(example.pictures.rgb[closed] / 255.0, parts)
+        for name, comparisons in answers.items():
+            drawn = comparisons[number].drawn.double().numpy()[closed]
+            rows[name].append(color_error(mean_colors(drawn, parts), truth))
+    return {name: float(np.mean(values)) for name, values in rows.items()}

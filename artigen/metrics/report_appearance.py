@@ -49,27 +49,21 @@ def format_appearance(evaluation: AppearanceEvaluation) -> str:
         f"{evaluation.total['shape_rest']:.4g}, mean over states (AS) "
         f"{evaluation.total['shape_articulated']:.4g}.",
     ]
-    if evaluation.draws:
+    if evaluation.drawn:
         keys = [row for row in ROWS if row[0] in ("psnr", "ssim", "object", "exposed", "rest")]
         lines += ["", "## Drawn on true voxels", ""]
         lines += format_table(
             ("told", *(name for _, name, _ in keys)),
-            [
-                (told, *(format_score(scores.get(key), form) for key, _, form in keys))
-                for told, scores in evaluation.draws.items()
-            ],
+            [("paint", *(format_score(evaluation.drawn.get(key), form) for key, _, form in keys))],
         )
-    if evaluation.colors:
-        lines += ["", "## Colours of parts", ""]
-        lines += format_table(
-            ("told, or method", "error of the mean colour of a part"),
-            [(name, format_score(value, "plain")) for name, value in evaluation.colors.items()],
-        )
-        lines += [
-            "",
-            "Mean absolute difference of sRGB values in [0, 1], over the parts that the closed object shows.",
-            "The model draws on the true voxels, told the paint of voxels, the palettes of parts, or one",
-            "picture and nothing else; retrieval takes the colours of the training object whose picture is",
-            "most alike.",
-        ]
+    lines += ["", "## Colours of parts", ""]
+    lines += format_table(
+        ("Gaussians are", "error of the mean colour of a part"),
+        [(name, format_score(value, "plain")) for name, value in evaluation.colors.items()],
+    )
+    lines += [
+        "",
+        "Mean absolute difference of sRGB values in [0, 1], over the parts that the closed object shows.",
+        "The flow draws on the true voxels, told the paint of both of their sides.",
+    ]
     return "\n".join(lines) + "\n"

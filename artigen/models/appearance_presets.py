@@ -10,8 +10,6 @@ from dataclasses import dataclass, field, replace
 from artigen.models.appearance_vae import SIDE_LATENTS
 from artigen.models.conditions import ConditionConfig
 from artigen.models.gaussian_decoder import GaussianConfig, GaussianDecoderConfig
-from artigen.models.painter import PainterConfig
-from artigen.models.palette_flow import PaletteFlowConfig
 from artigen.models.presets import PresetName
 from artigen.models.slat_dit import SlatDitConfig
 from artigen.models.slat_patch_dit import SlatPatchDitConfig
@@ -31,12 +29,8 @@ class AppearancePreset:
     """Flow on the latents."""
     conditions: ConditionConfig
     """What can be asked for."""
-    palette: PaletteFlowConfig | None = None
-    """Flow of the parts' colours, drawn before latents; None draws all at once."""
-    painter: PainterConfig = field(default_factory=PainterConfig)
-    """Network that puts those colours on voxels, of which the flow of latents is told."""
     sampler: SamplerConfig = field(default_factory=SamplerConfig)
-    """How latents are drawn. One step gives the mean of what palettes and places let one expect: of little
+    """How latents are drawn. One step gives the mean of what paint and places let one expect: of little
     training, cleaner than a draw."""
 
 
@@ -53,8 +47,6 @@ APPEARANCE_PRESETS: dict[PresetName, AppearancePreset] = {
         ),
         flow=SlatPatchDitConfig(channels=SIDE_LATENTS, resolution=32, stem=16, width=64, blocks=2, heads=2),
         conditions=ConditionConfig(width=64, image_size=32, image_patch=8, image_width=32, image_blocks=1),
-        palette=PaletteFlowConfig(width=64, blocks=2, heads=2),
-        painter=PainterConfig(width=32, blocks=1, heads=2, hidden=64, layers=1),
     ),
     "small": AppearancePreset(
         encoder=replace(SIDED, model_channels=64, num_blocks=1, num_heads=2, mlp_ratio=2.0),
@@ -64,7 +56,6 @@ APPEARANCE_PRESETS: dict[PresetName, AppearancePreset] = {
         ),
         flow=SlatPatchDitConfig(channels=SIDE_LATENTS, patch=8, stem=16, width=128, blocks=4, heads=2),
         conditions=ConditionConfig(width=192, image_width=96, image_blocks=2),
-        palette=PaletteFlowConfig(),
         sampler=SamplerConfig(steps=1, strength=0.0),
     ),
     "compact": AppearancePreset(
@@ -75,7 +66,6 @@ APPEARANCE_PRESETS: dict[PresetName, AppearancePreset] = {
         ),
         flow=SlatPatchDitConfig(channels=SIDE_LATENTS, width=192, heads=3),
         conditions=ConditionConfig(width=192, image_width=128, image_blocks=2),
-        palette=PaletteFlowConfig(width=128, heads=2),
         sampler=SamplerConfig(strength=0.0),
     ),
     "paper": AppearancePreset(

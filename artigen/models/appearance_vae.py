@@ -11,12 +11,7 @@ from artigen.models.slat_vae import SlatEncoder, SlatVaeConfig, WindowPlans
 from artigen.places import MIDDLE_SPREAD
 from artigen.splats.render.splats import Splats
 
-APPEARANCE_VAE, APPEARANCE_PALETTE, APPEARANCE_PAINTER, APPEARANCE_FLOW = (
-    "appearance-vae",
-    "appearance-palette",
-    "appearance-painter",
-    "appearance-flow",
-)
+APPEARANCE_VAE, APPEARANCE_FLOW = "appearance-vae", "appearance-flow"
 """Names of the networks in a model folder."""
 NARROW = -6.0
 """Log-variance of an untrained posterior: what the features say reaches the decoder from the first step."""

@@ -13,7 +13,7 @@ from jaxtyping import Float, Int
 from torch import Tensor, nn
 
 from artigen.facings import AROUND, FACINGS, SIDES
-from artigen.palettes import PAINT
+from artigen.paint import PAINT
 from artigen.places import PLACES
 from artigen.types import PART_LABELS
 
@@ -35,7 +35,7 @@ class Expectation(nn.Module):
         self.register_buffer("weight", torch.zeros(KINDS, TERMS, channels))
 
     def forward(self, attributes: Float[Tensor, "N A"]) -> Float[Tensor, "N C"]:
-        """Of voxels described by `artigen.palettes.describe_voxels`."""
+        """Of voxels described by `artigen.attributes.describe_voxels`."""
         kinds, terms = find_kinds(attributes), list_terms(attributes)
         out = attributes.new_empty(len(attributes), self.weight.shape[2])
         with torch.autocast(attributes.device.type, enabled=False):  # latents are measured from it

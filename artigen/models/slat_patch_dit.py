@@ -12,12 +12,13 @@ import torch
 from jaxtyping import Float, Int
 from torch import Tensor, nn
 
+from artigen.attributes import KIND
 from artigen.models.attention import plain_norm
 from artigen.models.embeddings import TimestepEmbedder, embed_positions
 from artigen.models.sparse import Neighbours, Padding, check_voxels, coarsen, find_neighbours, plan_padding
 from artigen.models.sparse_conv import SparseResBlock3d
 from artigen.models.structure_dit import ModulatedBlock, StructureDitConfig, run_blocks
-from artigen.palettes import KIND, PAINT
+from artigen.paint import PAINT
 from artigen.places import PLACES
 
 
@@ -30,7 +31,7 @@ class SlatPatchDitConfig:
     channels: int = 8
     """Channels of a voxel's latent."""
     attribute_channels: int = KIND + PLACES + PAINT
-    """What else is known of a voxel (`artigen.palettes.describe_voxels`); 0 leaves it out."""
+    """What else is known of a voxel (`artigen.attributes.describe_voxels`); 0 leaves it out."""
     patch: int = 4
     """Voxels per token along an edge."""
     stem: int = 24

@@ -12,11 +12,11 @@ from jaxtyping import Int
 
 from artigen.models.appearance_vae import SIDE_CHANNELS
 from artigen.models.features import FeatureExtractor
+from artigen.paint import VoxelPaint
 from artigen.places import measure_places
 from artigen.shapes.asset import frame_shape
 from artigen.shapes.render import build_scene
 from artigen.shapes.shape import Shape
-from artigen.train.appearance.paint import VoxelPaint
 from artigen.train.appearance.photographs import (
     Pictures,
     join_pictures,

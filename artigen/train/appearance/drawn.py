@@ -1,7 +1,6 @@
 """Voxels of procedural objects as a model draws them, which networks learn on besides true ones.
 
-A painter that has seen true voxels alone is sure of itself on drawn ones, and wrong; a flow of latents leaves
-gaps and smears on them.
+A flow of latents that has seen true voxels alone leaves gaps and smears on drawn ones.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -61,18 +60,6 @@ class DrawnShardConfig(ShardConfig):
     """Folder of the model that draws the voxels; without one, they are roughened."""
     resurface: Resurface | None = None
     """Makes the surface that drawn voxels stand for, as for a package; without, they are taken as drawn."""
-
-
-def keep_voxels(voxels: VoxelGrid, facings: Int[np.ndarray, "N"]) -> DrawnVoxels:
-    """The true voxels themselves."""
-    every = np.arange(len(voxels.coords))
-    return DrawnVoxels(
-        coords=voxels.coords,
-        part_ids=voxels.part_ids.astype(np.int64),
-        facings=facings,
-        rows=every,
-        like=every,
-    )
 
 
 def roughen(voxels: VoxelGrid, facings: Int[np.ndarray, "N"], rng: np.random.Generator) -> DrawnVoxels:

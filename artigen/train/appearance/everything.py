@@ -20,16 +20,8 @@ from artigen.errors import SourceError
 from artigen.io import write_whole
 from artigen.metrics.appearance import score_vae
 from artigen.models.appearance_presets import APPEARANCE_PRESETS
-from artigen.models.appearance_vae import (
-    APPEARANCE_FLOW,
-    APPEARANCE_PAINTER,
-    APPEARANCE_PALETTE,
-    APPEARANCE_VAE,
-    AppearanceVae,
-)
+from artigen.models.appearance_vae import APPEARANCE_FLOW, APPEARANCE_VAE, AppearanceVae
 from artigen.models.extractors import make_extractor
-from artigen.models.painter import Painter
-from artigen.models.palette_flow import PaletteFlow
 from artigen.models.slat_flow import SlatFlow
 from artigen.models.store import save_model
 from artigen.train.appearance.drawn import (
@@ -41,8 +33,6 @@ from artigen.train.appearance.drawn import (
 )
 from artigen.train.appearance.examples import AppearanceExample
 from artigen.train.appearance.flow import train_appearance_flow
-from artigen.train.appearance.painter import make_paint_shard, read_paint_shard, train_painter
-from artigen.train.appearance.palettes import make_palette_shard, read_palette_shard, train_palette_flow
 from artigen.train.appearance.presets import APPEARANCE_TRAINING
 from artigen.train.appearance.run import (
     AppearanceRunConfig,
@@ -58,7 +48,7 @@ from artigen.train.appearance.shards import (
     read_appearance_shard,
 )
 from artigen.train.appearance.vae import encode_appearance, train_appearance_vae
-from artigen.train.shards import HELD_OUT, Config, ShardConfig, ShardJob, make_shards
+from artigen.train.shards import HELD_OUT, Config, ShardJob, make_shards
 from artigen.train.stage import begin_stage, describe_stage, load_stage, log_metrics, plan_loop
 
 logger = logging.getLogger(__name__)
@@ -85,10 +75,10 @@ def train_appearance(
 
     Args:
         cfg: The run.
-        stage: All networks, or one of them; the flow needs a VAE in the same folder.
+        stage: Both networks, or one of them; the flow needs a VAE in the same folder.
         on_report: Called with every line of metrics; logged when None.
-        resurface: Makes the surface of what a structure model draws, as for a package; without, networks
-            learn on voxels as they are drawn.
+        resurface: Makes the surface of what a structure model draws, as for a package; without, the flow
+            learns on voxels as they are drawn.
 
     Raises:
         ArtigenError: If the configuration or the folder does not allow it.
@@ -101,16 +91,11 @@ def train_appearance(
     claim_appearance_run(cfg)
     make_extractor(run_extractor(cfg))  # weights that do not fit are refused before data is made
     report = on_report or log_metrics
-    if stage in ("appearance", "appearance-palette"):
-        _train_palette(cfg, report)
-    if stage in ("appearance", "appearance-painter"):
-        _train_painter(cfg, report, resurface)
-    if stage not in ("appearance-palette", "appearance-painter"):
-        data = make_appearance_data(cfg)
-        vae = _load_vae(cfg) if stage == "appearance-flow" else _train_vae(cfg, data, report)
-        if stage != "appearance-vae":
-            _train_flow(cfg, vae, data, report, resurface)
-    return json.loads(scores.read_text()) if scores.is_file() else {}
+    data = make_appearance_data(cfg)
+    vae = _load_vae(cfg) if stage == "appearance-flow" else _train_vae(cfg, data, report)
+    if stage != "appearance-vae":
+        _train_flow(cfg, vae, data, report, resurface)
+    return json.loads(scores.read_text())
 
 
 def make_appearance_data(cfg: AppearanceRunConfig) -> AppearanceData:
@@ -119,57 +104,6 @@ def make_appearance_data(cfg: AppearanceRunConfig) -> AppearanceData:
         trained=_examples(cfg, "train", cfg.shards, HELD_OUT),
         held_out=_examples(cfg, "held_out", cfg.held_out, 0),
     )
-
-
-def _train_palette(cfg: AppearanceRunConfig, report: Report) -> None:
-    preset, training = APPEARANCE_PRESETS[cfg.preset], APPEARANCE_TRAINING[cfg.preset]
-    if preset.palette is None or training.palette is None:
-        return
-    shards = ShardConfig(
-        objects=cfg.painted * cfg.objects,
-        resolution=preset.encoder.resolution,
-        image_size=preset.conditions.image_size,
-        timeout=3600.0,
-    )
-    paths = _make_shards(cfg, "painted", cfg.shards, shards, make_palette_shard)
-    torch.manual_seed(2)
-    flow = begin_stage(PaletteFlow(preset.palette, preset.conditions), cfg.start, APPEARANCE_PALETTE)
-    train_palette_flow(
-        flow,
-        [example for path in paths for example in read_palette_shard(path)],
-        cfg.home / "palette",
-        plan_loop(training.palette, cfg.minutes),
-        batch=training.palette.batch,
-        conditions=preset.conditions,
-        on_report=lambda line: report("palette", line),
-    )
-    _store(cfg, flow, APPEARANCE_PALETTE, cfg.shards * cfg.objects * cfg.painted)
-
-
-def _train_painter(cfg: AppearanceRunConfig, report: Report, resurface: Resurface | None) -> None:
-    preset, training = APPEARANCE_PRESETS[cfg.preset], APPEARANCE_TRAINING[cfg.preset]
-    if preset.palette is None or training.painter is None:
-        return
-    shards = DrawnShardConfig(
-        objects=cfg.painted * cfg.objects,
-        resolution=preset.encoder.resolution,
-        image_size=0,
-        timeout=3600.0,
-        structure=cfg.structure,
-        resurface=resurface,
-    )
-    paths = _make_shards(cfg, "paint", cfg.shards, shards, make_paint_shard)
-    torch.manual_seed(3)
-    painter = begin_stage(Painter(preset.painter), cfg.start, APPEARANCE_PAINTER)
-    train_painter(
-        painter,
-        [example for path in paths for example in read_paint_shard(path)],
-        cfg.home / "painter",
-        plan_loop(training.painter, cfg.minutes),
-        batch=training.painter.batch,
-        on_report=lambda line: report("painter", line),
-    )
-    _store(cfg, painter, APPEARANCE_PAINTER, cfg.shards * cfg.objects * cfg.painted)
 
 
 def _train_vae(cfg: AppearanceRunConfig, data: AppearanceData, report: Report) -> AppearanceVae:
@@ -209,7 +143,7 @@ def _train_flow(
 ) -> None:
     preset, training = APPEARANCE_PRESETS[cfg.preset], APPEARANCE_TRAINING[cfg.preset]
     drawn: list[DrawnVoxels] = []
-    if preset.palette is not None:
+    if preset.encoder.sided:
         shards = DrawnShardConfig(
             objects=cfg.objects,
             resolution=preset.encoder.resolution,
@@ -296,11 +230,10 @@ def main() -> None:
         default="appearance",
     )
     parser.add_argument("--preset", choices=sorted(APPEARANCE_TRAINING), default="compact")
-    parser.add_argument("--minutes", type=float, default=30.0, help="training time of all networks")
+    parser.add_argument("--minutes", type=float, default=30.0, help="training time of both networks")
     parser.add_argument("--shards", type=int, default=100, help="shards of training data")
     parser.add_argument("--held-out", type=int, default=2, help="shards of held-out data")
     parser.add_argument("--objects", type=int, default=16, help="objects per shard")
-    parser.add_argument("--painted", type=int, default=8, help="palettes and paints learnt for every object")
     parser.add_argument("--closed", dest="articulated", action="store_false", help="closed objects only")
     parser.add_argument("--weighting", choices=("seen", "plain"), default="seen", help="views that count")
     parser.add_argument("--features", choices=("pyramid", "dinov2"), default="pyramid")

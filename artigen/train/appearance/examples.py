@@ -8,9 +8,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float, Int, UInt8
 
+from artigen.attributes import describe_voxels, read_kinds
 from artigen.canvas import lay_out
 from artigen.models.features import FeatureExtractor
-from artigen.palettes import describe_voxels, read_kinds, read_palettes
 from artigen.places import SAMPLES
 from artigen.shapes.asset import part_owners
 from artigen.shapes.draw import draw_shape
@@ -23,18 +23,14 @@ from artigen.train.appearance.sides import recall_places
 from artigen.train.examples import draw_example_of
 from artigen.types import Asset, SurfaceSamples
 
-SPACING = 0.025
-"""Between the samples that palettes are read off (unit-cube length)."""
-
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class AppearanceExample:
     """An object's voxels with features, its pictures, and its condition; ``image`` is RGBA, premultiplied.
 
     ``facings`` are the directions of the voxels' outer sides (`artigen.facings`), ``table`` holds the field's
-    channels after occupancy of each part, ``palettes`` its colours; ``views`` counts the views that a
-    voxel's features are the mean of, ``paint`` holds the colours of its two sides and how clear it is (steps
-    of 8 bits).
+    channels after occupancy of each part; ``views`` counts the views that a voxel's features are the mean
+    of, ``paint`` holds the colours of its two sides and how clear it is (steps of 8 bits).
     """
 
     name: str
@@ -47,7 +43,6 @@ class AppearanceExample:
     features: Float[np.ndarray, "N C"]
     views: Int[np.ndarray, "N"]
     table: Float[np.ndarray, "P K"]
-    palettes: Float[np.ndarray, "P 7"]
     pictures: Pictures
     counts: UInt8[np.ndarray, "L"]
     size: Float[np.ndarray, "3"]
@@ -103,7 +98,6 @@ def draw_appearance_of(
         features=features.values.astype(np.float16),
         views=features.views.astype(np.uint16),
         table=described.field.table,
-        palettes=paint_parts(shape, asset),
         pictures=pictures,
         counts=described.counts,
         size=described.size,
@@ -123,11 +117,6 @@ def lay_true_voxels(shape: Shape, asset: Asset) -> tuple[Asset, Int[np.ndarray, 
     surface = sample_parts(shape, asset, 1.0 / (SAMPLES * asset.voxels.resolution))
     voxels, facings = lay_out(surface, asset.voxels)
     return replace(asset, voxels=voxels, surface=surface), facings
-
-
-def paint_parts(shape: Shape, asset: Asset) -> Float[np.ndarray, "P 7"]:
-    """Palettes (float32) of the parts of a procedural object's asset."""
-    return read_palettes(sample_parts(shape, asset, SPACING), len(asset.parts)).astype(np.float32)
 
 
 def sample_parts(shape: Shape, asset: Asset, spacing: float) -> SurfaceSamples:

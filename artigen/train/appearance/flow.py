@@ -20,7 +20,7 @@ from artigen.models.conditions import (
 )
 from artigen.models.expectation import Expectation, fit_expectation
 from artigen.models.slat_flow import SlatFlow
-from artigen.palettes import PAINT
+from artigen.paint import PAINT
 from artigen.sampling import diffuse, draw_times, target_velocity
 from artigen.train.appearance.batches import place_batch
 from artigen.train.appearance.drawn import DrawnVoxels
@@ -182,7 +182,7 @@ def measure_slats(
 
 
 def _blur(attributes: Float[Tensor, "N A"], generator: torch.Generator) -> Float[Tensor, "N A"]:
-    """Attributes with paint that is a little off, as drawn colours are: for alike voxels of a label alike."""
+    """Attributes with paint that is a little off: for alike voxels of a label alike."""
     of_voxel = torch.cat([attributes[:, FACINGS : FACINGS + len(PART_LABELS)], attributes[:, -PAINT:]], dim=1)
     wave = torch.randn(of_voxel.shape[1], PAINT, generator=generator, device=generator.device)
     out = attributes.clone()

@@ -19,10 +19,6 @@ class AppearanceTraining:
     """Training of the VAE."""
     flow: StageConfig
     """Training of the flow."""
-    palette: StageConfig | None = None
-    """Training of the flow of palettes, where the preset has one."""
-    painter: StageConfig | None = None
-    """Training of the painter, where the preset has palettes."""
     pictures: int
     """Pictures of an object per step of the VAE."""
     noisiness: float = 1.0
@@ -38,29 +34,23 @@ TWO_SIDED = AppearanceLossConfig(volume=0.0)
 APPEARANCE_TRAINING: dict[PresetName, AppearanceTraining] = {
     "tiny": AppearanceTraining(
         curation=CurationConfig(states=3, views=ViewConfig(count=8, size=48), kept=4),
-        vae=StageConfig(batch=2, learning_rate=2e-3, warmup=5, decay=1.0, ema=0.9, share=0.6),
-        flow=StageConfig(batch=4, learning_rate=1e-3, warmup=5, decay=0.5, ema=0.9, share=0.2),
-        palette=StageConfig(batch=8, learning_rate=1e-3, warmup=5, decay=0.5, ema=0.9, share=0.1),
-        painter=StageConfig(batch=4, learning_rate=2e-3, warmup=5, decay=1.0, ema=0.9, share=0.1),
+        vae=StageConfig(batch=2, learning_rate=2e-3, warmup=5, decay=1.0, ema=0.9, share=0.75),
+        flow=StageConfig(batch=4, learning_rate=1e-3, warmup=5, decay=0.5, ema=0.9, share=0.25),
         pictures=2,
         losses=TWO_SIDED,
     ),
     "small": AppearanceTraining(
         curation=CurationConfig(states=4, views=ViewConfig(count=6, sharpness=2), kept=3),
-        vae=StageConfig(batch=1, learning_rate=2e-3, warmup=50, decay=1.0, ema=0.99, share=0.45),
-        flow=StageConfig(batch=1, learning_rate=8e-4, warmup=100, decay=0.5, ema=0.995, share=0.3),
-        palette=StageConfig(batch=32, learning_rate=5e-4, warmup=100, decay=0.4, ema=0.998, share=0.15),
-        painter=StageConfig(batch=16, learning_rate=1.5e-3, warmup=100, decay=1.0, ema=0.998, share=0.1),
+        vae=StageConfig(batch=1, learning_rate=2e-3, warmup=50, decay=1.0, ema=0.99, share=0.6),
+        flow=StageConfig(batch=1, learning_rate=8e-4, warmup=100, decay=0.5, ema=0.995, share=0.4),
         pictures=2,
         noisiness=4.0,
         losses=replace(TWO_SIDED, exposed=3.0),
     ),
     "compact": AppearanceTraining(
         curation=CurationConfig(views=ViewConfig(count=12, sharpness=2), kept=4),
-        vae=StageConfig(batch=4, learning_rate=1e-3, warmup=200, decay=1.0, ema=0.999, share=0.6),
-        flow=StageConfig(batch=16, learning_rate=4e-4, warmup=300, decay=0.3, ema=0.999, share=0.25),
-        palette=StageConfig(batch=256, learning_rate=6e-4, warmup=300, decay=0.4, ema=0.999, share=0.1),
-        painter=StageConfig(batch=64, learning_rate=1.5e-3, warmup=200, decay=1.0, ema=0.998, share=0.05),
+        vae=StageConfig(batch=4, learning_rate=1e-3, warmup=200, decay=1.0, ema=0.999, share=0.7),
+        flow=StageConfig(batch=16, learning_rate=4e-4, warmup=300, decay=0.3, ema=0.999, share=0.3),
         pictures=3,
         losses=replace(TWO_SIDED, exposed=3.0),
     ),

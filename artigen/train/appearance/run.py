@@ -18,10 +18,8 @@ from artigen.train.appearance.presets import APPEARANCE_TRAINING
 from artigen.train.appearance.visibility import Weighting
 from artigen.train.run import claim_start
 
-AppearanceStage = Literal[
-    "appearance", "appearance-vae", "appearance-palette", "appearance-painter", "appearance-flow"
-]
-"""All networks, or one of them."""
+AppearanceStage = Literal["appearance", "appearance-vae", "appearance-flow"]
+"""Both networks, or one of them."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,15 +31,13 @@ class AppearanceRunConfig:
     preset: PresetName = "compact"
     """Sizes."""
     minutes: float = 30.0
-    """Budget of the training of all networks; making data comes on top."""
+    """Budget of the training of both networks; making data comes on top."""
     shards: int = 100
     """Shards of training data."""
     held_out: int = 2
     """Shards of held-out data."""
     objects: int = 16
     """Objects per shard."""
-    painted: int = 8
-    """Objects whose palettes and paint are learnt, for every one that is photographed."""
     articulated: bool = True
     """Whether objects are seen in all joint states; without, in as many pictures of the closed one (the
     ablation of the paper's Table 2)."""
@@ -54,7 +50,7 @@ class AppearanceRunConfig:
     start: Path | None = None
     """Folder of a model whose weights every network begins with."""
     structure: Path | None = None
-    """Folder of the structure model that draws the voxels which painter and flow learn on besides true ones;
+    """Folder of the structure model that draws the voxels which the flow learns on besides true ones;
     without one, these are roughened."""
     workers: int = 2
     """Processes that make data."""
@@ -106,10 +102,10 @@ def claim_appearance_run(cfg: AppearanceRunConfig) -> None:
     """
     if cfg.preset not in APPEARANCE_TRAINING:
         raise ArtigenError(f"preset {cfg.preset!r}, expected one of {', '.join(APPEARANCE_TRAINING)}")
-    if not cfg.minutes > 0 or min(cfg.shards, cfg.held_out, cfg.objects, cfg.painted, cfg.workers) < 1:
+    if not cfg.minutes > 0 or min(cfg.shards, cfg.held_out, cfg.objects, cfg.workers) < 1:
         raise ArtigenError(
             f"{cfg.minutes:g} minutes, {cfg.shards} + {cfg.held_out} shards of {cfg.objects} objects, "
-            f"{cfg.painted} painted for each, {cfg.workers} workers: expected more than 0 of each"
+            f"{cfg.workers} workers: expected more than 0 of each"
         )
     if (cfg.features == "dinov2") != (cfg.dinov2 is not None):
         raise ArtigenError(
@@ -122,7 +118,6 @@ def claim_appearance_run(cfg: AppearanceRunConfig) -> None:
             "shards": cfg.shards,
             "held_out": cfg.held_out,
             "objects": cfg.objects,
-            "painted": cfg.painted,
             "articulated": cfg.articulated,
             "weighting": cfg.weighting,
             "features": cfg.features,

@@ -26,7 +26,6 @@ from artigen.train.shards import (
 
 PER_VOXEL = ("coords", "part_ids", "facings", "paint", "features", "views")
 PER_PICTURE = tuple(one.name for one in fields(Pictures) if one.name != "displacements")
-PER_PART = ("table", "palettes")
 PACKED = ("exposed",)
 """Stored as bits."""
 
@@ -67,7 +66,7 @@ def write_appearance_shard(path: Path, examples: Sequence[AppearanceExample]) ->
         "part_counts": np.array([len(one.table) for one in examples]),
         "displacements": np.concatenate([one.pictures.displacements for one in examples], axis=1),
     }
-    for name in (*PER_VOXEL, *PER_PART):
+    for name in (*PER_VOXEL, "table"):
         arrays[name] = np.concatenate([getattr(one, name) for one in examples])
     for name in PER_PICTURE:
         values = np.stack([getattr(one.pictures, name) for one in examples])
@@ -96,6 +95,6 @@ def read_appearance_shard(path: Path) -> Iterator[AppearanceExample]:
                 **{key: arrays[key][number] for key in PER_PICTURE},
             ),
             **{key: arrays[key][at] for key in PER_VOXEL},
-            **{key: arrays[key][of] for key in PER_PART},
+            table=arrays["table"][of],
             **pick_condition(arrays, number),
         )

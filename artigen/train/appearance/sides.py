@@ -14,8 +14,8 @@ from torch import Tensor
 
 from artigen.facings import count_behind, facing_frames
 from artigen.models.appearance_vae import COLOR_MIDDLE, COLOR_SPREAD, SIDE_CHANNELS
+from artigen.paint import VoxelPaint
 from artigen.places import PLACES, VoxelPlaces, describe_places
-from artigen.train.appearance.paint import VoxelPaint
 from artigen.train.appearance.visibility import SeenVoxels
 from artigen.types import VoxelGrid
 
