@@ -12,8 +12,8 @@ from torch import Tensor
 from artigen.facings import SIDES
 from artigen.figures import number_faces
 
-ALIKE = 1e-3
-"""Difference of paint up to which two neighbours are painted alike."""
+ALIKE = 1.5 / 255
+"""Difference of paint up to which two neighbours are painted alike: paint comes in steps of 1/255."""
 
 
 def even_sides(
