@@ -83,18 +83,11 @@ def read_picture(path: Path, size: int, *, margin: float = MARGIN) -> Picture:
     return Picture(rgba=square, notes=tuple(notes))
 
 
-def shrink_picture(rgba: Float[np.ndarray, "4 S S"], size: int) -> Float[np.ndarray, "4 s s"]:
-    """A picture of ``size`` pixels, each the mean of those that it covers.
-
-    Raises:
-        ValueError: If the picture's edge is no multiple of ``size``.
-    """
-    edge = rgba.shape[1]
-    if edge % size:
-        raise ValueError(
-            f"a picture of {edge} pixels cannot be shrunk to {size}, expected a divisor of {edge}"
-        )
-    return rgba.reshape(4, size, edge // size, size, edge // size).mean(axis=(2, 4))
+def resize_picture(rgba: Float[np.ndarray, "4 S S"], size: int) -> Float[np.ndarray, "4 s s"]:
+    """A picture of ``size`` pixels, each the mean of what it covers."""
+    if rgba.shape[1] == size:
+        return rgba
+    return np.stack([_resize(channel, (size, size)) for channel in rgba])
 
 
 def find_object(rgb: Float[np.ndarray, "H W 3"]) -> tuple[Bool[np.ndarray, "H W"], str]:
@@ -142,7 +135,6 @@ def _fit(
     values: Float[np.ndarray, "H W 4"], mask: Bool[np.ndarray, "H W"], size: int, margin: float
 ) -> Float[np.ndarray, "4 S S"]:
     """The mask's box in the middle of a square, background black."""
-    from PIL import Image
 
     rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
     box = (slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1))
@@ -151,11 +143,14 @@ def _fit(
     inner = max(1, round(size * (1.0 - 2.0 * margin)))
     scale = inner / max(cut.shape[:2])
     height, width = (max(1, round(edge * scale)) for edge in cut.shape[:2])
-    small = [
-        np.asarray(Image.fromarray(cut[..., channel]).resize((width, height), Image.Resampling.BOX))
-        for channel in range(4)
-    ]
+    small = [_resize(cut[..., channel], (width, height)) for channel in range(4)]
     square = np.zeros((4, size, size), dtype=np.float32)
     top, left = (size - height) // 2, (size - width) // 2
     square[:, top : top + height, left : left + width] = np.stack(small)
     return np.clip(square, 0.0, 1.0)
+
+
+def _resize(channel: Float[np.ndarray, "H W"], size: tuple[int, int]) -> Float[np.ndarray, "h w"]:
+    from PIL import Image
+
+    return np.asarray(Image.fromarray(channel).resize(size, Image.Resampling.BOX))

@@ -154,7 +154,7 @@ class _Asked:
 
 def _ask(job: GenerateJob, understood: "Understood") -> _Asked:
     """Reads the picture of a request, and completes it by the extents that adjectives change."""
-    from artigen.sketch.model import draw_header, read_object_picture
+    from artigen.sketch.model import draw_header, look_at, read_object_picture
 
     network, request = _load_sketch(job.model), understood.request
     picture, notes = None, understood.notes
@@ -162,7 +162,8 @@ def _ask(job: GenerateJob, understood: "Understood") -> _Asked:
         shown = read_object_picture(network, job.cfg.image)
         picture, notes = shown.rgba, (*notes, *shown.notes)
     if understood.stretch:
-        usual = draw_header(network, request, job.seed)
+        sight = None if picture is None else look_at(network, picture)[1]
+        usual = draw_header(network, request, job.seed, sight=sight)
         stretched = {axis: factor * getattr(usual, axis) for axis, factor in understood.stretch}
         request = replace(request, **stretched)
     return _Asked(request=request, picture=picture, notes=notes)
@@ -182,7 +183,8 @@ def draw_generated(job: GenerateJob) -> "tuple[Drawn, _Asked]":
     if asked.picture is None:
         return draw_object(network, asked.request, noise, cfg), asked
     drawn, fit = draw_alike(network, asked.request, noise, asked.picture, cfg)
-    return replace(drawn, shape=read_colors(drawn.shape, asked.picture, fit)), asked
+    said = {finish.role for finish in asked.request.finishes if finish.color is not None}
+    return replace(drawn, shape=read_colors(drawn.shape, asked.picture, fit, keep=said)), asked
 
 
 def generate_object(job: GenerateJob) -> Made:

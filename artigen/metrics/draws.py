@@ -15,7 +15,7 @@ from artigen.metrics.shapes import ShapeSource
 from artigen.metrics.subjects import Subject
 from artigen.models.conditions import StructureCondition
 from artigen.models.structure_vae import decode_fields
-from artigen.pictures import shrink_picture
+from artigen.pictures import resize_picture
 from artigen.segment import segment
 from artigen.shapes.asset import shape_to_asset
 from artigen.train.batches import outline_batch, patch_batch
@@ -37,7 +37,7 @@ def draw_latent(model: StructureModel, source: ShapeSource, cfg: GenerateConfig)
     def draw(asked: StructureCondition, seed: int) -> Asset:
         shape = source(asked, seed)
         edge = model.preset.conditions.image_size
-        image = None if asked.image is None or not edge else shrink_picture(asked.image, edge)
+        image = None if asked.image is None or not edge else resize_picture(asked.image, edge)
         return generate_structure(model, replace(asked, image=image), seed, cfg, boxes=shape)
 
     return draw

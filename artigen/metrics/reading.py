@@ -3,10 +3,9 @@
 from collections.abc import Sequence
 
 import numpy as np
-import torch
 
 from artigen.metrics.subjects import Subject, describe_subject
-from artigen.sketch.model import LIKELIEST, draw_header
+from artigen.sketch.model import LIKELIEST, draw_header, look_at
 from artigen.sketch.network import SketchNetwork
 from artigen.sketch.request import SketchRequest
 from artigen.types import PART_LABELS, PartLabel
@@ -26,9 +25,7 @@ def score_reading(network: SketchNetwork, subjects: Sequence[Subject]) -> dict[s
     for subject in subjects:
         image = describe_subject(subject, ("image",)).image
         assert image is not None
-        with torch.no_grad():
-            _, sight = network.look(torch.from_numpy(image)[None])
-        said = draw_header(network, SketchRequest(), 0, LIKELIEST, sight)
+        said = draw_header(network, SketchRequest(), 0, LIKELIEST, look_at(network, image)[1])
         held = {"base": 1, **dict(said.counts)}
         kinds.append(said.category == subject.example.category)
         rights.append(

@@ -18,7 +18,7 @@ from artigen.sketch.alignment import Fit, View, fit_camera
 from artigen.sketch.draw import Draft, DrawConfig, begin_drafts, continue_drafts
 from artigen.sketch.faults import Fault, find_faults
 from artigen.sketch.network import Sight, SketchNetwork, SketchNetworkConfig
-from artigen.sketch.picture import PictureConfig
+from artigen.sketch.picture import PictureConfig, Seen
 from artigen.sketch.request import SketchRequest, ask
 from artigen.sketch.rows import CATEGORIES, COUNTED, STYLES, column, rows_to_sketch
 from artigen.sketch.sketch import STEP, SketchError, read_sketch
@@ -185,6 +185,12 @@ def read_object_picture(network: SketchNetwork, path: Path) -> Picture:
     return read_picture(path, PICTURE_EDGE)
 
 
+@torch.no_grad()
+def look_at(network: SketchNetwork, picture: Float[np.ndarray, "4 S S"]) -> tuple[Seen, Sight]:
+    """What a network sees in one picture (RGBA in [0, 1], premultiplied on black)."""
+    return network.look(torch.from_numpy(np.ascontiguousarray(picture, dtype=np.float32))[None])
+
+
 def draw_alike(
     network: SketchNetwork,
     request: SketchRequest,
@@ -213,9 +219,7 @@ def draw_alike(
     """
     cfg = cfg or SketchConfig()
     cfg = replace(cfg, header=LIKELIEST)  # a picture is to be read, not to be added to
-    image = torch.from_numpy(np.ascontiguousarray(picture, dtype=np.float32))[None]
-    with torch.no_grad():
-        seen, sight = network.look(image)
+    seen, sight = look_at(network, picture)
     view = View(*seen.view[0].tolist())
     drawn: list[Drawn] = []
     for one in np.random.SeedSequence(seed).generate_state(objects).tolist():

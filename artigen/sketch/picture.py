@@ -1,9 +1,9 @@
 """`PictureEncoder`: what one picture shows, as tokens that a network attends to.
 
-A convolutional pyramid sees the picture at a quarter and at a sixteenth of its resolution. How many drawers a
-cabinet has is seen where the drawers are, so counting is learnt there: a map for each label whose sum is the
-number of parts in view, as crowds are counted (Lempitsky and Zisserman 2010). From these sums and the whole
-picture it is guessed how many there are, those out of view too.
+A convolutional pyramid sees the picture at a quarter, an eighth and a sixteenth of its resolution. How many
+drawers a cabinet has is seen where the drawers are, so counting is learnt there: a map for each label whose
+sum is the number of parts in view, as crowds are counted (Lempitsky and Zisserman 2010). From these sums and
+the whole picture it is guessed how many there are, those out of view too.
 """
 
 from dataclasses import dataclass

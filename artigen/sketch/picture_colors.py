@@ -6,7 +6,7 @@ are seen on several sides. What remains is a median for each finish. A finish th
 keeps its colour, or follows one that it was equal to.
 """
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -76,7 +76,12 @@ class Spots:
 
 
 def read_colors(
-    shape: Shape, picture: Float[np.ndarray, "4 S S"], fit: Fit, *, lighting: Lighting = "room"
+    shape: Shape,
+    picture: Float[np.ndarray, "4 S S"],
+    fit: Fit,
+    *,
+    keep: Collection[str] = (),
+    lighting: Lighting = "room",
 ) -> Shape:
     """The shape in the colours that a picture shows.
 
@@ -84,6 +89,7 @@ def read_colors(
         shape: The object that was fitted, at rest.
         picture: RGBA in [0, 1], premultiplied on black.
         fit: How it was fitted to this picture.
+        keep: Roles of finishes that stay as they are.
         lighting: What light to undo.
 
     Raises:
@@ -99,7 +105,11 @@ def read_colors(
             r, g, b = np.median(colors[chosen], axis=0) / np.median(spots.pattern[chosen], axis=0)
             found[role] = (min(float(r), 1.0), min(float(g), 1.0), min(float(b), 1.0))
     return replace(
-        shape, finishes=tuple((role, _recolor(role, finish, shape, found)) for role, finish in shape.finishes)
+        shape,
+        finishes=tuple(
+            (role, finish if role in keep else _recolor(role, finish, shape, found))
+            for role, finish in shape.finishes
+        ),
     )
 
 

@@ -70,6 +70,8 @@ REACH = 8192
 """Coordinates and lengths lie within so many steps: 4.096 m from the middle."""
 LENGTH = 3
 """Stands for the axis of a number that is a length."""
+SQUARE = 4
+"""Sides of a frustum whose edges may differ; with more it is round."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -192,6 +194,7 @@ def said_fields(kind: str) -> tuple[str, ...]:
     return tuple(field.name for field in FIELDS[kind])
 
 
+@cache
 def column(kind: str, name: str) -> int:
     """The column of a field in the table."""
     return 1 + said_fields(kind).index(name)
@@ -199,22 +202,19 @@ def column(kind: str, name: str) -> int:
 
 def find_said(rows: Int[np.ndarray, "T W"]) -> Bool[np.ndarray, "T W"]:
     """Which cells of a table are said: not those that follow from fields before them."""
-    said = np.zeros(rows.shape, dtype=bool)
-    said[:, 0] = True
-    for index, kind in enumerate(ROW_KINDS):
-        some = np.flatnonzero(rows[:, 0] == index)
-        if len(some):
-            said[some, 1 : 1 + len(FIELDS[kind])] = True
-            for name, follows in _implied(kind, rows[some]).items():
-                said[some[follows], column(kind, name)] = False
-    return said
+    if not len(rows):
+        return np.zeros(rows.shape, dtype=bool)
+    return np.stack([_said_cells(ROW_KINDS[row[0]], _read_key(row)) for row in rows.tolist()])
 
 
-def fill_implied(kind: str, row: list[int]) -> None:
+def find_implied(row: Sequence[int]) -> frozenset[str]:
+    """Names of the fields of a row (kind first) that follow from fields before them."""
+    return _implied(ROW_KINDS[row[0]], _read_key(row))
+
+
+def fill_implied(row: list[int]) -> None:
     """Writes the ends of edges that are as long as another into a row (kind first), in place."""
-    if kind not in PIECE_KINDS:
-        return
-    follows = {name for name, rule in _implied(kind, np.array([row])).items() if rule[0]}
+    kind, follows = ROW_KINDS[row[0]], find_implied(row)
     if "v1" in follows:
         u0, v0, u1, v1 = (column(kind, name) for name in ("u0", "v0", "u1", "v1"))
         row[v1] = row[v0] + row[u1] - row[u0]
@@ -225,27 +225,32 @@ def fill_implied(kind: str, row: list[int]) -> None:
         row[high + axis] = row[low + axis] + row[high + other] - row[low + other]
 
 
-def number_axis(rows: Int[np.ndarray, "T W"]) -> Int[np.ndarray, "T W"]:
+def number_axis(rows: Int[np.ndarray, "*T W"]) -> Int[np.ndarray, "*T W"]:
     """For every cell the axis of its coordinate, `LENGTH` for a length, -1 for a symbol."""
-    axes = np.full(rows.shape, -1)
+    table, own = _number_axes()
+    kind = rows[..., 0]
+    along = np.take_along_axis(rows, own[kind][..., None], axis=-1)[..., 0]
+    return table[kind, np.where(own[kind] > 0, along, 0)]
+
+
+@cache
+def _number_axes() -> tuple[Int[np.ndarray, "K 3 W"], Int[np.ndarray, "K"]]:
+    """The axes of the cells of every kind of row by its own axis, and the column of that one (0 for none)."""
+    table = np.full((len(ROW_KINDS), 3, WIDTH), -1)
+    own = np.zeros(len(ROW_KINDS), dtype=int)
     for index, kind in enumerate(ROW_KINDS):
-        some = np.flatnonzero(rows[:, 0] == index)
-        if not len(some):
-            continue
-        if kind in PIECE_KINDS:
-            own = rows[some, column(kind, "axis")] if "axis" in said_fields(kind) else np.zeros_like(some)
-            table = np.array(
-                [[LENGTH if a is None else a for a in number_axes(kind, axis)] for axis in range(3)]
-            )
+        for axis in range(3) if kind in PIECE_KINDS else ():
+            axes = [LENGTH if a is None else a for a in number_axes(_PIECE_KIND[kind], axis)]
             first = column(kind, "x0")
-            axes[some, first : first + table.shape[1]] = table[own]
-        elif kind == "joint":
-            first = column(kind, "x")
-            axes[some, first : first + 5] = (0, 1, 2, LENGTH, LENGTH)
-        elif kind == "object":
-            first = column(kind, "depth")
-            axes[some, first : first + 3] = LENGTH
-    return axes
+            table[index, axis, first : first + len(axes)] = axes
+        if kind in PIECE_KINDS and "axis" in said_fields(kind):
+            own[index] = column(kind, "axis")
+    joint, header = ROW_KINDS.index("joint"), ROW_KINDS.index("object")
+    first = column("joint", "x")
+    table[joint, :, first : first + 5] = (0, 1, 2, LENGTH, LENGTH)
+    first = column("object", "depth")
+    table[header, :, first : first + 3] = LENGTH
+    return table, own
 
 
 MAY_FOLLOW = frozenset(
@@ -254,39 +259,46 @@ MAY_FOLLOW = frozenset(
 """Names of all fields that may follow from others."""
 
 
-def _implied(kind: str, rows: Int[np.ndarray, "N W"]) -> dict[str, Bool[np.ndarray, "N"]]:
-    """The fields that may follow from others, and in which rows they do."""
+def _read_key(row: Sequence[int]) -> tuple[int, ...]:
+    """What decides which fields of a row follow from others."""
+    kind = ROW_KINDS[row[0]]
     if kind == "joint":
-        joint = rows[:, column(kind, "type")]
-        fixed, sliding, endless, screw = (
-            joint == JOINT_TYPES.index(name) for name in ("fixed", "prismatic", "continuous", "screw")
-        )
-        free = rows[:, column(kind, "need0")] == 0
-        still = fixed | sliding
-        return {
-            "axis": fixed,
-            "need0": fixed,
-            "need1": fixed | free,
-            "fraction": fixed | free,
-            **dict.fromkeys(("x", "y", "z"), still),
-            "upper": fixed | endless,
-            "travel": ~screw,
-        }
+        return (row[column(kind, "type")], min(row[column(kind, "need0")], 1))
     if kind not in PIECE_KINDS:
-        return {}
-    follows = {"lining": rows[:, column(kind, "lined")] == 0}
-    if kind in ("cylinder", "ring", "spokes", "frustum"):
-        square = np.ones(len(rows), dtype=bool)
-        if kind == "frustum":
-            square = rows[:, column(kind, "sides")] > 4
-            follows["v1"] = square
-        second = (rows[:, column(kind, "axis")] + 2) % 3
+        return ()
+    names = said_fields(kind)
+    return tuple(row[column(kind, name)] if name in names else 0 for name in ("lined", "axis", "sides"))
+
+
+@cache
+def _implied(kind: str, key: tuple[int, ...]) -> frozenset[str]:
+    """The fields that follow from others in rows with a key."""
+    if kind == "joint":
+        joint, need = JOINT_TYPES[key[0]], key[1]
+        names: tuple[str, ...] = ("need1", "fraction") if joint == "fixed" or not need else ()
+        names += ("axis", "need0") if joint == "fixed" else ()
+        names += ("x", "y", "z") if joint in ("fixed", "prismatic") else ()
+        names += ("upper",) if joint in ("fixed", "continuous") else ()
+        return frozenset(names if joint == "screw" else (*names, "travel"))
+    if kind not in PIECE_KINDS:
+        return frozenset()
+    lined, axis, sides = key
+    follows = set() if lined else {"lining"}
+    if kind in ("cylinder", "ring", "spokes") or (kind == "frustum" and sides > SQUARE):
         # Of the two edges across, the one whose end is said later follows.
-        first = (second + 2) % 3
-        later = np.maximum(first, second)
-        for axis, name in enumerate(("x1", "y1", "z1")):
-            follows[name] = square & (later == axis)
-    return follows
+        follows.add(("x1", "y1", "z1")[max((axis + 1) % 3, (axis + 2) % 3)])
+        follows |= {"v1"} if kind == "frustum" else set()
+    return frozenset(follows)
+
+
+@cache
+def _said_cells(kind: str, key: tuple[int, ...]) -> Bool[np.ndarray, "W"]:
+    """Which cells of rows with a key are said."""
+    said = np.zeros(WIDTH, dtype=bool)
+    said[: 1 + len(FIELDS[kind])] = True
+    for name in _implied(kind, key):
+        said[column(kind, name)] = False
+    return said
 
 
 _PIECE_KIND: dict[str, PieceKind] = {kind: kind for kind in PIECE_KINDS}

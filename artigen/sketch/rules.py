@@ -26,7 +26,7 @@ from artigen.sketch.rows import (
     WIDTH,
     column,
     fill_implied,
-    find_said,
+    find_implied,
     number_axis,
 )
 from artigen.sketch.sketch import LEVELS, lowest_corner
@@ -115,9 +115,9 @@ class Writer:
         if self.name not in MAY_FOLLOW:
             return None
         padded = self.padded()
-        if find_said(np.array([padded]))[0, len(self.row)]:
+        if self.name not in find_implied(padded):
             return None
-        fill_implied(self.kind, padded)
+        fill_implied(padded)
         return padded[len(self.row)]
 
     def axis(self) -> int:

@@ -18,10 +18,7 @@ from artigen.types import Asset
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class StructureExample:
-    """Field and condition of an object; ``image`` is RGBA, premultiplied on black.
-
-    ``shown`` holds the part that each pixel of the image shows (`artigen.train.photographs.NOTHING`: none).
-    """
+    """Field and condition of an object; ``image`` is RGBA, premultiplied on black."""
 
     name: str
     category: str
@@ -29,7 +26,6 @@ class StructureExample:
     counts: UInt8[np.ndarray, "L"]
     size: Float[np.ndarray, "3"]
     image: UInt8[np.ndarray, "H W 4"] | None = None
-    shown: UInt8[np.ndarray, "H W"] | None = None
 
 
 def example_of_asset(asset: Asset, photograph: Photograph | None = None) -> StructureExample:
@@ -44,7 +40,6 @@ def example_of_asset(asset: Asset, photograph: Photograph | None = None) -> Stru
         counts=part_counts(asset).astype(np.uint8),
         size=asset_size(asset).astype(np.float32),
         image=None if photograph is None else photograph.rgba,
-        shown=None if photograph is None else photograph.parts,
     )
 
 

@@ -206,7 +206,7 @@ def vary_photos(photos: PhotoBatch, generator: torch.Generator) -> PhotoBatch:
     count, _, edge, _ = photos.image.shape
 
     def chance(*shape: int) -> Tensor:
-        return torch.rand(shape, generator=generator)
+        return torch.rand(shape, generator=generator, device=generator.device)
 
     def within(limit: float, *shape: int) -> Tensor:
         return limit * (2.0 * chance(*shape) - 1.0)
@@ -231,7 +231,8 @@ def vary_photos(photos: PhotoBatch, generator: torch.Generator) -> PhotoBatch:
     alpha = torch.where(before[:, None, None, None], 1.0, alpha)
     color = _blur(color * alpha, chance(count) * BLUR)
     alpha = torch.where(before[:, None, None, None], 1.0, alpha)
-    color = color + GRAIN * chance(count, 1, 1, 1) * torch.randn(color.shape, generator=generator) * alpha
+    noise = torch.randn(color.shape, generator=generator, device=generator.device)
+    color = color + GRAIN * chance(count, 1, 1, 1) * noise * alpha
     return replace(
         photos,
         image=torch.cat([color.clamp(0.0, 1.0), alpha], dim=1),
@@ -242,7 +243,7 @@ def vary_photos(photos: PhotoBatch, generator: torch.Generator) -> PhotoBatch:
 
 def _blur(image: Float[Tensor, "B 3 S S"], sigma: Float[Tensor, "B"]) -> Float[Tensor, "B 3 S S"]:
     """Each picture with a Gaussian of its own."""
-    steps = torch.arange(-3, 4)
+    steps = torch.arange(-3, 4, device=image.device)
     weights = torch.exp(-0.5 * (steps / sigma.clamp(min=0.1)[:, None]) ** 2)
     weights = (weights / weights.sum(dim=1, keepdim=True)).repeat_interleave(3, dim=0)
     flat = image.flatten(0, 1)[None]

@@ -27,7 +27,7 @@ HELD_OUT = 10_000
 PER_OBJECT = ("counts", "size")
 """Numbers that an example's condition has as many of, whatever the object."""
 ARRAYS = ("names", "categories", "resolution", "patches", "parts", "index", "rows", "table", "counts", "size")
-"""What every shard holds; pictures, and the parts that they show, if all examples have one."""
+"""What every shard holds; pictures, if all examples have one."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -163,9 +163,6 @@ def write_shard(path: Path, examples: Sequence[StructureExample]) -> None:
     }
     for name in ("index", "rows", "table"):
         arrays[name] = np.concatenate([getattr(one.field, name) for one in examples])
-    shown = [one.shown for one in examples if one.shown is not None]
-    if len(shown) == len(examples):
-        arrays["shown"] = np.stack(shown)
     save_shard(path, arrays, packed=False)
 
 
@@ -194,7 +191,6 @@ def read_shard(path: Path) -> Iterator[StructureExample]:
                 rows=arrays["rows"][at],
                 table=arrays["table"][of],
             ),
-            shown=arrays["shown"][number] if "shown" in arrays else None,
             **pick_condition(arrays, number),
         )
 

@@ -123,9 +123,13 @@ def train_sketch(cfg: SketchRunConfig, *, on_report: Report | None = None) -> di
             "more than 0 of each"
         )
     start = None if cfg.start is None else hash_model(cfg.start)
-    claim_folder(cfg.folder / "config.json", {"sketch": cfg.preset, "start": start})
+    claim_folder(cfg.folder / "sketch.json", {"preset": cfg.preset, "start": start})
     torch.manual_seed(0)
     network = SketchNetwork(SIZES[cfg.preset]) if cfg.start is None else load_sketch_network(cfg.start)
+    if network.cfg != SIZES[cfg.preset]:
+        raise ArtigenError(
+            f"{cfg.start}: {network.cfg}, expected the sizes of preset {cfg.preset!r}, {SIZES[cfg.preset]}"
+        )
     photos = network.picture is not None
     make = partial(make_examples, workers=cfg.workers, photos=photos)
     trained = make(cfg.folder / "train", HELD_OUT, cfg.shards, count=SHARD)
@@ -138,7 +142,8 @@ def train_sketch(cfg: SketchRunConfig, *, on_report: Report | None = None) -> di
         ema=0.9995,
         weight_decay=0.02,
     )
-    batches = prefetch(draw_batches(trained, cfg.rows, process_seed(loop.seed)))
+    seed = process_seed(loop.seed) + finished_steps(cfg.folder / "sketch")  # other batches at every start
+    batches = prefetch(draw_batches(trained, cfg.rows, seed))
     report = on_report or (lambda line: log_metrics("sketch", line))
     train(
         SketchLosses(network.train()), sketch_losses, batches, cfg.folder / "sketch", loop, on_report=report
@@ -180,7 +185,7 @@ class SketchBatch:
 
 
 class SketchLosses(nn.Module):
-    """The losses of a sketch network as a network of their own, so that several GPUs can share a batch."""
+    """The losses of a sketch network as a network of their own: likelihood, and what is read off pictures."""
 
     def __init__(self, network: SketchNetwork) -> None:
         super().__init__()
