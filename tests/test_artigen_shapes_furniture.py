@@ -8,16 +8,31 @@ import numpy as np
 import pytest
 
 from artigen.shapes.draw import ShapeError, Wish, draw_shape
+from artigen.shapes.fittings.feet import make_toe_kick
 from artigen.shapes.fittings.fronts import FRONT_STYLES, FrontDesign, make_door, make_front
 from artigen.shapes.fittings.handles import HANDLE_KINDS, design_handle
-from artigen.shapes.fittings.hardware import Panel, hinge, sweep_gap
-from artigen.shapes.furniture.cabinet import list_cells
-from artigen.shapes.furniture.carcass import count_hulls, fits_engines
-from artigen.shapes.furniture.furniture_kinds import KINDS
-from artigen.shapes.furniture.splits import Cell, Fill, Inside, Room, Split, Taste, draw_node, lay_out, mirror
+from artigen.shapes.fittings.hardware import Panel, Space, hinge, sweep_gap
+from artigen.shapes.furniture.cabinet import draw_looks, list_cells, make_cabinet
+from artigen.shapes.furniture.carcass import FRAME_DEPTH, RAIL, CarcassDesign, count_hulls, fits_engines
+from artigen.shapes.furniture.furniture_kinds import KINDS, STYLES
+from artigen.shapes.furniture.splits import (
+    Cell,
+    Fill,
+    Inside,
+    Node,
+    Room,
+    Split,
+    Taste,
+    draw_node,
+    lay_out,
+    mirror,
+    stack_drawers,
+)
 from artigen.shapes.poses import pose_parts
 from artigen.shapes.primitives import box, contains, place_vertices
-from artigen.shapes.shape import Shape
+from artigen.shapes.shape import Shape, ShapePart
+from artigen.shapes.surfaces.palette import draw_palette
+from artigen.sketch.faults import find_faults
 from artigen.transforms import transform_points
 from sim_export.collision.contacts import HullSet, signed_distances
 from sim_export.package import Hull
@@ -268,8 +283,8 @@ def test_every_joint_type_occurs(shapes: list[Shape]) -> None:
 
 
 def test_oblong_boards_count_as_several_hulls() -> None:
-    assert count_hulls([box((0, 0, 0), (0.01, 0.64, 0.3), "body")]) == 1
-    assert count_hulls([box((0, 0, 0), (0.01, 0.65, 1.29), "body")]) == 2 * 3
+    assert count_hulls([box((0, 0, 0), (0.01, 0.6, 0.3), "body")]) == 1
+    assert count_hulls([box((0, 0, 0), (0.01, 0.61, 1.21), "body")]) == 2 * 3
 
 
 def test_locks_of_safes_stay_clear_of_the_body_when_the_door_folds_back():
@@ -294,3 +309,77 @@ def test_locks_of_safes_stay_clear_of_the_body_when_the_door_folds_back():
             folded += len(behind)
             assert (np.maximum(low[1] - behind[:, 1], behind[:, 1] - high[1]) > 0.002).all()
     assert folded
+
+
+OUTER = Space(x=(-0.3, 0.3), y=(-0.5, 0.5), z=(0.1, 0.9))
+LAYOUTS: tuple[Node, ...] = (
+    Cell(fill="double", inside="shelves", count=2),
+    Split(along="columns", shares=(1.0, 1.0), children=(Cell(fill="door"), stack_drawers((1.0, 2.0)))),
+    Split(
+        along="rows",
+        shares=(1.0, 3.0),
+        children=(Cell(fill="blank"), Cell(fill="door", inside="trays", count=2)),
+    ),
+)
+
+
+def _cabinet(node: Node, carcass: CarcassDesign, *, inset: bool = False) -> Shape:
+    """A cabinet in `OUTER` with flat fronts and the given boards."""
+    rng = np.random.default_rng(0)
+    looks = draw_looks(rng, STYLES["flat"], 1.0)
+    looks = replace(looks, carcass=carcass, inset=inset, doors=replace(looks.doors, handle=None), lock=False)
+    looks = replace(looks, drawers=replace(looks.drawers, handle=None))
+    built = make_cabinet(node, OUTER, looks, parent="body")
+    body = ShapePart(name="body", label="base", parent=None, primitives=built.primitives)
+    finishes = tuple(sorted(draw_palette(rng, "furniture", "flat").items()))
+    return Shape(
+        category="StorageFurniture", seed=0, style="flat", parts=(body, *built.parts), finishes=finishes
+    )
+
+
+@pytest.mark.parametrize("node", LAYOUTS)
+@pytest.mark.parametrize("place", ["before", "within"])
+def test_what_is_behind_a_face_frame_passes_through_it_and_is_held(node: Node, place: str) -> None:
+    shape = _cabinet(node, CarcassDesign(frame=0.04, recess=0.015), inset=place == "within")
+    assert not find_faults(shape)
+    low, high = shape.bounds()
+    assert (low[1:], high[1:]) == (pytest.approx([-0.5, 0.1]), pytest.approx([0.5, 0.9]))
+
+
+def test_fronts_leave_a_face_frame_in_sight_on_all_sides() -> None:
+    for node in LAYOUTS:
+        shape = _cabinet(node, CarcassDesign(frame=0.04))
+        fronts = [part.bounds() for part in shape.parts if part.label in ("door", "drawer")]
+        assert all(
+            (front[0, 1:] > (-0.48, 0.12)).all() and (front[1, 1:] < (0.48, 0.88)).all() for front in fronts
+        )
+
+
+def test_a_top_of_rails_is_open_in_the_middle_and_closed_in_front_and_behind() -> None:
+    body = _cabinet(LAYOUTS[0], CarcassDesign(rails=True)).parts[0]
+    probes = np.array([(x, 0.0, 0.89) for x in np.linspace(-0.27, 0.28, 56)])
+    filled = np.any([contains(solid, probes) for solid in body.primitives], axis=0)
+    assert filled[[0, -1]].all()
+    assert not filled[20:36].any()
+
+
+@pytest.mark.parametrize("notch", [0.0, 0.07])
+def test_a_toe_kick_leaves_room_between_its_sides_or_all_along(notch: float) -> None:
+    solids = make_toe_kick((-0.3, 0.3), (-0.4, 0.4), 0.1, notch)
+    toes = np.array([(-0.27, y, 0.05) for y in (-0.395, -0.2, 0.0, 0.2, 0.395)])
+    filled = np.any([contains(solid, toes) for solid in solids], axis=0)
+    assert filled.tolist() == [not notch, False, False, False, not notch]
+    corners = np.concatenate([place_vertices(solid) for solid in solids])
+    assert corners.min(axis=0)[1:] == pytest.approx((-0.4, 0.0))
+    assert corners.max(axis=0) == pytest.approx((0.3, 0.4, 0.1))
+
+
+def test_frames_open_tops_and_blank_boards_occur() -> None:
+    seen: set[str] = set()
+    for seed in range(60):
+        body = draw_shape("StorageFurniture", seed).parts[0]
+        depths = [round(float(solid.size[0]), 6) for solid in body.primitives]
+        seen |= {"frame"} if depths[:4] == [FRAME_DEPTH] * 4 else set()
+        seen |= {"rails"} if depths.count(RAIL) == 2 else set()
+        seen |= {"blank"} if any(solid.finish == "front" for solid in body.primitives) else set()
+    assert seen == {"frame", "rails", "blank"}
