@@ -13,8 +13,8 @@ from artigen.shapes.fittings.hardware import Range, Space, fill_space
 from artigen.shapes.primitives import Primitive, Vector, line
 from artigen.shapes.shape import ShapePart
 
-HULL_RATIO = 60.0
-"""Longest over shortest edge of a hull that engines take."""
+HULL_RATIO = 59.0
+"""Longest over shortest edge of a hull that engines take, with room for rounding to the steps of a sketch."""
 MAX_HULLS_ON_LINK = 32
 MAX_HULLS = 256
 FRAME_DEPTH = 0.019
