@@ -151,8 +151,8 @@ def _make_leg(sides: int, low: float, high: float, height: float, lean: tuple[fl
 
 
 def make_plinth(x: Range, y: Range, height: float, finish: str) -> tuple[Primitive, ...]:
-    """A frame of boards on the floor under a body: front, back and two sides."""
-    wall = 0.018
+    """A frame of boards on the floor under a body: front, back and two sides; long ones are thicker."""
+    wall = max(0.018, max(x[1] - x[0], y[1] - y[0]) / 56)
     return tuple(
         box(low, high, finish)
         for low, high in (
