@@ -30,6 +30,8 @@ from artigen.types import PartLabel
 
 CATEGORY = "StorageFurniture"
 MAX_LAYOUTS = 100
+RECESSED = 0.6
+"""Chance of a back that lies within the sides, with a rail behind it."""
 BODY = "body"
 
 
@@ -94,10 +96,14 @@ def _draw_plan(rng: np.random.Generator, kind: Kind, style: Style, size: tuple[f
     looks = draw_looks(rng, style, max(size), kind.hand)
     covered = bool(rng.random() < kind.worktop)
     overhang = (float(rng.uniform(0.0, 0.02)), float(rng.choice((0.0, 0.012))))
-    carcass = replace(looks.carcass, lid=not covered, rails=bool(rng.random() < kind.rails))
     frame, recess = float(rng.uniform(0.036, 0.045)), float(rng.uniform(0.012, 0.019))
-    if rng.random() < style.frame:
-        carcass = replace(carcass, frame=frame, recess=recess)
+    carcass = replace(
+        looks.carcass,
+        lid=not covered,
+        rails=bool(rng.random() < kind.rails),
+        frame=frame if rng.random() < style.frame else 0.0,
+        recess=recess if rng.random() < RECESSED else 0.0,
+    )
     return _Plan(
         looks=replace(looks, carcass=carcass),
         stand=design_stand(rng, pick(rng, dict(kind.stands)), size[2]),

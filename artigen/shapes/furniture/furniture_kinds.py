@@ -32,7 +32,7 @@ STYLES: dict[str, Style] = {
         drawers=("flat",),
         handles=("bar", "pull", "knob", "edge", "arch"),
         inset=0.15,
-        frame=0.3,
+        frame=0.4,
     ),
     "handleless": Style(
         weight=1.6, doors=("flat",), drawers=("flat",), handles=("edge", "recessed"), inset=0.1
@@ -43,7 +43,7 @@ STYLES: dict[str, Style] = {
         drawers=("shaker", "flat"),
         handles=("knob", "cup", "bar", "pull"),
         inset=0.3,
-        frame=0.5,
+        frame=0.6,
     ),
     "framed_glass": Style(
         weight=1.6,
@@ -51,7 +51,7 @@ STYLES: dict[str, Style] = {
         drawers=("flat", "shaker"),
         handles=("knob", "bar", "pull"),
         inset=0.2,
-        frame=0.4,
+        frame=0.5,
         closed=True,
     ),
     "classic": Style(
@@ -60,7 +60,7 @@ STYLES: dict[str, Style] = {
         drawers=("raised", "flat"),
         handles=("knob", "arch", "cup"),
         inset=0.4,
-        frame=0.5,
+        frame=0.6,
     ),
     "country": Style(
         weight=0.8,
@@ -68,7 +68,7 @@ STYLES: dict[str, Style] = {
         drawers=("flat", "plank"),
         handles=("knob", "block", "pull"),
         inset=0.4,
-        frame=0.5,
+        frame=0.6,
     ),
     "louvre": Style(
         weight=0.7,
@@ -76,11 +76,11 @@ STYLES: dict[str, Style] = {
         drawers=("flat",),
         handles=("knob", "pull"),
         inset=0.3,
-        frame=0.4,
+        frame=0.5,
         closed=True,
     ),
     "industrial": Style(
-        weight=0.8, doors=("flat",), drawers=("flat",), handles=("bar", "pull"), inset=0.3, frame=0.15
+        weight=0.8, doors=("flat",), drawers=("flat",), handles=("bar", "pull"), inset=0.3, frame=0.2
     ),
 }
 
@@ -134,7 +134,7 @@ KINDS: dict[str, Kind] = {
                 ("drawer_row", 0.5),
                 ("closed", 2.6),
                 ("open_row", 0.1),
-                ("blank", 0.4),
+                ("blank", 1.0),
             ),
             fills=DOORS,
             trays=0.3,
@@ -149,7 +149,7 @@ KINDS: dict[str, Kind] = {
         hand=-1.0,
         taste=Taste(
             module=(0.34, 0.75),
-            rules=(("columns", 0.4), ("closed", 3.0), ("open_row", 0.3), ("open", 0.1), ("blank", 0.25)),
+            rules=(("columns", 0.4), ("closed", 3.0), ("open_row", 0.3), ("open", 0.1), ("blank", 0.7)),
             fills=(("door", 3.0), ("double", 3.0), ("lift", 3.0), ("fold", 0.4), ("slide", 0.6)),
             trays=0.0,
         ),
