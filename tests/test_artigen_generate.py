@@ -49,7 +49,7 @@ def model(folder: Path) -> StructureModel:
 
 @pytest.fixture(scope="module")
 def shape() -> Shape:
-    return draw_shape("StorageFurniture", 3)
+    return draw_shape("StorageFurniture", 6)
 
 
 @pytest.fixture(scope="module")

@@ -175,3 +175,21 @@ def test_joint_types_are_those_of_real_appliances() -> None:
     assert types["Dishwasher"] >= {"revolute", "prismatic"}
     for category in ("Oven", "WashingMachine", "Microwave"):
         assert types[category] == {"revolute", "prismatic", "continuous"}
+
+
+@pytest.mark.parametrize("category", ["Dishwasher", "Oven"])
+def test_a_closed_base_reaches_the_floor_all_around_and_leaves_room_for_toes(category: str) -> None:
+    based = 0
+    for seed in range(24):
+        body = draw_shape(category, seed).parts[0]
+        low, high = body.bounds()
+        boards = [solid for solid in body.primitives if place_vertices(solid)[:, 2].min() < low[2] + 1e-6]
+        corners = np.concatenate([place_vertices(solid) for solid in boards])
+        if len(boards) != 4 or any(solid.kind == "cylinder" for solid in boards):
+            continue
+        based += 1
+        assert {solid.finish for solid in boards} == {"body"}
+        assert np.abs(corners[:, 1]).max() == pytest.approx(high[1])
+        assert corners[:, 0].max() == pytest.approx(high[0])
+        assert corners[:, 0].min() > low[0] + 0.009
+    assert 4 <= based <= 20

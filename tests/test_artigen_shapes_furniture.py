@@ -8,16 +8,43 @@ import numpy as np
 import pytest
 
 from artigen.shapes.draw import ShapeError, Wish, draw_shape
+from artigen.shapes.fittings.feet import make_legs, make_toe_kick
 from artigen.shapes.fittings.fronts import FRONT_STYLES, FrontDesign, make_door, make_front
 from artigen.shapes.fittings.handles import HANDLE_KINDS, design_handle
-from artigen.shapes.fittings.hardware import Panel, hinge, sweep_gap
-from artigen.shapes.furniture.cabinet import list_cells
-from artigen.shapes.furniture.carcass import count_hulls, fits_engines
-from artigen.shapes.furniture.furniture_kinds import KINDS
-from artigen.shapes.furniture.splits import Cell, Fill, Inside, Room, Split, Taste, draw_node, lay_out, mirror
+from artigen.shapes.fittings.hardware import Panel, Space, hinge, sweep_gap
+from artigen.shapes.furniture.cabinet import draw_looks, list_cells, make_cabinet
+from artigen.shapes.furniture.carcass import FRAME_DEPTH, RAIL, CarcassDesign, count_hulls, fits_engines
+from artigen.shapes.furniture.furniture_kinds import KINDS, STYLES
+from artigen.shapes.furniture.splits import (
+    Cell,
+    Fill,
+    Inside,
+    Node,
+    Room,
+    Split,
+    Taste,
+    draw_node,
+    lay_out,
+    mirror,
+    stack_drawers,
+)
+from artigen.shapes.furniture.table_frames import (
+    STRETCHER_KINDS,
+    StretcherKind,
+    TopKind,
+    inset_of_oval,
+    make_arch,
+    make_panels,
+    make_stretchers,
+    make_top,
+    most_radius,
+)
 from artigen.shapes.poses import pose_parts
-from artigen.shapes.primitives import box, contains, place_vertices
-from artigen.shapes.shape import Shape
+from artigen.shapes.primitives import Primitive, box, contains, place_vertices
+from artigen.shapes.shape import Shape, ShapePart
+from artigen.shapes.solids import primitive_bounds
+from artigen.shapes.surfaces.palette import draw_palette
+from artigen.sketch.faults import find_faults
 from artigen.transforms import transform_points
 from sim_export.collision.contacts import HullSet, signed_distances
 from sim_export.package import Hull
@@ -268,8 +295,8 @@ def test_every_joint_type_occurs(shapes: list[Shape]) -> None:
 
 
 def test_oblong_boards_count_as_several_hulls() -> None:
-    assert count_hulls([box((0, 0, 0), (0.01, 0.64, 0.3), "body")]) == 1
-    assert count_hulls([box((0, 0, 0), (0.01, 0.65, 1.29), "body")]) == 2 * 3
+    assert count_hulls([box((0, 0, 0), (0.01, 0.59, 0.3), "body")]) == 1
+    assert count_hulls([box((0, 0, 0), (0.01, 0.6, 1.19), "body")]) == 2 * 3
 
 
 def test_locks_of_safes_stay_clear_of_the_body_when_the_door_folds_back():
@@ -294,3 +321,154 @@ def test_locks_of_safes_stay_clear_of_the_body_when_the_door_folds_back():
             folded += len(behind)
             assert (np.maximum(low[1] - behind[:, 1], behind[:, 1] - high[1]) > 0.002).all()
     assert folded
+
+
+OUTER = Space(x=(-0.3, 0.3), y=(-0.5, 0.5), z=(0.1, 0.9))
+LAYOUTS: tuple[Node, ...] = (
+    Cell(fill="double", inside="shelves", count=2),
+    Split(along="columns", shares=(1.0, 1.0), children=(Cell(fill="door"), stack_drawers((1.0, 2.0)))),
+    Split(
+        along="rows",
+        shares=(1.0, 3.0),
+        children=(Cell(fill="blank"), Cell(fill="door", inside="trays", count=2)),
+    ),
+)
+
+
+def _cabinet(node: Node, carcass: CarcassDesign, *, inset: bool = False) -> Shape:
+    """A cabinet in `OUTER` with flat fronts and the given boards."""
+    rng = np.random.default_rng(0)
+    looks = draw_looks(rng, STYLES["flat"], 1.0)
+    looks = replace(looks, carcass=carcass, inset=inset, doors=replace(looks.doors, handle=None), lock=False)
+    looks = replace(looks, drawers=replace(looks.drawers, handle=None))
+    built = make_cabinet(node, OUTER, looks, parent="body")
+    body = ShapePart(name="body", label="base", parent=None, primitives=built.primitives)
+    finishes = tuple(sorted(draw_palette(rng, "furniture", "flat").items()))
+    return Shape(
+        category="StorageFurniture", seed=0, style="flat", parts=(body, *built.parts), finishes=finishes
+    )
+
+
+@pytest.mark.parametrize("node", LAYOUTS)
+@pytest.mark.parametrize("place", ["before", "within"])
+def test_what_is_behind_a_face_frame_passes_through_it_and_is_held(node: Node, place: str) -> None:
+    shape = _cabinet(node, CarcassDesign(frame=0.04, recess=0.015), inset=place == "within")
+    assert not find_faults(shape)
+    low, high = shape.bounds()
+    assert (low[1:], high[1:]) == (pytest.approx([-0.5, 0.1]), pytest.approx([0.5, 0.9]))
+
+
+def test_fronts_leave_a_face_frame_in_sight_on_all_sides() -> None:
+    for node in LAYOUTS:
+        shape = _cabinet(node, CarcassDesign(frame=0.04))
+        fronts = [part.bounds() for part in shape.parts if part.label in ("door", "drawer")]
+        assert all(
+            (front[0, 1:] > (-0.48, 0.12)).all() and (front[1, 1:] < (0.48, 0.88)).all() for front in fronts
+        )
+
+
+def test_a_top_of_rails_is_open_in_the_middle_and_closed_in_front_and_behind() -> None:
+    body = _cabinet(LAYOUTS[0], CarcassDesign(rails=True)).parts[0]
+    probes = np.array([(x, 0.0, 0.89) for x in np.linspace(-0.27, 0.28, 56)])
+    filled = np.any([contains(solid, probes) for solid in body.primitives], axis=0)
+    assert filled[[0, -1]].all()
+    assert not filled[20:36].any()
+
+
+@pytest.mark.parametrize("notch", [0.0, 0.07])
+def test_a_toe_kick_leaves_room_between_its_sides_or_all_along(notch: float) -> None:
+    solids = make_toe_kick((-0.3, 0.3), (-0.4, 0.4), 0.1, notch)
+    toes = np.array([(-0.27, y, 0.05) for y in (-0.395, -0.2, 0.0, 0.2, 0.395)])
+    filled = np.any([contains(solid, toes) for solid in solids], axis=0)
+    assert filled.tolist() == [not notch, False, False, False, not notch]
+    corners = np.concatenate([place_vertices(solid) for solid in solids])
+    assert corners.min(axis=0)[1:] == pytest.approx((-0.4, 0.0))
+    assert corners.max(axis=0) == pytest.approx((0.3, 0.4, 0.1))
+
+
+def test_frames_open_tops_and_blank_boards_occur() -> None:
+    seen: set[str] = set()
+    for seed in range(60):
+        body = draw_shape("StorageFurniture", seed).parts[0]
+        depths = [round(float(solid.size[0]), 6) for solid in body.primitives]
+        seen |= {"frame"} if depths[:4] == [FRAME_DEPTH] * 4 else set()
+        seen |= {"rails"} if depths.count(RAIL) == 2 else set()
+        seen |= {"blank"} if any(solid.finish == "front" for solid in body.primitives) else set()
+    assert seen == {"frame", "rails", "blank"}
+
+
+LEGS = make_legs((-0.3, 0.3), (-0.6, 0.6), 0.7, kind="tapered", width=0.05, finish="leg")
+
+
+def _filled(solids: Iterable[Primitive], points: np.ndarray) -> np.ndarray:
+    return np.any([contains(solid, points) for solid in solids], axis=0)
+
+
+@pytest.mark.parametrize("kind", get_args(TopKind))
+def test_a_top_is_as_wide_and_deep_as_asked_symmetric_and_covers_the_legs_below(kind: TopKind) -> None:
+    ahead, aside = 0.04, 0.03
+    if kind == "oval":
+        aside = inset_of_oval(0.8, ahead)
+    top = make_top(1.6, 0.8, (0.7, 0.73), kind, most_radius(ahead, aside))
+    corners = np.concatenate([primitive_bounds(solid) for solid in top])
+    assert corners.min(axis=0) == pytest.approx((-0.4, -0.8, 0.7))
+    assert corners.max(axis=0) == pytest.approx((0.4, 0.8, 0.73))
+    grid = np.stack(np.meshgrid(np.linspace(-0.41, 0.41, 83), np.linspace(-0.81, 0.81, 83)), axis=-1).reshape(
+        -1, 2
+    )
+    points = np.column_stack([grid, np.full(len(grid), 0.715)])
+    filled = _filled(top, points)
+    assert (filled == _filled(top, points * (-1, 1, 1))).all()
+    assert (filled == _filled(top, points * (1, -1, 1))).all()
+    feet = np.array(
+        [(a * (0.4 - ahead - 1e-4), b * (0.8 - aside - 1e-4), 0.715) for a in (-1, 1) for b in (-1, 1)]
+    )
+    assert _filled(top, feet).all()
+    assert _filled(top, np.array([(0.396, 0.796, 0.715)])).all() == (kind == "plain")
+
+
+@pytest.mark.parametrize("kind", STRETCHER_KINDS)
+def test_stretchers_run_from_leg_to_leg_without_an_end_in_sight(kind: StretcherKind) -> None:
+    bars = make_stretchers(LEGS, 0.1, 0.02, kind)
+    x, y = (0.2749, 0.5749)  # the axes of the legs
+    ends = np.array([(a * x, b * y, 0.11) for a in (-1, 1) for b in (-1, 1)])
+    assert _filled(bars, ends).all()
+    assert _filled(LEGS, ends).all()
+    assert _filled(bars, np.array([(0.0, y, 0.11), (0.0, -y, 0.11)])).all()
+    across = np.array([(at, 0.0, 0.11) for at in (-x, 0.0, x)])
+    expected = {"h": [False, True, False], "ring": [True, False, True], "rear": [False, False, True]}
+    assert _filled(bars, across).tolist() == expected[kind]
+
+
+def test_an_arch_hangs_down_at_its_ends_alone_and_is_symmetric() -> None:
+    arch = make_arch((0.0, 0.02), (-0.5, 0.5), (0.6, 0.63), 0.05, "leg")
+    corners = np.concatenate([place_vertices(solid) for solid in arch])
+    assert corners.min(axis=0) == pytest.approx((0.0, -0.5, 0.55))
+    assert corners.max(axis=0) == pytest.approx((0.02, 0.5, 0.63))
+    across = np.linspace(-0.499, 0.499, 101)
+    below = {z: _filled(arch, np.array([(0.01, y, z) for y in across])) for z in (0.56, 0.59, 0.599, 0.615)}
+    assert all((row == row[::-1]).all() for row in below.values())
+    shares = [row.mean() for row in below.values()]
+    assert shares == sorted(shares)
+    assert shares[-1] == 1.0
+    assert not below[0.599][45:56].any()
+    assert below[0.56][0]
+
+
+def test_closed_sides_are_between_the_legs_and_leave_the_front_open() -> None:
+    panels = make_panels(LEGS, (0.3, 0.7))
+    assert _filled(panels, np.array([(0.0, 0.575, 0.5), (0.0, -0.575, 0.5), (0.275, 0.0, 0.5)])).all()
+    assert not _filled(panels, np.array([(-0.275, 0.0, 0.5)])).any()
+    corners = np.concatenate([place_vertices(solid) for solid in panels])
+    assert (np.abs(corners[:, :2]).max(axis=0) <= (0.3, 0.6)).all()
+
+
+def test_tables_have_tops_of_all_kinds_overhangs_and_bars() -> None:
+    seen: set[str] = set()
+    for seed in range(80):
+        body = draw_shape("Table", seed).parts[0]
+        tops = [solid for solid in body.primitives if solid.finish == "top"]
+        kinds = [solid.kind for solid in tops]
+        seen |= {1: {"plain"}, 3: {"oval"}, 7: {"rounded"}}.get(len(kinds), set())
+        seen |= {"bars"} if sum(solid.finish == "leg" for solid in body.primitives) > 4 else set()
+    assert seen == {"plain", "oval", "rounded", "bars"}

@@ -19,7 +19,7 @@ from artigen.sketch.picture_colors import read_colors
 from artigen.train.photographs import draw_camera, photograph_shape
 
 SIZE = 128
-CABINET, FRIDGE = ("StorageFurniture", 2), ("Refrigerator", 1)
+CABINET, FRIDGE = ("StorageFurniture", 4), ("Refrigerator", 1)
 
 
 @pytest.fixture(autouse=True)

@@ -10,6 +10,7 @@ from artigen.shapes.appliances.cavity import SIDES, build_feet, build_shell, bui
 from artigen.shapes.appliances.control_panel import design_dial, spread_controls
 from artigen.shapes.appliances.racks import build_basket, build_rack
 from artigen.shapes.draw import Draft, Wish, choose
+from artigen.shapes.fittings.feet import make_plinth
 from artigen.shapes.fittings.handles import HandleDesign, make_handle
 from artigen.shapes.fittings.hardware import GAP, ROOM, Panel, Range, Space, hinge, slide, sweep_gap
 from artigen.shapes.primitives import Primitive, box, cylinder, line, rounded_box
@@ -18,6 +19,8 @@ from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "Dishwasher"
 STYLES = ("steel", "white", "black", "retro")
+BASED = 0.6
+"""Chance of a closed base in place of feet."""
 BULGE = 0.012
 """How far the liner of the door reaches into the tub (m)."""
 
@@ -32,6 +35,8 @@ class _Plan:
     thickness: float
     toe: float
     """Lower edge of housing and fronts."""
+    base: float
+    """How far a closed base stands back behind the front of the housing; 0 for feet."""
     lid: float
     """Thickness of a worktop of its own; 0 where it is built in."""
     wall: float
@@ -84,6 +89,7 @@ def _draw_plan(rng: np.random.Generator, wish: Wish) -> _Plan:
         height=height,
         thickness=float(rng.uniform(0.042, 0.058)),
         toe=0.018 if low else float(rng.uniform(0.07, 0.12)),
+        base=float(rng.uniform(0.015, 0.06)) if rng.random() < BASED and not low else 0.0,
         lid=float(rng.uniform(0.020, 0.032)) if rng.random() < 0.4 and not low else 0.0,
         wall=float(rng.uniform(0.020, 0.032)),
         grip=grip if rng.random() < 0.82 or paired else None,
@@ -93,10 +99,13 @@ def _draw_plan(rng: np.random.Generator, wish: Wish) -> _Plan:
 
 
 def _build_base(plan: _Plan) -> list[Primitive]:
-    """Feet, toe kick and worktop."""
+    """Feet and a toe kick, or a closed base; and the worktop."""
     outer_x = (plan.front, -plan.x)
-    pieces = list(build_feet(outer_x, plan.y, plan.toe, "leg", radius=0.018, inset=0.03))
-    if plan.toe > 0.05:
+    if plan.base:
+        pieces = list(make_plinth((plan.front + plan.base, -plan.x), plan.y, plan.toe, "body"))
+    else:
+        pieces = list(build_feet(outer_x, plan.y, plan.toe, "leg", radius=0.018, inset=0.03))
+    if plan.toe > 0.05 and not plan.base:
         kick = plan.front + 0.03
         pieces.append(
             box((kick, plan.y[0] + 0.002, 0.012), (kick + 0.014, plan.y[1] - 0.002, plan.toe), "leg")

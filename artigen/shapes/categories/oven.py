@@ -13,6 +13,7 @@ from artigen.shapes.appliances.cooktop import CooktopKind, build_burners
 from artigen.shapes.appliances.oven_cavity import build_rails, choose_levels, make_racks
 from artigen.shapes.appliances.oven_front import FrontLook, make_oven_door, make_warming_drawer
 from artigen.shapes.draw import Draft, Wish, choose
+from artigen.shapes.fittings.feet import make_plinth
 from artigen.shapes.fittings.hardware import GAP, ROOM, Edge, Panel, Range, Space
 from artigen.shapes.primitives import Primitive, box, line, rounded_box
 from artigen.shapes.surfaces.palette import draw_palette
@@ -41,8 +42,10 @@ SIZES: dict[Kind, tuple[Range, Range, Range]] = {
 """Width, depth without handles, height without an upstand."""
 SKIN = 0.024
 """Sides and back of the housing (m)."""
+BASED = 0.5
+"""Chance that a range stands on a closed base."""
 MAX_PIECES = 32 - 4
-"""Pieces of the body: engines take 32 on one link, and four are feet."""
+"""Pieces of the body: engines take 32 on one link, and four are feet or boards of the base."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,6 +61,8 @@ class _Plan:
     wall: float
     """Between a cavity and what is above, below and beside it."""
     foot: float
+    base: float
+    """How far a closed base stands back behind the front of the housing; 0 for feet."""
     look: FrontLook
     cooktop: CooktopKind
     burners: int
@@ -94,7 +99,11 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
         if plan.kind != "rangetop":
             room = MAX_PIECES - len(built.pieces)
             built += _draw_bands(rng, plan, (plan.foot, lower), room)
-        if plan.foot:
+        if plan.foot and plan.base:
+            built += Assembly(
+                pieces=make_plinth((plan.front + plan.base, -plan.x), plan.y, plan.foot, "body")
+            )
+        elif plan.foot:
             feet = build_feet((plan.front, -plan.x), plan.y, plan.foot, "leg", inset=0.04)
             built += Assembly(pieces=feet)
     return Draft(style=style, parts=built.close(), finishes=tuple(sorted(palette.items())))
@@ -132,6 +141,7 @@ def _draw_plan(rng: np.random.Generator, wish: Wish, style: str) -> _Plan:
         thickness=float(rng.uniform(0.036, 0.05)),
         wall=float(rng.uniform(0.045, 0.065)),
         foot=foot,
+        base=float(rng.uniform(0.01, 0.06)) if rng.random() < BASED and not built_in else 0.0,
         look=look,
         cooktop="gas" if kind in ("pro", "rangetop") else drawn,
         burners=_draw_burners(rng, kind, width),

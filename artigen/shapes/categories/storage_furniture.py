@@ -17,6 +17,7 @@ from artigen.shapes.furniture.cabinet import (
     draw_layout,
     draw_looks,
     has_fronts,
+    list_cells,
     make_cabinet,
 )
 from artigen.shapes.furniture.carcass import fits_engines
@@ -29,6 +30,8 @@ from artigen.types import PartLabel
 
 CATEGORY = "StorageFurniture"
 MAX_LAYOUTS = 100
+RECESSED = 0.6
+"""Chance of a back that lies within the sides, with a rail behind it."""
 BODY = "body"
 
 
@@ -93,8 +96,16 @@ def _draw_plan(rng: np.random.Generator, kind: Kind, style: Style, size: tuple[f
     looks = draw_looks(rng, style, max(size), kind.hand)
     covered = bool(rng.random() < kind.worktop)
     overhang = (float(rng.uniform(0.0, 0.02)), float(rng.choice((0.0, 0.012))))
+    frame, recess = float(rng.uniform(0.036, 0.045)), float(rng.uniform(0.012, 0.019))
+    carcass = replace(
+        looks.carcass,
+        lid=not covered,
+        rails=bool(rng.random() < kind.rails),
+        frame=frame if rng.random() < style.frame else 0.0,
+        recess=recess if rng.random() < RECESSED else 0.0,
+    )
     return _Plan(
-        looks=replace(looks, carcass=replace(looks.carcass, lid=not covered)),
+        looks=replace(looks, carcass=carcass),
         stand=design_stand(rng, pick(rng, dict(kind.stands)), size[2]),
         worktop=float(rng.uniform(0.018, 0.04)) if covered else 0.0,
         overhang=overhang if covered else (0.0, 0.0),
@@ -127,9 +138,12 @@ def _build(
         z=(plan.stand.height, height - plan.worktop),
     )
     node = _draw_wanted(rng, box, plan.looks, kind, wish)
+    looks = plan.looks
+    if any(cell.fill == "slide" for cell in list_cells(node)):  # they run in the carcass, not behind a frame
+        looks = replace(looks, carcass=replace(looks.carcass, frame=0.0))
     if has_fronts(node):
         box = replace(box, x=(max(ahead, plan.looks.reach) - depth / 2, depth / 2))
-    cabinet = make_cabinet(node, box, plan.looks, parent=BODY)
+    cabinet = make_cabinet(node, box, looks, parent=BODY)
     shell = cabinet.primitives[0].center[0] - cabinet.primitives[0].size[0] / 2  # where the sides begin
     stand = make_stand(plan.stand, (float(shell), box.x[1]), box.y, parent=BODY)
     solids = [*cabinet.primitives, *stand.primitives]

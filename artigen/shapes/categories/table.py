@@ -17,6 +17,20 @@ from artigen.shapes.furniture.cabinet import Looks, draw_layout, draw_looks, mak
 from artigen.shapes.furniture.carcass import fits_engines, open_carcass
 from artigen.shapes.furniture.sinks import TAP_HEIGHT, make_sink
 from artigen.shapes.furniture.splits import Cell, Node, Split, Taste, lay_out, pick
+from artigen.shapes.furniture.table_frames import (
+    PANEL,
+    SIDES,
+    STRETCHER_KINDS,
+    WALL,
+    TopKind,
+    inset_of_oval,
+    make_apron,
+    make_arch,
+    make_panels,
+    make_stretchers,
+    make_top,
+    most_radius,
+)
 from artigen.shapes.primitives import Primitive, box, cylinder, place_vertices, rounded_box
 from artigen.shapes.shape import Motion, ShapePart
 from artigen.shapes.surfaces.palette import draw_palette
@@ -24,6 +38,10 @@ from artigen.shapes.surfaces.palette import draw_palette
 CATEGORY = "Table"
 BODY = "body"
 MAX_LAYOUTS = 60
+OVERHANGING, ARCHED, STRETCHED, CLOSED, GIRDED = 0.4, 0.2, 0.3, 0.2, 0.75
+"""Chances of a frame with a top that stands out, arched aprons, stretchers, closed sides (small ones twice as
+often), and an apron around the drawers."""
+TOPS: dict[TopKind, float] = {"plain": 0.8, "rounded": 0.12, "oval": 0.08}
 PEDESTAL = Taste(
     module=(0.3, 0.7),
     drawer=(0.1, 0.3),
@@ -107,14 +125,45 @@ def _make_top(plan: _Plan) -> Primitive:
     return rounded_box(low, (depth / 2, width / 2, height), 0.003, "top")
 
 
-def _build_frame(rng: np.random.Generator, plan: _Plan) -> _Built:
-    """Four legs under a top: with drawers between them, with rails, with a shelf below, on castors."""
+@dataclass(frozen=True, kw_only=True)
+class _Footing:
+    """The rectangle that the legs of a frame stand in, and the top over it (m)."""
+
+    x: Range
+    y: Range
+    top: tuple[Primitive, ...]
+
+
+def _draw_footing(rng: np.random.Generator, plan: _Plan) -> _Footing:
+    """Legs near the edges of the top or well within them; where the top is round, below it all the same."""
     width, depth, height = plan.size
+    ahead, aside = 0.0, 0.02
+    if rng.random() < OVERHANGING:
+        ahead, aside = float(rng.uniform(0.03, 0.08)) * depth, float(rng.uniform(0.05, 0.11)) * width
+    edge = float(rng.uniform(0.0, 0.03)) + plan.looks.reach + ahead
+    behind = min(edge, 0.02 + ahead)
+    kind = pick(rng, {name: chance for name, chance in TOPS.items() if name != "oval" or width > 1.3 * depth})
+    radius = float(rng.uniform(0.04, 0.12))
+    if kind == "oval":
+        edge, behind = max(edge, 0.08 * depth), max(behind, 0.08 * depth)
+        aside = max(aside, inset_of_oval(depth, min(edge, behind)))
+    radius = min(radius, most_radius(max(min(edge, behind), 0.001), aside))
+    kind = "plain" if kind == "rounded" and radius < 0.02 else kind
+    return _Footing(
+        x=(edge - depth / 2, depth / 2 - behind),
+        y=(aside - width / 2, width / 2 - aside),
+        top=make_top(width, depth, (height - plan.top, height), kind, radius),
+    )
+
+
+def _build_frame(rng: np.random.Generator, plan: _Plan) -> _Built:
+    """Four legs under a top: drawers or an apron between them, a shelf or stretchers below, or castors."""
+    width, _, height = plan.size
     low, high = 0.0, height - plan.top
-    edge = float(rng.uniform(0.0, 0.03)) + plan.looks.reach
-    x, y = (edge - depth / 2, depth / 2 - min(edge, 0.02)), (0.02 - width / 2, width / 2 - 0.02)
+    footing = _draw_footing(rng, plan)
+    x, y = footing.x, footing.y
     parts: list[ShapePart] = []
-    solids: list[Primitive] = [_make_top(plan)]
+    solids: list[Primitive] = [*footing.top]
     rolling = high < 0.55 and rng.random() < 0.35
     long = rolling and width > 0.95 and rng.random() < 0.2  # three pairs of legs, and no drawers between them
     if rolling:
@@ -126,20 +175,36 @@ def _build_frame(rng: np.random.Generator, plan: _Plan) -> _Built:
     upright = make_legs(x, y, high - low, kind=plan.leg, width=leg, finish="leg", middle=long)
     legs = lift(upright, low)
     solids += legs
+    closed = not long and rng.random() < (2 * CLOSED if width < 0.7 else CLOSED)
     inner = (y[0] + leg, y[1] - leg)
-    drawers = int(rng.choice(5, p=(0.15, 0.5, 0.22, 0.1, 0.03))) if width > 0.4 else 1
     room = inner[1] - inner[0]
+    drawers = int(rng.choice(5, p=(0.15, 0.5, 0.22, 0.1, 0.03))) if width > 0.4 else 1
     drawers = min(max(drawers, int(np.ceil(room / 1.05))) if drawers and not long else 0, int(room / 0.24))
-    back = x[0] + float(rng.uniform(0.45, 1.0)) * (x[1] - x[0])
     deep = float(rng.uniform(0.085, min(0.15, 0.35 * (high - low) + 0.02)))
+    arch = float(rng.uniform(0.03, 0.06)) if rng.random() < ARCHED and not long and room > 0.25 else 0.0
+    behind = x[1] - max(0.25 * leg + WALL, 0.5 * leg + PANEL / 2)  # what stands between the rear legs
     if drawers:
+        girded = closed or rng.random() < GIRDED
+        back = min(x[0] + float(rng.uniform(0.45, 1.0)) * (x[1] - x[0]), behind if girded else x[1])
         hung = _hang_drawers(drawers, Space(x=(x[0], back), y=inner, z=(high - deep, high)), plan.looks, rng)
         solids, parts = [*solids, *hung.primitives], [*parts, *hung.parts]
+        if girded and not closed:
+            solids += make_apron(x, y, (high - deep, high), leg, sides=("back", "right", "left"))
+        if arch:
+            start = x[0] + max(plan.looks.thickness + GAP, 0.25 * leg)
+            solids += make_arch((start, start + WALL), inner, (high - deep - 0.012, high - deep), arch, "leg")
     elif rng.random() < 0.75:
-        solids += _make_rails(x, y, (high - 0.6 * deep, high), leg)
-    if rng.random() < (0.65 if high < 0.6 else 0.12):
-        at = low + float(rng.uniform(0.25, 0.4)) * (high - low)
+        sides = SIDES[:1] if closed else SIDES
+        solids += make_apron(x, y, (high - 0.6 * deep, high), leg, sides=sides, arch=arch)
+    at = low + float(rng.uniform(0.25, 0.4)) * (high - low)
+    shelved = rng.random() < (0.65 if high < 0.6 else 0.12)
+    if shelved:
         parts.append(_make_shelf(legs, at))
+    elif not long and rng.random() < STRETCHED:
+        kind = STRETCHER_KINDS[int(rng.integers(len(STRETCHER_KINDS)))]
+        solids += make_stretchers(legs, 0.7 * at + 0.3 * low, 0.48 * leg, kind)
+    if closed:
+        solids += make_panels(legs, (at + 0.02 if shelved else at, high))
     return _Built(primitives=tuple(solids), parts=tuple(parts))
 
 
@@ -154,20 +219,6 @@ def _hang_drawers(count: int, space: Space, looks: Looks, rng: np.random.Generat
         node = Split(along="columns", shares=shares, children=(drawer,) * count)
     built = make_cabinet(node, space, looks, parent=BODY)
     return _Built(primitives=built.primitives, parts=built.parts)
-
-
-def _make_rails(x: Range, y: Range, z: Range, leg: float) -> tuple[Primitive, ...]:
-    """Boards between the legs, under the top."""
-    wall, back = 0.02, 0.25 * leg
-    return tuple(
-        fill_space(Space(x=span_x, y=span_y, z=z), "leg")
-        for span_x, span_y in (
-            ((x[0] + back, x[0] + back + wall), (y[0] + leg, y[1] - leg)),
-            ((x[1] - back - wall, x[1] - back), (y[0] + leg, y[1] - leg)),
-            ((x[0] + leg, x[1] - leg), (y[0] + back, y[0] + back + wall)),
-            ((x[0] + leg, x[1] - leg), (y[1] - back - wall, y[1] - back)),
-        )
-    )
 
 
 def _make_shelf(legs: Sequence[Primitive], z: float) -> ShapePart:

@@ -13,6 +13,8 @@ from artigen.shapes.shape import Motion, ShapePart
 LegKind = Literal["square", "tapered", "round", "splayed"]
 LEG_KINDS: tuple[LegKind, ...] = get_args(LegKind)
 StandKind = Literal["floor", "plinth", "toe_kick", "legs", "sled", "castors", "screw_feet"]
+NOTCHED = 0.55
+"""Chance that the sides of a toe kick are notched."""
 SCREW_TRAVEL = 0.003
 """How far (m) a levelling foot can be screwed in."""
 
@@ -35,6 +37,8 @@ class StandDesign:
     leg: LegKind = "square"
     width: float = 0.04
     """Of a leg or tube; the radius of a wheel."""
+    notch: float = 0.0
+    """How far the sides of a toe kick stand back with its board; 0 for sides that run on to the front."""
 
 
 def design_stand(rng: np.random.Generator, kind: StandKind, height: float) -> StandDesign:
@@ -42,6 +46,7 @@ def design_stand(rng: np.random.Generator, kind: StandKind, height: float) -> St
     drawn = float(rng.uniform(0.0, 1.0))
     leg = LEG_KINDS[int(rng.integers(len(LEG_KINDS)))]
     width = float(rng.uniform(0.03, 0.045))
+    notch = float(rng.uniform(0.05, 0.09)) if rng.random() < NOTCHED else 0.0
     low, high = {
         "plinth": (0.05, 0.1),
         "toe_kick": (0.08, 0.12),
@@ -56,7 +61,7 @@ def design_stand(rng: np.random.Generator, kind: StandKind, height: float) -> St
         tall = make_screw_feet((0.0, 1.0), (0.0, 1.0), parent="").height
     elif kind == "sled":
         width *= 0.7
-    return StandDesign(kind=kind, height=tall, leg=leg, width=width)
+    return StandDesign(kind=kind, height=tall, leg=leg, width=width, notch=notch)
 
 
 def make_stand(design: StandDesign, x: Range, y: Range, *, parent: str) -> Stand:
@@ -70,7 +75,7 @@ def make_stand(design: StandDesign, x: Range, y: Range, *, parent: str) -> Stand
             setback = (x[0] + 0.03, x[1] - 0.01)
             return Stand(height=height, primitives=make_plinth(setback, inner_y, height, "body"))
         case "toe_kick":
-            return Stand(height=height, primitives=make_toe_kick(x, y, height))
+            return Stand(height=height, primitives=make_toe_kick(x, y, height, design.notch))
         case "legs":
             legs = make_legs(
                 inner_x,
@@ -91,9 +96,18 @@ def make_stand(design: StandDesign, x: Range, y: Range, *, parent: str) -> Stand
             return make_screw_feet(inner_x, inner_y, parent=parent)
 
 
-def make_toe_kick(x: Range, y: Range, height: float) -> tuple[Primitive, ...]:
-    """Sides that run on to the floor, and a board between them that leaves room for toes."""
-    wall, room = 0.018, 0.05
+def make_toe_kick(x: Range, y: Range, height: float, notch: float = 0.0) -> tuple[Primitive, ...]:
+    """Sides that run on to the floor and a board that leaves room for toes: between them, or before them."""
+    wall, room = 0.018, notch or 0.05
+    if notch:
+        sides = (x[0] + room + wall, x[1])
+        return (
+            box((x[0] + room, y[0], 0.0), (x[0] + room + wall, y[1], height), "body"),
+            *(
+                box((sides[0], span[0], 0.0), (sides[1], span[1], height), "body")
+                for span in ((y[0], y[0] + wall), (y[1] - wall, y[1]))
+            ),
+        )
     return tuple(
         box(low, high, "body")
         for low, high in (
@@ -137,8 +151,8 @@ def _make_leg(sides: int, low: float, high: float, height: float, lean: tuple[fl
 
 
 def make_plinth(x: Range, y: Range, height: float, finish: str) -> tuple[Primitive, ...]:
-    """A frame of boards on the floor under a body: front, back and two sides."""
-    wall = 0.018
+    """A frame of boards on the floor under a body: front, back and two sides; long ones are thicker."""
+    wall = max(0.018, max(x[1] - x[0], y[1] - y[0]) / 56)
     return tuple(
         box(low, high, finish)
         for low, high in (

@@ -9,7 +9,7 @@ from artigen.shapes.fittings.drawers import BoxDesign
 from artigen.shapes.fittings.fronts import FrontDesign, design_front
 from artigen.shapes.fittings.handles import design_handle
 from artigen.shapes.fittings.hardware import GAP, Edge, Space
-from artigen.shapes.furniture.carcass import CarcassDesign, make_carcass, open_carcass
+from artigen.shapes.furniture.carcass import FRAME_DEPTH, CarcassDesign, make_carcass, open_carcass, widen
 from artigen.shapes.furniture.cells import Fitting, Furnished, furnish_cells
 from artigen.shapes.furniture.furniture_kinds import Style
 from artigen.shapes.furniture.splits import FRONT_GAP, Cell, Node, Room, Taste, draw_node, lay_out
@@ -18,6 +18,8 @@ from artigen.types import PartLabel
 FACED = ("drawer", "door", "double", "drop", "lift", "fold")
 """Fills whose fronts lie before the body, not within it."""
 MAX_DRAWERS_ON_RUNNERS = 5
+OVERLAY = 0.012
+"""How far (m) fronts reach over the stiles and rails of a face frame."""
 PUSH_OPEN = 0.04
 """Chance of fronts without handles, which open when they are pushed."""
 
@@ -93,7 +95,10 @@ def list_cells(node: Node) -> list[Cell]:
 def count_fronts(node: Node) -> dict[PartLabel, int]:
     """Drawers and doors of a layout."""
     fills = [cell.fill for cell in list_cells(node)]
-    doors = sum({"open": 0, "drawer": 0, "double": 2, "fold": 2, "slide": 2}.get(fill, 1) for fill in fills)
+    doors = sum(
+        {"open": 0, "blank": 0, "drawer": 0, "double": 2, "fold": 2, "slide": 2}.get(fill, 1)
+        for fill in fills
+    )
     return {"drawer": fills.count("drawer"), "door": doors}
 
 
@@ -116,18 +121,24 @@ def make_cabinet(node: Node, outer: Space, looks: Looks, *, parent: str, prefix:
     if has_fronts(node) and not looks.inset:
         body_x += looks.thickness + GAP
     body = replace(outer, x=(body_x, outer.x[1]))
+    design = looks.carcass
     placed, boards = lay_out(
         node,
-        *open_carcass(outer, looks.carcass),
-        board=looks.carcass.inner,
+        *open_carcass(outer, design),
+        board=design.frame or design.inner,
         reach=_reach_of_fronts(looks),
         inset=looks.inset,
+        overlay=OVERLAY if design.frame else None,
+    )
+    rooms = [widen(cell.y, cell.z, outer, design, boards) for cell in placed]
+    placed = tuple(
+        replace(cell, room_y=room[0], room_z=room[1]) for cell, room in zip(placed, rooms, strict=True)
     )
     drawers = sum(cell.cell.fill == "drawer" for cell in placed)
     fitting = Fitting(
         front_x=outer.x[0],
         thickness=looks.thickness,
-        body=(body_x, outer.x[1] - looks.carcass.back),
+        body=(body_x, outer.x[1] - design.back - design.recess),
         doors=looks.doors,
         drawers=looks.drawers,
         box=looks.box,
@@ -137,9 +148,10 @@ def make_cabinet(node: Node, outer: Space, looks: Looks, *, parent: str, prefix:
         travel=looks.travel,
         runners=looks.runners and drawers <= MAX_DRAWERS_ON_RUNNERS,
         lock=looks.lock,
+        frame=FRAME_DEPTH if design.frame else 0.0,
     )
     cells = furnish_cells(placed, fitting, prefix)
-    solids = make_carcass(body, looks.carcass, boards)
+    solids = make_carcass(body, design, boards)
     return Furnished(primitives=(*solids, *cells.primitives), parts=cells.parts)
 
 
@@ -147,5 +159,7 @@ def _reach_of_fronts(looks: Looks) -> dict[Edge, float]:
     """How far fronts extend beyond the opening at the carcass' edges."""
     if looks.inset:
         return {"left": -GAP, "right": -GAP, "top": -GAP, "bottom": -GAP}
+    if looks.carcass.frame:
+        return dict.fromkeys(("left", "right", "top", "bottom"), OVERLAY)
     side = looks.carcass.board - looks.margin
     return {"left": side, "right": side, "top": side if looks.carcass.lid else -FRONT_GAP, "bottom": side}

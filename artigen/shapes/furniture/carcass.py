@@ -1,4 +1,8 @@
-"""The body of a cabinet: sides, bottom, top, back and the boards between its cells."""
+"""The body of a cabinet: sides, bottom, top, back and the boards between its cells, at times behind a frame.
+
+A face frame is glued before the boards: its stiles and rails narrow the openings that fronts close, and what
+stands behind is as wide as the carcass.
+"""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -9,10 +13,17 @@ from artigen.shapes.fittings.hardware import Range, Space, fill_space
 from artigen.shapes.primitives import Primitive, Vector, line
 from artigen.shapes.shape import ShapePart
 
-HULL_RATIO = 64.0
-"""Longest over shortest edge of a hull that engines take."""
+HULL_RATIO = 59.0
+"""Longest over shortest edge of a hull that engines take, with room for rounding to the steps of a sketch."""
 MAX_HULLS_ON_LINK = 32
 MAX_HULLS = 256
+FRAME_DEPTH = 0.019
+"""Thickness (m) of a face frame."""
+RAIL = 0.08
+"""Width (m) of the rails of an open top, and of the one that a cabinet hangs by."""
+_SAME = 1e-9
+Boards = tuple[tuple[Range, Range], ...]
+"""Rectangles (y, z) of the boards between cells."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,46 +40,104 @@ class CarcassDesign:
     lining: str | None = "inside"
     """Finish of what faces the inside; None where boards are alike on both sides."""
     lid: bool = True
-    """Whether there is a top board between the sides; without one something else covers them."""
+    """Whether there is a top between the sides; without one something else covers them."""
+    rails: bool = False
+    """Whether the top is two rails, front and back, for a worktop that is laid on many cabinets."""
+    frame: float = 0.0
+    """Width of the stiles and rails of a face frame; 0 without one."""
+    recess: float = 0.0
+    """How far the back lies within the sides; a rail behind it then hangs the cabinet."""
 
 
-def make_carcass(
-    outer: Space, design: CarcassDesign, boards: Iterable[tuple[Range, Range]]
-) -> tuple[Primitive, ...]:
+def make_carcass(outer: Space, design: CarcassDesign, boards: Boards) -> tuple[Primitive, ...]:
     """Boards around the opening of ``outer``, and the inner boards given as (y, z) rectangles.
 
-    Sides run from floor to top, bottom and top between them; the back covers all from behind.
+    Sides run from floor to top, bottom and top between them; the back covers all from behind, or lies within.
     """
-    t = design.board
-    x = (outer.x[0], outer.x[1] - design.back)
-    y, z = open_carcass(outer, design)
-    pieces = [
-        _line(
-            fill_space(Space(x=x, y=(outer.y[0], y[0]), z=outer.z), design.finish), design, (0.0, 1.0, 0.0)
-        ),
-        _line(
-            fill_space(Space(x=x, y=(y[1], outer.y[1]), z=outer.z), design.finish), design, (0.0, -1.0, 0.0)
-        ),
-        _line(fill_space(Space(x=x, y=y, z=(outer.z[0], z[0])), design.finish), design, (0.0, 0.0, 1.0)),
-    ]
-    if design.lid:
-        lid = fill_space(Space(x=x, y=y, z=(outer.z[1] - t, outer.z[1])), design.finish)
-        pieces.append(_line(lid, design, (0.0, 0.0, -1.0)))
+    framed = _make_frame(outer, design, boards) if design.frame else ()
+    front = outer.x[0] + (FRAME_DEPTH if design.frame else 0.0)
+    x = (front, outer.x[1] - design.back - design.recess)
+    deep = (front, outer.x[1] if design.recess else x[1])
+    y, z = _inside(outer, design)
+    pieces = [*framed]
+    for span, side in (((outer.y[0], y[0]), 1.0), ((y[1], outer.y[1]), -1.0)):
+        wall = fill_space(Space(x=deep, y=span, z=outer.z), design.finish)
+        pieces.append(_line(wall, design, (0.0, side, 0.0)))
+    bottom = fill_space(Space(x=x, y=y, z=(outer.z[0], z[0])), design.finish)
+    pieces.append(_line(bottom, design, (0.0, 0.0, 1.0)))
+    top = (outer.z[1] - design.board, outer.z[1])
+    if design.lid and design.rails:
+        spans = (x[0], x[0] + RAIL), (x[1] - RAIL, x[1])
+        pieces += [fill_space(Space(x=span, y=y, z=top), design.finish) for span in spans]
+    elif design.lid:
+        pieces.append(_line(fill_space(Space(x=x, y=y, z=top), design.finish), design, (0.0, 0.0, -1.0)))
     if design.back:
-        back = fill_space(Space(x=(x[1], outer.x[1]), y=outer.y, z=outer.z), design.finish)
-        pieces.append(_line(back, design, (-1.0, 0.0, 0.0)))
+        behind = Space(x=(x[1], x[1] + design.back), y=y if design.recess else outer.y, z=outer.z)
+        pieces.append(_line(fill_space(behind, design.finish), design, (-1.0, 0.0, 0.0)))
+    if design.recess:
+        hanging = Space(x=(x[1] + design.back, outer.x[1]), y=y, z=(outer.z[1] - RAIL, outer.z[1]))
+        pieces.append(fill_space(hanging, design.finish))
     inner = design.lining or design.finish
-    for span_y, span_z in boards:
+    for rectangle in boards:
+        span_y, span_z = _thin_board(rectangle, outer, design, boards) if design.frame else rectangle
         board = fill_space(Space(x=x, y=span_y, z=span_z), inner)
         pieces.append(board if inner == design.finish else line(board, design.finish, (-1.0, 0.0, 0.0)))
     return tuple(pieces)
 
 
 def open_carcass(outer: Space, design: CarcassDesign) -> tuple[Range, Range]:
-    """The opening of a carcass as (y, z)."""
+    """The opening that fronts close, as (y, z): within the face frame, if there is one."""
+    if not design.frame:
+        return _inside(outer, design)
+    f = design.frame
+    return (outer.y[0] + f, outer.y[1] - f), (outer.z[0] + f, outer.z[1] - f)
+
+
+def widen(y: Range, z: Range, outer: Space, design: CarcassDesign, boards: Boards) -> tuple[Range, Range]:
+    """What is free behind an opening (y, z): up to sides, bottom, top and boards, which a frame covers."""
+    if not design.frame:
+        return y, z
+    opening, inside = open_carcass(outer, design), _inside(outer, design)
+    spare = (design.frame - design.inner) / 2
+    spans: list[Range] = []
+    for axis, span in enumerate((y, z)):
+        ends = []
+        for end, sign in ((0, -1.0), (1, 1.0)):
+            met = any(abs(board[axis][1 - end] - span[end]) < _SAME for board in boards)
+            at_edge = abs(span[end] - opening[axis][end]) < _SAME
+            ends.append(inside[axis][end] if at_edge else span[end] + (sign * spare if met else 0.0))
+        spans.append((ends[0], ends[1]))
+    return spans[0], spans[1]
+
+
+def _inside(outer: Space, design: CarcassDesign) -> tuple[Range, Range]:
+    """The room between sides, bottom and top as (y, z)."""
     t = design.board
     top = outer.z[1] - (t if design.lid else 0.0)
     return (outer.y[0] + t, outer.y[1] - t), (outer.z[0] + t, top)
+
+
+def _make_frame(outer: Space, design: CarcassDesign, boards: Boards) -> tuple[Primitive, ...]:
+    """Two stiles, the rails between them, and one before every board."""
+    y, z = open_carcass(outer, design)
+    stiles = ((outer.y[0], y[0]), outer.z), ((y[1], outer.y[1]), outer.z)
+    rails = (y, (outer.z[0], z[0])), (y, (z[1], outer.z[1]))
+    x = (outer.x[0], outer.x[0] + FRAME_DEPTH)
+    return tuple(
+        fill_space(Space(x=x, y=span_y, z=span_z), design.finish)
+        for span_y, span_z in (*stiles, *rails, *boards)
+    )
+
+
+def _thin_board(
+    rectangle: tuple[Range, Range], outer: Space, design: CarcassDesign, boards: Boards
+) -> tuple[Range, Range]:
+    """The board behind a member of a face frame: thinner than it, and longer."""
+    (y, z), spare = rectangle, (design.frame - design.inner) / 2
+    long_y, long_z = widen(y, z, outer, design, boards)
+    if z[1] - z[0] < y[1] - y[0]:
+        return long_y, (z[0] + spare, z[1] - spare)
+    return (y[0] + spare, y[1] - spare), long_z
 
 
 def _line(board: Primitive, design: CarcassDesign, side: Vector) -> Primitive:

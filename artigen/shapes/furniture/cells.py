@@ -57,6 +57,8 @@ class Fitting:
     """Thickness of loose shelves."""
     lock: bool = False
     """Whether doors have a turning lock."""
+    frame: float = 0.0
+    """Depth of a face frame at the front of the body, 0 without one."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -81,6 +83,8 @@ def furnish_cell(placed: Placed, fitting: Fitting, tag: str) -> Furnished:
     fill = placed.cell.fill
     if fill == "drawer":
         return _hang_drawer(placed, fitting, tag)
+    if fill == "blank":
+        return Furnished(primitives=(_make_blank(placed, fitting),))
     if fill == "slide":
         doors = _hang_sliding(placed, fitting, tag)
         start = fitting.body[0] + 2 * fitting.thickness + ROOM + 0.012
@@ -88,6 +92,7 @@ def furnish_cell(placed: Placed, fitting: Fitting, tag: str) -> Furnished:
         doors = _hang_doors(placed, fitting, tag)
         start = fitting.body[0] + (0.002 if fill == "open" else 0.012)
         start = start if fill == "open" else max(start, fitting.front_x + fitting.thickness + 0.010)
+        start = max(start, fitting.body[0] + fitting.frame)
     needs = tuple(Need(part=part.name) for part in doors if part.label == "door")
     inside = _fill_inside(placed, fitting, tag, start, needs)
     return Furnished(primitives=inside.primitives, parts=(*doors, *inside.parts))
@@ -105,11 +110,11 @@ def _hang_drawer(placed: Placed, fitting: Fitting, tag: str) -> Furnished:
     if fitting.runners:
         drawer_box = replace(drawer_box, side_gap=RUNNER + GAP)
         middle = placed.z[0] + 0.4 * space.height
-        start = max(fitting.body[0] + 0.002, panel.back + 0.003)
+        start = max(fitting.body[0] + max(fitting.frame, 0.002), panel.back + 0.003)
         run = (start, start + 0.85 * (fitting.body[1] - start))
         rails = tuple(
             fill_space(Space(x=run, y=span, z=(middle - 0.018, middle + 0.018)), "steel")
-            for span in ((placed.y[0], placed.y[0] + RUNNER), (placed.y[1] - RUNNER, placed.y[1]))
+            for span in ((placed.room_y[0], placed.y[0] + RUNNER), (placed.y[1] - RUNNER, placed.room_y[1]))
         )
     parts = make_drawer(
         panel,
@@ -121,6 +126,15 @@ def _hang_drawer(placed: Placed, fitting: Fitting, tag: str) -> Furnished:
         travel=fitting.travel,
     )
     return Furnished(primitives=rails, parts=parts)
+
+
+def _make_blank(placed: Placed, fitting: Fitting) -> Primitive:
+    """A board before the body where other cells have fronts, or within the opening."""
+    if fitting.body[0] - fitting.front_x > 0.5 * fitting.thickness:
+        x = (fitting.front_x, fitting.body[0])
+        return fill_space(Space(x=x, y=placed.front_y, z=placed.front_z), fitting.doors.finish)
+    x = (fitting.body[0], fitting.body[0] + fitting.thickness)
+    return fill_space(Space(x=x, y=placed.y, z=placed.z), fitting.doors.finish)
 
 
 def _hang_doors(placed: Placed, fitting: Fitting, tag: str) -> tuple[ShapePart, ...]:
@@ -250,17 +264,16 @@ def _fill_inside(
     if cell.inside == "shelves":
         pitch = (high - low) / (cell.count + 1)
         shelves = [
-            _make_shelf(span, placed.y, low + (k + 1) * pitch, fitting, f"shelf_{tag}_{k}")
+            _make_shelf(span, placed.room_y, low + (k + 1) * pitch, fitting, f"shelf_{tag}_{k}")
             for k in range(cell.count)
         ]
         return Furnished(parts=tuple(shelves))
     if cell.inside == "rod":
         hat = high - min(0.32, 0.25 * (high - low))
         x = (span[0] + span[1]) / 2
-        rod = cylinder((x, placed.y[0], hat - 0.06), (x, placed.y[1], hat - 0.06), 0.014, "steel")
-        return Furnished(
-            primitives=(rod,), parts=(_make_shelf(span, placed.y, hat, fitting, f"shelf_{tag}_0"),)
-        )
+        y = placed.room_y
+        rod = cylinder((x, y[0], hat - 0.06), (x, y[1], hat - 0.06), 0.014, "steel")
+        return Furnished(primitives=(rod,), parts=(_make_shelf(span, y, hat, fitting, f"shelf_{tag}_0"),))
     if cell.inside == "trays":
         return _hang_trays(placed, fitting, tag, span, needs)
     return Furnished()
@@ -282,7 +295,7 @@ def _hang_trays(placed: Placed, fitting: Fitting, tag: str, x: Range, needs: tup
     for k in range(placed.cell.count):
         low = placed.z[0] + k * pitch + 0.012
         rim = low + min(0.11, 0.6 * pitch)
-        for span in ((placed.y[0], y[0]), (y[1], placed.y[1])):
+        for span in ((placed.room_y[0], y[0]), (y[1], placed.room_y[1])):
             rails.append(fill_space(Space(x=(x[0] + 0.02, x[1]), y=span, z=(low, low + 0.04)), "inside"))
         space = Space(x=(x[0] + 0.004, x[1]), y=y, z=(low, rim))
         trays.append(make_tray(space, tray_box, name=f"tray_{tag}_{k}", parent=fitting.parent, needs=needs))

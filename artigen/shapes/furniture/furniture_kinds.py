@@ -19,6 +19,8 @@ class Style:
     handles: tuple[HandleKind, ...]
     inset: float
     """Chance of fronts that lie within the body."""
+    frame: float = 0.0
+    """Chance of a face frame before the body."""
     closed: bool = False
     """Whether it takes a door to show it."""
 
@@ -30,6 +32,7 @@ STYLES: dict[str, Style] = {
         drawers=("flat",),
         handles=("bar", "pull", "knob", "edge", "arch"),
         inset=0.15,
+        frame=0.4,
     ),
     "handleless": Style(
         weight=1.6, doors=("flat",), drawers=("flat",), handles=("edge", "recessed"), inset=0.1
@@ -40,6 +43,7 @@ STYLES: dict[str, Style] = {
         drawers=("shaker", "flat"),
         handles=("knob", "cup", "bar", "pull"),
         inset=0.3,
+        frame=0.6,
     ),
     "framed_glass": Style(
         weight=1.6,
@@ -47,18 +51,37 @@ STYLES: dict[str, Style] = {
         drawers=("flat", "shaker"),
         handles=("knob", "bar", "pull"),
         inset=0.2,
+        frame=0.5,
         closed=True,
     ),
     "classic": Style(
-        weight=1.6, doors=("raised",), drawers=("raised", "flat"), handles=("knob", "arch", "cup"), inset=0.4
+        weight=1.6,
+        doors=("raised",),
+        drawers=("raised", "flat"),
+        handles=("knob", "arch", "cup"),
+        inset=0.4,
+        frame=0.6,
     ),
     "country": Style(
-        weight=0.8, doors=("plank",), drawers=("flat", "plank"), handles=("knob", "block", "pull"), inset=0.4
+        weight=0.8,
+        doors=("plank",),
+        drawers=("flat", "plank"),
+        handles=("knob", "block", "pull"),
+        inset=0.4,
+        frame=0.6,
     ),
     "louvre": Style(
-        weight=0.7, doors=("louvre",), drawers=("flat",), handles=("knob", "pull"), inset=0.3, closed=True
+        weight=0.7,
+        doors=("louvre",),
+        drawers=("flat",),
+        handles=("knob", "pull"),
+        inset=0.3,
+        frame=0.5,
+        closed=True,
     ),
-    "industrial": Style(weight=0.8, doors=("flat",), drawers=("flat",), handles=("bar", "pull"), inset=0.3),
+    "industrial": Style(
+        weight=0.8, doors=("flat",), drawers=("flat",), handles=("bar", "pull"), inset=0.3, frame=0.2
+    ),
 }
 
 
@@ -74,6 +97,8 @@ class Kind:
     taste: Taste
     worktop: float = 0.0
     """Chance of a top that covers the sides and stands out."""
+    rails: float = 0.0
+    """Chance that a top which is not covered is two rails: a worktop comes later."""
     hand: float = 1.05
     """Height (m) of the hand that takes a tall door."""
 
@@ -99,10 +124,18 @@ KINDS: dict[str, Kind] = {
         depth=(0.56, 0.66),
         height=(0.78, 0.94),
         stands=(("toe_kick", 4), ("plinth", 1.5), ("screw_feet", 0.9), ("legs", 0.3)),
-        worktop=0.7,
+        worktop=0.55,
+        rails=0.65,
         taste=Taste(
             module=(0.36, 0.75),
-            rules=(("columns", 0.4), ("stack", 0.4), ("drawer_row", 0.5), ("closed", 2.6), ("open_row", 0.1)),
+            rules=(
+                ("columns", 0.4),
+                ("stack", 0.4),
+                ("drawer_row", 0.5),
+                ("closed", 2.6),
+                ("open_row", 0.1),
+                ("blank", 1.0),
+            ),
             fills=DOORS,
             trays=0.3,
         ),
@@ -116,7 +149,7 @@ KINDS: dict[str, Kind] = {
         hand=-1.0,
         taste=Taste(
             module=(0.34, 0.75),
-            rules=(("columns", 0.4), ("closed", 3.0), ("open_row", 0.3), ("open", 0.1)),
+            rules=(("columns", 0.4), ("closed", 3.0), ("open_row", 0.3), ("open", 0.1), ("blank", 0.7)),
             fills=(("door", 3.0), ("double", 3.0), ("lift", 3.0), ("fold", 0.4), ("slide", 0.6)),
             trays=0.0,
         ),

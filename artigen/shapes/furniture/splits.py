@@ -14,7 +14,7 @@ import numpy as np
 
 from artigen.shapes.fittings.hardware import Edge, Range
 
-Fill = Literal["open", "drawer", "door", "double", "drop", "lift", "fold", "slide"]
+Fill = Literal["open", "drawer", "door", "double", "drop", "lift", "fold", "slide", "blank"]
 Inside = Literal["empty", "shelves", "trays", "rod"]
 
 Word = TypeVar("Word", bound=str)
@@ -91,6 +91,9 @@ class Placed:
     z: Range
     front_y: Range
     front_z: Range
+    room_y: Range
+    """What is free behind the opening: more than it where a face frame narrows it."""
+    room_z: Range
     shared: frozenset[Edge] = field(default_factory=frozenset)
 
 
@@ -126,7 +129,14 @@ def turn_doors(node: Node, edge: Edge) -> Node:
 
 
 def lay_out(
-    node: Node, y: Range, z: Range, *, board: float, reach: dict[Edge, float], inset: bool
+    node: Node,
+    y: Range,
+    z: Range,
+    *,
+    board: float,
+    reach: dict[Edge, float],
+    inset: bool,
+    overlay: float | None = None,
 ) -> tuple[tuple[Placed, ...], tuple[tuple[Range, Range], ...]]:
     """Openings and fronts of all cells, and the boards between them as (y, z) rectangles.
 
@@ -137,14 +147,17 @@ def lay_out(
         board: Thickness of inner boards.
         reach: How far fronts extend beyond the opening at each edge; negative for a front within it.
         inset: Whether fronts stay within openings at inner boards too.
+        overlay: How far fronts reach over inner boards (m); as far as there is room if not given.
     """
     if isinstance(node, Cell):
         front_y = (y[0] - reach["right"], y[1] + reach["left"])
         front_z = (z[0] - reach["bottom"], z[1] + reach["top"])
-        return (Placed(cell=node, y=y, z=z, front_y=front_y, front_z=front_z),), ()
+        return (Placed(cell=node, y=y, z=z, front_y=front_y, front_z=front_z, room_y=y, room_z=z),), ()
     rows = node.along == "rows"
     thick = board if node.board else 0.0
-    inner = -FRONT_GAP / 2 if not node.board else (-FRONT_GAP if inset else (board - FRONT_GAP) / 2)
+    most = (board - FRONT_GAP) / 2
+    over = most if overlay is None else min(overlay, most)
+    inner = -FRONT_GAP / 2 if not node.board else -FRONT_GAP if inset else over
     first: Edge = "top" if rows else "left"
     last: Edge = "bottom" if rows else "right"
     cells: list[Placed] = []
@@ -155,7 +168,7 @@ def lay_out(
         own |= {first: inner} if index > 0 else {}
         own |= {last: inner} if index < len(spans) - 1 else {}
         at_y, at_z = (y, span) if rows else (span, z)
-        below, more = lay_out(child, at_y, at_z, board=board, reach=own, inset=inset)
+        below, more = lay_out(child, at_y, at_z, board=board, reach=own, inset=inset, overlay=overlay)
         shared: set[Edge] = set()
         shared |= {first} if index > 0 else set()
         shared |= {last} if index < len(spans) - 1 else set()
@@ -307,6 +320,26 @@ def _draw_open_row(rng: np.random.Generator, room: Room, taste: Taste) -> Node:
     return Split(along="rows", shares=shares, children=pair)
 
 
+def _blank_fits(room: Room, taste: Taste) -> float:
+    wide = room.width > 0.75 and room.level == 0
+    return 1.0 if wide or (0.55 <= room.height <= 1.0 and room.width > 0.35) else 0.0
+
+
+def _draw_blank(rng: np.random.Generator, room: Room, taste: Taste) -> Node:
+    """A board that does not open: beside a door in a corner, or in place of a drawer below a basin."""
+    along: Literal["rows", "columns"] = "columns" if room.width > 0.75 and rng.random() < 0.5 else "rows"
+    if room.height < 0.55:
+        along = "columns"
+    whole = room.width if along == "columns" else room.height
+    size = float(rng.uniform(0.27, 0.42)) * whole if along == "columns" else float(rng.uniform(0.13, 0.19))
+    rest = replace(room, level=room.level + 1, within="blank")
+    rest = replace(rest, width=whole - size) if along == "columns" else replace(rest, height=whole - size)
+    pair, shares = (Cell(fill="blank"), _draw_closed(rng, rest, taste)), (size, whole - size)
+    if along == "columns" and rng.random() < 0.5:
+        pair, shares = pair[::-1], shares[::-1]
+    return Split(along=along, shares=shares, children=pair)
+
+
 def _always(room: Room, taste: Taste) -> float:
     return 1.0
 
@@ -369,6 +402,7 @@ _RULES: dict[str, Rule] = {
     "stack": (_stack_fits, _draw_stack),
     "drawer_row": (_row_fits, _draw_drawer_row),
     "open_row": (_open_row_fits, _draw_open_row),
+    "blank": (_blank_fits, _draw_blank),
     "closed": (_closed_fits, _draw_closed),
     "open": (_always, _draw_open),
 }

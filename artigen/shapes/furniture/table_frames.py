@@ -1,0 +1,125 @@
+"""What a table has beside its legs: tops with round corners or ends, aprons, stretchers, closed sides."""
+
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import Literal, get_args
+
+import numpy as np
+
+from artigen.shapes.fittings.hardware import Range, Space, fill_space
+from artigen.shapes.primitives import Primitive, Vector, box, cylinder, prism, rounded_box
+
+TopKind = Literal["plain", "rounded", "oval"]
+"""A rectangle, one with round corners, or one with half circles at its ends."""
+StretcherKind = Literal["h", "ring", "rear"]
+"""Bars between the legs at both sides, with one between these, one in front and one behind, or one behind."""
+STRETCHER_KINDS: tuple[StretcherKind, ...] = get_args(StretcherKind)
+Side = Literal["front", "back", "right", "left"]
+SIDES: tuple[Side, ...] = get_args(Side)
+WALL = 0.02
+"""Thickness (m) of aprons."""
+PANEL = 0.015
+"""Thickness (m) of the boards that close a side."""
+ARCH = ((0.0, 1.0), (0.09, 0.62), (0.24, 0.2), (0.38, 0.0))
+"""How far along an arched apron the lower edge hangs down, as shares of its length and of the rise."""
+
+
+def make_top(width: float, depth: float, z: Range, kind: TopKind, radius: float) -> tuple[Primitive, ...]:
+    """A board centred on the object; ``radius`` (m) is that of round corners."""
+    x, y = depth / 2, width / 2
+    if kind == "plain":
+        return (rounded_box((-x, -y, z[0]), (x, y, z[1]), 0.003, "top"),)
+    radius = x if kind == "oval" else radius
+    inner_x, inner_y = x - radius, y - radius
+    boards = [box((-x, -inner_y, z[0]), (x, inner_y, z[1]), "top")]
+    if kind == "rounded":
+        ends = (-y, -inner_y), (inner_y, y)
+        boards += [box((-inner_x, low, z[0]), (inner_x, high, z[1]), "top") for low, high in ends]
+    across = (-inner_x, inner_x) if kind == "rounded" else (0.0,)
+    corners = [(at_x, at_y) for at_x in across for at_y in (-inner_y, inner_y)]
+    return (*boards, *(cylinder((*at, z[0]), (*at, z[1]), radius, "top") for at in corners))
+
+
+def most_radius(ahead: float, aside: float) -> float:
+    """Greatest radius (m) of a corner that still covers a leg so far within both edges."""
+    return ahead + aside + float(np.sqrt(2 * ahead * aside))
+
+
+def inset_of_oval(depth: float, ahead: float) -> float:
+    """How far (m) legs stand from the ends of an oval top to be below it, ``ahead`` from its long edges."""
+    half = depth / 2
+    return half - float(np.sqrt(half**2 - (half - ahead) ** 2))
+
+
+def make_apron(
+    x: Range, y: Range, z: Range, leg: float, *, sides: Sequence[Side] = SIDES, arch: float = 0.0
+) -> tuple[Primitive, ...]:
+    """Boards between legs that stand in the rectangle x by y, set back from their outer faces.
+
+    Args:
+        x: Outer faces of the legs.
+        y: Outer faces of the legs.
+        z: Lower and upper edge of the boards.
+        leg: Width of a leg (m).
+        sides: Where there are boards.
+        arch: How far the boards in front and behind hang down beside the legs, in an arch (m).
+    """
+    setback = 0.25 * leg
+    spans: dict[Side, tuple[Range, Range]] = {
+        "front": ((x[0] + setback, x[0] + setback + WALL), (y[0] + leg, y[1] - leg)),
+        "back": ((x[1] - setback - WALL, x[1] - setback), (y[0] + leg, y[1] - leg)),
+        "right": ((x[0] + leg, x[1] - leg), (y[0] + setback, y[0] + setback + WALL)),
+        "left": ((x[0] + leg, x[1] - leg), (y[1] - setback - WALL, y[1] - setback)),
+    }
+    made: list[Primitive] = []
+    for side in sides:
+        span_x, span_y = spans[side]
+        if arch and side in ("front", "back"):
+            made += make_arch(span_x, span_y, z, arch, "leg")
+        else:
+            made.append(fill_space(Space(x=span_x, y=span_y, z=z), "leg"))
+    return tuple(made)
+
+
+def make_arch(x: Range, y: Range, z: Range, rise: float, finish: str) -> tuple[Primitive, ...]:
+    """A board that hangs down by ``rise`` (m) at both ends, along an arch of straight pieces."""
+    length = y[1] - y[0]
+    made: list[Primitive] = []
+    for sign, end in ((1.0, y[0]), (-1.0, y[1])):
+        edge = [(end + sign * share * length, z[0] - hang * rise) for share, hang in ARCH]
+        for near, far in pairwise(edge):
+            profile = np.array([near, far, (far[0], z[1]), (near[0], z[1])])
+            middle, level = profile.mean(axis=0).tolist()
+            start: Vector = (x[0], middle, level)
+            made.append(prism(profile - (middle, level), start, (x[1], middle, level), finish))
+    reach = ARCH[-1][0] * length
+    made.append(fill_space(Space(x=x, y=(y[0] + reach, y[1] - reach), z=z), finish))
+    return tuple(made)
+
+
+def make_stretchers(
+    legs: Sequence[Primitive], z: float, width: float, kind: StretcherKind
+) -> tuple[Primitive, ...]:
+    """Bars from leg to leg whose lower edges are at ``z``; they end within the legs, at their axes."""
+    x, y = _span_axes(legs)
+    up, half = (z, z + 1.3 * width), width / 2
+    bars = [Space(x=x, y=(at - half, at + half), z=up) for at in y]
+    rows = {"h": (sum(x) / 2,), "ring": x, "rear": (x[1],)}[kind]
+    inner = (y[0] + half, y[1] - half) if kind == "h" else y
+    bars += [Space(x=(at - half, at + half), y=inner, z=up) for at in rows]
+    return tuple(fill_space(bar, "leg") for bar in bars)
+
+
+def make_panels(legs: Sequence[Primitive], z: Range) -> tuple[Primitive, ...]:
+    """Boards that close the sides and the back between the legs, at their axes."""
+    x, y = _span_axes(legs)
+    half = PANEL / 2
+    boards = [Space(x=x, y=(at - half, at + half), z=z) for at in y]
+    boards.append(Space(x=(x[1] - half, x[1] + half), y=(y[0] + half, y[1] - half), z=z))
+    return tuple(fill_space(board, "body") for board in boards)
+
+
+def _span_axes(legs: Sequence[Primitive]) -> tuple[Range, Range]:
+    """Where the axes of the outermost legs are (x, y)."""
+    low, high = (pick([leg.center for leg in legs], axis=0) for pick in (np.min, np.max))
+    return (float(low[0]), float(high[0])), (float(low[1]), float(high[1]))
