@@ -42,6 +42,8 @@ ROWS = (
     ("size", "size within 5 %", "percent"),
     ("strict_rest", "RS strict", "plain"),
     ("strict_articulated", "AS strict", "plain"),
+    ("strict_whole_rest", "whole, closed", "plain"),
+    ("strict_whole_articulated", "whole, five states", "plain"),
     ("strict_rest_matched", "RS matched", "plain"),
     ("strict_articulated_matched", "AS matched", "plain"),
     ("compat_rest", "RS compat", "plain"),
