@@ -16,7 +16,6 @@ from artigen.sketch.network import SketchNetwork
 from artigen.sketch.picture import CELL, MAX_COUNT, Seen
 from artigen.sketch.rows import sketch_to_rows
 from artigen.sketch.sketch import write_sketch
-from artigen.train.photos import EDGE, NOTHING, PhotoBatch, gather_photos
 from artigen.train.sketch import (
     HEADER,
     SIZES,
@@ -32,6 +31,7 @@ from artigen.train.sketch import (
     train_sketch,
     weigh_fields,
 )
+from artigen.train.sketch_photos import EDGE, NOTHING, PhotoBatch, gather_photos
 from artigen.types import PART_LABELS
 
 

@@ -30,7 +30,8 @@ from artigen.sketch.rules import MAX_ROWS
 from artigen.sketch.sketch import SketchError, write_sketch
 from artigen.train.batches import prefetch
 from artigen.train.loop import LoopConfig, Report, finished_steps, process_seed, train
-from artigen.train.photos import (
+from artigen.train.shards import HELD_OUT
+from artigen.train.sketch_photos import (
     PackedPhoto,
     PhotoBatch,
     gather_photos,
@@ -39,7 +40,6 @@ from artigen.train.photos import (
     vary_photos,
     write_photos,
 )
-from artigen.train.shards import HELD_OUT
 from artigen.train.stage import log_metrics
 from artigen.types import PART_LABELS
 from artigen.workers import Outcome, Worker, run_supervised

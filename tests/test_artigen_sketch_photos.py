@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 import torch
 
-import artigen.train.photos
+import artigen.train.sketch_photos
 from artigen.errors import SourceError
 from artigen.shapes.draw import draw_shape
 from artigen.sketch.alignment import View, find_hull, place_camera
 from artigen.sketch.overlay import list_faces, look, read_target
 from artigen.sketch.picture import CELL
-from artigen.train.photos import (
+from artigen.train.sketch_photos import (
     EDGE,
     NOTHING,
     Photo,
@@ -64,7 +64,7 @@ def test_labels_are_where_the_picture_is_and_spots_on_their_labels(photos: list[
 
 def test_the_view_is_that_of_the_camera(monkeypatch: pytest.MonkeyPatch):
     """From the view alone, the closed object covers the picture again."""
-    monkeypatch.setattr(artigen.train.photos, "OPEN", 0.0)
+    monkeypatch.setattr(artigen.train.sketch_photos, "OPEN", 0.0)
     faces = list_faces(SHAPE)
     hull = find_hull(faces.vertices)
     for seed in range(4):
