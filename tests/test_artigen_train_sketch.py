@@ -14,7 +14,7 @@ from artigen.sketch.batch import make_batch, nothing_asked
 from artigen.sketch.model import load_sketch_network
 from artigen.sketch.network import SketchNetwork
 from artigen.sketch.picture import CELL, MAX_COUNT, Seen
-from artigen.sketch.rows import sketch_to_rows
+from artigen.sketch.rows import ROW_KINDS, sketch_to_rows
 from artigen.sketch.sketch import write_sketch
 from artigen.train.sketch import (
     HEADER,
@@ -24,6 +24,7 @@ from artigen.train.sketch import (
     SketchLosses,
     SketchRunConfig,
     draw_batches,
+    head_of,
     make_examples,
     reading_losses,
     sketch_losses,
@@ -72,6 +73,14 @@ def test_batches_hold_objects_of_like_length_and_about_so_many_rows():
         assert torch.equal(batch.rows.rows, same.rows.rows)
         assert len(batch.rows.rows) >= 2
         assert int(batch.rows.said.any(dim=2).sum()) <= 250
+
+
+def test_the_head_of_a_table_ends_before_the_first_part():
+    table = sketch_to_rows(write_sketch(draw_shape("Oven", 3)))
+    head = head_of(table)
+    assert [ROW_KINDS[kind] for kind in head[:2, 0]] == ["object", "finish"]
+    assert ROW_KINDS[table[len(head), 0]] == "part"
+    assert "part" not in {ROW_KINDS[kind] for kind in head[:, 0]}
 
 
 def test_the_weights_of_fields_belong_to_the_header_of_the_object_and_to_nothing_else():

@@ -61,8 +61,8 @@ READING = 0.3
 """Weight of what the encoder is to read off pictures, beside the likelihood of tables."""
 HEADER = 10.0
 """Weight of the fields of a header beside a picture: few among hundreds, and what the picture has to tell."""
-READ, HEADERS = 0.6, 16
-"""Share of the batches that are of pictures and headers alone, and pictures in each."""
+READ, HEADS = 0.6, 16
+"""Share of the batches that are of pictures with headers and finishes alone, and pictures in each."""
 PICTURED, ALONE = 0.8, 0.6
 """Share of the other batches that come with pictures, and of their objects of which nothing else is asked."""
 WINDOW = 6
@@ -199,7 +199,7 @@ class SketchLosses(nn.Module):
             terms = reading_losses(seen, batch.photos) | guessing_losses(seen, batch.rows)
         symbols, numbers = self.network(batch.rows, sight)
         count = len(symbols) + len(numbers)
-        if sight is not None and batch.rows.said.shape[1] > 2:
+        if sight is not None:
             for_symbols, for_numbers = weigh_fields(batch.rows)
             symbols, numbers = symbols * for_symbols, numbers * for_numbers
         return {"symbols": symbols.sum() / count, "numbers": numbers.sum() / count, **terms}
@@ -288,17 +288,17 @@ def score_examples(network: SketchNetwork, examples: Sequence[SketchExample]) ->
 
 def draw_batches(examples: Sequence[SketchExample], rows: int, seed: int) -> Iterator[SketchBatch]:
     """Endless batches: of about ``rows`` rows, of objects of like length, most with pictures; where there are
-    pictures, more than half are of `HEADERS` pictures and headers alone."""
+    pictures, more than half are of `HEADS` pictures with headers and finishes alone."""
     rng = np.random.default_rng(seed)
-    shown = [(example.table[:1], example.photo) for example in examples if example.photo is not None]
+    shown = [(head_of(example.table), example.photo) for example in examples if example.photo is not None]
     order = np.argsort([len(example.table) for example in examples], kind="stable")
     lengths = np.array([len(examples[index].table) for index in order])
     ends = np.cumsum(lengths)
     while True:
         if shown and rng.random() < READ:
-            some = [shown[index] for index in rng.integers(len(shown), size=HEADERS)]
+            some = [shown[index] for index in rng.integers(len(shown), size=HEADS)]
             yield SketchBatch(
-                rows=make_batch([header for header, _ in some], [nothing_asked()] * len(some)),
+                rows=make_batch([head for head, _ in some], [nothing_asked()] * len(some)),
                 photos=gather_photos([photo for _, photo in some]),
             )
             continue
@@ -316,6 +316,11 @@ def draw_batches(examples: Sequence[SketchExample], rows: int, seed: int) -> Ite
             rows=make_batch([example.table for example in picked], asked),
             photos=gather_photos(photos) if pictured else None,
         )
+
+
+def head_of(table: Table) -> Table:
+    """The rows before the first part: the header and the finishes."""
+    return table[: int((table[:, 0] == ROW_KINDS.index("part")).argmax())]
 
 
 def make_examples(
