@@ -174,7 +174,6 @@ def draw_generated(job: GenerateJob) -> "tuple[Drawn, _Asked]":
     from artigen.conditioning.request import understand
     from artigen.sketch.draw import DrawConfig
     from artigen.sketch.model import SketchConfig, draw_alike, draw_object
-    from artigen.sketch.picture_colors import read_colors
 
     asked = _ask(job, understand(read_job(job)))
     noise = int(np.random.SeedSequence([job.seed, len(job.draws)]).generate_state(1)[0])
@@ -182,9 +181,7 @@ def draw_generated(job: GenerateJob) -> "tuple[Drawn, _Asked]":
     network = _load_sketch(job.model)
     if asked.picture is None:
         return draw_object(network, asked.request, noise, cfg), asked
-    drawn, fit = draw_alike(network, asked.request, noise, asked.picture, cfg)
-    said = {finish.role for finish in asked.request.finishes if finish.color is not None}
-    return replace(drawn, shape=read_colors(drawn.shape, asked.picture, fit, keep=said)), asked
+    return draw_alike(network, asked.request, noise, asked.picture, cfg), asked
 
 
 def generate_object(job: GenerateJob) -> Made:

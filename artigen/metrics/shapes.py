@@ -59,7 +59,7 @@ def sketch_source(network: SketchNetwork, cfg: SketchConfig | None = None) -> Sh
         )
         if asked.image is None:
             return draw_object(network, request, seed, cfg).shape
-        return draw_alike(network, request, seed, asked.image, cfg)[0].shape
+        return draw_alike(network, request, seed, asked.image, cfg).shape
 
     return draw_sketch
 

@@ -14,11 +14,12 @@ from artigen.errors import SourceError
 from artigen.models.store import load_model, read_description, save_model
 from artigen.pictures import Picture, read_picture
 from artigen.shapes.shape import Shape
-from artigen.sketch.alignment import Fit, View, fit_camera
+from artigen.sketch.alignment import View, fit_camera
 from artigen.sketch.draw import Draft, DrawConfig, begin_drafts, continue_drafts
 from artigen.sketch.faults import Fault, find_faults
 from artigen.sketch.network import Sight, SketchNetwork, SketchNetworkConfig
 from artigen.sketch.picture import PictureConfig, Seen
+from artigen.sketch.picture_colors import read_colors
 from artigen.sketch.request import SketchRequest, ask
 from artigen.sketch.rows import CATEGORIES, COUNTED, STYLES, column, rows_to_sketch
 from artigen.sketch.sketch import STEP, SketchError, read_sketch
@@ -199,8 +200,8 @@ def draw_alike(
     cfg: SketchConfig | None = None,
     *,
     objects: int = 2,
-) -> tuple[Drawn, Fit]:
-    """Draws several objects by a picture and returns the one that looks most like it, with its camera.
+) -> Drawn:
+    """Draws several objects by a picture and returns the one that looks most like it, in its colours.
 
     Of objects with faults, only those with the fewest are compared. No further one is begun when the budget
     of one object is used up.
@@ -228,7 +229,9 @@ def draw_alike(
             break
     fewest = min(len(one.faults) for one in drawn)
     fitted = [(one, fit_camera(one.shape, picture, view)) for one in drawn if len(one.faults) == fewest]
-    return max(fitted, key=lambda pair: pair[1].likeness)
+    best, fit = max(fitted, key=lambda pair: pair[1].likeness)
+    asked = {finish.role for finish in request.finishes if finish.color is not None}
+    return replace(best, shape=read_colors(best.shape, picture, fit, keep=asked))
 
 
 @dataclass(kw_only=True, eq=False)

@@ -142,13 +142,16 @@ def _draw_footing(rng: np.random.Generator, plan: _Plan) -> _Footing:
         ahead, aside = float(rng.uniform(0.03, 0.08)) * depth, float(rng.uniform(0.05, 0.11)) * width
     edge = float(rng.uniform(0.0, 0.03)) + plan.looks.reach + ahead
     behind = min(edge, 0.02 + ahead)
-    kind = pick(rng, {name: chance for name, chance in TOPS.items() if name != "oval" or width > 1.3 * depth})
+    kind: TopKind = pick(
+        rng, {name: chance for name, chance in TOPS.items() if name != "oval" or width > 1.3 * depth}
+    )
     radius = float(rng.uniform(0.04, 0.12))
     if kind == "oval":
         edge, behind = max(edge, 0.08 * depth), max(behind, 0.08 * depth)
         aside = max(aside, inset_of_oval(depth, min(edge, behind)))
     radius = min(radius, most_radius(max(min(edge, behind), 0.001), aside))
-    kind = "plain" if kind == "rounded" and radius < 0.02 else kind
+    if kind == "rounded" and radius < 0.02:
+        kind = "plain"
     return _Footing(
         x=(edge - depth / 2, depth / 2 - behind),
         y=(aside - width / 2, width / 2 - aside),
