@@ -19,7 +19,7 @@ from artigen.sketch.draw import Draft, DrawConfig, begin_drafts, continue_drafts
 from artigen.sketch.faults import Fault, find_faults
 from artigen.sketch.network import Sight, SketchNetwork, SketchNetworkConfig
 from artigen.sketch.picture import PictureConfig, Seen
-from artigen.sketch.picture_colors import THIN, read_colors
+from artigen.sketch.picture_colors import read_colors
 from artigen.sketch.request import SketchRequest, ask
 from artigen.sketch.rows import CATEGORIES, COUNTED, STYLES, column, rows_to_sketch
 from artigen.sketch.sketch import STEP, SketchError, read_sketch
@@ -231,8 +231,7 @@ def draw_alike(
     fitted = [(one, fit_camera(one.shape, picture, view)) for one in drawn if len(one.faults) == fewest]
     best, fit = max(fitted, key=lambda pair: pair[1].likeness)
     asked = {finish.role for finish in request.finishes if finish.color is not None}
-    # Thin things are hardly ever drawn where the picture shows them, to the pixel: the network knows better.
-    return replace(best, shape=read_colors(best.shape, picture, fit, keep=asked | set(THIN)))
+    return replace(best, shape=read_colors(best.shape, picture, fit, keep=asked))
 
 
 @dataclass(kw_only=True, eq=False)

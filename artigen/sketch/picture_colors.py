@@ -41,13 +41,8 @@ RECESS = 0.006
 LEAST = 0.15
 """Share of a pixel's light that its finish has sent at least; the rest may be mirrored."""
 THIN = ("handle", "accent", "steel", "plastic")
-"""Roles of things that stand before others."""
-NEAR, ODD = 8, 0.1
-"""How far (pixels) around a thin thing its like is looked for, and how much it differs (sRGB)."""
-SHADED, BLACK = 0.8, 0.35
-"""Brightness between these, as a share of what is around, may be a shadow: such pixels say nothing."""
-LIT, OWN = 0.6, 0.25
-"""Least light on them as a share of the most, and share of a thin thing's own pixels that must differ."""
+"""Roles of small things that stand before others: a shape hardly ever has them where the picture shows them,
+to the pixel, so their colours are not read."""
 EQUAL = 0.02
 """Colours (sRGB) of two finishes that differ by less are equal."""
 LIGHT_EDGE, GREY, DARK = 96, 0.5, 0.03
@@ -58,8 +53,6 @@ LIGHT_EDGE, GREY, DARK = 96, 0.5, 0.03
 class Spots:
     """Pixels that show the object, and what the room and the finish's pattern would make of them."""
 
-    places: Int[np.ndarray, "N 2"]
-    """Row and column."""
     light: Float[np.ndarray, "N 3"]
     """Linear, as pictured."""
     roles: Int[np.ndarray, "N"]
@@ -100,8 +93,8 @@ def read_colors(
     colors = _srgb(_undo_light(spots) * np.exp(-sides[spots.sides])[:, None])
     found: dict[str, Color] = {}
     for index, (role, finish) in enumerate(shape.finishes):
-        chosen = _choose(spots, colors, index, thin=role in THIN)
-        if finish.opacity >= OPAQUE and len(chosen) >= FEW_PIXELS:
+        chosen = _choose(spots, index)
+        if role not in THIN and finish.opacity >= OPAQUE and len(chosen) >= FEW_PIXELS:
             r, g, b = np.median(colors[chosen], axis=0) / np.median(spots.pattern[chosen], axis=0)
             found[role] = (min(float(r), 1.0), min(float(g), 1.0), min(float(b), 1.0))
     return replace(
@@ -138,7 +131,6 @@ def find_spots(
     if lighting == "room" and len(face):
         bright, mirrored = _light(shape, points, camera)
     return Spots(
-        places=np.column_stack([rows, columns]),
         light=_linear(target.rgb[rows, columns].astype(float)),
         roles=faces.roles[face],
         sides=faces.sides[face],
@@ -170,42 +162,11 @@ def find_brightness(spots: Spots, roles: int) -> Float[np.ndarray, "6"]:
     return np.linalg.lstsq(system, np.concatenate([wanted, np.zeros(SIDES)]), rcond=None)[0][roles:]
 
 
-def _choose(spots: Spots, colors: Float[np.ndarray, "N 3"], role: int, *, thin: bool) -> Int[np.ndarray, "K"]:
-    """The pixels that tell a finish's colour.
-
-    Of a handle few pixels show nothing else, and the picture's may be a little elsewhere: then those count
-    that differ from what is around, on the finish or near it.
-    """
-    from scipy.ndimage import binary_dilation
-
+def _choose(spots: Spots, role: int) -> Int[np.ndarray, "K"]:
+    """The pixels that tell a finish's colour: those away from edges, where there are enough."""
     every = spots.roles == role
-    own = every & spots.clear if (every & spots.clear).sum() >= MIN_PIXELS else every
-    if not own.any() or not thin:
-        return np.flatnonzero(own)
-    mask = np.zeros(spots.places.max(axis=0) + 1, dtype=bool)
-    mask[tuple(spots.places[every].T)] = True
-    near = np.asarray(binary_dilation(mask, iterations=NEAR))[tuple(spots.places.T)]
-    near &= ~every
-    cells = spots.roles * SIDES + spots.sides
-    around = cells[near & spots.clear]
-    if not len(around):
-        return np.flatnonzero(own)
-    ground = near & (cells == np.bincount(around).argmax())
-    usual = np.median(colors[ground & spots.clear], axis=0)
-    light = colors.mean(axis=1) / max(float(usual.mean()), 1e-3)
-    sound = (every | ground) & ((light > SHADED) | (light < BLACK))
-    sound &= spots.bright > LIT * np.quantile(spots.bright[own], 0.9)
-    apart = np.abs(colors - usual).max(axis=1)
-    odd = sound & (apart > ODD + 2.0 * np.median(apart[ground & spots.clear]))
-    for some, least in (
-        (own & odd, max(FEW_PIXELS, OWN * own.sum())),
-        (odd & (light > 1.0), MIN_PIXELS),
-        (odd, MIN_PIXELS),
-        (own & sound, FEW_PIXELS),
-    ):
-        if some.sum() >= least:
-            return np.flatnonzero(some)
-    return np.flatnonzero(own)
+    clear = every & spots.clear
+    return np.flatnonzero(clear if clear.sum() >= MIN_PIXELS else every)
 
 
 def _undo_light(spots: Spots) -> Float[np.ndarray, "N 3"]:
