@@ -42,7 +42,7 @@ class SketchConfig:
 
     draw: DrawConfig = field(default_factory=DrawConfig)
     """Temperature."""
-    header: DrawConfig = field(default_factory=lambda: DrawConfig(temperature=1.0))
+    header: DrawConfig = field(default_factory=lambda: DrawConfig(temperature=0.8))
     """That of the header: category, style, counts and extents."""
     candidates: int = 8
     """Continuations of an object that are drawn side by side for every part."""
