@@ -94,13 +94,13 @@ def read_colors(
     found: dict[str, Color] = {}
     for index, (role, finish) in enumerate(shape.finishes):
         chosen = _choose(spots, index)
-        if role not in THIN and finish.opacity >= OPAQUE and len(chosen) >= FEW_PIXELS:
+        if finish.opacity >= OPAQUE and len(chosen) >= FEW_PIXELS:
             r, g, b = np.median(colors[chosen], axis=0) / np.median(spots.pattern[chosen], axis=0)
             found[role] = (min(float(r), 1.0), min(float(g), 1.0), min(float(b), 1.0))
     return replace(
         shape,
         finishes=tuple(
-            (role, finish if role in keep else _recolor(role, finish, shape, found))
+            (role, finish if role in THIN or role in keep else _recolor(role, finish, shape, found))
             for role, finish in shape.finishes
         ),
     )
