@@ -10,8 +10,13 @@ from scipy.spatial import KDTree
 from artigen.errors import ArtigenError
 from artigen.facings import SIDES, facing_frames
 from artigen.places import AHEAD, find_voxels
-from artigen.types import SurfaceSamples, VoxelGrid
+from artigen.shapes.asset import part_owners
+from artigen.shapes.sampling import paint_points, place_points, read_clear
+from artigen.shapes.shape import Shape
+from artigen.types import Asset, SurfaceSamples, VoxelGrid
 
+SAMPLES = 3
+"""Samples of the surface along a voxel's edge."""
 PAINT = 3 * SIDES + 1
 """Numbers of a painted voxel: the colours of its outer and its inner side, and how clear it is."""
 TURNED = 1 / 32
@@ -42,6 +47,31 @@ class VoxelPaint:
         """Colours and clearness in steps of 8 bits, a row for every voxel."""
         values = np.concatenate([self.colors.reshape(len(self.clear), -1), self.clear[:, None]], axis=1)
         return np.rint(255.0 * values).astype(np.uint8)
+
+
+def read_paint(shape: Shape, asset: Asset, facings: Int[np.ndarray, "N"]) -> VoxelPaint:
+    """Reads both sides of every voxel of a procedural object off samples of its surface.
+
+    Args:
+        shape: The object.
+        asset: The same object, with voxels.
+        facings: Directions of their outer sides.
+
+    Raises:
+        ValueError: If the asset has no voxels.
+    """
+    if asset.voxels is None:
+        raise ValueError(f"asset {asset.name!r} has no voxels; voxelize its surface first")
+    surface = paint_surface(shape, asset, 1.0 / (SAMPLES * asset.voxels.resolution))
+    return gather_paint(surface, asset.voxels, facings)
+
+
+def paint_surface(shape: Shape, asset: Asset, spacing: float) -> PaintedSurface:
+    """Painted samples of the surface, ``spacing`` apart (unit-cube length), with their parts of the asset."""
+    found = place_points(shape, spacing * asset.scale)
+    surface = paint_points(shape, found, footprint=spacing * asset.scale)
+    owned = replace(surface, part_ids=part_owners(shape, asset)[surface.part_ids])
+    return PaintedSurface(samples=owned, clear=read_clear(shape, found))
 
 
 def gather_paint(surface: PaintedSurface, voxels: VoxelGrid, facings: Int[np.ndarray, "N"]) -> VoxelPaint:

@@ -22,6 +22,7 @@ from artigen.models.features import FeatureExtractor
 from artigen.models.gaussian_decoder import to_gaussians
 from artigen.models.presets import PresetName
 from artigen.models.store import load_model, read_description
+from artigen.paint import read_paint
 from artigen.places import find_voxels
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.rasterize import rasterize_shape
@@ -29,7 +30,6 @@ from artigen.shapes.shape import Shape
 from artigen.splats.render.splats import Splats
 from artigen.train.appearance.curation import CurationConfig, curate
 from artigen.train.appearance.examples import lay_true_voxels
-from artigen.train.appearance.paint import read_paint
 from artigen.train.appearance.run import AppearanceRunConfig, run_curation, run_encoder, run_extractor
 from artigen.train.appearance.sides import CLEAR
 from artigen.types import Asset, SurfaceSamples, VoxelGrid

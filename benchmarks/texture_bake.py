@@ -21,8 +21,8 @@ from PIL import Image
 from artigen.appearance import generate_appearance, load_appearance_model
 from artigen.generate import generate_structure, load_structure_model
 from artigen.kinematics import articulate_gaussians, displacements, qlimits
-from artigen.metrics.shapes import describe_shape
-from artigen.paint import repaint
+from artigen.models.conditions import describe_shape
+from artigen.paint import paint_surface, repaint
 from artigen.shapes.asset import frame_shape, shape_to_asset
 from artigen.shapes.draw import draw_shape
 from artigen.splats.colors import srgb_from_linear
@@ -31,7 +31,6 @@ from artigen.splats.parts import select_gaussians
 from artigen.splats.render import RasterConfig
 from artigen.splats.render.picture import draw_gaussians
 from artigen.splats.surface import splat_surface
-from artigen.train.appearance.paint import paint_surface
 from artigen.types import Asset
 from artigen.weights import SHIPPED
 from sim_export.appearance.texture import BakedMesh, bake_mesh

@@ -3,6 +3,7 @@
 import numpy as np
 
 from artigen.models.features import PyramidFeatures
+from artigen.paint import read_paint
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.primitives import box
 from artigen.shapes.render import RenderConfig
@@ -10,7 +11,6 @@ from artigen.shapes.shape import Motion, Need, Shape, ShapePart
 from artigen.shapes.surfaces.finishes import Finish
 from artigen.train.appearance.curation import CurationConfig, curate
 from artigen.train.appearance.examples import AppearanceExample, lay_true_voxels
-from artigen.train.appearance.paint import read_paint
 from artigen.train.appearance.views import ViewConfig
 from artigen.types import Asset
 

@@ -8,10 +8,9 @@ from drawer_chest import COLOR, GLASS, INSIDE, make_chest
 
 from artigen.errors import ArtigenError
 from artigen.facings import find_facings
-from artigen.paint import PaintedSurface, VoxelPaint, repaint
+from artigen.paint import PaintedSurface, VoxelPaint, paint_surface, read_paint, repaint
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.shape import Shape
-from artigen.train.appearance.paint import paint_surface, read_paint
 from artigen.types import Asset, SurfaceSamples
 
 

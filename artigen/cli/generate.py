@@ -252,11 +252,10 @@ def _make_latent(
     from artigen.cli.shape import SPACING
     from artigen.generate import GenerateConfig, generate_structure
     from artigen.models.conditions import StructureCondition
-    from artigen.paint import repaint
+    from artigen.paint import paint_surface, repaint
     from artigen.pictures import read_picture
     from artigen.sampling import SamplerConfig
     from artigen.shapes.asset import shape_to_asset
-    from artigen.train.appearance.paint import paint_surface
     from sim_export.export import export_asset
     from sim_export.geometry.surface import sample_surface
 
@@ -293,7 +292,7 @@ def _attach_drawn(
 ) -> "SimPackage":
     """The package with Gaussians that the sparse flow draws on the painted surface of an asset's meshes."""
     from artigen.appearance import generate_appearance
-    from artigen.metrics.shapes import describe_shape
+    from artigen.models.conditions import describe_shape
     from sim_export.appearance.splats import attach_splats
 
     shown = generate_appearance(drawer, asset, describe_shape(shape), seed, surface=surface)

@@ -11,7 +11,6 @@ from artigen.shapes.shape import Shape
 from artigen.sketch.model import SketchConfig, draw_alike, draw_object
 from artigen.sketch.network import SketchNetwork
 from artigen.sketch.request import SketchRequest
-from artigen.types import PART_LABELS
 
 ShapeSource = Callable[[StructureCondition, int], Shape]
 """Draws an object for a condition and a seed."""
@@ -62,14 +61,3 @@ def sketch_source(network: SketchNetwork, cfg: SketchConfig | None = None) -> Sh
         return draw_alike(network, request, seed, asked.image, cfg).shape
 
     return draw_sketch
-
-
-def describe_shape(shape: Shape) -> StructureCondition:
-    """Category, counts of every label and size of a shape."""
-    said = shape.condition
-    held = dict(said.counts)
-    return StructureCondition(
-        category=shape.category,
-        counts=tuple((label, held.get(label, 0)) for label in PART_LABELS),
-        size=(said.depth, said.width, said.height),
-    )

@@ -16,6 +16,7 @@ from artigen.models.clip import ClipConfig
 from artigen.models.dinov2 import DinoConfig
 from artigen.models.public_encoders import PublicPictures, PublicSentences
 from artigen.pictures import MARGIN
+from artigen.shapes.shape import Shape
 from artigen.types import PAPER_CATEGORIES, PART_LABELS, PartLabel
 
 MAX_COUNT = 24
@@ -37,6 +38,17 @@ class StructureCondition:
     """RGB and alpha in [0, 1], premultiplied on black."""
     text: str | None = None
     """A sentence, for models that read sentences; others know of it what was made counts and sizes."""
+
+
+def describe_shape(shape: Shape) -> StructureCondition:
+    """Category, counts of every label and size of a shape."""
+    said = shape.condition
+    held = dict(said.counts)
+    return StructureCondition(
+        category=shape.category,
+        counts=tuple((label, held.get(label, 0)) for label in PART_LABELS),
+        size=(said.depth, said.width, said.height),
+    )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

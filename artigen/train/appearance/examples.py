@@ -11,13 +11,13 @@ from jaxtyping import Float, Int, UInt8
 from artigen.attributes import describe_voxels, read_kinds
 from artigen.canvas import lay_out
 from artigen.models.features import FeatureExtractor
+from artigen.paint import read_paint
 from artigen.places import SAMPLES
 from artigen.shapes.asset import part_owners
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.sampling import sample_shape
 from artigen.shapes.shape import Shape
 from artigen.train.appearance.curation import CurationConfig, curate
-from artigen.train.appearance.paint import read_paint
 from artigen.train.appearance.photographs import Pictures
 from artigen.train.appearance.sides import recall_places
 from artigen.train.examples import draw_example_of
