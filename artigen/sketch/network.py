@@ -279,13 +279,11 @@ class SketchNetwork(nn.Module):
             + self.asked(batch.asked.long())
         )
         x = self.enter(x)
-        looking = 0
+        seen = iter(()) if sight is None else zip(sight.keys, sight.values, strict=True)
         for index, block in enumerate(self._blocks()):
             x = block(x, None if cache is None else cache[index])
-            if block.look is not None:
-                if sight is not None:
-                    x = block.look(x, sight.keys[looking], sight.values[looking])
-                looking += 1
+            if block.look is not None and sight is not None:
+                x = block.look(x, *next(seen))
         return self.leave(x)
 
     def think(

@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int, UInt8
 
 from artigen.datasets.partnet_surface import FaceTable
-from artigen.shapes.primitives import place_vertices
+from artigen.shapes.primitives import Vector, place_vertices
 from artigen.shapes.render import Cameras, build_scene, frame_points, render
 from artigen.shapes.shape import Shape
 from artigen.train.mesh_pictures import FINE, join_tables, pack_picture, picture_mesh
@@ -39,12 +39,13 @@ def draw_camera(points: Float[np.ndarray, "N 3"], seed: int, size: int) -> Camer
     """
     rng = np.random.default_rng([seed, 1])
     turn, lift = rng.uniform(-NEAR_FRONT[0], NEAR_FRONT[0]), rng.uniform(0.0, NEAR_FRONT[1])
-    direction = (
-        float(-np.cos(turn) * np.cos(lift)),
-        float(np.sin(turn) * np.cos(lift)),
-        float(np.sin(lift)),
-    )
-    return frame_points(points, direction, width=size, height=size)
+    return frame_points(points, find_direction(turn, lift), width=size, height=size)
+
+
+def find_direction(turn: float, lift: float) -> Vector:
+    """From an object to a camera that stands aside from its front and above it (radians); unit."""
+    level = np.cos(lift)
+    return float(-np.cos(turn) * level), float(np.sin(turn) * level), float(np.sin(lift))
 
 
 def photograph_shape(

@@ -22,6 +22,8 @@ from artigen.shapes.primitives import place_vertices
 from artigen.shapes.render import RenderConfig, build_scene, frame_points, render
 from artigen.shapes.shape import Shape
 from artigen.sketch.picture import CELL
+from artigen.train.mesh_pictures import pack_picture
+from artigen.train.photographs import find_direction
 from artigen.types import PART_LABELS
 
 EDGE = 256
@@ -77,11 +79,7 @@ def take_photo(shape: Shape, rng: np.random.Generator) -> Photo:
     )
     wide, high = NEAR if rng.random() < 0.5 else FAR
     yaw, pitch = rng.uniform(-wide, wide), rng.uniform(-0.08, high)
-    way = (
-        float(-np.cos(yaw) * np.cos(pitch)),
-        float(np.sin(yaw) * np.cos(pitch)),
-        float(np.sin(pitch)),
-    )
+    way = find_direction(yaw, pitch)
     camera = frame_points(points, way, fov=rng.uniform(14.0, 55.0), width=EDGE, height=EDGE)
     light = RenderConfig(
         lamp=(-rng.uniform(0.3, 1.0), rng.uniform(-0.8, 0.8), rng.uniform(0.3, 1.0)),
@@ -92,15 +90,13 @@ def take_photo(shape: Shape, rng: np.random.Generator) -> Photo:
     )
     seen = render(build_scene([shape]), camera, [qpos], cfg=light)
     mask, parts = seen.mask[0].numpy(), seen.part_ids[0].numpy()
-    alpha = mask[..., None].astype(np.float32)
-    rgba = np.concatenate([seen.rgb[0].numpy() * alpha, alpha], axis=2)
     names = np.array([PART_LABELS.index(part.label) for part in shape.parts])
-    low, high_corner = shape.bounds()
-    away = camera.position[0].numpy() - (low + high_corner) / 2
+    first, last = shape.bounds()
+    away = camera.position[0].numpy() - (first + last) / 2
     distance = float(np.linalg.norm(away))
-    near = float(np.linalg.norm(high_corner - low)) / 2 / distance
+    near = float(np.linalg.norm(last - first)) / 2 / distance
     return Photo(
-        rgba=np.round(255 * rgba).astype(np.uint8),
+        rgba=pack_picture(seen.rgb[0].numpy(), mask),
         labels=np.where(mask, names[parts], NOTHING)[CELL // 2 :: CELL, CELL // 2 :: CELL].astype(np.uint8),
         spots=_find_spots(np.where(mask, parts, len(names)), names),
         view=np.array([np.arctan2(away[1], -away[0]), np.arcsin(away[2] / distance), near]),
@@ -230,7 +226,6 @@ def vary_photos(photos: PhotoBatch, generator: torch.Generator) -> PhotoBatch:
     color = torch.where(before[:, None, None, None], alpha * color + (1 - alpha) * behind, color)
     alpha = torch.where(before[:, None, None, None], 1.0, alpha)
     color = _blur(color * alpha, chance(count) * BLUR)
-    alpha = torch.where(before[:, None, None, None], 1.0, alpha)
     noise = torch.randn(color.shape, generator=generator, device=generator.device)
     color = color + GRAIN * chance(count, 1, 1, 1) * noise * alpha
     return replace(
