@@ -9,6 +9,7 @@ import logging
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import permutations
 from pathlib import Path
 
 import numpy as np
@@ -61,10 +62,12 @@ READING = 0.3
 """Weight of what the encoder is to read off pictures, beside the likelihood of tables."""
 HEADER = 10.0
 """Weight of the fields of a header beside a picture: few among hundreds, and what the picture has to tell."""
-READ, HEADS = 0.6, 16
+READ, HEADS = 0.5, 16
 """Share of the batches that are of pictures with headers and finishes alone, and pictures in each."""
 PICTURED, ALONE = 0.8, 0.6
 """Share of the other batches that come with pictures, and of their objects of which nothing else is asked."""
+SWAPPED = 0.5
+"""Share of the pictures whose red, green and blue are put in any order."""
 WINDOW = 6
 """A batch is drawn from so many times its objects next to each other by length."""
 MEASURED = 90
@@ -214,8 +217,32 @@ def weigh_fields(rows: RowBatch) -> tuple[Float[Tensor, "M"], Float[Tensor, "N"]
 def sketch_losses(network: nn.Module, batch: SketchBatch, generator: torch.Generator) -> dict[str, Tensor]:
     """The terms of a batch, its pictures varied."""
     if batch.photos is not None:
-        batch = replace(batch, photos=vary_photos(batch.photos, generator))
+        rows, photos = swap_channels(batch.rows, batch.photos, generator)
+        batch = SketchBatch(rows=rows, photos=vary_photos(photos, generator))
     return network(batch)
+
+
+def swap_channels(
+    rows: RowBatch, photos: PhotoBatch, generator: torch.Generator
+) -> tuple[RowBatch, PhotoBatch]:
+    """Puts red, green and blue of some objects in another order, in their pictures and in their finishes.
+
+    The grammar knows the colours of furniture; so colours have to be read off the pictures.
+    """
+    orders = torch.tensor(list(permutations(range(3))), device=generator.device)
+    count = len(photos.image)
+    chosen = torch.randint(len(orders), (count,), generator=generator, device=generator.device)
+    swapped = torch.rand(count, generator=generator, device=generator.device) < SWAPPED
+    order = orders[torch.where(swapped, chosen, 0)]
+    image, table = photos.image.clone(), rows.rows.clone()
+    image[:, :3] = image[:, :3].gather(1, order[:, :, None, None].expand_as(image[:, :3]))
+    finishes = (table[..., 0] == ROW_KINDS.index("finish"))[..., None]
+    for names in (("r", "g", "b"), ("accent_r", "accent_g", "accent_b")):
+        columns = [column("finish", name) for name in names]
+        values = table[..., columns]
+        moved = values.gather(2, order[:, None].expand_as(values))
+        table[..., columns] = torch.where(finishes, moved, values)
+    return replace(rows, rows=table), replace(photos, image=image)
 
 
 def reading_losses(seen: Seen, photos: PhotoBatch) -> dict[str, Tensor]:
@@ -288,7 +315,7 @@ def score_examples(network: SketchNetwork, examples: Sequence[SketchExample]) ->
 
 def draw_batches(examples: Sequence[SketchExample], rows: int, seed: int) -> Iterator[SketchBatch]:
     """Endless batches: of about ``rows`` rows, of objects of like length, most with pictures; where there are
-    pictures, more than half are of `HEADS` pictures with headers and finishes alone."""
+    pictures, half the batches are of `HEADS` pictures with headers and finishes alone."""
     rng = np.random.default_rng(seed)
     shown = [(head_of(example.table), example.photo) for example in examples if example.photo is not None]
     order = np.argsort([len(example.table) for example in examples], kind="stable")
