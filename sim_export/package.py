@@ -175,7 +175,7 @@ class Requirement:
 class SimPackage:
     """Everything a simulator needs, plus what a person or a policy wants to know about it.
 
-    ``links`` starts with the empty root ``base``; ``joints`` are in the order of their child links.
+    The root of the ``links`` is the body; ``joints`` are in the order of their child links.
     ``records`` says stage by stage what was repaired or left out, one sentence each.
     """
 

@@ -113,7 +113,7 @@ def has_collision(subject: Subject) -> str:
 
 
 def check_hulls(subject: Subject, cfg: CheckConfig) -> Finding:
-    """V102: every collision file is one convex hull that PhysX takes as it is, on a GPU too."""
+    """V102: every collision shape is one convex hull that PhysX takes as it is, on a GPU too."""
     problems = []
     for shape, hull in zip(subject.collisions, subject.hulls, strict=True):
         where = f"{shape.link}: {shape.file}"
@@ -143,7 +143,7 @@ def hull_faults(shape: Shape, hull: Hull | None, cfg: CheckConfig) -> list[str]:
     thickness, longest = hull_width(hull)[0], hull_length(hull)[0]
     if thickness < cfg.min_thickness - _FILE_PRECISION:
         faults.append(f"is {1e3 * thickness:.3g} mm thin, allowed is {1e3 * cfg.min_thickness:g} mm")
-    elif longest > cfg.max_aspect * thickness * (1.0 + 1e-6):
+    elif shape.kind != "box" and longest > cfg.max_aspect * thickness * (1.0 + 1e-6):
         faults.append(f"is {longest / thickness:.4g} times as long as thick, allowed is {cfg.max_aspect:g}")
     return faults
 

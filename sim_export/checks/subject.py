@@ -34,7 +34,10 @@ class Shape:
 
     link: str
     name: str
+    kind: str
+    """``mesh``, or what URDF calls the primitive."""
     file: str
+    """The mesh's, or the element's name."""
     vertices: Float[np.ndarray, "V 3"]
     faces: Int[np.ndarray, "F 3"]
     obj: ObjData
@@ -224,7 +227,8 @@ class Subject:
         return Shape(
             link=link.name,
             name=shape.name,
-            file=shape.file or shape.kind,
+            kind=shape.kind,
+            file=shape.file or f"{shape.kind} {shape.name!r}",
             vertices=vertices,
             faces=faces,
             obj=obj,

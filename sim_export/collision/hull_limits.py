@@ -15,6 +15,7 @@ from sim_export.collision.hulls import (
     reduce_hull,
     scale_to_volume,
 )
+from sim_export.geometry.primitives import is_box
 from sim_export.package import Hull
 
 MAX_CUTS = 3
@@ -34,7 +35,7 @@ class HullLimits:
     micrometres: rounding bends a face of a hull of 1 mm by a thousandth of its thickness."""
     max_aspect: float = 60.0
     """Greatest length over thickness; longer hulls are cut and, where that would make too many, first
-    thickened a little. PhysX handles oblong hulls badly from 64 on."""
+    thickened a little. PhysX handles oblong hulls badly from 64 on, but takes boxes of any length."""
     sliver: float = 0.005
     """Share of the part's hull volume that may be left out as hulls thinner than the least thickness."""
 
@@ -76,9 +77,9 @@ def comply_hull(hull: Hull, limits: HullLimits) -> Hull:
 def tile_hull(hull: Hull, limits: HullLimits, most: int) -> tuple[Hull, ...]:
     """An oblong hull cut to the length that its thickness allows; none where that takes more than ``most``
     hulls, or cannot be done without leaving some of it out, like the tip of a wedge."""
-    compact = limits.max_aspect * hull_width(hull)[0]
-    if hull_length(hull)[0] <= compact:
+    if hull_aspect(hull) <= limits.max_aspect:
         return (hull,)
+    compact = limits.max_aspect * hull_width(hull)[0]
     count = int(np.prod(np.ceil(np.array(_side_lengths(hull)) / compact - 1e-9).clip(1)))
     if count > most:
         return ()
@@ -100,8 +101,8 @@ def _reduce(hull: Hull, limits: HullLimits) -> Hull:
 
 
 def hull_aspect(hull: Hull) -> float:
-    """Greatest length over least thickness."""
-    return hull_length(hull)[0] / hull_width(hull)[0]
+    """Greatest length over least thickness; 1 for boxes, whose length no engine minds."""
+    return 1.0 if is_box(hull) else hull_length(hull)[0] / hull_width(hull)[0]
 
 
 def _without_slivers(hulls: Sequence[Hull], limits: HullLimits) -> list[Hull]:
@@ -136,7 +137,7 @@ def _limit_aspect(hulls: Sequence[Hull], limits: HullLimits, max_hulls: int) -> 
     given, 0 where the number of hulls allows to cut them as they are.
     """
     widths = np.array([hull_width(hull)[0] for hull in hulls])
-    sides = np.array([_side_lengths(hull) for hull in hulls])  # H 2
+    sides = np.array([(0.0, 0.0) if is_box(hull) else _side_lengths(hull) for hull in hulls])  # H 2
     enough = sides.max(initial=0.0) / limits.max_aspect
     least = 0.0
     while True:
@@ -163,11 +164,11 @@ def _cut_to_aspect(hull: Hull, max_aspect: float, depth: int = MAX_CUTS) -> list
 
     Tips of wedges, which never are, are left out.
     """
-    length, direction = hull_length(hull)
-    width, _ = hull_width(hull)
-    count = int(np.ceil(length / width / max_aspect - 1e-9))
+    count = int(np.ceil(hull_aspect(hull) / max_aspect - 1e-9))
     if count <= 1:
         return [hull]
+    _, direction = hull_length(hull)
+    width, _ = hull_width(hull)
     if depth == 0:
         return []
     heights = hull.vertices @ direction

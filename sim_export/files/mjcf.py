@@ -20,7 +20,8 @@ from sim_export.files.urdf import (
     visual_path,
     visual_placement,
 )
-from sim_export.package import Link, PackageJoint, SimPackage, SourceMesh, Visual
+from sim_export.geometry.primitives import find_primitive
+from sim_export.package import Hull, Link, PackageJoint, SimPackage, SourceMesh, Visual
 
 HULL_FRICTION = "0.8 0.005 0.0001"
 MIN_MESH_VERTICES = 4
@@ -79,22 +80,39 @@ def _add_body(
         _add_joint(body, joint)
     for visual in link.visuals:
         _add_visual(body, asset, visual, origin)
-    for index in range(len(link.hulls)):
-        name = f"{link.name}_{index}"
-        ET.SubElement(asset, "mesh", name=f"hull_{name}", file=hull_path(link, index))
-        ET.SubElement(
-            body,
-            "geom",
-            name=f"collision_{name}",
-            type="mesh",
-            mesh=f"hull_{name}",
-            pos=format_vector(-origin),
-            group="3",
-            friction=HULL_FRICTION,
-            mass="0",
-            rgba="0.6 0.6 0.6 0.5",
-        )
+    for index, hull in enumerate(link.hulls):
+        _add_hull(body, asset, hull, f"{link.name}_{index}", hull_path(link, index), origin)
     return body
+
+
+def _add_hull(
+    body: ET.Element,
+    asset: ET.Element,
+    hull: Hull,
+    name: str,
+    file: str,
+    origin: Float[np.ndarray, "3"],
+) -> None:
+    """A collision geom: a box or cylinder where the hull is exactly that, else a mesh."""
+    shape = find_primitive(hull)
+    if shape is None:
+        ET.SubElement(asset, "mesh", name=f"hull_{name}", file=file)
+        geom = {"type": "mesh", "mesh": f"hull_{name}", "pos": format_vector(-origin)}
+    else:
+        T = shape.T_object_shape
+        sizes = (
+            [size / 2 for size in shape.sizes]
+            if shape.kind == "box"
+            else [shape.sizes[0], shape.sizes[1] / 2]
+        )
+        geom = {
+            "type": shape.kind,
+            "size": format_vector(np.array(sizes)),
+            "pos": format_vector(T[:3, 3] - origin),
+        }
+        geom["quat"] = format_vector(quat_from_matrix(T[:3, :3]), 12)
+    style = {"group": "3", "friction": HULL_FRICTION, "mass": "0", "rgba": "0.6 0.6 0.6 0.5"}
+    ET.SubElement(body, "geom", {"name": f"collision_{name}"} | geom | style)
 
 
 def _add_joint(body: ET.Element, joint: PackageJoint) -> None:

@@ -270,19 +270,25 @@ def _own_link(
         path = package_file(folder, shape.file, owner)
         mesh = _source_mesh(path, shape, T, owner) if entry["source"] else read_mesh(path)
         visuals.append(Visual(name=shape.name, part=entry["part"], label=entry["label"], mesh=mesh))
-    hulls = []
-    for shape in link.collisions:
-        data = parse_obj(package_file(folder, shape.file, owner))
-        hulls.append(Hull(vertices=data.vertices, faces=data.faces))
+    hulls = tuple(_own_hull(folder, shape, T, owner) for shape in link.collisions)
     return Link(
         name=link.name,
         label=facts["label"],
         parts=tuple(facts["parts"]),
         visuals=tuple(visuals),
-        hulls=tuple(hulls),
+        hulls=hulls,
         inertial=_inertial(link.inertial, T, owner),
         splats=_own_splats(splats, T, index) if appearance and splats.is_file() else None,
     )
+
+
+def _own_hull(folder: Path, shape: UrdfShape, T: Float[np.ndarray, "4 4"], owner: str) -> Hull:
+    """A mesh of ours lies in the object frame, a primitive in the link's."""
+    if shape.kind == "mesh":
+        data = parse_obj(package_file(folder, shape.file, owner))
+        return Hull(vertices=data.vertices, faces=data.faces)
+    mesh = primitive_mesh(shape.kind, shape.sizes)
+    return Hull(vertices=transform_points(T @ shape.T_link_shape, mesh.vertices), faces=mesh.faces)
 
 
 def _own_splats(path: Path, T: Float[np.ndarray, "4 4"], index: int) -> Gaussians:

@@ -68,27 +68,26 @@ def child_joint(package: SimPackage, link: Link) -> PackageJoint | None:
     return by_child[joint.parent] if joint is not None and joint.mimic is not None else joint
 
 
-def _semantic_kind(joint: PackageJoint) -> str:
+def _semantic_kind(joint: PackageJoint | None) -> str:
     """PartNet-Mobility's word for how a link moves."""
-    if joint.type == "fixed":
+    if joint is None or joint.type == "fixed":
         return "heavy"
     if joint.kind == "screw":
         return "slider+"
     return "slider" if joint.type == "prismatic" else "hinge"
 
 
-def _semantic_name(package: SimPackage, link: Link, joint: PackageJoint) -> str:
-    if joint.type == "fixed":
+def _semantic_name(package: SimPackage, link: Link, joint: PackageJoint | None) -> str:
+    if joint is None or joint.type == "fixed":
         return BODY_NAMES.get(package.category, f"{package.category.lower()}_body")
     if link.label == "door":
         return "rotation_door" if joint.type != "prismatic" else "translation_door"
     return SEMANTIC_NAMES[link.label or "base"]
 
 
-def _named_links(package: SimPackage) -> list[tuple[Link, PackageJoint]]:
-    """Links that stand for parts, with the joint that moves them."""
-    pairs = [(link, child_joint(package, link)) for link in package.links if link.parts]
-    return [(link, joint) for link, joint in pairs if joint is not None]
+def _named_links(package: SimPackage) -> list[tuple[Link, PackageJoint | None]]:
+    """Links that stand for parts, with the joint that moves them; the root has none."""
+    return [(link, child_joint(package, link)) for link in package.links if link.parts]
 
 
 def semantics_text(package: SimPackage) -> str:
@@ -111,7 +110,7 @@ def mobility_json(package: SimPackage) -> str:
             label = next((v.label for v in link.visuals if v.part == part), link.label)
             pieces.append({"id": part_id, "name": label, "children": []})
             part_id += 1
-        moves = joint.type != "fixed"
+        moves = joint is not None and joint.type != "fixed"
         entries.append(
             {
                 "id": number[link.name],

@@ -1,8 +1,9 @@
 """A package as URDF text that SAPIEN, ManiSkill, MuJoCo and yourdfpy load unchanged.
 
 Link frames sit at the joint origin with the object's axes; meshes stay in the object frame, so
-every visual and collision origin is minus the joint origin. No `<material>`: SAPIEN lets it
-override the texture. One `<collision>` per hull file.
+the origin of a mesh is minus the joint origin. No `<material>`: SAPIEN lets it override the
+texture. Every hull is a `<collision>` of its own: a `<box>` or `<cylinder>` where it is exactly
+that, which engines take without cooking, else a mesh file.
 """
 
 import xml.etree.ElementTree as ET  # writing only; reading goes through defusedxml
@@ -13,6 +14,7 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.types import FULL_TURN
+from sim_export.geometry.primitives import find_primitive
 from sim_export.package import Link, PackageJoint, SimPackage, SourceMesh, Visual
 
 UrdfVariant = Literal["standard", "maniskill"]
@@ -100,10 +102,26 @@ def _add_link(robot: ET.Element, link: Link, origin: Float[np.ndarray, "3"], nam
         mesh = ET.SubElement(ET.SubElement(holder, "geometry"), "mesh", filename=visual_path(visual))
         if scale != 1.0:
             mesh.set("scale", format_vector(np.full(3, scale), 12))
-    for index in range(len(link.hulls)):
+    for index, hull in enumerate(link.hulls):
         holder = ET.SubElement(element, "collision", name=f"collision_{link.name}_{index}")
-        ET.SubElement(holder, "origin", xyz=format_vector(-origin), rpy="0 0 0")
-        ET.SubElement(ET.SubElement(holder, "geometry"), "mesh", filename=hull_path(link, index))
+        shape = find_primitive(hull)
+        if shape is None:
+            ET.SubElement(holder, "origin", xyz=format_vector(-origin), rpy="0 0 0")
+            ET.SubElement(ET.SubElement(holder, "geometry"), "mesh", filename=hull_path(link, index))
+            continue
+        T = shape.T_object_shape
+        xyz, rpy = format_vector(T[:3, 3] - origin), format_vector(_rpy_from_matrix(T[:3, :3]), 12)
+        ET.SubElement(holder, "origin", xyz=xyz, rpy=rpy)
+        names = {"box": ("size",), "cylinder": ("radius", "length")}[shape.kind]
+        sizes = (format_vector(shape.sizes),) if shape.kind == "box" else map(format_number, shape.sizes)
+        ET.SubElement(ET.SubElement(holder, "geometry"), shape.kind, dict(zip(names, sizes, strict=True)))
+
+
+def _rpy_from_matrix(R: Float[np.ndarray, "3 3"]) -> Float[np.ndarray, "3"]:
+    """Roll, pitch and yaw (radians) of a rotation."""
+    from scipy.spatial.transform import Rotation
+
+    return Rotation.from_matrix(R).as_euler("xyz")
 
 
 def visual_placement(
@@ -112,10 +130,8 @@ def visual_placement(
     """Position, roll-pitch-yaw and scale of a visual's file in its link frame."""
     if not isinstance(visual.mesh, SourceMesh):
         return -origin, np.zeros(3), 1.0
-    from scipy.spatial.transform import Rotation
-
     T = visual.mesh.T_object_file
-    return T[:3, 3] - origin, Rotation.from_matrix(T[:3, :3]).as_euler("xyz"), visual.mesh.scale
+    return T[:3, 3] - origin, _rpy_from_matrix(T[:3, :3]), visual.mesh.scale
 
 
 def _add_joint(robot: ET.Element, joint: PackageJoint, parent_origin: Float[np.ndarray, "3"]) -> None:

@@ -30,6 +30,7 @@ from sim_export.files.sidecars import (
 )
 from sim_export.files.srdf import srdf_text, touching_pairs
 from sim_export.files.urdf import hull_path, link_origins, splats_path, urdf_text, visual_path
+from sim_export.geometry.primitives import find_primitive
 from sim_export.package import SimPackage, SourceMesh, Visual
 from sim_export.physics.links import check_kinematics
 
@@ -52,7 +53,8 @@ def package_files(package: SimPackage) -> dict[str, bytes]:
         for visual in link.visuals:
             files |= _visual_files(visual)
         for index, hull in enumerate(link.hulls):
-            files[hull_path(link, index)] = hull_obj_text(hull, f"{link.name}_{index}").encode()
+            if find_primitive(hull) is None:
+                files[hull_path(link, index)] = hull_obj_text(hull, f"{link.name}_{index}").encode()
         if link.splats is not None:
             own = transform_gaussians(link.splats, shift(-origins[link.name]))
             files[splats_path(link.name)] = encode_ply(own)

@@ -1,15 +1,33 @@
-"""URDF primitives as closed meshes, centred on their own frame."""
+"""Boxes, cylinders and spheres of URDF: as closed meshes, and found again in hulls that are exactly these."""
+
+from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
+from jaxtyping import Float
 
+from artigen.shapes.primitives import SEGMENTS, cylinder
+from artigen.transforms import transform_points
 from sim_export.errors import PackageError
-from sim_export.package import Mesh
+from sim_export.package import Hull, Mesh
 
-SEGMENTS = 24
+PRECISION = 1e-6
+"""Metres; hulls whose corners are this near those of a primitive are one, as files hold micrometres."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PrimitiveShape:
+    """A box of three edges, or a cylinder of a radius and a length along its own z (m), as it is placed."""
+
+    kind: Literal["box", "cylinder"]
+    sizes: tuple[float, ...]
+    T_object_shape: Float[np.ndarray, "4 4"]
 
 
 def primitive_mesh(kind: str, sizes: tuple[float, ...]) -> Mesh:
-    """A box (three edges), cylinder (radius, length along z) or sphere (radius) in metres.
+    """A box (three edges), cylinder (radius, length along z) or sphere (radius) in metres, about its middle.
+
+    A cylinder is the inscribed prism of `SEGMENTS` sides.
 
     Raises:
         PackageError: If a size is not a positive number or the kind is unknown.
@@ -22,9 +40,110 @@ def primitive_mesh(kind: str, sizes: tuple[float, ...]) -> Mesh:
         case "box":
             solid = trimesh.creation.box(extents=sizes)
         case "cylinder":
-            solid = trimesh.creation.cylinder(radius=sizes[0], height=sizes[1], sections=SEGMENTS)
+            solid = cylinder((0.0, 0.0, -sizes[1] / 2), (0.0, 0.0, sizes[1] / 2), sizes[0], "")
         case "sphere":
             solid = trimesh.creation.icosphere(subdivisions=2, radius=sizes[0])
         case _:
             raise PackageError(f"shape {kind!r}, expected box, cylinder or sphere")
     return Mesh(vertices=np.asarray(solid.vertices), faces=np.asarray(solid.faces))
+
+
+def primitive_hull(shape: PrimitiveShape) -> Hull:
+    """The hull that a primitive is for checks and for engines without cylinders."""
+    mesh = primitive_mesh(shape.kind, shape.sizes)
+    return Hull(vertices=transform_points(shape.T_object_shape, mesh.vertices), faces=mesh.faces)
+
+
+def find_primitive(hull: Hull) -> PrimitiveShape | None:
+    """The box or cylinder that a hull is, to the micrometre; None for all others."""
+    if len(hull.vertices) == 8:
+        return _find_box(hull.vertices)
+    return _find_cylinder(hull) if len(hull.vertices) == 2 * SEGMENTS else None
+
+
+def is_box(hull: Hull) -> bool:
+    """Whether a hull is a box, to the micrometre."""
+    return len(hull.vertices) == 8 and _find_box(hull.vertices) is not None
+
+
+def _find_box(corners: Float[np.ndarray, "8 3"]) -> PrimitiveShape | None:
+    center = corners.mean(axis=0)
+    spokes = corners - corners[0]
+    reach = np.linalg.norm(spokes, axis=1)
+    first, *others = np.argsort(reach, kind="stable")[1:]  # the shortest spoke is an edge
+    upright = [k for k in others if abs(spokes[k] @ spokes[first]) <= PRECISION * reach[k]]
+    if not upright:
+        return None
+    axes = np.stack([spokes[first], spokes[upright[0]]]) / reach[[first, upright[0]], None]
+    axes = _near_object_axes(np.stack([*axes, np.cross(*axes)]))
+    half = np.abs((corners - center) @ axes.T).max(axis=0)
+    expected = np.sign((corners - center) @ axes.T) * half
+    if not _all_there(expected) or np.abs((corners - center) @ axes.T - expected).max() > PRECISION:
+        return None
+    return PrimitiveShape(
+        kind="box", sizes=tuple(float(edge) for edge in 2 * half), T_object_shape=_place(axes, center)
+    )
+
+
+def _all_there(corners: Float[np.ndarray, "8 3"]) -> bool:
+    """Whether every combination of signs occurs."""
+    return len(np.unique(np.sign(corners), axis=0)) == 8
+
+
+def _near_object_axes(axes: Float[np.ndarray, "3 3"]) -> Float[np.ndarray, "3 3"]:
+    """Rows in the order and with the signs that are nearest to the object's axes, right-handed."""
+    from itertools import permutations
+
+    order = max(permutations(range(3)), key=lambda rows: float(np.abs(axes[list(rows)]).diagonal().sum()))
+    axes = axes[list(order)]
+    axes = axes * np.where(axes.diagonal() < 0, -1.0, 1.0)[:, None]
+    axes[2] = np.cross(axes[0], axes[1])
+    return axes
+
+
+def _find_cylinder(hull: Hull) -> PrimitiveShape | None:
+    axis = _find_caps(hull)
+    if axis is None:
+        return None
+    center = hull.vertices.mean(axis=0)
+    spokes = hull.vertices - center
+    heights = spokes @ axis
+    half = float(np.abs(heights).max())
+    # A corner's angle, less half a step, is where x points: the turn nearest to an object axis is taken.
+    helper = np.eye(3)[int(np.argmax(np.abs(axis)) == 0)]
+    x = helper - axis * (helper @ axis)
+    x /= np.linalg.norm(x)
+    y = np.cross(axis, x)
+    angles = np.arctan2(spokes @ y, spokes @ x)
+    step = 2 * np.pi / SEGMENTS
+    turn = float(np.angle(np.exp(1j * SEGMENTS * (angles - step / 2)).mean())) / SEGMENTS
+    x, y = np.cos(turn) * x + np.sin(turn) * y, np.cos(turn) * y - np.sin(turn) * x
+    radius = float(np.hypot(spokes @ x, spokes @ y).mean())
+    shape = PrimitiveShape(
+        kind="cylinder", sizes=(radius, 2 * half), T_object_shape=_place(np.stack([x, y, axis]), center)
+    )
+    apart = hull.vertices[:, None] - primitive_hull(shape).vertices
+    nearest = np.linalg.norm(apart, axis=2)
+    matched = nearest.argmin(axis=1)
+    fits = len(set(matched.tolist())) == len(matched) and nearest.min(axis=1).max() <= PRECISION
+    return shape if fits else None
+
+
+def _find_caps(hull: Hull) -> Float[np.ndarray, "3"] | None:
+    """The normal, towards higher coordinates, that triangles of two polygons of `SEGMENTS` sides share."""
+    corners = hull.vertices[hull.faces]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-15)
+    alike = np.abs(normals @ normals.T) > 1.0 - 1e-6
+    best = int(alike.sum(axis=1).argmax())
+    if alike[best].sum() != 2 * (SEGMENTS - 2):
+        return None
+    axis = normals[best]
+    return axis * np.sign(axis[np.argmax(np.abs(axis))])
+
+
+def _place(axes: Float[np.ndarray, "3 3"], center: Float[np.ndarray, "3"]) -> Float[np.ndarray, "4 4"]:
+    T = np.eye(4)
+    T[:3, :3] = axes.T
+    T[:3, 3] = center
+    return T

@@ -1,7 +1,7 @@
 """From parts to rigid bodies: which parts weld together, what the links and joints are called.
 
-`base` is an empty root. Every movable part becomes a link, in part order, together with everything
-fixed to it; the root part with everything fixed to that is the last link and hangs from `base`.
+Every movable part becomes a link, in part order, together with everything fixed to it; the root part
+with everything fixed to that is the last link and the root: no link without mass or geometry holds it.
 A screw part gets two links in a row: a carrier that turns and the part that travels on it.
 """
 
@@ -27,7 +27,6 @@ from sim_export.package import (
 from sim_export.physics.inertia import check_inertial, combine, inertia_about, raise_light_mass
 from sim_export.physics.materials import GRAVITY, joint_resistance
 
-BASE = "base"
 MAX_LINKS = 64
 HOLD_SLOPE = 0.09
 SHORTEST_DECAY = 0.1
@@ -111,23 +110,20 @@ def build_links(asset: Asset, geometry: Sequence[PartGeometry]) -> LinkTree:
         link, record = _weld(asset, geometry, members, name)
         records += record
         part = asset.parts[leader]
-        if leader == asset.root:
-            joints.append(_root_joint(name))
-        else:
+        if leader != asset.root:
             parent = names[owners[part.parent]]
             carriers, chain = _chain(asset, part, parent, link)
             links += carriers
             joints += chain
         links.append(link)
-    base = Link(name=BASE, label=None, parts=(), visuals=(), hulls=(), inertial=None)
-    if len(links) + 1 > MAX_LINKS:
+    if len(links) > MAX_LINKS:
         raise InvalidKinematics(
-            f"asset {asset.name!r}: {len(links) + 1} links, PhysX articulations have at most {MAX_LINKS}; "
+            f"asset {asset.name!r}: {len(links)} links, PhysX articulations have at most {MAX_LINKS}; "
             f"join small movable parts or drop them"
         )
     links, raised = _with_shafts(links, joints)
     return LinkTree(
-        links=(base, *links),
+        links=tuple(links),
         joints=_with_resistance(asset, links, joints),
         records=(*records, *raised),
     )
@@ -163,19 +159,6 @@ def _weld(
         inertial=inertial,
     )
     return link, [] if record is None else [record]
-
-
-def _root_joint(child: str) -> PackageJoint:
-    """The fixed joint that carries the body."""
-    return PackageJoint(
-        name=child.replace("link", "joint"),
-        type="fixed",
-        kind="fixed",
-        parent=BASE,
-        child=child,
-        origin=np.zeros(3),
-        axis=np.array([1.0, 0.0, 0.0]),
-    )
 
 
 def _chain(asset: Asset, part: Part, parent: str, link: Link) -> tuple[list[Link], list[PackageJoint]]:
