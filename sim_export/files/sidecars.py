@@ -110,17 +110,18 @@ def mobility_json(package: SimPackage) -> str:
             label = next((v.label for v in link.visuals if v.part == part), link.label)
             pieces.append({"id": part_id, "name": label, "children": []})
             part_id += 1
-        moves = joint is not None and joint.type != "fixed"
-        entries.append(
-            {
-                "id": number[link.name],
-                "parent": number.get(_part_link(package, joint.parent), -1) if moves else -1,
-                "joint": _semantic_kind(joint),
-                "name": _semantic_name(package, link, joint),
-                "parts": pieces,
-                "jointData": _joint_data(package, link, joint) if moves else {},
-            }
-        )
+        entry = {
+            "id": number[link.name],
+            "parent": -1,
+            "joint": _semantic_kind(joint),
+            "name": _semantic_name(package, link, joint),
+            "parts": pieces,
+            "jointData": {},
+        }
+        if joint is not None and joint.type != "fixed":
+            entry["parent"] = number.get(_part_link(package, joint.parent), -1)
+            entry["jointData"] = _joint_data(package, link, joint)
+        entries.append(entry)
     return json_text(entries)
 
 

@@ -113,7 +113,11 @@ def _add_link(robot: ET.Element, link: Link, origin: Float[np.ndarray, "3"], nam
         xyz, rpy = format_vector(T[:3, 3] - origin), format_vector(_rpy_from_matrix(T[:3, :3]), 12)
         ET.SubElement(holder, "origin", xyz=xyz, rpy=rpy)
         names = {"box": ("size",), "cylinder": ("radius", "length")}[shape.kind]
-        sizes = (format_vector(shape.sizes),) if shape.kind == "box" else map(format_number, shape.sizes)
+        sizes = (
+            (format_vector(np.array(shape.sizes)),)
+            if shape.kind == "box"
+            else map(format_number, shape.sizes)
+        )
         ET.SubElement(ET.SubElement(holder, "geometry"), shape.kind, dict(zip(names, sizes, strict=True)))
 
 

@@ -1,7 +1,8 @@
 """From parts to rigid bodies: which parts weld together, what the links and joints are called.
 
 Every movable part becomes a link, in part order, together with everything fixed to it; the root part
-with everything fixed to that is the last link and the root: no link without mass or geometry holds it.
+with everything fixed to that is the last link and the root. Only where nothing moves is it fixed to an
+empty link, `base`: SAPIEN takes a URDF without joints for a loose body, not for an articulation.
 A screw part gets two links in a row: a carrier that turns and the part that travels on it.
 """
 
@@ -27,6 +28,7 @@ from sim_export.package import (
 from sim_export.physics.inertia import check_inertial, combine, inertia_about, raise_light_mass
 from sim_export.physics.materials import GRAVITY, joint_resistance
 
+BASE = "base"
 MAX_LINKS = 64
 HOLD_SLOPE = 0.09
 SHORTEST_DECAY = 0.1
@@ -122,6 +124,9 @@ def build_links(asset: Asset, geometry: Sequence[PartGeometry]) -> LinkTree:
             f"join small movable parts or drop them"
         )
     links, raised = _with_shafts(links, joints)
+    if not joints:
+        links.insert(0, Link(name=BASE, label=None, parts=(), visuals=(), hulls=(), inertial=None))
+        joints.append(_fix(links[-1].name))
     return LinkTree(
         links=tuple(links),
         joints=_with_resistance(asset, links, joints),
@@ -159,6 +164,19 @@ def _weld(
         inertial=inertial,
     )
     return link, [] if record is None else [record]
+
+
+def _fix(child: str) -> PackageJoint:
+    """The joint of a body that nothing moves on."""
+    return PackageJoint(
+        name=child.replace("link", "joint"),
+        type="fixed",
+        kind="fixed",
+        parent=BASE,
+        child=child,
+        origin=np.zeros(3),
+        axis=np.array([1.0, 0.0, 0.0]),
+    )
 
 
 def _chain(asset: Asset, part: Part, parent: str, link: Link) -> tuple[list[Link], list[PackageJoint]]:

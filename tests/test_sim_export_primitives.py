@@ -1,0 +1,121 @@
+"""Laws of hulls that are boxes or cylinders: found wherever they stand, and nothing else is found."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from artigen.shapes.primitives import SEGMENTS, place_vertices, rounded_box
+from artigen.transforms import transform_points
+from sim_export.collision.hulls import box_hull, clip_hull, convex_hull
+from sim_export.geometry.primitives import (
+    PRECISION,
+    PrimitiveShape,
+    find_primitive,
+    is_box,
+    primitive_hull,
+)
+from sim_export.package import Hull
+
+LENGTHS = st.floats(0.0015, 2.5)
+SEEDS = st.integers(0, 10_000)
+
+
+def place(seed: int) -> np.ndarray:
+    """A pose that is aligned with the axes for some seeds and turned freely for the others."""
+    rng = np.random.default_rng(seed)
+    turn = Rotation.random(random_state=seed)
+    if seed % 3 == 0:
+        turn = Rotation.from_euler("xyz", rng.integers(0, 4, size=3) * np.pi / 2)
+    T = np.eye(4)
+    T[:3, :3], T[:3, 3] = turn.as_matrix(), rng.uniform(-1, 1, size=3)
+    return T
+
+
+def farthest(first: Hull, second: Hull) -> float:
+    """The greatest distance from a corner of one hull to the nearest corner of the other."""
+    apart = np.linalg.norm(first.vertices[:, None] - second.vertices, axis=2)
+    return float(max(apart.min(axis=0).max(), apart.min(axis=1).max()))
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.tuples(LENGTHS, LENGTHS, LENGTHS), SEEDS)
+def test_a_box_is_found_wherever_it_stands(sizes, seed):
+    hull = primitive_hull(PrimitiveShape(kind="box", sizes=sizes, T_object_shape=place(seed)))
+    found = find_primitive(hull)
+    assert found is not None
+    assert found.kind == "box"
+    np.testing.assert_allclose(sorted(found.sizes), sorted(sizes), atol=1e-9)
+    assert np.linalg.det(found.T_object_shape[:3, :3]) == pytest.approx(1.0)
+    assert farthest(primitive_hull(found), hull) < 1e-9
+
+
+@settings(max_examples=60, deadline=None)
+@given(LENGTHS, LENGTHS, SEEDS)
+def test_a_cylinder_is_found_wherever_it_stands(radius, length, seed):
+    hull = primitive_hull(PrimitiveShape(kind="cylinder", sizes=(radius, length), T_object_shape=place(seed)))
+    found = find_primitive(hull)
+    assert found is not None
+    assert found.kind == "cylinder"
+    np.testing.assert_allclose(found.sizes, (radius, length), atol=1e-9)
+    assert farthest(primitive_hull(found), hull) < 1e-9
+
+
+def test_an_axis_aligned_box_has_no_rotation():
+    found = find_primitive(box_hull(np.array([-0.3, 0.1, 0.0]), np.array([0.3, 0.118, 2.0])))
+    assert found is not None
+    np.testing.assert_allclose(found.sizes, (0.6, 0.018, 2.0), atol=1e-12)
+    np.testing.assert_allclose(found.T_object_shape[:3, :3], np.eye(3), atol=1e-12)
+
+
+@pytest.mark.parametrize(("off", "known"), [(0.4 * PRECISION, True), (3.0 * PRECISION, False)])
+def test_corners_may_be_off_by_what_files_round_away(off, known):
+    hull = box_hull(np.zeros(3), np.array([0.3, 0.4, 0.018]))
+    moved = hull.vertices.copy()
+    moved[3, 2] += off
+    assert is_box(Hull(vertices=moved, faces=hull.faces)) == known
+    rod = primitive_hull(PrimitiveShape(kind="cylinder", sizes=(0.02, 0.5), T_object_shape=np.eye(4)))
+    moved = rod.vertices.copy()
+    moved[3, :2] *= 1.0 + off / 0.02
+    assert (find_primitive(Hull(vertices=moved, faces=rod.faces)) is not None) == known
+
+
+def other_hulls() -> dict[str, Hull]:
+    unit = box_hull(np.zeros(3), np.ones(3))
+    sheared = unit.vertices + 0.1 * unit.vertices[:, [2, 0, 1]] * [1.0, 0.0, 0.0]
+    tapered = unit.vertices * np.where(unit.vertices[:, 2:] > 0.5, [0.8, 0.8, 1.0], 1.0)
+    bevelled = rounded_box((0.0, 0.0, 0.0), (0.3, 0.2, 0.1), 0.01, "")
+    cut = clip_hull(unit, np.array([0.6, 0.0, 0.8]), 0.9)
+    assert cut is not None
+    angles = np.arange(SEGMENTS) * 2 * np.pi / SEGMENTS
+    rim = np.column_stack([np.cos(angles), np.sin(angles)])
+    oval = np.concatenate([np.column_stack([rim * [1.0, 0.9], np.full(SEGMENTS, z)]) for z in (0.0, 1.0)])
+    cone = np.concatenate(
+        [np.column_stack([rim * (1.0 - 0.3 * z), np.full(SEGMENTS, z)]) for z in (0.0, 1.0)]
+    )
+    twisted = (
+        np.cos(0.05) * rim[:, 0] - np.sin(0.05) * rim[:, 1],
+        np.sin(0.05) * rim[:, 0] + np.cos(0.05) * rim[:, 1],
+    )
+    turned = np.concatenate(
+        [np.column_stack([rim, np.zeros(SEGMENTS)]), np.column_stack([*twisted, np.ones(SEGMENTS)])]
+    )
+    return {
+        "sheared": Hull(vertices=sheared, faces=unit.faces),
+        "tapered": Hull(vertices=tapered, faces=unit.faces),
+        "bevelled": Hull(vertices=place_vertices(bevelled), faces=bevelled.faces),
+        "cut": cut,
+        "oval": convex_hull(oval),
+        "cone": convex_hull(cone),
+        "twisted": convex_hull(turned),
+    }
+
+
+@pytest.mark.parametrize("name", list(other_hulls()))
+@pytest.mark.parametrize("seed", [0, 1])
+def test_other_hulls_stay_hulls(name, seed):
+    hull = other_hulls()[name]
+    assert (
+        find_primitive(Hull(vertices=transform_points(place(seed), hull.vertices), faces=hull.faces)) is None
+    )
