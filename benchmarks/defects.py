@@ -16,6 +16,8 @@ import numpy as np
 
 from sim_export.collision.hulls import convex_hull
 from sim_export.files.obj import hull_obj_text, parse_obj, png_bytes
+from sim_export.files.read import read_package
+from sim_export.files.urdf import format_vector, link_origins
 from sim_export.files.write import UNHASHED, manifest_text
 from sim_export.package import Hull
 
@@ -35,14 +37,37 @@ class Defect:
 
 
 def seed_defect(defect: Defect, good: Path, folder: Path) -> Path:
-    """Copies a good package to ``folder`` and breaks the copy."""
+    """Copies a good package to ``folder``, all its collision shapes as mesh files, and breaks the copy."""
     shutil.copytree(good, folder)
+    mesh_collisions(folder)
     defect.mutate(folder)
     if defect.reseal:
         files = {p.relative_to(folder).as_posix(): p for p in sorted(folder.rglob("*")) if p.is_file()}
         content = {name: path.read_bytes() for name, path in files.items() if name not in UNHASHED}
         (folder / "manifest.json").write_text(manifest_text(content))
     return folder
+
+
+def mesh_collisions(folder: Path) -> None:
+    """Writes boxes and cylinders as the mesh files that mutations edit; the geometry stays the same."""
+    package = read_package(folder, appearance=False)
+    origins, hulls = link_origins(package), {link.name: link.hulls for link in package.links}
+
+    def change(robot: ET.Element) -> None:
+        for link in robot.findall("link"):
+            name = link.get("name", "")
+            for index, collision in enumerate(link.findall("collision")):
+                geometry = find(collision, "geometry")
+                if geometry.find("mesh") is not None:
+                    continue
+                file = f"collision/{name}_{index}.obj"
+                (folder / file).parent.mkdir(exist_ok=True)
+                _write(folder / file, hulls[name][index])
+                find(collision, "origin").attrib.update(xyz=format_vector(-origins[name]), rpy="0 0 0")
+                geometry.clear()
+                ET.SubElement(geometry, "mesh", filename=file)
+
+    edit_urdf(change)(folder)
 
 
 def edit_urdf(change: Callable[[ET.Element], None]) -> Mutation:

@@ -6,12 +6,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from defects import mesh_collisions
 from sample_packages import SAMPLE_PARTS, build_package
 
 from sim_export.collision.hulls import box_hull
 from sim_export.files.read import read_package
 from sim_export.files.write import write_package
-from sim_export.package import Inertial, SimPackage
+from sim_export.package import Inertial, Link, SimPackage
 
 pytest.importorskip("sapien")
 from envs.config import DynamicsConfig
@@ -150,6 +151,7 @@ def test_what_depends_on_the_step_size_fails_v309(package, tmp_path):
 
 
 def lose_a_hull(folder: Path) -> None:
+    mesh_collisions(folder)
     (folder / "collision" / "link_3_1.obj").unlink()
 
 
@@ -179,7 +181,7 @@ def test_joints_that_could_meet_are_tried_apart(package, tmp_path):
     from envs.scene import create_scene
 
     body = next(link for link in package.links if link.label == "base")
-    mount = next(joint for joint in package.joints if joint.child == body.name)
+    turning = package.joints[0]
 
     def knobs(distance: float) -> SimPackage:
         links, joints = [], []
@@ -193,14 +195,11 @@ def test_joints_that_could_meet_are_tried_apart(package, tmp_path):
                         inertial=inertial)
             )  # fmt: skip
             joints.append(
-                replace(mount, name=f"joint_{k}", type="continuous", kind="continuous", parent=body.name,
+                replace(turning, name=f"joint_{k}", type="continuous", kind="continuous", parent=body.name,
                         child=f"link_{k}", origin=at, axis=np.array([-1.0, 0.0, 0.0]), upper=2 * np.pi,
                         velocity=6.0, friction=0.04, damping=1e-4)
             )  # fmt: skip
-        base = next(link for link in package.links if link.name == mount.parent)
-        return replace(
-            package, links=(base, *links, body), joints=(*joints, mount), handles=(), requires_open=()
-        )
+        return replace(package, links=(*links, body), joints=tuple(joints), handles=(), requires_open=())
 
     groups = {}
     for distance in (0.0555, 0.06):  # corners reach 28.3 mm from the axis
@@ -233,8 +232,11 @@ def test_only_what_is_mounted_or_held_may_overhang(package, trials):
 
 def test_what_does_not_move_has_nothing_to_open(package, tmp_path):
     body = next(link for link in package.links if link.name == "link_4")
-    fixed = tuple(joint for joint in package.joints if joint.type == "fixed")
-    block = replace(package, links=(package.links[0], body), joints=fixed, handles=(), requires_open=())
+    base = Link(name="base", label=None, parts=(), visuals=(), hulls=(), inertial=None)
+    fixed = replace(
+        package.joints[0], type="fixed", kind="fixed", parent="base", child="link_4", origin=np.zeros(3)
+    )
+    block = replace(package, links=(base, body), joints=(fixed,), handles=(), requires_open=())
     folder = write_package(block, tmp_path / "block")
     verdicts = {result.id: result.verdict for result in check_dynamics(folder, block, ONE_STEP_SIZE)}
     applies = {name for name, verdict in verdicts.items() if verdict != "not_applicable"}

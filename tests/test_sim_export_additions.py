@@ -9,7 +9,7 @@ from sim_export.collision.hull_limits import hull_aspect
 from sim_export.collision.hulls import box_hull
 from sim_export.package import Hull
 
-FOOT = box_hull(np.array([0.0, 0.0, -0.1]), np.array([0.01, 0.01, 0.0]))
+FOOT = box_hull(np.array([0.0, 0.0, -0.1]), np.array([0.009, 0.01, 0.0]))
 
 
 def column(thick: float) -> Hull:

@@ -274,7 +274,10 @@ def test_subtracting_leaves_the_rest():
 
 def test_limits_are_met_by_cutting_thickening_and_fewer_vertices():
     limits = HullLimits()
-    plate = box_hull(np.zeros(3), np.array([1.0, 0.5, 0.006]))
+    board = box_hull(np.zeros(3), np.array([1.0, 0.5, 0.006]))
+    assert limit_hulls([board], limits, 32) == ((board,), ())
+    plate = clip_hull(board, np.array([0.6, 0.8, 0.0]), 0.95)
+    assert plate is not None
     cut, records = limit_hulls([plate], limits, 32)
     assert_within_limits(cut, limits)
     assert len(cut) == 6
