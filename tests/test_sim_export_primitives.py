@@ -1,5 +1,7 @@
 """Laws of hulls that are boxes or cylinders: found wherever they stand, and nothing else is found."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -9,6 +11,7 @@ from scipy.spatial.transform import Rotation
 from artigen.shapes.primitives import SEGMENTS, place_vertices, rounded_box
 from artigen.transforms import transform_points
 from sim_export.collision.hulls import box_hull, clip_hull, convex_hull
+from sim_export.files.write import write_package
 from sim_export.geometry.primitives import (
     PRECISION,
     PrimitiveShape,
@@ -16,7 +19,8 @@ from sim_export.geometry.primitives import (
     is_box,
     primitive_hull,
 )
-from sim_export.package import Hull
+from sim_export.package import Hull, Link, PackageJoint, SimPackage
+from sim_export.physics.inertia import mesh_inertial
 
 LENGTHS = st.floats(0.0015, 2.5)
 SEEDS = st.integers(0, 10_000)
@@ -119,3 +123,92 @@ def test_other_hulls_stay_hulls(name, seed):
     assert (
         find_primitive(Hull(vertices=transform_points(place(seed), hull.vertices), faces=hull.faces)) is None
     )
+
+
+SHAPES = tuple(
+    PrimitiveShape(kind=kind, sizes=sizes, T_object_shape=place(seed))
+    for kind, sizes in (("box", (0.1, 0.2, 0.4)), ("cylinder", (0.05, 0.3)))
+    for seed in (0, 1, 3, 4)
+)
+
+
+@pytest.fixture(scope="module")
+def placed(tmp_path_factory):
+    """A package of one moving link whose hulls are boxes and cylinders in many poses."""
+    hulls = tuple(primitive_hull(shape) for shape in SHAPES)
+    body = Link(
+        name="link_1",
+        label="base",
+        parts=(),
+        visuals=(),
+        hulls=hulls[:1],
+        inertial=mesh_inertial(hulls[0], 500.0),
+    )
+    mover = replace(body, name="link_0", label="door", hulls=hulls)
+    joint = PackageJoint(
+        name="joint_0", type="revolute", kind="revolute", parent="link_1", child="link_0",
+        origin=np.array([0.3, -0.2, 0.1]), axis=np.array([0.0, 0.0, 1.0]), upper=1.0,
+    )  # fmt: skip
+    package = SimPackage(
+        name="shapes", category="Thing", visual="voxels", links=(mover, body), joints=(joint,)
+    )
+    return write_package(package, tmp_path_factory.mktemp("shapes") / "shapes")
+
+
+def corner_bounds(shape: PrimitiveShape) -> np.ndarray:
+    """Bounds of the exact solid along each object axis."""
+    R, at = shape.T_object_shape[:3, :3], shape.T_object_shape[:3, 3]
+    if shape.kind == "box":
+        reach = np.abs(R) @ np.array(shape.sizes) / 2
+    else:
+        radius, length = shape.sizes
+        reach = np.abs(R[:, 2]) * length / 2 + radius * np.sqrt(1.0 - R[:, 2] ** 2)
+    return np.stack([at - reach, at + reach])
+
+
+def as_placed(kind: str, sizes: tuple[float, ...], R: np.ndarray, at: np.ndarray) -> PrimitiveShape:
+    T = np.eye(4)
+    T[:3, :3], T[:3, 3] = R, at
+    return PrimitiveShape(kind=kind, sizes=sizes, T_object_shape=T)
+
+
+@pytest.mark.sim
+@pytest.mark.parametrize("file", ["mobility.urdf", "mobility.mjcf.xml"])
+def test_mujoco_puts_them_where_they_are(placed, file):
+    import mujoco
+
+    model = mujoco.MjModel.from_xml_path(str(placed / file))
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    mover = model.body("link_0").id
+    found = []
+    for index in np.flatnonzero(model.geom_bodyid == mover):
+        size, R = model.geom_size[index], data.geom_xmat[index].reshape(3, 3)
+        if model.geom_type[index] == mujoco.mjtGeom.mjGEOM_BOX:
+            found.append(as_placed("box", tuple(2 * size), R, data.geom_xpos[index]))
+        else:
+            assert model.geom_type[index] == mujoco.mjtGeom.mjGEOM_CYLINDER
+            found.append(as_placed("cylinder", (size[0], 2 * size[1]), R, data.geom_xpos[index]))
+    bounds = np.stack([corner_bounds(shape) for shape in SHAPES])
+    np.testing.assert_allclose([corner_bounds(shape) for shape in found], bounds, atol=1e-6)
+
+
+@pytest.mark.sim
+def test_sapien_puts_them_where_they_are(placed):
+    import sapien
+    from sapien.physx import PhysxCollisionShapeBox, PhysxCpuSystem
+
+    loader = sapien.Scene([PhysxCpuSystem()]).create_urdf_loader()
+    robot = loader.parse(str(placed / "mobility.urdf"))[0][0].build()
+    robot.set_qpos(np.zeros(1, dtype=np.float32))
+    link = next(link for link in robot.links if link.name == "link_0")
+    found = []
+    for shape in link.collision_shapes:
+        T = (link.entity_pose * shape.local_pose).to_transformation_matrix()
+        if isinstance(shape, PhysxCollisionShapeBox):
+            found.append(as_placed("box", tuple(2 * shape.half_size), T[:3, :3], T[:3, 3]))
+        else:  # along x
+            R = T[:3, [1, 2, 0]]
+            found.append(as_placed("cylinder", (shape.radius, 2 * shape.half_length), R, T[:3, 3]))
+    bounds = np.stack([corner_bounds(shape) for shape in SHAPES])
+    np.testing.assert_allclose([corner_bounds(shape) for shape in found], bounds, atol=1e-5)
