@@ -22,7 +22,7 @@ from sim_export.checks.subject import Subject
 from sim_export.checks.sweep import open_positions
 from sim_export.checks.urdf_file import UrdfJoint, tree_problems
 from sim_export.collision.contacts import penetration_depths
-from sim_export.errors import PackageError
+from sim_export.files.folders import find_packages
 from sim_export.package import PackageJoint
 
 STATES = 21
@@ -219,14 +219,6 @@ def _all_states(subject: Subject, *, opened: bool) -> list[tuple[str, dict[str, 
     return states
 
 
-def find_packages(folders: list[Path]) -> list[Path]:
-    """Every folder at or below those given that holds a ``mobility.urdf``."""
-    found = sorted({path.parent for folder in folders for path in folder.rglob("mobility.urdf")})
-    if not found:
-        raise PackageError(f"{', '.join(map(str, folders))}: no mobility.urdf in or below")
-    return found
-
-
 def main(folders: tyro.conf.Positional[tuple[Path, ...]], workers: int = 2) -> None:
     """Prints the table, and the first faults of each column.
 
@@ -234,7 +226,7 @@ def main(folders: tyro.conf.Positional[tuple[Path, ...]], workers: int = 2) -> N
         folders: packages, or folders that hold some at any depth.
         workers: processes.
     """
-    packages = find_packages(list(folders))
+    packages = find_packages(folders)
     with get_context("spawn").Pool(workers) as pool:
         audits = pool.map(audit_package, packages, chunksize=4)
     print(f"{len(audits)} assets, failures in the denominator\n")

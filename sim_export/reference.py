@@ -28,6 +28,7 @@ from sim_export.physics.inertia import combine, mesh_inertial
 from sim_export.physics.links import LinkTree, PartGeometry, build_links
 from sim_export.physics.masses import subtract
 from sim_export.physics.materials import MATERIALS, MaterialName, finish_material
+from sim_export.topology import hull_kinds
 
 NEEDLES = 0.008
 """Share of needles from which a union is not shown; checks allow a hundredth."""
@@ -75,10 +76,10 @@ def build_reference(
     geometry, meshes, records = [], [], []
     materials: list[tuple[str, str]] = []
     for part, start in zip(shape.parts, first, strict=False):
-        solids = [_primitive_hull(primitive, center) for primitive in part.primitives]
+        solids = _solids(part, center)
         union = _show(solids, [primitive.kind == "cylinder" for primitive in part.primitives])
         meshes.append(_paint_part(union, table, int(start), center, cfg))
-        hulls = tuple(piece for solid in solids for piece in trim_hull(solid, cfg.limits))
+        hulls = _trim(solids, cfg.limits)
         if len(hulls) > len(solids):
             records.append(f"{part.name}: {len(solids)} primitives cut to {len(hulls)} hulls, being oblong")
         made_of: list[MaterialName] = [
@@ -101,8 +102,30 @@ def build_reference(
     )
 
 
-def _primitive_hull(primitive: Primitive, center: Float[np.ndarray, "3"]) -> Hull:
-    return Hull(vertices=place_vertices(primitive) - center, faces=primitive.faces)
+def describe_build(shape: Shape) -> list[object]:
+    """What decides the topology of an object's package, without making the package."""
+    limits = HullLimits()
+    return [
+        (
+            part.name,
+            part.label,
+            part.parent,
+            None if part.motion is None else part.motion.type,
+            hull_kinds(_trim(_solids(part, np.zeros(3)), limits)),
+        )
+        for part in shape.parts
+    ]
+
+
+def _solids(part: ShapePart, center: Float[np.ndarray, "3"]) -> list[Hull]:
+    return [
+        Hull(vertices=place_vertices(primitive) - center, faces=primitive.faces)
+        for primitive in part.primitives
+    ]
+
+
+def _trim(solids: Sequence[Hull], limits: HullLimits) -> tuple[Hull, ...]:
+    return tuple(piece for solid in solids for piece in trim_hull(solid, limits))
 
 
 def _show(solids: Sequence[Hull], round_ones: Sequence[bool]) -> _Union:

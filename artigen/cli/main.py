@@ -10,6 +10,7 @@ from artigen.cli.export import export
 from artigen.cli.generate import generate
 from artigen.cli.preview import preview
 from artigen.cli.scene import scene
+from artigen.cli.sets import sets
 from artigen.cli.shape import shape
 from artigen.cli.train import train
 from artigen.cli.validate import validate
@@ -32,6 +33,7 @@ def main() -> None:
         "validate": validate,
         "preview": preview,
         "view": view,
+        "sets": sets,
         "scene": scene,
         "demo": demo,
     }

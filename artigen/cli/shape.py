@@ -5,6 +5,7 @@ import sys
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, get_args
@@ -42,6 +43,9 @@ class ShapeSettings:
     """A word of the category, as its objects state it."""
     counts: tuple[str, ...] = ()
     """Parts wanted, such as drawer=3 door=0."""
+    like: int | None = None
+    """Seed of an object that all are built as: the same links, joints and kinds of collision shapes by name
+    and order, in other sizes and materials. One batch of an engine holds them all."""
     source: Literal["reference", "voxels"] = "reference"
     """``reference`` takes the object's own primitives as collision; ``voxels`` rebuilds the object from
     its 64^3 articulated voxels, as for a generated one."""
@@ -73,9 +77,29 @@ class ShapeJob:
 
 def draw_wished(job: ShapeJob) -> "Shape":
     """Draws the object of a job."""
-    from artigen.shapes.draw import draw_shape
+    from artigen.shapes.draw import draw_shape, draw_variant
 
-    return draw_shape(job.category, job.seed, read_wish(job.cfg))
+    wish, like = read_wish(job.cfg), job.cfg.like
+    if like is None:
+        return draw_shape(job.category, job.seed, wish)
+    if job.cfg.source != "reference":
+        raise ArtigenError(
+            f"like {like} with source {job.cfg.source}: what is rebuilt from voxels has hulls as they come; "
+            "leave source at reference"
+        )
+    from sim_export.reference import describe_build
+
+    build = _build_of(job.category, like, wish)
+    return draw_variant(job.category, like, job.seed, lambda shape: describe_build(shape) == build, wish)
+
+
+@cache
+def _build_of(category: str, seed: int, wish: "Wish") -> list[object]:
+    """How the object of a seed is built; drawn once per process."""
+    from artigen.shapes.draw import draw_shape
+    from sim_export.reference import describe_build
+
+    return describe_build(draw_shape(category, seed, wish))
 
 
 def read_wish(cfg: ShapeSettings) -> "Wish":

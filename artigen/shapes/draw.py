@@ -5,7 +5,8 @@ A category is a module of `artigen.shapes.categories` with ``CATEGORY``, its nam
 """
 
 from collections import Counter
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from functools import cache
 from importlib import import_module
 from pkgutil import iter_modules
@@ -22,6 +23,8 @@ from artigen.types import PartLabel
 MAX_DRAWS = 1000
 FEW_DRAWS = 100
 """After so many, a count of more than twice the most seen is given up."""
+VARIANTS = 100
+"""Draws of an object that is to be built as another one; the last has its very lengths."""
 LENGTHS = (0.02, 10.0)
 """Lengths that can be wished for (m)."""
 
@@ -70,6 +73,76 @@ def draw_shape(category: str, seed: int, wish: Wish | None = None) -> Shape:
             wished for.
     """
     wish = wish or Wish()
+    draft, _ = _draw_draft(category, seed, wish)
+    return _make_shape(category, seed, draft)
+
+
+def draw_variant(
+    category: str,
+    like: int,
+    seed: int,
+    fits: Callable[[Shape], bool],
+    wish: Wish | None = None,
+) -> Shape:
+    """Draws an object that is built as another one, in other sizes and other materials.
+
+    Its choices are made again, its lengths are drawn anew. Where that changes what the object is made of,
+    lengths nearer to those of the other one are tried, in `VARIANTS` steps.
+
+    Args:
+        category: What to draw.
+        like: Seed of the object that it is built as.
+        seed: Of the lengths and the materials.
+        fits: Whether an object counts as built like the other one.
+        wish: What both are asked to be.
+
+    Raises:
+        ShapeError: As `draw_shape`; and if nothing fits, which ``fits`` of the other object itself rules out.
+    """
+    wish = wish or Wish()
+    _, attempt = _draw_draft(category, like, wish)
+    looks: dict[str, Finish] = dict(_draw_draft(category, seed, replace(wish, counts=()))[0].finishes)
+    key = crc32(category.encode())
+    for step in range(VARIANTS):
+        bits = np.random.PCG64(np.random.SeedSequence([key, like, attempt]))
+        rng = _Varied(bits, np.random.default_rng([key, seed, step]), 1.0 - (step / (VARIANTS - 1)) ** 2)
+        draft = categories()[category].draw(rng, wish)
+        worn = tuple((role, _wear(own, looks.get(role) or own)) for role, own in draft.finishes)
+        shape = _make_shape(category, seed, replace(draft, finishes=worn))
+        if fits(shape):
+            return shape
+    raise ShapeError(f"{category}: none of {VARIANTS} variants of seed {like} by seed {seed} is built alike")
+
+
+class _Varied(np.random.Generator):
+    """Decides as one stream does, and takes lengths from another: ``spread`` of the way to what it says."""
+
+    def __init__(self, bits: np.random.BitGenerator, lengths: np.random.Generator, spread: float) -> None:
+        super().__init__(bits)
+        self._lengths, self._spread = lengths, spread
+
+    def uniform(self, *args, **kwargs):
+        """Between the two streams' numbers."""
+        own = super().uniform(*args, **kwargs)
+        return own + self._spread * (self._lengths.uniform(*args, **kwargs) - own)
+
+    def dirichlet(self, *args, **kwargs):
+        """Between the two streams' shares."""
+        own = super().dirichlet(*args, **kwargs)
+        return own + self._spread * (self._lengths.dirichlet(*args, **kwargs) - own)
+
+
+def _wear(own: Finish, other: Finish) -> Finish:
+    """The other finish, unless only one of the two can be seen through."""
+    return other if (own.opacity < 1.0) == (other.opacity < 1.0) else own
+
+
+def _make_shape(category: str, seed: int, draft: Draft) -> Shape:
+    return Shape(category=category, seed=seed, style=draft.style, parts=draft.parts, finishes=draft.finishes)
+
+
+def _draw_draft(category: str, seed: int, wish: Wish) -> tuple[Draft, int]:
+    """The first draft that has the counts wished for, and how many came before it."""
     check_wish(wish)
     known = categories()
     if category not in known:
@@ -83,9 +156,7 @@ def draw_shape(category: str, seed: int, wish: Wish | None = None) -> Shape:
         draft = known[category].draw(rng, wish)
         held = Counter(part.label for part in draft.parts)
         if all(held[label] == count for label, count in wish.counts):
-            return Shape(
-                category=category, seed=seed, style=draft.style, parts=draft.parts, finishes=draft.finishes
-            )
+            return draft, attempt
         seen[", ".join(f"{held[label]} {label}" for label, _ in wish.counts)] += 1
         most |= held
     wanted = ", ".join(f"{count} {label}" for label, count in wish.counts)

@@ -21,6 +21,7 @@ from sim_export.package import (
 )
 from sim_export.physics.links import subtree_inertial
 from sim_export.physics.materials import MATERIALS, physx_friction_coefficient
+from sim_export.topology import find_topology
 
 FORMAT = "artigen-package"
 VERSION = 1
@@ -198,6 +199,7 @@ def meta_json(package: SimPackage) -> str:
             "model_cat": package.category,
             "frame": "z up, front -x, metres",
             "visual": package.visual,
+            "topology": find_topology(package),
             "links": links,
             "records": list(package.records),
         }
