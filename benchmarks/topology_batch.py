@@ -49,7 +49,7 @@ def step_worlds(models: list, steps: int, threads: int) -> float:
             models, data, start, force, control_spec=int(mujoco.mjtState.mjSTATE_QFRC_APPLIED)
         )
         seconds = time.perf_counter() - before
-    if not np.isfinite(states).all():
+    if not np.isfinite(np.asarray(states, dtype=float)).all():
         raise FloatingPointError("a world left finite numbers")
     return len(models) * steps / seconds
 
