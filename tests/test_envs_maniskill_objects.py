@@ -60,7 +60,7 @@ def test_endless_and_screwing_joints_are_left_out(package, tmp_path):
 
 
 def test_an_empty_folder_is_named(tmp_path):
-    with pytest.raises(TaskError, match=r"no package in it; a package is a folder with mobility\.urdf"):
+    with pytest.raises(TaskError, match=r"no mobility\.urdf in it or below"):
         find_packages(tmp_path)
     with pytest.raises(TaskError, match="no such folder"):
         find_packages(tmp_path / "nowhere")

@@ -161,7 +161,7 @@ def test_wrong_arguments_are_named(folder, tmp_path):
         make("ArtiGen-PutInside-v1", folder, initial_open=1.5)
     with pytest.raises(ValueError, match="nothing is left to do"):
         make("ArtiGen-OpenPart-v1", folder, initial_open=0.9)
-    with pytest.raises(TaskError, match="no package in it"):
+    with pytest.raises(TaskError, match="no mobility"):
         make("ArtiGen-OpenPart-v1", tmp_path)
 
 

@@ -19,10 +19,13 @@ def preview(packages: Packages, out: Out = Path("preview.png")) -> int:
     Packages that hold Gaussians show them below their meshes, from the same cameras.
 
     Args:
-        packages: Package folders.
+        packages: Packages, or folders that hold some at any depth.
         out: The PNG to write; or a .gif in which all joints open and close; or, for one package, a .glb with
             its textured meshes, a node per link.
     """
+    from sim_export.files.folders import find_packages
+
+    packages = find_packages(packages)
     if out.suffix == ".glb":
         from sim_export.files.glb import write_glb
         from sim_export.files.read import read_package

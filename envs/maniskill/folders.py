@@ -4,9 +4,10 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from artigen.errors import ArtigenError
+from sim_export.errors import PackageError
+from sim_export.files.folders import find_packages as package_folders
 from sim_export.report import report_from_json
 
-URDF_FILE = "mobility.urdf"
 REPORT_FILE = "validation.json"
 
 
@@ -15,7 +16,7 @@ class TaskError(ArtigenError):
 
 
 def find_packages(packages: str | Path | Sequence[str | Path]) -> tuple[Path, ...]:
-    """Package folders, sorted, out of one folder of packages, one package, or a list of either.
+    """Package folders out of folders that are packages or hold some at any depth, or a list of these.
 
     Raises:
         TaskError: if one of them holds no package.
@@ -23,21 +24,10 @@ def find_packages(packages: str | Path | Sequence[str | Path]) -> tuple[Path, ..
     given = [packages] if isinstance(packages, str | Path) else list(packages)
     if not given:
         raise TaskError("packages is an empty list; give a folder of packages")
-    found: list[Path] = []
-    for entry in map(Path, given):
-        if (entry / URDF_FILE).is_file():
-            found.append(entry)
-            continue
-        if not entry.is_dir():
-            raise TaskError(f"{entry}: no such folder; give a folder of packages, or one package")
-        inside = sorted(path.parent for path in entry.glob(f"*/{URDF_FILE}"))
-        if not inside:
-            raise TaskError(
-                f"{entry}: no package in it; a package is a folder with {URDF_FILE}, "
-                "as artigen convert, shape and export write them"
-            )
-        found += inside
-    return tuple(found)
+    try:
+        return package_folders([Path(entry) for entry in given])
+    except PackageError as error:
+        raise TaskError(f"{error}; artigen convert, shape and export write packages") from error
 
 
 def demand_validation(folders: Sequence[Path]) -> None:

@@ -9,7 +9,9 @@ URDF = "mobility.urdf"
 
 
 def find_packages(folders: Sequence[Path]) -> tuple[Path, ...]:
-    """The folders that are packages, and all packages below those that are not, sorted by path.
+    """The folders that are packages, and below those that are not all packages at any depth, sorted by path.
+
+    Hidden folders, where packages are being written, are passed over.
 
     Raises:
         PackageError: If a folder is missing, or neither is a package nor holds one.
@@ -18,10 +20,15 @@ def find_packages(folders: Sequence[Path]) -> tuple[Path, ...]:
     for folder in folders:
         if not folder.is_dir():
             raise PackageError(f"{folder}: no such folder")
-        inside = [folder] if (folder / URDF).is_file() else sorted(p.parent for p in folder.rglob(URDF))
+        inside = [folder] if (folder / URDF).is_file() else _below(folder)
         if not inside:
             raise PackageError(
                 f"{folder}: no {URDF} in it or below; expected a package, or a folder of packages"
             )
         found += inside
     return tuple(dict.fromkeys(found))
+
+
+def _below(folder: Path) -> list[Path]:
+    places = (path.parent for path in folder.rglob(URDF))
+    return sorted(p for p in places if not any(n.startswith(".") for n in p.relative_to(folder).parts))
