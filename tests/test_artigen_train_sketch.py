@@ -14,8 +14,8 @@ from artigen.sketch.batch import make_batch, nothing_asked
 from artigen.sketch.model import load_sketch_network
 from artigen.sketch.network import SketchNetwork
 from artigen.sketch.picture import CELL, MAX_COUNT, Seen
-from artigen.sketch.rows import ROW_KINDS, sketch_to_rows
-from artigen.sketch.sketch import write_sketch
+from artigen.sketch.rows import ROW_KINDS, column, sketch_to_rows
+from artigen.sketch.sketch import LEVELS, write_sketch
 from artigen.train.sketch import (
     HEADER,
     SIZES,
@@ -29,6 +29,7 @@ from artigen.train.sketch import (
     reading_losses,
     sketch_losses,
     spread_spots,
+    swap_channels,
     train_sketch,
     weigh_fields,
 )
@@ -92,6 +93,35 @@ def test_the_weights_of_fields_belong_to_the_header_of_the_object_and_to_nothing
         count = len(rows.rows)
         assert int((symbols == HEADER).sum()) == (1 + 2 + 7) * count  # kind, category, style, counts
         assert int((numbers == HEADER).sum()) == 3 * count  # extents
+
+
+def test_pictures_and_finishes_change_their_colors_alike():
+    """An object whose finishes are painted on its picture keeps wearing them, whatever the order."""
+    tables = [sketch_to_rows(write_sketch(draw_shape("Cart", seed))) for seed in range(24)]
+    rows = make_batch(tables, [nothing_asked()] * len(tables))
+    finish = int((rows.rows[0, :, 0] == ROW_KINDS.index("finish")).int().argmax())
+    names = ("r", "g", "b"), ("accent_r", "accent_g", "accent_b")
+    columns, accents = ([column("finish", name) for name in group] for group in names)
+    worn = rows.rows[:, finish][:, columns].float() / LEVELS
+    image = torch.cat([worn[..., None, None].expand(-1, -1, 8, 8), torch.ones(len(tables), 1, 8, 8)], dim=1)
+    photos = PhotoBatch(
+        image=image, labels=torch.zeros(len(tables), 2, 2), kinds=torch.zeros(len(tables), 1),
+        centers=torch.zeros(len(tables), 1, 2), given=torch.zeros(len(tables), 1),
+        view=torch.zeros(len(tables), 3),
+    )  # fmt: skip
+    swapped, shown = swap_channels(rows, photos, torch.Generator().manual_seed(0))
+    new = swapped.rows[:, finish]
+    assert torch.equal(shown.image[:, :3, 0, 0], new[:, columns].float() / LEVELS)
+    assert torch.equal(shown.image[:, 3], image[:, 3])
+    assert torch.equal(
+        new[:, columns].sort(dim=1).values, rows.rows[:, finish][:, columns].sort(dim=1).values
+    )
+    changed = (swapped.rows != rows.rows).flatten(0, 1).any(dim=0).nonzero().flatten().tolist()
+    assert set(columns) < set(changed) <= {*columns, *accents}
+    others = rows.rows[..., 0] != ROW_KINDS.index("finish")
+    assert torch.equal(swapped.rows[others], rows.rows[others])
+    moved = (shown.image != image).flatten(1).any(dim=1).float().mean()
+    assert 0.15 < float(moved) < 0.7
 
 
 def test_maps_that_are_true_cost_less_than_maps_that_miss(photos: PhotoBatch):
