@@ -22,6 +22,8 @@ from sim_export.usd.labels import SUBSTANCES
 
 RADIAN = 180.0 / np.pi
 """Degrees."""
+BOARD: MaterialName = "wood_board"
+"""What a link is of whose parts have no material."""
 
 
 def add_mass(prim: Usd.Prim, inertial: Inertial, origin: Float[np.ndarray, "3"]) -> None:
@@ -164,8 +166,8 @@ def joined_pairs(package: SimPackage) -> list[tuple[str, str]]:
 
 def leading_material(link: Link, materials: dict[str, MaterialName]) -> MaterialName:
     """The material of the part that gives a link its name; board where nothing is said."""
-    said = [materials[part] for part in link.parts if part in materials]
-    return said[0] if said else "wood_board"
+    said: list[MaterialName] = [materials[part] for part in link.parts if part in materials]
+    return said[0] if said else BOARD
 
 
 def _extent(half: Float[np.ndarray, "3"]) -> Vt.Vec3fArray:
