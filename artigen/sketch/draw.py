@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import torch
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 from torch import Tensor
 from torch.nn import functional
 
@@ -32,6 +32,8 @@ from artigen.sketch.rules import Writer
 
 DIGITS = 24
 """Coarse digits that a number said anew may have: the likeliest within its span."""
+LIKELIEST = 64
+"""Values among which the likeliest part is looked for before all are put in order."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -99,19 +101,21 @@ def continue_drafts(
     network: SketchNetwork,
     drafts: Sequence[Draft],
     until: Callable[[Writer], bool],
-    generator: torch.Generator,
+    rngs: Sequence[np.random.Generator],
     cfg: DrawConfig | None = None,
 ) -> list[Draft | None]:
     """Writes on, side by side, until each table is as far as was asked; None where it grows too long.
+
+    What becomes of a table does not depend on those beside it.
 
     Args:
         network: trained.
         drafts: all of as many rows; they stay as they are.
         until: whether a table is as far, looked at after every row.
-        generator: of all chance.
+        rngs: the chance of each draft.
         cfg: temperature.
     """
-    pen = _Pen(network, drafts, generator, cfg or DrawConfig())
+    pen = _Pen(network, drafts, rngs, cfg or DrawConfig())
     while pen.writers:
         pen.write_row()
         pen.put_aside(until)
@@ -125,10 +129,10 @@ class _Pen:
         self,
         network: SketchNetwork,
         drafts: Sequence[Draft],
-        generator: torch.Generator,
+        rngs: Sequence[np.random.Generator],
         cfg: DrawConfig,
     ) -> None:
-        self.network, self.generator, self.cfg = network, generator, cfg
+        self.network, self.rngs, self.cfg = network, list(rngs), cfg
         self.finished: list[Draft | None] = [None] * len(drafts)
         self.writers = [draft.writer.copy() for draft in drafts]
         self.index = list(range(len(drafts)))
@@ -181,6 +185,7 @@ class _Pen:
             return
         self.writers = [self.writers[k] for k in going]
         self.index = [self.index[k] for k in going]
+        self.rngs = [self.rngs[k] for k in going]
         self.state, self.keys = self.state[going], self.keys[going]
         self.said = _take(self.said, going, slice(None))
         self.sight = None if self.sight is None else self.sight.take(going)
@@ -210,15 +215,12 @@ class _Pen:
         before[some] += self.network.embed_values(torch.from_numpy(slot), said, torch.from_numpy(number))
 
     def _draw_symbols(self, which: list[int], x: Float[Tensor, "N D"], slot: Int[Tensor, "N"]) -> list[int]:
-        logits = self.network.symbol_logits(x, slot)
-        table = slots()
-        base = torch.from_numpy(table.base)[slot]
-        can = torch.zeros_like(logits, dtype=torch.bool)
+        sizes = slots().size[slot.numpy()]
+        can = torch.zeros(len(which), int(sizes.max()), dtype=torch.bool)
         for at, k in enumerate(which):
-            allowed = self.writers[k].allowed(int(table.size[slot[at]]))
-            can[at, base[at] : base[at] + len(allowed)] = torch.from_numpy(allowed)
-        chances = logits.masked_fill(~can, float("-inf")).softmax(dim=-1)
-        return (self._draw(chances) - base).tolist()
+            can[at, : sizes[at]] = torch.from_numpy(self.writers[k].allowed(int(sizes[at])))
+        logits = self.network.slot_logits(x, slot, can.shape[1])
+        return self._draw(which, logits.masked_fill(~can, float("-inf")).softmax(dim=-1)).tolist()
 
     def _draw_numbers(self, which: list[int], x: Float[Tensor, "N D"], slot: Int[Tensor, "N"]) -> list[int]:
         writers = [self.writers[k] for k in which]
@@ -228,12 +230,13 @@ class _Pen:
         planes, free = list_planes(said, _list_places(writers), earlier)
         parts = self.network.number_parts(x[:, None], self.planes[which], free)
         low, high = int(spans[:, 0].min()), int(spans[:, 1].max())
-        chances = _spread_planes(parts, planes[:, 0], low, high) + self._anew(parts, x, spans, low, high)
+        chances = _spread_planes(parts, planes[:, 0], free[:, 0], low, high)
+        chances += self._anew(parts, x, spans, low, high)
         values = torch.arange(low, high + 1)
         inside = (values >= spans[:, :1]) & (values <= spans[:, 1:])
         # What lies far from everything the network deems possible is drawn evenly.
         chances = chances * inside + 1e-20 * inside
-        return (self._draw(chances) + low).tolist()
+        return (self._draw(which, chances) + low).tolist()
 
     def _anew(
         self, parts: NumberParts, x: Float[Tensor, "N D"], spans: Int[Tensor, "N 2"], low: int, high: int
@@ -242,7 +245,7 @@ class _Pen:
         digits = torch.arange(COARSE)
         possible = (digits >= (spans[:, :1] + REACH) // FINE) & (digits <= (spans[:, 1:] + REACH) // FINE)
         coarse = parts.coarse[:, 0].masked_fill(~possible, -1e9)
-        best, digit = coarse.topk(DIGITS, dim=-1)
+        best, digit = coarse.topk(min(DIGITS, int(possible.sum(dim=-1).max())), dim=-1)
         fine = self.network.fine_logits(x[:, None], digit)
         chance = (parts.ways[:, 0, 2, None, None] + best[..., None] + fine).exp().flatten(1)
         value = (digit[..., None] * FINE + torch.arange(FINE) - REACH - low).flatten(1)
@@ -250,14 +253,19 @@ class _Pen:
         out = torch.zeros(len(x), high - low + 1)
         return out.scatter_add_(1, value.clamp(0, high - low), chance * inside)
 
-    def _draw(self, chances: Float[Tensor, "N V"]) -> Int[Tensor, "N"]:
+    def _draw(self, which: list[int], chances: Float[Tensor, "N V"]) -> Int[Tensor, "N"]:
         """One of each row, after temperature, from its likeliest part."""
         cfg = self.cfg
         sharp = (chances / chances.amax(dim=-1, keepdim=True)) ** (1.0 / cfg.temperature)
         sharp = sharp / sharp.sum(dim=-1, keepdim=True)
-        ordered, order = sharp.sort(dim=-1, descending=True)
-        ordered = ordered * (ordered.cumsum(dim=-1) - ordered < cfg.top_p)
-        pick = torch.multinomial(ordered, 1, generator=self.generator)
+        ordered, order = sharp.topk(min(LIKELIEST, sharp.shape[1]), dim=-1)
+        if float(ordered.sum(dim=-1).min()) < cfg.top_p:  # the likeliest part is larger
+            ordered, order = sharp.sort(dim=-1, descending=True)
+        upto = ordered.cumsum(dim=-1)
+        kept = (upto - ordered < cfg.top_p).sum(dim=-1, keepdim=True)
+        share = torch.tensor([[self.rngs[k].random()] for k in which])
+        least = share * upto.gather(1, kept - 1)
+        pick = torch.minimum((upto <= least).sum(dim=-1, keepdim=True), kept - 1)
         return order.gather(1, pick)[:, 0]
 
 
@@ -322,19 +330,28 @@ def _join(before: RowBatch, after: RowBatch) -> RowBatch:
 
 
 def _spread_planes(
-    parts: NumberParts, planes: Int[Tensor, "N C"], low: int, high: int
+    parts: NumberParts,
+    planes: Int[Tensor, "N C"],
+    free: Bool[Tensor, "N C"],
+    low: int,
+    high: int,
 ) -> Float[Tensor, "N V"]:
-    """Chances of values said by planes, with and without an offset."""
-    start, width = low - OFFSET, high - low + 1 + 2 * OFFSET
-    at = planes - start
-    inside = (at >= 0) & (at < width)
-    at = at.clamp(0, width - 1)
-    same = torch.zeros(len(planes), width).scatter_add_(
-        1, at, (parts.ways[:, 0, :1] + parts.same[:, 0]).exp() * inside
-    )
-    near = torch.zeros(len(planes), width).scatter_add_(
-        1, at, (parts.ways[:, 0, 1:2] + parts.near[:, 0]).exp() * inside
+    """Chances of values from ``low`` to ``high`` said by planes, with and without an offset."""
+    out = torch.zeros(len(planes), high - low + 1)
+    reachable = planes[free & (planes >= low - OFFSET) & (planes <= high + OFFSET)]
+    if not len(reachable):
+        return out
+    first, last = int(reachable.min()), int(reachable.max())  # only there is something to spread
+    at = (planes - first).clamp(0, last - first)
+    same, near = (
+        torch.zeros(len(planes), last - first + 1).scatter_add_(
+            1, at, (parts.ways[:, 0, way, None] + chance[:, 0]).exp() * (at == planes - first)
+        )
+        for way, chance in ((0, parts.same), (1, parts.near))
     )
     offsets = parts.offset[:, 0].exp().flip(-1)
-    spread = functional.conv1d(near[None], offsets[:, None], groups=len(planes))[0]
-    return same[:, OFFSET:-OFFSET] + spread
+    spread = functional.conv1d(near[None], offsets[:, None], padding=2 * OFFSET, groups=len(planes))[0]
+    spread[:, OFFSET:-OFFSET] += same
+    start, end = max(first - OFFSET, low), min(last + OFFSET, high) + 1
+    out[:, start - low : end - low] = spread[:, start - first + OFFSET : end - first + OFFSET]
+    return out

@@ -138,7 +138,7 @@ def draw_object(
         SketchError: If the request is none that sketches can say, or no object could be read.
     """
     cfg = cfg or SketchConfig()
-    hand = _Hand(network=network, generator=torch.Generator().manual_seed(seed), cfg=cfg)
+    hand = _Hand(network=network, rng=np.random.default_rng(seed), cfg=cfg)
     grown = begin_drafts(network, [ask(request)], sight)
     dead_ends: Counter[int] = Counter()
     best: tuple[Shape, tuple[Fault, ...]] | None = None
@@ -239,14 +239,14 @@ class _Hand:
     """Adds parts to drafts, and counts the faults of what it leaves out."""
 
     network: SketchNetwork
-    generator: torch.Generator
+    rng: np.random.Generator
     cfg: SketchConfig
     seen: Counter[str] = field(default_factory=Counter)
     batches: int = 0
 
     def head(self, draft: Draft) -> Draft:
         """An empty table with its header."""
-        return _draw_header(self.network, draft, self.generator, self.cfg.header)
+        return _draw_header(self.network, draft, self.rng, self.cfg.header)
 
     def grow(self, draft: Draft) -> Draft | None:
         """The first of a batch of continuations by one part that is sound, if any is."""
@@ -272,18 +272,21 @@ class _Hand:
         """Continuations by one part, and the faults that each would keep."""
         self.batches += 1
         parts = len(draft.writer.moving)
-        drawn = continue_drafts(
-            self.network,
-            [draft] * self.cfg.candidates,
-            lambda writer: len(writer.moving) > parts,
-            self.generator,
-            self.cfg.draw,
-        )
-        for one in drawn:
-            if one is not None:
-                faults = _find_lasting(one)
-                self.seen.update(faults)
-                yield one, faults
+        rngs = self.rng.spawn(self.cfg.candidates)
+        # Mostly the first one is sound, and the others are not needed.
+        for some in filter(None, (rngs[:1], rngs[1:])):
+            drawn = continue_drafts(
+                self.network,
+                [draft] * len(some),
+                lambda writer: len(writer.moving) > parts,
+                some,
+                self.cfg.draw,
+            )
+            for one in drawn:
+                if one is not None:
+                    faults = _find_lasting(one)
+                    self.seen.update(sorted(faults))
+                    yield one, faults
 
 
 def _find_lasting(draft: Draft) -> set[str]:
@@ -314,9 +317,9 @@ def draw_header(
     Raises:
         SketchError: If the request is none that sketches can say.
     """
-    generator = torch.Generator().manual_seed(seed)
+    rng = np.random.default_rng(seed)
     (empty,) = begin_drafts(network, [ask(request)], sight)
-    row = _draw_header(network, empty, generator, cfg).writer.rows[0]
+    row = _draw_header(network, empty, rng, cfg).writer.rows[0]
     depth, width, height = (row[column("object", name)] * STEP for name in ("depth", "width", "height"))
     return SketchRequest(
         category=CATEGORIES[row[column("object", "category")]],
@@ -330,9 +333,9 @@ def draw_header(
 
 
 def _draw_header(
-    network: SketchNetwork, empty: Draft, generator: torch.Generator, cfg: DrawConfig | None
+    network: SketchNetwork, empty: Draft, rng: np.random.Generator, cfg: DrawConfig | None
 ) -> Draft:
-    (header,) = continue_drafts(network, [empty], lambda _: True, generator, cfg)
+    (header,) = continue_drafts(network, [empty], lambda _: True, rng.spawn(1), cfg)
     assert header is not None
     return header
 

@@ -235,7 +235,9 @@ class SketchNetwork(nn.Module):
     ) -> Float[Tensor, "N D"]:
         """What single cells say: as `embed_cells`, for known ones."""
         said = self.symbols(self.base[slot] + torch.where(number, 0, value))
-        return said.index_put((number,), self._embed_numbers(slot[number], value[number]))
+        if not number.any():
+            return said
+        return torch.where(number[:, None], self._embed_numbers(slot, value), said)
 
     def _embed_numbers(self, slot: Int[Tensor, "N"], value: Int[Tensor, "N"]) -> Float[Tensor, "N D"]:
         """Sines and cosines of numbers, weighed by what they are."""
@@ -304,6 +306,12 @@ class SketchNetwork(nn.Module):
         """Over the whole vocabulary; far below zero outside of the slot."""
         logits = functional.linear(x, self.symbols.weight).float() + self.biases.weight[:, 0].float()
         return logits.masked_fill(~self.inside[slot], _FAR)
+
+    def slot_logits(self, x: Float[Tensor, "N D"], slot: Int[Tensor, "N"], size: int) -> Float[Tensor, "N V"]:
+        """Over ``size`` symbols from the first of the slot on, some of which may be those of others."""
+        symbols = (self.base[slot][:, None] + torch.arange(size)).clamp(max=len(self.symbols.weight) - 1)
+        logits = (self.symbols.weight[symbols] @ x[:, :, None])[..., 0]
+        return logits.float() + self.biases.weight[symbols, 0].float()
 
     def number_parts(
         self,
