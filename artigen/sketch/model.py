@@ -16,7 +16,7 @@ from artigen.pictures import Picture, read_picture
 from artigen.shapes.shape import Shape
 from artigen.sketch.alignment import View, fit_camera
 from artigen.sketch.draw import Draft, DrawConfig, begin_drafts, continue_drafts
-from artigen.sketch.faults import Fault, find_faults
+from artigen.sketch.faults import Fault, find_faults, search_faults
 from artigen.sketch.network import Sight, SketchNetwork, SketchNetworkConfig
 from artigen.sketch.picture import PictureConfig, Seen
 from artigen.sketch.picture_colors import read_colors
@@ -67,7 +67,7 @@ class Drawn:
     faults: tuple[Fault, ...]
     notes: tuple[str, ...]
     seen: Counter[str]
-    """Faults of what was drawn and left out, by id."""
+    """What was drawn and left out, by the fault that was found in it first."""
     batches: int = 1
     """Batches that were drawn."""
 
@@ -236,7 +236,7 @@ def draw_alike(
 
 @dataclass(kw_only=True, eq=False)
 class _Hand:
-    """Adds parts to drafts, and counts the faults of what it leaves out."""
+    """Adds parts to drafts, and counts what it leaves out by its first fault."""
 
     network: SketchNetwork
     rng: np.random.Generator
@@ -250,7 +250,12 @@ class _Hand:
 
     def grow(self, draft: Draft) -> Draft | None:
         """The first of a batch of continuations by one part that is sound, if any is."""
-        return next((one for one, faults in self._batch(draft) if not faults), None)
+        for one in self._batch(draft):
+            fault = next(_search_lasting(one), None)
+            if fault is None:
+                return one
+            self.seen[fault] += 1
+        return None
 
     def finish(self, draft: Draft) -> Draft:
         """Adds the parts that are missing, of every batch the one with the fewest faults.
@@ -259,7 +264,8 @@ class _Hand:
             SketchError: If no continuation could be read.
         """
         while not draft.writer.delivered:
-            batch = [(one, faults) for one, faults in self._batch(draft) if "unreadable" not in faults]
+            drawn = [(one, set(_search_lasting(one))) for one in self._batch(draft)]
+            batch = [(one, faults) for one, faults in drawn if "unreadable" not in faults]
             if not batch:
                 raise SketchError(
                     f"none of {self.cfg.candidates} continuations of an object could be read; the last had "
@@ -268,8 +274,8 @@ class _Hand:
             draft = min(batch, key=lambda drawn: len(drawn[1]))[0]
         return draft
 
-    def _batch(self, draft: Draft) -> Iterator[tuple[Draft, set[str]]]:
-        """Continuations by one part, and the faults that each would keep."""
+    def _batch(self, draft: Draft) -> Iterator[Draft]:
+        """Continuations by one part; those that grew too long are left out."""
         self.batches += 1
         parts = len(draft.writer.moving)
         rngs = self.rng.spawn(self.cfg.candidates)
@@ -282,20 +288,17 @@ class _Hand:
                 some,
                 self.cfg.draw,
             )
-            for one in drawn:
-                if one is not None:
-                    faults = _find_lasting(one)
-                    self.seen.update(sorted(faults))
-                    yield one, faults
+            yield from (one for one in drawn if one is not None)
 
 
-def _find_lasting(draft: Draft) -> set[str]:
+def _search_lasting(draft: Draft) -> Iterator[str]:
     """Faults of an object that is not whole yet which it would keep."""
     try:
-        _, faults = _judge(draft.writer.table, 0)
+        shape = read_sketch(rows_to_sketch(draft.writer.table))
     except SketchError:
-        return {"unreadable"}
-    return {fault.id for fault in faults} - DEFERRED
+        yield "unreadable"
+        return
+    yield from (fault.id for fault in search_faults(shape) if fault.id not in DEFERRED)
 
 
 def draw_header(
