@@ -161,7 +161,7 @@ class _Reciter(draw._Pen):
             self.cost[self.index[k]] -= np.log(float(self.chances[at, self._true(k) - low]))
         return [self._true(k) for k in which]
 
-    def _draw(self, chances: torch.Tensor) -> torch.Tensor:
+    def _draw(self, which: list[int], chances: torch.Tensor) -> torch.Tensor:
         self.chances = chances
         return torch.zeros(len(chances), dtype=torch.long)
 
@@ -176,7 +176,9 @@ def test_a_table_costs_as_much_row_by_row_as_at_once(reads: str, monkeypatch: py
     requests = [replace(ask_for(table, np.random.default_rng(0))) for table in tables]
     requests = [Asked(rows=asked.rows[:1], known=asked.known[:1]) for asked in requests]
     sight = network.look(_pictures())[1] if pictured else None
-    pen = _Reciter(network, begin_drafts(network, requests, sight), torch.Generator(), DrawConfig())
+    pen = _Reciter(
+        network, begin_drafts(network, requests, sight), np.random.default_rng(0).spawn(2), DrawConfig()
+    )
     pen.recite(tables)
     for index, (table, asked) in enumerate(zip(tables, requests, strict=True)):
         draft = pen.finished[index]
@@ -247,7 +249,9 @@ def test_chances_of_all_values_of_a_number_add_up_to_one(monkeypatch: pytest.Mon
             sums.extend(self.chances.sum(dim=-1).tolist())
             return [self._true(k) for k in which]
 
-    pen = Adder(_network(), begin_drafts(_network(), [nothing_asked()]), torch.Generator(), DrawConfig())
+    pen = Adder(
+        _network(), begin_drafts(_network(), [nothing_asked()]), [np.random.default_rng(0)], DrawConfig()
+    )
     pen.recite([_table("Safe", 1)])
     assert len(sums) > 50
     assert sums == pytest.approx([1.0] * len(sums), abs=1e-3)
@@ -271,9 +275,9 @@ REQUEST = SketchRequest(
 
 def _draw_tables(requests: list[Asked], seed: int, top_p: float = 0.98) -> list[np.ndarray | None]:
     """Whole tables, nothing rejected; None where one grew too long."""
-    cfg, generator = DrawConfig(temperature=0.8, top_p=top_p), torch.Generator().manual_seed(seed)
+    cfg, chances = DrawConfig(temperature=0.8, top_p=top_p), np.random.default_rng(seed).spawn(len(requests))
     begun = begin_drafts(_network(), requests)
-    drafts = continue_drafts(_network(), begun, lambda writer: writer.done, generator, cfg)
+    drafts = continue_drafts(_network(), begun, lambda writer: writer.done, chances, cfg)
     return [None if draft is None else np.array(draft.writer.rows) for draft in drafts]
 
 
@@ -357,13 +361,13 @@ def test_an_object_that_cannot_be_made_sound_is_finished_with_its_faults_named()
 
 def test_a_draft_that_is_continued_stays_as_it_was():
     start = begin_drafts(_network(), [ask(REQUEST)])
-    header = continue_drafts(_network(), start, lambda _: True, torch.Generator().manual_seed(0))[0]
+    header = continue_drafts(_network(), start, lambda _: True, [np.random.default_rng(0)])[0]
     assert header is not None
     assert start[0].writer.rows == []
     assert len(header.writer.rows) == 1
     one, again = (
         continue_drafts(
-            _network(), [header] * 2, lambda writer: len(writer.rows) > 2, torch.Generator().manual_seed(1)
+            _network(), [header] * 2, lambda writer: len(writer.rows) > 2, np.random.default_rng(1).spawn(2)
         )
         for _ in range(2)
     )
@@ -373,6 +377,36 @@ def test_a_draft_that_is_continued_stays_as_it_was():
         assert b is not None
         assert a.writer.rows == b.writer.rows
         assert a.writer.rows[0] == header.writer.rows[0]
+
+
+@pytest.mark.usefixtures("_short")
+def test_a_table_does_not_depend_on_those_beside_it():
+    begun = begin_drafts(_network(), [ask(REQUEST)])
+
+    def draw_some(some: slice) -> list[list[list[int]]]:
+        rngs = np.random.default_rng(3).spawn(4)[some]
+        drafts = continue_drafts(_network(), begun * len(rngs), lambda writer: len(writer.rows) > 5, rngs)
+        return [draft.writer.rows for draft in drafts if draft is not None]
+
+    assert draw_some(slice(4)) == draw_some(slice(1)) + draw_some(slice(1, 4))
+
+
+@torch.no_grad()
+@pytest.mark.parametrize(("values", "top_p"), [(9, 0.8), (9, 1.0), (300, 0.999)])
+def test_values_are_drawn_as_often_as_they_are_likely(values: int, top_p: float):
+    rng, count = np.random.default_rng(0), 20_000
+    chances = torch.from_numpy(rng.dirichlet(np.full(values, 0.5))).float()
+    cfg = DrawConfig(temperature=0.7, top_p=top_p)
+    pen = draw._Pen(_network(), begin_drafts(_network(), [nothing_asked()]), [rng], cfg)
+    drawn = pen._draw([0] * count, chances.expand(count, -1)).numpy()
+    sharp = chances.numpy().astype(float) ** (1 / 0.7)
+    order = np.argsort(-sharp)
+    likeliest = order[: int((np.cumsum(sharp[order]) / sharp.sum() < top_p).sum()) + 1]
+    expected = np.zeros(values)
+    expected[likeliest] = sharp[likeliest] / sharp[likeliest].sum()
+    have = np.bincount(drawn, minlength=values) / count
+    assert set(np.flatnonzero(have)) <= set(likeliest)
+    assert np.abs(have - expected).max() < 5 * np.sqrt(expected.max() / count)
 
 
 def test_rows_out_of_order_are_refused():

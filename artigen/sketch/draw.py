@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 import torch
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 from torch import Tensor
 from torch.nn import functional
 
@@ -19,6 +19,7 @@ from artigen.sketch.network import (
     SIDES,
     Cache,
     NumberParts,
+    Places,
     RowBatch,
     Sight,
     SketchNetwork,
@@ -26,12 +27,13 @@ from artigen.sketch.network import (
     list_planes,
     slots,
 )
-from artigen.sketch.rows import REACH, ROW_KINDS, number_axis
+from artigen.sketch.rows import REACH, number_axis
 from artigen.sketch.rules import Writer
 
-_PART = ROW_KINDS.index("part")
 DIGITS = 24
 """Coarse digits that a number said anew may have: the likeliest within its span."""
+LIKELIEST = 64
+"""Values among which the likeliest part is looked for before all are put in order."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -99,19 +101,21 @@ def continue_drafts(
     network: SketchNetwork,
     drafts: Sequence[Draft],
     until: Callable[[Writer], bool],
-    generator: torch.Generator,
+    rngs: Sequence[np.random.Generator],
     cfg: DrawConfig | None = None,
 ) -> list[Draft | None]:
     """Writes on, side by side, until each table is as far as was asked; None where it grows too long.
+
+    What becomes of a table does not depend on those beside it.
 
     Args:
         network: trained.
         drafts: all of as many rows; they stay as they are.
         until: whether a table is as far, looked at after every row.
-        generator: of all chance.
+        rngs: the chance of each draft.
         cfg: temperature.
     """
-    pen = _Pen(network, drafts, generator, cfg or DrawConfig())
+    pen = _Pen(network, drafts, rngs, cfg or DrawConfig())
     while pen.writers:
         pen.write_row()
         pen.put_aside(until)
@@ -125,10 +129,10 @@ class _Pen:
         self,
         network: SketchNetwork,
         drafts: Sequence[Draft],
-        generator: torch.Generator,
+        rngs: Sequence[np.random.Generator],
         cfg: DrawConfig,
     ) -> None:
-        self.network, self.generator, self.cfg = network, generator, cfg
+        self.network, self.rngs, self.cfg = network, list(rngs), cfg
         self.finished: list[Draft | None] = [None] * len(drafts)
         self.writers = [draft.writer.copy() for draft in drafts]
         self.index = list(range(len(drafts)))
@@ -147,16 +151,16 @@ class _Pen:
         self.sight = join_sights([draft.sight for draft in drafts if draft.sight is not None])
 
     def write_row(self) -> None:
-        """Writes one row of every table, reads it, and takes leave of tables that are done."""
+        """Writes one row of every table and reads it."""
         network = self.network
         before = torch.zeros_like(self.state)
+        self.planes = network.plane_keys(self.keys)
         while True:
             open_rows = [k for k, writer in enumerate(self.writers) if not writer.complete()]
             if not open_rows:
                 break
             self._write_fields(open_rows, before)
-        rows = np.array([writer.close() for writer in self.writers])
-        last = _describe(self.writers, rows)
+        last = _describe(self.writers, np.array([writer.close() for writer in self.writers]))
         # The sum of the cells is what was gathered field by field.
         self.state = network.read_rows(before[:, None, None], last, self.cache, self.sight)[:, -1]
         self.said = _join(self.said, last)
@@ -181,6 +185,7 @@ class _Pen:
             return
         self.writers = [self.writers[k] for k in going]
         self.index = [self.index[k] for k in going]
+        self.rngs = [self.rngs[k] for k in going]
         self.state, self.keys = self.state[going], self.keys[going]
         self.said = _take(self.said, going, slice(None))
         self.sight = None if self.sight is None else self.sight.take(going)
@@ -191,66 +196,47 @@ class _Pen:
 
     def _write_fields(self, some: list[int], before: Float[Tensor, "B D"]) -> None:
         """The next field of every row that is not complete; ``before`` gathers what is said."""
-        table = slots()
-        slot = np.array(
-            [
-                0
-                if not self.writers[k].row
-                else table.of_cell[self.writers[k].row[0], len(self.writers[k].row)]
-                for k in some
-            ]
-        )
-        implied = {k: self.writers[k].follows() for k in some if self.writers[k].row}
-        free = [at for at, k in enumerate(some) if implied.get(k) is None]
-        symbols = [at for at in free if table.size[slot[at]]]
-        numbers = [at for at in free if not table.size[slot[at]]]
-        values = [implied.get(k) or 0 for k in some]
-        for rows, draw in ((symbols, self._draw_symbols), (numbers, self._draw_numbers)):
+        table, writers = slots(), [self.writers[k] for k in some]
+        slot = np.array([table.of_cell[w.row[0], len(w.row)] if w.row else 0 for w in writers])
+        values = [writer.follows() for writer in writers]
+        number = table.size[slot] == 0
+        for numbers, draw in ((False, self._draw_symbols), (True, self._draw_numbers)):
+            rows = [at for at, value in enumerate(values) if value is None and number[at] == numbers]
             if rows:
                 which = [some[at] for at in rows]
                 where = torch.from_numpy(slot[rows])
                 x = self.network.think(self.state[which], before[which], where)
                 for at, value in zip(rows, draw(which, x, where), strict=True):
                     values[at] = value
-        number = torch.tensor([not table.size[s] for s in slot])
-        before[some] += self.network.embed_values(torch.from_numpy(slot), torch.tensor(values), number)
-        for k, value in zip(some, values, strict=True):
-            self.writers[k].put(value)
+        for writer, value in zip(writers, values, strict=True):
+            assert value is not None
+            writer.put(value)
+        said = torch.tensor([writer.row[-1] for writer in writers])
+        before[some] += self.network.embed_values(torch.from_numpy(slot), said, torch.from_numpy(number))
 
     def _draw_symbols(self, which: list[int], x: Float[Tensor, "N D"], slot: Int[Tensor, "N"]) -> list[int]:
-        logits = self.network.symbol_logits(x, slot)
-        table = slots()
-        base = torch.from_numpy(table.base)[slot]
-        can = torch.zeros_like(logits, dtype=torch.bool)
+        sizes = slots().size[slot.numpy()]
+        can = torch.zeros(len(which), int(sizes.max()), dtype=torch.bool)
         for at, k in enumerate(which):
-            allowed = self.writers[k].allowed(int(table.size[slot[at]]))
-            can[at, base[at] : base[at] + len(allowed)] = torch.from_numpy(allowed)
-        chances = logits.masked_fill(~can, float("-inf")).softmax(dim=-1)
-        return (self._draw(chances) - base).tolist()
+            can[at, : sizes[at]] = torch.from_numpy(self.writers[k].allowed(int(sizes[at])))
+        logits = self.network.slot_logits(x, slot, can.shape[1])
+        return self._draw(which, logits.masked_fill(~can, float("-inf")).softmax(dim=-1)).tolist()
 
     def _draw_numbers(self, which: list[int], x: Float[Tensor, "N D"], slot: Int[Tensor, "N"]) -> list[int]:
         writers = [self.writers[k] for k in which]
         spans = torch.tensor([writer.span() for writer in writers])
-        half = _describe(writers, np.array([writer.padded() for writer in writers]))
-        batch = _join(_take(self.said, which, slice(None)), half)
-        columns = torch.tensor([[len(writer.row)] for writer in writers])
-        planes, free = list_planes(
-            batch,
-            torch.arange(len(which))[:, None],
-            torch.full_like(columns, self.said.rows.shape[1]),
-            columns,
-        )
-        keys = torch.cat(
-            [self.keys[which].unflatten(-1, (SIDES, -1)).flatten(1, 2), self._last_keys(len(which))], dim=1
-        )
-        parts = self.network.number_parts(x[:, None], keys, free)
+        said = RowBatch(**{name: value[which] for name, value in vars(self.said).items()})
+        earlier = torch.ones(said.named.shape, dtype=torch.bool)[:, None]
+        planes, free = list_planes(said, _list_places(writers), earlier)
+        parts = self.network.number_parts(x[:, None], self.planes[which], free)
         low, high = int(spans[:, 0].min()), int(spans[:, 1].max())
-        chances = _spread_planes(parts, planes[:, 0], low, high) + self._anew(parts, x, spans, low, high)
+        chances = _spread_planes(parts, planes[:, 0], free[:, 0], low, high)
+        chances += self._anew(parts, x, spans, low, high)
         values = torch.arange(low, high + 1)
         inside = (values >= spans[:, :1]) & (values <= spans[:, 1:])
         # What lies far from everything the network deems possible is drawn evenly.
         chances = chances * inside + 1e-20 * inside
-        return (self._draw(chances) + low).tolist()
+        return (self._draw(which, chances) + low).tolist()
 
     def _anew(
         self, parts: NumberParts, x: Float[Tensor, "N D"], spans: Int[Tensor, "N 2"], low: int, high: int
@@ -259,7 +245,7 @@ class _Pen:
         digits = torch.arange(COARSE)
         possible = (digits >= (spans[:, :1] + REACH) // FINE) & (digits <= (spans[:, 1:] + REACH) // FINE)
         coarse = parts.coarse[:, 0].masked_fill(~possible, -1e9)
-        best, digit = coarse.topk(DIGITS, dim=-1)
+        best, digit = coarse.topk(min(DIGITS, int(possible.sum(dim=-1).max())), dim=-1)
         fine = self.network.fine_logits(x[:, None], digit)
         chance = (parts.ways[:, 0, 2, None, None] + best[..., None] + fine).exp().flatten(1)
         value = (digit[..., None] * FINE + torch.arange(FINE) - REACH - low).flatten(1)
@@ -267,24 +253,24 @@ class _Pen:
         out = torch.zeros(len(x), high - low + 1)
         return out.scatter_add_(1, value.clamp(0, high - low), chance * inside)
 
-    def _last_keys(self, count: int) -> Float[Tensor, "N C P"]:
-        """Keys of the planes of the row that is being written: its own, and none of others."""
-        own = self.network.own_keys
-        return torch.cat([own.new_zeros(SIDES, own.shape[1]), own]).expand(count, -1, -1)
-
-    def _draw(self, chances: Float[Tensor, "N V"]) -> Int[Tensor, "N"]:
+    def _draw(self, which: list[int], chances: Float[Tensor, "N V"]) -> Int[Tensor, "N"]:
         """One of each row, after temperature, from its likeliest part."""
         cfg = self.cfg
         sharp = (chances / chances.amax(dim=-1, keepdim=True)) ** (1.0 / cfg.temperature)
         sharp = sharp / sharp.sum(dim=-1, keepdim=True)
-        ordered, order = sharp.sort(dim=-1, descending=True)
-        ordered = ordered * (ordered.cumsum(dim=-1) - ordered < cfg.top_p)
-        pick = torch.multinomial(ordered, 1, generator=self.generator)
+        ordered, order = sharp.topk(min(LIKELIEST, sharp.shape[1]), dim=-1)
+        if float(ordered.sum(dim=-1).min()) < cfg.top_p:  # the likeliest part is larger
+            ordered, order = sharp.sort(dim=-1, descending=True)
+        upto = ordered.cumsum(dim=-1)
+        kept = (upto - ordered < cfg.top_p).sum(dim=-1, keepdim=True)
+        share = torch.tensor([[self.rngs[k].random()] for k in which])
+        least = share * upto.gather(1, kept - 1)
+        pick = torch.minimum((upto <= least).sum(dim=-1, keepdim=True), kept - 1)
         return order.gather(1, pick)[:, 0]
 
 
 def _describe(writers: Sequence[Writer], rows: Int[np.ndarray, "B W"]) -> RowBatch:
-    """One row of every table, closed or half written, with its place among those before."""
+    """The row of every table that was just closed, with its place among those before."""
     planes, axes = row_planes(rows), number_axis(rows)
     part, piece, anchor, anchored = (np.array(column) for column in zip(*map(_place, writers), strict=True))
     values = {
@@ -303,16 +289,22 @@ def _describe(writers: Sequence[Writer], rows: Int[np.ndarray, "B W"]) -> RowBat
 
 
 def _place(writer: Writer) -> tuple[int, int, list[int], bool]:
-    """Where the row that comes next, or was just closed, stands: part, place in it, and what begins it."""
-    kinds = [row[0] for row in writer.rows]
-    at = len(kinds) if writer.row else len(kinds) - 1
-    starts = [index for index, kind in enumerate(kinds) if kind == _PART]
-    first = starts[-1] + 1 if starts else 0
-    place = at - starts[-1] if starts else at + len(writer.asked.rows)
-    anchored = bool(starts) and at > first
-    begun = bool(starts) and len(kinds) > first
-    anchor = row_planes(np.array([writer.rows[first]])).low[0].tolist() if begun else [0] * 4
-    return min(len(starts), PARTS - 1), min(place, PLACES - 1), anchor, anchored
+    """Where the row that was just closed stands: part, place in it, what begins it and whether before."""
+    if not writer.labels:
+        return 0, min(len(writer.rows) - 1 + len(writer.asked.rows), PLACES - 1), [0] * 4, False
+    place, anchor = writer.length(), writer.anchor()
+    return (
+        min(len(writer.labels), PARTS - 1),
+        min(place, PLACES - 1),
+        [0] * 4 if anchor is None else [*anchor, 0],
+        place > 1,
+    )
+
+
+def _list_places(writers: Sequence[Writer]) -> Places:
+    """Where the numbers that come next stand."""
+    found = [writer.place() for writer in writers]
+    return Places(**{name: torch.tensor([[place[name]] for place in found]) for name in found[0]})
 
 
 def _slice_cache(
@@ -338,19 +330,28 @@ def _join(before: RowBatch, after: RowBatch) -> RowBatch:
 
 
 def _spread_planes(
-    parts: NumberParts, planes: Int[Tensor, "N C"], low: int, high: int
+    parts: NumberParts,
+    planes: Int[Tensor, "N C"],
+    free: Bool[Tensor, "N C"],
+    low: int,
+    high: int,
 ) -> Float[Tensor, "N V"]:
-    """Chances of values said by planes, with and without an offset."""
-    start, width = low - OFFSET, high - low + 1 + 2 * OFFSET
-    at = planes - start
-    inside = (at >= 0) & (at < width)
-    at = at.clamp(0, width - 1)
-    same = torch.zeros(len(planes), width).scatter_add_(
-        1, at, (parts.ways[:, 0, :1] + parts.same[:, 0]).exp() * inside
-    )
-    near = torch.zeros(len(planes), width).scatter_add_(
-        1, at, (parts.ways[:, 0, 1:2] + parts.near[:, 0]).exp() * inside
+    """Chances of values from ``low`` to ``high`` said by planes, with and without an offset."""
+    out = torch.zeros(len(planes), high - low + 1)
+    reachable = planes[free & (planes >= low - OFFSET) & (planes <= high + OFFSET)]
+    if not len(reachable):
+        return out
+    first, last = int(reachable.min()), int(reachable.max())  # only there is something to spread
+    at = (planes - first).clamp(0, last - first)
+    same, near = (
+        torch.zeros(len(planes), last - first + 1).scatter_add_(
+            1, at, (parts.ways[:, 0, way, None] + chance[:, 0]).exp() * (at == planes - first)
+        )
+        for way, chance in ((0, parts.same), (1, parts.near))
     )
     offsets = parts.offset[:, 0].exp().flip(-1)
-    spread = functional.conv1d(near[None], offsets[:, None], groups=len(planes))[0]
-    return same[:, OFFSET:-OFFSET] + spread
+    spread = functional.conv1d(near[None], offsets[:, None], padding=2 * OFFSET, groups=len(planes))[0]
+    spread[:, OFFSET:-OFFSET] += same
+    start, end = max(first - OFFSET, low), min(last + OFFSET, high) + 1
+    out[:, start - low : end - low] = spread[:, start - first + OFFSET : end - first + OFFSET]
+    return out

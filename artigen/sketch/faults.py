@@ -176,10 +176,15 @@ def find_faults(shape: Shape) -> tuple[Fault, ...]:
     Stricter than they are in one thing: a screw is followed through all of its turns, not through one. Parts
     of a shape with more than `HOPELESS` faults at rest are not moved: that takes long where all overlaps.
     """
+    return tuple(search_faults(shape))
+
+
+def search_faults(shape: Shape) -> Iterator[Fault]:
+    """The faults of `find_faults` one by one: who takes the first only does not wait for the others."""
     tree = read_tree(shape)
     bodies = list_bodies(shape, tree.leaders)
     near = find_near(bodies, 2 * MAX_GAP)
-    still = _Subject(
+    subject = _Subject(
         shape=shape,
         tree=tree,
         bodies=bodies,
@@ -188,19 +193,20 @@ def find_faults(shape: Shape) -> tuple[Fault, ...]:
         openers=(),
         rest=_measure_rest(bodies, near),
     )
-    resting = [
-        fault
-        for finder in (_overlaps, _floating, _loose, _ranges, _trees, _hulls, _tips)
-        for fault in finder(still)
-    ]
-    if len(resting) > HOPELESS:
-        return tuple(resting)
-    moving = replace(
-        still,
-        courses=tuple(_follow_parts(shape, tree, bodies)),
-        openers=tuple(list_openers(shape, bodies)),
-    )
-    return (*resting, *(fault for finder in (_blocked, _inward, _openings) for fault in finder(moving)))
+    count = 0
+    for finder in (_overlaps, _floating, _loose, _ranges, _trees, _hulls, _tips):
+        for fault in finder(subject):
+            count += 1
+            yield fault
+    if count > HOPELESS:
+        return
+    courses = []
+    for course in _follow_parts(shape, tree, bodies):
+        courses.append(course)
+        yield from _blocked(subject, course)
+    moving = replace(subject, courses=tuple(courses), openers=tuple(list_openers(shape, bodies)))
+    for finder in (_inward, _openings):
+        yield from finder(moving)
 
 
 def _follow_parts(shape: Shape, tree: Tree, bodies: Bodies) -> Iterator[_Course]:
@@ -237,13 +243,12 @@ def _overlaps(subject: _Subject) -> Iterator[Fault]:
             yield Fault(id="overlap", part=names[0], other=names[1], value=depth, allowed=allowed)
 
 
-def _blocked(subject: _Subject) -> Iterator[Fault]:
-    for course in subject.courses:
-        links = course.placed.links
-        pairs = np.column_stack([links[course.found.first], links[course.found.second]])
-        for pair in np.unique(pairs, axis=0):
-            rows = np.flatnonzero((pairs == pair).all(axis=1))
-            yield from _judge_meetings(subject, course, rows)
+def _blocked(subject: _Subject, course: _Course) -> Iterator[Fault]:
+    links = course.placed.links
+    pairs = np.column_stack([links[course.found.first], links[course.found.second]])
+    for pair in np.unique(pairs, axis=0):
+        rows = np.flatnonzero((pairs == pair).all(axis=1))
+        yield from _judge_meetings(subject, course, rows)
 
 
 def _judge_meetings(subject: _Subject, course: _Course, rows: Int[np.ndarray, "M"]) -> Iterator[Fault]:

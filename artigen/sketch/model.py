@@ -16,7 +16,7 @@ from artigen.pictures import Picture, read_picture
 from artigen.shapes.shape import Shape
 from artigen.sketch.alignment import View, fit_camera
 from artigen.sketch.draw import Draft, DrawConfig, begin_drafts, continue_drafts
-from artigen.sketch.faults import Fault, find_faults
+from artigen.sketch.faults import Fault, find_faults, search_faults
 from artigen.sketch.network import Sight, SketchNetwork, SketchNetworkConfig
 from artigen.sketch.picture import PictureConfig, Seen
 from artigen.sketch.picture_colors import read_colors
@@ -67,7 +67,7 @@ class Drawn:
     faults: tuple[Fault, ...]
     notes: tuple[str, ...]
     seen: Counter[str]
-    """Faults of what was drawn and left out, by id."""
+    """What was drawn and left out, by the fault that was found in it first."""
     batches: int = 1
     """Batches that were drawn."""
 
@@ -138,7 +138,7 @@ def draw_object(
         SketchError: If the request is none that sketches can say, or no object could be read.
     """
     cfg = cfg or SketchConfig()
-    hand = _Hand(network=network, generator=torch.Generator().manual_seed(seed), cfg=cfg)
+    hand = _Hand(network=network, rng=np.random.default_rng(seed), cfg=cfg)
     grown = begin_drafts(network, [ask(request)], sight)
     dead_ends: Counter[int] = Counter()
     best: tuple[Shape, tuple[Fault, ...]] | None = None
@@ -236,21 +236,26 @@ def draw_alike(
 
 @dataclass(kw_only=True, eq=False)
 class _Hand:
-    """Adds parts to drafts, and counts the faults of what it leaves out."""
+    """Adds parts to drafts, and counts what it leaves out by its first fault."""
 
     network: SketchNetwork
-    generator: torch.Generator
+    rng: np.random.Generator
     cfg: SketchConfig
     seen: Counter[str] = field(default_factory=Counter)
     batches: int = 0
 
     def head(self, draft: Draft) -> Draft:
         """An empty table with its header."""
-        return _draw_header(self.network, draft, self.generator, self.cfg.header)
+        return _draw_header(self.network, draft, self.rng, self.cfg.header)
 
     def grow(self, draft: Draft) -> Draft | None:
         """The first of a batch of continuations by one part that is sound, if any is."""
-        return next((one for one, faults in self._batch(draft) if not faults), None)
+        for one in self._batch(draft):
+            fault = next(_search_lasting(one), None)
+            if fault is None:
+                return one
+            self.seen[fault] += 1
+        return None
 
     def finish(self, draft: Draft) -> Draft:
         """Adds the parts that are missing, of every batch the one with the fewest faults.
@@ -259,7 +264,8 @@ class _Hand:
             SketchError: If no continuation could be read.
         """
         while not draft.writer.delivered:
-            batch = [(one, faults) for one, faults in self._batch(draft) if "unreadable" not in faults]
+            drawn = [(one, set(_search_lasting(one))) for one in self._batch(draft)]
+            batch = [(one, faults) for one, faults in drawn if "unreadable" not in faults]
             if not batch:
                 raise SketchError(
                     f"none of {self.cfg.candidates} continuations of an object could be read; the last had "
@@ -268,31 +274,31 @@ class _Hand:
             draft = min(batch, key=lambda drawn: len(drawn[1]))[0]
         return draft
 
-    def _batch(self, draft: Draft) -> Iterator[tuple[Draft, set[str]]]:
-        """Continuations by one part, and the faults that each would keep."""
+    def _batch(self, draft: Draft) -> Iterator[Draft]:
+        """Continuations by one part; those that grew too long are left out."""
         self.batches += 1
         parts = len(draft.writer.moving)
-        drawn = continue_drafts(
-            self.network,
-            [draft] * self.cfg.candidates,
-            lambda writer: len(writer.moving) > parts,
-            self.generator,
-            self.cfg.draw,
-        )
-        for one in drawn:
-            if one is not None:
-                faults = _find_lasting(one)
-                self.seen.update(faults)
-                yield one, faults
+        rngs = self.rng.spawn(self.cfg.candidates)
+        # Mostly the first one is sound, and the others are not needed.
+        for some in filter(None, (rngs[:1], rngs[1:])):
+            drawn = continue_drafts(
+                self.network,
+                [draft] * len(some),
+                lambda writer: len(writer.moving) > parts,
+                some,
+                self.cfg.draw,
+            )
+            yield from (one for one in drawn if one is not None)
 
 
-def _find_lasting(draft: Draft) -> set[str]:
+def _search_lasting(draft: Draft) -> Iterator[str]:
     """Faults of an object that is not whole yet which it would keep."""
     try:
-        _, faults = _judge(draft.writer.table, 0)
+        shape = read_sketch(rows_to_sketch(draft.writer.table))
     except SketchError:
-        return {"unreadable"}
-    return {fault.id for fault in faults} - DEFERRED
+        yield "unreadable"
+        return
+    yield from (fault.id for fault in search_faults(shape) if fault.id not in DEFERRED)
 
 
 def draw_header(
@@ -314,9 +320,9 @@ def draw_header(
     Raises:
         SketchError: If the request is none that sketches can say.
     """
-    generator = torch.Generator().manual_seed(seed)
+    rng = np.random.default_rng(seed)
     (empty,) = begin_drafts(network, [ask(request)], sight)
-    row = _draw_header(network, empty, generator, cfg).writer.rows[0]
+    row = _draw_header(network, empty, rng, cfg).writer.rows[0]
     depth, width, height = (row[column("object", name)] * STEP for name in ("depth", "width", "height"))
     return SketchRequest(
         category=CATEGORIES[row[column("object", "category")]],
@@ -330,9 +336,9 @@ def draw_header(
 
 
 def _draw_header(
-    network: SketchNetwork, empty: Draft, generator: torch.Generator, cfg: DrawConfig | None
+    network: SketchNetwork, empty: Draft, rng: np.random.Generator, cfg: DrawConfig | None
 ) -> Draft:
-    (header,) = continue_drafts(network, [empty], lambda _: True, generator, cfg)
+    (header,) = continue_drafts(network, [empty], lambda _: True, rng.spawn(1), cfg)
     assert header is not None
     return header
 

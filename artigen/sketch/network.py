@@ -235,7 +235,9 @@ class SketchNetwork(nn.Module):
     ) -> Float[Tensor, "N D"]:
         """What single cells say: as `embed_cells`, for known ones."""
         said = self.symbols(self.base[slot] + torch.where(number, 0, value))
-        return said.index_put((number,), self._embed_numbers(slot[number], value[number]))
+        if not number.any():
+            return said
+        return torch.where(number[:, None], self._embed_numbers(slot, value), said)
 
     def _embed_numbers(self, slot: Int[Tensor, "N"], value: Int[Tensor, "N"]) -> Float[Tensor, "N D"]:
         """Sines and cosines of numbers, weighed by what they are."""
@@ -280,8 +282,10 @@ class SketchNetwork(nn.Module):
         )
         x = self.enter(x)
         seen = iter(()) if sight is None else zip(sight.keys, sight.values, strict=True)
+        before = 0 if cache is None else cache[0].length
+        turn = _turns(x, before, self.cfg.width // self.cfg.heads)
         for index, block in enumerate(self._blocks()):
-            x = block(x, None if cache is None else cache[index])
+            x = block(x, turn, None if cache is None else cache[index])
             if block.look is not None and sight is not None:
                 x = block.look(x, *next(seen))
         return self.leave(x)
@@ -302,6 +306,12 @@ class SketchNetwork(nn.Module):
         """Over the whole vocabulary; far below zero outside of the slot."""
         logits = functional.linear(x, self.symbols.weight).float() + self.biases.weight[:, 0].float()
         return logits.masked_fill(~self.inside[slot], _FAR)
+
+    def slot_logits(self, x: Float[Tensor, "N D"], slot: Int[Tensor, "N"], size: int) -> Float[Tensor, "N V"]:
+        """Over ``size`` symbols from the first of the slot on, some of which may be those of others."""
+        symbols = (self.base[slot][:, None] + torch.arange(size)).clamp(max=len(self.symbols.weight) - 1)
+        logits = (self.symbols.weight[symbols] @ x[:, :, None])[..., 0]
+        return logits.float() + self.biases.weight[symbols, 0].float()
 
     def number_parts(
         self,
@@ -335,10 +345,10 @@ class SketchNetwork(nn.Module):
         """The finer digit, given the coarse one."""
         return self.fine(x + self.coarse_in(coarse)).float().log_softmax(dim=-1)
 
-    def plane_keys(self, states: Float[Tensor, "B T D"]) -> Float[Tensor, "B C P"]:
-        """Keys of the planes of all rows, then the row's own."""
-        keys = self.keys(states).unflatten(-1, (SIDES, -1)).flatten(1, 2)
-        own = self.own_keys.to(keys.dtype).expand(len(states), -1, -1)
+    def plane_keys(self, keys: Float[Tensor, "B T K"]) -> Float[Tensor, "B C P"]:
+        """Keys of the planes of all rows (``keys`` of their states), then the row's own."""
+        keys = keys.unflatten(-1, (SIDES, -1)).flatten(1, 2)
+        own = self.own_keys.to(keys.dtype).expand(len(keys), -1, -1)
         return torch.cat([keys, own], dim=1)
 
     def forward(
@@ -374,9 +384,10 @@ class SketchNetwork(nn.Module):
             before[b, t, c].flatten(0, 1),
             slot[b, t, c].flatten(),
         ).unflatten(0, b.shape)
-        planes, free = list_planes(batch, b, t, c)
+        earlier = torch.arange(batch.low.shape[1], device=t.device) < t[..., None]
+        planes, free = list_planes(batch, find_places(batch, b, t, c), earlier)
         target = batch.rows[b, t, c]
-        parts = self.number_parts(x, self.plane_keys(states), free)
+        parts = self.number_parts(x, self.plane_keys(self.keys(states)), free)
         coarse = (target + REACH) // FINE
         fine = self.fine_logits(x, coarse).gather(-1, ((target + REACH) % FINE)[..., None])[..., 0]
         return -parts.score(target, planes, coarse, fine)[given]
@@ -409,69 +420,91 @@ class NumberParts:
         return (self.ways + torch.stack([same, near, anew], dim=-1)).logsumexp(dim=-1)
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Places:
+    """Where numbers stand in their rows, and what these have named before them."""
+
+    axis: Int[Tensor, "B N"]
+    """0 to 2 for coordinates, `LENGTH` for lengths."""
+    low: Int[Tensor, "B N"]
+    """The low side of the row's piece on that axis."""
+    high: Int[Tensor, "B N"]
+    has_low: Bool[Tensor, "B N"]
+    """Whether the low side is said before."""
+    has_high: Bool[Tensor, "B N"]
+    starts: Bool[Tensor, "B N"]
+    """Whether the number is that low side."""
+    ends: Bool[Tensor, "B N"]
+    """Whether it is the high side."""
+    ranges: Bool[Tensor, "B N"]
+    """Whether it is the range of a joint."""
+    anchor: Int[Tensor, "B N"]
+    """Lowest side of the first piece of the row's part."""
+    anchored: Bool[Tensor, "B N"]
+    """Whether that piece comes before the row."""
+
+
 def list_planes(
-    batch: RowBatch, b: Int[Tensor, "B N"], t: Int[Tensor, "B N"], c: Int[Tensor, "B N"]
+    batch: RowBatch, places: Places, earlier: Bool[Tensor, "#B #N T"]
 ) -> tuple[Int[Tensor, "B N C"], Bool[Tensor, "B N C"]]:
-    """Coordinates of the planes that a number may be said by, and which of them are to be had.
+    """Coordinates of the planes that numbers may be said by, and which of them are to be had.
 
     Args:
-        batch: the rows.
-        b: index of the object.
-        t: row of the number.
-        c: its column.
+        batch: the rows that may have named planes.
+        places: of the numbers.
+        earlier: which of the rows come before each number's own.
     """
-    axis = batch.axes[b, t, c].clamp(min=0)
+    axis = places.axis
     low, high, anchor = (
         values.gather(2, axis[:, None, :].expand(-1, values.shape[1], -1)).transpose(1, 2)
         for values in (batch.low, batch.high, batch.anchor)
     )
-    own_low, own_high, has_low, has_high, starts, ends = _own_planes(batch, b, t, c, axis)
     step = 2 * low - low.roll(1, dims=2)
-    own_anchor = batch.anchor[b, t].gather(-1, axis[..., None])
-    planes = [low, high, -low, -high, own_low[..., None] + high - low]
-    planes += [(low + high).div(2, rounding_mode="floor"), step, own_anchor + low - anchor]
-    earlier = torch.arange(batch.low.shape[1], device=t.device) < t[..., None]
-    ranged = earlier & batch.ranged[:, None, :] & _says_range(batch, b, t, c)[..., None]
+    planes = [low, high, -low, -high, places.low[..., None] + high - low]
+    planes += [(low + high).div(2, rounding_mode="floor"), step, places.anchor[..., None] + low - anchor]
+    ranged = earlier & batch.ranged[:, None, :] & places.ranges[..., None]
     coordinate = (axis < LENGTH)[..., None]
     named = earlier & batch.named[:, None, :] & coordinate
     mirrored = named & (axis == MIRROR_AXIS)[..., None]
     follows = batch.named & batch.named.roll(1, dims=1) & (batch.part == batch.part.roll(1, dims=1))
-    again = named & follows[:, None, :] & starts[..., None]
-    placed = named & (batch.part > 0)[:, None, :] & batch.anchored[b, t][..., None]
-    free = [named | ranged, named, mirrored, mirrored, named & ends[..., None], named, again, placed]
-    own = torch.stack([own_low, own_high], dim=-1)
-    has = torch.stack([has_low, has_high], dim=-1) & coordinate
+    again = named & follows[:, None, :] & places.starts[..., None]
+    placed = named & (batch.part > 0)[:, None, :] & places.anchored[..., None]
+    free = [named | ranged, named, mirrored, mirrored, named & places.ends[..., None], named, again, placed]
+    own = torch.stack([places.low, places.high], dim=-1)
+    has = torch.stack([places.has_low, places.has_high], dim=-1) & coordinate
     return (
         torch.cat([torch.stack(planes, dim=-1).flatten(2), own], dim=-1),
         torch.cat([torch.stack(free, dim=-1).flatten(2), has], dim=-1),
     )
 
 
-def _says_range(
+def find_places(
     batch: RowBatch, b: Int[Tensor, "B N"], t: Int[Tensor, "B N"], c: Int[Tensor, "B N"]
-) -> Bool[Tensor, "B N"]:
-    return (batch.rows[b, t, 0] == ROW_KINDS.index("joint")) & (c == column("joint", "upper"))
-
-
-def _own_planes(
-    batch: RowBatch,
-    b: Int[Tensor, "B N"],
-    t: Int[Tensor, "B N"],
-    c: Int[Tensor, "B N"],
-    axis: Int[Tensor, "B N"],
-) -> tuple[Tensor, ...]:
-    """The row's own low and high side, whether each is said before a column, and whether it is said there.
+) -> Places:
+    """Where numbers stand: of object ``b``, in row ``t`` and column ``c``.
 
     Six columns from the first number of a piece on hold its low and its high corner.
     """
     axes = batch.axes[b, t]
+    axis = batch.axes[b, t, c].clamp(min=0)
     first = (axes >= 0).int().argmax(dim=-1)
     piece = axes.gather(-1, (first + 5).clamp(max=WIDTH - 1)[..., None])[..., 0] >= 0
     piece &= axes.gather(-1, first[..., None])[..., 0] < LENGTH
-    low, high = (values[b, t].gather(-1, axis[..., None])[..., 0] for values in (batch.low, batch.high))
-    has_low = piece & (c > first + axis)
-    has_high = piece & (c > first + 3 + axis)
-    return low, high, has_low, has_high, piece & (c == first + axis), piece & (c == first + 3 + axis)
+    low, high, anchor = (
+        values[b, t].gather(-1, axis[..., None])[..., 0] for values in (batch.low, batch.high, batch.anchor)
+    )
+    return Places(
+        axis=axis,
+        low=low,
+        high=high,
+        has_low=piece & (c > first + axis),
+        has_high=piece & (c > first + 3 + axis),
+        starts=piece & (c == first + axis),
+        ends=piece & (c == first + 3 + axis),
+        ranges=(batch.rows[b, t, 0] == ROW_KINDS.index("joint")) & (c == column("joint", "upper")),
+        anchor=anchor,
+        anchored=batch.anchored[b, t],
+    )
 
 
 def _gather_numbers(said: Bool[Tensor, "B T W"]) -> tuple[Int[Tensor, "B N 2"], Bool[Tensor, "B N"]]:
@@ -489,6 +522,11 @@ class Cache:
 
     keys: Float[Tensor, "B H T E"] | None = None
     values: Float[Tensor, "B H T E"] | None = None
+
+    @property
+    def length(self) -> int:
+        """Rows that were read."""
+        return 0 if self.keys is None else self.keys.shape[2]
 
     def extend(self, keys: Tensor, values: Tensor) -> tuple[Tensor, Tensor]:
         """Appends, and returns all."""
@@ -523,10 +561,11 @@ class _Block(nn.Module):
         self.feed = _Feed(width)
         self.look = _Look(width, heads) if looks else None
 
-    def forward(self, x: Float[Tensor, "B T D"], cache: Cache | None = None) -> Float[Tensor, "B T D"]:
+    def forward(
+        self, x: Float[Tensor, "B T D"], turn: tuple[Tensor, Tensor], cache: Cache | None = None
+    ) -> Float[Tensor, "B T D"]:
         q, k, v = self.qkv(self.norm(x)).unflatten(-1, (3, self.heads, -1)).permute(2, 0, 3, 1, 4)
-        start = 0 if cache is None or cache.keys is None else cache.keys.shape[2]
-        q, k = _turn(q, start), _turn(k, start)
+        q, k = _turn(q, turn), _turn(k, turn)
         if cache is not None:
             k, v = cache.extend(k, v)
         scores = q @ k.transpose(-1, -2) * q.shape[-1] ** -0.5
@@ -565,10 +604,17 @@ class _Look(nn.Module):
         return x + self.out(mixed.transpose(1, 2).flatten(2))
 
 
-def _turn(x: Float[Tensor, "B H T E"], start: int) -> Float[Tensor, "B H T E"]:
-    half = x.shape[-1] // 2
+def _turns(
+    x: Float[Tensor, "B T D"], start: int, width: int
+) -> tuple[Float[Tensor, "T H"], Float[Tensor, "T H"]]:
+    """Cosines and sines of the turns of positions from ``start`` on, for heads of a width."""
+    half = width // 2
     speed = torch.exp(torch.arange(half, device=x.device) * (-log(10000.0) / half))
-    angle = torch.arange(start, start + x.shape[2], device=x.device)[:, None] * speed
-    cos, sin = angle.cos().to(x.dtype), angle.sin().to(x.dtype)
+    angle = torch.arange(start, start + x.shape[1], device=x.device)[:, None] * speed
+    return angle.cos(), angle.sin()
+
+
+def _turn(x: Float[Tensor, "B H T E"], turn: tuple[Tensor, Tensor]) -> Float[Tensor, "B H T E"]:
+    cos, sin = (one.to(x.dtype) for one in turn)
     a, b = x.chunk(2, dim=-1)
     return torch.cat([a * cos - b * sin, a * sin + b * cos], dim=-1)

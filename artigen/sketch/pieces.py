@@ -11,7 +11,7 @@ in cyclic order.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, lru_cache
 from typing import Literal, TypedDict, get_args
 
 import numpy as np
@@ -133,6 +133,7 @@ def fit_pieces(primitives: Sequence[Primitive]) -> tuple[Piece, ...]:
     return tuple(found)
 
 
+@lru_cache(maxsize=4096)
 def build_piece(piece: Piece) -> tuple[Primitive, ...]:
     """The convex primitives of a piece; numbers in metres.
 

@@ -227,14 +227,14 @@ def fill_implied(row: list[int]) -> None:
 
 def number_axis(rows: Int[np.ndarray, "*T W"]) -> Int[np.ndarray, "*T W"]:
     """For every cell the axis of its coordinate, `LENGTH` for a length, -1 for a symbol."""
-    table, own = _number_axes()
+    table, own = number_axes_by_kind()
     kind = rows[..., 0]
     along = np.take_along_axis(rows, own[kind][..., None], axis=-1)[..., 0]
     return table[kind, np.where(own[kind] > 0, along, 0)]
 
 
 @cache
-def _number_axes() -> tuple[Int[np.ndarray, "K 3 W"], Int[np.ndarray, "K"]]:
+def number_axes_by_kind() -> tuple[Int[np.ndarray, "K 3 W"], Int[np.ndarray, "K"]]:
     """The axes of the cells of every kind of row by its own axis, and the column of that one (0 for none)."""
     table = np.full((len(ROW_KINDS), 3, WIDTH), -1)
     own = np.zeros(len(ROW_KINDS), dtype=int)

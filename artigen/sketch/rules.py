@@ -27,7 +27,7 @@ from artigen.sketch.rows import (
     column,
     fill_implied,
     find_implied,
-    number_axis,
+    number_axes_by_kind,
 )
 from artigen.sketch.sketch import LEVELS, lowest_corner
 from artigen.types import JOINT_TYPES, PART_LABELS
@@ -122,7 +122,36 @@ class Writer:
 
     def axis(self) -> int:
         """The axis of the next field, as `artigen.sketch.rows.number_axis` has it."""
-        return int(number_axis(np.array([self.padded()]))[0, len(self.row)])
+        table, own = number_axes_by_kind()
+        at = int(own[self.row[0]])
+        return int(table[self.row[0], self.row[at] if 0 < at < len(self.row) else 0, len(self.row)])
+
+    def place(self) -> dict[str, int]:
+        """Where the number that comes next stands, as `artigen.sketch.network.Places` has it."""
+        kind, at, axis, anchor = self.kind, len(self.row), self.axis(), self.anchor()
+        piece = kind in PIECE_KINDS
+        first = column(kind, "x0") if piece else 0
+        sides = [*self.padded()[first : first + 6], 0, 0] if piece else [0] * 8
+        return {
+            "axis": axis,
+            "low": sides[axis] if axis < LENGTH else 0,
+            "high": sides[3 + axis] if axis < LENGTH else 0,
+            "has_low": piece and at > first + axis,
+            "has_high": piece and at > first + 3 + axis,
+            "starts": piece and at == first + axis,
+            "ends": piece and at == first + 3 + axis,
+            "ranges": kind == "joint" and self.name == "upper",
+            "anchor": 0 if anchor is None or axis == LENGTH else anchor[axis],
+            "anchored": anchor is not None,
+        }
+
+    def anchor(self) -> list[int] | None:
+        """Lowest corner of the first piece of the part that was begun last; None where there is none."""
+        count = self.length() if self.labels else 0
+        if not count:
+            return None
+        first = column(ROW_KINDS[self.rows[-count][0]], "x0")
+        return self.rows[-count][first : first + 3]
 
     def close(self) -> list[int]:
         """Ends the row and returns it, padded."""
@@ -216,8 +245,8 @@ class Writer:
             0: 1 - self.labels.count(0)
         }
 
-    def _pieces(self) -> int:
-        """Pieces of the part that is being written."""
+    def length(self) -> int:
+        """Rows of the part that was begun last after the one that names it."""
         return next(count for count, row in enumerate(reversed(self.rows)) if row[0] == _KIND["part"])
 
     def _next_kinds(self) -> list[int]:
@@ -227,7 +256,7 @@ class Writer:
         if last == "part":
             return _PIECE_IDS
         if last in PIECE_KINDS:
-            full = self._pieces() >= MAX_PIECES
+            full = self.length() >= MAX_PIECES
             return [_KIND["joint"]] if full else [*_PIECE_IDS, _KIND["joint"]]
         if last == "joint":
             return [_KIND["part"] if any(self._left().values()) else _KIND["end"]]
