@@ -28,6 +28,7 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Int
 
+from artigen.shapes.primitives import Primitive
 from artigen.shapes.shape import Shape
 from artigen.sketch.contact import (
     Bodies,
@@ -85,9 +86,9 @@ MAX_SLIT = 0.002
 MIN_THICKNESS = 0.001
 """Thinnest a hull may be (m)."""
 MAX_ASPECT = 60.0
-"""Length over thickness beyond which an exporter cuts a hull."""
+"""Length over thickness beyond which an exporter cuts a hull that is no box."""
 MAX_HULLS, MAX_HULLS_IN_ALL, MAX_LINKS = 32, 256, 64
-"""Hulls on a body and in all, and bodies with the empty root."""
+"""Hulls on a body and in all, and bodies."""
 HOPELESS = 4
 """Faults at rest beyond which the way of parts is not looked at."""
 FLOOR_BAND = 0.005
@@ -399,14 +400,21 @@ def _hulls(subject: _Subject) -> Iterator[Fault]:
         yield Fault(id="thin", part=subject.name(int(row)), value=value, allowed=MIN_THICKNESS)
     sides = np.array([np.sort(primitive.size)[1:] for primitive in bodies.primitives])
     pieces = np.ceil(sides / (MAX_ASPECT * thickness[:, None]) - 1e-9).clip(min=1.0).prod(axis=1)
+    pieces[[_is_box(primitive) for primitive in bodies.primitives]] = 1.0
     links, place = np.unique(bodies.links, return_inverse=True)
     counts = np.bincount(place, weights=pieces)
     worst = int(counts.argmax())
-    found = ((counts[worst], MAX_HULLS), (counts.sum(), MAX_HULLS_IN_ALL), (len(links) + 1, MAX_LINKS))
+    found = ((counts[worst], MAX_HULLS), (counts.sum(), MAX_HULLS_IN_ALL), (len(links), MAX_LINKS))
     for count, most in found:
         if count > most:
             name = shape.parts[links[worst]].name
             yield Fault(id="crowded", part=name, value=float(count), allowed=float(most))
+
+
+def _is_box(primitive: Primitive) -> bool:
+    """Whether every corner is one of the box around the primitive in its own frame."""
+    corners = np.abs(primitive.vertices)
+    return len(corners) == 8 and bool(np.abs(corners - primitive.size / 2).max() < 1e-9)
 
 
 def _tips(subject: _Subject) -> Iterator[Fault]:
