@@ -15,6 +15,7 @@ from typing import Protocol, TypedDict
 import numpy as np
 
 STALL_SECONDS = 0.5
+STALL_SPEED = 1e-3
 PRESS_SECONDS = 0.25
 BISECTIONS = 10
 
@@ -138,7 +139,7 @@ def push(engine: Engine, plan: dict, joint: dict, direction: float) -> float:
     name, dt = joint["name"], plan["timestep"]
     target = joint["upper"] if direction > 0.0 else joint["lower"]
     before = engine.positions()[name]
-    speed, best, still, pressed = 0.0, abs(target - before), 0, 0
+    speed, still, pressed = 0.0, 0, 0
     for _ in range(round(plan["drive_seconds"] / dt)):
         pushing = direction * speed < joint["speed"]
         engine.step({name: direction * joint["effort"]} if pushing else {})
@@ -153,8 +154,7 @@ def push(engine: Engine, plan: dict, joint: dict, direction: float) -> float:
             pressed += 1
             if pressed * dt >= PRESS_SECONDS:
                 break
-        still = 0 if gap < best - 1e-3 * joint["tolerance"] else still + 1
-        best = min(best, gap)
+        still = 0 if abs(speed) > STALL_SPEED * joint["speed"] else still + 1
         if not pressed and still * dt > STALL_SECONDS:
             break
     return abs(target - before)

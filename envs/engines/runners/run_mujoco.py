@@ -19,6 +19,10 @@ class Mujoco:
         mujoco.set_mju_user_warning(lambda _: None)
         self.model = mujoco.MjModel.from_xml_path(str(Path(plan["folder"]) / name))
         self.model.opt.timestep = plan["timestep"]
+        if plan["file"] == "urdf" and not plan.get("as_loaded"):
+            # A URDF cannot say how hard limits and friction are; the MJCF says it joint by joint.
+            self.model.jnt_solref[:, 0] = 0.004
+            self.model.jnt_solimp[:, :3] = self.model.dof_solimp[:, :3] = (0.99, 0.999, 0.0001)
         self.data = mujoco.MjData(self.model)
         bodies = {self.model.body(index).name: index for index in range(1, self.model.nbody)}
         self.lost = {}
@@ -31,7 +35,7 @@ class Mujoco:
         self.names = [self.model.joint(index).name for index in range(self.model.njnt)]
 
     def links(self) -> dict[str, LinkFacts]:
-        count = dict.fromkeys(self.bodies.values(), 0)
+        count = [0] * self.model.nbody
         for geom in range(self.model.ngeom):
             if self.model.geom_contype[geom] or self.model.geom_conaffinity[geom]:
                 count[int(self.model.geom_bodyid[geom])] += 1
