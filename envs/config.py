@@ -67,6 +67,17 @@ class DynamicsConfig:
 
 
 @dataclass(frozen=True, kw_only=True)
+class EngineChoice:
+    """An engine that is asked for its opinion, by its name in `envs.engines.witness.WITNESSES`."""
+
+    name: str
+    """``mujoco``, ``pybullet``, ``newton``, ...; the list says which file each reads."""
+
+    python: str | None = None
+    """The interpreter of an environment that has the engine; without one the present interpreter."""
+
+
+@dataclass(frozen=True, kw_only=True)
 class ValidateConfig:
     """Settings of a whole validation."""
 
@@ -81,6 +92,12 @@ class ValidateConfig:
 
     task_timeout: float = 600.0
     """Seconds that the checks L4 may take, before they count as failed."""
+
+    engines: tuple[EngineChoice, ...] = ()
+    """Engines that also try the package (checks L5), each in a process of its own."""
+
+    engine_timeout: float = 600.0
+    """Seconds that one engine may take, before its checks count as failed."""
 
     timeout: float = 120.0
     """Seconds that the static and the dynamic half may take each, before they count as failed."""

@@ -1,4 +1,4 @@
-"""The verdict on a package folder: checks L0 to L3, and L4 where asked for, as one report."""
+"""The verdict on a package folder: checks L0 to L3, and L4 and L5 where asked for, as one report."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -55,7 +55,7 @@ def validate(folder: Path, cfg: ValidateConfig | None = None, worker: Worker | N
     finally:
         if worker is None:
             own.close()
-    return _finish(folder, static + dynamic + tasks, cfg)
+    return _finish(folder, static + dynamic + tasks + _engines(job, static, cfg), cfg)
 
 
 def validate_here(folder: Path, cfg: ValidateConfig | None = None) -> Report:
@@ -65,7 +65,7 @@ def validate_here(folder: Path, cfg: ValidateConfig | None = None) -> Report:
     static = run_static(job)
     dynamic = failed_dynamics("V001 failed") if _unreadable(static) else run_dynamics(job)
     tasks = _tasks(partial(run_tasks, job), static, cfg)
-    return _finish(folder, static + dynamic + tasks, cfg)
+    return _finish(folder, static + dynamic + tasks + _engines(job, static, cfg), cfg)
 
 
 def without_seconds(report: Report) -> Report:
@@ -95,6 +95,17 @@ def _tasks(
     if cfg.tasks == "none":
         return ()
     return failed_tasks("V001 failed") if _unreadable(static) else run()
+
+
+def _engines(job: CheckJob, static: tuple[CheckResult, ...], cfg: ValidateConfig) -> tuple[CheckResult, ...]:
+    """Checks L5 of the engines that are asked."""
+    if not cfg.engines:
+        return ()
+    from .engines.witness import ask_engines, not_asked
+
+    if _unreadable(static):
+        return not_asked(cfg.engines, "V001 failed")
+    return ask_engines(job.folder, cfg.engines, cfg.engine_timeout)
 
 
 def _finish(folder: Path, checks: tuple[CheckResult, ...], cfg: ValidateConfig) -> Report:

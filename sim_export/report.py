@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Literal
 
 Verdict = Literal["pass", "fail", "not_applicable"]
-Level = Literal["L0", "L1", "L2", "L3", "L4"]
+Level = Literal["L0", "L1", "L2", "L3", "L4", "L5"]
 
 
 @dataclass(frozen=True, kw_only=True)

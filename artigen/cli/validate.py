@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING, Literal
 from tqdm import tqdm
 
 from artigen.cli.arguments import Packages, Workers
+from artigen.errors import ArtigenError
 from artigen.workers import Worker, run_supervised
 
 if TYPE_CHECKING:
+    from envs.config import EngineChoice
     from sim_export.report import Report
 
 
@@ -20,16 +22,42 @@ def validate_folder(
     *,
     output: Literal["package", "none"],
     tasks: Literal["none", "run"] = "none",
+    engines: "tuple[EngineChoice, ...]" = (),
 ) -> "Report":
     """The report on one folder, run in the worker."""
     from envs.config import ValidateConfig
     from envs.validate import validate as run
 
-    return run(folder, ValidateConfig(output=output, tasks=tasks), worker)
+    return run(folder, ValidateConfig(output=output, tasks=tasks, engines=engines), worker)
+
+
+def choose_engines(names: str, pythons: tuple[str, ...]) -> "tuple[EngineChoice, ...]":
+    """Engines by their names (with commas between) and interpreters as ``NAME=PATH``.
+
+    Raises:
+        ArtigenError: if an engine is unknown, or an interpreter is for none that is asked, or not there.
+    """
+    from envs.config import EngineChoice
+    from envs.engines.witness import WITNESSES
+
+    asked = [name.strip() for name in names.split(",") if name.strip()]
+    unknown = [name for name in asked if name not in WITNESSES]
+    if unknown:
+        raise ArtigenError(f"no engine {', '.join(unknown)}; there are {', '.join(WITNESSES)}")
+    paths: dict[str, str] = {}
+    for entry in pythons:
+        name, _, path = entry.partition("=")
+        if name not in asked:
+            raise ArtigenError(f"--engine-python {entry}: say NAME=PATH, with a NAME of --engines")
+        if not Path(path).is_file():
+            raise ArtigenError(f"--engine-python {entry}: no such file")
+        paths[name] = path
+    return tuple(EngineChoice(name=name, python=paths.get(name)) for name in asked)
 
 
 def describe(report: "Report") -> str:
-    """A line for the package, and one for every check that failed."""
+    """A line for the package, one for every check that failed and for every engine that is missing."""
+    skipped = [check for check in report.checks if check.message.startswith("skipped: ")]
     counts = dict.fromkeys(("pass", "fail", "not_applicable"), 0)
     for check in report.checks:
         counts[check.verdict] += 1
@@ -37,7 +65,8 @@ def describe(report: "Report") -> str:
         f"{'PASS' if report.passed else 'FAIL'} {report.package}: {counts['pass']} passed, "
         f"{counts['fail']} failed, {counts['not_applicable']} not applicable"
     )
-    return "\n".join([head, *(f"  {check.id} {check.title}: {check.message}" for check in report.failures)])
+    told = (*report.failures, *skipped)
+    return "\n".join([head, *(f"  {check.id} {check.title}: {check.message}" for check in told)])
 
 
 def validate(
@@ -47,6 +76,8 @@ def validate(
     workers: Workers = 1,
     *,
     task: bool = False,
+    engines: str = "",
+    engine_python: tuple[str, ...] = (),
 ) -> int:
     """Runs the checks L0 to L3 and says which failed, where, by how much; exits 1 if any did.
 
@@ -56,6 +87,9 @@ def validate(
         report: Leave validation.json in each folder, or nothing.
         workers: Processes side by side.
         task: Also run the checks L4: the object at work in ManiSkill tasks.
+        engines: Also ask these engines (checks L5), with commas between: mujoco, mujoco-urdf, sapien,
+            pybullet, newton, newton-urdf. One that is not installed is skipped.
+        engine_python: Interpreters of environments that have an engine: newton=/path/to/python.
     """
     from sim_export.report import report_to_json
 
@@ -63,9 +97,10 @@ def validate(
     if missing:
         sys.stderr.write(f"artigen: no such folder: {', '.join(missing)}\n")
         return 2
+    asked = choose_engines(engines, engine_python)
     reports = []
     with tqdm(total=len(packages), unit="package", disable=len(packages) == 1) as bar:
-        check = partial(validate_folder, output=report, tasks="run" if task else "none")
+        check = partial(validate_folder, output=report, tasks="run" if task else "none", engines=asked)
         for verdict in run_supervised(check, packages, workers=workers):
             reports.append(verdict)
             bar.update()

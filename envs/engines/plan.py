@@ -1,0 +1,199 @@
+"""What an engine is asked to do with a package, as plain JSON.
+
+Runners know nothing of this project: everything that they need, efforts and durations included, is
+computed here from the package and written down once for all engines.
+"""
+
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+
+from sim_export.package import PackageJoint, SimPackage
+
+TIMESTEP = 1.0 / 240.0
+STEPS = 2000
+DRIVE_SECONDS = 4.0
+TRAVEL_SECONDS = 1.0
+PUSH_RATIO = 1.5
+HOLD, SLIP = 0.9, 1.1
+TRIAL_SECONDS = 1.0
+TRIAL_SHARE = 0.25
+LIMIT_SHARE = 0.01
+LIMIT_LENGTH = 1e-4
+LIMIT_ANGLE = float(np.radians(0.5))
+
+
+@dataclass(frozen=True, kw_only=True)
+class FrictionTrial:
+    """From ``start``, weight off: ``held`` (N or N m) must not move the joint, ``slipped`` must.
+
+    ``expected`` is how far ``slipped`` gets in ``seconds`` against exact friction and damping.
+    """
+
+    start: float
+    held: float
+    slipped: float
+    seconds: float
+    expected: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class JointTask:
+    """A joint as the URDF says it, and how it is tried.
+
+    ``open`` are the coordinates of joints that stand open meanwhile; ``effort`` pushes it through its
+    range while it is slower than ``speed``; ``tolerance`` is how near to an end counts as there. A
+    joint without limits has a range of one turn. A follower (``mimic``) is not tried by itself.
+    """
+
+    name: str
+    type: str
+    child: str
+    lower: float
+    upper: float
+    friction: float
+    damping: float
+    mimic: str | None
+    multiplier: float
+    open: dict[str, float]
+    effort: float
+    speed: float
+    tolerance: float
+    trial: FrictionTrial | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class LinkTask:
+    """A link as the URDF says it; ``None`` where no mass is stated."""
+
+    name: str
+    mass: float | None
+    shapes: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class EnginePlan:
+    """One package, one plan, for all engines. ``root`` is the link that is bolted to the world."""
+
+    folder: str
+    timestep: float
+    steps: int
+    drive_seconds: float
+    root: str
+    links: tuple[LinkTask, ...]
+    joints: tuple[JointTask, ...]
+
+    def as_json(self) -> dict[str, object]:
+        """Plain dictionaries, lists, strings and numbers."""
+        return asdict(self)
+
+
+def make_plan(folder: Path, package: SimPackage, steps: int = STEPS) -> EnginePlan:
+    """The plan for the package in a folder."""
+    children = {joint.child for joint in package.joints}
+    return EnginePlan(
+        folder=str(Path(folder).resolve()),
+        timestep=TIMESTEP,
+        steps=steps,
+        drive_seconds=DRIVE_SECONDS,
+        root=next(link.name for link in package.links if link.name not in children),
+        links=tuple(
+            LinkTask(
+                name=link.name,
+                mass=None if link.inertial is None else link.inertial.mass,
+                shapes=len(link.hulls),
+            )
+            for link in package.links
+        ),
+        joints=tuple(_task(package, joint) for joint in package.joints if joint.type != "fixed"),
+    )
+
+
+def _task(package: SimPackage, joint: PackageJoint) -> JointTask:
+    lower, upper = ends(joint)
+    span = upper - lower
+    load = moved_load(package, joint)
+    near = LIMIT_SHARE * span
+    speed = span / TRAVEL_SECONDS
+    return JointTask(
+        name=joint.name,
+        type=joint.type,
+        child=joint.child,
+        lower=lower,
+        upper=upper,
+        friction=joint.friction,
+        damping=joint.damping,
+        mimic=joint.mimic,
+        multiplier=joint.mimic_multiplier,
+        open=open_coordinates(package, joint.name),
+        effort=PUSH_RATIO * joint.friction + joint.damping * speed + 2.0 * load * span / TRAVEL_SECONDS**2,
+        speed=speed,
+        tolerance=max(near, LIMIT_LENGTH if joint.type == "prismatic" else LIMIT_ANGLE),
+        trial=_trial(joint, load),
+    )
+
+
+def ends(joint: PackageJoint) -> tuple[float, float]:
+    """Limits of a joint; one turn from 0 where there are none."""
+    return (0.0, 2.0 * np.pi) if joint.type == "continuous" else (joint.lower, joint.upper)
+
+
+def open_coordinates(package: SimPackage, name: str) -> dict[str, float]:
+    """Coordinates of the joints that must stand open before ``name`` moves, their own needs included."""
+    joints = {joint.name: joint for joint in package.joints}
+    found: dict[str, float] = {}
+    waiting = [name]
+    while waiting:
+        current = waiting.pop()
+        for need in package.requires_open:
+            if need.joint == current and need.needs not in found and need.needs in joints:
+                lower, upper = ends(joints[need.needs])
+                found[need.needs] = lower + need.fraction * (upper - lower)
+                waiting.append(need.needs)
+    return found
+
+
+def moved_load(package: SimPackage, joint: PackageJoint) -> float:
+    """Mass (kg) that a sliding joint moves, or inertia (kg m^2) about the axis of a turning one, at rest."""
+    moved = {joint.child}
+    for _ in package.joints:
+        moved |= {other.child for other in package.joints if other.parent in moved}
+    total = 0.0
+    for link in package.links:
+        if link.name not in moved or link.inertial is None:
+            continue
+        if joint.type == "prismatic":
+            total += link.inertial.mass
+        else:
+            arm = np.cross(joint.axis, link.inertial.com - joint.origin)
+            total += float(joint.axis @ link.inertial.inertia @ joint.axis)
+            total += link.inertial.mass * float(arm @ arm)
+    return total
+
+
+def _trial(joint: PackageJoint, load: float) -> FrictionTrial | None:
+    """The middle of the range, and as long as it takes to cross a part of it; at most a second."""
+    if joint.friction <= 0.0 or load <= 0.0 or joint.mimic is not None:
+        return None
+    lower, upper = ends(joint)
+    net = (SLIP - 1.0) * joint.friction
+    times = np.linspace(TIMESTEP, TRIAL_SECONDS, round(TRIAL_SECONDS / TIMESTEP))
+    travel = travelled(net, load, joint.damping, times)
+    enough = np.flatnonzero(travel >= TRIAL_SHARE * (upper - lower))
+    at = int(enough[0]) if len(enough) else len(times) - 1
+    return FrictionTrial(
+        start=0.5 * (lower + upper),
+        held=HOLD * joint.friction,
+        slipped=SLIP * joint.friction,
+        seconds=float(times[at]),
+        expected=float(travel[at]),
+    )
+
+
+def travelled(net: float, load: float, damping: float, times: np.ndarray) -> np.ndarray:
+    """How far a net effort moves a load against damping, from rest: m x'' + d x' = f."""
+    if damping * times[-1] < 1e-6 * load:
+        return 0.5 * net / load * times**2
+    slowing = load / damping
+    return net / damping * (times + slowing * np.expm1(-times / slowing))

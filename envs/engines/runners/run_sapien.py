@@ -1,0 +1,67 @@
+"""A package's URDF in SAPIEN, loaded as `envs.package` loads it: the one runner that needs this project."""
+
+from pathlib import Path
+
+import numpy as np
+from harness import JointFacts, LinkFacts, run
+
+
+class Sapien:
+    """SAPIEN orders joints by itself, so everything goes by name."""
+
+    def __init__(self, plan: dict) -> None:
+        import sapien
+
+        from envs.package import LoadConfig, load_package
+        from envs.scene import create_scene
+
+        self.version = sapien.__version__
+        resistance = "engine" if plan.get("as_loaded") else "package"
+        cfg = LoadConfig(base="fixed", joint_resistance=resistance)
+        self.loaded = load_package(create_scene(plan["timestep"]), Path(plan["folder"]), cfg)
+        self.articulation = self.loaded.articulation
+        self.names = [joint.name for joint in self.articulation.active_joints]
+        self.lost: dict[str, str] = {}
+
+    def links(self) -> dict[str, LinkFacts]:
+        return {
+            load.name: {"mass": load.engine_mass if load.mass is not None else None, "shapes": load.shapes}
+            for load in self.loaded.links
+        }
+
+    def joints(self) -> dict[str, JointFacts]:
+        facts: dict[str, JointFacts] = {}
+        for joint in self.articulation.active_joints:
+            lower, upper = (float(value) for value in np.asarray(joint.limits).reshape(-1))
+            limited = bool(np.isfinite([lower, upper]).all())
+            # The drive is the friction and a tendon the damping; SAPIEN has no names for either.
+            facts[joint.name] = {
+                "lower": lower if limited else None,
+                "upper": upper if limited else None,
+                "friction": float(joint.force_limit) if joint.damping > 0.0 else None,
+                "damping": None,
+            }
+        return facts
+
+    def reset(self, qpos: dict[str, float], gravity: float) -> None:
+        for link in self.articulation.links:
+            link.disable_gravity = gravity == 0.0
+        values = np.array([qpos.get(name, 0.0) for name in self.names], dtype=np.float32)
+        self.articulation.set_qpos(values)
+        self.articulation.set_qvel(np.zeros_like(values))
+        self.articulation.set_qf(np.zeros_like(values))
+
+    def step(self, efforts: dict[str, float]) -> None:
+        from envs.loaded import advance
+
+        values = np.array([efforts.get(name, 0.0) for name in self.names], dtype=np.float32)
+        self.articulation.set_qf(values)
+        advance(self.loaded)
+
+    def positions(self) -> dict[str, float]:
+        values = np.asarray(self.articulation.qpos, dtype=np.float64).tolist()
+        return dict(zip(self.names, values, strict=True))
+
+
+if __name__ == "__main__":
+    run(Sapien)

@@ -1,0 +1,130 @@
+"""Asking other engines about a package, each in a process of its own, in whatever environment has it."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+from envs.config import EngineChoice
+from sim_export.errors import PackageError
+from sim_export.report import CheckResult
+
+from .judge import TITLES, judge, make_check
+from .plan import EnginePlan, make_plan
+
+RUNNERS = Path(__file__).parent / "runners"
+PROJECT = Path(__file__).parents[2]
+FILES = {"urdf": "mobility.urdf", "mjcf": "mobility.mjcf.xml"}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Witness:
+    """How an engine is asked: the runner, the file of the package that it reads, and what to install."""
+
+    runner: str
+    file: Literal["urdf", "mjcf"]
+    install: str
+
+
+WITNESSES = {
+    "mujoco": Witness(runner="run_mujoco.py", file="mjcf", install="mujoco"),
+    "mujoco-urdf": Witness(runner="run_mujoco.py", file="urdf", install="mujoco"),
+    "sapien": Witness(runner="run_sapien.py", file="urdf", install="sapien"),
+    "pybullet": Witness(runner="run_pybullet.py", file="urdf", install="pybullet"),
+    "newton": Witness(runner="run_newton.py", file="mjcf", install="newton[sim,importers]"),
+    "newton-urdf": Witness(runner="run_newton.py", file="urdf", install="newton[sim,importers]"),
+}
+
+
+def ask_engines(folder: Path, engines: tuple[EngineChoice, ...], timeout: float) -> tuple[CheckResult, ...]:
+    """Checks V501 to V506 of every engine; one that is missing is skipped with a sentence.
+
+    Args:
+        folder: a package.
+        engines: whom to ask; names as in `WITNESSES`.
+        timeout: seconds that each may take.
+    """
+    from sim_export.files.read import read_package
+
+    try:
+        plan = make_plan(folder, read_package(folder, appearance=False))
+    except PackageError as error:
+        return not_asked(engines, str(error))
+    return tuple(check for engine in engines for check in _ask(plan, engine, timeout))
+
+
+def not_asked(engines: tuple[EngineChoice, ...], reason: str) -> tuple[CheckResult, ...]:
+    """All checks of all engines as failures for one reason."""
+    return tuple(check for engine in engines for check in _failed(engine.name, reason))
+
+
+def _ask(plan: EnginePlan, engine: EngineChoice, timeout: float) -> tuple[CheckResult, ...]:
+    witness = WITNESSES[engine.name]
+    if not (Path(plan.folder) / FILES[witness.file]).is_file():
+        return _skipped(engine.name, f"the package has no {FILES[witness.file]}")
+    answer = run_engine(plan, engine, timeout)
+    if "missing" in answer:
+        return _skipped(
+            engine.name,
+            f"no module {answer['missing']} in {engine.python or sys.executable}; "
+            f"`pip install {witness.install}` there, or name another with --engine-python {engine.name}=PATH",
+        )
+    if "error" in answer:
+        return _failed(engine.name, str(answer["error"]))
+    return judge(engine.name, plan, answer)
+
+
+def run_engine(
+    plan: EnginePlan, engine: EngineChoice, timeout: float, extra: dict[str, object] | None = None
+) -> dict:
+    """The engine's answer to a plan; ``missing`` or ``error`` where there is none.
+
+    ``extra`` adds to the plan: ``as_loaded`` leaves out what runners restore after loading, ``bisect``
+    also measures at which effort each joint gives way.
+    """
+    witness = WITNESSES[engine.name]
+    asked = plan.as_json() | {"file": witness.file} | (extra or {})
+    # Runners see their own environment only; SAPIEN's is this one, and needs this project.
+    environment = dict(os.environ)
+    if engine.name == "sapien":
+        paths = [str(PROJECT), *filter(None, [environment.get("PYTHONPATH")])]
+        environment["PYTHONPATH"] = os.pathsep.join(paths)
+    with tempfile.TemporaryDirectory() as scratch:
+        file = Path(scratch) / "plan.json"
+        file.write_text(json.dumps(asked))
+        command = [engine.python or sys.executable, str(RUNNERS / witness.runner), str(file)]
+        try:
+            done = subprocess.run(
+                command, capture_output=True, text=True, timeout=timeout, check=False, cwd=scratch,
+                env=environment,
+            )  # fmt: skip
+        except subprocess.TimeoutExpired:
+            return {"error": f"took longer than {timeout:g} s and was stopped"}
+        except OSError as error:
+            return {"error": f"{command[0]} cannot be run: {error.strerror}"}
+    try:
+        return json.loads(done.stdout)
+    except json.JSONDecodeError:
+        last = done.stderr.strip().splitlines()[-1:] or ["nothing was said"]
+        return {"error": f"the process ended with {_code(done.returncode)}: {last[0]}"}
+
+
+def _code(code: int) -> str:
+    return f"exit code {code}" if code >= 0 else f"signal {signal.Signals(-code).name}"
+
+
+def _skipped(engine: str, reason: str) -> tuple[CheckResult, ...]:
+    return (make_check("V501", engine, "not_applicable", f"skipped: {reason}"),)
+
+
+def _failed(engine: str, reason: str) -> tuple[CheckResult, ...]:
+    first, *rest = TITLES
+    return (
+        make_check(first, engine, "fail", reason),
+        *(make_check(check, engine, "fail", f"not run: {first} failed") for check in rest),
+    )
