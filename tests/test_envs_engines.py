@@ -1,4 +1,4 @@
-"""Other engines as witnesses: the plan's laws, seeded defects, thresholds at their boundary, missing engines."""
+"""Other engines as witnesses: laws of the plan, seeded defects, thresholds at their boundary, no engine."""
 
 import json
 import shutil
