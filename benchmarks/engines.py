@@ -61,8 +61,8 @@ def main() -> None:
         if values:
             off = np.abs(np.array(values) - 1.0)
             print(
-                f"{engine}: {len(values)} joints give way at {min(values):.3f} to {max(values):.3f} times their "
-                f"friction, median error {100 * np.median(off):.2g} %, {(off <= 0.05).sum()} within 5 %"
+                f"{engine}: {len(values)} joints give way at {min(values):.3f} to {max(values):.3f} times "
+                f"their friction, median error {100 * np.median(off):.2g} %, {(off <= 0.05).sum()} within 5 %"
             )
 
 

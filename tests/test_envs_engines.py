@@ -1,4 +1,4 @@
-"""Other engines as witnesses: the plan's laws, seeded defects, thresholds at their boundary, missing engines."""
+"""Other engines as witnesses: the plan's laws, seeded defects, boundaries of thresholds, missing engines."""
 
 import json
 import shutil
