@@ -46,16 +46,13 @@ class SketchConfig:
     """That of the header: category, style, counts and extents."""
     candidates: int = 8
     """Continuations of an object that are drawn side by side for every part."""
-    rounds: int = 2
-    """Batches of continuations without a sound one after which the part before is drawn again."""
     batches: int = 80
     """Batches in all."""
 
     def __post_init__(self) -> None:
-        if min(self.candidates, self.rounds, self.batches) < 1:
+        if min(self.candidates, self.batches) < 1:
             raise ValueError(
-                f"{self.candidates} candidates in {self.rounds} rounds of {self.batches} batches, expected "
-                "at least one of each"
+                f"{self.candidates} candidates in {self.batches} batches, expected at least one of each"
             )
 
 
@@ -142,14 +139,12 @@ def draw_object(
     grown = begin_drafts(network, [ask(request)], sight)
     dead_ends: Counter[int] = Counter()
     best: tuple[Shape, tuple[Fault, ...]] | None = None
-    misses = 0
     while hand.batches < cfg.batches:
         if len(grown) == 1:
             grown.append(hand.head(grown[0]))
         found = hand.grow(grown[-1])
         if found is not None:
             grown.append(found)
-            misses = 0
             if not found.writer.delivered:
                 continue
             shape, faults = _judge(found.writer.table, seed)
@@ -159,10 +154,7 @@ def draw_object(
                 break
             hand.seen.update(fault.id for fault in faults)
             del grown[1:]
-        elif misses + 1 < cfg.rounds:
-            misses += 1
         else:
-            misses = 0
             dead_ends[len(grown)] += 1
             del grown[max(1, len(grown) - dead_ends[len(grown)]) :]
     if best is None:
