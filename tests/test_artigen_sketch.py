@@ -352,7 +352,7 @@ def test_a_network_is_stored_with_its_vocabulary(reads: str, tmp_path: Path, mon
 def test_an_object_that_cannot_be_made_sound_is_finished_with_its_faults_named():
     """A network that knows nothing never draws a sound object."""
     request = replace(REQUEST, counts=(*REQUEST.counts[1:], ("drawer", 0)))
-    drawn = draw_object(_network(), request, 1, SketchConfig(candidates=12, rounds=1, batches=2))
+    drawn = draw_object(_network(), request, 1, SketchConfig(candidates=12, batches=2))
     assert dict(drawn.shape.condition.counts) == {"base": 1, "door": 1}
     assert drawn.faults
     assert all(fault.text for fault in drawn.faults)
