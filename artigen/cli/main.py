@@ -12,6 +12,7 @@ from artigen.cli.preview import preview
 from artigen.cli.scene import scene
 from artigen.cli.shape import shape
 from artigen.cli.train import train
+from artigen.cli.usd import usd
 from artigen.cli.validate import validate
 from artigen.cli.view import view
 from artigen.errors import ArtigenError
@@ -29,6 +30,7 @@ def main() -> None:
         "train": train,
         "eval": evaluate,
         "export": export,
+        "usd": usd,
         "validate": validate,
         "preview": preview,
         "view": view,

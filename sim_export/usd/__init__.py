@@ -1,0 +1,1 @@
+"""Packages as OpenUSD folders in the layout of SimReady assets; needs the optional `usd-core`."""

@@ -1,0 +1,138 @@
+"""Visual meshes and their materials: UsdPreviewSurface with an image or a plain colour."""
+
+# usd-core has no type stubs, and is optional.
+# pyright: reportAttributeAccessIssue=false, reportMissingImports=false
+
+import hashlib
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+import numpy as np
+from jaxtyping import Float, Int, UInt8
+
+from sim_export.files.obj import corner_normals, png_bytes
+from sim_export.package import Mesh, Visual
+from sim_export.physics.materials import MaterialName
+from sim_export.picture.shading import linear_from_srgb
+from sim_export.usd.labels import MATERIAL_WORDS, NONVISUAL_BASES, add_label, label_part
+
+if TYPE_CHECKING:
+    from pxr import Sdf, Usd, UsdGeom, UsdShade
+
+ROUGHNESS = 0.8
+TEXTURES = "textures"
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Looks:
+    """Where materials go, and the images they refer to, by their path beside the USD file."""
+
+    stage: "Usd.Stage"
+    scope: "Sdf.Path"
+    files: dict[str, bytes] = field(default_factory=dict)
+
+
+def add_visual(
+    looks: Looks, path: "Sdf.Path", visual: Visual, mesh: Mesh, made_of: MaterialName, offset: np.ndarray
+) -> None:
+    """Adds one mesh of a visual with its material of the same name.
+
+    Args:
+        looks: Where materials and images go.
+        path: Of the new prim, below its link's.
+        visual: What the mesh is a part of.
+        mesh: In the object frame, metres.
+        made_of: What it is made of.
+        offset: The link's origin in the object frame (m), which becomes 0.
+    """
+    from pxr import Gf, Sdf, UsdGeom, UsdShade, Vt
+
+    shape = define_mesh(looks.stage, path, mesh.vertices - offset, mesh.faces)
+    normals = corner_normals(mesh.vertices, mesh.faces).reshape(-1, 3)
+    shape.CreateNormalsAttr().Set(Vt.Vec3fArray.FromNumpy(normals.astype(np.float32)))
+    shape.SetNormalsInterpolation(UsdGeom.Tokens.faceVarying)
+    color = np.array(mesh.color)
+    if mesh.uv is not None and mesh.texture is not None:
+        st = UsdGeom.PrimvarsAPI(shape).CreatePrimvar(
+            "st", Sdf.ValueTypeNames.TexCoord2fArray, UsdGeom.Tokens.faceVarying
+        )
+        st.Set(Vt.Vec2fArray.FromNumpy(mesh.uv.reshape(-1, 2).astype(np.float32)))
+        color = mesh.texture[::8, ::8, :3].mean(axis=(0, 1)) / 255.0
+    linear = np.clip(linear_from_srgb(color), 0.0, 1.0).tolist()
+    shape.CreateDisplayColorAttr().Set([Gf.Vec3f(*linear)])
+    label_part(shape.GetPrim(), visual.label)
+    material = _add_material(looks, path.name, mesh, linear, made_of)
+    UsdShade.MaterialBindingAPI.Apply(shape.GetPrim()).Bind(material)
+
+
+def define_mesh(
+    stage: "Usd.Stage",
+    path: "Sdf.Path",
+    vertices: Float[np.ndarray, "V 3"],
+    faces: Int[np.ndarray, "F 3"],
+) -> "UsdGeom.Mesh":
+    """A mesh prim of triangles with its extent; no subdivision, no normals yet."""
+    from pxr import UsdGeom, Vt
+
+    mesh = UsdGeom.Mesh.Define(stage, path)
+    points = np.ascontiguousarray(vertices, dtype=np.float32)
+    mesh.CreatePointsAttr().Set(Vt.Vec3fArray.FromNumpy(points))
+    mesh.CreateFaceVertexCountsAttr().Set(Vt.IntArray.FromNumpy(np.full(len(faces), 3, np.int32)))
+    mesh.CreateFaceVertexIndicesAttr().Set(Vt.IntArray.FromNumpy(faces.astype(np.int32).ravel()))
+    mesh.CreateSubdivisionSchemeAttr().Set(UsdGeom.Tokens.none)
+    extent = np.stack([points.min(axis=0), points.max(axis=0)])
+    mesh.CreateExtentAttr().Set(Vt.Vec3fArray.FromNumpy(extent))
+    return mesh
+
+
+def _add_material(
+    looks: Looks, name: str, mesh: Mesh, color: list[float], made_of: MaterialName
+) -> "UsdShade.Material":
+    """A preview surface: the image over its own alpha, or the plain linear colour."""
+    from pxr import Gf, Sdf, UsdShade
+
+    types = Sdf.ValueTypeNames
+    path = looks.scope.AppendChild(name)
+    material = UsdShade.Material.Define(looks.stage, path)
+    surface = UsdShade.Shader.Define(looks.stage, path.AppendChild("surface"))
+    surface.CreateIdAttr("UsdPreviewSurface")
+    surface.CreateInput("roughness", types.Float).Set(ROUGHNESS)
+    surface.CreateInput("metallic", types.Float).Set(0.0)
+    diffuse = surface.CreateInput("diffuseColor", types.Color3f)
+    transparent = mesh.texture is not None and mesh.texture.shape[2] == 4
+    if mesh.texture is None:
+        diffuse.Set(Gf.Vec3f(*color))
+    else:
+        reader = UsdShade.Shader.Define(looks.stage, path.AppendChild("coordinates"))
+        reader.CreateIdAttr("UsdPrimvarReader_float2")
+        reader.CreateInput("varname", types.String).Set("st")
+        image = UsdShade.Shader.Define(looks.stage, path.AppendChild("image"))
+        image.CreateIdAttr("UsdUVTexture")
+        image.CreateInput("file", types.Asset).Set(Sdf.AssetPath(f"./{_keep_image(looks, mesh.texture)}"))
+        image.CreateInput("sourceColorSpace", types.Token).Set("sRGB")
+        image.CreateInput("wrapS", types.Token).Set("repeat")
+        image.CreateInput("wrapT", types.Token).Set("repeat")
+        coordinates = reader.CreateOutput("result", types.Float2)
+        image.CreateInput("st", types.Float2).ConnectToSource(coordinates)
+        diffuse.ConnectToSource(image.CreateOutput("rgb", types.Float3))
+        if transparent:
+            opacity = surface.CreateInput("opacity", types.Float)
+            opacity.ConnectToSource(image.CreateOutput("a", types.Float))
+    material.CreateSurfaceOutput().ConnectToSource(surface.CreateOutput("surface", types.Token))
+    prim = material.GetPrim()
+    add_label(prim, "material", MATERIAL_WORDS[made_of])
+    # How it is coated is not known, so that attribute is there and has no value.
+    prim.CreateAttribute("omni:simready:nonvisual:base", types.Token).Set(NONVISUAL_BASES[made_of])
+    prim.CreateAttribute("omni:simready:nonvisual:coating", types.Token)
+    prim.CreateAttribute("omni:simready:nonvisual:attributes", types.TokenArray).Set(
+        ["visually_transparent" if transparent else "none"]
+    )
+    return material
+
+
+def _keep_image(looks: Looks, texture: UInt8[np.ndarray, "H W C"]) -> str:
+    """The path of an image, which is named after its content: equal ones are one file."""
+    content = png_bytes(texture)
+    path = f"{TEXTURES}/texture_{hashlib.sha256(content).hexdigest()[:12]}.png"
+    looks.files[path] = content
+    return path

@@ -1,0 +1,85 @@
+"""A package as a folder that SimReady's `Robotics-Prop` profile accepts.
+
+``<name>/usd/<name>.usd`` holds everything but images, which lie in ``textures`` beside it, named after
+their content; the thumbnail is in ``.thumbs``. The USD file is a binary one: a third of the size of the
+same layer as text, and opened several times faster. No file holds a time or an absolute path, and the
+same package gives the same bytes.
+"""
+
+# usd-core has no type stubs, and is optional.
+# pyright: reportAttributeAccessIssue=false, reportMissingImports=false
+
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import UInt8
+
+from sim_export.errors import PackageError
+from sim_export.files.obj import png_bytes
+from sim_export.files.write import Overwrite, write_files
+from sim_export.package import SimPackage
+from sim_export.picture.camera import Viewpoint
+from sim_export.picture.preview import PreviewConfig, draw_standing, frame_shapes, prepare_shapes
+from sim_export.usd.names import asset_name
+from sim_export.usd.stage import stage_files
+
+FOLDER = "usd"
+THUMBNAIL = 256
+"""Pixels of the thumbnail's edge, which SimReady prescribes."""
+
+
+def write_usd(package: SimPackage, out: Path, overwrite: Overwrite = "refuse") -> Path:
+    """Writes a package as USD to a folder of its own in ``out`` and returns the path of the USD file.
+
+    Args:
+        package: What to write. A screw becomes one joint that only turns.
+        out: The folder for USD assets; the asset's folder has the package's name in lower case.
+        overwrite: ``refuse`` raises where the asset's folder exists, ``replace`` puts the new asset in
+            the place of an old one (only of a USD asset: another folder is never removed).
+
+    Raises:
+        PackageError: If usd-core is missing, the package has nothing to show, the folder exists or cannot
+            be written, or a source mesh or an image cannot be read.
+        InvalidKinematics: If links and joints are not a tree.
+    """
+    name = asset_name(package.name)
+    folder = Path(out) / name
+    main = folder / FOLDER / f"{name}.usd"
+    if folder.exists() and overwrite == "refuse":
+        raise PackageError(f"{folder}: exists already; remove it or write with overwrite='replace'")
+    if folder.exists() and not main.is_file():
+        raise PackageError(
+            f"{folder}: is no USD asset (it has no {FOLDER}/{name}.usd), so it is not replaced"
+        )
+    write_files(usd_files(package), folder)
+    return main
+
+
+def usd_files(package: SimPackage) -> dict[str, bytes]:
+    """All files of the USD asset by their path in its folder; raises as `write_usd`."""
+    require_usd()
+    if not any(link.visuals for link in package.links):
+        raise PackageError(
+            f"package {package.name!r} has no visuals, and an asset needs a picture of itself; "
+            "read the package with its appearance"
+        )
+    name = asset_name(package.name)
+    files = {f"{FOLDER}/{path}": content for path, content in stage_files(package).items()}
+    return files | {f"{FOLDER}/.thumbs/256x256/{name}.usd.png": png_bytes(draw_thumbnail(package))}
+
+
+def draw_thumbnail(package: SimPackage) -> UInt8[np.ndarray, "256 256 3"]:
+    """The closed object as a picture of 256 x 256 pixels."""
+    cfg = PreviewConfig(panels=("closed",), viewpoint=Viewpoint(width=THUMBNAIL, height=THUMBNAIL))
+    shapes = prepare_shapes(package, cfg)
+    return draw_standing(shapes, shapes.visual, frame_shapes(shapes, cfg, cfg.panels), cfg)
+
+
+def require_usd() -> None:
+    """Raises `PackageError` where `usd-core` is not installed."""
+    try:
+        import pxr  # noqa: F401
+    except ImportError as err:
+        raise PackageError(
+            'USD files need usd-core, which is not installed: pip install "artigen[usd]"'
+        ) from err
