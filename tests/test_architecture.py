@@ -40,6 +40,7 @@ HEAVY = (
     "embreex",
     "trimesh",
     "mani_skill",
+    "pxr",
     "yourdfpy",
 )
 """Modules that nothing loads before it needs them."""

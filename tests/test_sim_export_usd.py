@@ -123,19 +123,14 @@ def test_the_body_is_held_by_the_asset_and_not_by_the_worlds_origin(package, mai
     placed = pxr.UsdGeom.Xform.Define(scene, "/placed")
     placed.GetPrim().GetReferences().AddReference(str(main))
     placed.AddTranslateOp().Set((5.0, 0.0, 1.0))
-    ((_, fixed),) = [
-        (path, joint)
-        for path, joint in zip(
-            *pxr.UsdPhysics.LoadUsdPhysicsFromRange(scene, ["/"])[pxr.UsdPhysics.ObjectType.FixedJoint],
-            strict=True,
-        )
-    ]
+    found = pxr.UsdPhysics.UsdPhysicsLoadStageFromPrimRange(scene, ["/"])
+    (fixed,) = found[pxr.UsdPhysics.ObjectType.FixedJoint][1]
     assert fixed.body0.isEmpty
     assert tuple(fixed.localPose0Position) == (5.0, 0.0, 1.0)
 
 
 def test_engines_find_one_articulation_with_every_joint(package, stage, pxr):
-    found = pxr.UsdPhysics.LoadUsdPhysicsFromRange(stage, ["/"])
+    found = pxr.UsdPhysics.UsdPhysicsLoadStageFromPrimRange(stage, ["/"])
     (articulation,) = found[pxr.UsdPhysics.ObjectType.Articulation][1]
     assert len(articulation.articulatedJoints) == len(package.joints) + 1
     assert len(found[pxr.UsdPhysics.ObjectType.RigidBody][0]) == len(package.links)
@@ -331,7 +326,11 @@ def test_clear_images_make_clear_materials(plain: SimPackage, pxr, tmp_path: Pat
     material = stage.GetDefaultPrim().GetChild("materials").GetChild(visual.name)
     surface = pxr.UsdShade.Shader(material.GetChild("surface"))
     source, name, _ = surface.GetInput("opacity").GetConnectedSource()
-    assert (source.GetPrim().GetName(), name) == ("image", "a")
+    alpha = pxr.UsdShade.Shader(source.GetPrim())
+    assert (name, alpha.GetInput("sourceColorSpace").Get()) == ("a", "raw")
+    assert alpha.GetInput("file").Get() == (
+        pxr.UsdShade.Shader(material.GetChild("image")).GetInput("file").Get()
+    )
 
 
 def test_missing_usd_core_is_said_in_one_sentence(plain: SimPackage, tmp_path: Path, monkeypatch):
@@ -362,9 +361,8 @@ def test_packages_are_found_by_themselves_and_in_folders(tmp_path: Path):
     VALIDATOR is None,
     reason="no simready-validate on PATH or in SIMREADY_VALIDATE; docs/usd.md says how to install it",
 )
-@pytest.mark.parametrize("version", ["3.0.0", "4.0.0"])
-def test_simready_accepts_the_asset(main: Path, version: str):
+def test_simready_accepts_the_asset(main: Path):
     assert VALIDATOR is not None
-    command = [VALIDATOR, "--profile", "Robotics-Prop", "--version", version, str(main)]
+    command = [VALIDATOR, "--profile", "Robotics-Prop", "--version", "4.0.0", str(main)]
     done = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
     assert "[PASSED]" in done.stdout, done.stdout + done.stderr

@@ -25,7 +25,7 @@ TEXTURES = "textures"
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Looks:
-    """Where materials go, and the images they refer to, by their path beside the USD file."""
+    """Where materials go, and the files of images they refer to, by their path beside the USD file."""
 
     stage: "Usd.Stage"
     scope: "Sdf.Path"
@@ -106,18 +106,15 @@ def _add_material(
         reader = UsdShade.Shader.Define(looks.stage, path.AppendChild("coordinates"))
         reader.CreateIdAttr("UsdPrimvarReader_float2")
         reader.CreateInput("varname", types.String).Set("st")
-        image = UsdShade.Shader.Define(looks.stage, path.AppendChild("image"))
-        image.CreateIdAttr("UsdUVTexture")
-        image.CreateInput("file", types.Asset).Set(Sdf.AssetPath(f"./{_keep_image(looks, mesh.texture)}"))
-        image.CreateInput("sourceColorSpace", types.Token).Set("sRGB")
-        image.CreateInput("wrapS", types.Token).Set("repeat")
-        image.CreateInput("wrapT", types.Token).Set("repeat")
         coordinates = reader.CreateOutput("result", types.Float2)
-        image.CreateInput("st", types.Float2).ConnectToSource(coordinates)
+        file = Sdf.AssetPath(f"./{_keep_image(looks, mesh.texture)}")
+        image = _add_sampler(looks, path.AppendChild("image"), file, "sRGB", coordinates)
         diffuse.ConnectToSource(image.CreateOutput("rgb", types.Float3))
         if transparent:
+            # Alpha is no colour: the same image is read once more, as it is.
+            alpha = _add_sampler(looks, path.AppendChild("alpha"), file, "raw", coordinates)
             opacity = surface.CreateInput("opacity", types.Float)
-            opacity.ConnectToSource(image.CreateOutput("a", types.Float))
+            opacity.ConnectToSource(alpha.CreateOutput("a", types.Float))
     material.CreateSurfaceOutput().ConnectToSource(surface.CreateOutput("surface", types.Token))
     prim = material.GetPrim()
     add_label(prim, "material", MATERIAL_WORDS[made_of])
@@ -130,9 +127,27 @@ def _add_material(
     return material
 
 
+def _add_sampler(
+    looks: Looks, path: "Sdf.Path", file: "Sdf.AssetPath", space: str, coordinates: "UsdShade.Output"
+) -> "UsdShade.Shader":
+    """A node that reads an image in a colour space, ``sRGB`` or ``raw``."""
+    from pxr import Sdf, UsdShade
+
+    types = Sdf.ValueTypeNames
+    image = UsdShade.Shader.Define(looks.stage, path)
+    image.CreateIdAttr("UsdUVTexture")
+    image.CreateInput("file", types.Asset).Set(file)
+    image.CreateInput("sourceColorSpace", types.Token).Set(space)
+    image.CreateInput("wrapS", types.Token).Set("repeat")
+    image.CreateInput("wrapT", types.Token).Set("repeat")
+    image.CreateInput("st", types.Float2).ConnectToSource(coordinates)
+    return image
+
+
 def _keep_image(looks: Looks, texture: UInt8[np.ndarray, "H W C"]) -> str:
-    """The path of an image, which is named after its content: equal ones are one file."""
-    content = png_bytes(texture)
-    path = f"{TEXTURES}/texture_{hashlib.sha256(content).hexdigest()[:12]}.png"
-    looks.files[path] = content
+    """The path of an image, which is named after its pixels: equal ones are one file, compressed once."""
+    digest = hashlib.sha256(f"{texture.shape}".encode() + texture.tobytes()).hexdigest()
+    path = f"{TEXTURES}/texture_{digest[:12]}.png"
+    if path not in looks.files:
+        looks.files[path] = png_bytes(texture)
     return path

@@ -8,7 +8,7 @@ hang together. Hulls and grasp lines are guides, which renderers leave out.
 # pyright: reportAttributeAccessIssue=false, reportMissingImports=false
 
 import tempfile
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -67,7 +67,8 @@ def stage_files(package: SimPackage) -> dict[str, bytes]:
     from pxr import Usd
 
     package = turn_screws(package)
-    check_kinematics(package)
+    # Prims of visuals are named anew, so that their names may occur twice.
+    check_kinematics(replace(package, links=tuple(replace(link, visuals=()) for link in package.links)))
     stage = Usd.Stage.CreateInMemory()
     root = _add_root(stage, package)
     names = prim_names((link.name for link in package.links), SCOPES)
@@ -91,7 +92,7 @@ def stage_files(package: SimPackage) -> dict[str, bytes]:
 def gather_pieces(package: SimPackage) -> tuple[Piece, ...]:
     """Everything to draw; a source mesh of several materials is several pieces."""
     shown = [
-        (link, visual, mesh)
+        (link, visual, _drop_unused(mesh))
         for link in package.links
         for visual in link.visuals
         for mesh in visual_meshes(visual)
@@ -110,11 +111,19 @@ def gather_pieces(package: SimPackage) -> tuple[Piece, ...]:
             visual=visual,
             mesh=mesh,
             made_of=visual_material(package, visual),
-            low=mesh.vertices[mesh.faces].min(axis=(0, 1)),
-            high=mesh.vertices[mesh.faces].max(axis=(0, 1)),
+            low=mesh.vertices.min(axis=0),
+            high=mesh.vertices.max(axis=0),
         )
         for name, (link, visual, mesh) in zip(names, shown, strict=True)
     )
+
+
+def _drop_unused(mesh: Mesh) -> Mesh:
+    """The mesh without vertices that no face has, such as those of a source's other materials."""
+    used, where = np.unique(mesh.faces, return_inverse=True)
+    if len(used) == len(mesh.vertices):
+        return mesh
+    return replace(mesh, vertices=mesh.vertices[used], faces=where.reshape(-1, 3))
 
 
 def _add_root(stage: "Usd.Stage", package: SimPackage) -> "Sdf.Path":
