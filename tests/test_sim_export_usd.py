@@ -16,6 +16,7 @@ from artigen.cli.usd import find_packages
 from artigen.errors import ArtigenError
 from artigen.shapes.draw import draw_shape
 from artigen.transforms import inverse, matrix_from_quat, shift, transform_points
+from sim_export.collision.hulls import box_hull
 from sim_export.collision.motion import link_displacements
 from sim_export.errors import PackageError
 from sim_export.files.read import read_package
@@ -23,7 +24,8 @@ from sim_export.files.srdf import touching_pairs
 from sim_export.files.urdf import link_origins
 from sim_export.files.write import write_package
 from sim_export.geometry.primitives import find_primitive
-from sim_export.package import SimPackage
+from sim_export.package import Link, Mesh, PackageJoint, SimPackage, SourceMesh, Visual
+from sim_export.physics.inertia import mesh_inertial
 from sim_export.physics.materials import MATERIALS
 from sim_export.reference import build_reference
 from sim_export.usd.names import asset_name, prim_names
@@ -331,6 +333,69 @@ def test_clear_images_make_clear_materials(plain: SimPackage, pxr, tmp_path: Pat
     assert alpha.GetInput("file").Get() == (
         pxr.UsdShade.Shader(material.GetChild("image")).GetInput("file").Get()
     )
+
+
+def small(links: tuple[Link, ...], joints: tuple[PackageJoint, ...] = ()) -> SimPackage:
+    return SimPackage(name="small", category="Bottle", visual="source", links=links, joints=joints)
+
+
+def cube(name: str, height: float, visuals: tuple[Visual, ...] | None = None) -> Link:
+    """A link of one box of 10 cm, that high."""
+    hull = box_hull(np.array([0.0, 0.0, height]), np.array([0.1, 0.1, height + 0.1]))
+    shown = Visual(name=name, part=name, label="base", mesh=Mesh(vertices=hull.vertices, faces=hull.faces))
+    return Link(
+        name=name,
+        label="base",
+        parts=(name,),
+        visuals=(shown,) if visuals is None else visuals,
+        hulls=(hull,),
+        inertial=mesh_inertial(hull, 600.0),
+    )
+
+
+def test_a_screw_only_turns(pxr, tmp_path: Path):
+    up, origin = np.array([0.0, 0.0, 1.0]), np.array([0.05, 0.05, 0.1])
+    carrier = replace(cube("carrier", 0.1), visuals=(), hulls=())
+    turn = PackageJoint(
+        name="turn", type="continuous", kind="screw", parent="body", child="carrier", origin=origin, axis=up
+    )
+    travel = replace(
+        turn, name="travel", type="prismatic", parent="carrier", child="cap", mimic="turn", upper=0.02
+    )
+    package = small((cube("cap", 0.1), carrier, cube("body", 0.0)), (turn, travel))
+    stage = pxr.Usd.Stage.Open(str(write_usd(package, tmp_path)))
+    root = stage.GetDefaultPrim()
+    assert {"cap", "body"} <= set(root.GetChildrenNames())
+    assert "carrier" not in root.GetChildrenNames()
+    assert root.GetChild("joints").GetChildrenNames() == ["fixed_to_world", "turn"]
+    joint = pxr.UsdPhysics.RevoluteJoint(root.GetChild("joints").GetChild("turn"))
+    assert [path.name for path in joint.GetBody1Rel().GetTargets()] == ["cap"]
+
+
+def test_kept_source_files_are_shown_material_by_material(pxr, tmp_path: Path):
+    folder = tmp_path / "source" / "meshes"
+    folder.mkdir(parents=True)
+    (folder / "thing.obj").write_text(
+        "mtllib thing.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 2\nv 1 0 2\nv 0 1 2\nvt 0 0\nvt 1 0\nvt 0 1\n"
+        "usemtl red\nf 1 2 3\nusemtl clear\nf 4/1 5/2 6/3\n"
+    )
+    (folder / "thing.mtl").write_text("newmtl red\nKd 1 0 0\nnewmtl clear\nmap_Kd clear.png\n")
+    pixels = np.full((2, 2, 4), 128, np.uint8)
+    Image.fromarray(pixels).save(folder / "clear.png")
+    mesh = SourceMesh(path=folder / "thing.obj", T_object_file=shift(np.array([0.0, 0.0, 3.0])), scale=0.5)
+    visual = Visual(name="thing", part="thing", label="base", mesh=mesh)
+    main = write_usd(small((cube("body", 0.0, (visual, visual)),)), tmp_path / "usd")
+    stage = pxr.Usd.Stage.Open(str(main))
+    body = stage.GetDefaultPrim().GetChild("body")
+    meshes = [pxr.UsdGeom.Mesh(prim) for prim in body.GetChildren() if prim.GetName() != "collision_0"]
+    heights = [np.unique(np.array(one.GetPointsAttr().Get())[:, 2]).tolist() for one in meshes]
+    assert heights == [[3.0], [4.0]] * 2
+    assert len({one.GetPrim().GetName() for one in meshes}) == 4
+    (file,) = (main.parent / "textures").iterdir()
+    np.testing.assert_array_equal(np.asarray(Image.open(file)), pixels)
+    red, _ = pxr.UsdShade.MaterialBindingAPI(meshes[0]).ComputeBoundMaterial()
+    surface = pxr.UsdShade.Shader(red.GetPrim().GetChild("surface"))
+    assert tuple(surface.GetInput("diffuseColor").Get()) == (1.0, 0.0, 0.0)
 
 
 def test_missing_usd_core_is_said_in_one_sentence(plain: SimPackage, tmp_path: Path, monkeypatch):
