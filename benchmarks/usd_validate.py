@@ -1,59 +1,60 @@
-"""The public SimReady validator over folders that `artigen usd` wrote.
+"""How many USD assets NVIDIA's SimReady validator accepts, and what their features lack.
 
-    python benchmarks/usd_validate.py FOLDER --validator /path/to/simready-validate
-
-The validator lives in an environment of its own (simready-validate, simready-foundation-tier-core). A file
-passes if no feature that the profile requires fails.
+Usage: python benchmarks/usd_validate.py FOLDER [--profile Robotics-Prop] [--version 4.0.0]
+FOLDER is what `artigen usd -o` wrote. The validator has its own USD: it is installed in an environment of
+its own (pip install simready-validate simready-foundation-tier-core) and found by SIMREADY_VALIDATE or PATH.
 """
 
-import json
+import argparse
+import os
+import re
+import shutil
 import subprocess
+import sys
 import tempfile
 from collections import Counter
 from pathlib import Path
 
-import tyro
+
+def find_validator() -> str:
+    """The executable; exits with a sentence where there is none."""
+    found = os.environ.get("SIMREADY_VALIDATE") or shutil.which("simready-validate")
+    if found is None:
+        sys.exit("no simready-validate on PATH or in SIMREADY_VALIDATE; see the head of this file")
+    return found
 
 
-def main(folder: tyro.conf.Positional[Path], validator: Path, profile: str = "Robotics-Prop") -> None:
-    """Prints how many files pass, and what the others fail.
-
-    Args:
-        folder: as `artigen usd` wrote it.
-        validator: the program.
-        profile: whose newest version is asked for.
-    """
-    files = sorted(folder.rglob("*.usda"))
-    if not files:
-        raise SystemExit(f"{folder}: no .usda below it; write some with artigen usd")
-    with tempfile.TemporaryDirectory() as scratch:
-        listed, result = Path(scratch) / "files.txt", Path(scratch) / "result.json"
-        listed.write_text("".join(f"{file.resolve()}\n" for file in files))
-        command = [validator, "--asset_list", listed, "--profile", profile, "--output", result]
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
-        if not result.is_file():
-            raise SystemExit(f"{validator} wrote no result: {done.stderr[-500:]}")
-        failed: Counter[str] = Counter()
-        good = 0
-        for features in read_features(json.loads(result.read_text())):
-            wrong = {name for name, said in features.items() if said.get("blocking_failure")}
-            failed.update(wrong)
-            good += not wrong
-    print(f"{profile}: {good} of {len(files)} pass")
-    for name, count in failed.most_common():
-        print(f"{name}: {count}")
+def validate(assets: list[Path], profile: str, version: str) -> str:
+    """The validator's report over all assets."""
+    with tempfile.NamedTemporaryFile("w", suffix=".txt") as listed:
+        listed.write("".join(f"{asset.resolve()}\n" for asset in assets))
+        listed.flush()
+        command = [find_validator(), "--profile", profile, "--version", version, "-v"]
+        command += ["--asset_list", listed.name]
+        return subprocess.run(command, capture_output=True, text=True, check=False).stdout
 
 
-def read_features(value: object) -> list[dict[str, dict]]:
-    """The summaries of features in a result, one for every file, however deep they lie."""
-    if isinstance(value, dict):
-        if any(isinstance(said, dict) and "blocking_failure" in said for said in value.values()):
-            return [value]
-        return [found for inner in value.values() for found in read_features(inner)]
-    if isinstance(value, list):
-        return [found for inner in value for found in read_features(inner)]
-    return []
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--profile", default="Robotics-Prop")
+    parser.add_argument("--version", default="4.0.0")
+    args = parser.parse_args()
+    assets = sorted(args.folder.glob("*/usd/*.usd"))
+    if not assets:
+        sys.exit(f"{args.folder}: no asset in it (looked for */usd/*.usd); write some with `artigen usd`")
+    report = validate(assets, args.profile, args.version)
+    verdicts = re.findall(r"^Asset: .*?(\w+)/usd/\S+\n\s+\[(\w+)\]", report, re.MULTILINE)
+    passed = sum(verdict == "PASSED" for _, verdict in verdicts)
+    print(f"| {args.profile} {args.version} | {passed} of {len(assets)} pass |\n|---|---|")
+    for name, verdict in verdicts:
+        if verdict != "PASSED":
+            print(f"| {name} | {verdict} |")
+    lacks = re.findall(r"(\w+): optional feature, unmet requirements: (\[.*?\])", report)
+    for (feature, requirements), count in sorted(Counter(lacks).items()):
+        print(f"| optional {feature} lacks {requirements} | {count} |")
+    sys.exit(0 if passed == len(assets) else 1)
 
 
 if __name__ == "__main__":
-    tyro.cli(main)
+    main()

@@ -29,8 +29,6 @@ MODEL_CODE = (
     "artigen.splats.render",
 )
 """The only places where torch is imported."""
-USD_CODE = ("sim_export.usd",)
-"""The only place where pxr is imported; nothing else loads it but `artigen usd`."""
 HEAVY = (
     "torch",
     "gsplat",
@@ -42,8 +40,8 @@ HEAVY = (
     "embreex",
     "trimesh",
     "mani_skill",
-    "yourdfpy",
     "pxr",
+    "yourdfpy",
 )
 """Modules that nothing loads before it needs them."""
 
@@ -178,7 +176,7 @@ def test_heavy_modules_are_imported_where_they_are_used():
         if item.at_load
         and is_within(item.module, *HEAVY)
         and is_within(item.importer, "artigen", "sim_export")
-        if not is_within(item.importer, *MODEL_CODE, *USD_CODE)
+        if not is_within(item.importer, *MODEL_CODE)
     ]
     assert early == []
 
@@ -214,9 +212,7 @@ def modules_to_load(package: str) -> list[str]:
     return [
         name
         for name in SOURCES
-        if is_within(name, package)
-        and not is_within(name, *MODEL_CODE, *USD_CODE)
-        and not name.endswith("__main__")
+        if is_within(name, package) and not is_within(name, *MODEL_CODE) and not name.endswith("__main__")
     ]
 
 

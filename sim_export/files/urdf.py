@@ -159,16 +159,28 @@ def _add_joint(robot: ET.Element, joint: PackageJoint, parent_origin: Float[np.n
 
 
 def _for_maniskill(package: SimPackage) -> SimPackage:
-    """Continuous joints bounded; a screw's carrier and travel left out, its part only turns."""
+    """Screws that only turn, and continuous joints bounded."""
+    package = turn_screws(package)
+    joints = []
+    for joint in package.joints:
+        if joint.type == "continuous":
+            upper = joint.upper if joint.upper > joint.lower else joint.lower + FULL_TURN
+            joint = replace(joint, type="revolute", upper=upper)
+        joints.append(joint)
+    return replace(package, joints=tuple(joints))
+
+
+def turn_screws(package: SimPackage) -> SimPackage:
+    """The package without travel along screws: their carriers are left out, their parts only turn.
+
+    For engines that cannot let a sliding joint mimic a turning one.
+    """
     travels = {joint.mimic: joint for joint in package.joints if joint.mimic is not None}
     joints = []
     for joint in package.joints:
         if joint.mimic is not None:
             continue
         child = travels[joint.name].child if joint.name in travels else joint.child
-        if joint.type == "continuous":
-            upper = joint.upper if joint.upper > joint.lower else joint.lower + FULL_TURN
-            joint = replace(joint, type="revolute", upper=upper)
         joints.append(replace(joint, child=child))
     dropped = {joint.parent for joint in travels.values()}
     links = tuple(link for link in package.links if link.name not in dropped)

@@ -9,6 +9,7 @@ import hashlib
 import json
 import shutil
 import tempfile
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Literal
 
@@ -193,14 +194,23 @@ def write_package(package: SimPackage, folder: Path, overwrite: Overwrite = "ref
         and (not folder.is_dir() or any(folder.iterdir()))
     ):
         raise PackageError(f"{folder}: is no package (it has no {MANIFEST}), so it is not replaced")
-    files = package_files(package)
+    write_files(package_files(package), folder)
+    return folder
+
+
+def write_files(files: Mapping[str, bytes], folder: Path) -> None:
+    """Writes files by their path below ``folder``, which takes the place of what was there; all or none.
+
+    Raises:
+        PackageError: If the folder cannot be written (read-only, full).
+    """
     scratch: Path | None = None
     try:
         folder.parent.mkdir(parents=True, exist_ok=True)
         scratch = Path(tempfile.mkdtemp(prefix=f".{folder.name}.partial-", dir=folder.parent))
         for path in sorted(files):
             target = scratch / path
-            target.parent.mkdir(exist_ok=True)
+            target.parent.mkdir(parents=True, exist_ok=True)
             target.write_bytes(files[path])
         scratch.chmod(0o755)
         _move_into_place(scratch, folder)
@@ -209,7 +219,6 @@ def write_package(package: SimPackage, folder: Path, overwrite: Overwrite = "ref
     finally:
         if scratch is not None and scratch.exists():
             shutil.rmtree(scratch, ignore_errors=True)
-    return folder
 
 
 def _move_into_place(scratch: Path, folder: Path) -> None:

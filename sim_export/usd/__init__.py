@@ -1,1 +1,1 @@
-"""Packages as USD: a SimReady folder for Isaac Sim, Isaac Lab, Newton and others; needs the extra ``usd``."""
+"""Packages as OpenUSD folders in the layout of SimReady assets; needs the optional `usd-core`."""

@@ -1,45 +1,98 @@
-"""What objects, links and materials are called in USD: labels, Wikidata items, base materials of sensors."""
+"""What things are, for people and for training: semantic labels, Wikidata codes, non-visual materials.
 
-from dataclasses import dataclass
+Codes are given only where they are known for certain; an object of another category is labelled as
+furniture or as a physical object, which it is, and a part of another kind has no code.
+"""
+
+# usd-core has no type stubs, and is optional.
+# pyright: reportAttributeAccessIssue=false, reportMissingImports=false
+
+from typing import TYPE_CHECKING
 
 from artigen.types import PartLabel
-from sim_export.physics.materials import MaterialName
+from sim_export.package import Link, SimPackage, Visual
+from sim_export.physics.materials import MATERIALS, MaterialName, part_material
 
+if TYPE_CHECKING:
+    from pxr import Usd
+
+FURNITURE = "Q14745"
 PHYSICAL_OBJECT = "Q223557"
-"""Wikidata's item for anything that can be touched: the category of what the table below does not hold."""
-CATEGORY_ITEMS: dict[str, str] = {
-    "StorageFurniture": "Q14745",  # furniture
+CATEGORY_CODES: dict[str, str] = {
+    "StorageFurniture": FURNITURE,
     "Table": "Q14748",
     "Refrigerator": "Q37828",
     "Dishwasher": "Q186263",
     "Oven": "Q36539",
     "WashingMachine": "Q124441",
     "Microwave": "Q127956",
+    "Safe": "Q471898",
 }
-LABEL_ITEMS: dict[PartLabel, str] = {"door": "Q36794"}
+"""Wikidata items of categories; storage furniture is furniture there."""
+PART_CODES: dict[PartLabel, str] = {"door": "Q36794", "wheel": "Q446"}
+"""Wikidata items of part labels; drawers, handles, knobs, trays and shelves are left out."""
 
-
-@dataclass(frozen=True, kw_only=True)
-class Substance:
-    """A material's everyday name, and the base material by which sensors that do not see light take it."""
-
-    label: str
-    base: str
-
-
-SUBSTANCES: dict[MaterialName, Substance] = {
-    "wood_board": Substance(label="wood", base="wood"),
-    "steel_sheet": Substance(label="steel", base="steel"),
-    "steel": Substance(label="steel", base="steel"),
-    "glass": Substance(label="glass", base="clear_glass"),
-    "insulating_glass": Substance(label="glass", base="clear_glass"),
-    "plastic": Substance(label="plastic", base="plastic"),
-    "rubber": Substance(label="rubber", base="rubber"),
-    "foam_panel": Substance(label="steel", base="steel"),  # what shows is the panel's skin
-    "stone": Substance(label="stone", base="stone"),
+MATERIAL_WORDS: dict[MaterialName, str] = {
+    "wood_board": "wood",
+    "steel_sheet": "steel",
+    "steel": "steel",
+    "glass": "glass",
+    "insulating_glass": "glass",
+    "plastic": "plastic",
+    "rubber": "rubber",
+    "foam_panel": "foam",
+    "stone": "stone",
 }
+NONVISUAL_BASES: dict[MaterialName, str] = {
+    "wood_board": "wood",
+    "steel_sheet": "steel",
+    "steel": "steel",
+    "glass": "clear_glass",
+    "insulating_glass": "clear_glass",
+    "plastic": "plastic",
+    "rubber": "rubber",
+    "foam_panel": "steel",
+    "stone": "stone",
+}
+"""What radar and lidar meet first, in SimReady's words; a foam panel shows its steel skin."""
 
 
-def category_item(category: str) -> str:
-    """The Wikidata item of a category."""
-    return CATEGORY_ITEMS.get(category, PHYSICAL_OBJECT)
+def category_code(category: str) -> str:
+    """The Wikidata code of a category, or of physical objects in general."""
+    return CATEGORY_CODES.get(category, PHYSICAL_OBJECT)
+
+
+def visual_material(package: SimPackage, visual: Visual) -> MaterialName:
+    """What a visual's part is made of: as the package says, else by its label and the category."""
+    return _known(package, visual.part) or part_material(visual.label, package.category)
+
+
+def link_material(package: SimPackage, link: Link) -> MaterialName:
+    """What most of a link is made of: its movable part's material."""
+    for part in link.parts:
+        known = _known(package, part)
+        if known is not None:
+            return known
+    return part_material(link.label or "base", package.category)
+
+
+def _known(package: SimPackage, part: str) -> MaterialName | None:
+    said = dict(package.materials).get(part)
+    return next((name for name in MATERIALS if name == said), None)
+
+
+def add_label(prim: "Usd.Prim", taxonomy: str, word: str) -> None:
+    """Labels a prim with one word of a taxonomy, such as ``class``, ``material`` or ``wikidata_qcode``."""
+    from pxr import UsdSemantics
+
+    labels = UsdSemantics.LabelsAPI.Apply(prim, taxonomy)
+    labels.CreateLabelsAttr().Set([word])
+
+
+def label_part(prim: "Usd.Prim", label: PartLabel | None) -> None:
+    """Labels a prim as a kind of part; with nothing where the kind is not known."""
+    if label is None:
+        return
+    add_label(prim, "class", label)
+    if label in PART_CODES:
+        add_label(prim, "wikidata_qcode", PART_CODES[label])

@@ -1,104 +1,153 @@
-"""Visual meshes and their materials: one UsdPreviewSurface for every texture or plain colour."""
+"""Visual meshes and their materials: UsdPreviewSurface with an image or a plain colour."""
+
+# usd-core has no type stubs, and is optional.
+# pyright: reportAttributeAccessIssue=false, reportMissingImports=false
 
 import hashlib
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
-from jaxtyping import Float
-from pxr import Gf, Sdf, Usd, UsdGeom, UsdSemantics, UsdShade, Vt
+from jaxtyping import Float, Int, UInt8
 
-from sim_export.files.obj import png_bytes
-from sim_export.package import Mesh
-from sim_export.usd.labels import Substance
-from sim_export.usd.physics import add_mesh
+from sim_export.files.obj import corner_normals, png_bytes
+from sim_export.package import Mesh, Visual
+from sim_export.physics.materials import MaterialName
+from sim_export.picture.shading import linear_from_srgb
+from sim_export.usd.labels import MATERIAL_WORDS, NONVISUAL_BASES, add_label, label_part
 
-# pxr is a compiled module without stubs.
-# pyright: reportAttributeAccessIssue=false, reportMissingImports=false
+if TYPE_CHECKING:
+    from pxr import Sdf, Usd, UsdGeom, UsdShade
 
+ROUGHNESS = 0.8
 TEXTURES = "textures"
-ROUGHNESS = 0.5
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Looks:
-    """The materials of a stage, and the images they refer to by file."""
+    """Where materials go, and the files of images they refer to, by their path beside the USD file."""
 
-    stage: Usd.Stage
-    scope: str
-    images: dict[str, bytes] = field(default_factory=dict)
-    _made: dict[str, UsdShade.Material] = field(default_factory=dict)
+    stage: "Usd.Stage"
+    scope: "Sdf.Path"
+    files: dict[str, bytes] = field(default_factory=dict)
 
-    def add_visual(self, path: str, mesh: Mesh, origin: Float[np.ndarray, "3"], substance: Substance) -> None:
-        """A mesh in the frame of a link that stands at ``origin``, with its material bound."""
-        made = add_mesh(self.stage, path, mesh.vertices - origin, mesh.faces)
-        made.GetDoubleSidedAttr().Set(value=True)
-        if mesh.uv is not None:
-            uv = Vt.Vec2fArray.FromNumpy(np.round(mesh.uv.reshape(-1, 2), 6).astype(np.float32))
-            primvars = UsdGeom.PrimvarsAPI(made)
-            primvars.CreatePrimvar("st", Sdf.ValueTypeNames.TexCoord2fArray, "faceVarying").Set(uv)
-        color = Vt.Vec3fArray([Gf.Vec3f(*self._mean(mesh))])
-        made.CreateDisplayColorAttr(color)
-        UsdShade.MaterialBindingAPI.Apply(made.GetPrim()).Bind(self._material(mesh, substance))
 
-    @staticmethod
-    def _mean(mesh: Mesh) -> tuple[float, float, float]:
-        if mesh.texture is None:
-            return mesh.color
-        red, green, blue = np.round(mesh.texture[..., :3].mean(axis=(0, 1)) / 255.0, 4)
-        return float(red), float(green), float(blue)
+def add_visual(
+    looks: Looks, path: "Sdf.Path", visual: Visual, mesh: Mesh, made_of: MaterialName, offset: np.ndarray
+) -> None:
+    """Adds one mesh of a visual with its material of the same name.
 
-    def _material(self, mesh: Mesh, substance: Substance) -> UsdShade.Material:
-        """The material of a mesh; equal ones are made once."""
-        image = None if mesh.texture is None else png_bytes(mesh.texture)
-        key = f"{mesh.color}" if image is None else hashlib.sha256(image).hexdigest()[:12]
-        key = f"{substance.label} {key}"
-        if key not in self._made:
-            self._made[key] = self._make(f"{substance.label}_{len(self._made)}", mesh, image, substance)
-        return self._made[key]
+    Args:
+        looks: Where materials and images go.
+        path: Of the new prim, below its link's.
+        visual: What the mesh is a part of.
+        mesh: In the object frame, metres.
+        made_of: What it is made of.
+        offset: The link's origin in the object frame (m), which becomes 0.
+    """
+    from pxr import Gf, Sdf, UsdGeom, UsdShade, Vt
 
-    def _make(self, name: str, mesh: Mesh, image: bytes | None, substance: Substance) -> UsdShade.Material:
-        path = f"{self.scope}/{name}"
-        material = UsdShade.Material.Define(self.stage, path)
-        surface = UsdShade.Shader.Define(self.stage, f"{path}/surface")
-        surface.CreateIdAttr("UsdPreviewSurface")
-        surface.CreateInput("roughness", Sdf.ValueTypeNames.Float).Set(ROUGHNESS)
-        metallic = 1.0 if substance.label == "steel" and image is None else 0.0
-        surface.CreateInput("metallic", Sdf.ValueTypeNames.Float).Set(metallic)
-        color = surface.CreateInput("diffuseColor", Sdf.ValueTypeNames.Color3f)
-        if image is None or mesh.texture is None:
-            color.Set(Gf.Vec3f(*map(float, _linear(np.array(mesh.color)))))
-        else:
-            self.images[f"{TEXTURES}/{name}.png"] = image
-            sampler = self._sample(path, f"./{TEXTURES}/{name}.png")
-            color.ConnectToSource(sampler.CreateOutput("rgb", Sdf.ValueTypeNames.Float3))
-            if mesh.texture.shape[2] == 4:
-                opacity = surface.CreateInput("opacity", Sdf.ValueTypeNames.Float)
-                opacity.ConnectToSource(sampler.CreateOutput("a", Sdf.ValueTypeNames.Float))
-        output = surface.CreateOutput("surface", Sdf.ValueTypeNames.Token)
-        material.CreateSurfaceOutput().ConnectToSource(output)
-        prim = material.GetPrim()
-        UsdSemantics.LabelsAPI.Apply(prim, "material").CreateLabelsAttr([substance.label])
-        for what, value in (("base", substance.base), ("coating", "none"), ("attributes", "none")):
-            token = Sdf.ValueTypeNames.Token
-            prim.CreateAttribute(f"omni:simready:nonvisual:{what}", token, custom=False).Set(value)
-        return material
-
-    def _sample(self, path: str, file: str) -> UsdShade.Shader:
-        reader = UsdShade.Shader.Define(self.stage, f"{path}/st")
-        reader.CreateIdAttr("UsdPrimvarReader_float2")
-        reader.CreateInput("varname", Sdf.ValueTypeNames.String).Set("st")
-        sampler = UsdShade.Shader.Define(self.stage, f"{path}/texture")
-        sampler.CreateIdAttr("UsdUVTexture")
-        sampler.CreateInput("file", Sdf.ValueTypeNames.Asset).Set(file)
-        sampler.CreateInput("sourceColorSpace", Sdf.ValueTypeNames.Token).Set("sRGB")
-        for side in ("wrapS", "wrapT"):
-            sampler.CreateInput(side, Sdf.ValueTypeNames.Token).Set("clamp")
-        sampler.CreateInput("st", Sdf.ValueTypeNames.Float2).ConnectToSource(
-            reader.CreateOutput("result", Sdf.ValueTypeNames.Float2)
+    shape = define_mesh(looks.stage, path, mesh.vertices - offset, mesh.faces)
+    normals = corner_normals(mesh.vertices, mesh.faces).reshape(-1, 3)
+    shape.CreateNormalsAttr().Set(Vt.Vec3fArray.FromNumpy(normals.astype(np.float32)))
+    shape.SetNormalsInterpolation(UsdGeom.Tokens.faceVarying)
+    color = np.array(mesh.color)
+    if mesh.uv is not None and mesh.texture is not None:
+        st = UsdGeom.PrimvarsAPI(shape).CreatePrimvar(
+            "st", Sdf.ValueTypeNames.TexCoord2fArray, UsdGeom.Tokens.faceVarying
         )
-        return sampler
+        st.Set(Vt.Vec2fArray.FromNumpy(mesh.uv.reshape(-1, 2).astype(np.float32)))
+        color = mesh.texture[::8, ::8, :3].mean(axis=(0, 1)) / 255.0
+    linear = np.clip(linear_from_srgb(color), 0.0, 1.0).tolist()
+    shape.CreateDisplayColorAttr().Set([Gf.Vec3f(*linear)])
+    label_part(shape.GetPrim(), visual.label)
+    material = _add_material(looks, path.name, mesh, linear, made_of)
+    UsdShade.MaterialBindingAPI.Apply(shape.GetPrim()).Bind(material)
 
 
-def _linear(srgb: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3"]:
-    """Linear light of a colour of the screen, as shaders take it."""
-    return np.where(srgb <= 0.04045, srgb / 12.92, ((srgb + 0.055) / 1.055) ** 2.4)
+def define_mesh(
+    stage: "Usd.Stage",
+    path: "Sdf.Path",
+    vertices: Float[np.ndarray, "V 3"],
+    faces: Int[np.ndarray, "F 3"],
+) -> "UsdGeom.Mesh":
+    """A mesh prim of triangles with its extent; no subdivision, no normals yet."""
+    from pxr import UsdGeom, Vt
+
+    mesh = UsdGeom.Mesh.Define(stage, path)
+    points = np.ascontiguousarray(vertices, dtype=np.float32)
+    mesh.CreatePointsAttr().Set(Vt.Vec3fArray.FromNumpy(points))
+    mesh.CreateFaceVertexCountsAttr().Set(Vt.IntArray.FromNumpy(np.full(len(faces), 3, np.int32)))
+    mesh.CreateFaceVertexIndicesAttr().Set(Vt.IntArray.FromNumpy(faces.astype(np.int32).ravel()))
+    mesh.CreateSubdivisionSchemeAttr().Set(UsdGeom.Tokens.none)
+    extent = np.stack([points.min(axis=0), points.max(axis=0)])
+    mesh.CreateExtentAttr().Set(Vt.Vec3fArray.FromNumpy(extent))
+    return mesh
+
+
+def _add_material(
+    looks: Looks, name: str, mesh: Mesh, color: list[float], made_of: MaterialName
+) -> "UsdShade.Material":
+    """A preview surface: the image over its own alpha, or the plain linear colour."""
+    from pxr import Gf, Sdf, UsdShade
+
+    types = Sdf.ValueTypeNames
+    path = looks.scope.AppendChild(name)
+    material = UsdShade.Material.Define(looks.stage, path)
+    surface = UsdShade.Shader.Define(looks.stage, path.AppendChild("surface"))
+    surface.CreateIdAttr("UsdPreviewSurface")
+    surface.CreateInput("roughness", types.Float).Set(ROUGHNESS)
+    surface.CreateInput("metallic", types.Float).Set(0.0)
+    diffuse = surface.CreateInput("diffuseColor", types.Color3f)
+    transparent = mesh.texture is not None and mesh.texture.shape[2] == 4
+    if mesh.texture is None:
+        diffuse.Set(Gf.Vec3f(*color))
+    else:
+        reader = UsdShade.Shader.Define(looks.stage, path.AppendChild("coordinates"))
+        reader.CreateIdAttr("UsdPrimvarReader_float2")
+        reader.CreateInput("varname", types.String).Set("st")
+        coordinates = reader.CreateOutput("result", types.Float2)
+        file = Sdf.AssetPath(f"./{_keep_image(looks, mesh.texture)}")
+        image = _add_sampler(looks, path.AppendChild("image"), file, "sRGB", coordinates)
+        diffuse.ConnectToSource(image.CreateOutput("rgb", types.Float3))
+        if transparent:
+            # Alpha is no colour: the same image is read once more, as it is.
+            alpha = _add_sampler(looks, path.AppendChild("alpha"), file, "raw", coordinates)
+            opacity = surface.CreateInput("opacity", types.Float)
+            opacity.ConnectToSource(alpha.CreateOutput("a", types.Float))
+    material.CreateSurfaceOutput().ConnectToSource(surface.CreateOutput("surface", types.Token))
+    prim = material.GetPrim()
+    add_label(prim, "material", MATERIAL_WORDS[made_of])
+    # How it is coated is not known, so that attribute is there and has no value.
+    prim.CreateAttribute("omni:simready:nonvisual:base", types.Token).Set(NONVISUAL_BASES[made_of])
+    prim.CreateAttribute("omni:simready:nonvisual:coating", types.Token)
+    prim.CreateAttribute("omni:simready:nonvisual:attributes", types.TokenArray).Set(
+        ["visually_transparent" if transparent else "none"]
+    )
+    return material
+
+
+def _add_sampler(
+    looks: Looks, path: "Sdf.Path", file: "Sdf.AssetPath", space: str, coordinates: "UsdShade.Output"
+) -> "UsdShade.Shader":
+    """A node that reads an image in a colour space, ``sRGB`` or ``raw``."""
+    from pxr import Sdf, UsdShade
+
+    types = Sdf.ValueTypeNames
+    image = UsdShade.Shader.Define(looks.stage, path)
+    image.CreateIdAttr("UsdUVTexture")
+    image.CreateInput("file", types.Asset).Set(file)
+    image.CreateInput("sourceColorSpace", types.Token).Set(space)
+    image.CreateInput("wrapS", types.Token).Set("repeat")
+    image.CreateInput("wrapT", types.Token).Set("repeat")
+    image.CreateInput("st", types.Float2).ConnectToSource(coordinates)
+    return image
+
+
+def _keep_image(looks: Looks, texture: UInt8[np.ndarray, "H W C"]) -> str:
+    """The path of an image, which is named after its pixels: equal ones are one file, compressed once."""
+    digest = hashlib.sha256(f"{texture.shape}".encode() + texture.tobytes()).hexdigest()
+    path = f"{TEXTURES}/texture_{digest[:12]}.png"
+    if path not in looks.files:
+        looks.files[path] = png_bytes(texture)
+    return path

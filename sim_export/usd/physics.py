@@ -1,191 +1,224 @@
-"""Bodies, joints and colliders of a package as UsdPhysics.
+"""Rigid bodies, colliders and joints of a package in UsdPhysics, with joint friction in three dialects.
 
-Friction and damping of joints are said in the three dialects that engines read: ``newton:`` and
-``physxJointAxis:``, which count turning speeds in degrees, and ``mjc:``, which counts them in radians.
+UsdPhysics has no joint friction and no passive damping. They are written for Newton (``newton:``), for
+PhysX (``physxJointAxis:``) and for MuJoCo (``mjc:``) by the names of attributes alone, without their
+schemas. Friction is a force (N) or torque (N m) in all three. Damping and speed of turning joints are
+per radian in MuJoCo's and per degree in the two others, as angles in USD are degrees.
 """
 
-from collections.abc import Sequence
+# usd-core has no type stubs, and is optional.
+# pyright: reportAttributeAccessIssue=false, reportMissingImports=false
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from jaxtyping import Float
-from pxr import Gf, Sdf, Usd, UsdGeom, UsdPhysics, UsdSemantics, UsdShade, Vt
 
 from artigen.transforms import quat_from_matrix
-from sim_export.files.obj import corner_normals
+from sim_export.files.obj import face_normals
 from sim_export.geometry.primitives import find_primitive
-from sim_export.package import Hull, Inertial, Link, PackageJoint, SimPackage
+from sim_export.package import Hull, Inertial, PackageJoint
 from sim_export.physics.materials import MATERIALS, MaterialName
-from sim_export.usd.labels import SUBSTANCES
+from sim_export.usd.labels import MATERIAL_WORDS, add_label
+from sim_export.usd.looks import define_mesh
 
-# pxr is a compiled module without stubs.
-# pyright: reportAttributeAccessIssue=false, reportMissingImports=false
-
-RADIAN = 180.0 / np.pi
-"""Degrees."""
-BOARD: MaterialName = "wood_board"
-"""What a link is of whose parts have no material."""
+if TYPE_CHECKING:
+    from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade
 
 
-def add_mass(prim: Usd.Prim, inertial: Inertial, origin: Float[np.ndarray, "3"]) -> None:
-    """Mass, centre, and principal moments and axes of a link whose frame stands at ``origin``."""
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Frames:
+    """The prims and places of links: path and origin (m, object frame) by link name."""
+
+    paths: "Mapping[str, Sdf.Path]"
+    origins: Mapping[str, Float[np.ndarray, "3"]]
+
+
+def _vector(values: Float[np.ndarray, "3"]) -> "Gf.Vec3f":
+    from pxr import Gf
+
+    return Gf.Vec3f(*values.tolist())
+
+
+def _quat(R: Float[np.ndarray, "3 3"]) -> "Gf.Quatf":
+    from pxr import Gf
+
+    return Gf.Quatf(*quat_from_matrix(R).tolist())
+
+
+def add_body(prim: "Usd.Prim", inertial: Inertial | None, origin: Float[np.ndarray, "3"]) -> None:
+    """Makes a link's prim a rigid body; without ``inertial`` an engine weighs its colliders."""
+    from pxr import UsdPhysics
+
+    UsdPhysics.RigidBodyAPI.Apply(prim)
+    if inertial is None:
+        return
     moments, axes = np.linalg.eigh(inertial.inertia)
-    axes[:, 2] *= np.sign(np.linalg.det(axes))
+    if np.linalg.det(axes) < 0:
+        axes = axes * [1.0, 1.0, -1.0]
     mass = UsdPhysics.MassAPI.Apply(prim)
-    mass.CreateMassAttr(float(inertial.mass))
-    mass.CreateCenterOfMassAttr(Gf.Vec3f(*_rounded(inertial.com - origin)))
-    mass.CreateDiagonalInertiaAttr(Gf.Vec3f(*_rounded(moments)))
-    mass.CreatePrincipalAxesAttr(_quatf(axes))
-
-
-def add_joint(
-    stage: Usd.Stage,
-    path: str,
-    joint: PackageJoint,
-    bodies: dict[str, str],
-    origins: dict[str, Float[np.ndarray, "3"]],
-) -> Usd.Prim:
-    """A joint between two links; a parent without a body is the world."""
-    kind = {"prismatic": UsdPhysics.PrismaticJoint, "fixed": UsdPhysics.FixedJoint}.get(
-        joint.type, UsdPhysics.RevoluteJoint
-    )
-    made = kind.Define(stage, path)
-    if joint.parent in bodies:
-        made.CreateBody0Rel().SetTargets([bodies[joint.parent]])
-    made.CreateBody1Rel().SetTargets([bodies[joint.child]])
-    start = origins[joint.parent] if joint.parent in bodies else np.zeros(3)
-    turn = _quatf(_frame_along(np.asarray(joint.axis, dtype=float)))
-    made.CreateLocalPos0Attr(Gf.Vec3f(*_rounded(joint.origin - start)))
-    made.CreateLocalPos1Attr(Gf.Vec3f(0.0))
-    made.CreateLocalRot0Attr(turn)
-    made.CreateLocalRot1Attr(turn)
-    prim = made.GetPrim()
-    if joint.type == "fixed":
-        return prim
-    made.CreateAxisAttr("Z")
-    in_file = 1.0 if joint.type == "prismatic" else RADIAN
-    if joint.type != "continuous":
-        made.CreateLowerLimitAttr(float(joint.lower * in_file))
-        made.CreateUpperLimitAttr(float(joint.upper * in_file))
-    _add_resistance(prim, joint, in_file)
-    return prim
-
-
-def _add_resistance(prim: Usd.Prim, joint: PackageJoint, in_file: float) -> None:
-    axis = "linear" if joint.type == "prismatic" else "angular"
-    prim.AddAppliedSchema(f"PhysxJointAxisAPI:{axis}")
-    prim.AddAppliedSchema("NewtonJointAPI")
-    numbers = {
-        f"physxJointAxis:{axis}:staticFrictionEffort": joint.friction,
-        f"physxJointAxis:{axis}:dynamicFrictionEffort": joint.friction,
-        f"physxJointAxis:{axis}:viscousFrictionCoefficient": joint.damping / in_file,
-        f"physxJointAxis:{axis}:maxJointVelocity": joint.velocity * in_file,
-        "newton:friction": joint.friction,
-        "newton:damping": joint.damping / in_file,
-        "newton:velocityLimit": joint.velocity * in_file,
-    }
-    for name, value in numbers.items():
-        prim.CreateAttribute(name, Sdf.ValueTypeNames.Float, custom=False).Set(float(value))
-    for name, value in {"mjc:frictionloss": joint.friction, "mjc:damping": joint.damping}.items():
-        attribute = prim.CreateAttribute(name, Sdf.ValueTypeNames.Double, custom=False)
-        attribute.SetVariability(Sdf.VariabilityUniform)
-        attribute.Set(float(value))
+    mass.CreateMassAttr().Set(float(inertial.mass))
+    mass.CreateCenterOfMassAttr().Set(_vector(inertial.com - origin))
+    mass.CreateDiagonalInertiaAttr().Set(_vector(moments))
+    mass.CreatePrincipalAxesAttr().Set(_quat(axes))
 
 
 def add_collider(
-    stage: Usd.Stage, path: str, hull: Hull, origin: Float[np.ndarray, "3"], material: UsdShade.Material
+    stage: "Usd.Stage",
+    path: "Sdf.Path",
+    hull: Hull,
+    origin: Float[np.ndarray, "3"],
+    material: "UsdShade.Material",
 ) -> None:
-    """A hull of a link whose frame stands at ``origin``: a cube, a cylinder or a convex mesh, never drawn."""
-    shape = find_primitive(hull)
-    if shape is None:
-        collider = add_mesh(stage, path, hull.vertices - origin, hull.faces)
-        UsdPhysics.MeshCollisionAPI.Apply(collider.GetPrim()).CreateApproximationAttr("convexHull")
-    else:
-        T = shape.T_object_shape
-        if shape.kind == "box":
-            collider = UsdGeom.Cube.Define(stage, path)
-            collider.CreateSizeAttr(1.0)
-            collider.CreateExtentAttr(_extent(np.full(3, 0.5)))
-        else:
-            radius, length = shape.sizes
-            collider = UsdGeom.Cylinder.Define(stage, path)
-            collider.CreateAxisAttr("Z")
-            collider.CreateRadiusAttr(radius)
-            collider.CreateHeightAttr(length)
-            collider.CreateExtentAttr(_extent(np.array([radius, radius, length / 2])))
-        place = UsdGeom.Xformable(collider)
-        place.AddTranslateOp().Set(Gf.Vec3d(*_rounded(T[:3, 3] - origin)))
-        place.AddOrientOp().Set(_quatf(T[:3, :3]))
-        if shape.kind == "box":
-            place.AddScaleOp().Set(Gf.Vec3f(*_rounded(np.array(shape.sizes))))
-    collider.CreatePurposeAttr("guide")
-    UsdPhysics.CollisionAPI.Apply(collider.GetPrim())
-    binding = UsdShade.MaterialBindingAPI.Apply(collider.GetPrim())
+    """A hull as a guide that collides: a cube or cylinder where it is exactly that, else a convex mesh."""
+    from pxr import UsdGeom, UsdPhysics, UsdShade
+
+    shape = _add_primitive(stage, path, hull, origin) or _add_hull(stage, path, hull, origin)
+    shape.CreatePurposeAttr().Set(UsdGeom.Tokens.guide)
+    prim = shape.GetPrim()
+    UsdPhysics.CollisionAPI.Apply(prim)
+    if prim.IsA(UsdGeom.Mesh):
+        approximation = UsdPhysics.MeshCollisionAPI.Apply(prim).CreateApproximationAttr()
+        approximation.Set(UsdPhysics.Tokens.convexHull)
+        prim.AddAppliedSchema("NewtonMeshCollisionAPI")
+    for schema in ("NewtonCollisionAPI", "MjcCollisionAPI"):
+        prim.AddAppliedSchema(schema)
+    binding = UsdShade.MaterialBindingAPI.Apply(prim)
     binding.Bind(material, UsdShade.Tokens.weakerThanDescendants, "physics")
 
 
-def add_mesh(
-    stage: Usd.Stage, path: str, vertices: Float[np.ndarray, "V 3"], faces: np.ndarray
-) -> UsdGeom.Mesh:
-    """Triangles with a normal for every corner."""
-    mesh = UsdGeom.Mesh.Define(stage, path)
-    mesh.CreateSubdivisionSchemeAttr("none")
-    points = (np.round(vertices, 7) + 0.0).astype(np.float32)
-    mesh.CreatePointsAttr(Vt.Vec3fArray.FromNumpy(points))
-    mesh.CreateFaceVertexCountsAttr(Vt.IntArray.FromNumpy(np.full(len(faces), 3, dtype=np.int32)))
-    mesh.CreateFaceVertexIndicesAttr(Vt.IntArray.FromNumpy(faces.ravel().astype(np.int32)))
-    normals = np.round(corner_normals(vertices, faces).reshape(-1, 3), 5) + 0.0
-    mesh.CreateNormalsAttr(Vt.Vec3fArray.FromNumpy(normals.astype(np.float32)))
-    mesh.SetNormalsInterpolation("faceVarying")
-    mesh.CreateExtentAttr(Vt.Vec3fArray.FromNumpy(np.stack([points.min(axis=0), points.max(axis=0)])))
+def _add_primitive(
+    stage: "Usd.Stage", path: "Sdf.Path", hull: Hull, origin: Float[np.ndarray, "3"]
+) -> "UsdGeom.Gprim | None":
+    from pxr import Gf, UsdGeom
+
+    found = find_primitive(hull)
+    if found is None:
+        return None
+    if found.kind == "box":
+        shape = UsdGeom.Cube.Define(stage, path)
+        shape.CreateSizeAttr().Set(1.0)
+        half = np.full(3, 0.5)
+    else:
+        shape = UsdGeom.Cylinder.Define(stage, path)
+        radius, length = found.sizes
+        shape.CreateAxisAttr().Set(UsdGeom.Tokens.z)
+        shape.CreateRadiusAttr().Set(radius)
+        shape.CreateHeightAttr().Set(length)
+        half = np.array([radius, radius, length / 2])
+    shape.CreateExtentAttr().Set([_vector(-half), _vector(half)])
+    T = found.T_object_shape
+    shape.AddTranslateOp().Set(Gf.Vec3d(*(T[:3, 3] - origin).tolist()))
+    if not np.allclose(T[:3, :3], np.eye(3), atol=1e-9):
+        shape.AddOrientOp().Set(_quat(T[:3, :3]))
+    if found.kind == "box":
+        shape.AddScaleOp().Set(_vector(np.array(found.sizes)))
+    return shape
+
+
+def _add_hull(
+    stage: "Usd.Stage", path: "Sdf.Path", hull: Hull, origin: Float[np.ndarray, "3"]
+) -> "UsdGeom.Gprim":
+    from pxr import UsdGeom, Vt
+
+    mesh = define_mesh(stage, path, hull.vertices - origin, hull.faces)
+    weighted = face_normals(hull.vertices, hull.faces)
+    lengths = np.linalg.norm(weighted, axis=1, keepdims=True)
+    normals = np.where(lengths > 0, weighted / np.where(lengths > 0, lengths, 1.0), [0.0, 0.0, 1.0])
+    mesh.CreateNormalsAttr().Set(Vt.Vec3fArray.FromNumpy(normals.astype(np.float32)))
+    mesh.SetNormalsInterpolation(UsdGeom.Tokens.uniform)
     return mesh
 
 
-def add_physics_material(stage: Usd.Stage, path: str, name: MaterialName) -> UsdShade.Material:
-    """Friction of a material of the package."""
-    made = UsdShade.Material.Define(stage, path)
-    UsdSemantics.LabelsAPI.Apply(made.GetPrim(), "material").CreateLabelsAttr([SUBSTANCES[name].label])
-    physics = UsdPhysics.MaterialAPI.Apply(made.GetPrim())
-    physics.CreateStaticFrictionAttr(MATERIALS[name].static_friction)
-    physics.CreateDynamicFrictionAttr(MATERIALS[name].sliding_friction)
-    physics.CreateRestitutionAttr(0.0)
-    return made
+def add_physics_material(stage: "Usd.Stage", path: "Sdf.Path", name: MaterialName) -> "UsdShade.Material":
+    """A material with the friction of `MATERIALS`; masses are stated by the links."""
+    from pxr import UsdPhysics, UsdShade
+
+    material = UsdShade.Material.Define(stage, path)
+    api = UsdPhysics.MaterialAPI.Apply(material.GetPrim())
+    api.CreateStaticFrictionAttr().Set(MATERIALS[name].static_friction)
+    api.CreateDynamicFrictionAttr().Set(MATERIALS[name].sliding_friction)
+    api.CreateRestitutionAttr().Set(0.0)
+    add_label(material.GetPrim(), "material", MATERIAL_WORDS[name])
+    return material
 
 
-def keep_apart(stage: Usd.Stage, pairs: Sequence[tuple[str, str]], bodies: dict[str, str]) -> None:
-    """Links that touch by design and do not collide."""
-    for first, second in pairs:
-        filtered = UsdPhysics.FilteredPairsAPI.Apply(stage.GetPrimAtPath(bodies[first]))
-        filtered.CreateFilteredPairsRel().AddTarget(bodies[second])
+def fix_to_world(stage: "Usd.Stage", path: "Sdf.Path", root: "Sdf.Path", body: "Sdf.Path") -> None:
+    """Holds the body where it is in the asset, which no scene has to stand at the world's origin."""
+    from pxr import UsdPhysics
+
+    fixed = UsdPhysics.FixedJoint.Define(stage, path)
+    fixed.CreateBody0Rel().SetTargets([root])  # no body: its frame stands for the world
+    fixed.CreateBody1Rel().SetTargets([body])
 
 
-def joined_pairs(package: SimPackage) -> list[tuple[str, str]]:
-    """Links that a joint connects, those across a link without collision included."""
-    hulls = {link.name for link in package.links if link.hulls}
-    return [(j.parent, j.child) for j in package.joints if {j.parent, j.child} <= hulls]
+def add_joint(stage: "Usd.Stage", path: "Sdf.Path", joint: PackageJoint, frames: Frames) -> None:
+    """A joint with its frame in both bodies; the frame's z is the joint's axis."""
+    from pxr import UsdPhysics
+
+    kinds = {
+        "fixed": UsdPhysics.FixedJoint,
+        "prismatic": UsdPhysics.PrismaticJoint,
+        "revolute": UsdPhysics.RevoluteJoint,
+        "continuous": UsdPhysics.RevoluteJoint,
+    }
+    made = kinds[joint.type].Define(stage, path)
+    made.CreateBody0Rel().SetTargets([frames.paths[joint.parent]])
+    made.CreateBody1Rel().SetTargets([frames.paths[joint.child]])
+    made.CreateLocalPos0Attr().Set(_vector(joint.origin - frames.origins[joint.parent]))
+    made.CreateLocalPos1Attr().Set(_vector(joint.origin - frames.origins[joint.child]))
+    if joint.type == "fixed":
+        return
+    turn = _quat(_from_z(joint.axis))
+    made.CreateLocalRot0Attr().Set(turn)
+    made.CreateLocalRot1Attr().Set(turn)
+    made.CreateAxisAttr().Set(UsdPhysics.Tokens.z)
+    if joint.type != "continuous":
+        to_file = 1.0 if joint.type == "prismatic" else 180.0 / np.pi
+        made.CreateLowerLimitAttr().Set(joint.lower * to_file)
+        made.CreateUpperLimitAttr().Set(joint.upper * to_file)
+    _add_resistance(made.GetPrim(), joint)
 
 
-def leading_material(link: Link, materials: dict[str, MaterialName]) -> MaterialName:
-    """The material of the part that gives a link its name; board where nothing is said."""
-    said: list[MaterialName] = [materials[part] for part in link.parts if part in materials]
-    return said[0] if said else BOARD
+def _from_z(axis: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 3"]:
+    """The smallest rotation that takes z to a unit axis."""
+    cross = np.cross([0.0, 0.0, 1.0], axis)
+    if axis[2] < -1.0 + 1e-12:
+        return np.diag([1.0, -1.0, -1.0])
+    x, y, z = cross
+    K = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    return np.eye(3) + K + K @ K / (1.0 + axis[2])
 
 
-def _extent(half: Float[np.ndarray, "3"]) -> Vt.Vec3fArray:
-    return Vt.Vec3fArray.FromNumpy(np.stack([-half, half]).astype(np.float32))
+def _add_resistance(prim: "Usd.Prim", joint: PackageJoint) -> None:
+    """Friction, damping and speed in each engine's words, and a drive that is at rest."""
+    from pxr import Sdf, UsdPhysics
 
-
-def _rounded(values: Float[np.ndarray, "N"]) -> list[float]:
-    """Numbers without noise digits and negative zeros."""
-    return (np.round(values, 9) + 0.0).tolist()
-
-
-def _quatf(R: Float[np.ndarray, "3 3"]) -> Gf.Quatf:
-    return Gf.Quatf(*_rounded(quat_from_matrix(R)))
-
-
-def _frame_along(axis: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 3"]:
-    """A rotation that turns z into ``axis``."""
-    helper = np.eye(3)[int(np.argmin(np.abs(axis)))]
-    x = np.cross(helper, axis)
-    x /= np.linalg.norm(x)
-    return np.column_stack([x, np.cross(axis, x), axis])
+    sliding = joint.type == "prismatic"
+    way = "linear" if sliding else "angular"
+    degrees = 1.0 if sliding else 180.0 / np.pi
+    drive = UsdPhysics.DriveAPI.Apply(prim, way)
+    drive.CreateTypeAttr().Set(UsdPhysics.Tokens.force)
+    drive.CreateStiffnessAttr().Set(0.0)
+    drive.CreateDampingAttr().Set(0.0)
+    drive.CreateMaxForceAttr().Set(joint.effort)
+    values = {
+        "newton:friction": joint.friction,
+        "newton:damping": joint.damping / degrees,
+        "newton:velocityLimit": joint.velocity * degrees,
+        f"physxJointAxis:{way}:staticFrictionEffort": joint.friction,
+        f"physxJointAxis:{way}:dynamicFrictionEffort": joint.friction,
+        f"physxJointAxis:{way}:viscousFrictionCoefficient": joint.damping / degrees,
+        f"physxJointAxis:{way}:maxJointVelocity": joint.velocity * degrees,
+    }
+    for schema in ("NewtonJointAPI", f"PhysxJointAxisAPI:{way}", "MjcJointAPI"):
+        prim.AddAppliedSchema(schema)
+    for name, value in values.items():
+        prim.CreateAttribute(name, Sdf.ValueTypeNames.Float, custom=False).Set(float(value))
+    for name, value in (("mjc:frictionloss", joint.friction), ("mjc:damping", joint.damping)):
+        attribute = prim.CreateAttribute(
+            name, Sdf.ValueTypeNames.Double, custom=False, variability=Sdf.VariabilityUniform
+        )
+        attribute.Set(float(value))

@@ -1,0 +1,39 @@
+"""Names that USD and SimReady allow: identifiers of prims, and lower-case names of files."""
+
+import re
+from collections.abc import Iterable
+
+from sim_export.errors import PackageError
+
+
+def prim_names(names: Iterable[str], taken: Iterable[str] = ()) -> tuple[str, ...]:
+    """An identifier for each name, in their order: letters, digits and ``_``, none twice, none of ``taken``.
+
+    Names that are identifiers already and differ from each other stay as they are.
+    """
+    used = set(taken)
+    found = []
+    for name in names:
+        plain = re.sub(r"[^A-Za-z0-9_]", "_", name) or "_"
+        plain = f"_{plain}" if plain[0].isdigit() else plain
+        unique, count = plain, 1
+        while unique in used:
+            count += 1
+            unique = f"{plain}_{count}"
+        used.add(unique)
+        found.append(unique)
+    return tuple(found)
+
+
+def asset_name(name: str) -> str:
+    """The lower-case name of an asset's folder and file.
+
+    Raises:
+        PackageError: If the name has no letter or digit.
+    """
+    plain = re.sub(r"[^a-z0-9_]+", "_", name.lower()).strip("_")
+    if not plain:
+        raise PackageError(
+            f"package {name!r}: no letter or digit to name a USD file after; give the package another name"
+        )
+    return plain
