@@ -82,7 +82,7 @@ def validate(
     """Runs the checks L0 to L3 and says which failed, where, by how much; exits 1 if any did.
 
     Args:
-        packages: Folders with a mobility.urdf.
+        packages: Folders with a mobility.urdf, or folders that hold some at any depth.
         json_file: Also write all reports to this file.
         report: Leave validation.json in each folder, or nothing.
         workers: Processes side by side.
@@ -91,6 +91,7 @@ def validate(
             pybullet, newton, newton-urdf. One that is not installed is skipped.
         engine_python: Interpreters of environments that have an engine: newton=/path/to/python.
     """
+    from sim_export.files.folders import list_packages
     from sim_export.report import report_to_json
 
     missing = [str(folder) for folder in packages if not folder.is_dir()]
@@ -98,6 +99,7 @@ def validate(
         sys.stderr.write(f"artigen: no such folder: {', '.join(missing)}\n")
         return 2
     asked = choose_engines(engines, engine_python)
+    packages = tuple(one for folder in packages for one in list_packages(folder) or [folder])
     reports = []
     with tqdm(total=len(packages), unit="package", disable=len(packages) == 1) as bar:
         check = partial(validate_folder, output=report, tasks="run" if task else "none", engines=asked)

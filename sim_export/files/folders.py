@@ -20,7 +20,7 @@ def find_packages(folders: Sequence[Path]) -> tuple[Path, ...]:
     for folder in folders:
         if not folder.is_dir():
             raise PackageError(f"{folder}: no such folder")
-        inside = [folder] if (folder / URDF).is_file() else _below(folder)
+        inside = list_packages(folder)
         if not inside:
             raise PackageError(
                 f"{folder}: no {URDF} in it or below; expected a package, or a folder of packages"
@@ -29,6 +29,9 @@ def find_packages(folders: Sequence[Path]) -> tuple[Path, ...]:
     return tuple(dict.fromkeys(found))
 
 
-def _below(folder: Path) -> list[Path]:
+def list_packages(folder: Path) -> list[Path]:
+    """The folder itself if it is a package, else all below it; none where there is none."""
+    if (folder / URDF).is_file():
+        return [folder]
     places = (path.parent for path in folder.rglob(URDF))
     return sorted(p for p in places if not any(n.startswith(".") for n in p.relative_to(folder).parts))
