@@ -13,7 +13,7 @@ import numpy as np
 
 from sim_export.errors import PackageError
 from sim_export.package import PackageJoint, SimPackage
-from sim_export.report import CheckResult
+from sim_export.report import CheckResult, round_measured
 
 from .config import DynamicsConfig, TrialConfig
 from .mujoco_check import compile_package
@@ -280,17 +280,12 @@ def _result(
         level="L3",
         title=TITLES[check],
         verdict="fail" if fails else "pass",
-        value=None if value is None else _round(value),
-        threshold=None if threshold is None else _round(threshold),
+        value=round_measured(value),
+        threshold=round_measured(threshold),
         unit=unit,
         where=where,
         message=message,
     )
-
-
-def _round(value: float) -> float:
-    """Six significant digits; infinity, which JSON cannot say, becomes a very large number."""
-    return float(f"{value:.6g}") if np.isfinite(value) else 1e300
 
 
 def _not_applicable(check: str, reason: str) -> CheckResult:

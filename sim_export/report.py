@@ -1,6 +1,7 @@
 """The verdict on a package: one `CheckResult` for every check, written as ``validation.json``."""
 
 import json
+import math
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Literal
@@ -24,6 +25,13 @@ class CheckResult:
     where: str = ""
     message: str = ""
     seconds: float = 0.0
+
+
+def round_measured(value: float | None) -> float | None:
+    """Six significant digits; infinity and NaN, which JSON cannot say, become a very large number."""
+    if value is None:
+        return None
+    return float(f"{value:.6g}") if math.isfinite(value) else 1e300
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from sim_export.report import CheckResult, Verdict
+from sim_export.report import CheckResult, Verdict, round_measured
 
 from .plan import HOLD, SLIP, EnginePlan, JointTask
 
@@ -191,17 +191,12 @@ def make_check(
         level="L5",
         title=f"{TITLES[check]} in {engine}",
         verdict=verdict,
-        value=None if value is None else _round(value),
-        threshold=None if threshold is None else _round(threshold),
+        value=round_measured(value),
+        threshold=round_measured(threshold),
         unit=unit,
         where=where,
         message=message,
     )
-
-
-def _round(value: float) -> float:
-    """Six significant digits; infinity, which JSON cannot say, becomes a very large number."""
-    return float(f"{value:.6g}") if np.isfinite(value) else 1e300
 
 
 def _verdict(passed: bool) -> Verdict:  # noqa: FBT001
