@@ -45,7 +45,7 @@ class SketchConfig:
     header: DrawConfig = field(default_factory=lambda: DrawConfig(temperature=0.8))
     """That of the header: category, style, counts and extents."""
     candidates: int = 8
-    """Continuations of an object that are drawn side by side for every part."""
+    """Continuations of an object in a batch: one is drawn, the others side by side if it has a fault."""
     batches: int = 80
     """Batches in all."""
 

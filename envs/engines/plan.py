@@ -4,12 +4,15 @@ Runners know nothing of this project: everything that they need, efforts and dur
 computed here from the package and written down once for all engines.
 """
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
+from sim_export.collision.motion import moved_links
+from sim_export.collision.requirements import required_openings
 from sim_export.package import PackageJoint, SimPackage
+from sim_export.physics.inertia import combine, inertia_about
 
 TIMESTEP = 1.0 / 240.0
 STEPS = 2000
@@ -126,7 +129,7 @@ def _task(package: SimPackage, joint: PackageJoint) -> JointTask:
         damping=joint.damping,
         mimic=joint.mimic,
         multiplier=joint.mimic_multiplier,
-        open=open_coordinates(package, joint.name),
+        open=open_coordinates(package, joint),
         effort=PUSH_RATIO * joint.friction + joint.damping * speed + 2.0 * load * span / TRAVEL_SECONDS**2,
         speed=speed,
         tolerance=max(near, LIMIT_LENGTH if joint.type == "prismatic" else LIMIT_ANGLE),
@@ -139,37 +142,26 @@ def ends(joint: PackageJoint) -> tuple[float, float]:
     return (0.0, 2.0 * np.pi) if joint.type == "continuous" else (joint.lower, joint.upper)
 
 
-def open_coordinates(package: SimPackage, name: str) -> dict[str, float]:
-    """Coordinates of the joints that must stand open before ``name`` moves, their own needs included."""
-    joints = {joint.name: joint for joint in package.joints}
-    found: dict[str, float] = {}
-    waiting = [name]
-    while waiting:
-        current = waiting.pop()
-        for need in package.requires_open:
-            if need.joint == current and need.needs not in found and need.needs in joints:
-                lower, upper = ends(joints[need.needs])
-                found[need.needs] = lower + need.fraction * (upper - lower)
-                waiting.append(need.needs)
-    return found
+def open_coordinates(package: SimPackage, joint: PackageJoint) -> dict[str, float]:
+    """Coordinates of the joints that must be open before ``joint`` moves; needs of no joint are left out."""
+    joints = []
+    for other in package.joints:
+        lower, upper = ends(other)
+        joints.append(replace(other, lower=lower, upper=upper))
+    names = {other.name for other in joints}
+    return required_openings(joint, joints, [need for need in package.requires_open if need.needs in names])
 
 
 def moved_load(package: SimPackage, joint: PackageJoint) -> float:
     """Mass (kg) that a sliding joint moves, or inertia (kg m^2) about the axis of a turning one, at rest."""
-    moved = {joint.child}
-    for _ in package.joints:
-        moved |= {other.child for other in package.joints if other.parent in moved}
-    total = 0.0
-    for link in package.links:
-        if link.name not in moved or link.inertial is None:
-            continue
-        if joint.type == "prismatic":
-            total += link.inertial.mass
-        else:
-            arm = np.cross(joint.axis, link.inertial.com - joint.origin)
-            total += float(joint.axis @ link.inertial.inertia @ joint.axis)
-            total += link.inertial.mass * float(arm @ arm)
-    return total
+    carried = [package.links[slot] for slot in moved_links(package.links, package.joints, joint)]
+    known = [link.inertial for link in carried if link.inertial is not None]
+    if not known:
+        return 0.0
+    moved = combine(known)
+    if joint.type == "prismatic":
+        return moved.mass
+    return float(joint.axis @ inertia_about(moved, joint.origin) @ joint.axis)
 
 
 def _trial(joint: PackageJoint, load: float) -> FrictionTrial | None:

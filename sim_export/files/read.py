@@ -287,8 +287,8 @@ def _own_hull(folder: Path, shape: UrdfShape, T: Float[np.ndarray, "4 4"], owner
     if shape.kind == "mesh":
         data = parse_obj(package_file(folder, shape.file, owner))
         return Hull(vertices=data.vertices, faces=data.faces)
-    mesh = primitive_mesh(shape.kind, shape.sizes)
-    return Hull(vertices=transform_points(T @ shape.T_link_shape, mesh.vertices), faces=mesh.faces)
+    mesh = _place_primitive(shape, T)
+    return Hull(vertices=mesh.vertices, faces=mesh.faces)
 
 
 def _own_splats(path: Path, T: Float[np.ndarray, "4 4"], index: int) -> Gaussians:
@@ -380,6 +380,11 @@ def _foreign_visual(
 ) -> Mesh | SourceMesh:
     if shape.kind == "mesh":
         return _source_mesh(package_file(folder, shape.file, owner), shape, T, owner)
+    return _place_primitive(shape, T)
+
+
+def _place_primitive(shape: UrdfShape, T: Float[np.ndarray, "4 4"]) -> Mesh:
+    """The surface of a box, cylinder or sphere of a link whose frame is ``T``."""
     mesh = primitive_mesh(shape.kind, shape.sizes)
     return Mesh(vertices=transform_points(T @ shape.T_link_shape, mesh.vertices), faces=mesh.faces)
 

@@ -112,13 +112,11 @@ def _add_link(robot: ET.Element, link: Link, origin: Float[np.ndarray, "3"], nam
         T = shape.T_object_shape
         xyz, rpy = format_vector(T[:3, 3] - origin), format_vector(_rpy_from_matrix(T[:3, :3]), 12)
         ET.SubElement(holder, "origin", xyz=xyz, rpy=rpy)
-        names = {"box": ("size",), "cylinder": ("radius", "length")}[shape.kind]
-        sizes = (
-            (format_vector(np.array(shape.sizes)),)
-            if shape.kind == "box"
-            else map(format_number, shape.sizes)
-        )
-        ET.SubElement(ET.SubElement(holder, "geometry"), shape.kind, dict(zip(names, sizes, strict=True)))
+        if shape.kind == "box":
+            sizes = {"size": format_vector(np.array(shape.sizes))}
+        else:
+            sizes = {"radius": format_number(shape.sizes[0]), "length": format_number(shape.sizes[1])}
+        ET.SubElement(ET.SubElement(holder, "geometry"), shape.kind, sizes)
 
 
 def _rpy_from_matrix(R: Float[np.ndarray, "3 3"]) -> Float[np.ndarray, "3"]:

@@ -1,6 +1,7 @@
 """Boxes, cylinders and spheres of URDF: as closed meshes, and found again in hulls that are exactly these."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Literal
 
 import numpy as np
@@ -54,6 +55,7 @@ def primitive_hull(shape: PrimitiveShape) -> Hull:
     return Hull(vertices=transform_points(shape.T_object_shape, mesh.vertices), faces=mesh.faces)
 
 
+@lru_cache(maxsize=1024)  # every file of a package asks for every hull
 def find_primitive(hull: Hull) -> PrimitiveShape | None:
     """The box or cylinder that a hull is, to the micrometre; None for all others."""
     if len(hull.vertices) == 8:
@@ -63,7 +65,8 @@ def find_primitive(hull: Hull) -> PrimitiveShape | None:
 
 def is_box(hull: Hull) -> bool:
     """Whether a hull is a box, to the micrometre."""
-    return len(hull.vertices) == 8 and _find_box(hull.vertices) is not None
+    shape = find_primitive(hull)
+    return shape is not None and shape.kind == "box"
 
 
 def _find_box(corners: Float[np.ndarray, "8 3"]) -> PrimitiveShape | None:

@@ -1,9 +1,9 @@
 """Rigid bodies, colliders and joints of a package in UsdPhysics, with joint friction in three dialects.
 
 UsdPhysics has no joint friction and no passive damping. They are written for Newton (``newton:``), for
-PhysX (``physxJointAxis:``) and for MuJoCo (``mjc:``) by the names of attributes alone, without their
-schemas. Friction is a force (N) or torque (N m) in all three. Damping and speed of turning joints are
-per radian in MuJoCo's and per degree in the two others, as angles in USD are degrees.
+PhysX (``physxJointAxis:``) and for MuJoCo (``mjc:``) by the names of their schemas and attributes, which
+need not be installed. Friction is a force (N) or torque (N m) in all three. Damping and speed of turning
+joints are per radian in MuJoCo's and per degree in the two others, as angles in USD are degrees.
 """
 
 # usd-core has no type stubs, and is optional.
