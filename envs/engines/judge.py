@@ -19,8 +19,11 @@ TITLES = {
 NUMBER_TOLERANCE = 1e-4
 """Relative; engines compute in single precision."""
 REST_DRIFT = 0.01
+"""Of its range, by which a joint may move at rest."""
 HELD = 0.2
+"""Of the motion expected above its friction, that a joint may make below it."""
 SLIPPED = 0.5
+"""Of that motion, that it must make above its friction."""
 
 
 def judge(engine: str, plan: EnginePlan, answer: dict) -> tuple[CheckResult, ...]:

@@ -16,13 +16,21 @@ from sim_export.physics.inertia import combine, inertia_about
 
 TIMESTEP = 1.0 / 240.0
 STEPS = 2000
+"""At rest, under gravity."""
 DRIVE_SECONDS = 4.0
+"""Most that a joint is pushed one way."""
 TRAVEL_SECONDS = 1.0
+"""In which a joint may cross its range while it is pushed."""
 PUSH_RATIO = 1.5
+"""Of its friction, in the effort that pushes a joint."""
 HOLD, SLIP = 0.9, 1.1
+"""Of its friction: must not move a joint, must move it."""
 TRIAL_SECONDS = 1.0
+"""Longest friction trial."""
 TRIAL_SHARE = 0.25
+"""Of its range, after which a joint's friction trial ends."""
 LIMIT_SHARE = 0.01
+"""Of its range, by which a joint may miss an end; at least `LIMIT_LENGTH` (m) or `LIMIT_ANGLE` (rad)."""
 LIMIT_LENGTH = 1e-4
 LIMIT_ANGLE = float(np.radians(0.5))
 

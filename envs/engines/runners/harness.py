@@ -15,9 +15,12 @@ from typing import Protocol, TypedDict
 import numpy as np
 
 STALL_SECONDS = 0.5
+"""A joint that was slower than `STALL_SPEED` of its speed for so long is pushed no longer."""
 STALL_SPEED = 1e-3
 PRESS_SECONDS = 0.25
+"""How long a joint is pressed against the end of its range."""
 BISECTIONS = 10
+"""Halvings of twice the friction when the effort at which a joint gives way is looked for."""
 
 
 class LinkFacts(TypedDict):
