@@ -64,6 +64,13 @@ def test_counts_out_of_all_proportion_are_given_up_early():
         draw_shape("Microwave", 0, Wish(counts=(("handle", 99),)))
 
 
+def test_lengths_that_hold_no_layout_are_drawn_again_unless_they_are_wished_for():
+    drawn = draw_shape("StorageFurniture", 10106)  # the first lengths of this seed hold none
+    assert len(drawn.parts) > 1
+    with pytest.raises(ShapeError, match="wish for a smaller one"):
+        draw_shape("StorageFurniture", 10106, Wish(width=6.0, depth=0.6, height=6.0))
+
+
 def test_a_wished_value_takes_its_number_from_the_stream_too():
     free, wished = np.random.default_rng(0), np.random.default_rng(0)
     assert 1.0 <= choose(free, 1.0, 2.0) <= 2.0

@@ -23,6 +23,8 @@ from artigen.types import PartLabel
 MAX_DRAWS = 1000
 FEW_DRAWS = 100
 """After so many, a count of more than twice the most seen is given up."""
+CROWDED_DRAWS = 10
+"""Draws of an object whose lengths are free, each with other lengths, before it is given up as too large."""
 VARIANTS = 100
 """Draws of an object that is to be built as another one; the last has its very lengths."""
 LENGTHS = (0.02, 10.0)
@@ -31,6 +33,10 @@ LENGTHS = (0.02, 10.0)
 
 class ShapeError(ArtigenError):
     """No object of the category meets the wish, or there is no such category."""
+
+
+class CrowdedError(ShapeError):
+    """At these lengths, every layout that was drawn has more parts or hulls than engines hold."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -106,7 +112,10 @@ def draw_variant(
     for step in range(VARIANTS):
         bits = np.random.PCG64(np.random.SeedSequence([key, like, attempt]))
         rng = _Varied(bits, np.random.default_rng([key, seed, step]), 1.0 - (step / (VARIANTS - 1)) ** 2)
-        draft = categories()[category].draw(rng, wish)
+        try:
+            draft = categories()[category].draw(rng, wish)
+        except CrowdedError:
+            continue
         worn = tuple((role, _wear(own, looks.get(role) or own)) for role, own in draft.finishes)
         shape = _make_shape(category, seed, replace(draft, finishes=worn))
         if fits(shape):
@@ -149,11 +158,19 @@ def _draw_draft(category: str, seed: int, wish: Wish) -> tuple[Draft, int]:
         raise ShapeError(f"category {category!r} is not known, expected one of {', '.join(known)}")
     seen: Counter[str] = Counter()
     most: Counter[str] = Counter()
-    for attempt in range(MAX_DRAWS if wish.counts else 1):
+    free = None in (wish.width, wish.depth, wish.height)
+    crowded = 0
+    for attempt in range(MAX_DRAWS):
         if attempt == FEW_DRAWS and any(0 < 2 * most[label] < count for label, count in wish.counts):
             break
         rng = np.random.default_rng([crc32(category.encode()), seed, attempt])
-        draft = known[category].draw(rng, wish)
+        try:
+            draft = known[category].draw(rng, wish)
+        except CrowdedError:
+            crowded += 1
+            if crowded == CROWDED_DRAWS or not free:
+                raise
+            continue
         held = Counter(part.label for part in draft.parts)
         if all(held[label] == count for label, count in wish.counts):
             return draft, attempt

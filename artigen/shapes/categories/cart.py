@@ -9,7 +9,7 @@ from typing import Literal
 
 import numpy as np
 
-from artigen.shapes.draw import Draft, ShapeError, Wish, choose
+from artigen.shapes.draw import CrowdedError, Draft, ShapeError, Wish, choose
 from artigen.shapes.fittings.drawers import BoxDesign, make_tray
 from artigen.shapes.fittings.feet import make_castors
 from artigen.shapes.fittings.hardware import GAP, Range, Space, fill_space
@@ -127,7 +127,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
         parts = _build(rng, kind, size)
         if fits_engines(parts):
             return Draft(style=style, parts=parts, finishes=finishes)
-    raise ShapeError(
+    raise CrowdedError(
         f"{CATEGORY}: no cart of {size} m keeps within what engines hold; wish for a smaller one"
     )
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from artigen.shapes.draw import Draft, ShapeError, Wish, choose
+from artigen.shapes.draw import CrowdedError, Draft, ShapeError, Wish, choose
 from artigen.shapes.fittings.feet import StandDesign, design_stand, make_stand
 from artigen.shapes.fittings.hardware import Space
 from artigen.shapes.furniture.cabinet import (
@@ -68,7 +68,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
         moves = wish.counts or any(part.motion for part in parts)
         if shown and moves and fits_engines(parts):
             return Draft(style=style, parts=parts, finishes=finishes)
-    raise ShapeError(
+    raise CrowdedError(
         f"{CATEGORY}: none of {MAX_LAYOUTS} layouts of {size} m (width, depth, height) keeps within what "
         "engines hold; wish for a smaller one"
     )

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from artigen.shapes.categories.storage_furniture import STYLES
-from artigen.shapes.draw import Draft, ShapeError, Wish, choose
+from artigen.shapes.draw import CrowdedError, Draft, ShapeError, Wish, choose
 from artigen.shapes.fittings.feet import LEG_KINDS, LegKind, make_castors, make_legs
 from artigen.shapes.fittings.hardware import GAP, Range, Space, fill_space, lift
 from artigen.shapes.furniture.cabinet import Looks, draw_layout, draw_looks, make_cabinet
@@ -100,7 +100,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
         parts = (body, *built.parts)
         if fits_engines(parts) and (wish.counts or any(part.motion for part in parts)):
             return Draft(style=style, parts=parts, finishes=finishes)
-    raise ShapeError(
+    raise CrowdedError(
         f"{CATEGORY}: no table of {size} m keeps within what engines hold; wish for a smaller one"
     )
 
