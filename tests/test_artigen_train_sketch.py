@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 import torch
 
+import artigen.train.sketch
+
 from artigen.errors import ArtigenError, SourceError
 from artigen.shapes.draw import draw_shape
 from artigen.sketch.batch import make_batch, nothing_asked
@@ -95,8 +97,9 @@ def test_the_weights_of_fields_belong_to_the_header_of_the_object_and_to_nothing
         assert int((numbers == HEADER).sum()) == 3 * count  # extents
 
 
-def test_pictures_and_finishes_change_their_colors_alike():
+def test_pictures_and_finishes_change_their_colors_alike(monkeypatch: pytest.MonkeyPatch):
     """An object whose finishes are painted on its picture keeps wearing them, whatever the order."""
+    monkeypatch.setattr(artigen.train.sketch, "SWAPPED", 0.5)
     tables = [sketch_to_rows(write_sketch(draw_shape("Cart", seed))) for seed in range(24)]
     rows = make_batch(tables, [nothing_asked()] * len(tables))
     finish = int((rows.rows[0, :, 0] == ROW_KINDS.index("finish")).int().argmax())

@@ -33,6 +33,7 @@ from artigen.train.batches import prefetch
 from artigen.train.loop import LoopConfig, Report, finished_steps, process_seed, train
 from artigen.train.shards import HELD_OUT
 from artigen.train.sketch_photos import (
+    EDGE,
     PackedPhoto,
     PhotoBatch,
     gather_photos,
@@ -66,7 +67,7 @@ READ, HEADS = 0.5, 16
 """Share of the batches that are of pictures with headers and finishes alone, and pictures in each."""
 PICTURED, ALONE = 0.8, 0.6
 """Share of the other batches that come with pictures, and of their objects of which nothing else is asked."""
-SWAPPED = 0.5
+SWAPPED = 0.1
 """Share of the pictures whose red, green and blue are put in any order."""
 WINDOW = 6
 """A batch is drawn from so many times its objects next to each other by length."""
@@ -148,9 +149,9 @@ def train_sketch(cfg: SketchRunConfig, *, on_report: Report | None = None) -> di
     seed = process_seed(loop.seed) + finished_steps(cfg.folder / "sketch")  # other batches at every start
     batches = prefetch(draw_batches(trained, cfg.rows, seed))
     report = on_report or (lambda line: log_metrics("sketch", line))
-    train(
-        SketchLosses(network.train()), sketch_losses, batches, cfg.folder / "sketch", loop, on_report=report
-    )
+    edge = EDGE if network.picture is None else network.picture.cfg.edge
+    losses = partial(sketch_losses, edge=edge)
+    train(SketchLosses(network.train()), losses, batches, cfg.folder / "sketch", loop, on_report=report)
     scores = score_examples(network.cpu(), held_out)
     save_sketch_network(
         network,
@@ -214,11 +215,13 @@ def weigh_fields(rows: RowBatch) -> tuple[Float[Tensor, "M"], Float[Tensor, "N"]
     return weights[rows.said & (rows.axes < 0)], weights[rows.said & (rows.axes >= 0)]
 
 
-def sketch_losses(network: nn.Module, batch: SketchBatch, generator: torch.Generator) -> dict[str, Tensor]:
-    """The terms of a batch, its pictures varied."""
+def sketch_losses(
+    network: nn.Module, batch: SketchBatch, generator: torch.Generator, edge: int = EDGE
+) -> dict[str, Tensor]:
+    """The terms of a batch, its pictures varied and scaled to ``edge`` pixels."""
     if batch.photos is not None:
         rows, photos = swap_channels(batch.rows, batch.photos, generator)
-        batch = SketchBatch(rows=rows, photos=vary_photos(photos, generator))
+        batch = SketchBatch(rows=rows, photos=vary_photos(photos, generator, edge))
     return network(batch)
 
 

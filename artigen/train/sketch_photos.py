@@ -197,9 +197,15 @@ def gather_photos(photos: Sequence[PackedPhoto]) -> PhotoBatch:
     )
 
 
-def vary_photos(photos: PhotoBatch, generator: torch.Generator) -> PhotoBatch:
-    """The same objects nearer or further off, to a side, in other colours, blurred, some before something."""
-    count, _, edge, _ = photos.image.shape
+def vary_photos(photos: PhotoBatch, generator: torch.Generator, edge: int = EDGE) -> PhotoBatch:
+    """The same objects scaled, shifted, recoloured, blurred, and some before a background.
+
+    Args:
+        photos: as they were taken.
+        generator: of all chance.
+        edge: pixels of the edge of the pictures that are returned; a multiple of `CELL`.
+    """
+    count, _, taken, _ = photos.image.shape
 
     def chance(*shape: int) -> Tensor:
         return torch.rand(shape, generator=generator, device=generator.device)
@@ -214,7 +220,7 @@ def vary_photos(photos: PhotoBatch, generator: torch.Generator) -> PhotoBatch:
     affine = torch.cat([torch.diag_embed(scale), shift[..., None]], dim=2)
     grid = functional.affine_grid(affine, [count, 1, edge, edge], align_corners=False)
     image = functional.grid_sample(photos.image, grid, align_corners=False)
-    coarse = functional.affine_grid(affine, [count, 1, *photos.labels.shape[1:]], align_corners=False)
+    coarse = functional.affine_grid(affine, [count, 1, edge // CELL, edge // CELL], align_corners=False)
     marks = (photos.labels[:, None] - NOTHING).to(image.dtype)  # beyond the edge there is nothing
     labels = functional.grid_sample(marks, coarse, mode="nearest", align_corners=False).round().long()
     alpha = image[:, 3:]
@@ -225,7 +231,7 @@ def vary_photos(photos: PhotoBatch, generator: torch.Generator) -> PhotoBatch:
     behind = chance(count, 3, 1, 1) + 0.3 * patches
     color = torch.where(before[:, None, None, None], alpha * color + (1 - alpha) * behind, color)
     alpha = torch.where(before[:, None, None, None], 1.0, alpha)
-    color = _blur(color * alpha, chance(count) * BLUR)
+    color = _blur(color * alpha, chance(count) * BLUR * edge / taken)
     noise = torch.randn(color.shape, generator=generator, device=generator.device)
     color = color + GRAIN * chance(count, 1, 1, 1) * noise * alpha
     return replace(
