@@ -9,7 +9,6 @@ import pytest
 import torch
 
 import artigen.train.sketch
-
 from artigen.errors import ArtigenError, SourceError
 from artigen.shapes.draw import draw_shape
 from artigen.sketch.batch import make_batch, nothing_asked
