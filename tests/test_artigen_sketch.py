@@ -1,8 +1,10 @@
 """Sketches: exact inverses of shapes, rules that never stumble, chances that add up."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,7 +14,7 @@ from artigen.errors import SourceError
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.primitives import Primitive, box, cylinder, move, place_vertices, polytope
 from artigen.shapes.shape import Shape
-from artigen.sketch import draw
+from artigen.sketch import draw, model
 from artigen.sketch.batch import Asked, ask_for, make_batch, nothing_asked
 from artigen.sketch.draw import DrawConfig, begin_drafts, continue_drafts
 from artigen.sketch.model import (
@@ -357,6 +359,36 @@ def test_an_object_that_cannot_be_made_sound_is_finished_with_its_faults_named()
     assert drawn.faults
     assert all(fault.text for fault in drawn.faults)
     assert "batches" in drawn.notes[0]
+
+
+@pytest.mark.parametrize(("blamed", "again"), [((0, 2), 0), ((1, 2), 1), ((2,), 1)])
+def test_after_a_dead_end_the_part_that_its_faults_involve_is_drawn_again(
+    blamed: tuple[int, ...], again: int, monkeypatch: pytest.MonkeyPatch
+):
+    """Objects of three parts whose third part fails in the first batch that reaches it."""
+
+    def stand_in(parts: int) -> SimpleNamespace:
+        return SimpleNamespace(
+            writer=SimpleNamespace(moving=[False] * parts, delivered=parts == 3, table=None)
+        )
+
+    begun: list[int] = []
+
+    def batch(_hand: model._Hand, draft: SimpleNamespace) -> list[SimpleNamespace]:
+        begun.append(len(draft.writer.moving))
+        return [stand_in(begun[-1] + 1)]
+
+    def search(draft: SimpleNamespace) -> Iterator[model._Found]:
+        fails = len(draft.writer.moving) == 3 and begun.count(2) == 1
+        return iter([model._Found(id="overlap", parts=blamed)] if fails else [])
+
+    monkeypatch.setattr(model, "begin_drafts", lambda *_: [stand_in(0)])
+    monkeypatch.setattr(model, "_search_lasting", search)
+    monkeypatch.setattr(model, "_judge", lambda *_: (None, ()))
+    monkeypatch.setattr(model._Hand, "head", lambda *_: stand_in(0))
+    monkeypatch.setattr(model._Hand, "_batch", batch)
+    draw_object(_network(), REQUEST, 1)
+    assert begun == [0, 1, 2, *range(again, 3)]
 
 
 def test_a_draft_that_is_continued_stays_as_it_was():

@@ -62,7 +62,7 @@ class Draft:
     """What is seen of the object's picture, if there is one."""
 
 
-@torch.no_grad()
+@torch.inference_mode()
 def begin_drafts(
     network: SketchNetwork, requests: Sequence[Asked], sight: Sight | None = None
 ) -> list[Draft]:
@@ -96,7 +96,7 @@ def begin_drafts(
     ]
 
 
-@torch.no_grad()
+@torch.inference_mode()
 def continue_drafts(
     network: SketchNetwork,
     drafts: Sequence[Draft],

@@ -32,6 +32,8 @@ LIKELIEST = DrawConfig(temperature=0.2)
 """How headers are drawn where a picture shows what they say."""
 WITHIN = 0.01
 """Share by which an extent may differ from what was asked or announced."""
+UNREADABLE = "unreadable"
+"""Id of what cannot be read as an object."""
 DEFERRED = frozenset(("tipping", "extent"))
 """Faults that only a whole object can have."""
 
@@ -120,9 +122,10 @@ def draw_object(
     """Draws an object that meets a request; the same arguments give the same object on one machine.
 
     The header is drawn first; then the object grows part by part. Every part is drawn several times side by
-    side, and the first that has no fault beside those before it stays. Where all have some, the part before
-    is drawn again, at each further dead end of as many parts one more. When the budget is used up, the object
-    is finished with the fewest faults that a batch has, and these are returned with it.
+    side, and the first that has no fault beside those before it stays. Where all have one, the object is cut
+    back to before the part that most of these faults involve (conflict-directed backjumping, Prosser 1993),
+    and at each further dead end of as many parts by at least one part more. When the budget is used up, the
+    object is finished with the fewest faults that a batch has, and these are returned with it.
 
     Args:
         network: trained.
@@ -142,12 +145,12 @@ def draw_object(
     while hand.batches < cfg.batches:
         if len(grown) == 1:
             grown.append(hand.head(grown[0]))
-        found = hand.grow(grown[-1])
+        found, blamed = hand.grow(grown[-1])
         if found is not None:
             grown.append(found)
             if not found.writer.delivered:
                 continue
-            shape, faults = _judge(found.writer.table, seed)
+            shape, faults = _judge(found.writer.table, seed, request)
             if best is None or len(faults) < len(best[1]):
                 best = (shape, faults)
             if not faults:
@@ -156,9 +159,10 @@ def draw_object(
             del grown[1:]
         else:
             dead_ends[len(grown)] += 1
-            del grown[max(1, len(grown) - dead_ends[len(grown)]) :]
+            # The empty table and the header come before the first part.
+            del grown[max(1, min(blamed + 2, len(grown) - dead_ends[len(grown)])) :]
     if best is None:
-        best = _judge(hand.finish(grown[-1]).writer.table, seed)
+        best = _judge(hand.finish(grown[-1]).writer.table, seed, request)
     why = ", ".join(f"{count} {name}" for name, count in hand.seen.most_common())
     note = f"sketch: {hand.batches} batches were drawn" + (f"; left out on the way: {why}" if why else "")
     return Drawn(shape=best[0], faults=best[1], notes=(note,), seen=hand.seen, batches=hand.batches)
@@ -240,14 +244,20 @@ class _Hand:
         """An empty table with its header."""
         return _draw_header(self.network, draft, self.rng, self.cfg.header)
 
-    def grow(self, draft: Draft) -> Draft | None:
-        """The first of a batch of continuations by one part that is sound, if any is."""
+    def grow(self, draft: Draft) -> tuple[Draft | None, int]:
+        """The first continuation of a batch by one part that has no fault, if any.
+
+        Also the number of the earlier part that most of the faults involve; that of the part before, if none.
+        """
+        before = len(draft.writer.moving)
+        blamed: Counter[int] = Counter()
         for one in self._batch(draft):
             fault = next(_search_lasting(one), None)
             if fault is None:
-                return one
-            self.seen[fault] += 1
-        return None
+                return one, before
+            self.seen[fault.id] += 1
+            blamed.update(part for part in fault.parts if part < before)
+        return None, max(blamed, key=lambda part: (blamed[part], part), default=before - 1)
 
     def finish(self, draft: Draft) -> Draft:
         """Adds the parts that are missing, of every batch the one with the fewest faults.
@@ -256,8 +266,8 @@ class _Hand:
             SketchError: If no continuation could be read.
         """
         while not draft.writer.delivered:
-            drawn = [(one, set(_search_lasting(one))) for one in self._batch(draft)]
-            batch = [(one, faults) for one, faults in drawn if "unreadable" not in faults]
+            drawn = [(one, {fault.id for fault in _search_lasting(one)}) for one in self._batch(draft)]
+            batch = [(one, faults) for one, faults in drawn if UNREADABLE not in faults]
             if not batch:
                 raise SketchError(
                     f"none of {self.cfg.candidates} continuations of an object could be read; the last had "
@@ -283,14 +293,28 @@ class _Hand:
             yield from (one for one in drawn if one is not None)
 
 
-def _search_lasting(draft: Draft) -> Iterator[str]:
-    """Faults of an object that is not whole yet which it would keep."""
+@dataclass(frozen=True, kw_only=True)
+class _Found:
+    """The id of a fault, and the numbers of the parts that it involves."""
+
+    id: str
+    parts: tuple[int, ...] = ()
+
+
+def _search_lasting(draft: Draft) -> Iterator[_Found]:
+    """Faults of an unfinished object that further parts cannot remove."""
     try:
         shape = read_sketch(rows_to_sketch(draft.writer.table))
     except SketchError:
-        yield "unreadable"
+        yield _Found(id=UNREADABLE)
         return
-    yield from (fault.id for fault in search_faults(shape) if fault.id not in DEFERRED)
+    numbers = {part.name: number for number, part in enumerate(shape.parts)}
+    for fault in search_faults(shape):
+        if fault.id not in DEFERRED:
+            yield _Found(
+                id=fault.id,
+                parts=tuple(numbers[name] for name in (fault.part, fault.other) if name in numbers),
+            )
 
 
 def draw_header(
@@ -335,23 +359,24 @@ def _draw_header(
     return header
 
 
-def _judge(table: np.ndarray, seed: int) -> tuple[Shape, tuple[Fault, ...]]:
+def _judge(table: np.ndarray, seed: int, request: SketchRequest) -> tuple[Shape, tuple[Fault, ...]]:
     """The shape of a table, and its faults."""
     shape = read_sketch(rows_to_sketch(table), seed)
-    first = column("object", "depth")
-    return shape, (*find_faults(shape), *find_extent_faults(shape, table[0, first : first + 3]))
+    return shape, (*find_faults(shape), *find_extent_faults(shape, request))
 
 
-def find_extent_faults(shape: Shape, announced: np.ndarray) -> tuple[Fault, ...]:
-    """A fault for every extent (steps) that the object misses by more than `WITHIN`."""
+def find_extent_faults(shape: Shape, request: SketchRequest) -> tuple[Fault, ...]:
+    """A fault for every requested extent that the object misses by more than `WITHIN`.
+
+    Extents that were not requested are those that the object has, whatever its header announced.
+    """
     from artigen.shapes.solids import list_solids
 
     solids = list_solids(shape)
-    found = solids.high.max(axis=0) - solids.low.min(axis=0)
+    extents = (solids.high.max(axis=0) - solids.low.min(axis=0)).tolist()
+    requested = (request.depth, request.width, request.height)
     return tuple(
-        Fault(id="extent", part=name, value=abs(have - steps * STEP), allowed=WITHIN * steps * STEP)
-        for name, have, steps in zip(
-            ("depth", "width", "height"), found.tolist(), announced.tolist(), strict=True
-        )
-        if abs(have - steps * STEP) > WITHIN * steps * STEP
+        Fault(id="extent", part=name, value=abs(extent - wanted), allowed=WITHIN * wanted)
+        for name, extent, wanted in zip(("depth", "width", "height"), extents, requested, strict=True)
+        if wanted is not None and abs(extent - wanted) > WITHIN * wanted
     )
