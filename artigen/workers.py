@@ -2,24 +2,30 @@
 
 Some libraries that we call can abort the whole process (physics engines on a strange mesh, convex
 decomposition), and any stage may hang. So items run in spawned processes that are watched from
-outside: a death or a time-out becomes the outcome of that one item and the process is replaced.
+outside: a death or a time-out becomes the outcome of that one item and the process is replaced. Each
+process has the threads that `artigen.cores` gives it, and ends when the process that started it does.
 """
 
 import multiprocessing
+import os
 import signal
 import threading
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass
-from multiprocessing.connection import Connection
+from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from queue import Empty, SimpleQueue
 from typing import Generic, TypeVar
 
+from artigen.cores import thread_environment
 from artigen.errors import ArtigenError
 
 LESS_MEMORY = "free some, or run fewer --workers"
 Item = TypeVar("Item")
 Value = TypeVar("Value")
+_STARTING = threading.Lock()
+"""Held while the environment of this process is that of a child about to start."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -33,6 +39,7 @@ class Outcome(Generic[Value]):
 def _serve(connection: Connection) -> None:
     """Runs in the child: answers (function, item) with an outcome until the pipe closes."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent decides what an interrupt means
+    threading.Thread(target=_end_with_parent, daemon=True).start()
     while True:
         try:
             function, item = connection.recv()
@@ -47,11 +54,34 @@ def _serve(connection: Connection) -> None:
             connection.send(Outcome(error=_explain(error)))
 
 
+def _end_with_parent() -> None:
+    """Ends this process as soon as its parent is gone: a run that goes on elsewhere must not be disturbed."""
+    parent = multiprocessing.parent_process()
+    assert parent is not None
+    wait([parent.sentinel])
+    os._exit(1)
+
+
 def _explain(error: Exception) -> str:
     """One sentence; where memory ran out, with what to do. PyTorch says so by a `RuntimeError`."""
     if isinstance(error, MemoryError) or "can't allocate memory" in str(error):
         return f"memory ran out; {LESS_MEMORY}"
     return f"{type(error).__name__}: {error}"
+
+
+@contextmanager
+def _environment(values: Mapping[str, str]) -> Iterator[None]:
+    """Sets environment variables for children that start meanwhile; libraries read them when loaded."""
+    before = {name: os.environ.get(name) for name in values}
+    os.environ.update(values)
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value
 
 
 class Worker:
@@ -95,7 +125,8 @@ class Worker:
             context = multiprocessing.get_context("spawn")
             self._connection, child = context.Pipe()
             self._process = context.Process(target=_serve, args=(child,), daemon=False)
-            self._process.start()
+            with _STARTING, _environment(thread_environment(os.environ)):
+                self._process.start()
             child.close()
         return self._connection
 

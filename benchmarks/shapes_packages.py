@@ -18,6 +18,7 @@ from tqdm import tqdm
 
 from artigen.cli.batch import Finished, run_batch
 from artigen.cli.shape import ShapeJob, ShapeSettings, export_and_validate
+from artigen.runner import choose_runner
 from artigen.shapes.draw import categories
 
 Source = Literal["reference", "voxels"]
@@ -37,8 +38,8 @@ class Options:
     """Objects per category."""
     first: int = 0
     """Seed of the first one."""
-    workers: int = 2
-    """Processes side by side."""
+    workers: int | None = None
+    """Processes side by side; left out, one per core."""
 
 
 def run_source(options: Options, source: Source) -> list[Finished]:
@@ -52,7 +53,11 @@ def run_source(options: Options, source: Source) -> list[Finished]:
     ]
     with tqdm(total=len(jobs), desc=source, disable=not sys.stderr.isatty()) as bar:
         return run_batch(
-            export_and_validate, jobs, out, workers=options.workers, on_done=lambda _: bar.update()
+            export_and_validate,
+            jobs,
+            out,
+            runner=choose_runner("local", options.workers),
+            on_done=lambda _: bar.update(),
         )
 
 

@@ -1,24 +1,28 @@
-"""Long runs: many objects, several processes, a progress bar, and a journal to resume from.
+"""Long runs: many objects, several processes or machines, a progress bar, and journals to resume from.
 
-The journal ``run.jsonl`` in the output folder holds one line per finished object, written as it
-finishes. A rerun with the same settings does only what is missing or failed before.
+A journal in the output folder holds one line per finished object, written as it finishes: ``run.jsonl``,
+or ``run.3-of-64.jsonl`` for the part of a run. All journals of the folder count, so a rerun with the same
+settings, in other parts or as a whole, does only what is missing or failed before.
 """
 
 import hashlib
-import json
 import os
+import shutil
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Protocol, TypeVar
 
 from tqdm import tqdm
 
+from artigen.cli.shard import Part, name_part, take_part
 from artigen.errors import ArtigenError
-from artigen.journal import read_lines
-from artigen.workers import Worker, run_supervised
+from artigen.journal import append_line, read_lines
+from artigen.runner import Runner, run_jobs
+from artigen.workers import Worker
 
 JOURNAL = "run.jsonl"
 
@@ -57,6 +61,8 @@ class Finished:
     seconds: tuple[tuple[str, float], ...] = ()
     peak_mib: float = 0.0
     notes: tuple[str, ...] = ()
+    at: float = 0.0
+    """Unix time when it was finished; of two lines of one object, the later one holds."""
 
     @property
     def good(self) -> bool:
@@ -79,16 +85,20 @@ def digest_settings(text: str) -> str:
 
 
 def read_journal(out: Path) -> dict[str, Finished]:
-    """The last line of every object in the journal of ``out``.
+    """The last line of every object in the journals of ``out``, those of parts included.
 
     A line cut short by a killed run is left out, so its object is done again.
     """
+    name = Path(JOURNAL)
     done: dict[str, Finished] = {}
-    for value in read_lines(out / JOURNAL):
-        value["seconds"] = tuple((name, spent) for name, spent in value["seconds"])
-        value["failures"] = tuple(value["failures"])
-        value["notes"] = tuple(value["notes"])
-        done[value["key"]] = Finished(**value)
+    for path in (out / name, *sorted(out.glob(f"{name.stem}.*-of-*{name.suffix}"))):
+        for value in read_lines(path):
+            value["seconds"] = tuple((name, spent) for name, spent in value["seconds"])
+            value["failures"] = tuple(value["failures"])
+            value["notes"] = tuple(value["notes"])
+            line = Finished(**value)
+            if line.key not in done or done[line.key].at <= line.at:
+                done[line.key] = line
     return done
 
 
@@ -127,16 +137,24 @@ def run_batch(
     jobs: Sequence[JobType],
     out: Path,
     *,
-    workers: int,
+    runner: Runner,
     on_done: Callable[[Finished], None],
+    part: Part | None = None,
 ) -> list[Finished]:
-    """Runs every job that the journal does not know as good; returns all, in the order of ``jobs``.
+    """Runs every job that no journal knows as good; returns all, in the order of ``jobs``.
+
+    Args:
+        handle: See `artigen.runner.run_jobs`.
+        jobs: All jobs of the run.
+        out: Folder of all packages and of the journals.
+        runner: Where jobs are done.
+        on_done: Called for every job of the part, with those that were done before first.
+        part: Of the jobs, the part to do; None for all.
 
     Raises:
-        ArtigenError: two jobs of one name, or an output folder that cannot be written.
+        ArtigenError: Two jobs of one name, or an output folder that cannot be written.
     """
-    keys = [job.key for job in jobs]
-    twice = sorted({key for key in keys if keys.count(key) > 1})
+    twice = sorted(key for key, count in Counter(job.key for job in jobs).items() if count > 1)
     if twice:
         raise ArtigenError(
             f"several sources are called {', '.join(twice)}; convert them into different folders"
@@ -147,6 +165,7 @@ def run_batch(
         raise ArtigenError(f"cannot make the output folder {out}: {error.strerror}") from error
     if not os.access(out, os.W_OK):
         raise ArtigenError(f"the output folder {out} cannot be written; choose another with -o")
+    jobs = take_part(jobs, part)
     done = read_journal(out)
 
     def is_done(job: JobType) -> bool:
@@ -158,20 +177,35 @@ def run_batch(
     for finished in results.values():
         on_done(finished)
     waiting = [job for job in jobs if job.key not in results]
-    with (out / JOURNAL).open("a") as journal:
-        for finished in run_supervised(handle, waiting, workers=workers):
-            journal.write(json.dumps(asdict(finished)) + "\n")
-            journal.flush()
-            results[finished.key] = finished
-            on_done(finished)
-    return [results[key] for key in keys]
+    remove_leftovers(out, {job.key for job in waiting})
+    journal = name_part(out / JOURNAL, part)
+    for finished in run_jobs(handle, waiting, runner):
+        append_line(journal, asdict(replace(finished, at=time.time())))
+        results[finished.key] = finished
+        on_done(finished)
+    return [results[job.key] for job in jobs]
+
+
+def remove_leftovers(out: Path, keys: Iterable[str]) -> None:
+    """Removes what killed runs have left of packages of ``keys``: ``.KEY.partial-*`` and ``.KEY.old-*``."""
+    wanted = set(keys)
+    for path in out.glob(".*"):
+        name, _, rest = path.name[1:].rpartition(".")
+        if name in wanted and rest.startswith(("partial-", "old-")):
+            shutil.rmtree(path, ignore_errors=True)
 
 
 def run_shown(
-    handle: Callable[[Worker, JobType], Finished], jobs: Sequence[JobType], out: Path, *, workers: int
+    handle: Callable[[Worker, JobType], Finished],
+    jobs: Sequence[JobType],
+    out: Path,
+    *,
+    runner: Runner,
+    part: Part | None = None,
 ) -> list[Finished]:
     """`run_batch` with a progress bar, and a line on stderr for every object that failed."""
-    with tqdm(total=len(jobs), unit="object", disable=not sys.stderr.isatty() and len(jobs) > 1) as bar:
+    total = len(take_part(jobs, part))
+    with tqdm(total=total, unit="object", disable=not sys.stderr.isatty() and total > 1) as bar:
 
         def on_done(finished: Finished) -> None:
             bar.update()
@@ -179,4 +213,4 @@ def run_shown(
                 said = finished.error or "; ".join(finished.failures)
                 bar.write(f"{finished.key}: {said}", file=sys.stderr)
 
-        return run_batch(handle, jobs, out, workers=min(workers, max(len(jobs), 1)), on_done=on_done)
+        return run_batch(handle, jobs, out, runner=runner, on_done=on_done, part=part)

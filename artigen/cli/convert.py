@@ -11,8 +11,10 @@ from typing import TYPE_CHECKING, Literal
 
 import tyro
 
-from artigen.cli.arguments import Out, Workers
+from artigen.cli.arguments import Out, RunnerChoice, Shard, Workers
 from artigen.cli.batch import Finished, Made, make_and_validate, run_shown
+from artigen.cli.shard import read_shard
+from artigen.runner import choose_runner
 from artigen.workers import Worker
 
 if TYPE_CHECKING:
@@ -162,8 +164,10 @@ def convert(
     sources: tyro.conf.Positional[tuple[Path, ...]],
     out: Out,
     cfg: tyro.conf.OmitArgPrefixes[ConvertSettings] = ConvertSettings(),
-    workers: Workers = 2,
+    workers: Workers = None,
     timeout: float = 300.0,
+    runner: RunnerChoice = "local",
+    shard: Shard = None,
 ) -> int:
     """Turns objects in the PartNet-Mobility layout into simulation packages and proves them.
 
@@ -173,11 +177,14 @@ def convert(
         sources: Object folders, or folders full of them.
         out: Folder for the packages and the journal run.jsonl.
         cfg: How objects are converted.
-        workers: Processes side by side.
+        workers: Processes side by side, of one thread each; left out, one per core that may be used.
         timeout: Seconds that one stage of one object may take.
+        runner: Where objects are made: processes here, or tasks of a Ray cluster.
+        shard: K/N converts the K-th of N parts of the objects.
     """
     jobs = [ConvertJob(source=source, out=out, cfg=cfg) for source in find_sources(sources)]
-    results = run_shown(partial(convert_and_validate, timeout=timeout), jobs, out, workers=workers)
+    handle, chosen = partial(convert_and_validate, timeout=timeout), choose_runner(runner, workers)
+    results = run_shown(handle, jobs, out, runner=chosen, part=read_shard(shard))
     written = [finished for finished in results if finished.error is None]
     passed = [finished for finished in written if finished.passed]
     sys.stdout.write(

@@ -6,6 +6,7 @@ from typing import Literal
 
 from artigen.cli.arguments import Out, Workers
 from artigen.cli.batch import Finished, run_batch
+from artigen.runner import choose_runner
 from artigen.weights import SHIPPED
 
 OBJECTS = (("StorageFurniture", 3), ("Oven", 2), ("Refrigerator", 1), ("Table", 4))
@@ -14,18 +15,19 @@ GENERATED = (("StorageFurniture", 20), ("Oven", 20))
 """Category and seed of what the demo generates."""
 
 
-def demo(out: Out = Path("out/demo"), workers: Workers = 2) -> int:
+def demo(out: Out = Path("out/demo"), workers: Workers = None) -> int:
     """Draws four objects, exports them exactly and rebuilt from voxels, generates two, proves all.
 
     Args:
         out: Folder for packages, reports and pictures.
-        workers: Processes side by side.
+        workers: Processes side by side, of one thread each; left out, one per core that may be used.
     """
     from artigen.cli.generate import GenerateJob, generate_and_validate
     from artigen.cli.shape import ShapeJob, ShapeSettings, export_and_validate, write_sheet
     from artigen.shapes.draw import draw_shape
     from sim_export.picture.preview import write_preview
 
+    runner = choose_runner("local", workers)
     shapes = [draw_shape(category, seed) for category, seed in OBJECTS]
     write_sheet(shapes, out / "shapes.png")
     ways: tuple[Literal["reference", "voxels"], ...] = ("reference", "voxels")
@@ -33,14 +35,14 @@ def demo(out: Out = Path("out/demo"), workers: Workers = 2) -> int:
     for way in ways:
         cfg = ShapeSettings(source=way)
         jobs = [ShapeJob(category=category, seed=seed, out=out / way, cfg=cfg) for category, seed in OBJECTS]
-        results = run_batch(export_and_validate, jobs, out / way, workers=workers, on_done=_say)
+        results = run_batch(export_and_validate, jobs, out / way, runner=runner, on_done=_say)
         good &= all(finished.good for finished in results)
         write_preview(tuple(out / way / shape.name for shape in shapes), out / f"{way}.png")
     drawn = [
         GenerateJob(model=SHIPPED, category=category, seed=seed, out=out / "generated")
         for category, seed in GENERATED
     ]
-    results = run_batch(generate_and_validate, drawn, out / "generated", workers=workers, on_done=_say)
+    results = run_batch(generate_and_validate, drawn, out / "generated", runner=runner, on_done=_say)
     if any(finished.error for finished in results):  # a generated object may fail a check, and says so
         good = False
     else:

@@ -10,6 +10,7 @@ import tyro
 from tqdm import tqdm
 
 from artigen.cli.arguments import Out, Workers
+from artigen.cores import choose_workers
 from artigen.errors import ArtigenError
 from artigen.weights import SHIPPED
 
@@ -56,7 +57,7 @@ def evaluate(
     out: Out,
     model: Path = SHIPPED,
     cfg: tyro.conf.OmitArgPrefixes[EvaluateSettings] = EvaluateSettings(),
-    workers: Workers = 2,
+    workers: Workers = None,
     appearance: tyro.conf.OmitArgPrefixes[AppearanceViews] = AppearanceViews(),
 ) -> int:
     """Measures a trained model and writes evaluation.json, evaluation.md and nearest.png.
@@ -68,7 +69,7 @@ def evaluate(
         out: Folder for the results and the drawn objects.
         model: Folder of a trained model, model.json and its weights; left out, the one that ships.
         cfg: With what, and how many.
-        workers: Processes that read real objects and make packages.
+        workers: Processes that read real objects and make packages; left out, one per core that may be used.
         appearance: What only appearance asks for.
     """
     from artigen.cli.prove import prove_assets
@@ -77,11 +78,12 @@ def evaluate(
     from artigen.metrics.report import write_report
     from artigen.sampling import SamplerConfig
 
-    if cfg.steps < 1 or cfg.strength < 0 or cfg.seed < 0 or workers < 1:
+    if cfg.steps < 1 or cfg.strength < 0 or cfg.seed < 0:
         raise ArtigenError(
-            f"{cfg.steps} steps, strength {cfg.strength:g}, seed {cfg.seed}, {workers} workers: expected at "
-            "least one step and one worker, and nothing below 0"
+            f"{cfg.steps} steps, strength {cfg.strength:g}, seed {cfg.seed}: expected at least one step, and "
+            "nothing below 0"
         )
+    workers = choose_workers(workers)
     if what == "appearance":
         return _evaluate_appearance(out, model, cfg, appearance)
     settings = EvaluateConfig(

@@ -13,10 +13,12 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 import tyro
 
-from artigen.cli.arguments import Count, Out, Workers
+from artigen.cli.arguments import Count, Out, RunnerChoice, Shard, Workers
 from artigen.cli.batch import Finished, Made, make_and_validate, run_shown
 from artigen.cli.shape import read_counts
+from artigen.cli.shard import read_shard
 from artigen.errors import ArtigenError
+from artigen.runner import choose_runner
 from artigen.weights import SHIPPED
 from artigen.workers import Worker
 
@@ -329,7 +331,9 @@ def generate(
     seed: int = 0,
     count: Count = 1,
     cfg: tyro.conf.OmitArgPrefixes[GenerateSettings] = GenerateSettings(),
-    workers: Workers = 2,
+    workers: Workers = None,
+    runner: RunnerChoice = "local",
+    shard: Shard = None,
 ) -> int:
     """Generates articulated objects from a category, words or a picture, as proven packages.
 
@@ -343,20 +347,23 @@ def generate(
         seed: Seed of the first object.
         count: Number of objects; seeds follow each other.
         cfg: What is asked for, and how objects are drawn.
-        workers: Processes side by side.
+        workers: Processes side by side, of one thread each; left out, one per core that may be used.
+        runner: Where objects are made: processes here, or tasks of a Ray cluster.
+        shard: K/N makes the K-th of N parts of the objects.
     """
     from artigen.conditioning.request import understand
     from artigen.sketch.request import ask
 
-    if count < 1 or seed < 0 or cfg.redraws < 0 or workers < 1:
+    if count < 1 or seed < 0 or cfg.redraws < 0:
         raise ArtigenError(
-            f"{count} objects from seed {seed} with {cfg.redraws} redraws by {workers} workers: expected at "
-            "least one object and one worker, and nothing below 0"
+            f"{count} objects from seed {seed} with {cfg.redraws} redraws: expected at least one object, and "
+            "nothing below 0"
         )
     if cfg.textures != "own" and cfg.structure != "sketch":
         raise ArtigenError(
             f"textures {cfg.textures} with structure {cfg.structure}: only a sketch's are shared"
         )
+    part, chosen = read_shard(shard), choose_runner(runner, workers)
     if cfg.steps < 1 or not 0 <= cfg.strength < math.inf or not 0 < cfg.temperature < math.inf:
         raise ArtigenError(
             f"{cfg.steps} steps, strength {cfg.strength:g}, temperature {cfg.temperature:g}: expected at "
@@ -370,7 +377,7 @@ def generate(
     _load_sketch(model)
     understood = understand(read_job(jobs[0]))
     ask(_ask(jobs[0], understood).request)
-    results = run_shown(generate_and_validate, jobs, out, workers=workers)
+    results = run_shown(generate_and_validate, jobs, out, runner=chosen, part=part)
     passed = sum(bool(finished.passed) for finished in results)
     written = sum(finished.error is None for finished in results)
     sys.stdout.write(f"{len(results)} objects: {written} packages in {out}, {passed} passed every check\n")

@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from artigen.cli.batch import Finished, Made, make_and_validate
-from artigen.workers import Worker, run_supervised
+from artigen.runner import LocalRunner, run_jobs
+from artigen.workers import Worker
 
 if TYPE_CHECKING:
     from artigen.metrics.packages import Proof
@@ -40,7 +41,7 @@ def prove_assets(folders: Sequence[Path], *, out: Path, workers: int) -> "Iterat
     from artigen.metrics.packages import Proof, name_cause
 
     jobs = [ProveJob(source=folder, out=out) for folder in folders]
-    for finished in run_supervised(_prove, jobs, workers=workers):
+    for finished in run_jobs(_prove, jobs, LocalRunner(workers=workers)):
         causes = tuple(sorted({failure.split()[0] for failure in finished.failures}))
         if finished.error is not None:
             causes = (name_cause("no package", finished.error),)

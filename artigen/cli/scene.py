@@ -13,6 +13,7 @@ from artigen.cli.arguments import Out, Workers
 from artigen.cli.batch import run_shown
 from artigen.cli.shape import ShapeJob, ShapeSettings, export_and_validate
 from artigen.errors import ArtigenError
+from artigen.runner import Runner, choose_runner
 
 if TYPE_CHECKING:
     from envs.maniskill.rooms.catalogue import Catalogue
@@ -54,7 +55,7 @@ def scene(
     packages: Path | None = None,
     cfg: tyro.conf.OmitArgPrefixes[SceneSettings] = SceneSettings(),
     pictures: Literal["both", "plan", "none"] = "both",
-    workers: Workers = 2,
+    workers: Workers = None,
 ) -> int:
     """Furnishes a room in which everything opens: scene.json, and pictures of it.
 
@@ -66,7 +67,7 @@ def scene(
             spot and proven, which takes minutes.
         cfg: What the room should be like.
         pictures: Which ones to draw.
-        workers: Processes side by side, where objects are drawn.
+        workers: Processes side by side where objects are drawn; left out, one per core that may be used.
     """
     from envs.maniskill.populate import PopulateConfig, populate
     from envs.maniskill.rooms.ajar import open_some
@@ -84,7 +85,7 @@ def scene(
     except ValueError as error:
         raise ArtigenError(str(error)) from error
     if packages is None:
-        catalogue = draw_packages(RECIPES[kind], seed, out / PACKAGES, workers)
+        catalogue = draw_packages(RECIPES[kind], seed, out / PACKAGES, choose_runner("local", workers))
     else:
         catalogue = read_catalogue(packages)
     started = time.perf_counter()
@@ -103,7 +104,7 @@ def scene(
     return 0
 
 
-def draw_packages(recipe: "Recipe", seed: int, out: Path, workers: int) -> "Catalogue":
+def draw_packages(recipe: "Recipe", seed: int, out: Path, runner: Runner) -> "Catalogue":
     """Draws and proves objects for every role of a room; a role without one that passed is drawn again."""
     from envs.maniskill.rooms.catalogue import read_catalogue
 
@@ -114,7 +115,7 @@ def draw_packages(recipe: "Recipe", seed: int, out: Path, workers: int) -> "Cata
     for attempt in range(ROUNDS):
         added = _jobs(waiting, seed * 1000 + 200 * attempt, style, out)
         jobs += added
-        run_shown(export_and_validate, added, out, workers=workers)
+        run_shown(export_and_validate, added, out, runner=runner)
         catalogue = read_catalogue(out)
         drawn = {job.key for job in jobs}
         # A folder of an earlier run may hold more; the same seed must give the same room.

@@ -12,9 +12,11 @@ from typing import TYPE_CHECKING, Literal, get_args
 
 import tyro
 
-from artigen.cli.arguments import Count, Out, Workers
+from artigen.cli.arguments import Count, Out, RunnerChoice, Shard, Workers
 from artigen.cli.batch import Finished, Made, make_and_validate, run_shown
+from artigen.cli.shard import read_shard, take_part
 from artigen.errors import ArtigenError
+from artigen.runner import choose_runner
 from artigen.types import PartLabel
 from artigen.workers import Worker
 
@@ -212,7 +214,9 @@ def shape(
     count: Count = 1,
     cfg: tyro.conf.OmitArgPrefixes[ShapeSettings] = ShapeSettings(),
     sheet: Path | None = None,
-    workers: Workers = 2,
+    workers: Workers = None,
+    runner: RunnerChoice = "local",
+    shard: Shard = None,
 ) -> int:
     """Draws procedural objects and writes their simulation packages, proven.
 
@@ -225,15 +229,19 @@ def shape(
         count: Number of objects; seeds follow each other.
         cfg: What the objects should be like, and how they are exported.
         sheet: PNG of all objects, closed above and open below.
-        workers: Processes side by side.
+        workers: Processes side by side, of one thread each; left out, one per core that may be used.
+        runner: Where objects are made: processes here, or tasks of a Ray cluster.
+        shard: K/N makes the K-th of N parts of the objects.
     """
     if count < 1 or seed < 0:
         raise ArtigenError(f"{count} objects from seed {seed}: at least one object, and no seed below 0")
     jobs = [
         ShapeJob(category=category, seed=number, out=out, cfg=cfg) for number in range(seed, seed + count)
     ]
-    drawn = [draw_wished(job) for job in jobs[: None if sheet else 1]]  # says at once what cannot be
-    results = run_shown(export_and_validate, jobs, out, workers=workers)
+    part, chosen = read_shard(shard), choose_runner(runner, workers)
+    pictured = take_part(jobs, part) if sheet else jobs[:1]
+    drawn = [draw_wished(job) for job in pictured]  # says at once what cannot be
+    results = run_shown(export_and_validate, jobs, out, runner=chosen, part=part)
     if sheet is not None:
         write_sheet(drawn, sheet)
     passed = sum(bool(finished.passed) for finished in results)

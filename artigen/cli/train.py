@@ -13,6 +13,7 @@ from tqdm import tqdm
 from tqdm.contrib.logging import logging_redirect_tqdm
 
 from artigen.cli.arguments import Workers
+from artigen.cores import choose_workers
 from artigen.errors import ArtigenError
 
 
@@ -77,7 +78,7 @@ def train(
     what: tyro.conf.Positional[What],
     run: tyro.conf.Positional[Path],
     cfg: tyro.conf.OmitArgPrefixes[TrainSettings] = TrainSettings(),
-    workers: Workers = 2,
+    workers: Workers = None,
     appearance: tyro.conf.OmitArgPrefixes[AppearanceSettings] = AppearanceSettings(),
 ) -> int:
     """Makes data, trains, measures held-out objects and stores the weights in RUN/model.
@@ -89,10 +90,10 @@ def train(
             flow needs its VAE.
         run: Folder for data, checkpoints, curves and weights.
         cfg: What is trained, on what, and for how long.
-        workers: Processes that make data.
+        workers: Processes that make data; left out, one per core that may be used.
         appearance: What only appearance asks for.
     """
-    begin = _prepare(what, run, cfg, workers, appearance)
+    begin = _prepare(what, run, cfg, choose_workers(workers), appearance)
     logging.getLogger("artigen.train").setLevel(logging.INFO)
     shown = sys.stderr.isatty()  # elsewhere, every line of metrics is a line of the log
     with (

@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING, Literal
 
 from tqdm import tqdm
 
-from artigen.cli.arguments import Packages, Workers
+from artigen.cli.arguments import Packages, RunnerChoice, Shard, Workers
+from artigen.cli.shard import name_part, read_shard, take_part
 from artigen.errors import ArtigenError
-from artigen.workers import Worker, run_supervised
+from artigen.runner import choose_runner, run_jobs
+from artigen.workers import Worker
 
 if TYPE_CHECKING:
     from envs.config import EngineChoice
@@ -73,23 +75,27 @@ def validate(
     packages: Packages,
     json_file: Path | None = None,
     report: Literal["package", "none"] = "package",
-    workers: Workers = 1,
+    workers: Workers = None,
     *,
     task: bool = False,
     engines: str = "",
     engine_python: tuple[str, ...] = (),
+    runner: RunnerChoice = "local",
+    shard: Shard = None,
 ) -> int:
     """Runs the checks L0 to L3 and says which failed, where, by how much; exits 1 if any did.
 
     Args:
         packages: Folders with a mobility.urdf, or folders that hold some at any depth.
-        json_file: Also write all reports to this file.
+        json_file: Also write all reports to this file; with a shard K/N, to one of its own beside it.
         report: Leave validation.json in each folder, or nothing.
-        workers: Processes side by side.
+        workers: Processes side by side, of one thread each; left out, one per core that may be used.
         task: Also run the checks L4: the object at work in ManiSkill tasks.
         engines: Also ask these engines (checks L5), with commas between: mujoco, mujoco-urdf, sapien,
             pybullet, newton, newton-urdf. One that is not installed is skipped.
         engine_python: Interpreters of environments that have an engine: newton=/path/to/python.
+        runner: Where packages are checked: processes here, or tasks of a Ray cluster.
+        shard: K/N checks the K-th of N parts of the packages.
     """
     from sim_export.files.folders import list_packages
     from sim_export.report import report_to_json
@@ -99,17 +105,19 @@ def validate(
         sys.stderr.write(f"artigen: no such folder: {', '.join(missing)}\n")
         return 2
     asked = choose_engines(engines, engine_python)
+    part = read_shard(shard)
     packages = tuple(one for folder in packages for one in list_packages(folder) or [folder])
+    packages = tuple(take_part(packages, part))
     reports = []
     with tqdm(total=len(packages), unit="package", disable=len(packages) == 1) as bar:
         check = partial(validate_folder, output=report, tasks="run" if task else "none", engines=asked)
-        for verdict in run_supervised(check, packages, workers=workers):
+        for verdict in run_jobs(check, packages, choose_runner(runner, workers)):
             reports.append(verdict)
             bar.update()
             bar.write(describe(verdict), file=sys.stdout)
     if json_file is not None:
         ordered = sorted(reports, key=lambda verdict: verdict.package)
-        json_file.write_text(
+        name_part(json_file, part).write_text(
             "[" + ",\n".join(report_to_json(verdict).rstrip() for verdict in ordered) + "]\n"
         )
     return 0 if all(verdict.passed for verdict in reports) else 1
