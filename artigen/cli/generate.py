@@ -216,6 +216,7 @@ def generate_object(job: GenerateJob) -> Made:
             }
         ),
         "seed": str(job.seed),
+        "style": shape.style,
         "draws": json.dumps([*job.draws, "this one"]),
     }
     faults = tuple(f"sketch: {fault.text}" for fault in drawn.faults)

@@ -4,6 +4,7 @@ import logging
 import sys
 
 from artigen.cli.convert import convert
+from artigen.cli.dataset import dataset
 from artigen.cli.demo import demo
 from artigen.cli.evaluate import evaluate
 from artigen.cli.export import export
@@ -28,6 +29,7 @@ def main() -> None:
         "convert": convert,
         "shape": shape,
         "generate": generate,
+        "dataset": dataset,
         "train": train,
         "eval": evaluate,
         "export": export,

@@ -180,6 +180,8 @@ def make_package(
         "generator": f"artigen {__version__} shape",
         "source": f"procedural {drawn.category}, seed {drawn.seed}, style {drawn.style}",
         "made_from": source,
+        "seed": str(drawn.seed),
+        "style": drawn.style,
     }
     if source == "reference":
         from sim_export.reference import ReferenceConfig, build_reference

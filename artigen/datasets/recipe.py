@@ -82,6 +82,11 @@ class Recipe:
     description: str = ""
     license: str = "cc-by-4.0"
     """Of the data, as Hugging Face abbreviates licences."""
+    creator: str = "artigen"
+    url: str = ""
+    """Where the data set is published, for its metadata."""
+    date: str = ""
+    """Of publication, YYYY-MM-DD."""
     objects: tuple[Entry, ...]
     options: Options = field(default_factory=Options)
 
@@ -130,6 +135,9 @@ def parse_recipe(text: str, where: str = "recipe") -> Recipe:
             "title": _Value.text,
             "description": _Value.text,
             "license": _Value.text,
+            "creator": _Value.text,
+            "url": _Value.text,
+            "date": _Value.date,
             "objects": _read_entries,
             "options": _read_options,
         },
@@ -168,6 +176,12 @@ class _Value:
         if not NAME.fullmatch(text):
             raise self.error(f"found {text!r}, expected letters, digits, - and _")
         return text
+
+    def date(self) -> str:
+        value = self.node.value if self.node.id == "scalar" else ""
+        if not re.fullmatch(r"\d{4}-\d{2}-\d{2}", value):
+            raise self.error(f"found {value!r}, expected a date as YYYY-MM-DD")
+        return value
 
     def flag(self) -> bool:
         return self.scalar("bool", "true or false").lower() in ("true", "yes", "on")
