@@ -24,10 +24,11 @@ from artigen.cli.dataset_objects import (
     read_fingerprint,
 )
 from artigen.cli.shard import read_shard
+from artigen.datasets.about import About, Failure
 from artigen.datasets.duplicates import Duplicate, Duplicates
 from artigen.datasets.merge import merge_datasets
 from artigen.datasets.packing import PackingError
-from artigen.datasets.publish import About, Failure, is_full, order_objects, write_dataset
+from artigen.datasets.publish import is_full, order_objects, write_dataset
 from artigen.datasets.recipe import Entry, Recipe, RecipeError, digest_recipe, read_recipe
 from artigen.datasets.shards import INDEX, Shards, open_shards
 from artigen.datasets.verify import verify_dataset
@@ -260,7 +261,7 @@ def _give_up(pool: _Pool, tries: int, chosen: _Chosen, path: Path) -> None:
     same = [one for one in chosen.duplicates if one.id.startswith(prefix)]
     why = f"; {failed[-1].id}: {failed[-1].reason}" if failed else ""
     raise RecipeError(
-        f"{path} line {entry.line}: {entry.name}: of {tries - 1} objects drawn for {pool.count}, {len(failed)} "
+        f"{path} line {entry.line}: {entry.name}: of the objects drawn for {pool.count}, {len(failed)} "
         f"failed and {len(same)} were duplicates{why}; wish for less, or lower options.near"
     )
 

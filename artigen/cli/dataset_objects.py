@@ -174,7 +174,7 @@ def _keep_shared(path: Path, data: bytes) -> None:
 
 
 def _settle_report(folder: Path) -> "Report":
-    """The report of a package, rewritten without the seconds that checks took, which differ from run to run."""
+    """The report of a package, rewritten without the seconds that checks took, which differ by run."""
     from sim_export.report import report_from_json, write_report
 
     path = folder / "validation.json"

@@ -1,4 +1,4 @@
-"""Objects from elsewhere and for elsewhere: readers of articulated objects, each giving an `Asset`; data sets."""
+"""Readers of articulated objects, each giving an `Asset`; data sets, written and read."""
 
 from artigen.datasets.shards import open_shards
 

@@ -1,13 +1,11 @@
 """Croissant metadata (version 1.0) of a data set: what lies where, and the columns of the manifest."""
 
 import json
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping
+from typing import Any
 
+from artigen.datasets.about import About
 from artigen.datasets.manifest import COLUMNS, MANIFEST
-
-if TYPE_CHECKING:
-    from artigen.datasets.publish import About
-    from artigen.datasets.shards import Shards
 
 CONFORMS = "http://mlcommons.org/croissant/1.0"
 CONTEXT: dict[str, Any] = {
@@ -68,14 +66,20 @@ LICENSES = {
 }
 
 
-def croissant_text(shards: "Shards", about: "About") -> str:
-    """croissant.json of a data set; paths are relative to it."""
+def croissant_text(count: int, stored: Mapping[str, Mapping[str, Any]], about: About) -> str:
+    """croissant.json of a data set.
+
+    Args:
+        count: Number of objects.
+        stored: Size and SHA-256 of every file by its path, which is relative to croissant.json.
+        about: What the data set says of itself.
+    """
     value: dict[str, Any] = {
         "@context": CONTEXT,
         "@type": "sc:Dataset",
         "conformsTo": CONFORMS,
         "name": about.name,
-        "description": about.description.strip() or f"{len(shards)} articulated objects for simulation.",
+        "description": about.description.strip() or f"{count} articulated objects for simulation.",
         "license": LICENSES.get(about.license, about.license),
         "version": "1.0.0",
         "keywords": ["articulated objects", "robotics", "simulation", "URDF", "MJCF"],
@@ -86,15 +90,15 @@ def croissant_text(shards: "Shards", about: "About") -> str:
     if about.date:
         value["datePublished"] = about.date
     value["distribution"] = [
-        _file(name, shards.index["files"][name])
-        for name in shards.index["files"]
+        _file(name, facts)
+        for name, facts in stored.items()
         if name == MANIFEST or name.endswith(".tar") or name == "shared.parquet"
     ]
     value["recordSet"] = [_records()]
     return json.dumps(value, indent=1, ensure_ascii=False) + "\n"
 
 
-def _file(name: str, facts: dict[str, Any]) -> dict[str, Any]:
+def _file(name: str, facts: Mapping[str, Any]) -> dict[str, Any]:
     parquet = name.endswith(".parquet")
     return {
         "@type": "cr:FileObject",

@@ -54,8 +54,8 @@ COLUMNS: Mapping[str, str] = {
     "thumbnail": "image",
     "descriptor": "binary",
 }
-"""Columns and their types. ``packed_bytes`` is the archive of the object's own files, ``shared`` the SHA-256 of
-those that it shares; its sample is bytes ``offset`` to ``offset + size`` of its shard."""
+"""Columns and their types. ``packed_bytes`` is the archive of the object's own files, ``shared`` the SHA-256
+of those that it shares; its sample is bytes ``offset`` to ``offset + size`` of its shard."""
 SHARED_COLUMNS: Mapping[str, str] = {
     "sha256": "string",
     "shard": "string",

@@ -7,22 +7,25 @@ whole or not at all. The same objects give the same bytes, in whatever order the
 import hashlib
 import json
 import shutil
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from artigen.datasets.about import About
+from artigen.datasets.card import COLUMNS as CARD_COLUMNS
 from artigen.datasets.card import card_text, draw_sheet
 from artigen.datasets.croissant import croissant_text
-from artigen.datasets.duplicates import Duplicate
 from artigen.datasets.manifest import (
     COLUMNS,
     MANIFEST,
     SHARED_COLUMNS,
     SHARED_INDEX,
     TableWriter,
+    read_table,
     sample_row,
 )
+from artigen.datasets.packing import digest, unpack_files
 from artigen.datasets.samples import Sample, sample_json
 from artigen.datasets.shards import (
     ARCHIVE,
@@ -33,7 +36,7 @@ from artigen.datasets.shards import (
     SHARED,
     THUMBNAIL,
     VERSION,
-    open_shards,
+    write_folder,
 )
 from artigen.datasets.tars import TarWriter
 
@@ -54,36 +57,6 @@ class PackedObject:
     thumbnail: bytes
     archive: bytes
     descriptor: bytes
-
-
-@dataclass(frozen=True, kw_only=True)
-class Failure:
-    """An object that was drawn and is not in the data set."""
-
-    id: str
-    reason: str
-
-
-@dataclass(frozen=True, kw_only=True)
-class About:
-    """What a data set says of itself."""
-
-    name: str
-    title: str
-    description: str
-    license: str
-    creator: str
-    url: str
-    date: str
-    """Of publication; nothing else in a data set depends on when it was made."""
-    generator: str
-    recipes: tuple[tuple[str, str], ...]
-    """File name and text of each."""
-    digest: str
-    """Of the recipe; a data set of the same is not made again."""
-    duplicates: tuple[Duplicate, ...] = ()
-    failures: tuple[Failure, ...] = ()
-    near: float = 0.0
 
 
 def order_objects(ids: Sequence[str], is_full: Callable[[str], bool]) -> list[str]:
@@ -147,12 +120,20 @@ def write_dataset(
     for name, text in about.recipes:
         (scratch / "recipes" / name).write_text(text)
     (scratch / SHEET).write_bytes(draw_sheet(thumbnails, SHEET_COLUMNS))
-    _write_index(scratch, about, ids)
-    open_shards(scratch)[ids[0]].unpack(scratch / EXAMPLE)
-    stats_of = open_shards(scratch)
-    (scratch / "README.md").write_text(card_text(stats_of, about, EXAMPLE, SHEET))
-    (scratch / "croissant.json").write_text(croissant_text(stats_of, about))
-    _write_index(scratch, about, ids)
+    first = load(ids[0])
+    write_folder(
+        unpack_files(first.archive, first.sample.shared, fetch, listed=first.sample.listed), scratch / EXAMPLE
+    )
+    stored = _list_files(scratch)
+    table = read_table(scratch / MANIFEST, CARD_COLUMNS).to_pydict()
+    texts = {
+        "README.md": card_text(table, stored, about, example=EXAMPLE, sheet=SHEET, shown=len(thumbnails)),
+        "croissant.json": croissant_text(len(ids), stored, about),
+    }
+    for name, text in texts.items():
+        (scratch / name).write_text(text)
+        stored[name] = {"bytes": len(text.encode()), "sha256": digest(text.encode())}
+    (scratch / INDEX).write_text(_index_text(about, len(ids), stored))
     return _move(scratch, out)
 
 
@@ -190,13 +171,17 @@ def _write_shared(scratch: Path, contents: Sequence[str], fetch: Callable[[str],
             number += 1
 
 
-def _write_index(scratch: Path, about: About, ids: Sequence[str]) -> None:
-    """``dataset.json``: every file of the data set with size and SHA-256, and what was left out."""
-    files = {}
-    for path in sorted(scratch.rglob("*")):
-        name = path.relative_to(scratch).as_posix()
-        if path.is_file() and name != INDEX:
-            files[name] = {"bytes": path.stat().st_size, "sha256": _hash_file(path)}
+def _list_files(scratch: Path) -> dict[str, dict[str, Any]]:
+    """Size and SHA-256 of every file."""
+    return {
+        path.relative_to(scratch).as_posix(): {"bytes": path.stat().st_size, "sha256": _hash_file(path)}
+        for path in sorted(scratch.rglob("*"))
+        if path.is_file()
+    }
+
+
+def _index_text(about: About, count: int, stored: Mapping[str, Mapping[str, Any]]) -> str:
+    """``dataset.json``: every file of the data set, and what was left out."""
     value = {
         "format": FORMAT,
         "version": VERSION,
@@ -210,12 +195,12 @@ def _write_index(scratch: Path, about: About, ids: Sequence[str]) -> None:
         "generator": about.generator,
         "recipe": about.digest,
         "near": about.near,
-        "count": len(ids),
+        "count": count,
         "duplicates": [asdict(one) for one in about.duplicates],
         "failures": [asdict(one) for one in about.failures],
-        "files": files,
+        "files": dict(sorted(stored.items())),
     }
-    (scratch / INDEX).write_text(json.dumps(value, indent=1) + "\n")
+    return json.dumps(value, indent=1) + "\n"
 
 
 def _hash_file(path: Path) -> str:

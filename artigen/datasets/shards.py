@@ -55,14 +55,9 @@ class StoredObject:
             self.members[ARCHIVE], sample.shared, self.shards.shared_file, listed=sample.listed
         )
 
-    def unpack(self, folder: Path) -> Path:
+    def unpack(self, folder: Path | str) -> Path:
         """Writes the package as a folder of its own, which replaces an older one; returns it."""
-        files = self.files()
-        with whole_folder(folder) as scratch:
-            for path, data in files.items():
-                (scratch / path).parent.mkdir(parents=True, exist_ok=True)
-                (scratch / path).write_bytes(data)
-        return folder
+        return write_folder(self.files(), Path(folder))
 
 
 class Shards:
@@ -142,6 +137,15 @@ class Shards:
         if digest(data) != sha256:
             raise PackingError(f"{self.folder / SHARED / name}: the file {sha256} was changed")
         return data
+
+
+def write_folder(files: Mapping[str, bytes], folder: Path) -> Path:
+    """Writes files by their path as a folder that appears whole, and returns it."""
+    with whole_folder(folder) as scratch:
+        for path, data in files.items():
+            (scratch / path).parent.mkdir(parents=True, exist_ok=True)
+            (scratch / path).write_bytes(data)
+    return folder
 
 
 def open_shards(folder: Path | str) -> Shards:

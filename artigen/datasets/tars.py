@@ -45,7 +45,7 @@ def read_members(data: bytes, where: str) -> dict[str, bytes]:
     """The members of a piece of a tar file.
 
     Raises:
-        PackingError: If it does not begin with a member, or ends within one; ``where`` says which piece it is.
+        PackingError: If it does not begin with a member, or ends within one; names the piece as ``where``.
     """
     try:
         with tarfile.open(fileobj=io.BytesIO(data + END)) as tar:

@@ -11,7 +11,7 @@ from functools import lru_cache
 import numpy as np
 from jaxtyping import Float, Int, UInt8
 
-from artigen.shapes.surfaces.finishes import Color, Finish
+from artigen.shapes.surfaces.finishes import Color, Finish, FinishKind
 from artigen.shapes.surfaces.noise import hash_unit
 from artigen.shapes.surfaces.textures import KINDS, PATTERN_OF, PaintTable, paint
 from sim_export.package import Mesh
@@ -26,7 +26,7 @@ EVEN_ROWS = 4
 """Rows of a band that is one colour."""
 MARGIN = 1.0
 """Texels between what is laid into a band and the next band."""
-PATTERNS = {1: "wood", 2: "steel", 3: "stone"}
+PATTERNS: dict[int, FinishKind] = {1: "wood", 2: "steel", 3: "stone"}
 ROWS = {1: (320, 0.004), 2: (128, 0.010), 3: (128, 0.010)}
 """Rows of a band with a pattern, and metres across the grain that each stands for."""
 DARKEST = 1
