@@ -15,11 +15,13 @@ import pytest
 pytest.importorskip("pyarrow")
 
 from artigen.cli.dataset import dataset
+from artigen.cli.dataset_objects import LARGE_MIB, restart_large
 from artigen.cli.shape import ShapeJob, ShapeSettings, export_shape
 from artigen.datasets import open_shards
 from artigen.datasets.packing import read_folder
 from artigen.datasets.verify import verify_dataset
 from artigen.errors import ArtigenError
+from artigen.workers import Worker
 
 ROOT = Path(__file__).resolve().parents[1]
 RECIPE = """
@@ -136,6 +138,19 @@ def test_shards_hold_neither_times_nor_owners(made):
     for path in [*open_shards(made).paths, *sorted((made / "shared").glob("*.tar"))]:
         with tarfile.open(path) as tar:
             assert {(one.mtime, one.uid, one.gid, one.mode) for one in tar} == {(0, 0, 0, 0o644)}
+
+
+@pytest.mark.parametrize(("resident", "closed"), [(LARGE_MIB, 0), (LARGE_MIB + 0.1, 1)])
+def test_a_worker_is_replaced_once_it_holds_more_than_it_may(resident, closed):
+    class Counted(Worker):
+        closed = 0
+
+        def close(self) -> None:
+            self.closed += 1
+
+    worker = Counted()
+    restart_large(worker, resident)
+    assert worker.closed == closed
 
 
 def test_the_same_command_again_changes_nothing(copy):
