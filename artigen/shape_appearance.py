@@ -13,6 +13,7 @@ import numpy as np
 import torch
 from jaxtyping import Bool, Float, Int
 
+from artigen.canvas import lay_out
 from artigen.errors import SourceError
 from artigen.facings import SIDES, facing_frames
 from artigen.models.appearance_presets import APPEARANCE_PRESETS
@@ -23,13 +24,13 @@ from artigen.models.gaussian_decoder import to_gaussians
 from artigen.models.presets import PresetName
 from artigen.models.store import load_model, read_description
 from artigen.paint import read_paint
-from artigen.places import find_voxels
-from artigen.shapes.asset import shape_to_asset
+from artigen.places import SAMPLES, find_voxels
+from artigen.shapes.asset import part_owners, shape_to_asset
 from artigen.shapes.rasterize import rasterize_shape
+from artigen.shapes.sampling import sample_uncolored
 from artigen.shapes.shape import Shape
 from artigen.splats.render.splats import Splats
 from artigen.train.appearance.curation import CurationConfig, curate
-from artigen.train.appearance.examples import lay_true_voxels
 from artigen.train.appearance.run import AppearanceRunConfig, run_curation, run_encoder, run_extractor
 from artigen.train.appearance.sides import CLEAR
 from artigen.types import Asset, SurfaceSamples, VoxelGrid
@@ -125,13 +126,14 @@ def decode_gaussians(
     """
     cfg = cfg or ShapeAppearanceConfig()
     told = shape_to_asset(shape, cfg.zoom * model.vae.encoder.cfg.resolution)
-    laid, facings = lay_true_voxels(shape, told)
-    voxels, surface = laid.voxels, laid.surface
-    assert voxels is not None
-    assert surface is not None
-    features, _ = curate(
-        shape, laid, facings, model.extractor, model.curation, read_paint(shape, laid, facings)
-    )
+    assert told.voxels is not None
+    spacing = told.scale / (SAMPLES * told.voxels.resolution)
+    placed = sample_uncolored(shape, spacing)  # colours are read off other samples, by `read_paint`
+    surface = replace(placed, part_ids=part_owners(shape, told)[placed.part_ids])
+    voxels, facings = lay_out(surface, told.voxels)
+    laid = replace(told, voxels=voxels, surface=surface)
+    paint = read_paint(shape, laid, facings)
+    features, _ = curate(shape, laid, facings, model.extractor, model.curation, paint)
     splats = decode_tiles(model.vae, voxels, facings, features.values.astype(np.float32))
     shown = np.ones((len(facings), SIDES), dtype=bool)
     if not cfg.bare:

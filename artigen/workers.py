@@ -18,7 +18,7 @@ from multiprocessing.process import BaseProcess
 from queue import Empty, SimpleQueue
 from typing import Generic, TypeVar
 
-from artigen.cores import thread_environment
+from artigen.cores import worker_environment
 from artigen.errors import ArtigenError
 
 LESS_MEMORY = "free some, or run fewer --workers"
@@ -125,7 +125,7 @@ class Worker:
             context = multiprocessing.get_context("spawn")
             self._connection, child = context.Pipe()
             self._process = context.Process(target=_serve, args=(child,), daemon=False)
-            with _STARTING, _environment(thread_environment(os.environ)):
+            with _STARTING, _environment(worker_environment(os.environ)):
                 self._process.start()
             child.close()
         return self._connection

@@ -1,6 +1,7 @@
 """`artigen`: subcommands built from typed functions; each imports what it needs when it runs."""
 
 import logging
+import os
 import sys
 
 from artigen.cli.convert import convert
@@ -17,11 +18,18 @@ from artigen.cli.train import train
 from artigen.cli.usd import usd
 from artigen.cli.validate import validate
 from artigen.cli.view import view
+from artigen.cores import thread_environment
 from artigen.errors import ArtigenError
+
+THREADED = ("train", "eval")
+"""Subcommands that use all cores in this process; the others use them by worker processes."""
 
 
 def main() -> None:
     """Runs the subcommand and exits with its code: 0 done, 1 something failed, 2 wrong usage."""
+    if not set(THREADED) & set(sys.argv[1:2]):
+        os.environ.update(thread_environment(os.environ))  # before anything loads a library that reads it
+
     import tyro
 
     logging.basicConfig(level=logging.WARNING, format="%(levelname)s %(name)s: %(message)s")

@@ -6,7 +6,7 @@ Surfaces are exact: faces of polytopes, and the round side and flat ends of cyli
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float, Int, UInt8
 
 from artigen.shapes.primitives import place_vertices
 from artigen.shapes.shape import Shape
@@ -69,6 +69,12 @@ def sample_shape(shape: Shape, spacing: float) -> SurfaceSamples:
     return paint_points(shape, place_points(shape, spacing), footprint=spacing)
 
 
+def sample_uncolored(shape: Shape, spacing: float) -> SurfaceSamples:
+    """The samples of `sample_shape` in black: where surface lies and which way it faces."""
+    found = place_points(shape, spacing)
+    return _to_samples(shape, found, np.zeros((len(found.points), 3), dtype=np.uint8))
+
+
 def paint_points(shape: Shape, found: SurfacePoints, *, footprint: float) -> SurfaceSamples:
     """Points on an object with their colours, in the unit cube.
 
@@ -76,12 +82,17 @@ def paint_points(shape: Shape, found: SurfacePoints, *, footprint: float) -> Sur
     """
     from artigen.shapes.surfaces.textures import paint_primitives
 
-    low, high = shape.bounds()
     colors = paint_primitives(shape, found.owners, found.points, found.normals, footprint=footprint)
+    return _to_samples(shape, found, np.rint(255 * colors).astype(np.uint8))
+
+
+def _to_samples(shape: Shape, found: SurfacePoints, colors: UInt8[np.ndarray, "N 3"]) -> SurfaceSamples:
+    """Points in the unit cube."""
+    low, high = shape.bounds()
     return SurfaceSamples(
         points=(found.points - (low + high) / 2) / float((high - low).max()),
         normals=found.normals,
-        colors=np.rint(255 * colors).astype(np.uint8),
+        colors=colors,
         part_ids=found.part_ids,
     )
 

@@ -224,8 +224,13 @@ def write_files(files: Mapping[str, bytes], folder: Path) -> None:
 def _move_into_place(scratch: Path, folder: Path) -> None:
     """Renames ``scratch`` to ``folder``; an old package steps aside first and is then removed."""
     if not folder.exists():
-        scratch.rename(folder)
-        return
+        try:
+            scratch.rename(folder)
+        except OSError:
+            if not folder.exists():
+                raise  # else another process has put a package there meanwhile, which steps aside
+        else:
+            return
     aside = Path(tempfile.mkdtemp(prefix=f".{folder.name}.old-", dir=folder.parent))
     folder.rename(aside)
     try:

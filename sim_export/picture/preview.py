@@ -191,7 +191,7 @@ def write_preview(
     else:
         image = contact_sheet(packages, cfg, draw_splats)
     scratch = png.with_name(png.name + ".partial")
-    Image.fromarray(image).save(scratch, format="png", optimize=True)
+    Image.fromarray(image).save(scratch, format="png")
     scratch.replace(png)
 
 
