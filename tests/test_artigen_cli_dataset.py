@@ -263,6 +263,9 @@ def test_a_changed_byte_is_found(copy, name: str, said: str, capsys):
 def test_what_is_missing_or_left_over_is_found(copy, capsys):
     shards = open_shards(copy)
     path = shards.paths[0]
+    shutil.copy(path, copy / "shards" / "objects-00009.tar")
+    assert dataset(("verify", str(copy))) == 1
+    assert "objects-00009.tar is not part of the data set" in capsys.readouterr().err
     path.unlink()
     assert dataset(("verify", str(copy))) == 1
     assert "is missing" in capsys.readouterr().err

@@ -78,14 +78,14 @@ class _Group:
     def __init__(self) -> None:
         self.ids: list[str] = []
         self.extents: Float[np.ndarray, "N 3"] = np.zeros((0, 3))
-        self.descriptors = np.zeros((0, 0), np.int32)
+        self.descriptors = np.zeros((0, 0), np.uint16)
 
     def add(self, one: Fingerprint) -> None:
-        shares = np.frombuffer(one.descriptor, "<u2").astype(np.int32)
+        shares = np.frombuffer(one.descriptor, "<u2")
         count = len(self.ids)
         if count == len(self.extents):
             size = max(16, 2 * count)
-            extents, descriptors = np.zeros((size, 3)), np.zeros((size, len(shares)), np.int32)
+            extents, descriptors = np.zeros((size, 3)), np.zeros((size, len(shares)), np.uint16)
             if count:
                 extents[:count], descriptors[:count] = self.extents[:count], self.descriptors[:count]
             self.extents, self.descriptors = extents, descriptors
@@ -103,6 +103,6 @@ class _Group:
         if not len(rows):
             return None
         shares = np.frombuffer(one.descriptor, "<u2").astype(np.int32)
-        distances = np.abs(self.descriptors[rows] - shares).sum(axis=1)
+        distances = np.abs(self.descriptors[rows].astype(np.int32) - shares).sum(axis=1)
         best = int(distances.argmin())
         return self.ids[rows[best]], float(distances[best]) / (2 * LEVELS)

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from artigen.datasets.manifest import SHARED_INDEX
 from artigen.datasets.packing import LISTING, PackingError, digest
 from artigen.datasets.samples import Sample
-from artigen.datasets.shards import Shards, StoredObject
+from artigen.datasets.shards import SHARDS, SHARED, Shards, StoredObject
 
 
 def verify_dataset(shards: Shards, *, on_step: Callable[[int, int], None] | None = None) -> list[str]:
@@ -22,8 +22,13 @@ def verify_dataset(shards: Shards, *, on_step: Callable[[int, int], None] | None
 
 
 def _verify_files(shards: Shards) -> Iterator[str]:
-    """Size and SHA-256 of all files."""
-    for name, facts in shards.index["files"].items():
+    """Size and SHA-256 of all files, and nothing besides in the folders that readers look into."""
+    known = shards.index["files"]
+    for folder in (SHARDS, SHARED):
+        for path in sorted((shards.folder / folder).rglob("*")):
+            if path.relative_to(shards.folder).as_posix() not in known:
+                yield f"{path} is not part of the data set"
+    for name, facts in known.items():
         path = shards.folder / name
         if not path.is_file():
             yield f"{path} is missing"
