@@ -14,7 +14,7 @@ from tqdm import tqdm
 
 from artigen import __version__
 from artigen.cli.arguments import RunnerChoice, Shard, Workers
-from artigen.cli.batch import Finished, run_shown
+from artigen.cli.batch import Finished, digest_settings, read_journal, run_shown
 from artigen.cli.dataset_objects import (
     SHARED,
     ObjectJob,
@@ -113,10 +113,14 @@ def _make(path: Path, out: Path, runner: Runner, shard: str | None) -> int:
     work.mkdir(parents=True, exist_ok=True)
     pools = _pools(recipe)
     tries = [pool.count for pool in pools]
+    results: dict[str, Finished] = {}
     while True:
         jobs = [_jobs(pool, tried, recipe, work) for pool, tried in zip(pools, tries, strict=True)]
-        flat = [job for some in jobs for job in some]
-        results = {one.key: one for one in run_shown(make_and_pack, flat, work, runner=runner, part=part)}
+        flat = [job for some in jobs for job in some if job.key not in results]
+        results |= _failed_before(flat, work)
+        waiting = [job for job in flat if job.key not in results]
+        done = run_shown(make_and_pack, waiting, work, runner=runner, part=part)
+        results |= {one.key: one for one in done}
         if part is not None:
             good = sum(one.good for one in results.values())
             sys.stdout.write(
@@ -139,6 +143,18 @@ def _make(path: Path, out: Path, runner: Runner, shard: str | None) -> int:
         f"{len(chosen.failures)} failed and {len(chosen.duplicates)} duplicates were replaced\n"
     )
     return 0
+
+
+def _failed_before(jobs: list[ObjectJob], work: Path) -> dict[str, Finished]:
+    """Of the jobs, those whose objects have failed a check, as they would again; errors are tried again."""
+    journal = read_journal(work)
+    return {
+        job.key: line
+        for job in jobs
+        if (line := journal.get(job.key)) is not None
+        and line.passed is False
+        and line.settings == digest_settings(job.settings)
+    }
 
 
 def _is_complete(recipe: Recipe, out: Path) -> bool:
