@@ -122,7 +122,7 @@ def make_and_pack(worker: Worker, job: ObjectJob) -> Finished:
 def restart_large(worker: Worker, resident_mib: float) -> None:
     """Ends a process that has grown beyond `LARGE_MIB`; the next object starts another.
 
-    Physics engines keep about a megabyte of every object that is tried in them.
+    Trying an object leaves about a megabyte behind in the process.
     """
     if resident_mib > LARGE_MIB:
         worker.close()
