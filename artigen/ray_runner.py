@@ -7,6 +7,7 @@ at the same path (a shared file system).
 """
 
 import logging
+import sys
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -112,4 +113,8 @@ def _do(handle: Callable[[Worker, Job], Value], job: Job) -> Value:
 @cache
 def _own_worker() -> Worker:
     """The supervised child of this process, kept from task to task."""
+    # Spawned children run the script of their parent again. That of a Ray worker only loads Ray.
+    script = sys.modules["__main__"]
+    script.__spec__ = None
+    vars(script).pop("__file__", None)
     return Worker()

@@ -7,7 +7,7 @@ outer one is seen.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -124,8 +124,9 @@ def blend_places(
     colors, (cover, opacity) = np.zeros((len(places.points), 3)), np.zeros((2, len(places.points)))
     axis = np.abs(places.normals).argmax(axis=1)
     side = np.take_along_axis(places.normals, axis[:, None], axis=1)[:, 0] >= 0
-    covariance, srgb = _covariances(gaussians), srgb_from_linear(gaussians.colors)
-    widened = _covariances(replace(gaussians, scales=np.maximum(gaussians.scales, cfg.rim * voxel)))
+    turns, srgb = matrix_from_quat(gaussians.quats), srgb_from_linear(gaussians.colors)
+    covariance = _covariances(turns, gaussians.scales)
+    widened = _covariances(turns, np.maximum(gaussians.scales, cfg.rim * voxel))
     for number in range(3):
         variance = cfg.filter_variance * texel**2
         narrow = _project(covariance, gaussians.opacities, number, variance)
@@ -163,8 +164,10 @@ def _pair_sides(
         yield np.flatnonzero(facing & (side == way)), np.flatnonzero((ahead if way else -ahead) > least)
 
 
-def _covariances(gaussians: Gaussians) -> Float[np.ndarray, "N 3 3"]:
-    axes = matrix_from_quat(gaussians.quats) * gaussians.scales[:, None, :].astype(np.float64)
+def _covariances(
+    turns: Float[np.ndarray, "N 3 3"], scales: Float[np.ndarray, "N 3"]
+) -> Float[np.ndarray, "N 3 3"]:
+    axes = turns * scales[:, None, :].astype(np.float64)
     return axes @ np.swapaxes(axes, 1, 2)
 
 

@@ -1,11 +1,17 @@
 """How far apart two surfaces are."""
 
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Bool, Float, Int
 
 from sim_export.collision.hulls import hull_planes
 from sim_export.geometry.sampling import sample_triangles
 from sim_export.package import Hull
+
+if TYPE_CHECKING:
+    from scipy.spatial import KDTree
 
 _NEAREST = 8
 
@@ -25,11 +31,39 @@ def inside_hulls(
     return out
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SampledSurface:
+    """Triangles with points spread over them, sorted for search."""
+
+    triangles: Float[np.ndarray, "F 3 3"]
+    owner: Int[np.ndarray, "S"]
+    """Triangle of each point."""
+    tree: "KDTree | None"
+    """None where there is no surface."""
+
+
+def sample_surface_tree(triangles: Float[np.ndarray, "F 3 3"], samples: int) -> SampledSurface:
+    """What `distances_to` looks points up in."""
+    from scipy.spatial import KDTree
+
+    spread, owner = sample_triangles(triangles, samples)
+    return SampledSurface(triangles=triangles, owner=owner, tree=KDTree(spread) if len(spread) else None)
+
+
 def surface_distances(
     points: Float[np.ndarray, "N 3"],
     triangles: Float[np.ndarray, "F 3 3"],
     samples: int,
     near: float = 0.0,
+) -> Float[np.ndarray, "N"]:
+    """Distance of points to a surface, as `distances_to` one with so many samples."""
+    if not len(points):
+        return np.zeros(0)
+    return distances_to(points, sample_surface_tree(triangles, samples), near)
+
+
+def distances_to(
+    points: Float[np.ndarray, "N 3"], surface: SampledSurface, near: float = 0.0
 ) -> Float[np.ndarray, "N"]:
     """Distance of points to a surface: exact to the triangles under the nearest samples of it.
 
@@ -37,12 +71,9 @@ def surface_distances(
     samples on it, that is by less than the spacing of the samples. Distances below ``near`` are to
     the nearest sample, which is several times faster and no matter where only larger ones count.
     """
-    from scipy.spatial import KDTree
-
-    spread, owner = sample_triangles(triangles, samples)
-    if not len(spread) or not len(points):
+    tree, owner, triangles = surface.tree, surface.owner, surface.triangles
+    if tree is None or not len(points):
         return np.full(len(points), np.inf)
-    tree = KDTree(spread)
     if near > 0.0:
         out = np.asarray(tree.query(points)[0])
         exact = np.flatnonzero(out >= near)
@@ -50,7 +81,7 @@ def surface_distances(
         out, exact = np.zeros(len(points)), np.arange(len(points))
     if not len(exact):
         return out
-    _, nearest = tree.query(points[exact], k=min(_NEAREST, len(spread)))
+    _, nearest = tree.query(points[exact], k=min(_NEAREST, len(owner)))
     candidates = owner[nearest.reshape(len(exact), -1)]  # N K
     repeated = np.repeat(points[exact], candidates.shape[1], axis=0)
     flat = triangle_distances(repeated, triangles[candidates.ravel()])

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import manifold3d
 import numpy as np
 
-from sim_export.checks.surface import surface_distances
+from sim_export.checks.surface import SampledSurface, distances_to, sample_surface_tree
 from sim_export.geometry.solids import as_solid, inside_grid, solid_arrays
 from sim_export.geometry.tidy import tidy_mesh
 from sim_export.package import Hull, Link, Mesh
@@ -63,17 +63,21 @@ def fill_meshes(
         volume = whole.volume()
         felt = manifold3d.Manifold.batch_boolean(list(map(as_solid, link.hulls)), manifold3d.OpType.Add)
         excess = (felt - whole).volume() - cfg.share * volume
+        if excess <= 0.0:
+            continue
         taken: dict[str, int] = {}
+        surface = _sample(whole)
         for hull, rest in _fillers(link.hulls, whole, cfg.least * volume):
             if excess <= 0.0:
                 break
-            if _depth(rest, whole, cfg.grid) > cfg.reach * voxel:
+            if _depth(rest, surface, cfg.grid) > cfg.reach * voxel:
                 continue
             part = max(solids, key=lambda name: (solids[name] ^ hull).volume())
             solids[part] = solids[part] + hull
             taken[part] = taken.get(part, 0) + 1
             excess -= (rest - whole).volume()
             whole = whole + hull
+            surface = _sample(whole)
         for part, count in taken.items():
             mesh = tidy_mesh(solids[part], meshes[part])
             if mesh is None:
@@ -99,7 +103,13 @@ def _fillers(
     return sorted(found, key=lambda pair: -pair[1].volume())
 
 
-def _depth(rest: manifold3d.Manifold, whole: manifold3d.Manifold, cells: int) -> float:
+def _sample(whole: manifold3d.Manifold) -> SampledSurface:
+    """The surface of a solid, to measure distances to."""
+    vertices, faces = solid_arrays(whole)
+    return sample_surface_tree(vertices[faces], _SAMPLES)
+
+
+def _depth(rest: manifold3d.Manifold, surface: SampledSurface, cells: int) -> float:
     """How far (m) from the surface of a solid something outside of it reaches, to a cell of a grid."""
     vertices, faces = solid_arrays(rest)
     low, high = vertices.min(axis=0), vertices.max(axis=0)
@@ -107,5 +117,4 @@ def _depth(rest: manifold3d.Manifold, whole: manifold3d.Manifold, cells: int) ->
     x, y, z = (low[axis] + (high - low)[axis] * steps for axis in range(3))
     inside = np.argwhere(inside_grid(vertices, faces, (x, y, z)))
     points = np.concatenate([np.stack([x, y, z], axis=1)[inside, [0, 1, 2]], vertices])
-    surface, triangles = solid_arrays(whole)
-    return float(surface_distances(points, surface[triangles], _SAMPLES).max())
+    return float(distances_to(points, surface).max())

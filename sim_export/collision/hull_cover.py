@@ -12,7 +12,7 @@ from itertools import pairwise
 
 import manifold3d
 import numpy as np
-from jaxtyping import Bool, Float, Int, UInt8
+from jaxtyping import Bool, Float, Int, UInt64
 from scipy.spatial import KDTree
 
 from sim_export.collision.cuboids import face_coordinates
@@ -112,8 +112,9 @@ class Offers:
 
     ``tiles`` are the hulls that each is cut to, ``costs`` how many. ``surplus`` is the volume of a hull
     that its cells do not show, over the solid's: what sticks out of the planes between cells by less than
-    half a cell. ``missing`` counts for every hull the points farther away from it than allowed for the
-    surface to be missed (1) or too far (2); ``bulges`` is the area with which it bulges, over the solid's.
+    half a cell. ``missing`` marks for every hull, by a bit for each of ``points`` points, those farther away
+    than allowed for the surface to be missed, and those too far away; ``bulges`` is the area with which
+    it bulges, over the solid's.
     """
 
     tiles: tuple[tuple[Hull, ...], ...]
@@ -121,7 +122,8 @@ class Offers:
     cells: tuple[_Cells, ...]
     bounds: Int[np.ndarray, "K 3 2"]
     surplus: Float[np.ndarray, "K"]
-    missing: UInt8[np.ndarray, "K N"]
+    missing: UInt64[np.ndarray, "K 2 W"]
+    points: int
     bulges: Float[np.ndarray, "K"]
     weights: Float[np.ndarray, "X Y Z"]
 
@@ -179,7 +181,7 @@ def measure_offers(pool: Sequence[PooledHull], ground: Ground, missed: float, fa
     hulls = tuple(pool[index].hull for index in able)
     cells = tuple(_cells_inside(hull, ground) for hull in hulls)
     outside = [_outside(hull, ground.points) for hull in hulls]
-    missing = [(away > missed).astype(np.uint8) + (away > farthest) for away in outside]
+    missing = [_pack(np.stack([away > limit for limit in sorted((missed, farthest))])) for away in outside]
     bounds = [[(axis.start, axis.stop) for axis in item.window] for item in cells]
     shown = np.array([np.abs(item.select(ground.weights)).sum() for item in cells])
     volumes = np.array([hull_volume(hull) for hull in hulls]) / ground.volume
@@ -189,7 +191,8 @@ def measure_offers(pool: Sequence[PooledHull], ground: Ground, missed: float, fa
         cells=cells,
         bounds=np.array(bounds, dtype=np.int64).reshape(-1, 3, 2),
         surplus=np.maximum(volumes - shown, 0.0),
-        missing=np.array(missing, dtype=np.uint8).reshape(len(hulls), len(ground.points)),
+        missing=np.array(missing, dtype=np.uint64).reshape(len(hulls), 2, -(-len(ground.points) // 64)),
+        points=len(ground.points),
         bulges=bulges[able],
         weights=ground.weights,
     )
@@ -201,6 +204,7 @@ def join_offers(first: Offers, second: Offers) -> Offers:
         tiles=first.tiles + second.tiles,
         cells=first.cells + second.cells,
         weights=first.weights,
+        points=first.points,
         **{
             name: np.concatenate([getattr(first, name), getattr(second, name)])
             for name in ("costs", "bounds", "surplus", "missing", "bulges")
@@ -261,9 +265,9 @@ def _loss(offers: Offers, cover: list[int], cfg: CoverConfig) -> float:
     held = offers.weights[covered]
     filled = offers.surplus[cover].sum() - held[held < 0].sum()
     volume = 1.0 - held[held > 0].sum() + cfg.filled_weight * filled
-    missing = offers.missing[cover].min(axis=0, initial=2)
     surface = (
-        _surface_loss(missing[None], len(missing), cfg)[0] + cfg.missed_weight * offers.bulges[cover].sum()
+        _surface_loss(_missing_beside(offers, cover)[None], offers.points, cfg)[0]
+        + cfg.missed_weight * offers.bulges[cover].sum()
     )
     return float(volume + surface + cfg.price * offers.costs[cover].sum())
 
@@ -287,7 +291,7 @@ def _cover(
         offers.cells[index].fill(value, value=0.0)
     volumes = np.array([item.select(value).sum() for item in offers.cells])
     fixed = filled * offers.surplus + cfg.price * offers.costs
-    missing = offers.missing[list(start)].min(axis=0, initial=2)
+    missing = _missing_beside(offers, start)
     surfaces = _surface_gains(offers, missing, cfg)
     chosen = list(start)
     room = cfg.max_hulls - int(offers.costs[chosen].sum())
@@ -300,7 +304,7 @@ def _cover(
             chosen.append(best)
             room -= int(offers.costs[best])
             offers.cells[best].fill(value, value=0.0)
-            missing = np.minimum(missing, offers.missing[best])
+            missing = missing & offers.missing[best]
             surfaces = _surface_gains(offers, missing, cfg)
             mine = offers.bounds[best]
             overlap = (offers.bounds[:, :, 0] < mine[:, 1]) & (mine[:, 0] < offers.bounds[:, :, 1])
@@ -316,16 +320,27 @@ def _cover(
 
 def _surface_gains(offers: Offers, missing: np.ndarray, cfg: CoverConfig) -> np.ndarray:
     """What each hull gains in surface, less what it bulges, where so much is ``missing`` yet."""
-    still = np.flatnonzero(missing)
-    left = np.minimum(missing[still], offers.missing[:, still])
-    total = len(missing)
-    gained = _surface_loss(missing[None, still], total, cfg)[0] - _surface_loss(left, total, cfg)
+    gained = _surface_loss(missing[None], offers.points, cfg)[0] - _surface_loss(
+        missing & offers.missing, offers.points, cfg
+    )
     return gained - cfg.missed_weight * offers.bulges
 
 
-def _surface_loss(missing: np.ndarray, total: int, cfg: CoverConfig) -> np.ndarray:
-    """What missing points count, ``[K N]`` to ``[K]``, out of ``total``."""
-    missed, far = (np.count_nonzero(missing >= level, axis=1) / total for level in (1, 2))
+def _missing_beside(offers: Offers, cover: Sequence[int]) -> UInt64[np.ndarray, "2 W"]:
+    """The points that all hulls of a cover miss; all points without any."""
+    everything = _pack(np.ones((2, offers.points), dtype=bool))
+    return np.bitwise_and.reduce(offers.missing[list(cover)], axis=0) if len(cover) else everything
+
+
+def _pack(marks: Bool[np.ndarray, "2 N"]) -> UInt64[np.ndarray, "2 W"]:
+    """A bit for every mark; those that fill up the last word are 0."""
+    packed = np.packbits(marks, axis=1)
+    return np.pad(packed, ((0, 0), (0, -packed.shape[1] % 8))).view(np.uint64)
+
+
+def _surface_loss(missing: UInt64[np.ndarray, "K 2 W"], total: int, cfg: CoverConfig) -> np.ndarray:
+    """What missing points count, out of ``total``."""
+    missed, far = np.bitwise_count(missing).sum(axis=2, dtype=np.int64).T / total
     return cfg.missed_weight * np.maximum(missed - cfg.free_share, 0.0) + cfg.far_weight * far
 
 

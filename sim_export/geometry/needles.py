@@ -32,9 +32,7 @@ def flip_needles(
     for _ in range(_PASSES):
         needles = np.flatnonzero(find_needles(vertices[out]))
         opposite = {
-            (int(a), int(b)): f
-            for f, row in enumerate(out)
-            for a, b in zip(row, np.roll(row, -1), strict=True)
+            edge: face for face, (a, b, c) in enumerate(out.tolist()) for edge in ((a, b), (b, c), (c, a))
         }
         changed: set[int] = set()
         for needle in needles:
