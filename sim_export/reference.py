@@ -7,6 +7,7 @@ with textures evaluated at every texel, joints and what must be open first are w
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Literal
 
 import manifold3d
 import numpy as np
@@ -18,6 +19,7 @@ from artigen.shapes.shape import Shape, ShapePart
 from artigen.shapes.surfaces.finishes import FinishKind
 from artigen.shapes.surfaces.textures import PaintTable, apply_paint, find_rows, make_paint
 from sim_export.appearance.atlas import make_atlas
+from sim_export.appearance.shared_textures import lay_shared
 from sim_export.appearance.texture import color_atlas
 from sim_export.collision.hull_limits import HullLimits, trim_hull
 from sim_export.geometry.needles import find_needles, flip_needles
@@ -42,6 +44,9 @@ class ReferenceConfig:
     """Edge of a texel (m)."""
     max_size: int = 1024
     """Longest side of a part's image, texels; larger parts get larger texels."""
+    textures: Literal["own", "shared"] = "own"
+    """``own``: every part has an image of its own, exact at every texel. ``shared``: parts with the same
+    finishes have the same image, whatever their object, with other boards than the object's own."""
     limits: HullLimits = field(default_factory=HullLimits)
     """What collision hulls must comply with; a longer primitive is cut, none grows."""
 
@@ -187,6 +192,8 @@ def _paint_part(
     corners = mesh.vertices[mesh.faces]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
+    if cfg.textures == "shared":
+        return lay_shared(mesh, find_rows(table, start + union.owners, normals), table, center)
     atlas = make_atlas(mesh, cfg.texel, cfg.max_size)
     facing = normals[atlas.faces]
     rows = find_rows(table, start + union.owners[atlas.faces], facing)

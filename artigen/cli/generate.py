@@ -70,6 +70,9 @@ class GenerateSettings:
     """Guidance of the latent; 0 is none, since the condition is in the boxes. The paper: 3."""
     encoders: Path | None = None
     """Folder with the public weights of DINOv2 and CLIP, for latent models that read with these."""
+    textures: Literal["own", "shared"] = "own"
+    """``own`` bakes an image per part, exact at every texel; with ``shared``, parts of the same finishes
+    have the same image (with structure sketch only)."""
     gaussians: bool = True
     """Whether packages also hold Gaussians, one PLY per link: decoded from the sketch's exact surfaces, or
     drawn by the paper's sparse flow on the surface of latent structures."""
@@ -85,11 +88,13 @@ class GenerateJob:
     out: Path
     cfg: GenerateSettings = field(default_factory=GenerateSettings)
     draws: tuple[str, ...] = ()
+    name: str | None = None
+    """Name of the package; without one, category and seed."""
 
     @property
     def key(self) -> str:
         """Name of the package."""
-        return f"{self.category or 'object'}_{self.seed}"
+        return self.name or f"{self.category or 'object'}_{self.seed}"
 
     @property
     def settings(self) -> str:
@@ -211,6 +216,7 @@ def generate_object(job: GenerateJob) -> Made:
             }
         ),
         "seed": str(job.seed),
+        "style": shape.style,
         "draws": json.dumps([*job.draws, "this one"]),
     }
     faults = tuple(f"sketch: {fault.text}" for fault in drawn.faults)
@@ -237,7 +243,9 @@ def _make_exact(
     from artigen.cli.generated import make_generated_package
 
     appearance = _load_appearance(job.model) if job.cfg.gaussians else None
-    return make_generated_package(shape, appearance, provenance=provenance, notes=notes).package
+    return make_generated_package(
+        shape, appearance, provenance=provenance, notes=notes, textures=job.cfg.textures
+    ).package
 
 
 def _make_latent(
@@ -351,6 +359,10 @@ def generate(
         raise ArtigenError(
             f"{count} objects from seed {seed} with {cfg.redraws} redraws: expected at least one object, and "
             "nothing below 0"
+        )
+    if cfg.textures != "own" and cfg.structure != "sketch":
+        raise ArtigenError(
+            f"textures {cfg.textures} with structure {cfg.structure}: only a sketch's are shared"
         )
     part, chosen = read_shard(shard), choose_runner(runner, workers)
     if cfg.steps < 1 or not 0 <= cfg.strength < math.inf or not 0 < cfg.temperature < math.inf:

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 if TYPE_CHECKING:
     from artigen.shape_appearance import ShapeAppearanceModel
@@ -28,6 +28,7 @@ def make_generated_package(
     *,
     provenance: Mapping[str, str] | None = None,
     notes: Sequence[str] = (),
+    textures: Literal["own", "shared"] = "own",
 ) -> Generated:
     """The exact package of a shape, with the Gaussians of its parts link by link.
 
@@ -36,15 +37,16 @@ def make_generated_package(
         appearance: Decodes Gaussians; without, packages have none.
         provenance: Where the object comes from, for ``provenance.json``.
         notes: What was repaired or left open before; they come first among the records.
+        textures: Whether every part has an image of its own, or shares one with parts of its finishes.
 
     Raises:
         ExportError: If parts cannot be links or have no mass; names the part.
     """
     from artigen.shape_appearance import decode_gaussians, voxelize_shape
     from sim_export.appearance.splats import attach_splats
-    from sim_export.reference import build_reference
+    from sim_export.reference import ReferenceConfig, build_reference
 
-    package = build_reference(shape, provenance=provenance)
+    package = build_reference(shape, ReferenceConfig(textures=textures), provenance=provenance)
     if appearance is None:
         asset = voxelize_shape(shape)
         return Generated(package=_note(package, (*notes, *asset.notes)), asset=asset)

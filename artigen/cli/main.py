@@ -5,6 +5,7 @@ import os
 import sys
 
 from artigen.cli.convert import convert
+from artigen.cli.dataset import dataset
 from artigen.cli.demo import demo
 from artigen.cli.evaluate import evaluate
 from artigen.cli.export import export
@@ -36,6 +37,7 @@ def main() -> None:
         "convert": convert,
         "shape": shape,
         "generate": generate,
+        "dataset": dataset,
         "train": train,
         "eval": evaluate,
         "export": export,

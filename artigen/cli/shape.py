@@ -4,7 +4,7 @@ import resource
 import sys
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
@@ -51,6 +51,9 @@ class ShapeSettings:
     source: Literal["reference", "voxels"] = "reference"
     """``reference`` takes the object's own primitives as collision; ``voxels`` rebuilds the object from
     its 64^3 articulated voxels, as for a generated one."""
+    textures: Literal["own", "shared"] = "own"
+    """``own`` bakes an image per part, exact at every texel; with ``shared``, parts of the same finishes
+    have the same image (with source reference only)."""
     splats: bool = False
     """Whether packages also hold Gaussians: flat discs on the surface, one PLY per link."""
     validation: Literal["full", "none"] = "full"
@@ -65,11 +68,13 @@ class ShapeJob:
     seed: int
     out: Path
     cfg: ShapeSettings = field(default_factory=ShapeSettings)
+    name: str | None = None
+    """Name of the package; without one, category and seed."""
 
     @property
     def key(self) -> str:
         """Name of the package."""
-        return f"{self.category}_{self.seed}"
+        return self.name or f"{self.category}_{self.seed}"
 
     @property
     def settings(self) -> str:
@@ -147,7 +152,8 @@ def export_shape(job: ShapeJob) -> Made:
     watch = [("start", time.perf_counter())]
     drawn = draw_wished(job)
     watch.append(("draw", time.perf_counter()))
-    package = make_package(drawn, job.cfg.source, splats=job.cfg.splats)
+    made = make_package(drawn, job.cfg.source, splats=job.cfg.splats, textures=job.cfg.textures)
+    package = made if job.name is None else replace(made, name=job.name)
     watch.append(("export", time.perf_counter()))
     write_package(package, job.out / job.key, "replace")
     watch.append(("write", time.perf_counter()))
@@ -159,7 +165,11 @@ def export_shape(job: ShapeJob) -> Made:
 
 
 def make_package(
-    drawn: "Shape", source: Literal["reference", "voxels"], *, splats: bool = False
+    drawn: "Shape",
+    source: Literal["reference", "voxels"],
+    *,
+    splats: bool = False,
+    textures: Literal["own", "shared"] = "own",
 ) -> "SimPackage":
     """The package of an object: exact, or rebuilt from its voxels as that of a generated one would be."""
     from artigen import __version__
@@ -170,15 +180,21 @@ def make_package(
         "generator": f"artigen {__version__} shape",
         "source": f"procedural {drawn.category}, seed {drawn.seed}, style {drawn.style}",
         "made_from": source,
+        "seed": str(drawn.seed),
+        "style": drawn.style,
     }
     if source == "reference":
-        from sim_export.reference import build_reference
+        from sim_export.reference import ReferenceConfig, build_reference
 
-        package = build_reference(drawn, provenance=provenance)
+        package = build_reference(drawn, ReferenceConfig(textures=textures), provenance=provenance)
         if not splats:
             return package
         sampled = shape_to_asset(drawn, resolution=None, spacing=SPACING * frame_shape(drawn)[1])
         return splat_package(package, sampled)
+    if textures != "own":
+        raise ArtigenError(
+            f"textures {textures} with source {source}: what is rebuilt from voxels has its own"
+        )
     from artigen.cli.convert import rebuild_from_voxels
     from sim_export.export import export_asset
 

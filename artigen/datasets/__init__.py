@@ -1,1 +1,5 @@
-"""Readers of articulated objects: one function per source, each giving an `Asset`."""
+"""Readers of articulated objects, each giving an `Asset`; data sets, written and read."""
+
+from artigen.datasets.shards import open_shards
+
+__all__ = ["open_shards"]

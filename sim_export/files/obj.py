@@ -18,6 +18,8 @@ from sim_export.package import Hull, Mesh
 DECIMALS = 6
 CREASE_DEGREES = 35.0
 PNG_COMPRESSION = 1
+PALETTE_COMPRESSION = 9
+PALETTE = 256
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -151,11 +153,36 @@ def mtl_text(name: str, material: Material) -> str:
     return text + (f"map_Kd {material.image}\n" if material.image else "")
 
 
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Palette:
+    """An image of few colours: a number per texel, and the colour of each number."""
+
+    colors: UInt8[np.ndarray, "C 3"]
+    index: UInt8[np.ndarray, "H W"]
+
+
+def _few_colors(texture: UInt8[np.ndarray, "H W 3"]) -> _Palette | None:
+    """An RGB image by its palette; None where it has more colours than a byte tells apart."""
+    code = (texture.astype(np.int32) << np.array([16, 8, 0])).sum(axis=2)
+    if len(np.unique(code.ravel()[:: max(1, code.size // 4096)])) > PALETTE:
+        return None
+    values, index = np.unique(code, return_inverse=True)
+    if len(values) > PALETTE:
+        return None
+    colors = ((values[:, None] >> np.array([16, 8, 0])) & 255).astype(np.uint8)
+    return _Palette(colors=colors, index=index.reshape(code.shape).astype(np.uint8))
+
+
 def png_bytes(texture: UInt8[np.ndarray, "H W C"]) -> bytes:
-    """RGB or RGBA rows as PNG without any metadata."""
+    """RGB or RGBA rows as PNG without any metadata; at most 256 colours without clear ones as a palette."""
     from PIL import Image
 
     stream = io.BytesIO()
+    if texture.shape[2] == 3 and (few := _few_colors(texture)) is not None:
+        image = Image.fromarray(few.index, "P")
+        image.putpalette(few.colors.tobytes())
+        image.save(stream, "PNG", compress_level=PALETTE_COMPRESSION)
+        return stream.getvalue()
     Image.fromarray(np.ascontiguousarray(texture)).save(stream, "PNG", compress_level=PNG_COMPRESSION)
     return stream.getvalue()
 

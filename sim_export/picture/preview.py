@@ -110,7 +110,7 @@ def preview_package(
     shapes = prepare_shapes(package, cfg)
     camera = frame_shapes(shapes, cfg, cfg.panels)
     tiles = [
-        caption_below(_draw(shapes, panel, camera, cfg), PANEL_CAPTIONS[panel], cfg.render.background)
+        caption_below(draw_panel(shapes, panel, camera, cfg), PANEL_CAPTIONS[panel], cfg.render.background)
         for panel in cfg.panels
     ]
     row = np.concatenate(tiles, axis=1)
@@ -143,7 +143,7 @@ def contact_sheet(
     for package in packages:
         shapes = prepare_shapes(package, cfg)
         camera = frame_shapes(shapes, cfg, pairs)
-        pair = np.concatenate([_draw(shapes, panel, camera, cfg) for panel in pairs], axis=1)
+        pair = np.concatenate([draw_panel(shapes, panel, camera, cfg) for panel in pairs], axis=1)
         if draw_splats is not None and any(has_splats(one) for one in packages):
             below = [_draw_splats(shapes, panel, camera, cfg, draw_splats) for panel in pairs]
             pair = np.concatenate([pair, np.concatenate(below, axis=1)], axis=0)
@@ -263,7 +263,10 @@ def frame_shapes(shapes: Shapes, cfg: PreviewConfig, panels: Sequence[Panel]) ->
     return frame_points(np.concatenate(points), cfg.viewpoint)
 
 
-def _draw(shapes: Shapes, panel: Panel, camera: Camera, cfg: PreviewConfig) -> UInt8[np.ndarray, "H W 3"]:
+def draw_panel(
+    shapes: Shapes, panel: Panel, camera: Camera, cfg: PreviewConfig
+) -> UInt8[np.ndarray, "H W 3"]:
+    """One state of a package by a camera of `frame_shapes`; ``inside`` has a camera of its own."""
     surfaces = _panel_surfaces(shapes, panel)
     if panel == "inside":
         return render_scene(surfaces, inside_camera(shapes.package, surfaces, cfg.viewpoint), cfg.render)

@@ -1,0 +1,308 @@
+"""Objects of a data set on their way: made, proven, described and packed, one small folder each."""
+
+import json
+import os
+import resource
+import shutil
+import time
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, get_args
+
+from artigen.cli.batch import Finished, digest_settings, make_and_validate
+from artigen.cli.generate import (
+    TIMEOUT,
+    GenerateJob,
+    GenerateSettings,
+    generate_and_validate,
+    generate_object,
+)
+from artigen.cli.shape import ShapeJob, ShapeSettings, export_and_validate
+from artigen.datasets.duplicates import Fingerprint
+from artigen.datasets.packing import LISTING, PackedFiles, digest, pack_files, read_folder
+from artigen.datasets.publish import PackedObject
+from artigen.datasets.recipe import Entry, Options
+from artigen.datasets.samples import (
+    Count,
+    Sample,
+    SampleHandle,
+    SampleJoint,
+    Vector,
+    sample_from_json,
+    sample_json,
+)
+from artigen.io import whole_folder
+from artigen.types import PartLabel
+from artigen.weights import SHIPPED
+from artigen.workers import Worker
+
+if TYPE_CHECKING:
+    from sim_export.package import SimPackage
+    from sim_export.report import Report
+
+PACKAGES = ".packages"
+"""Folder, in that of the work, of packages that are not packed yet."""
+SHARED = "shared"
+LARGE_MIB = 1200.0
+"""Memory from which a worker process is replaced; a fresh one has 300 MiB, 700 with the model."""
+SAMPLE, ARCHIVE, THUMBNAIL, DESCRIPTOR = "sample.json", "files.tar.zst", "thumbnail.webp", "descriptor.bin"
+
+
+@dataclass(frozen=True, kw_only=True)
+class ObjectJob:
+    """One object of a data set."""
+
+    inner: ShapeJob | GenerateJob
+    """What makes its package."""
+    out: Path
+    """Folder of the work."""
+    validation: bool
+    thumbnail: int
+
+    @property
+    def key(self) -> str:
+        """Its id."""
+        return self.inner.key
+
+    @property
+    def settings(self) -> str:
+        """Everything that decides it, as text."""
+        return f"{self.inner.settings} validation {self.validation} thumbnail {self.thumbnail}"
+
+
+def make_job(entry: Entry, options: Options, work: Path, seed: int, *, by_model: bool) -> ObjectJob:
+    """The job of an object of an entry."""
+    wish, packages = entry.wish, work / PACKAGES
+    counts = tuple(f"{label}={count}" for label, count in wish.counts)
+    inner: ShapeJob | GenerateJob
+    if by_model:
+        drawn = GenerateSettings(
+            width=wish.width, depth=wish.depth, height=wish.height, style=wish.style, counts=counts,
+            redraws=options.redraws, gaussians=options.gaussians, textures=options.textures,
+        )  # fmt: skip
+        name = f"{entry.name}-g{seed}"
+        inner = GenerateJob(
+            model=SHIPPED, category=entry.category, seed=seed, out=packages, cfg=drawn, name=name
+        )
+    else:
+        made = ShapeSettings(
+            width=wish.width, depth=wish.depth, height=wish.height, style=wish.style, counts=counts,
+            like=entry.like, splats=options.gaussians, textures=options.textures,
+            validation=options.validation,
+        )  # fmt: skip
+        inner = ShapeJob(
+            category=entry.category, seed=seed, out=packages, cfg=made, name=f"{entry.name}-{seed}"
+        )
+    return ObjectJob(
+        inner=inner, out=work, validation=options.validation == "full", thumbnail=options.thumbnail
+    )
+
+
+def make_and_pack(worker: Worker, job: ObjectJob) -> Finished:
+    """One object the whole way, in a supervised process; what fails leaves nothing behind."""
+    inner = job.inner
+    if isinstance(inner, ShapeJob):
+        finished = export_and_validate(worker, inner)
+    elif job.validation:
+        finished = generate_and_validate(worker, inner)
+    else:
+        finished = make_and_validate(worker, inner, generate_object, timeout=TIMEOUT, validation=False)
+    finished = replace(finished, settings=digest_settings(job.settings))
+    if not finished.good:
+        shutil.rmtree(inner.out / inner.key, ignore_errors=True)
+        return finished
+    outcome = worker.call(pack_object, job, TIMEOUT)
+    if outcome.value is None:
+        return replace(finished, error=outcome.error)
+    seconds, resident = outcome.value
+    restart_large(worker, resident)
+    return replace(finished, seconds=(*finished.seconds, ("pack", seconds)))
+
+
+def restart_large(worker: Worker, resident_mib: float) -> None:
+    """Ends a process that has grown beyond `LARGE_MIB`; the next object starts another.
+
+    Trying an object leaves about a megabyte behind in the process.
+    """
+    if resident_mib > LARGE_MIB:
+        worker.close()
+
+
+def pack_object(job: ObjectJob) -> tuple[float, float]:
+    """Describes a package, takes it apart and removes it; returns the seconds that took, and the memory (MiB)
+    that the process holds."""
+
+    from sim_export.files.read import read_package
+    from sim_export.fingerprint import describe_surface, quantise
+    from sim_export.picture.thumbnail import draw_thumbnail, webp_bytes
+
+    started = time.perf_counter()
+    folder = job.inner.out / job.key
+    report = _settle_report(folder) if job.validation else None
+    package = read_package(folder)
+    files = read_folder(folder)
+    packed = pack_files(files)
+    sample = describe_object(job, package, report, files, packed)
+    for name, data in packed.contents.items():
+        _keep_shared(job.out / SHARED / name, data)
+    with whole_folder(job.out / job.key) as record:
+        (record / SAMPLE).write_bytes(sample_json(sample))
+        (record / ARCHIVE).write_bytes(packed.archive)
+        (record / THUMBNAIL).write_bytes(webp_bytes(draw_thumbnail(package, job.thumbnail)))
+        (record / DESCRIPTOR).write_bytes(quantise(describe_surface(package)))
+    shutil.rmtree(folder)
+    return time.perf_counter() - started, _resident_mib()
+
+
+def _resident_mib() -> float:
+    """Memory that this process holds; the most that it has held where the system does not say (not Linux)."""
+    statm = Path("/proc/self/statm")
+    if not statm.is_file():
+        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+    return int(statm.read_text().split()[1]) * resource.getpagesize() / 2**20
+
+
+def load_object(work: Path, name: str) -> PackedObject:
+    """A packed object by its id."""
+    record = work / name
+    return PackedObject(
+        sample=sample_from_json((record / SAMPLE).read_bytes()),
+        thumbnail=(record / THUMBNAIL).read_bytes(),
+        archive=(record / ARCHIVE).read_bytes(),
+        descriptor=(record / DESCRIPTOR).read_bytes(),
+    )
+
+
+def read_fingerprint(work: Path, name: str) -> tuple[Sample, Fingerprint]:
+    """What is said of a packed object, and what its duplicates are found by."""
+    sample = sample_from_json((work / name / SAMPLE).read_bytes())
+    return sample, Fingerprint(
+        id=sample.id,
+        category=sample.category,
+        joints=tuple(joint.kind for joint in sample.joints),
+        extents=sample.extents,
+        geometry=sample.geometry,
+        descriptor=(work / name / DESCRIPTOR).read_bytes(),
+    )
+
+
+def _keep_shared(path: Path, data: bytes) -> None:
+    """Writes a shared file unless it is there; whole, however many processes write it."""
+    if path.is_file():
+        return
+    path.parent.mkdir(parents=True, exist_ok=True)
+    scratch = path.with_name(f".{path.name}.{os.getpid()}")
+    scratch.write_bytes(data)
+    scratch.replace(path)
+
+
+def _settle_report(folder: Path) -> "Report":
+    """The report of a package, rewritten without the seconds that checks took, which differ by run."""
+    from sim_export.report import report_from_json, write_report
+
+    path = folder / "validation.json"
+    report = report_from_json(path.read_text())
+    settled = replace(report, checks=tuple(replace(check, seconds=0.0) for check in report.checks))
+    write_report(settled, path)
+    return settled
+
+
+def describe_object(
+    job: ObjectJob,
+    package: "SimPackage",
+    report: "Report | None",
+    files: dict[str, bytes],
+    packed: PackedFiles,
+) -> Sample:
+    """What the data set says of an object."""
+    import numpy as np
+
+    from sim_export.fingerprint import hash_geometry
+    from sim_export.package import SourceMesh
+    from sim_export.topology import find_topology
+
+    provenance = dict(package.provenance)
+    parts = {visual.part: visual.label for link in package.links for visual in link.visuals}
+    labels = list(parts.values())
+    corners = np.concatenate([hull.vertices for link in package.links for hull in link.hulls])
+    verdicts = () if report is None else report.checks
+    return Sample(
+        id=job.key,
+        category=package.category,
+        source="grammar" if isinstance(job.inner, ShapeJob) else "model",
+        seed=job.inner.seed,
+        style=provenance.get("style", ""),
+        generator=provenance["generator"],
+        model=provenance.get("model", ""),
+        draws=len(json.loads(provenance.get("draws", "[0]"))),
+        topology=find_topology(package),
+        extents=_vector(corners.max(axis=0) - corners.min(axis=0)),
+        mass=round(sum(link.inertial.mass for link in package.links if link.inertial is not None), 4),
+        counts=tuple(Count(label=label, count=labels.count(label)) for label in get_args(PartLabel)),
+        joints=_joints(package),
+        handles=_handles(package),
+        links=len(package.links),
+        hulls=sum(len(link.hulls) for link in package.links),
+        triangles=sum(
+            0 if isinstance(visual.mesh, SourceMesh) else len(visual.mesh.faces)
+            for link in package.links
+            for visual in link.visuals
+        ),
+        passed=None if report is None else report.passed,
+        checks_passed=sum(check.verdict == "pass" for check in verdicts),
+        checks_failed=tuple(check.id for check in verdicts if check.verdict == "fail"),
+        checks_not_applicable=tuple(check.id for check in verdicts if check.verdict == "not_applicable"),
+        geometry=hash_geometry(package),
+        package=digest(files[LISTING]),
+        files=len(files),
+        unpacked_bytes=sum(len(data) for data in files.values()),
+        shared=packed.shared,
+        listed=packed.listed,
+    )
+
+
+def _joints(package: "SimPackage") -> tuple[SampleJoint, ...]:
+    label = {link.name: link.label for link in package.links}
+    needs = {need.joint: need for need in package.requires_open}
+    return tuple(
+        SampleJoint(
+            name=joint.name,
+            kind=joint.kind,
+            parent=joint.parent,
+            child=joint.child,
+            label=label[joint.child] or "",
+            origin=_vector(joint.origin),
+            axis=_vector(joint.axis),
+            lower=round(float(joint.lower), 6),
+            upper=round(float(joint.upper), 6),
+            friction=round(float(joint.friction), 6),
+            damping=round(float(joint.damping), 6),
+            needs=needs[joint.name].needs if joint.name in needs else "",
+            needs_fraction=float(needs[joint.name].fraction) if joint.name in needs else 0.0,
+        )
+        for joint in package.joints
+        if joint.type != "fixed" and joint.mimic is None
+    )
+
+
+def _handles(package: "SimPackage") -> tuple[SampleHandle, ...]:
+    return tuple(
+        SampleHandle(
+            link=handle.link,
+            part=handle.part,
+            gapart=handle.gapart,
+            center=_vector(handle.corners.mean(axis=0)),
+            normal=_vector(handle.normal),
+            grasp_from=_vector(handle.grasp_line[0]),
+            grasp_to=_vector(handle.grasp_line[1]),
+            width=round(float(handle.width), 6),
+            clearance=round(float(handle.clearance), 6),
+            opening_direction=_vector(handle.opening_direction),
+        )
+        for handle in package.handles
+    )
+
+
+def _vector(values: object) -> Vector:
+    x, y, z = (round(float(value), 6) + 0.0 for value in values)  # type: ignore[attr-defined]
+    return x, y, z

@@ -1,0 +1,130 @@
+"""Folders of files as samples: own files in one compressed archive, images apart, named after their content.
+
+What `pack_files` takes apart, `unpack_files` puts together again, byte for byte; equal files give equal
+bytes.
+"""
+
+import hashlib
+import io
+import json
+import tarfile
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path, PurePosixPath
+
+from artigen.datasets.extra import need
+from artigen.errors import ArtigenError
+
+LISTING = "manifest.json"
+"""The file that lists the SHA-256 of the others; it is left out where it follows from them."""
+UNLISTED = frozenset({LISTING, "validation.json"})
+SHARED_SUFFIXES = frozenset({".png", ".jpg", ".jpeg"})
+"""Files that many objects have alike."""
+LEVEL = 19
+"""Of zstd; 19 is the smallest that reads everywhere."""
+
+
+class PackingError(ArtigenError):
+    """A sample is damaged, or lacks a file that is shared."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SharedFile:
+    """A file of an object that is stored apart."""
+
+    path: str
+    sha256: str
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PackedFiles:
+    """A folder's files: the archive of its own, the shared ones by content, and whether it has a listing
+    that follows from them."""
+
+    archive: bytes
+    shared: tuple[SharedFile, ...]
+    listed: bool
+    contents: Mapping[str, bytes]
+    """What the shared files hold, by SHA-256."""
+
+
+def digest(data: bytes) -> str:
+    """SHA-256 in hexadecimal digits."""
+    return hashlib.sha256(data).hexdigest()
+
+
+def list_files(files: Mapping[str, bytes]) -> bytes:
+    """The listing that a folder of these files has."""
+    hashes = {path: digest(files[path]) for path in sorted(files) if path not in UNLISTED}
+    return (json.dumps(hashes, indent=1) + "\n").encode()
+
+
+def read_folder(folder: Path) -> dict[str, bytes]:
+    """All files of a folder by their path in it."""
+    return {
+        path.relative_to(folder).as_posix(): path.read_bytes()
+        for path in sorted(folder.rglob("*"))
+        if path.is_file()
+    }
+
+
+def pack_files(files: Mapping[str, bytes]) -> PackedFiles:
+    """Takes a folder's files apart."""
+    listed = LISTING in files and files[LISTING] == list_files(files)
+    shared, contents, own = [], {}, {}
+    for path in sorted(files):
+        if PurePosixPath(path).suffix.lower() in SHARED_SUFFIXES:
+            name = digest(files[path])
+            shared.append(SharedFile(path=path, sha256=name))
+            contents[name] = files[path]
+        elif path != LISTING or not listed:
+            own[path] = files[path]
+    packed = need("zstandard").ZstdCompressor(level=LEVEL).compress(tar_bytes(own))
+    return PackedFiles(archive=packed, shared=tuple(shared), listed=listed, contents=contents)
+
+
+def unpack_files(
+    archive: bytes, shared: tuple[SharedFile, ...], fetch: Callable[[str], bytes], *, listed: bool
+) -> dict[str, bytes]:
+    """Puts a folder's files together.
+
+    Args:
+        archive: Its own files.
+        shared: Its shared files.
+        fetch: The content of a shared file by its SHA-256.
+        listed: Whether the listing of its files belongs to it.
+
+    Raises:
+        PackingError: If the archive is damaged, or leads out of the folder.
+    """
+    zstd = need("zstandard")
+    try:
+        plain = zstd.ZstdDecompressor().decompress(archive)
+        with tarfile.open(fileobj=io.BytesIO(plain)) as tar:
+            files = {member.name: tar.extractfile(member).read() for member in tar}  # type: ignore[union-attr]
+    except (zstd.ZstdError, tarfile.TarError, AttributeError) as error:
+        raise PackingError(f"the archive of a sample is damaged ({error})") from error
+    files |= {one.path: fetch(one.sha256) for one in shared}
+    for path in files:
+        if PurePosixPath(path).is_absolute() or ".." in PurePosixPath(path).parts:
+            raise PackingError(f"the path {path} of a sample leads out of its folder")
+    if listed:
+        files[LISTING] = list_files(files)
+    return dict(sorted(files.items()))
+
+
+def tar_bytes(files: Mapping[str, bytes]) -> bytes:
+    """Files as a tar: sorted, without times, owners or modes of their own."""
+    stream = io.BytesIO()
+    with tarfile.open(fileobj=stream, mode="w", format=tarfile.USTAR_FORMAT) as tar:
+        for path in sorted(files):
+            tar.addfile(tar_info(path, len(files[path])), io.BytesIO(files[path]))
+    return stream.getvalue()
+
+
+def tar_info(path: str, size: int) -> tarfile.TarInfo:
+    """The header of a file; the same for the same path and size."""
+    info = tarfile.TarInfo(path)
+    info.size, info.mtime, info.uid, info.gid, info.mode = size, 0, 0, 0, 0o644
+    info.uname = info.gname = ""
+    return info

@@ -1,0 +1,220 @@
+"""`write_dataset`: packed objects to a data set: shards, shared files, manifest, card, metadata.
+
+Everything is written to a scratch folder and moved into place, ``dataset.json`` last: a folder is a data set
+whole or not at all. The same objects give the same bytes, in whatever order they were made.
+"""
+
+import hashlib
+import json
+import shutil
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Any
+
+from artigen.datasets.about import About
+from artigen.datasets.card import COLUMNS as CARD_COLUMNS
+from artigen.datasets.card import card_text, draw_sheet
+from artigen.datasets.croissant import croissant_text
+from artigen.datasets.manifest import (
+    COLUMNS,
+    MANIFEST,
+    SHARED_COLUMNS,
+    SHARED_INDEX,
+    TableWriter,
+    read_table,
+    sample_row,
+)
+from artigen.datasets.packing import digest, unpack_files
+from artigen.datasets.samples import Sample, sample_json
+from artigen.datasets.shards import (
+    ARCHIVE,
+    FORMAT,
+    INDEX,
+    JSON,
+    SHARDS,
+    SHARED,
+    THUMBNAIL,
+    VERSION,
+    write_folder,
+)
+from artigen.datasets.tars import TarWriter
+
+SCRATCH = ".partial"
+SHARED_BYTES = 256 * 2**20
+"""Size after which another tar of shared files begins."""
+SHEET = "images/objects.webp"
+SHEET_COLUMNS, SHEET_ROWS = 4, 12
+EXAMPLE = "example"
+"""Folder of the one object that is there unpacked."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PackedObject:
+    """An object ready to be put into a shard."""
+
+    sample: Sample
+    thumbnail: bytes
+    archive: bytes
+    descriptor: bytes
+
+
+def order_objects(ids: Sequence[str], is_full: Callable[[str], bool]) -> list[str]:
+    """Ids in an order that mixes categories and follows from the ids alone.
+
+    The first is one of which ``is_full`` holds, if there is any: readers take the schema from the first
+    samples, so these should have something in every list.
+    """
+    mixed = sorted(ids, key=lambda one: hashlib.sha256(one.encode()).hexdigest())
+    first = next((one for one in mixed if is_full(one)), None)
+    return mixed if first is None else [first, *(one for one in mixed if one != first)]
+
+
+def is_full(sample: Sample) -> bool:
+    """Whether every list that tells of the object has something in it."""
+    return bool(sample.joints and sample.handles and sample.shared and sample.checks_not_applicable)
+
+
+def write_dataset(
+    out: Path,
+    ids: Sequence[str],
+    load: Callable[[str], PackedObject],
+    fetch: Callable[[str], bytes],
+    about: About,
+    *,
+    per_shard: int,
+    on_step: Callable[[int, int], None] | None = None,
+) -> Path:
+    """Writes a data set.
+
+    Args:
+        out: Its folder; what else lies in it stays.
+        ids: Of all objects, in the order of `order_objects`.
+        load: An object by its id.
+        fetch: A shared file by its SHA-256.
+        about: What it says of itself.
+        per_shard: Objects per shard.
+        on_step: Told how many objects are written, of how many.
+    """
+    scratch = out / SCRATCH
+    shutil.rmtree(scratch, ignore_errors=True)
+    for folder in (SHARDS, SHARED, "images", "recipes"):
+        (scratch / folder).mkdir(parents=True)
+    thumbnails: list[bytes] = []
+    contents: set[str] = set()
+    with TableWriter(scratch / MANIFEST, COLUMNS) as manifest:
+        for number, start in enumerate(range(0, len(ids), per_shard)):
+            rows = []
+            name = f"objects-{number:05d}.tar"
+            with TarWriter(scratch / SHARDS / name) as tar:
+                for one in ids[start : start + per_shard]:
+                    packed = load(one)
+                    rows.append(_add_object(tar, name, packed))
+                    contents |= {file.sha256 for file in packed.sample.shared}
+                    if len(thumbnails) < SHEET_COLUMNS * SHEET_ROWS:
+                        thumbnails.append(packed.thumbnail)
+                    if on_step is not None:
+                        on_step(start + len(rows), len(ids))
+            manifest.write(rows)
+    _write_shared(scratch, sorted(contents), fetch)
+    for name, text in about.recipes:
+        (scratch / "recipes" / name).write_text(text)
+    (scratch / SHEET).write_bytes(draw_sheet(thumbnails, SHEET_COLUMNS))
+    first = load(ids[0])
+    write_folder(
+        unpack_files(first.archive, first.sample.shared, fetch, listed=first.sample.listed), scratch / EXAMPLE
+    )
+    stored = _list_files(scratch)
+    table = read_table(scratch / MANIFEST, CARD_COLUMNS).to_pydict()
+    texts = {
+        "README.md": card_text(table, stored, about, example=EXAMPLE, sheet=SHEET, shown=len(thumbnails)),
+        "croissant.json": croissant_text(len(ids), stored, about),
+    }
+    for name, text in texts.items():
+        (scratch / name).write_text(text)
+        stored[name] = {"bytes": len(text.encode()), "sha256": digest(text.encode())}
+    (scratch / INDEX).write_text(_index_text(about, len(ids), stored))
+    return _move(scratch, out)
+
+
+def _add_object(tar: TarWriter, shard: str, packed: PackedObject) -> dict[str, Any]:
+    """Appends the members of an object; returns its row."""
+    sample = packed.sample
+    offset = tar.tell()
+    tar.add(f"{sample.id}.{JSON}", sample_json(sample))
+    tar.add(f"{sample.id}.{ARCHIVE}", packed.archive)
+    tar.add(f"{sample.id}.{THUMBNAIL}", packed.thumbnail)
+    return sample_row(
+        sample,
+        packed_bytes=len(packed.archive),
+        shard=shard,
+        offset=offset,
+        size=tar.tell() - offset,
+        thumbnail={"bytes": packed.thumbnail, "path": f"{sample.id}.{THUMBNAIL}"},
+        descriptor=packed.descriptor,
+    )
+
+
+def _write_shared(scratch: Path, contents: Sequence[str], fetch: Callable[[str], bytes]) -> None:
+    """Shared files in the order of their SHA-256, as ``<sha256>.png``, and where they lie."""
+    with TableWriter(scratch / SHARED_INDEX, SHARED_COLUMNS) as index:
+        number, at = 0, 0
+        while at < len(contents) or number == 0:
+            name, rows = f"shared-{number:05d}.tar", []
+            with TarWriter(scratch / SHARED / name) as tar:
+                while at < len(contents) and tar.tell() < SHARED_BYTES:
+                    data = fetch(contents[at])
+                    offset = tar.add(f"{contents[at]}.png", data)
+                    rows.append({"sha256": contents[at], "shard": name, "offset": offset, "size": len(data)})
+                    at += 1
+            index.write(rows)
+            number += 1
+
+
+def _list_files(scratch: Path) -> dict[str, dict[str, Any]]:
+    """Size and SHA-256 of every file."""
+    return {
+        path.relative_to(scratch).as_posix(): {"bytes": path.stat().st_size, "sha256": _hash_file(path)}
+        for path in sorted(scratch.rglob("*"))
+        if path.is_file()
+    }
+
+
+def _index_text(about: About, count: int, stored: Mapping[str, Mapping[str, Any]]) -> str:
+    """``dataset.json``: every file of the data set, and what was left out."""
+    value = {
+        "format": FORMAT,
+        "version": VERSION,
+        "name": about.name,
+        "title": about.title,
+        "description": about.description,
+        "license": about.license,
+        "creator": about.creator,
+        "url": about.url,
+        "date": about.date,
+        "generator": about.generator,
+        "recipe": about.digest,
+        "near": about.near,
+        "count": count,
+        "duplicates": [asdict(one) for one in about.duplicates],
+        "failures": [asdict(one) for one in about.failures],
+        "files": dict(sorted(stored.items())),
+    }
+    return json.dumps(value, indent=1) + "\n"
+
+
+def _hash_file(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def _move(scratch: Path, out: Path) -> Path:
+    """Moves everything into place, the index last; folders of a data set that was there before make way."""
+    (out / INDEX).unlink(missing_ok=True)
+    for path in sorted(scratch.iterdir(), key=lambda one: one.name == INDEX):
+        target = out / path.name
+        if target.is_dir():
+            shutil.rmtree(target)
+        path.replace(target)
+    scratch.rmdir()
+    return out

@@ -1,0 +1,137 @@
+"""Samples: what a data set says of one object, as ``key.json`` in its shard and as a row of the manifest."""
+
+import json
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from artigen.datasets.packing import PackingError, SharedFile
+
+FORMAT = "artigen-sample"
+VERSION = 1
+Vector = tuple[float, float, float]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Count:
+    """How many parts of a label an object has."""
+
+    label: str
+    count: int
+
+
+@dataclass(frozen=True, kw_only=True)
+class SampleJoint:
+    """A joint that can be driven; SI units, object frame at rest."""
+
+    name: str
+    kind: str
+    parent: str
+    child: str
+    label: str
+    """Label of the part that it moves."""
+    origin: Vector
+    axis: Vector
+    lower: float
+    upper: float
+    friction: float
+    damping: float
+    needs: str
+    """Joint that must be open first; empty where none must."""
+    needs_fraction: float
+    """Share of its range by which that one must be open."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SampleHandle:
+    """Where a hand takes hold; metres, object frame at rest. ``annotations.json`` has the box as well."""
+
+    link: str
+    part: str
+    gapart: str
+    center: Vector
+    normal: Vector
+    grasp_from: Vector
+    grasp_to: Vector
+    width: float
+    clearance: float
+    opening_direction: Vector
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sample:
+    """Everything that is said of one object."""
+
+    id: str
+    category: str
+    source: str
+    """``grammar`` or ``model``."""
+    seed: int
+    style: str
+    generator: str
+    """Program and version that made it."""
+    model: str
+    """Hash of the weights that drew it; empty where none did."""
+    draws: int
+    """How many times it was drawn until it passed."""
+    topology: str
+    """Equal for objects that fit in one batch of an engine."""
+    extents: Vector
+    """Metres along x (depth), y (width), z (height) of the closed object."""
+    mass: float
+    """Kilograms."""
+    counts: tuple[Count, ...]
+    joints: tuple[SampleJoint, ...]
+    handles: tuple[SampleHandle, ...]
+    links: int
+    hulls: int
+    triangles: int
+    """Of all visual meshes."""
+    passed: bool | None
+    """Whether every check that applies was passed; None where it was not tried."""
+    checks_passed: int
+    checks_failed: tuple[str, ...]
+    """Ids."""
+    checks_not_applicable: tuple[str, ...]
+    """Ids."""
+    geometry: str
+    """SHA-256 of the geometry."""
+    package: str
+    """SHA-256 of the package's listing ``manifest.json``."""
+    files: int
+    """Number of files of the package."""
+    unpacked_bytes: int
+    shared: tuple[SharedFile, ...]
+    listed: bool
+    """Whether the package's ``manifest.json`` follows from its other files and is left out of the archive."""
+
+
+def sample_json(sample: Sample) -> bytes:
+    """A sample as compact JSON."""
+    value = {"format": FORMAT, "version": VERSION} | asdict(sample)
+    return json.dumps(value, separators=(",", ":"), allow_nan=False).encode()
+
+
+def sample_from_json(data: bytes) -> Sample:
+    """Reads what `sample_json` wrote.
+
+    Raises:
+        PackingError: If it is anything else.
+    """
+    try:
+        value: dict[str, Any] = json.loads(data)
+        form, version = value.pop("format"), value.pop("version")
+        if (form, version) != (FORMAT, VERSION):
+            raise PackingError(f"a sample of format {form} {version}, this reads {FORMAT} {VERSION}")
+        lists = {
+            "counts": tuple(Count(**one) for one in value["counts"]),
+            "joints": tuple(SampleJoint(**_tuples(one)) for one in value["joints"]),
+            "handles": tuple(SampleHandle(**_tuples(one)) for one in value["handles"]),
+            "shared": tuple(SharedFile(**one) for one in value["shared"]),
+        }
+        return Sample(**(_tuples(value) | lists))
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        raise PackingError(f"a sample's JSON is not as written by artigen ({error!r})") from error
+
+
+def _tuples(value: dict[str, Any]) -> dict[str, Any]:
+    return {key: tuple(one) if isinstance(one, list) else one for key, one in value.items()}

@@ -1,0 +1,170 @@
+"""Textures that objects share: one image per set of finishes, laid on by coordinates in metres.
+
+`make_sheet` stacks a band per finish; a band is as large as furniture gets and shows the finish as it looks
+from board to board, whatever the object. A part's faces are laid flat into the bands along their grain, so
+that parts with the same finishes have the same image, byte for byte, however many objects there are.
+"""
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+from jaxtyping import Float, Int, UInt8
+
+from artigen.shapes.surfaces.finishes import Color, Finish, FinishKind
+from artigen.shapes.surfaces.noise import hash_unit
+from artigen.shapes.surfaces.textures import KINDS, PATTERN_OF, PaintTable, paint
+from sim_export.package import Mesh
+
+WIDTH = 256
+"""Texels of a sheet along the grain."""
+LENGTH = 2.56
+"""Metres that the width of a sheet stands for."""
+COLORS = 256
+"""Colours of a sheet at most, so that its file holds one byte per texel."""
+EVEN_ROWS = 4
+"""Rows of a band that is one colour."""
+MARGIN = 1.0
+"""Texels between what is laid into a band and the next band."""
+PATTERNS: dict[int, FinishKind] = {1: "wood", 2: "steel", 3: "stone"}
+ROWS = {1: (320, 0.004), 2: (128, 0.010), 3: (128, 0.010)}
+"""Rows of a band with a pattern, and metres across the grain that each stands for."""
+DARKEST = 1
+"""What is black in a texture has none (V106)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Look:
+    """What decides the band of a finish: its pattern and colours, not the boards cut from it."""
+
+    pattern: int
+    """As in `artigen.shapes.surfaces.textures.PATTERN_OF`; 0 and 4 are one colour."""
+    color: Color
+    accent: Color
+    period: float
+
+    @property
+    def is_even(self) -> bool:
+        """Whether the band is one colour."""
+        return self.pattern not in ROWS
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Sheet:
+    """An image with a band per look, from top to bottom."""
+
+    image: UInt8[np.ndarray, "H W 3"]
+    starts: tuple[int, ...]
+    """First row of each band."""
+
+
+def even_color(look: Look) -> Color:
+    """The mean of what a finish without a pattern shows."""
+    share = 0.5 if look.pattern else 0.0
+    red, green, blue = (
+        float(np.clip(a + share * (b - a), 0.0, 1.0)) for a, b in zip(look.color, look.accent, strict=True)
+    )
+    return red, green, blue
+
+
+def lay_shared(mesh: Mesh, rows: Int[np.ndarray, "F"], table: PaintTable, offset: np.ndarray) -> Mesh:
+    """The mesh with the image that its finishes share, or in its plain colour where it has but one.
+
+    Args:
+        mesh: A part, metres.
+        rows: Row of ``table`` that each face shows.
+        table: The paint of the object, see `artigen.shapes.surfaces.textures.make_paint`.
+        offset: From the mesh's frame to that of the table (m).
+    """
+    looks = {int(row): _look(table, int(row)) for row in np.unique(rows)}
+    ordered = tuple(sorted(set(looks.values()), key=lambda look: (look.pattern, look.color, look.accent)))
+    if len(ordered) == 1 and ordered[0].is_even:
+        return replace(mesh, color=even_color(ordered[0]), uv=None, texture=None)
+    sheet = make_sheet(ordered)
+    points = mesh.vertices[mesh.faces] + offset  # F 3 3
+    local = np.einsum("fcd,fkd->fck", points, table.axes[rows].astype(np.float64))
+    normals = np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0])
+    facing = np.abs(np.einsum("fd,fkd->fk", normals, table.axes[rows])).argmax(axis=1)
+    flat = np.take_along_axis(local, np.array([[1, 2], [0, 2], [0, 1]])[facing][:, None, :], axis=2)
+    uv = np.zeros((len(rows), 3, 2))
+    for group, row, side in _boards(rows, facing):
+        band = ordered.index(looks[row])
+        uv[group] = _place(flat[group], ordered[band], sheet, band, seed=int(table.seed[row]) + 31 * side)
+    return replace(mesh, uv=uv, texture=sheet.image)
+
+
+def _boards(rows: np.ndarray, facing: np.ndarray) -> list[tuple[np.ndarray, int, int]]:
+    """Faces of one row that are laid flat along one axis."""
+    code, where = np.unique(3 * rows + facing, return_inverse=True)
+    return [
+        (np.flatnonzero(where == index), int(value) // 3, int(value) % 3) for index, value in enumerate(code)
+    ]
+
+
+def _place(
+    flat: Float[np.ndarray, "G 3 2"], look: Look, sheet: Sheet, band: int, *, seed: int
+) -> Float[np.ndarray, "G 3 2"]:
+    """Texture coordinates of the faces of one board; what is larger than the band shrinks to fit.
+
+    Where in the band a board is cut out follows from its seed.
+    """
+    height = sheet.image.shape[0]
+    rows, across = ROWS.get(look.pattern, (EVEN_ROWS, LENGTH / EVEN_ROWS))
+    texel = np.array([LENGTH / WIDTH, across])
+    room = np.array([WIDTH, rows]) - 2.0 * MARGIN
+    low = flat.min(axis=(0, 1))
+    size = (flat.max(axis=(0, 1)) - low) / texel
+    scale = np.minimum(1.0, room / np.maximum(size, 1e-9))
+    lot = np.array([float(hash_unit(np, np.array([seed + k], np.int32))[0]) for k in (0, 1)])
+    start = MARGIN + lot * (room - size * scale) + np.array([0.0, sheet.starts[band]])
+    texels = (flat - low) / texel * scale + start
+    return np.stack([texels[..., 0] / WIDTH, 1.0 - texels[..., 1] / height], axis=2)
+
+
+def _look(table: PaintTable, row: int) -> Look:
+    def color(values: np.ndarray) -> Color:
+        red, green, blue = (round(float(value), 5) for value in values[row])
+        return red, green, blue
+
+    pattern = PATTERN_OF[KINDS[int(table.kind[row])]]
+    return Look(
+        pattern=pattern if pattern in ROWS else min(pattern, 4),
+        color=color(table.color),
+        accent=color(table.accent),
+        period=round(float(table.period[row]), 6),
+    )
+
+
+@lru_cache(maxsize=256)
+def make_sheet(looks: tuple[Look, ...]) -> Sheet:
+    """The image of a set of finishes; equal sets give equal bytes, at most `COLORS` colours each."""
+    bands = [_band(look) for look in looks]
+    starts = np.cumsum([0, *(len(band) for band in bands)])
+    image = _reduce(np.concatenate(bands, axis=0), COLORS)
+    image.setflags(write=False)
+    return Sheet(image=image, starts=tuple(int(start) for start in starts[:-1]))
+
+
+def _band(look: Look) -> UInt8[np.ndarray, "R W 3"]:
+    if look.is_even:
+        color = np.rint(255.0 * np.array(even_color(look))).astype(np.uint8)
+        return np.tile(np.maximum(color, DARKEST), (EVEN_ROWS, WIDTH, 1))
+    count, across = ROWS[look.pattern]
+    finish = Finish(
+        kind=PATTERNS[look.pattern], color=look.color, accent=look.accent, grain=(1.0, 0.0, 0.0),
+        period=look.period,
+    )  # fmt: skip
+    column, row = np.meshgrid(np.arange(WIDTH) + 0.5, np.arange(count) + 0.5)
+    points = np.stack([column.ravel() * LENGTH / WIDTH, row.ravel() * across, np.zeros(column.size)], axis=1)
+    normals = np.tile([0.0, 0.0, 1.0], (len(points), 1))
+    colors = np.asarray(paint(finish, points, normals, footprint=across))
+    levels = np.rint(255.0 * colors).astype(np.uint8).reshape(count, WIDTH, 3)
+    return np.maximum(levels, DARKEST)
+
+
+def _reduce(image: UInt8[np.ndarray, "H W 3"], colors: int) -> UInt8[np.ndarray, "H W 3"]:
+    """The image in at most so many colours, without dithering."""
+    from PIL import Image
+
+    reduced = Image.fromarray(image).quantize(colors, Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
+    return np.maximum(np.asarray(reduced.convert("RGB")), DARKEST)
