@@ -13,7 +13,7 @@ from sim_export.package import Hull
 
 
 def _solid_links(subject: Subject) -> list[UrdfLink]:
-    """Links with geometry; the empty root and a screw's carrier need no mass."""
+    """Links with geometry; an empty root needs no mass."""
     return [link for link in subject.links.values() if link.visuals or link.collisions]
 
 
