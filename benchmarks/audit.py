@@ -4,9 +4,9 @@
 
 The definitions are those of Arti-skill's "10K Sim-Ready URDF Dataset: Automatic Evaluation Protocol" as its
 text gives them; its code was not used. What fails, or cannot be read, stays in the denominator. Two things
-are ours, since the text says nothing of them: links penetrate from `DEEP` on, and a joint without limits whose
-follower has some (a screw) goes as far as its follower. A drawer behind a door fails strict collision by
-design, so it is counted both ways: as defined, and with what `requires_open` names opened first.
+are ours, since the text says nothing of them: links penetrate from `DEEP` on, and a joint without limits
+whose follower has limits (a screw) goes only as far as these let it. A drawer behind a door fails strict
+collision by design, so it is counted both ways: as defined, and with what `requires_open` names opened first.
 """
 
 from collections.abc import Callable
