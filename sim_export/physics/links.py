@@ -27,6 +27,7 @@ from sim_export.package import (
 )
 from sim_export.physics.inertia import check_inertial, combine, inertia_about, raise_light_mass
 from sim_export.physics.materials import GRAVITY, joint_resistance
+from sim_export.tree import hanging_links
 
 BASE = "base"
 MAX_LINKS = 64
@@ -248,12 +249,7 @@ def _screw(joint: Joint, link: Link, parent: str, scale: float) -> tuple[list[Li
 
 def subtree_inertial(links: Sequence[Link], joints: Sequence[PackageJoint], name: str) -> Inertial:
     """Mass properties, at rest, of a link and everything that hangs from it."""
-    inside = {name}
-    grown = True
-    while grown:
-        more = {joint.child for joint in joints if joint.parent in inside} - inside
-        inside |= more
-        grown = bool(more)
+    inside = hanging_links(joints, name)
     return combine([link.inertial for link in links if link.name in inside and link.inertial is not None])
 
 
