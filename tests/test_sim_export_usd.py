@@ -351,23 +351,33 @@ def cube(name: str, height: float, visuals: tuple[Visual, ...] | None = None) ->
     )
 
 
-def test_a_screw_only_turns(pxr, tmp_path: Path):
+def test_what_a_screw_moves_follows_its_turn_in_newton_and_is_held_in_physx(pxr, tmp_path: Path):
     up, origin = np.array([0.0, 0.0, 1.0]), np.array([0.05, 0.05, 0.1])
     carrier = replace(cube("carrier", 0.1), visuals=(), hulls=())
     turn = PackageJoint(
         name="turn", type="continuous", kind="screw", parent="body", child="carrier", origin=origin, axis=up
     )
     travel = replace(
-        turn, name="travel", type="prismatic", parent="carrier", child="cap", mimic="turn", upper=0.02
-    )
+        turn, name="travel", type="prismatic", parent="carrier", child="cap", mimic="turn", upper=0.02,
+        mimic_multiplier=0.003,
+    )  # fmt: skip
     package = small((cube("cap", 0.1), carrier, cube("body", 0.0)), (turn, travel))
     stage = pxr.Usd.Stage.Open(str(write_usd(package, tmp_path)))
     root = stage.GetDefaultPrim()
-    assert {"cap", "body"} <= set(root.GetChildrenNames())
-    assert "carrier" not in root.GetChildrenNames()
-    assert root.GetChild("joints").GetChildrenNames() == ["fixed_to_world", "turn"]
-    joint = pxr.UsdPhysics.RevoluteJoint(root.GetChild("joints").GetChild("turn"))
-    assert [path.name for path in joint.GetBody1Rel().GetTargets()] == ["cap"]
+    assert {"cap", "carrier", "body"} <= set(root.GetChildrenNames())
+    joints = root.GetChild("joints")
+    leader, follower = joints.GetChild("turn"), joints.GetChild("travel")
+    (body,) = pxr.UsdPhysics.RevoluteJoint(leader).GetBody1Rel().GetTargets()
+    assert body.name == "carrier"
+    assert "NewtonMimicAPI" in follower.GetMetadata("apiSchemas").GetAddedOrExplicitItems()
+    assert "NewtonMimicAPI" not in leader.GetMetadata("apiSchemas").GetAddedOrExplicitItems()
+    assert follower.GetRelationship("newton:mimicJoint").GetTargets() == [leader.GetPath()]
+    assert follower.GetAttribute("newton:mimicCoef1").Get() == pytest.approx(0.003)
+    weight = 9.81 * sum(link.inertial.mass for link in package.links)
+    for kind in ("static", "dynamic"):
+        name = f"physxJointAxis:linear:{kind}FrictionEffort"
+        assert follower.GetAttribute(name).Get() > 10 * weight
+    assert follower.GetAttribute("newton:friction").Get() == 0.0
 
 
 def test_kept_source_files_are_shown_material_by_material(pxr, tmp_path: Path):

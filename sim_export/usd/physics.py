@@ -27,6 +27,9 @@ from sim_export.usd.looks import define_mesh
 if TYPE_CHECKING:
     from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade
 
+HELD = 1e4
+"""Newtons of friction that stop a follower in PhysX."""
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Frames:
@@ -180,6 +183,21 @@ def add_joint(stage: "Usd.Stage", path: "Sdf.Path", joint: PackageJoint, frames:
         made.CreateLowerLimitAttr().Set(joint.lower * to_file)
         made.CreateUpperLimitAttr().Set(joint.upper * to_file)
     _add_resistance(made.GetPrim(), joint)
+
+
+def follow_joint(prim: "Usd.Prim", joint: PackageJoint, leader: "Sdf.Path") -> None:
+    """Lets a sliding joint follow a turning one in Newton, and holds it where it is in PhysX.
+
+    PhysX has no mimic joint for sliding followers, and a top that slides freely on its screw would fall.
+    """
+    from pxr import Sdf
+
+    prim.AddAppliedSchema("NewtonMimicAPI")
+    prim.CreateRelationship("newton:mimicJoint", custom=False).SetTargets([leader])
+    values = {"newton:mimicCoef0": 0.0, "newton:mimicCoef1": joint.mimic_multiplier}
+    values |= {f"physxJointAxis:linear:{kind}FrictionEffort": HELD for kind in ("static", "dynamic")}
+    for name, value in values.items():
+        prim.CreateAttribute(name, Sdf.ValueTypeNames.Float, custom=False).Set(value)
 
 
 def _from_z(axis: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 3"]:
