@@ -10,6 +10,8 @@ from sim_export.collision.pins import pin_carriers
 from sim_export.files.write import write_package
 from sim_export.geometry.primitives import find_primitive
 from sim_export.package import SimPackage
+from sim_export.physics.links import subtree_inertial
+from sim_export.physics.materials import GRAVITY
 from sim_export.reference import build_reference
 
 SCREW_TABLE = 9
@@ -39,6 +41,14 @@ def test_the_pin_stands_on_the_axis_beside_what_the_screw_moves(package):
     assert np.allclose(middle, carrier.inertial.com)
     assert np.abs(np.cross(middle - travel.origin, travel.axis)).max() < 1e-9
     assert (moved.inertial.com - middle) @ travel.axis == pytest.approx(0.0, abs=1e-9)
+
+
+def test_the_screw_carries_its_load(package):
+    """The thread turns a weight into a moment; friction is more than that, so that it stays where it is."""
+    (turn,) = (joint for joint in package.joints if joint.kind == "screw" and joint.mimic is None)
+    (travel,) = (joint for joint in package.joints if joint.mimic is not None)
+    moved = subtree_inertial(package.links, package.joints, turn.child)
+    assert turn.friction > moved.mass * GRAVITY * travel.mimic_multiplier
 
 
 def test_checks_pass_and_see_the_pin_as_no_obstacle(package, tmp_path):

@@ -307,7 +307,11 @@ def _with_resistance(
             out.append(replace(joint, friction=0.0, damping=0.0, effort=100.0, velocity=1.0))
             continue
         moved = subtree_inertial(links, joints, joint.child)
-        resist = joint_resistance(label, joint.kind, moved.mass, opening_pull(joint, moved))
+        hold = opening_pull(joint, moved)
+        if follower is not None:  # a screw that stands upright locks, as threads do
+            climb = abs(float(follower.axis[2])) * follower.mimic_multiplier
+            hold += (1.0 + HOLD_SLOPE) * moved.mass * GRAVITY * climb
+        resist = joint_resistance(label, joint.kind, moved.mass, hold)
         turning = float(joint.axis @ inertia_about(moved, joint.origin) @ joint.axis)
         moment = moved.mass if joint.type == "prismatic" else turning
         out.append(
