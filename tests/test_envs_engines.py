@@ -13,7 +13,7 @@ from sample_packages import SAMPLE_PARTS, build_package
 from artigen.cli.validate import choose_engines, describe
 from artigen.errors import ArtigenError
 from envs.config import EngineChoice
-from envs.engines.judge import HELD, NUMBER_TOLERANCE, REST_DRIFT, SLIPPED, judge
+from envs.engines.judge import HELD, NUMBER_TOLERANCE, REST_DRIFT, REST_LENGTH, SLIPPED, judge
 from envs.engines.plan import (
     HOLD,
     LIMIT_ANGLE,
@@ -220,6 +220,30 @@ def test_friction_is_tried_for_a_part_of_the_range_or_for_a_second(plan):
             far = joint.trial.expected >= TRIAL_SHARE * (joint.upper - joint.lower)
             assert far or joint.trial.seconds == pytest.approx(TRIAL_SECONDS)
             assert joint.trial.seconds <= TRIAL_SECONDS
+
+
+def test_a_short_joint_may_move_by_what_one_step_of_gravity_does(plan, answer):
+    """1 % of 5 mm is less than 0.2 mm, 1 % of 50 mm is more."""
+    first = next(joint for joint in plan.joints if joint.type == "prismatic")
+    assert 9.81 * plan.timestep**2 < REST_LENGTH
+    for upper, allowed in ((0.005, REST_LENGTH), (0.05, REST_DRIFT * 0.05)):
+        short = replace(first, lower=0.0, upper=upper)
+        changed = replace(plan, joints=tuple(short if joint is first else joint for joint in plan.joints))
+        for share, caught in ((0.99, "pass"), (1.01, "fail")):
+            moved = json.loads(json.dumps(answer))
+            moved["rest"]["drift"][first.name] = share * allowed
+            assert verdicts(changed, moved)["V504"] == caught
+
+
+def test_an_endless_joint_may_end_where_its_follower_does(plan, answer):
+    turn = replace(plan.joints[0], type="continuous", lower=0.0, upper=2 * np.pi)
+    travel = replace(turn, name="travel", type="prismatic", upper=0.08, mimic=turn.name, multiplier=0.004)
+    screw = replace(plan, joints=(turn, travel, *plan.joints[1:]))
+    told = json.loads(json.dumps(answer))
+    told["joints"]["travel"] = {"lower": 0.0, "upper": 0.08, "friction": None, "damping": None}
+    for ends, verdict in (((None, None), "pass"), ((0.0, 20.0), "pass"), ((0.0, 19.0), "fail")):
+        told["joints"][turn.name] |= {"lower": ends[0], "upper": ends[1]}
+        assert verdicts(screw, told)["V501"] == verdict
 
 
 class OneJoint:
