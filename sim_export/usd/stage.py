@@ -223,8 +223,10 @@ def _add_joints(stage: "Usd.Stage", root: "Sdf.Path", package: SimPackage, frame
     places = {joint.name: scope.AppendChild(name) for name, joint in zip(names, package.joints, strict=True)}
     for joint in package.joints:
         add_joint(stage, places[joint.name], joint, frames)
+    for joint in package.joints:
         if joint.mimic is not None:
-            follow_joint(stage.GetPrimAtPath(places[joint.name]), joint, places[joint.mimic])
+            follower, leader = (stage.GetPrimAtPath(places[name]) for name in (joint.name, joint.mimic))
+            follow_joint(follower, joint, leader)
     for first, second in touching_pairs(package):
         apart = UsdPhysics.FilteredPairsAPI.Apply(stage.GetPrimAtPath(frames.paths[first]))
         apart.CreateFilteredPairsRel().AddTarget(frames.paths[second])
