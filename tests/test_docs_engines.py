@@ -86,10 +86,10 @@ def open_fixture(file: Path) -> float:
     sizes = [corner[name][axis] - corner["p0"][axis] for axis, name in enumerate(("px", "py", "pz"))]
     if min(sizes) <= 0.0:
         return 0.0
-    before = data.body("own_link_0").xpos[1]
-    data.joint("own_joint_0").qpos[0] = 0.1
+    before = data.body("link_0").xpos[1]
+    data.joint("joint_0").qpos[0] = 0.1
     mujoco.mj_forward(model, data)
-    return before - data.body("own_link_0").xpos[1]
+    return before - data.body("link_0").xpos[1]
 
 
 def test_cabinets_have_one_structure_in_usd(cabinets: Path):
