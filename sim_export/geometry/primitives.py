@@ -7,18 +7,24 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float
 
-from artigen.shapes.primitives import SEGMENTS, box, cylinder
+from artigen.shapes.primitives import SEGMENTS, box, cylinder, move, place_vertices
 from artigen.transforms import transform_points
 from sim_export.errors import PackageError
 from sim_export.package import Hull, Mesh
 
+FACET_TURN = np.pi / 32
+"""Radians by which cylinders are turned about their axis. SAPIEN makes 32 facets of one, with an edge where
+its x points: turned so, facets lie where our prism has them, and wheels stand on one, not on an edge."""
 PRECISION = 1e-6
 """Metres; hulls whose corners are this near those of a primitive are one, as files hold micrometres."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PrimitiveShape:
-    """A box of three edges, or a cylinder of a radius and a length along its own z (m), as it is placed."""
+    """A box of three edges, or a cylinder of a radius and a length along its own z (m), as it is placed.
+
+    The prism for a cylinder has the middle of a side `FACET_TURN` before the own x.
+    """
 
     kind: Literal["box", "cylinder"]
     sizes: tuple[float, ...]
@@ -28,7 +34,7 @@ class PrimitiveShape:
 def primitive_mesh(kind: str, sizes: tuple[float, ...]) -> Mesh:
     """A box (three edges), cylinder (radius, length along z) or sphere (radius) in metres, about its middle.
 
-    A cylinder is the inscribed prism of `SEGMENTS` sides.
+    A cylinder is the inscribed prism of `SEGMENTS` sides, turned by `-FACET_TURN`.
 
     Raises:
         PackageError: If a size is not a positive number or the kind is unknown.
@@ -41,6 +47,8 @@ def primitive_mesh(kind: str, sizes: tuple[float, ...]) -> Mesh:
             solid = box((-x, -y, -z), (x, y, z), "")
         case "cylinder":
             solid = cylinder((0.0, 0.0, -sizes[1] / 2), (0.0, 0.0, sizes[1] / 2), sizes[0], "")
+            solid = move(solid, turn=-FACET_TURN)
+            return Mesh(vertices=place_vertices(solid), faces=solid.faces)
         case "sphere":
             import trimesh
 
@@ -120,7 +128,7 @@ def _find_cylinder(hull: Hull) -> PrimitiveShape | None:
     y = np.cross(axis, x)
     angles = np.arctan2(spokes @ y, spokes @ x)
     step = 2 * np.pi / SEGMENTS
-    turn = float(np.angle(np.exp(1j * SEGMENTS * (angles - step / 2)).mean())) / SEGMENTS
+    turn = float(np.angle(np.exp(1j * SEGMENTS * (angles - step / 2)).mean())) / SEGMENTS + FACET_TURN
     x, y = np.cos(turn) * x + np.sin(turn) * y, np.cos(turn) * y - np.sin(turn) * x
     radius = float(np.hypot(spokes @ x, spokes @ y).mean())
     shape = PrimitiveShape(
