@@ -36,11 +36,10 @@ def cabinets(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with two cabinets of one topology in out/cabinets."""
     folder = tmp_path_factory.mktemp("how_to")
     seed = find_seed("StorageFurniture", (("drawer", 3), ("door", 0)))
-    build = describe_build(draw_shape("StorageFurniture", seed))
-    for number in range(2):
-        drawn = draw_variant(
-            "StorageFurniture", seed, number, lambda shape: describe_build(shape) == build, None
-        )
+    first = draw_shape("StorageFurniture", seed)
+    build = describe_build(first)
+    other = draw_variant("StorageFurniture", seed, 0, lambda shape: describe_build(shape) == build)
+    for number, drawn in enumerate((first, other)):
         write_package(build_reference(drawn), folder / "out" / "cabinets" / f"StorageFurniture_{number}")
     return folder
 
