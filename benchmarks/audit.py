@@ -3,8 +3,9 @@
     python benchmarks/audit.py FOLDER... [--workers 2]
 
 The definitions are those of Arti-skill's "10K Sim-Ready URDF Dataset: Automatic Evaluation Protocol" as its
-text gives them; its code was not used. What fails, or cannot be read, stays in the denominator. One number
-is ours: links penetrate from `DEEP` on, since the text names none. A drawer behind a door fails strict
+text gives them; its code was not used. What fails, or cannot be read, stays in the denominator. Two things
+are ours, since the text says nothing of them: links penetrate from `DEEP` on, and a joint without limits
+whose follower has limits (a screw) goes only as far as these let it. A drawer behind a door fails strict
 collision by design, so it is counted both ways: as defined, and with what `requires_open` names opened first.
 """
 
@@ -150,7 +151,7 @@ def _dynamics(subject: Subject) -> str:
 def _kinematics(subject: Subject) -> str:
     """Every joint moves its descendants, finitely and rigidly, moves nothing else, and comes back."""
     for joint in subject.driven:
-        T = subject.displacements({joint.name: _states(joint)})
+        T = subject.displacements({joint.name: _states(subject, joint)})
         inside = subject.carried(joint.child)
         for name, moved in T.items():
             moved = np.broadcast_to(moved, (STATES, 4, 4))
@@ -167,10 +168,13 @@ def _kinematics(subject: Subject) -> str:
     return ""
 
 
-def _states(joint: PackageJoint) -> Float[np.ndarray, "S"]:
-    if joint.type == "continuous":
-        return np.linspace(-np.pi, np.pi, STATES)
-    return np.linspace(joint.lower, joint.upper, STATES)
+def _states(subject: Subject, joint: PackageJoint) -> Float[np.ndarray, "S"]:
+    if joint.type != "continuous":
+        return np.linspace(joint.lower, joint.upper, STATES)
+    for follower in subject.joints:
+        if follower.mimic == joint.name and follower.mimic_multiplier:
+            return np.linspace(follower.lower, follower.upper, STATES) / follower.mimic_multiplier
+    return np.linspace(-np.pi, np.pi, STATES)
 
 
 def _deepest(subject: Subject, *, opened: bool) -> tuple[float, str]:
@@ -205,10 +209,10 @@ def _all_states(subject: Subject, *, opened: bool) -> list[tuple[str, dict[str, 
     states: list[tuple[str, dict[str, object]]] = [("rest", {})]
     for joint in subject.driven:
         needs = open_positions(subject, joint) if opened else {}
-        states.append((joint.name, needs | {joint.name: _states(joint)}))
+        states.append((joint.name, needs | {joint.name: _states(subject, joint)}))
     if len(subject.driven) > 1:
-        lower = np.array([_states(joint)[0] for joint in subject.driven])
-        upper = np.array([_states(joint)[-1] for joint in subject.driven])
+        lower = np.array([_states(subject, joint)[0] for joint in subject.driven])
+        upper = np.array([_states(subject, joint)[-1] for joint in subject.driven])
         values = lower + Sobol(len(lower), scramble=False).random(SOBOL) * (upper - lower)
         qpos = {joint.name: values[:, index].copy() for index, joint in enumerate(subject.driven)}
         if opened:

@@ -136,6 +136,11 @@ def _shape_points(shape) -> np.ndarray:
             return signs * np.asarray(shape.half_size)
         case physx.PhysxCollisionShapeSphere():
             return signs * shape.radius
-        case physx.PhysxCollisionShapeCylinder() | physx.PhysxCollisionShapeCapsule():
+        case physx.PhysxCollisionShapeCylinder():  # SAPIEN's is a prism of 32 sides along x
+            turns = np.linspace(0.0, 2 * np.pi, 32, endpoint=False)
+            rim = shape.radius * np.column_stack([np.cos(turns), np.sin(turns)])
+            ends = [np.column_stack([np.full(32, side * shape.half_length), rim]) for side in (-1, 1)]
+            return np.concatenate(ends)
+        case physx.PhysxCollisionShapeCapsule():
             return signs * np.array([shape.half_length, shape.radius, shape.radius])
     raise TypeError(f"collision shape {type(shape).__name__} has no corners")

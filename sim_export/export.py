@@ -15,6 +15,7 @@ from sim_export.collision.facets import flatten_links
 from sim_export.collision.feet import add_feet
 from sim_export.collision.filling import fill_meshes
 from sim_export.collision.levelling import level_object
+from sim_export.collision.pins import pin_carriers
 from sim_export.collision.recovery import recover_surface
 from sim_export.collision.requirements import find_requirements
 from sim_export.collision.retention import keep_drawers_held
@@ -157,7 +158,7 @@ def export_asset(
         name=asset.name,
         category=asset.category,
         visual="voxels" if source_meshes is None else "source",
-        links=tree.links,
+        links=pin_carriers(tree.links, tree.joints),
         joints=tree.joints,
         handles=handles,
         requires_open=needs,

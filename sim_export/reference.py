@@ -1,7 +1,8 @@
 """`build_reference`: a package straight from a procedural object, the best that any exporter could make.
 
-Collision is the object's own convex primitives, visuals are the exact unions of each part's primitives
-with textures evaluated at every texel, joints and what must be open first are what the object says.
+Collision is the object's own convex primitives, as boxes and cylinders where they nearly are such; visuals
+are the exact unions of each part's primitives with textures evaluated at every texel; joints and what must
+be open first are what the object says.
 """
 
 from collections import Counter
@@ -22,6 +23,8 @@ from sim_export.appearance.atlas import make_atlas
 from sim_export.appearance.shared_textures import lay_shared
 from sim_export.appearance.texture import color_atlas
 from sim_export.collision.hull_limits import HullLimits, trim_hull
+from sim_export.collision.pins import pin_carriers
+from sim_export.collision.simplification import TOLERANCE, simplify_hulls
 from sim_export.geometry.needles import find_needles, flip_needles
 from sim_export.geometry.solids import as_solid
 from sim_export.package import Hull, Inertial, Mesh, Requirement, SimPackage
@@ -84,9 +87,16 @@ def build_reference(
         solids = _solids(part, center)
         union = _show(solids, [primitive.kind == "cylinder" for primitive in part.primitives])
         meshes.append(_paint_part(union, table, int(start), center, cfg))
-        hulls = _trim(solids, cfg.limits)
-        if len(hulls) > len(solids):
-            records.append(f"{part.name}: {len(solids)} primitives cut to {len(hulls)} hulls, being oblong")
+        simple = simplify_hulls(solids)
+        changed = sum(new is not old for new, old in zip(simple, solids, strict=True))
+        if changed:
+            records.append(
+                f"{part.name}: {changed} of {len(solids)} hulls are boxes or cylinders that differ from the "
+                f"part by at most {1000 * TOLERANCE:g} mm"
+            )
+        hulls = _trim(simple, cfg.limits)
+        if len(hulls) > len(simple):
+            records.append(f"{part.name}: {len(simple)} primitives cut to {len(hulls)} hulls, being oblong")
         made_of: list[MaterialName] = [
             _material(part, primitive, kinds, shape.category) for primitive in part.primitives
         ]
@@ -97,7 +107,7 @@ def build_reference(
         name=asset.name,
         category=asset.category,
         visual="voxels",
-        links=tree.links,
+        links=pin_carriers(tree.links, tree.joints),
         joints=tree.joints,
         handles=annotate_handles(asset, meshes, tree),
         requires_open=_requirements(shape, tree),
@@ -116,7 +126,7 @@ def describe_build(shape: Shape) -> list[object]:
             part.label,
             part.parent,
             None if part.motion is None else part.motion.type,
-            hull_kinds(_trim(_solids(part, np.zeros(3)), limits)),
+            hull_kinds(_trim(simplify_hulls(_solids(part, np.zeros(3))), limits)),
         )
         for part in shape.parts
     ]

@@ -13,8 +13,27 @@ from sample_packages import SAMPLE_PARTS, build_package
 from artigen.cli.validate import choose_engines, describe
 from artigen.errors import ArtigenError
 from envs.config import EngineChoice
-from envs.engines.judge import HELD, REST_DRIFT, SLIPPED, judge
-from envs.engines.plan import HOLD, SLIP, EnginePlan, make_plan, travelled
+from envs.engines.judge import HELD, NUMBER_TOLERANCE, REST_DRIFT, REST_LENGTH, SLIPPED, judge
+from envs.engines.plan import (
+    HOLD,
+    LIMIT_ANGLE,
+    LIMIT_LENGTH,
+    LIMIT_SHARE,
+    SLIP,
+    TRIAL_SECONDS,
+    TRIAL_SHARE,
+    EnginePlan,
+    make_plan,
+    travelled,
+)
+from envs.engines.runners.harness import (
+    BISECTIONS,
+    PRESS_SECONDS,
+    STALL_SECONDS,
+    STALL_SPEED,
+    bisect,
+    push,
+)
 from envs.engines.witness import ask_engines, run_engine
 from sim_export.files.read import read_package
 from sim_export.files.write import write_package
@@ -169,6 +188,118 @@ def test_a_step_less_and_a_gram_more_are_noticed(plan, answer):
     lost = json.loads(json.dumps(answer))
     lost["links"][link.name]["shapes"] -= 1
     assert failures(plan, lost) == {"V501"}
+
+
+@pytest.mark.sim
+@pytest.mark.parametrize(("share", "caught"), [(0.99, set()), (1.01, {"V501", "V502"})])
+def test_numbers_may_differ_by_their_tolerance(plan, answer, share, caught):
+    near = json.loads(json.dumps(answer))
+    link, joint = plan.links[0], plan.joints[0]
+    assert link.mass is not None
+    near["links"][link.name]["mass"] = link.mass * (1.0 + share * NUMBER_TOLERANCE)
+    near["joints"][joint.name]["upper"] = joint.upper * (1.0 + share * NUMBER_TOLERANCE)
+    assert failures(plan, near) == caught
+
+
+@pytest.mark.parametrize("times", [0.5, 1.0, 2.0])
+@pytest.mark.parametrize("kind", ["prismatic", "revolute"])
+def test_an_end_may_be_missed_by_a_share_of_the_range_or_by_a_least_length(folder, kind, times):
+    """Below the range at which both are the same the least length counts, above it the share."""
+    package = read_package(folder, appearance=False)
+    least = LIMIT_LENGTH if kind == "prismatic" else LIMIT_ANGLE
+    first = next(joint for joint in package.joints if joint.type != "fixed")
+    short = replace(first, type=kind, lower=0.0, upper=times * least / LIMIT_SHARE)
+    joints = tuple(short if joint is first else joint for joint in package.joints)
+    task = make_plan(folder, replace(package, joints=joints, requires_open=())).joints[0]
+    assert task.tolerance == pytest.approx(max(times, 1.0) * least)
+
+
+def test_friction_is_tried_for_a_part_of_the_range_or_for_a_second(plan):
+    for joint in plan.joints:
+        if joint.trial is not None:
+            far = joint.trial.expected >= TRIAL_SHARE * (joint.upper - joint.lower)
+            assert far or joint.trial.seconds == pytest.approx(TRIAL_SECONDS)
+            assert joint.trial.seconds <= TRIAL_SECONDS
+
+
+def test_a_short_joint_may_move_by_what_one_step_of_gravity_does(plan, answer):
+    """1 % of 5 mm is less than 0.2 mm, 1 % of 50 mm is more."""
+    first = next(joint for joint in plan.joints if joint.type == "prismatic")
+    assert 9.81 * plan.timestep**2 < REST_LENGTH
+    for upper, allowed in ((0.005, REST_LENGTH), (0.05, REST_DRIFT * 0.05)):
+        short = replace(first, lower=0.0, upper=upper)
+        changed = replace(plan, joints=tuple(short if joint is first else joint for joint in plan.joints))
+        for share, caught in ((0.99, "pass"), (1.01, "fail")):
+            moved = json.loads(json.dumps(answer))
+            moved["rest"]["drift"][first.name] = share * allowed
+            assert verdicts(changed, moved)["V504"] == caught
+
+
+def test_an_endless_joint_may_end_where_its_follower_does(plan, answer):
+    turn = replace(plan.joints[0], type="continuous", lower=0.0, upper=2 * np.pi)
+    travel = replace(turn, name="travel", type="prismatic", upper=0.08, mimic=turn.name, multiplier=0.004)
+    screw = replace(plan, joints=(turn, travel, *plan.joints[1:]))
+    told = json.loads(json.dumps(answer))
+    told["joints"]["travel"] = {"lower": 0.0, "upper": 0.08, "friction": None, "damping": None}
+    for ends, verdict in (((None, None), "pass"), ((0.0, 20.0), "pass"), ((0.0, 19.0), "fail")):
+        told["joints"][turn.name] |= {"lower": ends[0], "upper": ends[1]}
+        assert verdicts(screw, told)["V501"] == verdict
+
+
+class OneJoint:
+    """A mass of 1 kg on a runner of 1 m with friction, exactly; or one that is moved at a given speed."""
+
+    def __init__(self, friction: float = 1.0, speed: float | None = None) -> None:
+        self.friction, self.speed = friction, speed
+        self.x = self.v = 0.0
+        self.steps = 0
+
+    def reset(self, qpos: dict[str, float], gravity: float) -> None:
+        self.x, self.v = qpos["joint"], 0.0
+
+    def step(self, efforts: dict[str, float]) -> None:
+        self.steps += 1
+        pushed = efforts.get("joint", 0.0)
+        if self.speed is not None:
+            self.v = self.speed * np.sign(pushed)
+        elif self.v == 0.0 and abs(pushed) <= self.friction:
+            return
+        else:
+            self.v += DT * (pushed - self.friction * (np.sign(self.v) or np.sign(pushed)))
+        self.x = min(max(self.x + DT * self.v, 0.0), 1.0)
+
+    def positions(self) -> dict[str, float]:
+        return {"joint": self.x}
+
+
+DT = 1.0 / 240.0
+TRIED = {
+    "name": "joint", "type": "prismatic", "lower": 0.0, "upper": 1.0, "friction": 1.0, "mimic": None,
+    "open": {}, "effort": 5.0, "speed": 1.0, "tolerance": 0.01,
+    "trial": {"start": 0.5, "seconds": 1.0, "expected": 0.05},
+}  # fmt: skip
+TRIALS = {"timestep": DT, "drive_seconds": 4.0, "joints": [TRIED]}
+
+
+def test_the_effort_at_which_a_joint_gives_way_is_bisected():
+    found = bisect(OneJoint(), TRIALS, TRIED)
+    moves = 0.1 * TRIED["trial"]["expected"]  # by which it counts as giving way: 0.5 (f - 1) t^2
+    assert found == pytest.approx(1.0 + 2.0 * moves, abs=2.0 * 2.0**-BISECTIONS)
+
+
+def test_a_joint_at_its_end_is_pressed_a_while():
+    engine = OneJoint()
+    engine.x = 1.0
+    assert push(engine, TRIALS, TRIED, 1.0) == 0.0
+    assert engine.steps == pytest.approx(PRESS_SECONDS / DT, abs=1)
+
+
+@pytest.mark.parametrize(("share", "seconds"), [(0.99, STALL_SECONDS), (1.01, 4.0)])
+def test_a_joint_that_hardly_moves_is_pushed_no_longer(share, seconds):
+    engine = OneJoint(speed=share * STALL_SPEED * TRIED["speed"])
+    left = push(engine, TRIALS, TRIED, 1.0)
+    assert engine.steps * DT == pytest.approx(seconds, abs=2 * DT)
+    assert left == pytest.approx(1.0 - engine.x)
 
 
 def test_a_missing_engine_is_skipped_with_a_sentence(folder, tmp_path):

@@ -3,6 +3,7 @@
 import json
 import shutil
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from sim_export.checks.config import CheckConfig
 from sim_export.checks.geometry import count_open_edges, euler_numbers
 from sim_export.checks.grid import fill_solid, find_cavity, make_grid, mark_surface, open_with_cube
 from sim_export.checks.opening import hit_hulls
+from sim_export.checks.physical import distance_outside
 from sim_export.checks.registry import CheckSpec, always, run_check
 from sim_export.checks.subject import Subject
 from sim_export.checks.suite import CHECKS, run_checks
@@ -255,3 +257,16 @@ def test_documentation_lists_every_check_once():
     text = (Path(__file__).resolve().parents[1] / "docs" / "checks.md").read_text()
     rows = [line.split("|")[1].strip() for line in text.splitlines() if line.startswith("| V")]
     assert [row for row in rows if row < "V300"] == [spec.id for spec in CHECKS]
+
+
+def test_points_are_as_far_outside_a_link_as_they_are_from_its_faces():
+    flat = box_hull(np.zeros(3), np.ones(3))
+    flat = type(flat)(vertices=flat.vertices * (1.0, 1.0, 0.0), faces=flat.faces)
+    subject = SimpleNamespace(
+        hull_sets={"link": HullSet(hulls=(BOX,)), "flat": HullSet(hulls=(flat,)), "bare": HullSet(hulls=())},
+        points=lambda link: np.zeros((0, 3)),
+    )
+    assert distance_outside(subject, "link", np.array([0.29, 0.0, 0.0])) == 0.0
+    assert distance_outside(subject, "link", np.array([0.0, 0.0, 0.17])) == pytest.approx(0.07)
+    assert distance_outside(subject, "flat", np.zeros(3)) == np.inf
+    assert distance_outside(subject, "bare", np.zeros(3)) == np.inf

@@ -8,8 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from artigen.shapes.primitives import SEGMENTS, place_vertices, rounded_box
+from artigen.shapes.primitives import SEGMENTS, cylinder, place_vertices, rounded_box
 from artigen.transforms import transform_points
+from envs.hand import link_vertices
 from sim_export.collision.hulls import box_hull, clip_hull, convex_hull
 from sim_export.files.write import write_package
 from sim_export.geometry.primitives import (
@@ -162,7 +163,7 @@ def corner_bounds(shape: PrimitiveShape) -> np.ndarray:
         reach = np.abs(R) @ np.array(shape.sizes) / 2
     else:
         radius, length = shape.sizes
-        reach = np.abs(R[:, 2]) * length / 2 + radius * np.sqrt(1.0 - R[:, 2] ** 2)
+        reach = np.abs(R[:, 2]) * length / 2 + radius * np.hypot(R[:, 0], R[:, 1])
     return np.stack([at - reach, at + reach])
 
 
@@ -212,3 +213,42 @@ def test_sapien_puts_them_where_they_are(placed):
             found.append(as_placed("cylinder", (shape.radius, 2 * shape.half_length), R, T[:3, 3]))
     bounds = np.stack([corner_bounds(shape) for shape in SHAPES])
     np.testing.assert_allclose([corner_bounds(shape) for shape in found], bounds, atol=1e-5)
+
+
+@pytest.mark.sim
+def test_wheels_stand_on_a_facet_in_sapien(tmp_path):
+    """A cylinder that lies on the ground as its prism does, on a side, stays there and is as low."""
+    import sapien
+    from sapien.physx import PhysxCpuSystem
+
+    solid = cylinder((0.0, -0.02, 0.0), (0.0, 0.02, 0.0), 0.1, "")
+    hull = Hull(vertices=place_vertices(solid), faces=solid.faces)
+    shape = find_primitive(hull)
+    assert shape is not None
+    body = Link(
+        name="link_0", label="base", parts=(), visuals=(), hulls=(hull,), inertial=mesh_inertial(hull, 500.0)
+    )
+    side = Link(name="link_1", label="base", parts=(), visuals=(), hulls=(), inertial=body.inertial)
+    fixed = PackageJoint(
+        name="joint_0", type="fixed", kind="fixed", parent="link_1", child="link_0", origin=np.zeros(3),
+        axis=np.array([1.0, 0.0, 0.0]),
+    )  # fmt: skip
+    package = SimPackage(name="roll", category="Thing", visual="source", links=(body, side), joints=(fixed,))
+    folder = write_package(package, tmp_path / "roll")
+    scene = sapien.Scene([PhysxCpuSystem()])
+    scene.set_timestep(1 / 240)
+    scene.add_ground(0.0, render=False)
+    loader = scene.create_urdf_loader()
+    loader.fix_root_link = False
+    articulations, actors, _ = loader.parse(str(folder / "mobility.urdf"))
+    roll = (articulations or actors)[0].build()
+    roll.set_pose(sapien.Pose([0.0, 0.0, -float(hull.vertices[:, 2].min()) + 2e-3]))
+    for _ in range(480):
+        scene.step()
+    assert abs(roll.pose.p[0]) < 1e-3  # half a facet of 32 would be 10 mm
+    corners = transform_points(
+        roll.pose.to_transformation_matrix(),
+        link_vertices(next(link for link in roll.links if link.name == "link_0")),
+    )
+    assert corners[:, 2].min() == pytest.approx(0.0, abs=5e-4)
+    assert roll.pose.p[2] == pytest.approx(0.1 * np.cos(np.pi / 32), abs=5e-4)

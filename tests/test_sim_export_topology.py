@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from artigen.cli.main import main
+from artigen.cli.shape import ShapeSettings, choose_like, shape
 from artigen.errors import ArtigenError
-from artigen.shapes.draw import ShapeError, Wish, draw_shape, draw_variant
+from artigen.shapes.draw import ShapeError, Wish, draw_shape, draw_variant, find_seed
 from artigen.shapes.shape import Shape
 from sim_export.collision.hulls import box_hull, clip_hull
 from sim_export.files.folders import find_packages
@@ -58,6 +59,43 @@ def test_what_nothing_fits_is_an_error():
         draw_variant("Microwave", 3, 0, lambda shape: False)
 
 
+def test_the_first_seed_with_the_parts_is_found():
+    counts = (("drawer", 2), ("door", 0))
+    seed = find_seed("StorageFurniture", counts)
+    held = [dict(draw_shape("StorageFurniture", k).condition.counts) for k in range(seed + 1)]
+    assert [k for k in range(seed + 1) if held[k].get("drawer", 0) == 2 and "door" not in held[k]] == [seed]
+
+
+def test_the_last_seed_that_is_searched_counts():
+    counts = (("drawer", 2), ("door", 0))
+    seed = find_seed("StorageFurniture", counts)
+    assert find_seed("StorageFurniture", counts, most=seed + 1) == seed
+    with pytest.raises(ShapeError, match=f"none of {seed} seeds has 2 drawer, 0 door; most frequent were"):
+        find_seed("StorageFurniture", counts, most=seed)
+
+
+def test_parts_can_be_asked_for_in_place_of_a_seed(tmp_path, capsys):
+    settings = ShapeSettings(topology=("drawer=0", "door=1"), width=0.5, validation="none")
+    assert shape("Safe", tmp_path, count=2, cfg=settings, workers=1) == 0
+    assert "all are built as Safe 0" in capsys.readouterr().out
+    packages = [read_package(folder) for folder in find_packages([tmp_path])]
+    assert len(packages) == 2
+    assert len({find_topology(package) for package in packages}) == 1
+
+
+@pytest.mark.parametrize(
+    ("settings", "says"),
+    [
+        (ShapeSettings(topology=("door=1",), like=0), "topology door=1 beside like 0"),
+        (ShapeSettings(topology=("door=1",), counts=("drawer=0",)), "topology door=1 beside counts drawer=0"),
+        (ShapeSettings(topology=("doors=1",)), "count 'doors=1' is not of the form"),
+    ],
+)
+def test_a_topology_that_contradicts_itself_is_refused(settings, says):
+    with pytest.raises(ArtigenError, match=says):
+        choose_like("Safe", settings)
+
+
 def changed_hull(package: SimPackage) -> SimPackage:
     cut = clip_hull(box_hull(np.zeros(3), np.ones(3)), np.array([0.6, 0.0, 0.8]), 0.9)
     assert cut is not None
@@ -100,10 +138,10 @@ def test_numbers_and_materials_do_not_matter():
 
 
 def test_files_say_it_and_sets_are_found_at_any_depth(tmp_path, capsys, monkeypatch):
-    for place, shape in (("a", draw_shape("Safe", 0)), ("b/c", draw_shape("Microwave", 3))):
-        write_package(build_reference(shape), tmp_path / place / "one")
-    for index, shape in enumerate(variants("Microwave", 3, 2)):
-        write_package(build_reference(shape), tmp_path / "b" / f"variant_{index}")
+    for place, drawn in (("a", draw_shape("Safe", 0)), ("b/c", draw_shape("Microwave", 3))):
+        write_package(build_reference(drawn), tmp_path / place / "one")
+    for index, drawn in enumerate(variants("Microwave", 3, 2)):
+        write_package(build_reference(drawn), tmp_path / "b" / f"variant_{index}")
     folders = find_packages([tmp_path])
     assert len(folders) == 4
     assert find_packages([folders[0], tmp_path / "b"]) == folders

@@ -351,23 +351,31 @@ def cube(name: str, height: float, visuals: tuple[Visual, ...] | None = None) ->
     )
 
 
-def test_a_screw_only_turns(pxr, tmp_path: Path):
+def test_what_a_screw_moves_follows_its_turn(pxr, tmp_path: Path):
+    """Per radian for MuJoCo and Newton; per degree, with the other sign and a limited leader, for PhysX."""
     up, origin = np.array([0.0, 0.0, 1.0]), np.array([0.05, 0.05, 0.1])
     carrier = replace(cube("carrier", 0.1), visuals=(), hulls=())
     turn = PackageJoint(
         name="turn", type="continuous", kind="screw", parent="body", child="carrier", origin=origin, axis=up
     )
     travel = replace(
-        turn, name="travel", type="prismatic", parent="carrier", child="cap", mimic="turn", upper=0.02
-    )
+        turn, name="travel", type="prismatic", parent="carrier", child="cap", mimic="turn", upper=0.02,
+        mimic_multiplier=0.003,
+    )  # fmt: skip
     package = small((cube("cap", 0.1), carrier, cube("body", 0.0)), (turn, travel))
     stage = pxr.Usd.Stage.Open(str(write_usd(package, tmp_path)))
     root = stage.GetDefaultPrim()
-    assert {"cap", "body"} <= set(root.GetChildrenNames())
-    assert "carrier" not in root.GetChildrenNames()
-    assert root.GetChild("joints").GetChildrenNames() == ["fixed_to_world", "turn"]
-    joint = pxr.UsdPhysics.RevoluteJoint(root.GetChild("joints").GetChild("turn"))
-    assert [path.name for path in joint.GetBody1Rel().GetTargets()] == ["cap"]
+    assert {"cap", "carrier", "body"} <= set(root.GetChildrenNames())
+    leader, follower = (root.GetChild("joints").GetChild(name) for name in ("turn", "travel"))
+    schemas = set(follower.GetMetadata("apiSchemas").GetAddedOrExplicitItems())
+    assert {"MjcEqualityJointAPI", "PhysxMimicJointAPI:rotZ"} <= schemas
+    for name in ("mjc:target", "physxMimicJoint:rotZ:referenceJoint"):
+        assert follower.GetRelationship(name).GetTargets() == [leader.GetPath()]
+    assert follower.GetAttribute("mjc:coef1").Get() == pytest.approx(0.003)
+    gearing = follower.GetAttribute("physxMimicJoint:rotZ:gearing").Get()
+    joint = pxr.UsdPhysics.RevoluteJoint(leader)
+    assert joint.GetLowerLimitAttr().Get() == 0.0
+    assert -gearing * joint.GetUpperLimitAttr().Get() == pytest.approx(0.02)
 
 
 def test_kept_source_files_are_shown_material_by_material(pxr, tmp_path: Path):

@@ -48,6 +48,8 @@ class ShapeSettings:
     like: int | None = None
     """Seed of an object that all are built as: the same links, joints and kinds of collision shapes by name
     and order, in other sizes and materials. One batch of an engine holds them all."""
+    topology: tuple[str, ...] = ()
+    """Parts, such as drawer=3 door=0: as ``like``, with the first seed whose object has exactly these."""
     source: Literal["reference", "voxels"] = "reference"
     """``reference`` takes the object's own primitives as collision; ``voxels`` rebuilds the object from
     its 64^3 articulated voxels, as for a generated one."""
@@ -80,6 +82,27 @@ class ShapeJob:
     def settings(self) -> str:
         """Object and settings as text."""
         return f"{self.key} {self.cfg}"
+
+
+def choose_like(category: str, cfg: ShapeSettings) -> ShapeSettings:
+    """The settings with the seed of ``topology``, if that is asked for, as ``like``.
+
+    Raises:
+        ArtigenError: If ``like`` or ``counts`` are asked for as well, or no object has the parts.
+    """
+    if not cfg.topology:
+        return cfg
+    if cfg.like is not None or cfg.counts:
+        raise ArtigenError(
+            f"topology {' '.join(cfg.topology)} beside "
+            + (f"like {cfg.like}" if cfg.like is not None else f"counts {' '.join(cfg.counts)}")
+            + ": topology chooses the object that all are built as by its parts; leave the other one out"
+        )
+    from artigen.shapes.draw import find_seed
+
+    seed = find_seed(category, read_counts(cfg.topology), read_wish(cfg))
+    sys.stdout.write(f"{' '.join(cfg.topology)}: all are built as {category} {seed}\n")
+    return replace(cfg, like=seed, topology=())
 
 
 def draw_wished(job: ShapeJob) -> "Shape":
@@ -237,6 +260,7 @@ def shape(
     """
     if count < 1 or seed < 0:
         raise ArtigenError(f"{count} objects from seed {seed}: at least one object, and no seed below 0")
+    cfg = choose_like(category, cfg)
     jobs = [
         ShapeJob(category=category, seed=number, out=out, cfg=cfg) for number in range(seed, seed + count)
     ]

@@ -27,6 +27,8 @@ CROWDED_DRAWS = 10
 """Draws of an object whose lengths are free, each with other lengths, before it is given up as too large."""
 VARIANTS = 100
 """Draws of an object that is to be built as another one; the last has its very lengths."""
+SEARCHED = 500
+"""Seeds that are searched for an object with counts that come as they come."""
 LENGTHS = (0.02, 10.0)
 """Lengths that can be wished for (m)."""
 
@@ -121,6 +123,36 @@ def draw_variant(
         if fits(shape):
             return shape
     raise ShapeError(f"{category}: none of {VARIANTS} variants of seed {like} by seed {seed} is built alike")
+
+
+def find_seed(
+    category: str, counts: tuple[tuple[PartLabel, int], ...], wish: Wish | None = None, most: int = SEARCHED
+) -> int:
+    """The first seed whose object has these counts of parts, labels not named being free.
+
+    Args:
+        category: What to draw.
+        counts: Parts wanted, exactly, by label.
+        wish: What else the objects are asked to be.
+        most: Seeds to try, from 0 on.
+
+    Raises:
+        ShapeError: As `draw_shape`; and if none of the seeds has the counts, with those that were most
+            frequent.
+    """
+    seen: Counter[str] = Counter()
+    for seed in range(most):
+        try:
+            held = dict(draw_shape(category, seed, wish).condition.counts)
+        except CrowdedError:
+            continue
+        found = {label: held.get(label, 0) for label, _ in counts}
+        if found == dict(counts):
+            return seed
+        seen[", ".join(f"{count} {label}" for label, count in found.items())] += 1
+    wanted = ", ".join(f"{count} {label}" for label, count in counts)
+    near = "; ".join(text for text, _ in seen.most_common(5))
+    raise ShapeError(f"{category}: none of {most} seeds has {wanted}; most frequent were {near}")
 
 
 class _Varied(np.random.Generator):

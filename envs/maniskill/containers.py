@@ -11,9 +11,10 @@ from jaxtyping import Bool, Float
 
 from artigen.transforms import transform_points
 from sim_export.package import Hull
+from sim_export.tree import hanging_links
 
 from .hulls import open_above_ground
-from .objects import TaskObject, TaskPart, carried_links
+from .objects import TaskObject, TaskPart
 from .placement import outward, part_motion
 
 CELL = 0.01
@@ -109,9 +110,8 @@ def largest_rectangle(mask: Bool[np.ndarray, "X Y"]) -> tuple[int, int, int, int
 
 
 def _in_drawer(entry: TaskObject, part: TaskPart, opened: float, size: float) -> Container | None:
-    links = {link.name: link for link in entry.package.links}
-    inside = carried_links(entry.package, part.joint.child)
-    hulls = tuple(hull for name in inside for hull in links[name].hulls)
+    inside = hanging_links(entry.package.joints, part.joint.child)
+    hulls = tuple(hull for link in entry.package.links if link.name in inside for hull in link.hulls)
     others = tuple(hull for link in entry.package.links if link.name not in inside for hull in link.hulls)
     xs, ys, xy = _grid(part.moved.min(axis=0), part.moved.max(axis=0))
     top = column_spans(hulls, xy)[1].max(axis=0, initial=-np.inf)
@@ -144,7 +144,7 @@ def _in_drawer(entry: TaskObject, part: TaskPart, opened: float, size: float) ->
 
 
 def _behind_door(entry: TaskObject, part: TaskPart, size: float) -> Container | None:
-    door = carried_links(entry.package, part.joint.child)
+    door = hanging_links(entry.package.joints, part.joint.child)
     others = tuple(hull for link in entry.package.links if link.name not in door for hull in link.hulls)
     inwards = -outward(part)
     if abs(inwards[0]) < 0.9:

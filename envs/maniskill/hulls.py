@@ -9,8 +9,9 @@ from artigen.transforms import transform_points
 from sim_export.collision.hulls import box_hull
 from sim_export.collision.motion import link_displacements
 from sim_export.package import Hull
+from sim_export.tree import hanging_links
 
-from .objects import TaskObject, TaskPart, carried_links
+from .objects import TaskObject, TaskPart
 from .placement import part_motion
 
 CLEAR_OF_GROUND = 0.001
@@ -31,7 +32,7 @@ def hulls_at(
     """
     links = entry.package.links
     T = link_displacements(links, entry.package.joints, qpos)
-    inside = carried_links(entry.package, part.joint.child)
+    inside = hanging_links(entry.package.joints, part.joint.child)
     carried: list[Hull] = []
     others: list[Hull] = []
     for link, displacement in zip(links, T, strict=True):

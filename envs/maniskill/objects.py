@@ -15,6 +15,7 @@ from jaxtyping import Float
 
 from sim_export.files.read import read_package
 from sim_export.package import HandleAnnotation, Hull, PackageJoint, SimPackage
+from sim_export.tree import hanging_links, needed_fractions
 
 from .folders import TaskError, demand_validation, find_packages
 
@@ -184,8 +185,9 @@ def _part(
     handle: HandleAnnotation | None,
 ) -> TaskPart:
     links = {link.name: link for link in package.links}
-    names = carried_links(package, joint.child)
-    moved = np.concatenate([np.zeros((0, 3)), *(hull.vertices for x in names for hull in links[x].hulls)])
+    names = hanging_links(package.joints, joint.child)
+    hulls = [hull.vertices for link in package.links if link.name in names for hull in link.hulls]
+    moved = np.concatenate([np.zeros((0, 3)), *hulls])
     if not len(moved):
         raise TaskError(f"package {package.name!r}: link {joint.child!r} has no collision shape to touch")
     return TaskPart(
@@ -195,7 +197,7 @@ def _part(
         grip=handle.corners.mean(axis=0) if handle is not None else _edge_point(joint, moved),
         moved=moved,
         held=() if handle is None else _hulls_of_handle(links[handle.link].hulls, handle),
-        needs=needed_joints(package, joint.name),
+        needs=tuple(needed_fractions(joint.name, package.requires_open)),
     )
 
 
@@ -203,27 +205,6 @@ def _hulls_of_handle(hulls: tuple[Hull, ...], handle: HandleAnnotation) -> tuple
     """The hulls that lie in the handle's box."""
     low, high = handle.corners.min(axis=0) - HANDLE_SLACK, handle.corners.max(axis=0) + HANDLE_SLACK
     return tuple(x for x in hulls if (x.vertices >= low).all() and (x.vertices <= high).all())
-
-
-def carried_links(package: SimPackage, link: str) -> tuple[str, ...]:
-    """A link and everything that hangs from it."""
-    out, waiting = [], [link]
-    while waiting:
-        out.append(waiting.pop(0))
-        waiting += [joint.child for joint in package.joints if joint.parent == out[-1]]
-    return tuple(out)
-
-
-def needed_joints(package: SimPackage, name: str) -> tuple[str, ...]:
-    """Everything that has to stand open before a joint moves, needs of needs included."""
-    out: list[str] = []
-    waiting = [name]
-    while waiting:
-        joint = waiting.pop()
-        direct = [pair.needs for pair in package.requires_open if pair.joint == joint]
-        waiting += [need for need in direct if need not in out and need != name]
-        out += [need for need in direct if need not in out and need != name]
-    return tuple(sorted(out))
 
 
 def _edge_point(joint: PackageJoint, moved: np.ndarray) -> np.ndarray:

@@ -154,7 +154,7 @@ def _volume(vertices: np.ndarray, faces: np.ndarray) -> float:
 
 
 def carrier(subject: Subject, link: str) -> str | None:
-    """The nearest ancestor with collision geometry: the root and a screw's carrier have none."""
+    """The nearest ancestor that can be touched; a screw's carrier cannot."""
     return next((name for name in subject.ancestors(link) if subject.hull_sets[name].hulls), None)
 
 

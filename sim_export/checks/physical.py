@@ -7,13 +7,10 @@ from sim_export.checks.registry import CheckSpec, Finding, always, count_problem
 from sim_export.checks.subject import Subject
 from sim_export.checks.urdf_file import UrdfInertial, UrdfLink
 from sim_export.collision.contacts import HullSet
-from sim_export.collision.hulls import convex_hull, hull_planes
-from sim_export.errors import DegeneratePart
-from sim_export.package import Hull
 
 
 def _solid_links(subject: Subject) -> list[UrdfLink]:
-    """Links with geometry; the empty root and a screw's carrier need no mass."""
+    """Links with geometry; an empty root needs no mass."""
     return [link for link in subject.links.values() if link.visuals or link.collisions]
 
 
@@ -58,7 +55,7 @@ def check_inertia(subject: Subject, cfg: CheckConfig) -> Finding:
         faults = _inertia_faults(link.inertial, cfg)
         T = subject.poses[link.name]
         com = T[:3, :3] @ link.inertial.com + T[:3, 3]
-        outside = _distance_outside(subject, link.name, com)
+        outside = distance_outside(subject, link.name, com)
         if not outside <= cfg.com_tolerance:
             faults.append(f"has its centre of mass {1e3 * outside:.3g} mm outside its convex hull")
         problems += [(link.name, f"link {link.name!r} {fault}") for fault in faults]
@@ -79,14 +76,18 @@ def _inertia_faults(inertial: UrdfInertial, cfg: CheckConfig) -> list[str]:
     return []
 
 
-def _distance_outside(subject: Subject, link: str, point: np.ndarray) -> float:
+def distance_outside(subject: Subject, link: str, point: np.ndarray) -> float:
     """How far a point lies outside the convex hull of a link's vertices (m), at least."""
-    try:
-        hull: Hull = convex_hull(_extreme(subject, link))
-    except DegeneratePart:
+    from scipy.spatial import ConvexHull, QhullError
+
+    corners = _extreme(subject, link)
+    if len(corners) <= corners.shape[1]:
         return np.inf
-    planes = hull_planes(hull)
-    return max(0.0, float((planes[:, :3] @ point - planes[:, 3]).max()))
+    try:
+        planes = ConvexHull(corners - point).equations
+    except QhullError:
+        return np.inf
+    return max(0.0, float(planes[:, 3].max()))
 
 
 def _extreme(subject: Subject, link: str) -> np.ndarray:

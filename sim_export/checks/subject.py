@@ -250,11 +250,23 @@ class Subject:
         return tuple(_engine_hull(shape.vertices) for shape in self.collisions)
 
     @cached_property
+    def carriers(self) -> frozenset[str]:
+        """Links without a surface between the two joints of a screw."""
+        turned = {joint.name: joint.child for joint in self.urdf.joints}
+        between = {
+            joint.parent for joint in self.urdf.joints if turned.get(joint.mimic or "") == joint.parent
+        }
+        return frozenset(name for name in between if name in self.links and not self.links[name].visuals)
+
+    @cached_property
     def hull_sets(self) -> dict[str, HullSet]:
-        """The hulls of every link; shapes too flat for one are left out (V102 names them)."""
+        """The hulls of every link that can be touched: not of a screw's carrier, which is inside of others.
+
+        Shapes too flat for a hull are left out (V102 names them).
+        """
         found: dict[str, list[Hull]] = {name: [] for name in self.links}
         for shape, hull in zip(self.collisions, self.hulls, strict=True):
-            if hull is not None:
+            if hull is not None and shape.link not in self.carriers:
                 found[shape.link].append(hull)
         return {name: HullSet(hulls=tuple(hulls)) for name, hulls in found.items()}
 

@@ -15,9 +15,11 @@ from sim_export.checks.registry import CheckSpec, Finding
 from sim_export.checks.subject import Subject
 from sim_export.checks.surface import inside_hulls
 from sim_export.collision.contacts import Distances, HullSet, find_penetration, signed_distances
+from sim_export.collision.requirements import required_openings
 from sim_export.collision.sweeps import SweepConfig, sample_range
 from sim_export.errors import PackageError
 from sim_export.package import PackageJoint
+from sim_export.tree import needed_fractions
 
 _SAMPLES_PER_LINK = 1500
 _TOUCH = 1e-4
@@ -88,21 +90,13 @@ def check_sweep(subject: Subject, cfg: CheckConfig) -> Finding:
 
 def open_positions(subject: Subject, joint: PackageJoint) -> dict[str, object]:
     """Coordinates of the joints that must be open before ``joint`` can move, their own needs included."""
-    by_name = {other.name: other for other in subject.driven}
-    qpos: dict[str, object] = {}
-    waiting = [joint.name]
-    while waiting:
-        name = waiting.pop()
-        for need in subject.requires_open:
-            if need.joint == name and need.needs not in qpos:
-                if need.needs not in by_name:
-                    raise PackageError(
-                        f"annotations.json: {name!r} needs {need.needs!r}, which is no joint that moves"
-                    )
-                other = by_name[need.needs]
-                qpos[need.needs] = other.lower + need.fraction * (other.upper - other.lower)
-                waiting.append(need.needs)
-    return qpos
+    known = {other.name for other in subject.driven}
+    lost = [name for name in needed_fractions(joint.name, subject.requires_open) if name not in known]
+    if lost:
+        raise PackageError(
+            f"annotations.json: {joint.name!r} needs {lost[0]!r}, which is no joint that moves"
+        )
+    return dict(required_openings(joint, subject.driven, subject.requires_open))
 
 
 def joint_motion(subject: Subject, joint: PackageJoint, cfg: CheckConfig) -> Motion:

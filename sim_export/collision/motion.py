@@ -12,6 +12,7 @@ from jaxtyping import Float
 from artigen.transforms import screw_motion
 from sim_export.errors import InvalidKinematics
 from sim_export.package import Link, PackageJoint
+from sim_export.tree import hanging_links
 
 MOVING_TYPES = ("revolute", "prismatic", "continuous")
 
@@ -73,10 +74,7 @@ def moved_links(
     links: Sequence[Link], joints: Sequence[PackageJoint], joint: PackageJoint
 ) -> tuple[int, ...]:
     """Indices of the links that move with ``joint``: its child and everything that hangs from it."""
-    moved = {joint.child}
-    for other in _parents_first(links, joints):
-        if other.parent in moved:
-            moved.add(other.child)
+    moved = hanging_links(joints, joint.child)
     return tuple(index for index, link in enumerate(links) if link.name in moved)
 
 

@@ -14,6 +14,7 @@ from jaxtyping import Float
 from sim_export.collision.contacts import HullSet, penetration_depths
 from sim_export.collision.motion import driven_joints, link_displacements, longest_side, moved_links
 from sim_export.package import Link, PackageJoint, Requirement
+from sim_export.tree import needed_fractions
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,17 +42,9 @@ def required_openings(
 ) -> dict[str, float]:
     """Coordinates of the joints that must be open for ``joint`` to move, requirements of theirs included."""
     by_name = {other.name: other for other in joints}
-    fractions: dict[str, float] = {}
-    waiting = [joint.name]
-    while waiting:
-        name = waiting.pop()
-        for requirement in requirements:
-            if requirement.joint == name and requirement.fraction > fractions.get(requirement.needs, 0.0):
-                fractions[requirement.needs] = requirement.fraction
-                waiting.append(requirement.needs)
     return {
         name: by_name[name].lower + fraction * (by_name[name].upper - by_name[name].lower)
-        for name, fraction in sorted(fractions.items())
+        for name, fraction in needed_fractions(joint.name, requirements).items()
     }
 
 
@@ -81,7 +74,7 @@ def find_requirements(
     found: list[Requirement] = []
     for _, joint, other, apart in sorted(blocked, key=lambda row: (-row[0], row[1].name, row[2].name)):
         poses = sweep_coordinates(joint, cfg.poses)
-        if other.name == joint.name or _leads_to(found, other.name, joint.name):
+        if other.name == joint.name or joint.name in needed_fractions(other.name, found):
             continue
         for fraction in cfg.fractions:
             opened = {joint.name: poses, other.name: other.lower + fraction * (other.upper - other.lower)}
@@ -109,16 +102,3 @@ def _depth(
                 at_rest = penetration_depths(sets[first], sets[second], np.eye(4), np.eye(4))[0]
                 deepest = max(deepest, float(depths.max() - at_rest))
     return deepest
-
-
-def _leads_to(requirements: Sequence[Requirement], start: str, end: str) -> bool:
-    """Whether following requirements from ``start`` reaches ``end``."""
-    seen, waiting = set(), [start]
-    while waiting:
-        name = waiting.pop()
-        if name == end:
-            return True
-        if name not in seen:
-            seen.add(name)
-            waiting += [requirement.needs for requirement in requirements if requirement.joint == name]
-    return False

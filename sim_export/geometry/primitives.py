@@ -7,18 +7,24 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float
 
-from artigen.shapes.primitives import SEGMENTS, cylinder
+from artigen.shapes.primitives import SEGMENTS, box, cylinder, move, place_vertices
 from artigen.transforms import transform_points
 from sim_export.errors import PackageError
 from sim_export.package import Hull, Mesh
 
+FACET_TURN = np.pi / 32
+"""Radians by which cylinders are turned about their axis. SAPIEN makes 32 facets of one, with an edge where
+its x points: turned so, facets lie where our prism has them, and wheels stand on one, not on an edge."""
 PRECISION = 1e-6
 """Metres; hulls whose corners are this near those of a primitive are one, as files hold micrometres."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PrimitiveShape:
-    """A box of three edges, or a cylinder of a radius and a length along its own z (m), as it is placed."""
+    """A box of three edges, or a cylinder of a radius and a length along its own z (m), as it is placed.
+
+    The prism for a cylinder has the middle of a side `FACET_TURN` before the own x.
+    """
 
     kind: Literal["box", "cylinder"]
     sizes: tuple[float, ...]
@@ -28,21 +34,24 @@ class PrimitiveShape:
 def primitive_mesh(kind: str, sizes: tuple[float, ...]) -> Mesh:
     """A box (three edges), cylinder (radius, length along z) or sphere (radius) in metres, about its middle.
 
-    A cylinder is the inscribed prism of `SEGMENTS` sides.
+    A cylinder is the inscribed prism of `SEGMENTS` sides, turned by `-FACET_TURN`.
 
     Raises:
         PackageError: If a size is not a positive number or the kind is unknown.
     """
     if not (len(sizes) and np.isfinite(sizes).all() and min(sizes) > 0):
         raise PackageError(f"a {kind} has sizes {list(sizes)}, expected positive numbers")
-    import trimesh
-
     match kind:
         case "box":
-            solid = trimesh.creation.box(extents=sizes)
+            x, y, z = (size / 2 for size in sizes)
+            solid = box((-x, -y, -z), (x, y, z), "")
         case "cylinder":
             solid = cylinder((0.0, 0.0, -sizes[1] / 2), (0.0, 0.0, sizes[1] / 2), sizes[0], "")
+            solid = move(solid, turn=-FACET_TURN)
+            return Mesh(vertices=place_vertices(solid), faces=solid.faces)
         case "sphere":
+            import trimesh
+
             solid = trimesh.creation.icosphere(subdivisions=2, radius=sizes[0])
         case _:
             raise PackageError(f"shape {kind!r}, expected box, cylinder or sphere")
@@ -84,7 +93,7 @@ def _find_box(corners: Float[np.ndarray, "8 3"]) -> PrimitiveShape | None:
     if not _all_there(expected) or np.abs((corners - center) @ axes.T - expected).max() > PRECISION:
         return None
     return PrimitiveShape(
-        kind="box", sizes=tuple(float(edge) for edge in 2 * half), T_object_shape=_place(axes, center)
+        kind="box", sizes=tuple(float(edge) for edge in 2 * half), T_object_shape=place_axes(axes, center)
     )
 
 
@@ -119,11 +128,11 @@ def _find_cylinder(hull: Hull) -> PrimitiveShape | None:
     y = np.cross(axis, x)
     angles = np.arctan2(spokes @ y, spokes @ x)
     step = 2 * np.pi / SEGMENTS
-    turn = float(np.angle(np.exp(1j * SEGMENTS * (angles - step / 2)).mean())) / SEGMENTS
+    turn = float(np.angle(np.exp(1j * SEGMENTS * (angles - step / 2)).mean())) / SEGMENTS + FACET_TURN
     x, y = np.cos(turn) * x + np.sin(turn) * y, np.cos(turn) * y - np.sin(turn) * x
     radius = float(np.hypot(spokes @ x, spokes @ y).mean())
     shape = PrimitiveShape(
-        kind="cylinder", sizes=(radius, 2 * half), T_object_shape=_place(np.stack([x, y, axis]), center)
+        kind="cylinder", sizes=(radius, 2 * half), T_object_shape=place_axes(np.stack([x, y, axis]), center)
     )
     apart = hull.vertices[:, None] - primitive_hull(shape).vertices
     nearest = np.linalg.norm(apart, axis=2)
@@ -145,8 +154,16 @@ def _find_caps(hull: Hull) -> Float[np.ndarray, "3"] | None:
     return axis * np.sign(axis[np.argmax(np.abs(axis))])
 
 
-def _place(axes: Float[np.ndarray, "3 3"], center: Float[np.ndarray, "3"]) -> Float[np.ndarray, "4 4"]:
+def place_axes(axes: Float[np.ndarray, "3 3"], center: Float[np.ndarray, "3"]) -> Float[np.ndarray, "4 4"]:
+    """The pose of a shape whose own axes are the rows of ``axes`` (in object axes) about ``center`` (m)."""
     T = np.eye(4)
     T[:3, :3] = axes.T
     T[:3, 3] = center
     return T
+
+
+def place_along(axis: Float[np.ndarray, "3"], center: Float[np.ndarray, "3"]) -> Float[np.ndarray, "4 4"]:
+    """The pose of a shape whose own z points along a unit vector (object axes) about ``center`` (m)."""
+    x = np.cross(axis, np.eye(3)[int(np.abs(axis).argmin())])
+    x /= np.linalg.norm(x)
+    return place_axes(np.stack([x, np.cross(axis, x), axis]), center)

@@ -27,6 +27,7 @@ from sim_export.package import (
 )
 from sim_export.physics.inertia import check_inertial, combine, inertia_about, raise_light_mass
 from sim_export.physics.materials import GRAVITY, joint_resistance
+from sim_export.tree import hanging_links
 
 BASE = "base"
 MAX_LINKS = 64
@@ -248,12 +249,7 @@ def _screw(joint: Joint, link: Link, parent: str, scale: float) -> tuple[list[Li
 
 def subtree_inertial(links: Sequence[Link], joints: Sequence[PackageJoint], name: str) -> Inertial:
     """Mass properties, at rest, of a link and everything that hangs from it."""
-    inside = {name}
-    grown = True
-    while grown:
-        more = {joint.child for joint in joints if joint.parent in inside} - inside
-        inside |= more
-        grown = bool(more)
+    inside = hanging_links(joints, name)
     return combine([link.inertial for link in links if link.name in inside and link.inertial is not None])
 
 
@@ -311,7 +307,11 @@ def _with_resistance(
             out.append(replace(joint, friction=0.0, damping=0.0, effort=100.0, velocity=1.0))
             continue
         moved = subtree_inertial(links, joints, joint.child)
-        resist = joint_resistance(label, joint.kind, moved.mass, opening_pull(joint, moved))
+        hold = opening_pull(joint, moved)
+        if follower is not None:  # a screw that stands upright locks, as threads do
+            climb = abs(float(follower.axis[2])) * follower.mimic_multiplier
+            hold += (1.0 + HOLD_SLOPE) * moved.mass * GRAVITY * climb
+        resist = joint_resistance(label, joint.kind, moved.mass, hold)
         turning = float(joint.axis @ inertia_about(moved, joint.origin) @ joint.axis)
         moment = moved.mass if joint.type == "prismatic" else turning
         out.append(

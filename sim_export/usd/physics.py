@@ -27,6 +27,10 @@ from sim_export.usd.looks import define_mesh
 if TYPE_CHECKING:
     from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade
 
+HARD_REFERENCE = (0.004, 1.0)
+HARD_IMPEDANCE = (0.99, 0.999, 1e-4, 0.5, 2.0)
+"""How stiff a screw is in MuJoCo, as in our MJCF."""
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Frames:
@@ -180,6 +184,38 @@ def add_joint(stage: "Usd.Stage", path: "Sdf.Path", joint: PackageJoint, frames:
         made.CreateLowerLimitAttr().Set(joint.lower * to_file)
         made.CreateUpperLimitAttr().Set(joint.upper * to_file)
     _add_resistance(made.GetPrim(), joint)
+
+
+def follow_joint(prim: "Usd.Prim", joint: PackageJoint, leader: "Usd.Prim") -> None:
+    """Lets a sliding joint follow a turning one, as on a screw: for Newton and MuJoCo, and for PhysX.
+
+    ``newton:mimicCoef1`` is left out: Newton 1.8 reads it per radian and PhysX (ovphysx 0.7) per degree.
+    PhysX wants an instance named after a turning axis for sliding followers too, and limits of the leader.
+    """
+    from pxr import Sdf, UsdPhysics, Vt
+
+    turn = UsdPhysics.RevoluteJoint(leader)
+    if not turn.GetUpperLimitAttr().HasAuthoredValue():
+        for attribute, end in (
+            (turn.CreateLowerLimitAttr(), joint.lower),
+            (turn.CreateUpperLimitAttr(), joint.upper),
+        ):
+            attribute.Set(float(np.degrees(end / joint.mimic_multiplier)))
+    prim.AddAppliedSchema("MjcEqualityJointAPI")
+    prim.CreateRelationship("mjc:target", custom=False).SetTargets([leader.GetPath()])
+    for name, kind, value in (
+        ("mjc:coef1", Sdf.ValueTypeNames.Double, joint.mimic_multiplier),
+        ("mjc:solref", Sdf.ValueTypeNames.DoubleArray, Vt.DoubleArray(HARD_REFERENCE)),
+        ("mjc:solimp", Sdf.ValueTypeNames.DoubleArray, Vt.DoubleArray(HARD_IMPEDANCE)),
+    ):
+        prim.CreateAttribute(name, kind, custom=False, variability=Sdf.VariabilityUniform).Set(value)
+    prim.AddAppliedSchema("PhysxMimicJointAPI:rotZ")
+    own = "physxMimicJoint:rotZ:"
+    prim.CreateRelationship(f"{own}referenceJoint", custom=False).SetTargets([leader.GetPath()])
+    axis = prim.CreateAttribute(f"{own}referenceJointAxis", Sdf.ValueTypeNames.Token, custom=False)
+    axis.Set("rotZ")
+    gearing = prim.CreateAttribute(f"{own}gearing", Sdf.ValueTypeNames.Float, custom=False)
+    gearing.Set(-joint.mimic_multiplier * np.pi / 180.0)
 
 
 def _from_z(axis: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 3"]:

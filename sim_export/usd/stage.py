@@ -16,7 +16,7 @@ import numpy as np
 from jaxtyping import Float
 
 from sim_export.files.srdf import touching_pairs
-from sim_export.files.urdf import link_origins, turn_screws
+from sim_export.files.urdf import link_origins
 from sim_export.package import Hull, Link, Mesh, SimPackage, Visual
 from sim_export.physics.links import check_kinematics
 from sim_export.physics.materials import MaterialName
@@ -31,14 +31,15 @@ from sim_export.usd.physics import (
     add_joint,
     add_physics_material,
     fix_to_world,
+    follow_joint,
 )
 
 if TYPE_CHECKING:
     from pxr import Sdf, Usd
 
 SCOPES = ("joints", "materials", "physics_materials")
-INSIDE = 0.002
-"""Metres by which a hull may stick out of the piece that it stands for."""
+INSIDE = 0.004
+"""Metres by which a hull may stick out of the piece that it stands for; a little more than they do."""
 GRASP_WIDTH = 0.002
 """Metres; how thick grasp lines are drawn."""
 
@@ -66,7 +67,6 @@ def stage_files(package: SimPackage) -> dict[str, bytes]:
     """
     from pxr import Usd
 
-    package = turn_screws(package)
     # Prims of visuals are named anew, so that their names may occur twice.
     check_kinematics(replace(package, links=tuple(replace(link, visuals=()) for link in package.links)))
     stage = Usd.Stage.CreateInMemory()
@@ -220,8 +220,13 @@ def _add_joints(stage: "Usd.Stage", root: "Sdf.Path", package: SimPackage, frame
         if link.name not in children:
             fix_to_world(stage, scope.AppendChild("fixed_to_world"), root, frames.paths[link.name])
     names = prim_names((joint.name for joint in package.joints), ("fixed_to_world",))
-    for name, joint in zip(names, package.joints, strict=True):
-        add_joint(stage, scope.AppendChild(name), joint, frames)
+    places = {joint.name: scope.AppendChild(name) for name, joint in zip(names, package.joints, strict=True)}
+    for joint in package.joints:
+        add_joint(stage, places[joint.name], joint, frames)
+    for joint in package.joints:
+        if joint.mimic is not None:
+            follower, leader = (stage.GetPrimAtPath(places[name]) for name in (joint.name, joint.mimic))
+            follow_joint(follower, joint, leader)
     for first, second in touching_pairs(package):
         apart = UsdPhysics.FilteredPairsAPI.Apply(stage.GetPrimAtPath(frames.paths[first]))
         apart.CreateFilteredPairsRel().AddTarget(frames.paths[second])

@@ -22,7 +22,8 @@ class Mujoco:
         if plan["file"] == "urdf" and not plan.get("as_loaded"):
             # A URDF cannot say how hard limits and friction are; the MJCF says it joint by joint.
             self.model.jnt_solref[:, 0] = 0.004
-            self.model.jnt_solimp[:, :3] = self.model.dof_solimp[:, :3] = (0.99, 0.999, 0.0001)
+            self.model.jnt_solimp[:, :3] = (0.99, 0.999, 0.0001)
+            self.model.dof_solimp[:, :3] = (0.999, 0.9999, 0.0001)
         self.data = mujoco.MjData(self.model)
         bodies = {self.model.body(index).name: index for index in range(1, self.model.nbody)}
         self.lost = {}

@@ -31,14 +31,16 @@ class Sapien:
 
     def joints(self) -> dict[str, JointFacts]:
         facts: dict[str, JointFacts] = {}
+        followers = {screw.follower.name for screw in self.loaded.screws}
         for joint in self.articulation.active_joints:
             lower, upper = (float(value) for value in np.asarray(joint.limits).reshape(-1))
             limited = bool(np.isfinite([lower, upper]).all())
-            # The drive is the friction and a tendon the damping; SAPIEN has no names for either.
+            # The drive is the friction, but a follower's what it follows by, and a tendon the damping.
+            rubs = joint.damping > 0.0 and joint.name not in followers
             facts[joint.name] = {
                 "lower": lower if limited else None,
                 "upper": upper if limited else None,
-                "friction": float(joint.force_limit) if joint.damping > 0.0 else None,
+                "friction": float(joint.force_limit) if rubs else None,
                 "damping": None,
             }
         return facts

@@ -1,0 +1,138 @@
+"""Laws of primitives in place of pieces that nearly are such: around them, near them, blind to poses."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
+
+from artigen.shapes.appliances.rings import build_ring
+from artigen.shapes.primitives import Primitive, box, cylinder, place_vertices, prism, rounded_box
+from sim_export.collision.hulls import convex_hull, hull_planes, hull_volume, hull_width
+from sim_export.collision.simplification import SHARE, TOLERANCE, simplify_hulls
+from sim_export.geometry.primitives import find_primitive
+from sim_export.geometry.solids import as_solid
+from sim_export.package import Hull
+
+SEEDS = st.integers(0, 10_000)
+CORNER = 2.0 / np.sqrt(3.0)
+"""How far the corner of a box stands out of its bevels, over their width."""
+
+
+def hull_of(primitive: Primitive) -> Hull:
+    return Hull(vertices=place_vertices(primitive), faces=primitive.faces)
+
+
+def bevelled(bevel: float, sizes: tuple[float, float, float] = (0.3, 0.4, 0.02)) -> Hull:
+    return hull_of(rounded_box((0.0, 0.0, 0.0), sizes, bevel, ""))
+
+
+def ring(inner: float, outer: float, sides: int = 16) -> list[Hull]:
+    radii = (inner, outer)
+    return [
+        hull_of(wedge) for wedge in build_ring((0, 0, 0), "z", (0.0, 0.1), (radii, radii), "", sides=sides)
+    ]
+
+
+def kinds(hulls: tuple[Hull, ...]) -> list[str]:
+    found = [find_primitive(hull) for hull in hulls]
+    return ["mesh" if shape is None else shape.kind for shape in found]
+
+
+def union(hulls) -> object:
+    first, *others = [as_solid(hull) for hull in hulls]
+    for other in others:
+        first = first + other
+    return first
+
+
+def test_primitives_stay_the_same_objects():
+    solids = [box((0, 0, 0), (1, 2, 3), ""), cylinder((0, 0, 0), (0, 0, 1), 0.2, "")]
+    hulls = [hull_of(solid) for solid in solids]
+    assert all(new is old for new, old in zip(simplify_hulls(hulls), hulls, strict=True))
+
+
+@pytest.mark.parametrize(("share", "kind"), [(0.99, "box"), (1.01, "mesh")])
+def test_a_bevel_is_left_out_up_to_the_tolerance(share: float, kind: str):
+    assert kinds(simplify_hulls([bevelled(share * TOLERANCE / CORNER)])) == [kind]
+
+
+@pytest.mark.parametrize(("share", "kind"), [(0.99, "box"), (1.01, "mesh")])
+def test_thin_pieces_have_a_tolerance_in_proportion(share: float, kind: str):
+    thickness = 0.5 * TOLERANCE / SHARE
+    hull = bevelled(share * SHARE * thickness / CORNER, (0.3, 0.4, thickness))
+    assert kinds(simplify_hulls([hull])) == [kind]
+
+
+@pytest.mark.parametrize(("share", "kind"), [(0.99, "cylinder"), (1.01, "mesh")])
+def test_a_prism_of_many_sides_becomes_a_cylinder_up_to_the_tolerance(share: float, kind: str):
+    sides = 12
+    radius = share * TOLERANCE / (1.0 - np.cos(np.pi / sides))
+    turns = 2 * np.pi * np.arange(sides) / sides
+    profile = radius * np.column_stack([np.cos(turns), np.sin(turns)])
+    piece = hull_of(prism(profile, (0, 0, 0), (0, 0.3, 0), ""))
+    assert kinds(simplify_hulls([piece])) == [kind]
+
+
+def test_a_box_takes_the_extents_of_a_bevelled_one():
+    hull = bevelled(0.002)
+    (simple,) = simplify_hulls([hull])
+    for measure in (np.min, np.max):
+        assert np.allclose(measure(simple.vertices, axis=0), measure(hull.vertices, axis=0))
+
+
+def test_wedges_of_a_ring_become_boxes_and_the_ring_stays_what_it_is():
+    """The box around a wedge reaches only into its neighbours, however thick the ring is."""
+    wedges = ring(0.2, 0.3)
+    boxes = simplify_hulls(wedges)
+    assert kinds(boxes) == ["box"] * 16
+    before, after = union(wedges), union(boxes)
+    assert (after - before).volume() < 1e-9 * before.volume()
+    assert (before - after).volume() < 1e-9 * before.volume()
+
+
+def test_a_wedge_without_neighbours_stays_a_wedge():
+    wedges = ring(0.2, 0.3)
+    assert kinds(simplify_hulls(wedges[:1])) == ["mesh"]
+    half = kinds(simplify_hulls(wedges[:8]))
+    assert half == ["mesh", *["box"] * 6, "mesh"]
+
+
+def test_a_cone_is_no_cylinder():
+    turns = 2 * np.pi * (np.arange(16) + 0.5) / 16
+    profile = 0.05 * np.column_stack([np.cos(turns), np.sin(turns)])
+    cone = hull_of(prism(profile, (0, 0, 0), (0, 0, 0.1), "", taper=0.7))
+    assert kinds(simplify_hulls([cone])) == ["mesh"]
+
+
+@settings(max_examples=60, deadline=None)
+@given(SEEDS)
+def test_what_is_taken_lies_around_the_piece_and_near_it(seed: int):
+    """Boxes whose corners were moved by up to twice the tolerance, anywhere in space."""
+    rng = np.random.default_rng(seed)
+    corners = np.array([(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)]) * rng.uniform(
+        0.03, 0.4, 3
+    )
+    corners = corners + rng.uniform(-1, 1, (8, 3)) * TOLERANCE * rng.uniform(0, 2)
+    hull = convex_hull(Rotation.random(random_state=seed).apply(corners) + rng.uniform(-1, 1, 3))
+    (simple,) = simplify_hulls([hull])
+    if find_primitive(simple) is None:
+        assert simple is hull
+        return
+    planes, around = hull_planes(hull), hull_planes(simple)
+    slack = min(TOLERANCE, SHARE * hull_width(hull)[0])
+    assert (simple.vertices @ planes[:, :3].T - planes[:, 3]).max() <= slack + 1e-9
+    assert (hull.vertices @ around[:, :3].T - around[:, 3]).max() <= 1e-9
+    assert hull_volume(simple) >= hull_volume(hull)
+
+
+@settings(max_examples=20, deadline=None)
+@given(SEEDS)
+def test_poses_do_not_matter(seed: int):
+    rng = np.random.default_rng(seed)
+    turn, offset = Rotation.random(random_state=seed), rng.uniform(-1, 1, 3)
+    pieces = [*ring(0.2, 0.25)[:4], bevelled(0.002), bevelled(0.005)]
+    moved = [
+        Hull(vertices=turn.apply(np.array(piece.vertices)) + offset, faces=piece.faces) for piece in pieces
+    ]
+    assert kinds(simplify_hulls(moved)) == kinds(simplify_hulls(pieces))

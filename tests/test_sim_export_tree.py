@@ -1,0 +1,49 @@
+"""What hangs from a link and what must be open first, followed to the end of any chain."""
+
+import numpy as np
+import pytest
+
+from sim_export.package import PackageJoint, Requirement
+from sim_export.tree import hanging_links, needed_fractions
+
+
+def joint(parent: str, child: str) -> PackageJoint:
+    return PackageJoint(
+        name=f"to_{child}",
+        type="revolute",
+        kind="revolute",
+        parent=parent,
+        child=child,
+        origin=np.zeros(3),
+        axis=np.array([0.0, 0.0, 1.0]),
+        upper=1.0,
+    )
+
+
+def need(name: str, needs: str, fraction: float) -> Requirement:
+    return Requirement(joint=name, needs=needs, fraction=fraction)
+
+
+def test_all_that_hangs_from_a_link_is_found_in_any_order_of_joints():
+    joints = [joint("b", "c"), joint("a", "b"), joint("a", "d"), joint("c", "e")]
+    for order in (joints, joints[::-1]):
+        assert hanging_links(order, "b") == {"b", "c", "e"}
+        assert hanging_links(order, "a") == {"a", "b", "c", "d", "e"}
+        assert hanging_links(order, "e") == {"e"}
+
+
+def test_a_cycle_ends():
+    assert hanging_links([joint("a", "b"), joint("b", "a")], "a") == {"a", "b"}
+    assert needed_fractions("x", [need("x", "y", 0.5), need("y", "x", 1.0)]) == {"y": 0.5}
+
+
+def test_needs_of_needs_count_and_the_largest_share_does():
+    needs = [need("tray", "door", 0.5), need("tray", "drawer", 0.2), need("drawer", "door", 0.9)]
+    assert needed_fractions("tray", needs) == {"door": 0.9, "drawer": 0.2}
+    assert needed_fractions("door", needs) == {}
+
+
+@pytest.mark.parametrize("order", [1, -1])
+def test_an_opening_that_grows_takes_its_own_needs_along(order):
+    needs = [need("a", "b", 0.1), need("a", "c", 0.1), need("c", "b", 0.8), need("b", "d", 1.0)]
+    assert needed_fractions("a", needs[::order]) == {"b": 0.8, "c": 0.1, "d": 1.0}
