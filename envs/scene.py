@@ -12,6 +12,8 @@ if TYPE_CHECKING:
 
 PROBE = "import sapien; sapien.Scene([sapien.physx.PhysxCpuSystem(), sapien.render.RenderSystem()])"
 PROBE_SECONDS = 60.0
+DEFAULT_MATERIAL = (0.3, 0.3, 0.1)
+"""Static and dynamic friction and restitution of surfaces without a material, as SAPIEN starts with."""
 
 
 class NoRenderDevice(ArtigenError):
@@ -28,8 +30,21 @@ def has_render_device() -> bool:
     return done.returncode == 0
 
 
+def reset_physx() -> None:
+    """Sets the global settings of PhysX to those that SAPIEN starts with."""
+    from sapien import physx
+
+    physx.set_scene_config()
+    physx.set_body_config()
+    physx.set_shape_config()
+    physx.set_default_material(*DEFAULT_MATERIAL)
+
+
 def create_scene(timestep: float, *, ground: bool = False, render: bool = False) -> "sapien.Scene":
     """An empty scene with gravity (0, 0, -9.81) m/s^2.
+
+    Settings of PhysX are global to the process, and ManiSkill changes them: those that SAPIEN starts with are
+    set again, so that what is loaded into the scene moves the same whatever ran before.
 
     Args:
         timestep: seconds per step.
@@ -43,6 +58,7 @@ def create_scene(timestep: float, *, ground: bool = False, render: bool = False)
 
     if not timestep > 0.0:
         raise ValueError(f"timestep {timestep} s, expected > 0")
+    reset_physx()
     systems: list = [sapien.physx.PhysxCpuSystem()]
     if render:
         if not has_render_device():

@@ -150,6 +150,21 @@ def test_what_depends_on_the_step_size_fails_v309(package, tmp_path):
     assert "V304 at 1/60 s (joint_2" in results["V309"].message
 
 
+def test_scenes_do_not_depend_on_what_ran_in_the_process_before(package, folder):
+    """ManiSkill sets PhysX's global settings to its own."""
+    from sapien import physx
+
+    def measure() -> dict[str, float]:
+        return {result.id: result.value for result in check_dynamics(folder, package, ONE_STEP_SIZE)}
+
+    expected = measure()
+    physx.set_body_config(solver_position_iterations=1, solver_velocity_iterations=0, sleep_threshold=0.1)
+    physx.set_shape_config(contact_offset=0.05, rest_offset=0.002)
+    physx.set_scene_config(enable_pcm=False, enable_tgs=False, bounce_threshold=0.1)
+    physx.set_default_material(1.0, 1.0, 0.5)
+    assert measure() == expected
+
+
 def lose_a_hull(folder: Path) -> None:
     mesh_collisions(folder)
     (folder / "collision" / "link_3_1.obj").unlink()
