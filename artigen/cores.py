@@ -62,7 +62,9 @@ def choose_workers(asked: int | None, *, peak_mib: float = PEAK_MIB) -> int:
     """
     if asked is not None:
         if asked < 1:
-            raise ArtigenError(f"{asked} workers: expected at least one; leave --workers out for one per core")
+            raise ArtigenError(
+                f"{asked} workers: expected at least one; leave --workers out for one per core"
+            )
         return asked
     cores, memory = count_cores(), available_mib()
     return cores if memory is None else max(1, min(cores, int(MEMORY_SHARE * memory / peak_mib)))
