@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import torch
+from average_weights import average_networks
 
 import artigen.train.sketch
 from artigen.errors import ArtigenError, SourceError
@@ -124,6 +125,16 @@ def test_pictures_and_finishes_change_their_colors_alike(monkeypatch: pytest.Mon
     assert torch.equal(swapped.rows[others], rows.rows[others])
     moved = (shown.image != image).flatten(1).any(dim=1).float().mean()
     assert 0.15 < float(moved) < 0.7
+
+
+def test_the_average_of_two_networks_lies_between_them_and_ends_at_either():
+    before, after = (SketchNetwork(replace(SIZES["tiny"], picture=None)) for _ in range(2))
+    for share in (0.0, 0.75, 1.0):
+        mixed = average_networks(before, after, share).state_dict()
+        for name, value in before.state_dict().items():
+            torch.testing.assert_close(mixed[name], (1 - share) * value + share * after.state_dict()[name])
+    with pytest.raises(ValueError, match="0 to 1"):
+        average_networks(before, after, 1.1)
 
 
 def test_maps_that_are_true_cost_less_than_maps_that_miss(photos: PhotoBatch):
