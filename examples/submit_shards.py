@@ -1,6 +1,6 @@
 """Parts of a run as jobs of a cluster, by submitit (`pip install submitit`): Slurm, or processes here.
 
-    python examples/submit_shards.py --parts 64 --partition cpu -- shape Oven -n 100000 -o /shared/ovens
+    python examples/submit_shards.py --parts 64 --partition cpu -- shape Oven -n 100000 -o /nfs/ovens
 
 Without `--partition`, the parts run as processes on this machine, two parts by default. Running the same
 command again does what is missing.
