@@ -1,7 +1,7 @@
 """Long runs: many objects, several processes or machines, a progress bar, and journals to resume from.
 
 A journal in the output folder holds one line per finished object, written as it finishes: ``run.jsonl``,
-or ``run.3-of-64.jsonl`` for the part of a run. All journals of the folder count, so a rerun with the same
+or ``run.03-of-64.jsonl`` for the part of a run. All journals of the folder count, so a rerun with the same
 settings, in other parts or as a whole, does only what is missing or failed before.
 """
 

@@ -40,7 +40,7 @@ def take_part(items: Sequence[Item], part: Part | None) -> Sequence[Item]:
 
 
 def name_part(path: Path, part: Part | None) -> Path:
-    """The file of a part beside the file of the whole: ``run.jsonl`` becomes ``run.003-of-064.jsonl``."""
+    """The file of a part beside the file of the whole: ``run.jsonl`` becomes ``run.03-of-64.jsonl``."""
     if part is None:
         return path
     width = len(str(part.total))

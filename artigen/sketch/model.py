@@ -31,7 +31,7 @@ PICTURE_EDGE = 256
 LIKELIEST = DrawConfig(temperature=0.2)
 """How headers are drawn where a picture shows what they say."""
 WITHIN = 0.01
-"""Share by which an extent may differ from what was asked or announced."""
+"""Share by which an extent may differ from what was asked."""
 UNREADABLE = "unreadable"
 """Id of what cannot be read as an object."""
 DEFERRED = frozenset(("tipping", "extent"))
