@@ -15,7 +15,7 @@ from artigen.shapes.draw import draw_shape
 from artigen.shapes.primitives import Primitive, box, cylinder, move, place_vertices, polytope
 from artigen.shapes.shape import Shape
 from artigen.sketch import draw, model
-from artigen.sketch.batch import Asked, ask_for, make_batch, nothing_asked
+from artigen.sketch.batch import ask_for, make_batch
 from artigen.sketch.draw import DrawConfig, begin_drafts, continue_drafts
 from artigen.sketch.model import (
     SketchConfig,
@@ -28,7 +28,7 @@ from artigen.sketch.model import (
 from artigen.sketch.network import COARSE, SketchNetwork, SketchNetworkConfig, slots
 from artigen.sketch.picture import PictureConfig
 from artigen.sketch.pieces import UnknownSolid, build_piece, fit_pieces
-from artigen.sketch.request import AskedFinish, SketchRequest, ask
+from artigen.sketch.request import Asked, AskedFinish, SketchRequest, ask, nothing_asked
 from artigen.sketch.rows import (
     CATEGORIES,
     FIELDS,

@@ -9,6 +9,7 @@ from jaxtyping import Bool, Int
 
 from artigen.sketch.network import PARTS, PLACES, RowBatch
 from artigen.sketch.pieces import PIECE_KINDS
+from artigen.sketch.request import Asked
 from artigen.sketch.rows import FIELDS, ROW_KINDS, WIDTH, column, find_said, number_axis
 from artigen.sketch.sketch import lowest_corner
 
@@ -17,21 +18,6 @@ _FIRST = np.array([column(kind, "x0") if kind in PIECE_KINDS else 0 for kind in 
 _OBJECT, _PART, _JOINT = (ROW_KINDS.index(kind) for kind in ("object", "part", "joint"))
 _SLIDING = 2
 """Index of the prismatic joint, which has no origin."""
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Asked:
-    """A request as rows: one ``object`` and any number of ``finish`` rows, of which some cells are known."""
-
-    rows: Int[np.ndarray, "A W"]
-    known: Bool[np.ndarray, "A W"]
-
-
-def nothing_asked() -> Asked:
-    """The request that leaves all to chance."""
-    known = np.zeros((1, WIDTH), dtype=bool)
-    known[:, 0] = True
-    return Asked(rows=np.full((1, WIDTH), 0) + np.eye(1, WIDTH, dtype=int) * _OBJECT, known=known)
 
 
 def make_batch(

@@ -9,7 +9,7 @@ from jaxtyping import Bool, Float, Int
 from torch import Tensor
 from torch.nn import functional
 
-from artigen.sketch.batch import Asked, make_batch, row_planes
+from artigen.sketch.batch import make_batch, row_planes
 from artigen.sketch.network import (
     COARSE,
     FINE,
@@ -27,6 +27,7 @@ from artigen.sketch.network import (
     list_planes,
     slots,
 )
+from artigen.sketch.request import Asked
 from artigen.sketch.rows import REACH, number_axis
 from artigen.sketch.rules import Writer
 

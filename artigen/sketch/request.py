@@ -1,13 +1,13 @@
-"""`SketchRequest`: what is asked of a sketch, and the rows that say it to the network."""
+"""`SketchRequest`: what is asked of a sketch, and `Asked`, the rows that say it to the network."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Bool, Int
 
 from artigen.shapes.surfaces.finishes import Color, FinishKind
 from artigen.shapes.surfaces.palette import ROLES
-from artigen.sketch.batch import Asked
 from artigen.sketch.rows import (
     CATEGORIES,
     COUNTED,
@@ -58,6 +58,19 @@ class SketchRequest:
     width: float | None = None
     height: float | None = None
     finishes: tuple[AskedFinish, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Asked:
+    """A request as rows: one ``object`` and any number of ``finish`` rows, of which some cells are known."""
+
+    rows: Int[np.ndarray, "A W"]
+    known: Bool[np.ndarray, "A W"]
+
+
+def nothing_asked() -> Asked:
+    """The request that leaves all to chance."""
+    return ask(SketchRequest())
 
 
 def ask(request: SketchRequest) -> Asked:

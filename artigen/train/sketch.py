@@ -22,10 +22,11 @@ from artigen.claim import claim_folder
 from artigen.errors import ArtigenError, SourceError
 from artigen.models.store import hash_model
 from artigen.shapes.draw import draw_shape
-from artigen.sketch.batch import ask_for, make_batch, nothing_asked
+from artigen.sketch.batch import ask_for, make_batch
 from artigen.sketch.model import load_sketch_network, save_sketch_network
 from artigen.sketch.network import RowBatch, SketchNetwork, SketchNetworkConfig
 from artigen.sketch.picture import MAX_COUNT, Seen
+from artigen.sketch.request import nothing_asked
 from artigen.sketch.rows import CATEGORIES, COUNTED, ROW_KINDS, column, sketch_to_rows
 from artigen.sketch.rules import MAX_ROWS
 from artigen.sketch.sketch import SketchError, write_sketch
@@ -230,21 +231,24 @@ def swap_channels(
 ) -> tuple[RowBatch, PhotoBatch]:
     """Puts red, green and blue of some objects in another order, in their pictures and in their finishes.
 
-    The grammar knows the colours of furniture; so colours have to be read off the pictures.
+    The grammar knows the colours of furniture; so colours have to be read off the pictures. Objects whose
+    finishes are requested keep theirs: otherwise an unusual colour in a request, without a picture, would
+    suggest a swapped object, and its other finishes would be drawn in swapped colours.
     """
     orders = torch.tensor(list(permutations(range(3))), device=generator.device)
     count = len(photos.image)
     chosen = torch.randint(len(orders), (count,), generator=generator, device=generator.device)
     swapped = torch.rand(count, generator=generator, device=generator.device) < SWAPPED
-    order = orders[torch.where(swapped, chosen, 0)]
     image, table = photos.image.clone(), rows.rows.clone()
+    finishes = table[..., 0] == ROW_KINDS.index("finish")
+    requested = (finishes & rows.asked).any(dim=1)
+    order = orders[torch.where(swapped & ~requested, chosen, 0)]
     image[:, :3] = image[:, :3].gather(1, order[:, :, None, None].expand_as(image[:, :3]))
-    finishes = (table[..., 0] == ROW_KINDS.index("finish"))[..., None]
     for names in (("r", "g", "b"), ("accent_r", "accent_g", "accent_b")):
         columns = [column("finish", name) for name in names]
         values = table[..., columns]
         moved = values.gather(2, order[:, None].expand_as(values))
-        table[..., columns] = torch.where(finishes, moved, values)
+        table[..., columns] = torch.where(finishes[..., None], moved, values)
     return replace(rows, rows=table), replace(photos, image=image)
 
 
