@@ -76,6 +76,11 @@ class RayRunner:
                 "look at the logs of Ray for what ended them, then run the same command again"
             )
 
+    def begin_with(self, worker: Worker) -> "RayRunner":
+        """As `artigen.runner.Runner.begin_with`; jobs have workers of their own where they run."""
+        worker.close()
+        return self
+
     def _limit(self) -> int:
         """Tasks that may be in flight now; the cluster may have grown."""
         import ray

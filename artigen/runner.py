@@ -4,7 +4,7 @@ Both call the same function of a worker and a job for every job, and yield its a
 """
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, Protocol, TypeVar
 
 from artigen.cores import PEAK_MIB, choose_workers
@@ -22,16 +22,26 @@ class Runner(Protocol):
         """Yields what ``handle`` makes of every job as it is finished, in no particular order."""
         ...
 
+    def begin_with(self, worker: Worker) -> "Runner":
+        """The same runner, for one run, that uses a worker of this machine if it can, and closes it."""
+        ...
+
 
 @dataclass(frozen=True, kw_only=True)
 class LocalRunner:
     """Supervised processes on this machine."""
 
     workers: int
+    first: Worker | None = None
+    """One of these workers that is there already; without, all are started."""
 
     def run(self, handle: Callable[[Worker, Job], Value], jobs: Sequence[Job]) -> Iterator[Value]:
         """As `Runner.run`."""
-        return run_supervised(handle, jobs, workers=self.workers)
+        return run_supervised(handle, jobs, workers=self.workers, first=self.first)
+
+    def begin_with(self, worker: Worker) -> "LocalRunner":
+        """As `Runner.begin_with`."""
+        return replace(self, first=worker)
 
 
 def choose_runner(

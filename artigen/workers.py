@@ -144,7 +144,11 @@ class Worker:
 
 
 def run_supervised(
-    handle: Callable[[Worker, Item], Value], items: Iterable[Item], *, workers: int
+    handle: Callable[[Worker, Item], Value],
+    items: Iterable[Item],
+    *,
+    workers: int,
+    first: Worker | None = None,
 ) -> Iterator[Value]:
     """Yields what ``handle`` makes of every item as it is finished, in no particular order.
 
@@ -153,6 +157,7 @@ def run_supervised(
             may fail, so it has an answer for every item. What it raises ends the run.
         items: anything.
         workers: threads, each with one process, side by side.
+        first: a worker that is already there, used before any is started, and closed at the end.
     """
     waiting: SimpleQueue[Item] = SimpleQueue()
     total = 0
@@ -162,8 +167,7 @@ def run_supervised(
     finished: SimpleQueue[tuple[Value | None, BaseException | None]] = SimpleQueue()
     stop = threading.Event()
 
-    def drain() -> None:
-        worker = Worker()
+    def drain(worker: Worker) -> None:
         while not stop.is_set():
             try:
                 item = waiting.get_nowait()
@@ -175,7 +179,10 @@ def run_supervised(
                 finished.put((None, error))
         worker.close()
 
-    threads = [threading.Thread(target=drain, daemon=True) for _ in range(min(workers, total))]
+    crew = [first or Worker(), *(Worker() for _ in range(workers - 1))]
+    for spare in crew[total:]:
+        spare.close()
+    threads = [threading.Thread(target=drain, args=(worker,), daemon=True) for worker in crew[:total]]
     for thread in threads:
         thread.start()
     try:

@@ -22,7 +22,7 @@ from artigen.cli.generate import (
     generate_and_validate,
     generate_object,
 )
-from artigen.errors import ArtigenError, SourceError
+from artigen.errors import ArtigenError
 from artigen.generate import build_structure_model
 from artigen.models.appearance_presets import APPEARANCE_PRESETS
 from artigen.models.appearance_vae import APPEARANCE_FLOW, APPEARANCE_VAE, AppearanceVae
@@ -213,7 +213,7 @@ def test_a_picture_that_is_none_is_said_and_nothing_written(model: Path, tmp_pat
     wrong = {"words.png": b"hello", "nothing.png": b"", "cut.png": b"\x89PNG\r\n\x1a\n\x00\x00\x00\rIHDR"}
     for name, content in wrong.items():
         (tmp_path / name).write_bytes(content)
-        with pytest.raises(SourceError, match=name):
+        with pytest.raises(ArtigenError, match=name):
             generate(out=tmp_path / "out", model=model, cfg=GenerateSettings(image=tmp_path / name))
     assert not (tmp_path / "out").exists()
 
@@ -221,7 +221,7 @@ def test_a_picture_that_is_none_is_said_and_nothing_written(model: Path, tmp_pat
 def test_a_folder_without_a_model_is_named(tmp_path: Path):
     for folder in (tmp_path, tmp_path / "file"):
         (tmp_path / "file").write_text("no model")
-        with pytest.raises(SourceError, match="no such model"):
+        with pytest.raises(ArtigenError, match="no such model"):
             generate(out=tmp_path / "out", model=folder, category="Oven")
 
 
@@ -243,7 +243,7 @@ def test_a_truncated_or_foreign_model_is_named_and_nothing_written(
 ):
     folder = Path(shutil.copytree(model, tmp_path / "model"))
     spoil(folder)
-    with pytest.raises(SourceError, match=message):
+    with pytest.raises(ArtigenError, match=message):
         generate(out=tmp_path / "out", model=folder, category="Oven")
     assert not (tmp_path / "out").exists()
 

@@ -36,6 +36,11 @@ def handle(worker: Worker, item: str) -> tuple[str, Outcome]:
     return item, worker.call(act, item, 3.0)
 
 
+def tell_worker(worker: Worker, item: str) -> tuple[Worker, tuple[str, Outcome]]:
+    """Also says which worker it was."""
+    return worker, handle(worker, item)
+
+
 @pytest.fixture(scope="module")
 def outcomes() -> dict:
     items = ["a", "abort", "b", "raise", "exit", "hang", "bug", "kill", "memory", "tensor", "c"]
@@ -83,3 +88,17 @@ def test_what_the_handler_itself_raises_ends_the_run():
 
     with pytest.raises(ZeroDivisionError):
         list(run_supervised(broken, [1, 2], workers=1))
+
+
+def test_a_worker_that_is_there_already_is_used_first_and_closed():
+    for items in (["a"], []):
+        first = Worker()
+        assert first.call(act, "fine", 10.0).value == "FINE"
+        process = first._process
+        assert process is not None
+        used = list(
+            run_supervised(lambda worker, item: (worker, handle(worker, item)), items, workers=2, first=first)
+        )
+        assert used == [(first, (item, Outcome(value=item.upper()))) for item in items]
+        process.join(10.0)
+        assert not process.is_alive()

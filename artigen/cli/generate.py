@@ -176,6 +176,18 @@ def _ask(job: GenerateJob, understood: "Understood") -> _Asked:
     return _Asked(request=request, picture=picture, notes=notes)
 
 
+def check_job(job: GenerateJob) -> None:
+    """Loads the model and the picture of a job, and completes its request.
+
+    Raises:
+        ArtigenError: If one of them cannot be read, or no object can be as requested.
+    """
+    from artigen.conditioning.request import understand
+    from artigen.sketch.request import ask
+
+    ask(_ask(job, understand(read_job(job))).request)
+
+
 def draw_generated(job: GenerateJob) -> "tuple[Drawn, _Asked]":
     """Draws the object of a job, in the colours of its picture if it has one."""
     from artigen.conditioning.request import understand
@@ -374,11 +386,17 @@ def generate(
         GenerateJob(model=model, category=category, seed=number, out=out, cfg=cfg)
         for number in range(seed, seed + count)
     ]
-    # Says at once what cannot be: no such model, category, sentence or picture.
-    _load_sketch(model)
-    understood = understand(read_job(jobs[0]))
-    ask(_ask(jobs[0], understood).request)
-    results = run_shown(generate_and_validate, jobs, out, runner=chosen, part=part)
+    # Refuses at once what cannot be: sentences and numbers here, models and pictures where they are loaded.
+    ask(understand(read_job(jobs[0])).request)
+    worker = Worker()
+    try:
+        checked = worker.call(check_job, jobs[0], TIMEOUT)
+        if checked.error is not None:
+            raise ArtigenError(checked.error)
+        runs = chosen.begin_with(worker)
+        results = run_shown(generate_and_validate, jobs, out, runner=runs, part=part)
+    finally:
+        worker.close()
     passed = sum(bool(finished.passed) for finished in results)
     written = sum(finished.error is None for finished in results)
     sys.stdout.write(f"{len(results)} objects: {written} packages in {out}, {passed} passed every check\n")
