@@ -33,7 +33,6 @@ from artigen.sketch.rows import (
     CATEGORIES,
     FIELDS,
     ROW_KINDS,
-    STYLES_OF,
     column,
     rows_to_sketch,
     sketch_to_rows,
@@ -316,16 +315,6 @@ def test_the_same_seed_draws_the_same_and_another_something_else():
     one, again, other = (_draw_tables([ask(REQUEST)] * 2, seed) for seed in (5, 5, 6))
     assert all(np.array_equal(a, b) for a, b in zip(one, again, strict=True))
     assert not all(np.array_equal(a, b) for a, b in zip(one, other, strict=True))
-
-
-@pytest.mark.parametrize("category", CATEGORIES)
-def test_objects_have_a_style_of_their_category(category: str):
-    assert {draw_shape(category, seed).style for seed in range(8)} <= set(STYLES_OF[category])
-    hot = DrawConfig(temperature=5.0, top_p=1.0)
-    drawn = {draw_header(_network(), SketchRequest(category=category), seed, hot).style for seed in range(8)}
-    assert drawn <= set(STYLES_OF[category])
-    other = draw_header(_network(), SketchRequest(category=category, style="other"), 0)
-    assert other.style == "other"  # what is asked for is not masked
 
 
 def test_a_header_says_what_is_asked_and_all_that_is_not():

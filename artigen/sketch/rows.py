@@ -61,20 +61,6 @@ STYLES = (
     "keypad",
     "other",
 )
-_FURNITURE = ("flat", "shaker", "handleless", "classic", "industrial", "country")
-_APPLIANCE = ("steel", "white", "black", "retro")
-STYLES_OF: dict[str, tuple[str, ...]] = {
-    "StorageFurniture": (*_FURNITURE, "framed_glass", "louvre"),
-    "Table": _FURNITURE,
-    "Refrigerator": _APPLIANCE,
-    "Dishwasher": _APPLIANCE,
-    "Oven": _APPLIANCE,
-    "WashingMachine": _APPLIANCE,
-    "Microwave": _APPLIANCE,
-    "Cart": ("kitchen", "service", "tool"),
-    "Safe": ("dial", "handwheel", "keypad"),
-}
-"""Styles that objects of each category have."""
 COUNTED = PART_LABELS[1:]
 MATERIALS: tuple[FinishKind, ...] = get_args(FinishKind)
 MAX_COUNT = 31

@@ -15,7 +15,6 @@ from artigen.shapes.surfaces.palette import ROLES
 from artigen.sketch.pieces import MIN_WEDGES, PIECE_KINDS, ROUND_SIDES, across
 from artigen.sketch.request import Asked
 from artigen.sketch.rows import (
-    CATEGORIES,
     COUNTED,
     FIELDS,
     LENGTH,
@@ -24,8 +23,6 @@ from artigen.sketch.rows import (
     MAY_FOLLOW,
     REACH,
     ROW_KINDS,
-    STYLES,
-    STYLES_OF,
     WIDTH,
     column,
     fill_implied,
@@ -177,8 +174,6 @@ class Writer:
             can[forced] = True
         elif not kind:
             can[self._next_kinds()] = True
-        elif kind == "object" and self.name == "style":
-            can[[STYLES.index(style) for style in STYLES_OF[CATEGORIES[self.value("category")]]]] = True
         elif kind == "finish" and self.name == "role":
             can[self._next_roles()] = True
         elif kind == "part":
