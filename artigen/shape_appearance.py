@@ -158,24 +158,39 @@ def decode_tiles(
         facings: Directions of their outer sides.
         features: Of the cells.
     """
-    edge, device = vae.encoder.cfg.resolution, next(vae.parameters()).device
     cells = voxels.coords.astype(np.int64)
-    corners, tiles = np.unique(cells // edge, axis=0, return_inverse=True)
-    order = np.argsort(tiles.ravel(), kind="stable")  # networks take sample after sample
-    places = np.column_stack([tiles.ravel(), cells % edge])[order]
-    told = torch.from_numpy(features[order]).to(device)
-    noise = torch.zeros(len(cells), vae.encoder.cfg.latent_channels, device=device)
-    faced = torch.from_numpy(facings[order].astype(np.int64)).to(device)
-    decoded = vae(torch.from_numpy(places).to(device), told, noise, faced).splats
-    back = torch.from_numpy((np.argsort(order)[:, None] * vae.count + np.arange(vae.count)).ravel()).to(
-        device
+    corners, tiles = np.unique(cells // vae.encoder.cfg.resolution, axis=0, return_inverse=True)
+    rows = [np.flatnonzero(tiles.ravel() == tile) for tile in range(len(corners))]
+    # One tile at a time: the activations of all of them do not fit into the cache of a processor.
+    decoded = [
+        _decode_tile(vae, voxels, corner, own, facings, features)
+        for corner, own in zip(corners, rows, strict=True)
+    ]
+    back = np.argsort(np.concatenate(rows))[:, None] * vae.count + np.arange(vae.count)
+    order = torch.from_numpy(back.ravel()).to(decoded[0].means.device)
+    return Splats(
+        **{name: torch.cat([vars(one)[name] for one in decoded])[order] for name in vars(decoded[0])}
     )
-    values = {name: value[back] for name, value in vars(decoded).items()}
+
+
+def _decode_tile(
+    vae: AppearanceVae,
+    voxels: VoxelGrid,
+    corner: Int[np.ndarray, "3"],
+    rows: Int[np.ndarray, "K"],
+    facings: Int[np.ndarray, "N"],
+    features: Float[np.ndarray, "N C"],
+) -> Splats:
+    """The Gaussians of some cells, all of the tile at ``corner`` (in tiles), within the whole grid."""
+    edge, device = vae.encoder.cfg.resolution, next(vae.parameters()).device
+    places = np.pad(voxels.coords[rows].astype(np.int64) % edge, ((0, 0), (1, 0)))  # all of sample 0
+    told = torch.from_numpy(features[rows]).to(device)
+    noise = torch.zeros(len(rows), vae.encoder.cfg.latent_channels, device=device)
+    faced = torch.from_numpy(facings[rows].astype(np.int64)).to(device)
+    values = vars(vae(torch.from_numpy(places).to(device), told, noise, faced).splats)
     share = edge / voxels.resolution
-    corner = torch.from_numpy(np.repeat(corners[tiles.ravel()], vae.count, axis=0)).to(device).float()
-    values["means"] = (values["means"] + 0.5 + corner) * share - 0.5
-    values["scales"] = values["scales"] * share
-    return Splats(**values)
+    means = (values["means"] + 0.5 + torch.from_numpy(corner).to(device).float()) * share - 0.5
+    return Splats(**{**values, "means": means, "scales": values["scales"] * share})
 
 
 def find_shown(
