@@ -6,6 +6,7 @@ one link with each other.
 """
 
 from collections.abc import Iterator
+from dataclasses import dataclass, field
 from itertools import islice, permutations
 
 import numpy as np
@@ -67,29 +68,48 @@ def _greedy_cuboids(occupancy: np.ndarray, ends: tuple[np.ndarray, ...]) -> Iter
         yield np.array([[edges[axis][best[end, axis]] for axis in range(3)] for end in range(2)])
 
 
-def fit_cuboids(
-    vertices: Float[np.ndarray, "V 3"],
-    faces: Int[np.ndarray, "F 3"],
-    max_count: int,
-    detail: float,
-) -> Float[np.ndarray, "K 2 3"] | None:
-    """Boxes (lowest and highest corner) that fill a closed mesh of mostly axis-aligned faces.
+@dataclass(frozen=True, kw_only=True, eq=False)
+class CuboidFit:
+    """The boxes that fill a closed mesh of mostly axis-aligned faces, found as far as they are asked for.
 
     The planes of those faces divide space into cells of unequal size; a cell belongs to the solid
-    if most of it lies inside. Planes that hold less than the share ``detail`` of the surface divide
-    nothing. The largest come first; where more than ``max_count`` are needed, the rest is left out.
-    ``None`` where hardly any face is axis-aligned.
+    if most of it lies inside. The same planes give the same boxes, which are found once.
     """
-    planes = face_coordinates(vertices, faces, detail)
-    if planes is None:
-        return None
+
+    vertices: Float[np.ndarray, "V 3"]
+    faces: Int[np.ndarray, "F 3"]
+    _found: dict[bytes, tuple[list[np.ndarray], Iterator[np.ndarray]]] = field(default_factory=dict)
+
+    def take(self, max_count: int, detail: float) -> Float[np.ndarray, "K 2 3"] | None:
+        """Boxes (lowest and highest corner), the largest first.
+
+        Args:
+            max_count: Where more boxes are needed, the rest is left out.
+            detail: Planes that hold less than this share of the surface divide nothing.
+
+        Returns:
+            `None` where hardly any face is axis-aligned.
+        """
+        planes = face_coordinates(self.vertices, self.faces, detail)
+        if planes is None:
+            return None
+        key = b"/".join(plane.tobytes() for plane in planes)
+        found, more = self._found.setdefault(key, ([], _boxes_between(self.vertices, self.faces, planes)))
+        found += islice(more, max(0, max_count - len(found)))
+        return np.array(found[:max_count]).reshape(-1, 2, 3)
+
+
+def _boxes_between(
+    vertices: np.ndarray, faces: np.ndarray, planes: tuple[np.ndarray, np.ndarray, np.ndarray]
+) -> Iterator[Float[np.ndarray, "2 3"]]:
+    """Boxes of the cells between some planes that lie in a mesh, the largest first."""
     fractions = (np.arange(3) + 0.4871) / 3.0  # off centre: no sample on a plane of symmetry
     x, y, z = ((plane[:-1, None] + np.diff(plane)[:, None] * fractions).ravel() for plane in planes)
     inside = inside_grid(vertices, faces, (x, y, z))
     cells = [len(plane) - 1 for plane in planes]
     share = inside.reshape(cells[0], 3, cells[1], 3, cells[2], 3).mean(axis=(1, 3, 5))
-    boxes = largest_cuboids(share > 0.5, max_count, planes)
-    return np.stack([planes[axis][boxes[..., axis]] for axis in range(3)], axis=-1)
+    for box in _greedy_cuboids(share > 0.5, planes):
+        yield np.stack([planes[axis][box[:, axis]] for axis in range(3)], axis=-1)
 
 
 def face_coordinates(

@@ -180,8 +180,9 @@ def measure_offers(pool: Sequence[PooledHull], ground: Ground, missed: float, fa
     able: list[int] = np.flatnonzero(reach <= farthest).tolist()
     hulls = tuple(pool[index].hull for index in able)
     cells = tuple(_cells_inside(hull, ground) for hull in hulls)
-    outside = [_outside(hull, ground.points) for hull in hulls]
-    missing = [_pack(np.stack([away > limit for limit in sorted((missed, farthest))])) for away in outside]
+    limits = sorted((missed, farthest))
+    columns = np.ascontiguousarray(ground.points.T)
+    missing = [_pack(_mark_missing(hull, columns, limits)) for hull in hulls]
     bounds = [[(axis.start, axis.stop) for axis in item.window] for item in cells]
     shown = np.array([np.abs(item.select(ground.weights)).sum() for item in cells])
     volumes = np.array([hull_volume(hull) for hull in hulls]) / ground.volume
@@ -392,10 +393,19 @@ def _cells_inside(hull: Hull, ground: Ground) -> _Cells:
     return _Cells(window=box, mask=mask)
 
 
-def _outside(hull: Hull, points: np.ndarray) -> np.ndarray:
-    """How far (m) points lie outside of a hull, at least; 0 inside."""
+def _mark_missing(
+    hull: Hull, points: Float[np.ndarray, "3 N"], limits: Sequence[float]
+) -> Bool[np.ndarray, "L N"]:
+    """Whether points lie farther outside of a hull than each of some limits (m, rising), at least.
+
+    Those too far from its box are, and only the others are measured against its planes.
+    """
+    low, high = hull.vertices.min(axis=0)[:, None], hull.vertices.max(axis=0)[:, None]
+    beside = np.maximum(np.maximum(low - points, points - high), 0.0)
+    beyond = np.sqrt((beside * beside).sum(axis=0))
+    near = np.flatnonzero(beyond <= limits[-1])
     planes = merge_planes(hull_planes(hull))
-    outside = (points @ planes[:, :3].T - planes[:, 3]).max(axis=1)
-    low, high = hull.vertices.min(axis=0), hull.vertices.max(axis=0)
-    beyond = np.linalg.norm(np.maximum(np.maximum(low - points, points - high), 0.0), axis=1)
-    return np.maximum(np.maximum(outside, beyond), 0.0).astype(np.float32)
+    outside = (planes[:, :3] @ points[:, near] - planes[:, 3:]).max(axis=0)
+    away = np.full(points.shape[1], np.inf, dtype=np.float32)
+    away[near] = np.maximum(np.maximum(outside, beyond[near]), 0.0)
+    return np.stack([away > limit for limit in limits])
