@@ -194,22 +194,46 @@ def _box_sums(integral: np.ndarray, boxes: np.ndarray) -> np.ndarray:
 
 
 def _grow(filled: np.ndarray, cells: np.ndarray) -> np.ndarray:
-    """Grows boxes from every cell as far as they stay filled, once for each order of the axes."""
+    """Grows boxes from every cell as far as they stay filled, once for each order of the axes.
+
+    Args:
+        filled: Counts of filled cells in all boxes from the origin (`_integral`).
+        cells: Filled cells ``[N 3]``.
+
+    Returns:
+        Boxes ``[6 N, 2, 3]``.
+    """
     orders = np.array(list(permutations(range(3))))
     seeds = np.tile(cells, (len(orders), 1))
-    boxes = np.stack([seeds, seeds + 1], axis=1)  # 6 N, 2, 3
-    shape = np.array(filled.shape) - 1
+    boxes = np.stack([seeds, seeds + 1], axis=1)
+    every = np.arange(len(boxes))
+    flat, strides = filled.ravel(), np.array(filled.strides) // filled.itemsize
     for axes in np.repeat(orders, len(cells), axis=0).T:
+        last, along = np.array(filled.shape)[axes] - 1, strides[axes]
+        # The counts up to a plane across the axis, between the box's other sides: four corners of `filled`.
+        (low, high), (left, right) = (
+            boxes[every, :, other].T * strides[other] for other in ((axes + 1) % 3, (axes + 2) % 3)
+        )
+        area = np.prod(boxes[:, 1] - boxes[:, 0], axis=1) // (boxes[every, 1, axes] - boxes[every, 0, axes])
+        corners = high + right, low + left, low + right, high + left
         for end, step in ((0, -1), (1, 1)):
-            active = np.arange(len(boxes))
+            reached = boxes[every, end, axes]
+            active, below = every, _count_below(flat, corners, every, reached * along)
             while active.size:
-                longer, along = boxes[active], axes[active]
-                at = longer[np.arange(len(active)), end, along] + step
-                inside = (at >= 0) & (at <= shape[along])
-                active, longer, along, at = active[inside], longer[inside], along[inside], at[inside]
-                longer[np.arange(len(active)), end, along] = at
-                size = longer[:, 1] - longer[:, 0]
-                full = _box_sums(filled, longer) == size[:, 0] * size[:, 1] * size[:, 2]
-                active = active[full]
-                boxes[active] = longer[full]
+                at = reached[active] + step
+                inside = (at >= 0) & (at <= last[active])
+                active, at, below = active[inside], at[inside], below[inside]
+                next_below = _count_below(flat, corners, active, at * along[active])
+                full = step * (next_below - below) == area[active]
+                active, below = active[full], next_below[full]
+                reached[active] = at[full]
+            boxes[every, end, axes] = reached
     return boxes
+
+
+def _count_below(
+    flat: np.ndarray, corners: tuple[np.ndarray, ...], rows: np.ndarray, plane: np.ndarray
+) -> np.ndarray:
+    """Filled cells of some columns below planes across them, both as places in the flat counts."""
+    far, near, *mixed = (flat[corner[rows] + plane] for corner in corners)
+    return far + near - mixed[0] - mixed[1]

@@ -229,7 +229,8 @@ def choose_hulls(offers: Offers, cfg: CoverConfig) -> tuple[tuple[Hull, ...], fl
     """
     if not offers.tiles:
         return (), np.inf
-    covers = [_cover(offers, cfg, (), filled, share) for filled, share in cfg.first_looks]
+    empty = {filled: _count_left(offers, filled * cfg.filled_weight) for filled, _ in cfg.first_looks}
+    covers = [_cover(offers, cfg, empty[filled], share) for filled, share in cfg.first_looks]
     losses = [_loss(offers, cover, cfg) for cover in covers]
     order = np.argsort(losses, kind="stable")[: cfg.improved].tolist()
     better = [_improve(offers, covers[index], cfg) for index in order]
@@ -241,6 +242,7 @@ def choose_hulls(offers: Offers, cfg: CoverConfig) -> tuple[tuple[Hull, ...], fl
 def _improve(offers: Offers, cover: list[int], cfg: CoverConfig) -> list[int]:
     """Takes single hulls out again and fills up anew, as long as that makes the cover better."""
     loss = _loss(offers, cover, cfg)
+    left = None
     for _ in range(cfg.rounds):
         before = loss
         if loss < cfg.good:
@@ -248,11 +250,11 @@ def _improve(offers: Offers, cover: list[int], cfg: CoverConfig) -> list[int]:
         for index in list(cover):
             if index not in cover:
                 continue
-            rest = [other for other in cover if other != index]
-            other = _cover(offers, cfg, rest, 1.0, 1.0, never=index)
+            left = left or _count_left(offers, cfg.filled_weight, cover)
+            other = _cover(offers, cfg, _without(offers, left, index), 1.0, never=index)
             changed = _loss(offers, other, cfg)
             if changed < loss - 1e-6:
-                cover, loss = other, changed
+                cover, loss, left = other, changed, None
         if loss >= before:
             break
     return cover
@@ -273,28 +275,57 @@ def _loss(offers: Offers, cover: list[int], cfg: CoverConfig) -> float:
     return float(volume + surface + cfg.price * offers.costs[cover].sum())
 
 
-def _cover(
-    offers: Offers,
-    cfg: CoverConfig,
-    start: Sequence[int],
-    filled: float,
-    share: float,
-    never: int = -1,
-) -> list[int]:
-    """Greedy choice of all hulls but ``never``, on top of those in ``start``.
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Left:
+    """What is left to gain beside some chosen hulls: cell by cell, and in all cells of every hull.
 
-    Surface counts ``share`` of its weight until nothing is gained so, then ever more; free space filled
-    counts ``filled`` times as much as it is asked to.
+    Free space counts ``filled`` times.
     """
-    filled *= cfg.filled_weight
+
+    chosen: tuple[int, ...]
+    filled: float
+    value: Float[np.ndarray, "X Y Z"]
+    volumes: Float[np.ndarray, "K"]
+
+
+def _count_left(offers: Offers, filled: float, chosen: Sequence[int] = ()) -> _Left:
     value = np.where(offers.weights < 0, filled * offers.weights, offers.weights)
-    for index in start:
+    for index in chosen:
         offers.cells[index].fill(value, value=0.0)
     volumes = np.array([item.select(value).sum() for item in offers.cells])
-    fixed = filled * offers.surplus + cfg.price * offers.costs
-    missing = _missing_beside(offers, start)
+    return _Left(chosen=tuple(chosen), filled=filled, value=value, volumes=volumes)
+
+
+def _without(offers: Offers, left: _Left, index: int) -> _Left:
+    """The same without one of the chosen hulls: only what meets its cells is counted anew."""
+    rest = tuple(other for other in left.chosen if other != index)
+    value, window = left.value.copy(), offers.cells[index].window
+    weights = offers.weights[window]
+    value[window] = np.where(weights < 0, left.filled * weights, weights)
+    for other in rest:
+        if _meet(offers.bounds[other], offers.bounds[index]):
+            offers.cells[other].fill(value, value=0.0)
+    volumes = left.volumes.copy()
+    for other in np.flatnonzero(_meet(offers.bounds, offers.bounds[index])):
+        volumes[other] = offers.cells[other].select(value).sum()
+    return _Left(chosen=rest, filled=left.filled, value=value, volumes=volumes)
+
+
+def _meet(bounds: Int[np.ndarray, "*K 3 2"], other: Int[np.ndarray, "3 2"]) -> Bool[np.ndarray, "*K"]:
+    """Whether windows of cells have any in common with another."""
+    return ((bounds[..., 0] < other[:, 1]) & (other[:, 0] < bounds[..., 1])).all(axis=-1)
+
+
+def _cover(offers: Offers, cfg: CoverConfig, left: _Left, share: float, never: int = -1) -> list[int]:
+    """Greedy choice of all hulls but ``never``, on top of those chosen already.
+
+    Surface counts ``share`` of its weight until nothing is gained so, then ever more.
+    """
+    value, volumes = left.value.copy(), left.volumes.copy()
+    fixed = left.filled * offers.surplus + cfg.price * offers.costs
+    missing = _missing_beside(offers, left.chosen)
     surfaces = _surface_gains(offers, missing, cfg)
-    chosen = list(start)
+    chosen = list(left.chosen)
     room = cfg.max_hulls - int(offers.costs[chosen].sum())
     volumes[[*chosen, *([never] if never >= 0 else [])]] = -np.inf
     while room > 0:
@@ -307,9 +338,7 @@ def _cover(
             offers.cells[best].fill(value, value=0.0)
             missing = missing & offers.missing[best]
             surfaces = _surface_gains(offers, missing, cfg)
-            mine = offers.bounds[best]
-            overlap = (offers.bounds[:, :, 0] < mine[:, 1]) & (mine[:, 0] < offers.bounds[:, :, 1])
-            for index in np.flatnonzero(overlap.all(axis=1) & np.isfinite(volumes)):
+            for index in np.flatnonzero(_meet(offers.bounds, offers.bounds[best]) & np.isfinite(volumes)):
                 volumes[index] = offers.cells[index].select(value).sum()
             volumes[best] = -np.inf
         elif share < 1.0:

@@ -36,13 +36,15 @@ def box_offers(solid: Solid, cuboids: CuboidFit, limits: HullLimits) -> list[Poo
     """Boxes between the planes of a solid, and what they join to; none where it is not axis-aligned."""
     hulls: list[Hull] = []
     boxes: list[Hull] = []
+    before = np.zeros((0, 2, 3))
     for detail in DETAILS:
         found = cuboids.take(MOST_BOXES, detail)
-        if found is None:
+        if found is None or np.array_equal(found, before):
             continue
+        before = found
         boxes = [box_hull(low, high) for low, high in found]
         hulls += boxes
-        if boxes and measure_fit(unite_hulls(boxes), solid).volume_error < EXACT:
+        if detail != DETAILS[-1] and measure_fit(unite_hulls(boxes), solid).volume_error < EXACT:
             break
     solids = [as_solid(box) for box in boxes[:MOST_JOINED]]
     volumes = [box.volume() for box in solids]
