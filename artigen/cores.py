@@ -54,8 +54,10 @@ def start_pools(environ: Mapping[str, str]) -> None:
     """Starts the thread pools that no variable sizes, with as many threads as ``environ`` gives the others.
 
     oneTBB, which manifold3d computes with, makes a thread for every core that the process may use at the time
-    of its first task. Solids as small as ours gain nothing from them, and they spin while they wait: a quarter
-    more processor time on two cores. Only Linux can hold a process to some of its cores.
+    of its first task. Solids as small as ours gain nothing from them, and they spin while they wait: a tenth
+    more processor time for `artigen convert` on two cores.
+
+    Only Linux can hold a process to some of its cores.
     """
     if not hasattr(os, "sched_setaffinity"):
         return

@@ -90,9 +90,8 @@ def try_method(method: str, mesh: Mesh, timeout: float, start_up: float) -> Tria
         logging.getLogger(__name__).warning("%s: %s", method, err)
         return Trial(seconds=time.perf_counter() - begin, hulls=0, error=float("nan"))
     seconds = time.perf_counter() - begin - (start_up if method == "CoACD" else 0.0)
-    return Trial(
-        seconds=max(seconds, 0.01), hulls=len(hulls), error=measure_fit(unite_hulls(hulls), as_solid(mesh)).volume_error
-    )
+    fit = measure_fit(unite_hulls(hulls), as_solid(mesh))
+    return Trial(seconds=max(seconds, 0.01), hulls=len(hulls), error=fit.volume_error)
 
 
 def _decompose(method: str, mesh: Mesh, timeout: float) -> tuple[Hull, ...]:

@@ -16,9 +16,9 @@ from sim_export.collision.coacd_process import CoacdConfig, run_coacd
 from sim_export.collision.convex_pieces import PieceConfig, cut_pieces
 from sim_export.collision.cuboids import largest_cuboids
 from sim_export.collision.decompose import DecomposeConfig, decompose_part, decompose_parts
-from sim_export.collision.hull_cover import TAKEN, make_ground
 from sim_export.collision.hull_limits import HullLimits, hull_aspect, limit_hulls
 from sim_export.collision.hull_methods import Candidate
+from sim_export.collision.hull_offers import TAKEN, make_ground
 from sim_export.collision.hulls import (
     box_bounds,
     box_hull,
@@ -38,9 +38,9 @@ from sim_export.geometry.solids import (
     measure_fit,
     measure_intrusion,
     measure_stray,
-    unite_hulls,
     solid_arrays,
     solid_hull,
+    unite_hulls,
 )
 from sim_export.package import Mesh
 
@@ -375,4 +375,6 @@ def test_space_that_other_links_take_counts_more_when_hulls_fill_it():
     taken = alone.weights[free][ratio > 1.5].sum() * wall.volume()
     assert -taken == pytest.approx((tray ^ block((0.0, 0.0, 0.0), (0.6, 0.02, 0.6))).volume(), rel=0.02)
     filled = (box_hull(np.zeros(3), np.array([0.6, 0.02, 0.6])),)
-    assert measure_intrusion(unite_hulls(filled), wall, (tray,)) == pytest.approx(-taken / wall.volume(), rel=0.02)
+    assert measure_intrusion(unite_hulls(filled), wall, (tray,)) == pytest.approx(
+        -taken / wall.volume(), rel=0.02
+    )

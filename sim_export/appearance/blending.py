@@ -193,9 +193,7 @@ def _pair_sides(
         yield np.flatnonzero(facing & (side == way)), np.flatnonzero((ahead if way else -ahead) > least)
 
 
-def _project(
-    sheet: _Sheet, rows: Int[np.ndarray, "M"], least: float = 0.0
-) -> Float[np.ndarray, "M 4"]:
+def _project(sheet: _Sheet, rows: Int[np.ndarray, "M"], least: float = 0.0) -> Float[np.ndarray, "M 4"]:
     """Footprints of some Gaussians of a sheet, made no thinner than ``least``.
 
     Conics ``a, b, c`` of their projections along its axis, and opacities, both after the filter.
@@ -260,7 +258,8 @@ def _blend_rows(
         outward = np.where(normals[:, sheet.axis] >= 0, 1.0, -1.0)[:, None]
         weight = _weigh_in_order(alpha, outward * offset[sheet.axis])
     else:
-        heights = sum(offset[k] * column[index] for k, column in enumerate(_columns(sheet.normals)))
+        up = _columns(sheet.normals)
+        heights = offset[0] * up[0][index] + offset[1] * up[1][index] + offset[2] * up[2][index]
         weight = _weigh_sheets(alpha, heights, cfg.sheet * voxel)
     cover = weight.sum(axis=1)
     total = np.stack([(weight * column[index]).sum(axis=1) for column in _columns(sheet.colors)], axis=1)

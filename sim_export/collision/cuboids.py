@@ -50,7 +50,7 @@ def _greedy_cuboids(occupancy: np.ndarray, ends: tuple[np.ndarray, ...]) -> Iter
     compressed, edges = _compress(occupancy)
     sizes = [np.diff(end[edge]) for end, edge in zip(ends, edges, strict=True)]
     weights = sizes[0][:, None, None] * sizes[1][:, None] * sizes[2]
-    filled = _integral(compressed)
+    filled = count_filled(compressed)
     missing = compressed.copy()
     candidates = np.zeros((0, 2, 3), dtype=np.int64)
     seeds = FIRST_SEEDS
@@ -59,8 +59,8 @@ def _greedy_cuboids(occupancy: np.ndarray, ends: tuple[np.ndarray, ...]) -> Iter
         cells = np.argwhere(missing)
         cells = cells[np.argsort(-weights[tuple(cells.T)], kind="stable")]
         cells = cells[:: max(1, len(cells) // seeds)][: 2 * seeds]
-        candidates = np.concatenate([candidates, _grow(filled, cells)])
-        gains = _box_sums(_integral(missing * weights), candidates)
+        candidates = np.concatenate([candidates, grow_boxes(filled, cells)])
+        gains = _box_sums(count_filled(missing * weights), candidates)
         candidates, gains = candidates[gains > 0], gains[gains > 0]
         seeds = MORE_SEEDS
         best = candidates[gains.argmax()]
@@ -176,7 +176,7 @@ def _compress(occupancy: np.ndarray) -> tuple[np.ndarray, list[np.ndarray]]:
     return occupancy[np.ix_(*(edge[:-1] for edge in edges))], edges
 
 
-def _integral(values: np.ndarray) -> np.ndarray:
+def count_filled(values: np.ndarray) -> np.ndarray:
     """Sums over all boxes from the origin, padded by one."""
     sums = np.pad(values.astype(np.int64 if values.dtype == bool else values.dtype), ((1, 0),) * 3)
     for axis in range(3):
@@ -193,11 +193,11 @@ def _box_sums(integral: np.ndarray, boxes: np.ndarray) -> np.ndarray:
     )  # fmt: skip
 
 
-def _grow(filled: np.ndarray, cells: np.ndarray) -> np.ndarray:
+def grow_boxes(filled: np.ndarray, cells: np.ndarray) -> np.ndarray:
     """Grows boxes from every cell as far as they stay filled, once for each order of the axes.
 
     Args:
-        filled: Counts of filled cells in all boxes from the origin (`_integral`).
+        filled: Counts of filled cells in all boxes from the origin (`count_filled`).
         cells: Filled cells ``[N 3]``.
 
     Returns:

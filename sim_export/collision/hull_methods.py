@@ -17,19 +17,18 @@ from sim_export.checks.surface import SampledSurface, sample_surface_tree
 from sim_export.collision.coacd_process import CoacdConfig, run_coacd
 from sim_export.collision.convex_pieces import Solid
 from sim_export.collision.cuboids import CuboidFit
-from sim_export.collision.hull_cover import (
+from sim_export.collision.hull_cover import CoverConfig, choose_hulls
+from sim_export.collision.hull_limits import HullLimits, comply_hull, tile_hull
+from sim_export.collision.hull_offers import (
     TAKEN,
-    CoverConfig,
     Ground,
     Offers,
     PooledHull,
-    choose_hulls,
     find_rest,
     join_offers,
     make_ground,
     measure_offers,
 )
-from sim_export.collision.hull_limits import HullLimits, comply_hull, tile_hull
 from sim_export.collision.hull_pool import box_offers, piece_offers, rest_offers
 from sim_export.collision.hulls import box_hull
 from sim_export.errors import DecompositionFailed

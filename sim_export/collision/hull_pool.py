@@ -5,8 +5,8 @@ from jaxtyping import Bool
 
 from sim_export.collision.convex_pieces import PieceConfig, Solid, cut_pieces, join_steps
 from sim_export.collision.cuboids import CuboidFit, largest_cuboids
-from sim_export.collision.hull_cover import Ground, PooledHull
 from sim_export.collision.hull_limits import HullLimits, comply_hull, thicken_hull, tile_hull
+from sim_export.collision.hull_offers import Ground, PooledHull
 from sim_export.collision.hulls import box_hull, hull_length
 from sim_export.errors import DegeneratePart
 from sim_export.geometry.solids import as_solid, measure_fit, solid_hull, unite_hulls

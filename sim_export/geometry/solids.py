@@ -14,7 +14,6 @@ from sim_export.errors import OpenMesh
 from sim_export.geometry.sampling import sample_triangles
 from sim_export.package import Hull, Mesh
 
-
 SURFACE_SAMPLES = 10_000
 """Points on a solid's surface to which bulges are measured."""
 
