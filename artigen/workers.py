@@ -18,7 +18,7 @@ from multiprocessing.process import BaseProcess
 from queue import Empty, SimpleQueue
 from typing import Generic, TypeVar
 
-from artigen.cores import worker_environment
+from artigen.cores import start_pools, worker_environment
 from artigen.errors import ArtigenError
 
 LESS_MEMORY = "free some, or run fewer --workers"
@@ -40,6 +40,7 @@ def _serve(connection: Connection) -> None:
     """Runs in the child: answers (function, item) with an outcome until the pipe closes."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent decides what an interrupt means
     threading.Thread(target=_end_with_parent, daemon=True).start()
+    start_pools(os.environ)
     while True:
         try:
             function, item = connection.recv()

@@ -34,7 +34,7 @@ from sim_export.collision.hulls import convex_hull
 from sim_export.errors import DecompositionFailed, DegeneratePart
 from sim_export.geometry.boards import fill_boards
 from sim_export.geometry.meshing import mesh_parts
-from sim_export.geometry.solids import as_solid, measure_fit, solid_arrays
+from sim_export.geometry.solids import as_solid, measure_fit, solid_arrays, unite_hulls
 from sim_export.package import Hull, Mesh
 
 Solid = manifold3d.Manifold
@@ -90,9 +90,8 @@ def try_method(method: str, mesh: Mesh, timeout: float, start_up: float) -> Tria
         logging.getLogger(__name__).warning("%s: %s", method, err)
         return Trial(seconds=time.perf_counter() - begin, hulls=0, error=float("nan"))
     seconds = time.perf_counter() - begin - (start_up if method == "CoACD" else 0.0)
-    return Trial(
-        seconds=max(seconds, 0.01), hulls=len(hulls), error=measure_fit(hulls, as_solid(mesh)).volume_error
-    )
+    fit = measure_fit(unite_hulls(hulls), as_solid(mesh))
+    return Trial(seconds=max(seconds, 0.01), hulls=len(hulls), error=fit.volume_error)
 
 
 def _decompose(method: str, mesh: Mesh, timeout: float) -> tuple[Hull, ...]:

@@ -41,6 +41,10 @@ class LoadConfig:
     makes of the URDF, which is how other loaders will see it. Joints that carry neither value in
     the package are left to the engine in both."""
 
+    hulls: Literal["read", "known"] = "read"
+    """``known`` takes those that SAPIEN has of the same files, which may not have changed since: reading
+    and preparing them is most of the cost of loading."""
+
 
 def load_package(
     scene: "sapien.Scene", folder: Path, cfg: LoadConfig, package: SimPackage | None = None
@@ -62,8 +66,9 @@ def load_package(
 
     if package is None:
         package = read_package(folder)
-    # SAPIEN keeps hulls by their path, also those of a package that stood there before.
-    sapien.physx.clear_cache()
+    if cfg.hulls == "read":
+        # SAPIEN keeps hulls by their path, also those of a package that stood there before.
+        sapien.physx.clear_cache()
     loader = scene.create_urdf_loader()
     loader.fix_root_link = cfg.base == "fixed"
     loader.load_multiple_collisions_from_file = True

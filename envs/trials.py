@@ -7,6 +7,7 @@ compares those with thresholds. Everything is CPU PhysX, and nothing is random.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 import sapien
@@ -64,10 +65,24 @@ class TrialResults:
     trace: Float[np.ndarray, "T"]
 
 
-def run_trials(folder: Path, package: SimPackage, timestep: float, cfg: TrialConfig) -> TrialResults:
-    """All trials of one package at one time step, in a scene of their own."""
+def run_trials(
+    folder: Path,
+    package: SimPackage,
+    timestep: float,
+    cfg: TrialConfig,
+    hulls: Literal["read", "known"] = "read",
+) -> TrialResults:
+    """All trials of one package at one time step, in a scene of their own.
+
+    Args:
+        folder: The package.
+        package: Its content.
+        timestep: Seconds per step.
+        cfg: Durations, hand forces and tolerances.
+        hulls: ``known`` where the same folder was tried before, unchanged (`LoadConfig.hulls`).
+    """
     scene = create_scene(timestep)
-    loaded = load_package(scene, folder, LoadConfig(base="fixed"), package)
+    loaded = load_package(scene, folder, LoadConfig(base="fixed", hulls=hulls), package)
     plan = plan_trials(loaded, cfg.hand)
     trace: list[np.ndarray] = []
     reset(loaded, rest_qpos(loaded))
@@ -256,7 +271,7 @@ def _stand(folder: Path, package: SimPackage, timestep: float, cfg: TrialConfig,
     from .support import overhang_of
 
     scene = create_scene(timestep, ground=True)
-    loaded = load_package(scene, folder, LoadConfig(base="free"), package)
+    loaded = load_package(scene, folder, LoadConfig(base="free", hulls="known"), package)
     reset(loaded, rest_qpos(loaded))
     local = local_vertices(loaded)
     vertices = world_vertices(loaded, local)

@@ -231,6 +231,35 @@ def test_loading_a_package_loads_no_heavy_module(package: str):
     assert done.stdout.split() == []
 
 
+LATE = (*HEAVY, "scipy", "PIL", "matplotlib", "pandas", "sklearn", "lxml", "coal", "manifold3d")
+"""Modules that the process which only hands out work does not need."""
+
+
+@pytest.mark.parametrize("command", ["convert", "shape", "generate"])
+def test_a_command_that_hands_out_work_loads_only_itself(command: str):
+    code = (
+        "import sys\n"
+        "from artigen.cli.main import COMMANDS, load_command\n"
+        f"load_command({command!r})\n"
+        "import envs.config, envs.validate\n"
+        f"print(*({set(LATE)!r} & set(sys.modules)))\n"
+        "print(*(name for name in COMMANDS.values() if f'artigen.cli.{name}' in sys.modules))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, timeout=120, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    heavy, commands = done.stdout.split("\n")[:2]
+    assert heavy.split() == []
+    assert set(commands.split()) - {"shape"} <= {command}  # generate reads counts as shape does
+
+
+def test_every_subcommand_is_there():
+    from artigen.cli.main import COMMANDS, load_command
+
+    assert all(callable(load_command(name)) for name in COMMANDS)
+
+
 @pytest.mark.parametrize("package", PACKAGES)
 def test_listed_names_are_sorted_few_and_there(package: str):
     module = importlib.import_module(package)

@@ -40,6 +40,28 @@ def test_a_worker_has_one_thread_and_the_environment_here_stays(monkeypatch: pyt
     assert dict(os.environ) == before
 
 
+def count_threads(_: None) -> tuple[int, int, int]:
+    """Threads of this process before and after booleans of large solids, and the cores that it may use."""
+    import manifold3d
+
+    before = len(list(Path("/proc/self/task").iterdir()))
+    ball = manifold3d.Manifold.sphere(1.0, 256)
+    (ball - ball.translate((0.5, 0.0, 0.0))).volume()
+    return before, len(list(Path("/proc/self/task").iterdir())), len(os.sched_getaffinity(0))
+
+
+@pytest.mark.skipif(not hasattr(os, "sched_setaffinity"), reason="only Linux holds a process to a core")
+def test_booleans_in_a_worker_start_no_threads_and_leave_its_cores(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.delenv("OMP_NUM_THREADS", raising=False)
+    worker = Worker()
+    try:
+        before, after, cores = worker.call(count_threads, None, 60.0).value or (0, 1, 0)
+    finally:
+        worker.close()
+    assert after == before
+    assert cores == len(os.sched_getaffinity(0))
+
+
 def test_omp_num_threads_of_the_user_holds_for_all_that_have_no_variable_set():
     told = {"OMP_NUM_THREADS": "3", "MKL_NUM_THREADS": "2"}
     given = thread_environment(told)

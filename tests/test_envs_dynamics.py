@@ -165,6 +165,11 @@ def test_scenes_do_not_depend_on_what_ran_in_the_process_before(package, folder)
     assert measure() == expected
 
 
+def test_hulls_that_sapien_knows_behave_as_those_it_reads(folder, package, trials):
+    known = run_trials(folder, package, 0.01, DynamicsConfig().trials, hulls="known")
+    np.testing.assert_array_equal(known.trace, trials.trace)
+
+
 def lose_a_hull(folder: Path) -> None:
     mesh_collisions(folder)
     (folder / "collision" / "link_3_1.obj").unlink()

@@ -16,9 +16,9 @@ from sim_export.collision.coacd_process import CoacdConfig, run_coacd
 from sim_export.collision.convex_pieces import PieceConfig, cut_pieces
 from sim_export.collision.cuboids import largest_cuboids
 from sim_export.collision.decompose import DecomposeConfig, decompose_part, decompose_parts
-from sim_export.collision.hull_cover import TAKEN, make_ground
 from sim_export.collision.hull_limits import HullLimits, hull_aspect, limit_hulls
 from sim_export.collision.hull_methods import Candidate
+from sim_export.collision.hull_offers import TAKEN, make_ground
 from sim_export.collision.hulls import (
     box_bounds,
     box_hull,
@@ -40,6 +40,7 @@ from sim_export.geometry.solids import (
     measure_stray,
     solid_arrays,
     solid_hull,
+    unite_hulls,
 )
 from sim_export.package import Mesh
 
@@ -295,7 +296,7 @@ def test_limits_are_met_by_cutting_thickening_and_fewer_vertices():
     (round_,), _ = limit_hulls([ball], limits, 32)
     assert_within_limits([round_], limits)
     assert hull_volume(round_) == pytest.approx(hull_volume(ball))
-    assert measure_fit([round_], as_solid(ball)).volume_error < 0.12
+    assert measure_fit(unite_hulls([round_]), as_solid(ball)).volume_error < 0.12
 
 
 @pytest.fixture
@@ -331,7 +332,7 @@ def test_coacd_runs_in_its_own_process_and_is_cached(tmp_path, fake_python):
     first = run_coacd(mesh, cfg, tmp_path)
     assert len(first) >= 2
     assert_within_limits(first, replace(HullLimits(), max_polygons=200, min_width=0, max_aspect=1e9))
-    assert measure_fit(first, as_solid(mesh)).volume_error < 0.4
+    assert measure_fit(unite_hulls(first), as_solid(mesh)).volume_error < 0.4
     assert "coacd" not in sys.modules
     fake_python("exit 1")
     for one, two in zip(run_coacd(mesh, cfg, tmp_path), first, strict=True):
@@ -374,4 +375,6 @@ def test_space_that_other_links_take_counts_more_when_hulls_fill_it():
     taken = alone.weights[free][ratio > 1.5].sum() * wall.volume()
     assert -taken == pytest.approx((tray ^ block((0.0, 0.0, 0.0), (0.6, 0.02, 0.6))).volume(), rel=0.02)
     filled = (box_hull(np.zeros(3), np.array([0.6, 0.02, 0.6])),)
-    assert measure_intrusion(filled, wall, (tray,)) == pytest.approx(-taken / wall.volume(), rel=0.02)
+    assert measure_intrusion(unite_hulls(filled), wall, (tray,)) == pytest.approx(
+        -taken / wall.volume(), rel=0.02
+    )

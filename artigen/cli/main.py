@@ -3,24 +3,29 @@
 import logging
 import os
 import sys
+from collections.abc import Callable
+from importlib import import_module
 
-from artigen.cli.convert import convert
-from artigen.cli.dataset import dataset
-from artigen.cli.demo import demo
-from artigen.cli.evaluate import evaluate
-from artigen.cli.export import export
-from artigen.cli.generate import generate
-from artigen.cli.preview import preview
-from artigen.cli.scene import scene
-from artigen.cli.sets import sets
-from artigen.cli.shape import shape
-from artigen.cli.train import train
-from artigen.cli.usd import usd
-from artigen.cli.validate import validate
-from artigen.cli.view import view
 from artigen.cores import thread_environment
 from artigen.errors import ArtigenError
 
+COMMANDS = {
+    "convert": "convert",
+    "shape": "shape",
+    "generate": "generate",
+    "dataset": "dataset",
+    "train": "train",
+    "eval": "evaluate",
+    "export": "export",
+    "usd": "usd",
+    "validate": "validate",
+    "preview": "preview",
+    "view": "view",
+    "sets": "sets",
+    "scene": "scene",
+    "demo": "demo",
+}
+"""Subcommands, and for each the module of `artigen.cli` that holds a function of the module's name."""
 THREADED = ("train", "eval")
 """Subcommands that use all cores in this process; the others use them by worker processes."""
 
@@ -33,22 +38,8 @@ def main() -> None:
     import tyro
 
     logging.basicConfig(level=logging.WARNING, format="%(levelname)s %(name)s: %(message)s")
-    commands = {
-        "convert": convert,
-        "shape": shape,
-        "generate": generate,
-        "dataset": dataset,
-        "train": train,
-        "eval": evaluate,
-        "export": export,
-        "usd": usd,
-        "validate": validate,
-        "preview": preview,
-        "view": view,
-        "sets": sets,
-        "scene": scene,
-        "demo": demo,
-    }
+    asked = [name for name in sys.argv[1:2] if name in COMMANDS]
+    commands = {name: load_command(name) for name in asked or COMMANDS}
     try:
         code = tyro.extras.subcommand_cli_from_dict(commands, prog="artigen", description=__doc__)
     except ArtigenError as error:
@@ -58,3 +49,9 @@ def main() -> None:
         sys.stderr.write("artigen: interrupted; run the same command again to finish the rest\n")
         sys.exit(130)
     sys.exit(code)
+
+
+def load_command(name: str) -> Callable[..., int]:
+    """The function of a subcommand; only what is asked for is imported, since that takes time."""
+    module = COMMANDS[name]
+    return getattr(import_module(f"artigen.cli.{module}"), module)

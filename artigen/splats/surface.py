@@ -79,10 +79,11 @@ def splat_surface(surface: SurfaceSamples, cfg: SurfaceSplatConfig | None = None
         if count < 1:
             continue
         points = surface.points[rows]
-        tree = KDTree(points, balanced_tree=False, compact_nodes=False)
+        tree = KDTree(points, leafsize=16, balanced_tree=False, compact_nodes=False)
         far, index = (np.asarray(found) for found in tree.query(points, k=count + 1))
-        beside = np.einsum("mkc,mcd->mkd", points[index[:, 1:]] - points[:, None], frames[rows, :, :2])
-        reach[rows], turn[rows] = _measure_reach(beside)
+        offset = points[index[:, 1:].T] - points  # K M 3
+        first, second = (np.einsum("kmc,mc->km", offset, frames[rows, :, axis]) for axis in range(2))
+        reach[rows], turn[rows] = _measure_reach(first, second)
         distance[rows] = far[:, -1] * np.sqrt(np.pi / count)
     spacing = float(np.median(distance))
     if not np.isfinite(spacing):
@@ -139,25 +140,24 @@ def _find_backed(
 
 
 def _measure_reach(
-    beside: Float[np.ndarray, "M K 2"],
+    first: Float[np.ndarray, "K M"], second: Float[np.ndarray, "K M"]
 ) -> tuple[Float[np.ndarray, "M 2"], Float[np.ndarray, "M"]]:
     """How far the surface goes on in the nearer of both ways along each axis of a turned frame, and the turn.
 
     The turned axes are those along which the others are spread least and most: at the edge of a panel, and on
     a narrow strip, across and along it.
+
+    Args:
+        first: Where the K others lie along the first axis of each frame.
+        second: The same along the second axis.
     """
-    spread = beside - beside.mean(axis=1, keepdims=True)
-    xx, yy = (spread**2).mean(axis=1).T
-    xy = (spread[..., 0] * spread[..., 1]).mean(axis=1)
-    turn = 0.5 * np.arctan2(2.0 * xy, xx - yy)
-    cos, sin = np.cos(turn)[:, None], np.sin(turn)[:, None]
-    turned = np.stack(
-        [beside[..., 0] * cos + beside[..., 1] * sin, beside[..., 1] * cos - beside[..., 0] * sin], axis=2
-    )
-    sides = []
-    for axis in range(2):
-        along = turned[..., axis]
-        sides.append(np.minimum(along.max(axis=1), -along.min(axis=1)))
+    x, y = first - first.mean(axis=0), second - second.mean(axis=0)
+    turn = 0.5 * np.arctan2(2.0 * (x * y).mean(axis=0), (x * x).mean(axis=0) - (y * y).mean(axis=0))
+    cos, sin = np.cos(turn), np.sin(turn)
+    sides = [
+        np.minimum(along.max(axis=0), -along.min(axis=0))
+        for along in (first * cos + second * sin, second * cos - first * sin)
+    ]
     return np.stack(sides, axis=1), turn
 
 

@@ -2,11 +2,24 @@
 
 ``docs/checks.md`` lists every check with its threshold, where it applies and why. The checks are not
 imported here, so that readers of packages can share the URDF parser without loading them: take
-`run_checks` and `CHECKS` from `sim_export.checks.suite`.
+`run_checks` and `CHECKS` from `sim_export.checks.suite`. Nor is anything else but the settings before it is
+asked for, so that a process that only hands them on need not load SciPy.
 """
 
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
 from sim_export.checks.config import CheckConfig
-from sim_export.checks.registry import CheckSpec, Finding, run_check, run_specs
-from sim_export.checks.subject import Subject
+
+if TYPE_CHECKING:
+    from sim_export.checks.registry import CheckSpec, Finding, run_check, run_specs
+    from sim_export.checks.subject import Subject
 
 __all__ = ["CheckConfig", "CheckSpec", "Finding", "Subject", "run_check", "run_specs"]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in __all__:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    module = "subject" if name == "Subject" else "registry"
+    return getattr(import_module(f"{__name__}.{module}"), name)

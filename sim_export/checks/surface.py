@@ -47,7 +47,9 @@ def sample_surface_tree(triangles: Float[np.ndarray, "F 3 3"], samples: int) -> 
     from scipy.spatial import KDTree
 
     spread, owner = sample_triangles(triangles, samples)
-    return SampledSurface(triangles=triangles, owner=owner, tree=KDTree(spread) if len(spread) else None)
+    # Points spread evenly need no balance, and building such a tree takes a third of the time.
+    tree = KDTree(spread, leafsize=16, balanced_tree=False, compact_nodes=False) if len(spread) else None
+    return SampledSurface(triangles=triangles, owner=owner, tree=tree)
 
 
 def surface_distances(

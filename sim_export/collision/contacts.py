@@ -8,9 +8,11 @@ and the two broadcast, so that a sweep is one call.
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import product
+from math import isfinite
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 
 from artigen.transforms import inverse, transform_points
 from artigen.types import frozen_array
@@ -43,6 +45,17 @@ class HullSet:
     def shapes(self) -> tuple[object, ...]:
         """One coal shape per hull."""
         return tuple(_coal_shape(hull) for hull in self.hulls)
+
+    @cached_property
+    def rest_bounds(self) -> Float[np.ndarray, "H 2 3"]:
+        """Lowest and highest corner of every hull where it is."""
+        return self.bounds(np.eye(4))
+
+    @cached_property
+    def corners(self) -> Float[np.ndarray, "8 3"]:
+        """Corners of the box around all hulls."""
+        low, high = self.rest_bounds[:, 0].min(axis=0), self.rest_bounds[:, 1].max(axis=0)
+        return np.array(list(product(*np.stack([low, high], axis=1))))
 
     def bounds(self, T: Float[np.ndarray, "*P 4 4"]) -> Float[np.ndarray, "*P H 2 3"]:
         """Lowest and highest corner of every hull at the poses ``T``, exact in the frame ``T`` maps to."""
@@ -166,16 +179,29 @@ def _pose_pairs(T_first: np.ndarray, T_second: np.ndarray) -> tuple[np.ndarray, 
 
 def _candidates(first: HullSet, second: HullSet, T_relative: np.ndarray, margin: float) -> np.ndarray:
     """Rows (pose, first hull, second hull) whose boxes come within ``margin``, in either set's own frame."""
-    near = _boxes_meet(first.bounds(np.eye(4)), second.bounds(T_relative), margin)
-    pose, i, j = np.nonzero(near)
+    poses = np.flatnonzero(_may_meet(first, second, T_relative, margin))
+    near = _boxes_meet(first.rest_bounds, second.bounds(T_relative[poses]), margin)
+    some = near.any(axis=(1, 2))
+    poses, near = poses[some], near[some]
     # Boxes in the second's frame are as tight for it as the first's are for the first: a slanted
-    # door leaves only the hulls that it really passes. Only poses with a survivor are worth the work.
-    poses = np.unique(pose)
-    back = np.zeros_like(near)
-    back[poses] = np.swapaxes(
-        _boxes_meet(second.bounds(np.eye(4)), first.bounds(inverse(T_relative[poses])), margin), -1, -2
-    )
-    return np.stack([pose, i, j], axis=1)[back[pose, i, j]]
+    # door leaves only the hulls that it really passes.
+    back = _boxes_meet(second.rest_bounds, first.bounds(inverse(T_relative[poses])), margin)
+    pose, i, j = np.nonzero(near & np.swapaxes(back, -1, -2))
+    return np.stack([poses[pose], i, j], axis=1)
+
+
+def _may_meet(
+    first: HullSet, second: HullSet, T_relative: np.ndarray, margin: float
+) -> Bool[np.ndarray, "P"]:
+    """Poses at which the box around all of ``second`` comes within ``margin`` of that around ``first``.
+
+    False only where no hulls do: the margin is widened by what rounding may cost.
+    """
+    still, moved = first.corners, transform_points(T_relative, second.corners)
+    reach = margin + 1e-9 * (1.0 + float(np.abs(moved).max()) + float(np.abs(still).max()))
+    above = moved.min(axis=1) <= still.max(axis=0) + reach
+    below = moved.max(axis=1) >= still.min(axis=0) - reach
+    return (above & below).all(axis=1)
 
 
 def _boxes_meet(still: np.ndarray, moved: np.ndarray, margin: float) -> np.ndarray:
@@ -199,7 +225,7 @@ def _narrow_phase(first: HullSet, second: HullSet, T_relative: np.ndarray, candi
         result = coal.DistanceResult()
         distance = coal.distance(first.shapes[i], here, second.shapes[j], there, request, result)
         normal = result.normal
-        if not (np.isfinite(distance) and np.isfinite(normal).all()):
+        if not (isfinite(distance) and isfinite(normal @ normal)):
             raise DegeneratePart(
                 f"distance between hulls {i} and {j} is {distance}: sizes "
                 f"{np.ptp(first.hulls[i].vertices, axis=0).tolist()} and "

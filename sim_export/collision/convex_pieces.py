@@ -61,8 +61,8 @@ def join_steps(
     def offer(index: int, others: list[int]) -> None:
         for other in others:
             if _touch(alive[index], alive[other], reach):
-                candidate = _candidate(alive, index, other, overlap=overlap)
-                if candidate[0] <= most_added:
+                candidate = _candidate(alive, index, other, most_added, overlap=overlap)
+                if candidate is not None:
                     heapq.heappush(queue, candidate)
 
     for index in alive:
@@ -202,15 +202,21 @@ def _concave_planes(vertices: np.ndarray, faces: np.ndarray, most: int = 4) -> t
     return planes[first[top]], resolved[top] / concavity.sum()
 
 
-def _candidate(alive: dict[int, _Piece], i: int, j: int, *, overlap: bool) -> tuple[float, int, int, _Piece]:
-    """What joining two pieces costs, and the result; indices make the order unique.
+def _candidate(
+    alive: dict[int, _Piece], i: int, j: int, most_added: float, *, overlap: bool
+) -> tuple[float, int, int, _Piece] | None:
+    """What joining two pieces costs, and the result; None where that is above ``most_added``.
 
-    Pieces of a cut solid share no volume, so only boxes of a cover pay for measuring it.
+    Indices make the order unique. Pieces of a cut solid share no volume, so only boxes of a cover pay for
+    measuring it, and only where the joint hull alone does not cost too much.
     """
     a, b = alive[i], alive[j]
-    common = (a.hull ^ b.hull).volume() if overlap and _touch(a, b, 0.0) else 0.0
     both = _piece(Solid.batch_hull([a.hull, b.hull]), a.volume + b.volume)
-    return both.outer - (a.outer + b.outer - common), i, j, both
+    if both.outer - (a.outer + b.outer) > most_added:
+        return None
+    common = (a.hull ^ b.hull).volume() if overlap and _touch(a, b, 0.0) else 0.0
+    added = both.outer - (a.outer + b.outer - common)
+    return (added, i, j, both) if added <= most_added else None
 
 
 def _touch(a: _Piece, b: _Piece, reach: float) -> bool:

@@ -6,6 +6,7 @@ one link with each other.
 """
 
 from collections.abc import Iterator
+from dataclasses import dataclass, field
 from itertools import islice, permutations
 
 import numpy as np
@@ -49,7 +50,7 @@ def _greedy_cuboids(occupancy: np.ndarray, ends: tuple[np.ndarray, ...]) -> Iter
     compressed, edges = _compress(occupancy)
     sizes = [np.diff(end[edge]) for end, edge in zip(ends, edges, strict=True)]
     weights = sizes[0][:, None, None] * sizes[1][:, None] * sizes[2]
-    filled = _integral(compressed)
+    filled = count_filled(compressed)
     missing = compressed.copy()
     candidates = np.zeros((0, 2, 3), dtype=np.int64)
     seeds = FIRST_SEEDS
@@ -58,8 +59,8 @@ def _greedy_cuboids(occupancy: np.ndarray, ends: tuple[np.ndarray, ...]) -> Iter
         cells = np.argwhere(missing)
         cells = cells[np.argsort(-weights[tuple(cells.T)], kind="stable")]
         cells = cells[:: max(1, len(cells) // seeds)][: 2 * seeds]
-        candidates = np.concatenate([candidates, _grow(filled, cells)])
-        gains = _box_sums(_integral(missing * weights), candidates)
+        candidates = np.concatenate([candidates, grow_boxes(filled, cells)])
+        gains = _box_sums(count_filled(missing * weights), candidates)
         candidates, gains = candidates[gains > 0], gains[gains > 0]
         seeds = MORE_SEEDS
         best = candidates[gains.argmax()]
@@ -67,29 +68,48 @@ def _greedy_cuboids(occupancy: np.ndarray, ends: tuple[np.ndarray, ...]) -> Iter
         yield np.array([[edges[axis][best[end, axis]] for axis in range(3)] for end in range(2)])
 
 
-def fit_cuboids(
-    vertices: Float[np.ndarray, "V 3"],
-    faces: Int[np.ndarray, "F 3"],
-    max_count: int,
-    detail: float,
-) -> Float[np.ndarray, "K 2 3"] | None:
-    """Boxes (lowest and highest corner) that fill a closed mesh of mostly axis-aligned faces.
+@dataclass(frozen=True, kw_only=True, eq=False)
+class CuboidFit:
+    """The boxes that fill a closed mesh of mostly axis-aligned faces, found as far as they are asked for.
 
     The planes of those faces divide space into cells of unequal size; a cell belongs to the solid
-    if most of it lies inside. Planes that hold less than the share ``detail`` of the surface divide
-    nothing. The largest come first; where more than ``max_count`` are needed, the rest is left out.
-    ``None`` where hardly any face is axis-aligned.
+    if most of it lies inside. The same planes give the same boxes, which are found once.
     """
-    planes = face_coordinates(vertices, faces, detail)
-    if planes is None:
-        return None
+
+    vertices: Float[np.ndarray, "V 3"]
+    faces: Int[np.ndarray, "F 3"]
+    _found: dict[bytes, tuple[list[np.ndarray], Iterator[np.ndarray]]] = field(default_factory=dict)
+
+    def take(self, max_count: int, detail: float) -> Float[np.ndarray, "K 2 3"] | None:
+        """Boxes (lowest and highest corner), the largest first.
+
+        Args:
+            max_count: Where more boxes are needed, the rest is left out.
+            detail: Planes that hold less than this share of the surface divide nothing.
+
+        Returns:
+            `None` where hardly any face is axis-aligned.
+        """
+        planes = face_coordinates(self.vertices, self.faces, detail)
+        if planes is None:
+            return None
+        key = b"/".join(plane.tobytes() for plane in planes)
+        found, more = self._found.setdefault(key, ([], _boxes_between(self.vertices, self.faces, planes)))
+        found += islice(more, max(0, max_count - len(found)))
+        return np.array(found[:max_count]).reshape(-1, 2, 3)
+
+
+def _boxes_between(
+    vertices: np.ndarray, faces: np.ndarray, planes: tuple[np.ndarray, np.ndarray, np.ndarray]
+) -> Iterator[Float[np.ndarray, "2 3"]]:
+    """Boxes of the cells between some planes that lie in a mesh, the largest first."""
     fractions = (np.arange(3) + 0.4871) / 3.0  # off centre: no sample on a plane of symmetry
     x, y, z = ((plane[:-1, None] + np.diff(plane)[:, None] * fractions).ravel() for plane in planes)
     inside = inside_grid(vertices, faces, (x, y, z))
     cells = [len(plane) - 1 for plane in planes]
     share = inside.reshape(cells[0], 3, cells[1], 3, cells[2], 3).mean(axis=(1, 3, 5))
-    boxes = largest_cuboids(share > 0.5, max_count, planes)
-    return np.stack([planes[axis][boxes[..., axis]] for axis in range(3)], axis=-1)
+    for box in _greedy_cuboids(share > 0.5, planes):
+        yield np.stack([planes[axis][box[:, axis]] for axis in range(3)], axis=-1)
 
 
 def face_coordinates(
@@ -156,7 +176,7 @@ def _compress(occupancy: np.ndarray) -> tuple[np.ndarray, list[np.ndarray]]:
     return occupancy[np.ix_(*(edge[:-1] for edge in edges))], edges
 
 
-def _integral(values: np.ndarray) -> np.ndarray:
+def count_filled(values: np.ndarray) -> np.ndarray:
     """Sums over all boxes from the origin, padded by one."""
     sums = np.pad(values.astype(np.int64 if values.dtype == bool else values.dtype), ((1, 0),) * 3)
     for axis in range(3):
@@ -173,23 +193,47 @@ def _box_sums(integral: np.ndarray, boxes: np.ndarray) -> np.ndarray:
     )  # fmt: skip
 
 
-def _grow(filled: np.ndarray, cells: np.ndarray) -> np.ndarray:
-    """Grows boxes from every cell as far as they stay filled, once for each order of the axes."""
+def grow_boxes(filled: np.ndarray, cells: np.ndarray) -> np.ndarray:
+    """Grows boxes from every cell as far as they stay filled, once for each order of the axes.
+
+    Args:
+        filled: Counts of filled cells in all boxes from the origin (`count_filled`).
+        cells: Filled cells ``[N 3]``.
+
+    Returns:
+        Boxes ``[6 N, 2, 3]``.
+    """
     orders = np.array(list(permutations(range(3))))
     seeds = np.tile(cells, (len(orders), 1))
-    boxes = np.stack([seeds, seeds + 1], axis=1)  # 6 N, 2, 3
-    shape = np.array(filled.shape) - 1
+    boxes = np.stack([seeds, seeds + 1], axis=1)
+    every = np.arange(len(boxes))
+    flat, strides = filled.ravel(), np.array(filled.strides) // filled.itemsize
     for axes in np.repeat(orders, len(cells), axis=0).T:
+        last, along = np.array(filled.shape)[axes] - 1, strides[axes]
+        # The counts up to a plane across the axis, between the box's other sides: four corners of `filled`.
+        (low, high), (left, right) = (
+            boxes[every, :, other].T * strides[other] for other in ((axes + 1) % 3, (axes + 2) % 3)
+        )
+        area = np.prod(boxes[:, 1] - boxes[:, 0], axis=1) // (boxes[every, 1, axes] - boxes[every, 0, axes])
+        corners = high + right, low + left, low + right, high + left
         for end, step in ((0, -1), (1, 1)):
-            active = np.arange(len(boxes))
+            reached = boxes[every, end, axes]
+            active, below = every, _count_below(flat, corners, every, reached * along)
             while active.size:
-                longer, along = boxes[active], axes[active]
-                at = longer[np.arange(len(active)), end, along] + step
-                inside = (at >= 0) & (at <= shape[along])
-                active, longer, along, at = active[inside], longer[inside], along[inside], at[inside]
-                longer[np.arange(len(active)), end, along] = at
-                size = longer[:, 1] - longer[:, 0]
-                full = _box_sums(filled, longer) == size[:, 0] * size[:, 1] * size[:, 2]
-                active = active[full]
-                boxes[active] = longer[full]
+                at = reached[active] + step
+                inside = (at >= 0) & (at <= last[active])
+                active, at, below = active[inside], at[inside], below[inside]
+                next_below = _count_below(flat, corners, active, at * along[active])
+                full = step * (next_below - below) == area[active]
+                active, below = active[full], next_below[full]
+                reached[active] = at[full]
+            boxes[every, end, axes] = reached
     return boxes
+
+
+def _count_below(
+    flat: np.ndarray, corners: tuple[np.ndarray, ...], rows: np.ndarray, plane: np.ndarray
+) -> np.ndarray:
+    """Filled cells of some columns below planes across them, both as places in the flat counts."""
+    far, near, *mixed = (flat[corner[rows] + plane] for corner in corners)
+    return far + near - mixed[0] - mixed[1]

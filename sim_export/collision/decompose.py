@@ -17,7 +17,7 @@ from sim_export.collision.convex_pieces import Solid
 from sim_export.collision.hull_limits import limit_hulls
 from sim_export.collision.hull_methods import DecomposeConfig, Method, Part, diagonal_of, hull_candidates
 from sim_export.errors import DecompositionFailed
-from sim_export.geometry.solids import as_solid, measure_fit, measure_kept_cavity, solid_hull
+from sim_export.geometry.solids import as_solid, measure_fit, measure_kept_cavity, solid_hull, unite_hulls
 from sim_export.package import Hull, Mesh
 
 __all__ = ["DecomposeConfig", "Decomposition", "decompose_part", "decompose_parts"]
@@ -99,7 +99,7 @@ def _comply(method: Method, hulls: Sequence[Hull], part: Part, max_hulls: int) -
     """Hulls within the limits of physics engines, measured against the solid."""
     cfg, solid = part.cfg, part.solid
     limited, changes = limit_hulls(hulls, cfg.limits, max_hulls)
-    fit = measure_fit(limited, solid)
+    fit = measure_fit(unite_hulls(limited), solid)
     hollow = fit.cavity > cfg.min_cavity and fit.cavity * solid.hull().volume() > cfg.min_cavity_volume
     skin = max(cfg.skin * diagonal_of(solid), cfg.min_skin)
     return Decomposition(

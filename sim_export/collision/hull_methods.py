@@ -13,32 +13,34 @@ from typing import Literal
 
 import numpy as np
 
+from sim_export.checks.surface import SampledSurface, sample_surface_tree
 from sim_export.collision.coacd_process import CoacdConfig, run_coacd
 from sim_export.collision.convex_pieces import Solid
-from sim_export.collision.cuboids import fit_cuboids
-from sim_export.collision.hull_cover import (
+from sim_export.collision.cuboids import CuboidFit
+from sim_export.collision.hull_cover import CoverConfig, choose_hulls
+from sim_export.collision.hull_limits import HullLimits, comply_hull, tile_hull
+from sim_export.collision.hull_offers import (
     TAKEN,
-    CoverConfig,
     Ground,
     Offers,
     PooledHull,
-    choose_hulls,
     find_rest,
     join_offers,
     make_ground,
     measure_offers,
 )
-from sim_export.collision.hull_limits import HullLimits, comply_hull, tile_hull
 from sim_export.collision.hull_pool import box_offers, piece_offers, rest_offers
 from sim_export.collision.hulls import box_hull
 from sim_export.errors import DecompositionFailed
 from sim_export.geometry.solids import (
+    SURFACE_SAMPLES,
     measure_bulge,
     measure_fit,
     measure_intrusion,
     measure_stray,
     solid_arrays,
     solid_hull,
+    unite_hulls,
 )
 from sim_export.package import Hull, Mesh
 
@@ -136,9 +138,21 @@ class Part:
         return most if diagonal_of(self.solid) >= self.cfg.small * self.size else max(1, most // 3)
 
     @cached_property
+    def cuboids(self) -> CuboidFit:
+        """Boxes that fill the solid, where its faces are axis-aligned."""
+        vertices, faces = solid_arrays(self.simple)
+        return CuboidFit(vertices=vertices, faces=faces)
+
+    @cached_property
+    def surface(self) -> SampledSurface:
+        """The solid's surface, to measure distances to."""
+        vertices, faces = solid_arrays(self.simple)
+        return sample_surface_tree(vertices[faces], SURFACE_SAMPLES)
+
+    @cached_property
     def boxes(self) -> Offers:
         """Boxes and what they join to, measured against the solid."""
-        return self._measure(box_offers(self.simple, self.cfg.limits))
+        return self._measure(box_offers(self.simple, self.cuboids, self.cfg.limits))
 
     @cached_property
     def pieces(self) -> Offers:
@@ -217,9 +231,8 @@ def _auto(part: Part, max_hulls: int) -> Iterator[Candidate]:
 
 def _few_boxes(part: Part, max_hulls: int) -> Candidate | None:
     """The coarsest boxes within tolerance, if they are few."""
-    vertices, faces = solid_arrays(part.simple)
     for detail in FEW_DETAILS:
-        boxes = fit_cuboids(vertices, faces, part.cfg.few + 1, detail)
+        boxes = part.cuboids.take(part.cfg.few + 1, detail)
         if boxes is None or len(boxes) > part.cfg.few:
             return None
         hulls = [box_hull(low, high) for low, high in boxes]
@@ -238,11 +251,12 @@ def _few_tiles(hulls: Sequence[Hull], limits: HullLimits, most: int) -> bool:
 
 
 def _measured(method: Method, hulls: Sequence[Hull], part: Part) -> Candidate:
-    error = measure_fit(hulls, part.simple).volume_error
+    union = unite_hulls(hulls)
+    error = measure_fit(union, part.simple).volume_error
     least = MISSED * part.size
-    for distances in (measure_stray(hulls, part.simple), measure_bulge(hulls, part.simple, least)):
+    for distances in (measure_stray(hulls, part.simple), measure_bulge(hulls, part.surface, least)):
         missed = float((distances > least).mean())
         too_far = max(0.0, float(distances.max(initial=0.0)) / part.size - FARTHEST)
         error += 10.0 * missed + 20.0 * too_far
-    error += TAKEN * measure_intrusion(hulls, part.simple, part.others)
+    error += TAKEN * measure_intrusion(union, part.simple, part.others)
     return Candidate(method=method, hulls=tuple(hulls), error=error)

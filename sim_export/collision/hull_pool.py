@@ -4,12 +4,12 @@ import numpy as np
 from jaxtyping import Bool
 
 from sim_export.collision.convex_pieces import PieceConfig, Solid, cut_pieces, join_steps
-from sim_export.collision.cuboids import fit_cuboids, largest_cuboids
-from sim_export.collision.hull_cover import Ground, PooledHull
+from sim_export.collision.cuboids import CuboidFit, largest_cuboids
 from sim_export.collision.hull_limits import HullLimits, comply_hull, thicken_hull, tile_hull
+from sim_export.collision.hull_offers import Ground, PooledHull
 from sim_export.collision.hulls import box_hull, hull_length
 from sim_export.errors import DegeneratePart
-from sim_export.geometry.solids import as_solid, measure_fit, solid_arrays, solid_hull
+from sim_export.geometry.solids import as_solid, measure_fit, solid_hull, unite_hulls
 from sim_export.package import Hull
 
 DETAILS = (1e-2, 3e-3, 1e-3, 2e-4)
@@ -32,18 +32,19 @@ TILES = (1, 2, 4)
 """Oblong hulls are also offered thicker, so that they count as so many hulls."""
 
 
-def box_offers(solid: Solid, limits: HullLimits) -> list[PooledHull]:
-    """Boxes between the planes of a mesh, and what they join to; none where it is not axis-aligned."""
-    vertices, faces = solid_arrays(solid)
+def box_offers(solid: Solid, cuboids: CuboidFit, limits: HullLimits) -> list[PooledHull]:
+    """Boxes between the planes of a solid, and what they join to; none where it is not axis-aligned."""
     hulls: list[Hull] = []
     boxes: list[Hull] = []
+    before = np.zeros((0, 2, 3))
     for detail in DETAILS:
-        found = fit_cuboids(vertices, faces, MOST_BOXES, detail)
-        if found is None:
+        found = cuboids.take(MOST_BOXES, detail)
+        if found is None or np.array_equal(found, before):
             continue
+        before = found
         boxes = [box_hull(low, high) for low, high in found]
         hulls += boxes
-        if boxes and measure_fit(boxes, solid).volume_error < EXACT:
+        if detail != DETAILS[-1] and measure_fit(unite_hulls(boxes), solid).volume_error < EXACT:
             break
     solids = [as_solid(box) for box in boxes[:MOST_JOINED]]
     volumes = [box.volume() for box in solids]

@@ -1,5 +1,7 @@
 """Convex polyhedra: hulls of points, planes, volumes, and cutting by half-spaces."""
 
+from functools import lru_cache
+
 import numpy as np
 from jaxtyping import Float
 from scipy.spatial import ConvexHull, QhullError
@@ -11,6 +13,8 @@ FLAT = 1e-6
 """Points (m) that span less than this in some direction have no hull."""
 CLOSE = 1e-9
 """Points (m) nearer than this may be one."""
+_KEPT = 4096
+"""Hulls whose planes, width and length are kept: each is asked for them many times in a row."""
 
 
 def convex_hull(points: Float[np.ndarray, "N 3"]) -> Hull:
@@ -35,8 +39,10 @@ def _is_manifold(hull: Hull) -> bool:
     """Whether every edge is passed once each way."""
     faces = np.asarray(hull.faces)
     edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
-    key, back = edges @ [len(hull.vertices), 1], edges[:, ::-1] @ [len(hull.vertices), 1]
-    return len(np.unique(key)) == len(key) and bool(np.isin(key, back).all())
+    count = len(hull.vertices)
+    key = np.sort(edges[:, 0] * count + edges[:, 1])
+    back = np.sort(edges[:, 1] * count + edges[:, 0])
+    return bool((key[1:] != key[:-1]).all() and (key == back).all())
 
 
 def _find_hull(points: Float[np.ndarray, "N 3"]) -> Hull:
@@ -95,21 +101,29 @@ def hull_volume(hull: Hull) -> float:
     return float(np.einsum("ij,ij->", corners[:, 0], _cross(corners[:, 1], corners[:, 2])) / 6.0)
 
 
+@lru_cache(maxsize=_KEPT)
 def hull_planes(hull: Hull) -> Float[np.ndarray, "F 4"]:
-    """Outward unit normals and offsets: a point ``x`` is inside where ``n @ x <= d`` for every face."""
+    """Outward unit normals and offsets: a point ``x`` is inside where ``n @ x <= d`` for every face.
+
+    The array is read-only, since it is kept for the next call.
+    """
     corners = hull.vertices[hull.faces]
     normals = _cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     lengths = np.linalg.norm(normals, axis=1)
     proper = lengths > 0
     normals = normals[proper] / lengths[proper, None]
-    return np.column_stack([normals, np.einsum("ij,ij->i", normals, corners[proper, 0])])
+    planes = np.column_stack([normals, np.einsum("ij,ij->i", normals, corners[proper, 0])])
+    planes.flags.writeable = False
+    return planes
 
 
 def _cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """Row by row; `numpy.cross` takes four times longer on so few rows."""
     x, y, z = a.T
     u, v, w = b.T
-    return np.stack([y * w - z * v, z * u - x * w, x * v - y * u], axis=1)
+    out = np.empty(a.shape)
+    out[:, 0], out[:, 1], out[:, 2] = y * w - z * v, z * u - x * w, x * v - y * u
+    return out
 
 
 def clip_hull(hull: Hull, normal: Float[np.ndarray, "3"], offset: float) -> Hull | None:
@@ -171,6 +185,7 @@ def merge_planes(planes: Float[np.ndarray, "F 4"]) -> Float[np.ndarray, "G 4"]:
     return planes[np.sort(first)]
 
 
+@lru_cache(maxsize=_KEPT)
 def hull_width(hull: Hull) -> tuple[float, Float[np.ndarray, "3"]]:
     """Least distance between two parallel planes around a hull, one of them on a face, and its direction."""
     bounds = box_bounds(hull)
@@ -183,6 +198,7 @@ def hull_width(hull: Hull) -> tuple[float, Float[np.ndarray, "3"]]:
     return float(widths[thinnest]), planes[thinnest, :3]
 
 
+@lru_cache(maxsize=_KEPT)
 def hull_length(hull: Hull) -> tuple[float, Float[np.ndarray, "3"]]:
     """Greatest extent of a hull along its principal directions and the object's axes, and its direction."""
     bounds = box_bounds(hull)

@@ -8,11 +8,14 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 from scipy import ndimage
 
-from sim_export.checks.surface import surface_distances
+from sim_export.checks.surface import SampledSurface, distances_to
 from sim_export.collision.hulls import convex_hull, hull_planes, merge_planes
 from sim_export.errors import OpenMesh
 from sim_export.geometry.sampling import sample_triangles
 from sim_export.package import Hull, Mesh
+
+SURFACE_SAMPLES = 10_000
+"""Points on a solid's surface to which bulges are measured."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -53,11 +56,15 @@ def solid_hull(solid: manifold3d.Manifold) -> Hull:
     return convex_hull(solid_arrays(solid.hull())[0])
 
 
-def measure_fit(hulls: Sequence[Hull], solid: manifold3d.Manifold) -> Fit:
-    """Compares the union of hulls with the solid they stand for, by exact booleans."""
-    union = manifold3d.Manifold.batch_boolean(
+def unite_hulls(hulls: Sequence[Hull]) -> manifold3d.Manifold:
+    """The union of hulls."""
+    return manifold3d.Manifold.batch_boolean(
         [_manifold(hull.vertices, hull.faces) for hull in hulls], manifold3d.OpType.Add
     )
+
+
+def measure_fit(union: manifold3d.Manifold, solid: manifold3d.Manifold) -> Fit:
+    """Compares the union of hulls with the solid they stand for, by exact booleans."""
     volume, outer, common = solid.volume(), solid.hull().volume(), (union ^ solid).volume()
     return Fit(
         volume_error=max((union.volume() + volume - 2.0 * common) / volume, 0.0),
@@ -66,14 +73,12 @@ def measure_fit(hulls: Sequence[Hull], solid: manifold3d.Manifold) -> Fit:
 
 
 def measure_intrusion(
-    hulls: Sequence[Hull], solid: manifold3d.Manifold, others: Sequence[manifold3d.Manifold]
+    union: manifold3d.Manifold, solid: manifold3d.Manifold, others: Sequence[manifold3d.Manifold]
 ) -> float:
-    """Volume that hulls, but not the solid they stand for, share with other solids, over that solid's."""
+    """Volume that the union of hulls, but not the solid they stand for, shares with other solids, over that
+    solid's."""
     if not others:
         return 0.0
-    union = manifold3d.Manifold.batch_boolean(
-        [_manifold(hull.vertices, hull.faces) for hull in hulls], manifold3d.OpType.Add
-    )
     excess = union - solid
     return sum((excess ^ other).volume() for other in others) / solid.volume()
 
@@ -92,21 +97,17 @@ def measure_stray(hulls: Sequence[Hull], solid: manifold3d.Manifold) -> Float[np
     return np.maximum(outside, 0.0)
 
 
-SURFACE_SAMPLES = 10_000
-
-
 def measure_bulge(
-    hulls: Sequence[Hull], solid: manifold3d.Manifold, near: float = 0.0
+    hulls: Sequence[Hull], surface: SampledSurface, near: float = 0.0
 ) -> Float[np.ndarray, "N"]:
-    """How far (m) points on the outside of the hulls lie from the solid's surface.
+    """How far (m) points on the outside of the hulls lie from a solid's surface.
 
     What other hulls cover is not outside. Distances below ``near`` are rough.
     """
-    vertices, faces = solid_arrays(solid)
     triangles = np.concatenate([hull.vertices[hull.faces] for hull in hulls])
     owner = np.repeat(np.arange(len(hulls)), [len(hull.faces) for hull in hulls])
     points, face = sample_triangles(triangles, 2000)
-    touching = 1e-4 * float(np.linalg.norm(np.ptp(vertices, axis=0)))
+    touching = 1e-4 * float(np.linalg.norm(np.ptp(surface.triangles.reshape(-1, 3), axis=0)))
     covered = np.zeros(len(points), dtype=bool)
     for index, hull in enumerate(hulls):
         planes = hull_planes(hull)
@@ -115,7 +116,7 @@ def measure_bulge(
     free = points[~covered]
     if not len(free):
         return np.zeros(0)
-    return surface_distances(free, vertices[faces], SURFACE_SAMPLES, near)
+    return distances_to(free, surface, near)
 
 
 def measure_kept_cavity(

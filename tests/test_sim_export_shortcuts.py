@@ -1,0 +1,170 @@
+"""Shortcuts never change an answer: what is rejected by boxes, kept, or counted anew only in part."""
+
+import manifold3d
+import numpy as np
+import pytest
+
+from artigen.transforms import matrix_from_quat
+from sim_export.appearance.blending import find_near
+from sim_export.collision.contacts import HullSet, signed_distances
+from sim_export.collision.cuboids import CuboidFit, count_filled, grow_boxes
+from sim_export.collision.hull_cover import count_left, take_out
+from sim_export.collision.hull_limits import HullLimits
+from sim_export.collision.hull_offers import Offers, make_ground, mark_missing, measure_offers
+from sim_export.collision.hull_pool import box_offers, piece_offers
+from sim_export.collision.hulls import box_hull, convex_hull, hull_planes
+from sim_export.geometry.solids import solid_arrays
+from sim_export.package import Hull
+
+Solid = manifold3d.Manifold
+
+
+def random_hulls(rng: np.random.Generator, count: int) -> tuple[Hull, ...]:
+    return tuple(
+        convex_hull(rng.normal(size=3) + 0.3 * rng.normal(size=(12, 3)) * rng.uniform(0.1, 1.0, 3))
+        for _ in range(count)
+    )
+
+
+def random_poses(rng: np.random.Generator, count: int, spread: float) -> np.ndarray:
+    quats = rng.normal(size=(count, 4))
+    T = np.tile(np.eye(4), (count, 1, 1))
+    T[:, :3, :3] = matrix_from_quat(quats / np.linalg.norm(quats, axis=1, keepdims=True))
+    T[:, :3, 3] = spread * rng.normal(size=(count, 3))
+    return T
+
+
+@pytest.fixture(scope="module")
+def comb() -> Solid:
+    """A board with teeth and a slanted rib: boxes and pieces, some alike, some apart."""
+    teeth = [Solid.cube((0.3, 0.05, 0.04)).translate((0.0, 0.12 * k, 0.0)) for k in range(6)]
+    board = Solid.cube((0.3, 0.65, 0.03)).translate((0.0, 0.0, 0.03))
+    rib = Solid.cube((0.3, 0.02, 0.2)).rotate((20.0, 0.0, 0.0)).translate((0.0, 0.3, 0.04))
+    return Solid.batch_boolean([*teeth, board, rib], manifold3d.OpType.Add)
+
+
+@pytest.fixture(scope="module")
+def offers(comb: Solid) -> Offers:
+    vertices, faces = solid_arrays(comb)
+    limits = HullLimits()
+    pool = box_offers(comb, CuboidFit(vertices=vertices, faces=faces), limits)
+    return measure_offers(pool + piece_offers(comb, limits, 20), make_ground(comb), 0.01, 0.02)
+
+
+@pytest.mark.parametrize("spread", [0.5, 4.0])
+@pytest.mark.parametrize("margin", [0.0, 0.05])
+def test_no_pair_of_hulls_is_lost_by_boxes_around_all_of_them(spread: float, margin: float):
+    rng = np.random.default_rng(0)
+    for _ in range(5):
+        first, second = (HullSet(hulls=random_hulls(rng, count)) for count in (4, 3))
+        T, U = (random_poses(rng, 12, spread) for _ in range(2))
+        found = signed_distances(first, second, T, U, margin)
+        expected = {}
+        for pose in range(len(T)):
+            for i, one in enumerate(first.hulls):
+                for j, other in enumerate(second.hulls):
+                    # 10 m reach: the boxes of single hulls reject nothing.
+                    alone = (HullSet(hulls=(one,)), HullSet(hulls=(other,)))
+                    distance = signed_distances(*alone, T[pose], U[pose], 10.0).distance
+                    if len(distance) and distance[0] <= margin:
+                        expected[pose, i, j] = float(distance[0])
+        keys = list(zip(found.pose.tolist(), found.first.tolist(), found.second.tolist(), strict=True))
+        assert keys == sorted(expected)
+        np.testing.assert_allclose(found.distance, [expected[key] for key in keys], atol=1e-7)
+
+
+def test_sets_that_only_touch_are_near():
+    one, other = (HullSet(hulls=(box_hull(np.full(3, low), np.full(3, low + 1.0)),)) for low in (0.0, 1.0))
+    assert len(signed_distances(one, other, np.eye(4), np.eye(4)).distance) == 1
+
+
+def test_points_within_reach_of_a_place_are_never_left_out():
+    rng = np.random.default_rng(1)
+    kept = []
+    for count in (1, 3, 200):
+        for reach in (1e-3, 0.05, 2.0):
+            places = rng.uniform(-1.0, 1.0, size=(count, 3)) * [1.0, 0.3, 0.0]
+            points = rng.uniform(-1.5, 1.5, size=(4000, 3))
+            on_reach = places[rng.integers(0, count, 500)] + reach * np.eye(3)[rng.integers(0, 3, 500)]
+            points = np.concatenate([points, on_reach, places])
+            distance = np.linalg.norm(points[:, None] - places, axis=2).min(axis=1)
+            found = find_near(points, places, reach)
+            assert found[distance <= reach].all()
+            kept.append(found.mean())
+    assert min(kept) < 0.3
+
+
+def test_no_place_has_nothing_near_it():
+    assert not find_near(np.zeros((5, 3)), np.zeros((0, 3)), 1.0).any()
+
+
+def test_points_missed_by_a_hull_are_those_beyond_its_planes_or_its_box():
+    rng = np.random.default_rng(2)
+    points = rng.uniform(-2.0, 2.0, size=(3000, 3))
+    limits = [0.05, 0.4]
+    for hull in random_hulls(rng, 20):
+        planes = hull_planes(hull)
+        beside = np.maximum(hull.vertices.min(axis=0) - points, points - hull.vertices.max(axis=0))
+        outside = np.maximum(
+            (points @ planes[:, :3].T - planes[:, 3]).max(axis=1),
+            np.linalg.norm(np.maximum(beside, 0.0), axis=1),
+        )
+        clear = np.abs(outside[:, None] - limits).min(axis=1) > 1e-4  # planes are merged to 5 digits
+        marks = mark_missing(hull, np.ascontiguousarray(points.T), limits)
+        expected = np.stack([outside > limit for limit in limits])
+        np.testing.assert_array_equal(marks[:, clear], expected[:, clear])
+
+
+def test_taking_a_hull_out_of_a_cover_counts_as_starting_without_it(offers: Offers):
+    rng = np.random.default_rng(3)
+    for size in (1, 3, 8):
+        chosen = rng.choice(len(offers.tiles), size, replace=False).tolist()
+        left = count_left(offers, 2.0, chosen)
+        for index in chosen:
+            anew = count_left(offers, 2.0, [other for other in chosen if other != index])
+            fewer = take_out(offers, left, index)
+            assert fewer.chosen == anew.chosen
+            np.testing.assert_array_equal(fewer.value, anew.value)
+            np.testing.assert_array_equal(fewer.volumes, anew.volumes)
+
+
+def test_boxes_asked_for_in_portions_are_those_asked_for_at_once(comb: Solid):
+    vertices, faces = solid_arrays(comb)
+    portions = CuboidFit(vertices=vertices, faces=faces)
+    for detail in (1e-2, 1e-3):
+        at_once = CuboidFit(vertices=vertices, faces=faces).take(20, detail)
+        assert at_once is not None
+        for count in (3, 1, 20):
+            np.testing.assert_array_equal(portions.take(count, detail), at_once[:count])
+
+
+def grow_slowly(grid: np.ndarray, cell: np.ndarray, order: tuple[int, ...]) -> np.ndarray:
+    """One slice of cells after the other, looked at cell by cell."""
+    low, high = cell.copy(), cell + 1
+    for axis in order:
+        for end, step in ((low, -1), (high, 1)):
+            while True:
+                end[axis] += step
+                inside = end.min() >= 0 and (end <= grid.shape).all()
+                if not inside or not grid[tuple(map(slice, low, high))].all():
+                    end[axis] -= step
+                    break
+    return np.stack([low, high])
+
+
+def test_boxes_grow_until_the_next_slice_is_not_filled():
+    from itertools import permutations
+
+    rng = np.random.default_rng(4)
+    for shape in ((9, 7, 5), (1, 6, 8)):
+        grid = rng.random(shape) < 0.85
+        cells = np.argwhere(grid)[::9]
+        boxes = grow_boxes(count_filled(grid), cells)
+        slow = [grow_slowly(grid, cell, order) for order in permutations(range(3)) for cell in cells]
+        np.testing.assert_array_equal(boxes, slow)
+
+
+def test_planes_that_are_kept_cannot_be_written():
+    planes = hull_planes(box_hull(np.zeros(3), np.ones(3)))
+    with pytest.raises(ValueError, match="read-only"):
+        planes[0, 0] = 2.0
