@@ -5,7 +5,7 @@ A category is a module of `artigen.shapes.categories` with ``CATEGORY``, its nam
 """
 
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
 from importlib import import_module
@@ -226,6 +226,21 @@ def check_wish(wish: Wish) -> None:
     for label, count in wish.counts:
         if label == "base" and count != 1:
             raise ShapeError(f"{count} parts called base: every object has one")
+
+
+def choose_style(
+    rng: np.random.Generator, category: str, styles: Mapping[str, float], wished: str | None = None
+) -> str:
+    """The wished style, or one drawn by weight; every call takes one number from ``rng``, wished or not.
+
+    Raises:
+        ShapeError: If the category has no such style.
+    """
+    chances = np.array(list(styles.values()))
+    drawn = list(styles)[int(rng.choice(len(styles), p=chances / chances.sum()))]
+    if wished is not None and wished not in styles:
+        raise ShapeError(f"{category}: style {wished!r} is not known, expected one of {', '.join(styles)}")
+    return drawn if wished is None else wished
 
 
 def choose(rng: np.random.Generator, low: float, high: float, wished: float | None = None) -> float:
