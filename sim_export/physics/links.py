@@ -6,7 +6,7 @@ empty link, `base`: SAPIEN takes a URDF without joints for a loose body, not for
 A screw part gets two links in a row: a carrier that turns and the part that travels on it.
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -88,12 +88,14 @@ def link_names(asset: Asset) -> dict[int, str]:
     return {part: f"link_{k}" for k, part in enumerate([*leaders, asset.root])}
 
 
-def build_links(asset: Asset, geometry: Sequence[PartGeometry]) -> LinkTree:
+def build_links(asset: Asset, geometry: Sequence[PartGeometry], latched: Collection[str] = ()) -> LinkTree:
     """Welds parts into links and turns part joints into package joints.
 
     Args:
         asset: The parts and joints; unit-cube lengths.
         geometry: Visuals, hulls and mass of every part, in the order of ``asset.parts``.
+        latched: Names of parts that a latch of their own holds shut; their joints resist as free hinges and
+            runners do, and need not hold them on a floor out of level.
 
     Raises:
         InvalidKinematics: If there would be more than 64 links, or the root part moves.
@@ -130,7 +132,7 @@ def build_links(asset: Asset, geometry: Sequence[PartGeometry]) -> LinkTree:
         joints.append(_fix(links[-1].name))
     return LinkTree(
         links=tuple(links),
-        joints=_with_resistance(asset, links, joints),
+        joints=_with_resistance(links, joints, frozenset(latched)),
         records=(*records, *raised),
     )
 
@@ -291,9 +293,10 @@ def opening_pull(joint: PackageJoint, moved: Inertial) -> float:
 
 
 def _with_resistance(
-    asset: Asset, links: Sequence[Link], joints: Sequence[PackageJoint]
+    links: Sequence[Link], joints: Sequence[PackageJoint], latched: frozenset[str]
 ) -> tuple[PackageJoint, ...]:
     """Friction, damping, effort and velocity of every movable joint."""
+    held = {link.name for link in links if latched & set(link.parts[:1])}
     labels: dict[str, PartLabel | None] = {link.name: link.label for link in links}
     leads = {joint.mimic: joint for joint in joints if joint.mimic is not None}
     out = []
@@ -307,7 +310,7 @@ def _with_resistance(
             out.append(replace(joint, friction=0.0, damping=0.0, effort=100.0, velocity=1.0))
             continue
         moved = subtree_inertial(links, joints, joint.child)
-        hold = opening_pull(joint, moved)
+        hold = 0.0 if joint.child in held else opening_pull(joint, moved)
         if follower is not None:  # a screw that stands upright locks, as threads do
             climb = abs(float(follower.axis[2])) * follower.mimic_multiplier
             hold += (1.0 + HOLD_SLOPE) * moved.mass * GRAVITY * climb
