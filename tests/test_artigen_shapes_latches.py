@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from itertools import pairwise
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,9 +13,11 @@ from artigen.shapes.fittings.hinges import hang_leaves
 from artigen.shapes.fittings.latches import RELEASED, THROW, TURN, Latch, build_tongue
 from artigen.shapes.fittings.levers import LEVER_KINDS, LeverDesign, build_lever
 from artigen.shapes.fittings.tubes import bend_tube
-from artigen.shapes.primitives import contains, place_vertices
+from artigen.shapes.primitives import box, contains, place_vertices
 from artigen.shapes.shape import Need, Shape
 from artigen.sketch.faults import find_faults
+from sim_export.checks.suite import run_checks
+from sim_export.files.write import write_package
 from sim_export.reference import build_reference, find_latched
 
 DOORS = ("panelled", "flush", "glazed", "double")
@@ -135,3 +138,28 @@ def test_sizes_take_the_same_numbers_from_the_stream_wished_or_not():
     sizes = choose_size(free, "Sofa", Wish(), **usual)
     assert choose_size(wished, "Sofa", Wish(depth=0.55), **usual) == (sizes[0], 0.55, sizes[2])
     assert free.random() == wished.random()
+
+
+def judge_opening(shape: Shape, folder: Path, **changes: object) -> dict[str, str]:
+    """Verdicts of the checks of motion on a shape's package, by id."""
+    write_package(replace(build_reference(shape), **changes), folder)
+    return {result.id: result.verdict for result in run_checks(folder, ("L2",))}
+
+
+def test_a_package_passes_while_it_says_what_the_latch_needs_and_fails_when_it_does_not(tmp_path: Path):
+    door = draw_shape("Door", 4, Wish(style="flush"))
+    assert judge_opening(door, tmp_path / "said")["V201"] == "pass"
+    assert judge_opening(door, tmp_path / "kept", requires_open=())["V201"] == "fail"
+
+
+@pytest.mark.parametrize(("style", "name"), [("sash", "lift"), ("sliding", "pull")])
+def test_the_handle_of_a_door_that_slides_in_its_plane_is_judged_from_before_the_pane(style, name, tmp_path):
+    window = draw_shape("Window", 2, Wish(style=style))
+    assert find_faults(window) == ()
+    assert judge_opening(window, tmp_path / "bow")["V204"] == "pass"
+    low, high = next(part for part in window.parts if part.name == name).bounds()
+    flush = box((high[0] - 0.003, *low[1:]), tuple(high), "handle")
+    parts = tuple(replace(part, primitives=(flush,)) if part.name == name else part for part in window.parts)
+    plate = replace(window, parts=parts)
+    assert {fault.id for fault in find_faults(plate)} == {"handle"}
+    assert judge_opening(plate, tmp_path / "plate")["V204"] == "fail"

@@ -112,12 +112,12 @@ def fit_hinges(
 
 
 def build_astragal(
-    leaf: Leaf, finish: str, *, cover: float = 0.022, thick: float = 0.012
+    leaf: Leaf, finish: str, *, cover: float = 0.022, inset: float = 0.018, thick: float = 0.012
 ) -> tuple[Primitive, ...]:
     """A strip on the leaf that opens first; it covers the gap, and holds the other leaf behind it."""
     edge, x = leaf.edge, leaf.x[0]
-    low, high = sorted((edge - leaf.side * 0.018, edge))
-    over = sorted((edge - leaf.side * 0.018, edge + leaf.side * cover))
+    low, high = sorted((edge - leaf.side * inset, edge))
+    over = sorted((edge - leaf.side * inset, edge + leaf.side * cover))
     return (
         box((x - GAP, low, leaf.z[0]), (x, high, leaf.z[1]), finish),
         box((x - thick, over[0], leaf.z[0]), (x - GAP, over[1], leaf.z[1]), finish),

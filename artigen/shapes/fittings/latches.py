@@ -13,7 +13,7 @@ from typing import Literal
 import numpy as np
 
 from artigen.shapes.appliances.cavity import build_frame
-from artigen.shapes.fittings.hardware import Range, Space
+from artigen.shapes.fittings.hardware import Range, Space, fill_space
 from artigen.shapes.primitives import Primitive, Vector, box, cylinder, polytope
 from artigen.shapes.shape import Motion, ShapePart
 
@@ -25,10 +25,10 @@ THROW = 0.0105
 """How far the tongue reaches out of the edge."""
 TONGUE = 0.0075
 """Half the height of the tongue."""
-SKIN = 0.011
-"""Thickness of the leaf on both sides of the pocket."""
-PLAY = 0.0025
-"""Free space beside the tongue, in the pocket and in the keep."""
+THICK = 0.012
+"""Of the tongue."""
+PLAY = 0.004
+"""Free space beside the tongue; with less, engines that foresee contacts jam it in its keep."""
 HOLE = 0.011
 """Half the edge of the square holes that the spindle passes."""
 
@@ -58,8 +58,9 @@ class Latch:
         """The free space in the leaf, open at the edge."""
         y = sorted((self.edge, self.edge - self.side * (self.backset + 0.024)))
         ends = sorted((-self.lift * 0.024, self.lift * (self.backset + THROW + 0.006)))
-        z = (self.level + ends[0], self.level + ends[1])
-        return Space(x=(self.x[0] + SKIN, self.x[1] - SKIN), y=(y[0], y[1]), z=z)
+        middle, half = sum(self.x) / 2, THICK / 2 + PLAY
+        x, z = (middle - half, middle + half), (self.level + ends[0], self.level + ends[1])
+        return Space(x=x, y=(y[0], y[1]), z=z)
 
     @property
     def keep(self) -> Space:
@@ -70,16 +71,17 @@ class Latch:
         return Space(x=self.pocket.x, y=(y[0], y[1]), z=(self.level + ends[0], self.level + ends[1]))
 
 
-def build_latch_stile(latch: Latch, y: Range, z: Range, finish: str) -> tuple[Primitive, ...]:
-    """Solid boards around the pocket of a leaf's latch, and two skins that the spindle passes."""
+def build_latch_stile(
+    latch: Latch, y: Range, z: Range, finish: str, *, through: bool = True
+) -> tuple[Primitive, ...]:
+    """Solid boards around the pocket of a leaf's latch, and two skins; the spindle passes one or both."""
     free, (front, back) = latch.pocket, latch.x
     behind = (y[0], free.y[0]) if latch.side > 0 else (free.y[1], y[1])
     hole_y, hole_z = ((at - HOLE, at + HOLE) for at in latch.axis)
-    skins = [
-        piece
-        for x in ((front, free.x[0]), (free.x[1], back))
-        for piece in build_frame(x, (free.y, free.z), ((hole_y), (hole_z)), finish)
-    ]
+    skin = fill_space(Space(x=(free.x[1], back), y=free.y, z=free.z), finish)
+    skins = [*build_frame((front, free.x[0]), (free.y, free.z), (hole_y, hole_z), finish), skin]
+    if through:
+        skins[-1:] = build_frame((free.x[1], back), (free.y, free.z), (hole_y, hole_z), finish)
     return (
         box((front, y[0], z[0]), (back, y[1], free.z[0]), finish),
         box((front, y[0], free.z[1]), (back, y[1], z[1]), finish),
@@ -99,15 +101,16 @@ def build_keep(latch: Latch, jamb: Space, finish: str) -> tuple[Primitive, ...]:
     return (*pieces, box((free.x[0], web[0], free.z[0]), (free.x[1], web[1], free.z[1]), finish))
 
 
-def build_tongue(latch: Latch, finish: str) -> tuple[Primitive, ...]:
-    """Hub, tongue and the spindle that joins the two levers, which belong to the same part."""
+def build_tongue(latch: Latch, finish: str, *, through: bool = True) -> tuple[Primitive, ...]:
+    """Tongue, hub and the spindle to the lever before the leaf, or to those on both faces."""
     (y, z), free = latch.axis, latch.pocket
     x = (free.x[0] + PLAY, free.x[1] - PLAY)
     tip, high = y + latch.side * (latch.backset + THROW), latch.lift * TONGUE
     profile = [(y, z + high), (y, z - high), (tip, z + high), (tip, z), (tip - latch.side * 0.012, z - high)]
     tongue = polytope(np.array([(at, *corner) for at in x for corner in profile]), finish)
-    spindle: tuple[Vector, Vector] = ((latch.x[0] - 0.006, y, z), (latch.x[1] + 0.006, y, z))
-    return tongue, cylinder((x[0], y, z), (x[1], y, z), 0.015, finish), cylinder(*spindle, 0.0055, finish)
+    hub = cylinder((x[0], y, z), (x[1], y, z), 0.015, finish)
+    end = latch.x[1] + 0.006 if through else x[1]
+    return tongue, hub, cylinder((latch.x[0] - 0.006, y, z), (end, y, z), 0.0055, finish)
 
 
 def make_bolt(
@@ -128,14 +131,15 @@ def make_bolt(
     """
     x, y, z = at
     radius, reach = 0.006, 0.022
-    middle = x - over - PLAY / 2 - radius
+    base = max(over, 0.004)
+    middle = x - base - PLAY / 2 - radius
     top, low = z + reach, z + reach - length
     rod = cylinder((middle, y, low), (middle, y, top), radius, finish)
     knob = cylinder((middle, y, low + 0.02), (middle - 0.028, y, low + 0.02), 0.009, finish)
     slide = Motion(type="prismatic", axis=(0.0, 0.0, -1.0), upper=reach + 0.012)
     bolt = ShapePart(name=name, label="knob", parent=parent, primitives=(rod, knob), motion=slide)
-    plate = box((x - over, y - 0.02, low - 0.045), (x, y + 0.02, z - 0.02), finish)
-    guide = _build_staple((middle, y), radius, x - over, (z - 0.05, z - 0.03), finish)
+    plate = box((x - base, y - 0.02, low - 0.045), (x, y + 0.02, z - 0.02), finish)
+    guide = _build_staple((middle, y), radius, x - base, (z - 0.05, z - 0.03), finish)
     return bolt, (plate, *guide), _build_staple((middle, y), radius, x - over, (z + 0.001, z + 0.016), finish)
 
 
