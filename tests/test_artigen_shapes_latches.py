@@ -18,6 +18,7 @@ from artigen.shapes.shape import Need, Shape
 from artigen.sketch.faults import find_faults
 from sim_export.checks.suite import run_checks
 from sim_export.files.write import write_package
+from sim_export.physics.links import subtree_inertial
 from sim_export.reference import build_reference, find_latched
 
 DOORS = ("panelled", "flush", "glazed", "double")
@@ -163,3 +164,12 @@ def test_the_handle_of_a_door_that_slides_in_its_plane_is_judged_from_before_the
     plate = replace(window, parts=parts)
     assert {fault.id for fault in find_faults(plate)} == {"handle"}
     assert judge_opening(plate, tmp_path / "plate")["V204"] == "fail"
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_the_arms_of_a_lamp_stay_wherever_they_are_put(seed: int):
+    package = build_reference(draw_shape("DeskLamp", seed))
+    for joint in package.joints[:3]:
+        moved = subtree_inertial(package.links, package.joints, joint.child)
+        arm = np.asarray(moved.com) - joint.origin
+        assert joint.friction > 9.81 * moved.mass * np.hypot(arm[0], arm[2])

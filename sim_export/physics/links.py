@@ -277,8 +277,10 @@ def _with_shafts(links: Sequence[Link], joints: Sequence[PackageJoint]) -> tuple
     return out, records
 
 
-def opening_pull(joint: PackageJoint, moved: Inertial) -> float:
+def opening_pull(joint: PackageJoint, moved: Inertial, *, anywhere: bool = False) -> float:
     """The most with which gravity opens a closed joint on a floor out of level: N, or N m; 0 if it shuts it.
+
+    With ``anywhere``, the most with which it turns the joint from any position, as for arms that stay put.
 
     Catches, seals and runners keep furniture shut where the floor slopes by 5 degrees in any direction;
     `HOLD_SLOPE` is a little more than that.
@@ -286,7 +288,7 @@ def opening_pull(joint: PackageJoint, moved: Inertial) -> float:
     weight = moved.mass * GRAVITY
     arm = np.asarray(moved.com) - joint.origin
     moving = np.asarray(joint.axis) if joint.type == "prismatic" else np.cross(joint.axis, arm)
-    if joint.type == "continuous":  # any position may be the one it starts from
+    if anywhere or joint.type == "continuous":  # any position may be the one it starts from
         return weight * float(np.linalg.norm(moving)) * (1.0 + HOLD_SLOPE)
     level = -weight * float(moving[2])
     return max(0.0, level + HOLD_SLOPE * weight * float(np.hypot(moving[0], moving[1])))
@@ -310,7 +312,8 @@ def _with_resistance(
             out.append(replace(joint, friction=0.0, damping=0.0, effort=100.0, velocity=1.0))
             continue
         moved = subtree_inertial(links, joints, joint.child)
-        hold = 0.0 if joint.child in held else opening_pull(joint, moved)
+        stays = label == "handle" and joint.type == "revolute"  # arms of lamps, bails
+        hold = 0.0 if joint.child in held else opening_pull(joint, moved, anywhere=stays)
         if follower is not None:  # a screw that stands upright locks, as threads do
             climb = abs(float(follower.axis[2])) * follower.mimic_multiplier
             hold += (1.0 + HOLD_SLOPE) * moved.mass * GRAVITY * climb

@@ -45,7 +45,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     behind = depth / 2 - (WALL if hung else TANK)  # front of what stands behind the bowl
     hinge = behind - 0.085
     length = hinge + depth / 2
-    outline = draw_egg((hinge - 0.4 * length, 0.0), 0.6 * length, 0.4 * length, half, sides=20)
+    outline = draw_egg((hinge - 0.4 * length, 0.0), 0.6 * length, 0.4 * length, half, sides=18)
     pieces = _build_bowl(style, outline, behind, depth / 2)
     seat, lid = _make_seat(outline, hinge, upper=float(np.radians(rng.uniform(89.0, 92.0))))
     if hung:
