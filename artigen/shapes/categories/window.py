@@ -129,7 +129,7 @@ def _draw_casement(rng: np.random.Generator, inner: Space, bars: int) -> Drawn:
                 label="door",
                 parent="frame",
                 primitives=tuple(pieces),
-                motion=leaf.swing(float(np.radians(rng.uniform(85.0, 105.0)))),
+                motion=leaf.swing(float(np.radians(rng.uniform(90.0, 105.0)))),
                 needs=tuple(Need(part=name, fraction=RELEASED) for name in needs),
             )
         )

@@ -29,6 +29,8 @@ THICK = 0.012
 """Of the tongue."""
 PLAY = 0.004
 """Free space beside the tongue; with less, engines that foresee contacts jam it in its keep."""
+BOLT_PLAY = 0.002
+"""Free space around a bolt in its staple: a leaf that is held by bolt and tongue moves by both."""
 HOLE = 0.011
 """Half the edge of the square holes that the spindle passes."""
 
@@ -132,7 +134,7 @@ def make_bolt(
     x, y, z = at
     radius, reach = 0.006, 0.022
     base = max(over, 0.004)
-    middle = x - base - PLAY / 2 - radius
+    middle = x - base - BOLT_PLAY - radius
     top, low = z + reach, z + reach - length
     rod = cylinder((middle, y, low), (middle, y, top), radius, finish)
     knob = cylinder((middle, y, low + 0.02), (middle - 0.028, y, low + 0.02), 0.009, finish)
@@ -147,7 +149,7 @@ def _build_staple(
     at: tuple[float, float], radius: float, face: float, z: Range, finish: str
 ) -> tuple[Primitive, ...]:
     """Two cheeks and a cap around a rod at (x, y) before a face."""
-    (x, y), inner, wall = at, radius + PLAY, 0.004
+    (x, y), inner, wall = at, radius + BOLT_PLAY, 0.004
     cap = x - inner
     cheeks = [box((cap, y + a, z[0]), (face, y + a + wall, z[1]), finish) for a in (-inner - wall, inner)]
     return (*cheeks, box((cap - wall, y - inner - wall, z[0]), (cap, y + inner + wall, z[1]), finish))
