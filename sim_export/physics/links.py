@@ -32,6 +32,8 @@ from sim_export.tree import hanging_links
 BASE = "base"
 MAX_LINKS = 64
 HOLD_SLOPE = 0.09
+LATCH_HOLD = 2.0
+"""What holds a latch, over what gravity asks for: a spring does, and the leaf that leans on it pushes too."""
 SHORTEST_DECAY = 0.1
 """Seconds; engines overdo damping that stops a body within a few steps of 1/60 s, so none is stronger."""
 LEAST_TURNING = 1e-4
@@ -314,6 +316,8 @@ def _with_resistance(
         moved = subtree_inertial(links, joints, joint.child)
         stays = label == "handle" and joint.type == "revolute"  # arms of lamps, bails
         hold = 0.0 if joint.child in held else opening_pull(joint, moved, anywhere=stays)
+        if joint.parent in held:  # a latch, on which its leaf leans
+            hold *= LATCH_HOLD
         if follower is not None:  # a screw that stands upright locks, as threads do
             climb = abs(float(follower.axis[2])) * follower.mimic_multiplier
             hold += (1.0 + HOLD_SLOPE) * moved.mass * GRAVITY * climb
