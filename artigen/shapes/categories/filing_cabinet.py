@@ -152,8 +152,8 @@ def _build(
         solids = list(make_carcass(body, design, ()))
     y, z = open_carcass(body, design)
     crown = 0.034 if not wooden and rng.random() < 0.6 else 0.0  # a rail above the drawers, with the lock
+    rail = replace(body, z=(body.z[1] - board - crown, body.z[1]), x=(outer.x[0], body.x[0]))
     if crown:
-        rail = Space(x=(outer.x[0], body.x[0]), y=outer.y, z=(body.z[1] - board - crown, body.z[1]))
         solids.append(fill_space(rail, "body", 0.002))
     edge = 0.002 if wooden or rng.random() < 0.5 else 0.012
     top = rail.z[0] if crown else body.z[1] - (0.004 if wooden else 0.002)
@@ -209,10 +209,10 @@ def _make_files(rng: np.random.Generator, space: Space, filled: float) -> list[P
     out = []
     for at in np.linspace(start, end, int(rng.integers(5, 10))).tolist():
         thick = float(rng.uniform(0.004, 0.012))
-        low, high = (at, middle - half), (at + thick, middle + half)
-        if space.width > 0.6:
-            low, high = low[::-1], high[::-1]
-        out.append(box((*low, floor), (*high, top - float(rng.uniform(0.0, 0.01))), "folder"))
+        near, far = (at, at + thick), (middle - half, middle + half)
+        x, y = (far, near) if space.width > 0.6 else (near, far)
+        span = Space(x=x, y=y, z=(floor, top - float(rng.uniform(0.0, 0.01))))
+        out.append(fill_space(span, "folder"))
     return out
 
 
