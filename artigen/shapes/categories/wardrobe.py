@@ -55,7 +55,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     mirrored = style == "mirrored" or (slides and bool(rng.random() < 0.5))
     for _ in range(MAX_LAYOUTS):
         plan = draw_plan(rng, KIND, replace(look, frame=0.0 if slides else 0.5 * look.frame), size)
-        fronts = replace(plan.looks.doors, style="framed_glass", frame=0.045, glass="mirror")
+        fronts = replace(plan.looks.doors, style="framed_glass", glass="mirror")
         carcass = replace(plan.looks.carcass, back=BACK, recess=0.0)
         doors_look = fronts if mirrored else plan.looks.doors
         plan = replace(plan, looks=replace(plan.looks, doors=doors_look, carcass=carcass, lock=False))
