@@ -1,15 +1,15 @@
 """Lids, flaps and the vessels below them: what is hinged at its lower rear edge and opens upwards.
 
-A lid that turns about its lower rear edge never enters what is below it and before its hinge, however far it
-opens: every point that starts above the hinge stays above it or behind it. What reaches down within the
-walls, a plug, needs room before it (`sweep_gap`); what reaches down outside of them, an apron, needs none.
+A lid that turns about its lower rear edge by up to 180 degrees never enters what is below it and before its
+hinge: every point that starts above the hinge stays above it or behind it. What reaches down within the walls,
+a plug, needs room before it (`sweep_gap`); what reaches down outside of them, an apron, needs none.
 """
 
 import numpy as np
 
-from artigen.shapes.fittings.hardware import Edge, Range, Space
+from artigen.shapes.fittings.hardware import Edge, Range, Space, slide
 from artigen.shapes.primitives import Primitive, Vector, box, line, polytope
-from artigen.shapes.shape import Motion
+from artigen.shapes.shape import Motion, Need, ShapePart
 
 Rectangle = tuple[Range, Range]
 """Ranges of x and y (m)."""
@@ -22,15 +22,15 @@ def hinge_lid(x: Range, y: Range, z: float, upper: float, edge: Edge | None = No
         x: Front and rear edge (m).
         y: Right and left edge (m).
         z: Height of its underside (m).
-        upper: How far it opens (rad).
+        upper: How far it opens (rad), at most pi.
         edge: Where it is hinged: "left", "right", "bottom" for the front; None for the rear.
     """
     middle = ((x[0] + x[1]) / 2, (y[0] + y[1]) / 2, z)
     axis, origin = {
         None: ((0.0, 1.0, 0.0), (x[1], middle[1], z)),
         "bottom": ((0.0, -1.0, 0.0), (x[0], middle[1], z)),
-        "left": ((1.0, 0.0, 0.0), (middle[0], y[1], z)),
-        "right": ((-1.0, 0.0, 0.0), (middle[0], y[0], z)),
+        "left": ((-1.0, 0.0, 0.0), (middle[0], y[1], z)),
+        "right": ((1.0, 0.0, 0.0), (middle[0], y[0], z)),
     }[edge]
     return Motion(type="revolute", axis=axis, origin=origin, upper=upper)
 
@@ -65,6 +65,24 @@ def build_vessel(
     base = box((floor_x[0], floor_y[0], z[0]), (floor_x[1], floor_y[1], z[0] + wall), finish)
     pieces.append(((0.0, 0.0, 1.0), base))
     return tuple(solid if lining is None else line(solid, lining, side) for side, solid in pieces)
+
+
+def make_lift_out(
+    outline: Rectangle,
+    z: Range,
+    wall: float,
+    finish: str,
+    *,
+    name: str = "tray",
+    lid: str = "lid",
+    parent: str = "body",
+) -> ShapePart:
+    """An open tray that fills a rectangle and is lifted out by nearly its height once the lid is open."""
+    solids = build_vessel(outline, outline, z, wall, finish)
+    lift = slide(0.85 * (z[1] - z[0]), (0.0, 0.0, 1.0))
+    return ShapePart(
+        name=name, label="tray", parent=parent, primitives=solids, motion=lift, needs=(Need(part=lid),)
+    )
 
 
 def loft(low: Rectangle, high: Rectangle, z: Range, finish: str) -> Primitive:
