@@ -15,10 +15,18 @@ from artigen.shapes.draw import Draft, Wish, choose, choose_style
 from artigen.shapes.fittings.feet import make_legs, make_plinth
 from artigen.shapes.fittings.handles import HandleDesign, make_handle
 from artigen.shapes.fittings.hardware import GAP, Edge, Panel, Range
-from artigen.shapes.fittings.lids import build_vessel, hinge_lid, loft, make_lift_out, shrink
+from artigen.shapes.fittings.lids import (
+    build_roof,
+    build_vessel,
+    hinge_lid,
+    loft,
+    make_lift_out,
+    shrink,
+    trace_arch,
+)
 from artigen.shapes.fittings.locks import make_latch
 from artigen.shapes.fittings.turning import turn_part
-from artigen.shapes.primitives import Primitive, box, polytope, rounded_box
+from artigen.shapes.primitives import Primitive, box, rounded_box
 from artigen.shapes.shape import Need, ShapePart
 from artigen.shapes.surfaces.finishes import Color, Finish
 from artigen.shapes.surfaces.materials import make_lacquer, make_metal
@@ -141,10 +149,10 @@ def _build_trunk(rng: np.random.Generator, width: float, depth: float, height: f
         bands.pop(1)
     straps = [box((x[0] - strap, a, 0.012), (x[0], b, rim), "brass") for a, b in bands]
     low = rim + GAP
-    solids = [*_build_staves(x, low, rise, y, wall, "top")]
+    solids = [*build_roof(trace_arch(x, low, rise), wall, y, "top")]
     for band in bands:
-        solids += _build_staves((x[0] - strap, x[1] + strap), low, rise + strap, band, 2 * strap, "brass")
-    solids += [_build_end(x, low, rise, (a, a + wall)) for a in (y[0], y[1] - wall)]
+        crest = trace_arch((x[0] - strap, x[1] + strap), low, rise + strap)
+        solids += build_roof(crest, 2 * strap, band, "brass", ends=False)
     motion = hinge_lid((x[0], x[1] + strap), y, low, float(np.radians(rng.uniform(92, 105))))
     lid = ShapePart(
         name="lid",
@@ -167,28 +175,6 @@ def _build_trunk(rng: np.random.Generator, width: float, depth: float, height: f
     inside = (x[0] + wall + GAP + 0.002, x[1] - wall - GAP - 0.002), (y[0] + wall + GAP, y[1] - wall - GAP)
     parts.append(make_lift_out(inside, (ledge + 0.0015, rim - 0.012), 0.012, "drawer"))
     return Assembly(pieces=(*walls, *feet, *straps, plate, *ledges), parts=tuple(parts))
-
-
-def _build_staves(x: Range, z: float, rise: float, y: Range, thick: float, finish: str) -> list[Primitive]:
-    """Six staves of half an ellipse over a range of x, from y to y."""
-    turns = np.linspace(0.0, np.pi, 7)
-    middle, half = (x[0] + x[1]) / 2, (x[1] - x[0]) / 2
-    outer = np.column_stack([middle - half * np.cos(turns), z + rise * np.sin(turns)])
-    inner = np.column_stack([middle - (half - thick) * np.cos(turns), z + (rise - thick) * np.sin(turns)])
-    out = []
-    for k in range(6):
-        flat = np.array([outer[k], outer[k + 1], inner[k], inner[k + 1]])
-        corners = [(a, b, c) for b in y for a, c in flat]
-        out.append(polytope(np.array(corners), finish))
-    return out
-
-
-def _build_end(x: Range, z: float, rise: float, y: Range) -> Primitive:
-    """The board that closes one end of the curved lid."""
-    turns = np.linspace(0.0, np.pi, 7)
-    middle, half = (x[0] + x[1]) / 2, (x[1] - x[0]) / 2
-    arc = [(middle - half * np.cos(t), z + rise * np.sin(t)) for t in turns]
-    return polytope(np.array([(a, b, c) for b in y for a, c in arc]), "top")
 
 
 def _make_side_handles(half: float, z: float) -> list[ShapePart]:

@@ -1,11 +1,12 @@
 """Lids, flaps and the vessels below them: what is hinged at its lower rear edge and opens upwards.
 
 A lid that turns about its lower rear edge by up to 180 degrees never enters what is below it and before its
-hinge: every point that starts above the hinge stays above it or behind it. What reaches down within the walls,
-a plug, needs room before it (`sweep_gap`); what reaches down outside of them, an apron, needs none.
+hinge: every point that starts above the hinge stays above it or behind it. What reaches down within the
+walls, a plug, needs room before it (`sweep_gap`); what reaches down outside of them, an apron, needs none.
 """
 
 import numpy as np
+from jaxtyping import Float
 
 from artigen.shapes.fittings.hardware import Edge, Range, Space, slide
 from artigen.shapes.primitives import Primitive, Vector, box, line, polytope
@@ -49,7 +50,8 @@ def build_vessel(
         lining: Surface of the inside; None where it is the same.
     """
     (bx, by), (tx, ty) = bottom, top
-    inner_b, inner_t = ((by[0] + wall, by[1] - wall), (ty[0] + wall, ty[1] - wall))
+    half = wall / 2  # front and rear reach into the sides: leaning faces that only touch make unclean unions
+    inner_b, inner_t = (by[0] + half, by[1] - half), (ty[0] + half, ty[1] - half)
     share = wall / (z[1] - z[0])
     floor_x, floor_y = (
         (low[0] + share * (high[0] - low[0]) + wall / 2, low[1] + share * (high[1] - low[1]) - wall / 2)
@@ -95,6 +97,37 @@ def shrink(outline: Rectangle, by: float) -> Rectangle:
     """A rectangle taken in by so much (m) on every side."""
     (x0, x1), (y0, y1) = outline
     return (x0 + by, x1 - by), (y0 + by, y1 - by)
+
+
+def trace_arch(x: Range, z: float, rise: float, pieces: int = 6) -> Float[np.ndarray, "N 2"]:
+    """Half an ellipse over a range of x, from front to rear, as points (x, z)."""
+    turns = np.linspace(0.0, np.pi, pieces + 1)
+    middle, half = (x[0] + x[1]) / 2, (x[1] - x[0]) / 2
+    return np.column_stack([middle - half * np.cos(turns), z + rise * np.sin(turns)])
+
+
+def build_roof(
+    outline: Float[np.ndarray, "N 2"], wall: float, y: Range, finish: str, *, ends: bool = True
+) -> tuple[Primitive, ...]:
+    """A lid whose cross-section is convex: plates along its outline, and a board at each end.
+
+    Args:
+        outline: Points (x, z) from the front lower edge over the top to the rear one, both at one height.
+        wall: Thickness (m), measured about the middle of the lower edges.
+        y: Right and left end (m).
+        finish: Surface.
+        ends: Whether the ends are closed.
+    """
+    foot = np.array([(outline[0, 0] + outline[-1, 0]) / 2, outline[0, 1]])
+    reach = np.array([outline[-1, 0] - foot[0], outline[:, 1].max() - foot[1]])
+    inner = foot + (outline - foot) * (1.0 - wall / reach)
+    out = []
+    for k in range(len(outline) - 1):
+        flat = np.array([outline[k], outline[k + 1], inner[k], inner[k + 1]])
+        out.append(polytope(np.array([(a, b, c) for b in y for a, c in flat]), finish))
+    for span in ((y[0], y[0] + wall), (y[1] - wall, y[1])) if ends else ():
+        out.append(polytope(np.array([(a, b, c) for b in span for a, c in outline]), finish))
+    return tuple(out)
 
 
 def build_half_shell(
