@@ -8,7 +8,7 @@ import numpy as np
 
 from artigen.shapes.appliances.assembly import Assembly
 from artigen.shapes.appliances.cavity import build_feet
-from artigen.shapes.appliances.control_panel import design_dial, make_dial
+from artigen.shapes.appliances.control_panel import DIAL_GAP, DialDesign, design_dial, make_dial
 from artigen.shapes.appliances.racks import build_basket
 from artigen.shapes.draw import Draft, Wish, choose, choose_style
 from artigen.shapes.fittings.handles import HandleDesign, make_handle
@@ -49,7 +49,8 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
 
 def _build(rng: np.random.Generator, width: float, depth: float, height: float, *, shop: bool) -> Assembly:
     """The chest on its feet, what covers it, what hangs in it, and its controls."""
-    reach, foot = (0.0 if shop else 0.036), float(rng.uniform(0.02, 0.045))
+    dial = design_dial(rng, (0.018, 0.024), endless=0.3)
+    reach, foot = max(0.0 if shop else 0.028, dial.length + DIAL_GAP), float(rng.uniform(0.02, 0.045))
     x, y = (reach - depth / 2, depth / 2), (-width / 2, width / 2)
     wall = float(rng.uniform(0.055, 0.075))
     cover = 0.05 if shop else float(rng.uniform(0.06, 0.075))
@@ -60,7 +61,7 @@ def _build(rng: np.random.Generator, width: float, depth: float, height: float, 
     step = min(float(rng.uniform(0.17, 0.24)), 0.4 * hollow.width)
     level = foot + wall + 0.4 * hollow.height
     hump = box((hollow.x[0], hollow.y[0], foot + wall), (hollow.x[1], hollow.y[0] + step, level), "inside")
-    built = Assembly(pieces=(*chest, *feet, hump)) + _build_controls(rng, x[0], y, foot, step)
+    built = Assembly(pieces=(*chest, *feet, hump)) + _build_controls(rng, dial, x[0], y, foot, step)
     if shop:
         low, high = foot + 0.24, rim - 0.06
         band = box((x[0] - 0.002, y[0] + 0.02, low), (x[0] + 0.003, y[1] - 0.02, high), "ad")
@@ -163,7 +164,9 @@ def _build_panes(outline: tuple[Range, Range], rim: float, height: float, wall: 
     return Assembly(pieces=tuple(frame), parts=tuple(parts))
 
 
-def _build_controls(rng: np.random.Generator, x: float, y: Range, foot: float, step: float) -> Assembly:
+def _build_controls(
+    rng: np.random.Generator, design: DialDesign, x: float, y: Range, foot: float, step: float
+) -> Assembly:
     """A grille before the compressor, a thermostat beside it, and a drain."""
     low = foot + 0.04
     right = y[0] + 0.05
@@ -176,7 +179,7 @@ def _build_controls(rng: np.random.Generator, x: float, y: Range, foot: float, s
         for k in range(int(rng.integers(4, 7)))
     ]
     at = (x, right + 0.6 * step + 0.06, low + 0.05)
-    dial = make_dial(design_dial(rng, (0.018, 0.024), endless=0.3), at, name="thermostat", parent="body")
+    dial = make_dial(design, at, name="thermostat", parent="body")
     lamp = cylinder((x - 0.002, at[1] + 0.045, at[2]), (x + 0.003, at[1] + 0.045, at[2]), 0.006, "lamp")
     drain = cylinder((x - 0.006, y[1] - 0.12, low), (x + 0.003, y[1] - 0.12, low), 0.016, "trim")
     return Assembly(pieces=(*slats, lamp, drain), parts=(dial,))

@@ -44,6 +44,10 @@ SEAM = 0.006
 FOLDERS = ((0.80, 0.66, 0.42), (0.42, 0.52, 0.42), (0.36, 0.46, 0.60), (0.70, 0.36, 0.28))
 FILE = (0.346, 0.245)
 """Width and height of a hanging file for A4 (m)."""
+CROWN = 0.034
+"""Height (m) of a rail with a lock above the drawers."""
+KEY = 0.026
+"""How far (m) a key stands out."""
 RUNNER = 0.0115
 """Thickness (m) of a telescopic runner."""
 
@@ -104,7 +108,10 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
         x=(handle.reach - depth / 2, depth / 2), y=(-width / 2, width / 2), z=(stand.height, height)
     )
     shares = [0.4] * low + [1.0] * rows
-    parts = _build(rng, outer, front, shares, wooden=style == "wooden")
+    crown = CROWN if style != "wooden" and rng.random() < 0.6 else 0.0
+    if crown:
+        outer = replace(outer, x=(max(handle.reach, KEY) - depth / 2, depth / 2))
+    parts = _build(rng, outer, front, shares, crown, wooden=style == "wooden")
     base = make_stand(stand, (outer.x[0] + 0.02, outer.x[1]), outer.y, parent="body")
     body = replace(parts[0], primitives=(*parts[0].primitives, *base.primitives))
     finishes = tuple(sorted(_draw_finishes(rng, style).items()))
@@ -135,7 +142,13 @@ def _draw_finishes(rng: np.random.Generator, style: str) -> dict[str, Finish]:
 
 
 def _build(
-    rng: np.random.Generator, outer: Space, front: FrontDesign, shares: Sequence[float], *, wooden: bool
+    rng: np.random.Generator,
+    outer: Space,
+    front: FrontDesign,
+    shares: Sequence[float],
+    crown: float,
+    *,
+    wooden: bool,
 ) -> tuple[ShapePart, ...]:
     """The body and its drawers from top to bottom."""
     thick = float(rng.uniform(0.016, 0.022))
@@ -151,7 +164,6 @@ def _build(
     else:
         solids = list(make_carcass(body, design, ()))
     y, z = open_carcass(body, design)
-    crown = 0.034 if not wooden and rng.random() < 0.6 else 0.0  # a rail above the drawers, with the lock
     rail = replace(body, z=(body.z[1] - board - crown, body.z[1]), x=(outer.x[0], body.x[0]))
     if crown:
         solids.append(fill_space(rail, "body", 0.002))

@@ -45,6 +45,8 @@ TUBS: tuple[Color, ...] = (
     (0.86, 0.88, 0.89), (0.30, 0.44, 0.62), (0.62, 0.64, 0.66), (0.24, 0.25, 0.27), (0.70, 0.26, 0.22),
     (0.40, 0.56, 0.44), (0.90, 0.86, 0.76),
 )  # fmt: skip
+HASP, BAIL = 0.0135, 0.039
+"""How far (m) a hasp and a side handle stand out."""
 CARDBOARD: Color = (0.72, 0.57, 0.40)
 
 
@@ -135,7 +137,7 @@ def _frame_front(x: float, y: Range, z: Range, fields: int) -> list[Primitive]:
 def _build_trunk(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
     """A box with straps below a curved lid, a hasp in front, handles at the sides, a tray within."""
     wall, strap = 0.02, 0.004
-    x, y = (0.02 - depth / 2, depth / 2 - strap), (0.045 - width / 2, width / 2 - 0.045)
+    x, y = (HASP - depth / 2, depth / 2 - strap), (BAIL - width / 2, width / 2 - BAIL)
     rise = float(rng.uniform(0.24, 0.34)) * depth
     rim = height - strap - rise - GAP
     walls = build_vessel((x, y), (x, y), (0.012, rim), wall, "body", lining="inside")
@@ -166,7 +168,7 @@ def _build_trunk(rng: np.random.Generator, width: float, depth: float, height: f
         x[0] - 0.002, (-0.03, 0.03), (rim - 0.05, rim + 0.06), name="hasp", parent="body", finish="brass"
     )
     plate = box((x[0] - 0.002, -0.04, rim - 0.07), (x[0], 0.04, rim), "brass")
-    parts = [lid, hasp, *_make_side_handles(width / 2 - 0.045, 0.55 * rim)]
+    parts = [lid, hasp, *_make_side_handles(width / 2 - BAIL, 0.55 * rim)]
     ledge = 0.55 * rim
     ledges = [
         box((x[0] + wall, a, ledge - 0.02), (x[1] - wall, a + 0.016, ledge), "inside")
@@ -187,7 +189,7 @@ def _make_side_handles(half: float, z: float) -> list[ShapePart]:
 
 def _build_tub(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
     """A tub that narrows downwards, a lid with a raised field, a clip at each side; some on wheels."""
-    wall, clip = 0.006, 0.016
+    wall, clip = 0.006, 0.0115
     x, y = (-depth / 2, depth / 2), (clip - width / 2, width / 2 - clip)
     thick, rise = 0.012, float(rng.uniform(0.006, 0.014))
     rim = height - thick - rise - GAP

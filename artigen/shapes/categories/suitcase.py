@@ -155,9 +155,8 @@ def _cross_straps(x: float, y: Range, z: Range) -> list[Primitive]:
 
 def _build_lying(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
     """A case on its back: the lid opens upwards once its latches do; the handle is between them."""
-    reach = 0.042
-    x, y = (reach - depth / 2, depth / 2), (-width / 2, width / 2)
-    band = 0.004
+    reach, band = 0.041, 0.004
+    x, y = (reach - depth / 2, depth / 2 + band), (-width / 2, width / 2)
     seam = float(rng.uniform(0.5, 0.62)) * height
     outline = Outline(a=(x[0], x[1] - band), b=y, radius=float(rng.uniform(0.02, 0.035)))
     bevel = float(rng.uniform(0.006, 0.014))

@@ -40,6 +40,8 @@ ROUND = 22
 """Sides of a round bin."""
 SLENDER = 56
 """Length of a wall over its thickness, at most."""
+PEDAL, HUB = 0.045, 0.012
+"""How far (m) a pedal stands out in front, and a hinge behind."""
 WALL = 0.008
 """Thickness (m) of moulded walls."""
 
@@ -54,8 +56,10 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     slender = float(rng.uniform(0.5, 0.8))
     if style in ("pedal", "flip") and wish.width is None:
         width = max(min(width, slender * height), 0.42 * height)
-    if style == "pedal" and wish.depth is None:
-        depth = width * float(rng.uniform(1.15, 1.25)) + 0.01
+    if (
+        style == "pedal" and wish.depth is None and rng.random() < 0.7
+    ):  # round: as deep as wide, and the pedal
+        depth = width + HUB + PEDAL
     build = {
         "pedal": _build_pedal_bin,
         "flip": _build_flip_bin,
@@ -104,15 +108,13 @@ def _draw_finishes(rng: np.random.Generator, style: str) -> dict[str, Finish]:
 
 def _build_pedal_bin(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
     """A steel bin, round or not, with a lid on top, a pedal below and a bucket that is lifted out."""
-    reach = min(0.055, 0.16 * depth)  # of the pedal
     thick, foot, under = float(rng.uniform(0.016, 0.024)), 0.05, 0.024
-    hub = 0.012  # of the hinge, behind
-    x = (reach - depth / 2, depth / 2 - hub)
+    x = (PEDAL - depth / 2, depth / 2 - HUB)
     y = (-width / 2, width / 2)
     rim = height - thick - 0.012 - GAP
     opened = float(np.radians(rng.uniform(96, 105)))
     middle, radius = sum(x) / 2, min(x[1] - x[0], width) / 2
-    round_ = bool(rng.random() < 0.6) and abs(x[1] - x[0] - width) < 0.25 * width
+    round_ = abs(x[1] - x[0] - width) < 1e-6
     z = (foot, rim)
     if round_:
         y, x = (-radius, radius), (middle - radius, middle + radius)
@@ -146,7 +148,7 @@ def _build_pedal_bin(rng: np.random.Generator, width: float, depth: float, heigh
         cover = (slab, loft(outline, shrink(outline, 0.03), (rim + GAP + thick, height), "front"))
         inside = shrink((x, y), WALL + 0.010)
         pail = build_vessel(inside, inside, (foot + WALL + 0.004, rim - 0.012), 0.006, "bucket")
-    pivot = x[1] + hub
+    pivot = x[1] + HUB
     tab = box((x[1] - 0.02, -0.25 * width, rim + GAP), (pivot, 0.25 * width, rim + GAP + 0.012), "front")
     knuckle = box((x[1] - 0.01, -0.28 * width, rim - 0.05), (pivot, 0.28 * width, rim), "trim")
     toe = 0.12 * radius
@@ -159,7 +161,7 @@ def _build_pedal_bin(rng: np.random.Generator, width: float, depth: float, heigh
         name="lid", label="door", parent="body", primitives=(*cover, tab),
         motion=hinge_lid((x[0], pivot), y, rim + GAP, opened),
     )  # fmt: skip
-    parts = [lid, _make_pedal(x[0] - reach, x[0] + 0.05, width, under)]
+    parts = [lid, _make_pedal(x[0] - PEDAL, x[0] + 0.05, width, under)]
     if rng.random() < 0.8:
         lift = slide(0.75 * (rim - foot), (0.0, 0.0, 1.0))
         needs = (Need(part="lid"),)
