@@ -50,9 +50,9 @@ CATEGORY_WORDS: dict[str, str] = {
     "dryer": "Dryer",
     "bread box": "BreadBox",
     "mailbox": "Mailbox",
+    "printer": "Printer",
 }
-"""Singular nouns, and the category each one names; dressers and wardrobes are storage furniture here, which the
-model draws."""
+"""Singular nouns, and the category each one names; the model knows dressers as StorageFurniture."""
 
 PART_WORDS: dict[str, PartLabel] = {
     "drawer": "drawer",
