@@ -18,7 +18,7 @@ from artigen.shapes.fittings.lids import hinge_lid, loft, shrink
 from artigen.shapes.primitives import Primitive, box, cylinder, polytope, rounded_box
 from artigen.shapes.shape import ShapePart
 from artigen.shapes.surfaces.finishes import Color, Finish
-from artigen.shapes.surfaces.materials import make_glass
+from artigen.shapes.surfaces.materials import make_glass, make_plastic
 
 CATEGORY = "Printer"
 STYLES = {"inkjet": 3.0, "laser": 2.5, "multifunction": 2.5, "copier": 1.5}
@@ -64,22 +64,18 @@ def _draw_finishes(rng: np.random.Generator) -> dict[str, Finish]:
     same = rng.random() < 0.5
     dark: Color = (0.13, 0.13, 0.14)
 
-    def mould(color: Color, gloss: float = 0.2) -> Finish:
-        shade = (0.95 * color[0], 0.95 * color[1], 0.95 * color[2])
-        return Finish(kind="plastic", color=color, accent=shade, period=0.3, gloss=gloss)
-
     return {
-        "body": mould(shell),
-        "front": mould(shell if same else second),
-        "trim": mould(dark),
-        "key": mould((0.66, 0.67, 0.68)),
-        "go": mould((0.28, 0.58, 0.34), 0.4),
-        "paper": mould((0.95, 0.95, 0.94), 0.05),
-        "inside": mould((0.24, 0.24, 0.25)),
+        "body": make_plastic(shell, gloss=0.2),
+        "front": make_plastic(shell if same else second, gloss=0.2),
+        "trim": make_plastic(dark, gloss=0.2),
+        "key": make_plastic((0.66, 0.67, 0.68), gloss=0.2),
+        "go": make_plastic((0.28, 0.58, 0.34), gloss=0.4),
+        "paper": make_plastic((0.95, 0.95, 0.94), gloss=0.05),
+        "inside": make_plastic((0.24, 0.24, 0.25), gloss=0.2),
         "panel": make_glass((0.05, 0.06, 0.08)),
         "glass": make_glass((0.30, 0.36, 0.36)),
         "rubber": Finish(kind="rubber", color=dark, accent=dark, gloss=0.05),
-        "steel": mould((0.55, 0.55, 0.56), 0.4),
+        "steel": make_plastic((0.55, 0.55, 0.56), gloss=0.4),
     }
 
 

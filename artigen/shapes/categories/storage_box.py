@@ -29,7 +29,7 @@ from artigen.shapes.fittings.turning import turn_part
 from artigen.shapes.primitives import Primitive, box, rounded_box
 from artigen.shapes.shape import Need, ShapePart
 from artigen.shapes.surfaces.finishes import Color, Finish
-from artigen.shapes.surfaces.materials import make_lacquer, make_metal
+from artigen.shapes.surfaces.materials import make_lacquer, make_metal, make_plastic
 from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "Box"
@@ -78,9 +78,9 @@ def _draw_finishes(rng: np.random.Generator, style: str) -> dict[str, Finish]:
             kind="glass", color=(0.80, 0.85, 0.87), accent=(0.84, 0.88, 0.90), gloss=0.3, opacity=0.35
         )
         finishes |= {
-            "body": shell if clear else _mould(TUBS[tub]),
-            "top": _mould(TUBS[lid]),
-            "clip": _mould(TUBS[lid]),
+            "body": shell if clear else make_plastic(TUBS[tub]),
+            "top": make_plastic(TUBS[lid]),
+            "clip": make_plastic(TUBS[lid]),
         }
     if style == "carton":
         board = Finish(
@@ -88,15 +88,10 @@ def _draw_finishes(rng: np.random.Generator, style: str) -> dict[str, Finish]:
         )
         finishes |= {
             "body": board,
-            "tape": _mould((0.80, 0.70, 0.52)),
+            "tape": make_plastic((0.80, 0.70, 0.52)),
             "paper": make_lacquer((0.92, 0.91, 0.88)),
         }
     return finishes
-
-
-def _mould(color: Color) -> Finish:
-    accent = (0.95 * color[0], 0.95 * color[1], 0.95 * color[2])
-    return Finish(kind="plastic", color=color, accent=accent, period=0.3, gloss=0.25)
 
 
 def _build_chest(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:

@@ -29,7 +29,7 @@ from artigen.shapes.fittings.locks import make_latch
 from artigen.shapes.primitives import SEGMENTS, Primitive, box, cylinder
 from artigen.shapes.shape import Need, ShapePart
 from artigen.shapes.surfaces.finishes import Color, Finish
-from artigen.shapes.surfaces.materials import make_lacquer, make_metal
+from artigen.shapes.surfaces.materials import make_lacquer, make_metal, make_plastic
 from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "ToolBox"
@@ -72,20 +72,15 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
 def _draw_finishes(rng: np.random.Generator, style: str) -> dict[str, Finish]:
     seed = int(rng.integers(2**30))
     paint = make_lacquer(PAINTS[int(rng.integers(len(PAINTS)))], gloss=0.4)
-    body, lid = (_mould(color) for color in PAIRS[int(rng.integers(len(PAIRS)))])
+    body, lid = (make_plastic(color) for color in PAIRS[int(rng.integers(len(PAIRS)))])
     finishes = draw_palette(rng, "appliance", "steel") | {"handle": make_metal("chrome", seed)}
     if style in ("metal", "chest"):
         return finishes | {"body": paint, "top": paint, "front": paint, "tray": paint, "inside": paint}
-    handle = _mould((0.16, 0.16, 0.17)) if lid.color[0] > 0.2 else body
+    handle = make_plastic((0.16, 0.16, 0.17)) if lid.color[0] > 0.2 else body
     return finishes | {
         "body": body, "top": lid, "front": lid, "tray": lid, "handle": handle, "steel": lid, "inside": body,
         "rod": make_metal("steel", seed),
     }  # fmt: skip
-
-
-def _mould(color: Color) -> Finish:
-    accent = (0.95 * color[0], 0.95 * color[1], 0.95 * color[2])
-    return Finish(kind="plastic", color=color, accent=accent, period=0.3, gloss=0.25)
 
 
 def _make_latches(

@@ -16,7 +16,7 @@ from artigen.shapes.fittings.lids import Rectangle, build_vessel, hinge_lid, lof
 from artigen.shapes.primitives import SEGMENTS, Primitive, box, cylinder, polytope, prism, rounded_box
 from artigen.shapes.shape import Motion, Need, ShapePart
 from artigen.shapes.surfaces.finishes import Color, Finish
-from artigen.shapes.surfaces.materials import make_lacquer, make_metal
+from artigen.shapes.surfaces.materials import make_lacquer, make_metal, make_plastic
 from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "TrashCan"
@@ -72,36 +72,26 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     return Draft(style=style, parts=built.close(), finishes=finishes)
 
 
-def _mould(color: Color) -> Finish:
-    return Finish(
-        kind="plastic",
-        color=color,
-        accent=(0.95 * color[0], 0.95 * color[1], 0.95 * color[2]),
-        period=0.3,
-        gloss=0.25,
-    )
-
-
 def _draw_finishes(rng: np.random.Generator, style: str) -> dict[str, Finish]:
     """The shell, its lid, and what is within."""
     seed = int(rng.integers(2**30))
     colors = STREET if style == "wheeled" else SHELL
-    shell = _mould(colors[int(rng.integers(len(colors)))])
-    lids = [_mould(SORTED[int(k)]) for k in rng.permutation(len(SORTED))]
+    shell = make_plastic(colors[int(rng.integers(len(colors)))])
+    lids = [make_plastic(SORTED[int(k)]) for k in rng.permutation(len(SORTED))]
     lid, metallic, dark = lids[0] if style == "wheeled" else shell, rng.random() < 0.6, rng.random() < 0.5
     if style == "wheeled" and dark:
         lid = shell
     if style in ("flip", "flap") and dark:
-        lid = _mould((0.15, 0.15, 0.16))
+        lid = make_plastic((0.15, 0.15, 0.16))
     if style == "pedal" or (style == "flap" and metallic):
         paint = shell.color
         shell = make_metal("steel", seed) if metallic else make_lacquer(paint, gloss=0.45)
-        lid = _mould((0.14, 0.14, 0.15)) if dark else shell
+        lid = make_plastic((0.14, 0.14, 0.15)) if dark else shell
     return draw_palette(rng, "appliance", "steel") | {
         "body": shell,
         "front": lid,
-        "bucket": _mould((0.17, 0.17, 0.18) if rng.random() < 0.7 else (0.75, 0.75, 0.74)),
-        "trim": _mould((0.14, 0.14, 0.15)),
+        "bucket": make_plastic((0.17, 0.17, 0.18) if rng.random() < 0.7 else (0.75, 0.75, 0.74)),
+        "trim": make_plastic((0.14, 0.14, 0.15)),
         **{f"lid_{k}": finish for k, finish in enumerate(lids)},
     }
 

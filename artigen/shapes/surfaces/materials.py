@@ -82,6 +82,11 @@ def make_stone(name: str, seed: int) -> Finish:
     return Finish(kind="stone", color=color, accent=speckles, period=period, seed=seed, gloss=0.3)
 
 
+def make_plastic(color: Color, *, gloss: float = 0.25) -> Finish:
+    """A moulding of one colour."""
+    return Finish(kind="plastic", color=color, accent=_shade(color, 0.95), period=0.3, gloss=gloss)
+
+
 def make_glass(color: Color, *, opacity: float = 1.0) -> Finish:
     """Float glass; opaque where it is printed from behind, as on control panels."""
     return Finish(
