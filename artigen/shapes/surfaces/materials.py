@@ -96,9 +96,9 @@ def make_ceramic(color: Color, seed: int) -> Finish:
     return Finish(kind="stone", color=color, accent=_shade(color, 0.985), period=0.02, seed=seed, gloss=0.5)
 
 
-def make_plastic(color: Color, *, gloss: float = 0.3) -> Finish:
-    """A moulded plastic of an even colour."""
-    return Finish(kind="plastic", color=color, accent=_shade(color, 0.96), period=0.3, gloss=gloss)
+def make_plastic(color: Color, *, gloss: float = 0.25) -> Finish:
+    """A moulding of one colour."""
+    return Finish(kind="plastic", color=color, accent=_shade(color, 0.95), period=0.3, gloss=gloss)
 
 
 def make_glass(color: Color, *, opacity: float = 1.0) -> Finish:
