@@ -36,8 +36,23 @@ CATEGORY_WORDS: dict[str, str] = {
     "washer": "WashingMachine",
     "microwave": "Microwave",
     "microwave oven": "Microwave",
+    "filing cabinet": "FilingCabinet",
+    "file cabinet": "FilingCabinet",
+    "trash can": "TrashCan",
+    "storage box": "Box",
+    "carton": "Box",
+    "tool box": "ToolBox",
+    "toolbox": "ToolBox",
+    "suitcase": "Suitcase",
+    "chest freezer": "ChestFreezer",
+    "laptop": "Laptop",
+    "tumble dryer": "Dryer",
+    "dryer": "Dryer",
+    "bread box": "BreadBox",
+    "mailbox": "Mailbox",
+    "printer": "Printer",
 }
-"""Singular nouns, and the category each one names."""
+"""Singular nouns, and the category each one names; the model knows dressers as StorageFurniture."""
 
 PART_WORDS: dict[str, PartLabel] = {
     "drawer": "drawer",

@@ -6,7 +6,7 @@ be open first are what the object says.
 """
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -102,7 +102,7 @@ def build_reference(
         ]
         materials.append((part.name, Counter(sorted(made_of)).most_common(1)[0][0]))
         geometry.append(PartGeometry(visuals=(meshes[-1],), hulls=hulls, inertial=_weigh(solids, made_of)))
-    tree = build_links(asset, geometry)
+    tree = build_links(asset, geometry, find_latched(shape))
     return SimPackage(
         name=asset.name,
         category=asset.category,
@@ -235,6 +235,20 @@ def _weigh(solids: Sequence[Hull], made_of: Sequence[MaterialName]) -> Inertial:
         elif added.mass > (1.0 + 1e-6) * known.mass:  # else it lies inside of the others
             inertials.append(subtract(added, known))
     return combine(inertials)
+
+
+def find_latched(shape: Shape) -> frozenset[str]:
+    """Parts that a latch holds shut: they need another part moved first that they carry themselves."""
+    parents = {part.name: part.parent for part in shape.parts}
+
+    def carriers(name: str | None) -> Iterator[str]:
+        while name is not None:
+            yield name
+            name = parents[name]
+
+    return frozenset(
+        part.name for part in shape.parts if any(part.name in carriers(need.part) for need in part.needs)
+    )
 
 
 def _requirements(shape: Shape, tree: LinkTree) -> tuple[Requirement, ...]:

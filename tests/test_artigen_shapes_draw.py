@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from artigen.shapes.draw import ShapeError, Wish, categories, choose, draw_shape
+from artigen.shapes.draw import ShapeError, Wish, categories, choose, choose_style, draw_shape
 from artigen.shapes.primitives import place_vertices
 from artigen.shapes.shape import Shape
 from artigen.types import PAPER_CATEGORIES, PART_LABELS
@@ -76,3 +76,13 @@ def test_a_wished_value_takes_its_number_from_the_stream_too():
     assert 1.0 <= choose(free, 1.0, 2.0) <= 2.0
     assert choose(wished, 1.0, 2.0, 1.7) == 1.7
     assert free.random() == wished.random()
+
+
+def test_a_style_is_the_one_wished_for_and_takes_its_number_from_the_stream_too():
+    free, wished = np.random.default_rng(0), np.random.default_rng(0)
+    styles = {"plain": 3.0, "fancy": 1.0}
+    assert choose_style(free, "Sofa", styles) in styles
+    assert choose_style(wished, "Sofa", styles, "fancy") == "fancy"
+    assert free.random() == wished.random()
+    with pytest.raises(ShapeError, match="Sofa: style 'round' is not known, expected one of plain, fancy"):
+        choose_style(free, "Sofa", styles, "round")

@@ -2,7 +2,7 @@
 
 import pytest
 
-from artigen.shapes.draw import draw_shape
+from artigen.shapes.draw import categories, draw_shape
 from artigen.text import (
     CATEGORY_WORDS,
     COLORS,
@@ -41,7 +41,7 @@ def test_every_noun_is_understood_in_both_numbers(noun: str):
     for word in (noun, noun + "s" if not noun.endswith("f") else noun):
         if noun != "chest of drawers":
             assert parse_text(f"one {word}").category == CATEGORY_WORDS[noun]
-    assert CATEGORY_WORDS[noun] in PAPER_CATEGORIES
+    assert CATEGORY_WORDS[noun] in categories()
 
 
 @pytest.mark.parametrize("part", sorted(PART_WORDS))

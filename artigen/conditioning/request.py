@@ -5,8 +5,8 @@ from pathlib import Path
 from typing import TypeVar
 
 from artigen.errors import ArtigenError
-from artigen.shapes.draw import Wish, categories, check_wish
-from artigen.sketch.request import MATERIAL_OF, ROLES_OF, AskedFinish, SketchRequest
+from artigen.shapes.draw import Wish, check_wish
+from artigen.sketch.request import MATERIAL_OF, ROLES_OF, AskedFinish, SketchRequest, check_category
 from artigen.text import COLORS, ParsedText, parse_text
 from artigen.types import PartLabel
 
@@ -44,8 +44,8 @@ def understand(request: Request) -> Understood:
     category = _agree("category", request.category, text.category)
     if category is None and request.image is None:
         raise ArtigenError("no category is asked for: name one, in words if you like, or give a picture")
-    if category is not None and category not in categories():
-        raise ArtigenError(f"category {category!r}: expected one of {', '.join(sorted(categories()))}")
+    if category is not None:
+        check_category(category)
     wish = request.wish
     counts = dict(wish.counts)
     for label, count in text.counts:

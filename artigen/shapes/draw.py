@@ -5,7 +5,7 @@ A category is a module of `artigen.shapes.categories` with ``CATEGORY``, its nam
 """
 
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
 from importlib import import_module
@@ -29,6 +29,8 @@ VARIANTS = 100
 """Draws of an object that is to be built as another one; the last has its very lengths."""
 SEARCHED = 500
 """Seeds that are searched for an object with counts that come as they come."""
+SIZE_MARGIN = 0.2
+"""Share by which a length may be wished beyond what is usual, of objects that cannot be of any size."""
 LENGTHS = (0.02, 10.0)
 """Lengths that can be wished for (m)."""
 
@@ -228,7 +230,49 @@ def check_wish(wish: Wish) -> None:
             raise ShapeError(f"{count} parts called base: every object has one")
 
 
+def choose_style(
+    rng: np.random.Generator, category: str, styles: Mapping[str, float], wished: str | None = None
+) -> str:
+    """The wished style, or one drawn by weight; every call takes one number from ``rng``, wished or not.
+
+    Raises:
+        ShapeError: If the category has no such style.
+    """
+    chances = np.array(list(styles.values()))
+    drawn = list(styles)[int(rng.choice(len(styles), p=chances / chances.sum()))]
+    if wished is not None and wished not in styles:
+        raise ShapeError(f"{category}: style {wished!r} is not known, expected one of {', '.join(styles)}")
+    return drawn if wished is None else wished
+
+
 def choose(rng: np.random.Generator, low: float, high: float, wished: float | None = None) -> float:
     """The wished value, or a uniform one; every call takes one number from ``rng``, wished or not."""
     drawn = float(rng.uniform(low, high))
     return drawn if wished is None else wished
+
+
+def choose_size(
+    rng: np.random.Generator,
+    category: str,
+    wish: Wish,
+    *,
+    width: tuple[float, float],
+    depth: tuple[float, float],
+    height: tuple[float, float],
+) -> tuple[float, float, float]:
+    """Width, depth and height (m): the wished ones, or uniform ones; every call takes three numbers.
+
+    Raises:
+        ShapeError: If a wish is less than the shortest usual length, or more than the longest, by over
+            `SIZE_MARGIN`.
+    """
+    usual = {"width": width, "depth": depth, "height": height}
+    for name, (low, high) in usual.items():
+        wished = getattr(wish, name)
+        least, most = low * (1.0 - SIZE_MARGIN), high * (1.0 + SIZE_MARGIN)
+        if wished is not None and not least <= wished <= most:
+            raise ShapeError(
+                f"{category}: {name} {wished:g} m, expected from {least:.3g} to {most:.3g} m for this style"
+            )
+    w, d, h = (choose(rng, low, high, getattr(wish, name)) for name, (low, high) in usual.items())
+    return w, d, h

@@ -8,6 +8,7 @@ from jaxtyping import Bool, Float, Int
 from artigen.shapes.shape import Motion, Shape
 from artigen.sketch.contact import Bodies
 from artigen.sketch.tree import Tree
+from artigen.types import PartLabel
 
 SIGHT_LINES = 200
 """Points of a part that are followed straight ahead, to see which way is free."""
@@ -37,6 +38,7 @@ class Opener:
     """A part that moves, and the primitives of its rigid body: all, and those that are no handle."""
 
     index: int
+    label: PartLabel
     motion: Motion
     body: Int[np.ndarray, "B"]
     panel: Int[np.ndarray, "Q"]
@@ -60,6 +62,7 @@ def list_openers(shape: Shape, bodies: Bodies) -> list[Opener]:
             openers.append(
                 Opener(
                     index=index,
+                    label=part.label,
                     motion=part.motion,
                     body=np.flatnonzero(own),
                     panel=np.flatnonzero(own & ~handles),
@@ -120,7 +123,7 @@ def measure_handle(bodies: Bodies, opener: Opener, handle: Int[np.ndarray, "H"])
     """
     corners = bodies.vertices[handle].reshape(-1, 3)
     middle = (corners.min(axis=0) + corners.max(axis=0)) / 2
-    out = opener.velocity(middle[None])[0]
+    out = _way_out(bodies, opener, middle)
     frame = _frame_along(out / max(float(np.linalg.norm(out)), 1e-12))
     grip = corners @ frame.T
     if not len(opener.panel):
@@ -136,6 +139,19 @@ def measure_handle(bodies: Bodies, opener: Opener, handle: Int[np.ndarray, "H"])
     clearance, protrusion = _measure_gaps(bodies, handle, opener.panel, frame, grip)
     pinch = max(width - GRASP_WIDTH, PROTRUSION - protrusion)
     return max(0.0, float(min(HOOK_DEPTH - clearance, pinch)))
+
+
+def _way_out(bodies: Bodies, opener: Opener, grip: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3"]:
+    """Out of the panel at a handle: along its first motion, or upright to a door that slides in its plane."""
+    way = opener.velocity(grip[None])[0]
+    if opener.motion.type != "prismatic" or opener.label != "door" or not len(opener.panel):
+        return way
+    points = bodies.vertices[opener.panel].reshape(-1, 3)
+    middle = (points.min(axis=0) + points.max(axis=0)) / 2
+    normal = _thin_direction(points - middle)
+    if abs(normal @ way) > _PARALLEL:
+        return way
+    return normal if (grip - middle) @ normal >= 0.0 else -normal
 
 
 def find_obstacles(bodies: Bodies, tree: Tree, index: int) -> Int[np.ndarray, "O"]:

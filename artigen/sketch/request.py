@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Int
 
+from artigen.shapes.draw import categories
 from artigen.shapes.surfaces.finishes import Color, FinishKind
 from artigen.shapes.surfaces.palette import ROLES
 from artigen.sketch.rows import (
@@ -73,6 +74,20 @@ def nothing_asked() -> Asked:
     return ask(SketchRequest())
 
 
+def check_category(category: str) -> None:
+    """Refuses a category that the sketch network has not learned.
+
+    Raises:
+        SketchError: Naming the categories it has learned, and `artigen shape` where the grammar draws it.
+    """
+    if category in CATEGORIES:
+        return
+    text = f"category {category!r}: expected one of {', '.join(CATEGORIES)}, which the model draws"
+    if category in categories():
+        text += f"; `artigen shape {category}` draws it"
+    raise SketchError(text)
+
+
 def ask(request: SketchRequest) -> Asked:
     """The rows of a request.
 
@@ -85,6 +100,8 @@ def ask(request: SketchRequest) -> Asked:
         header[column("object", name)] = value
         known[column("object", name)] = True
 
+    if request.category is not None:
+        check_category(request.category)
     for name, words in (("category", CATEGORIES), ("style", STYLES)):
         word = getattr(request, name)
         if word is not None:

@@ -1,7 +1,8 @@
 """L2, handles can be taken hold of (V204).
 
 A handle is a visual whose name contains ``handle`` inside the link it opens: the rule by which
-ManiSkill finds it. It is measured as seen, along the direction in which it starts to move.
+ManiSkill finds it. It is measured as seen, along the direction in which it starts to move; on a door that
+slides in its own plane, upright to the panel.
 """
 
 from dataclasses import dataclass
@@ -11,7 +12,13 @@ from jaxtyping import Float
 
 from sim_export.checks.config import CheckConfig
 from sim_export.checks.grid import Grid, column_crossings
-from sim_export.checks.opening import opening_joints, velocity_at
+from sim_export.checks.opening import (
+    PARALLEL,
+    opening_joints,
+    panel_points,
+    thin_direction,
+    velocity_at,
+)
 from sim_export.checks.registry import CheckSpec, Finding
 from sim_export.checks.subject import Shape, Subject
 from sim_export.package import PackageJoint
@@ -100,9 +107,9 @@ def judge_grip(grip: Grip, name: str, cfg: CheckConfig) -> tuple[float, str]:
 
 
 def measure_grip(subject: Subject, joint: PackageJoint, handle: Shape) -> Grip:
-    """Measures a handle against the rest of its link, looking along its first motion."""
+    """Measures a handle against the rest of its link, looking at the panel from where the hand comes."""
     center = (handle.vertices.min(axis=0) + handle.vertices.max(axis=0)) / 2.0
-    out = velocity_at(joint, center[None])[0]
+    out = _way_out(subject, joint, center)
     frame = _frame_along(out / np.linalg.norm(out))
     grip = handle.triangles @ frame.T
     rest = [s for s in subject.visuals if s.link == handle.link and "handle" not in s.name and len(s.faces)]
@@ -113,6 +120,19 @@ def measure_grip(subject: Subject, joint: PackageJoint, handle: Shape) -> Grip:
     front = float(center @ frame[2] - (panel[..., 2].min() + panel[..., 2].max()) / 2.0)
     clearance, protrusion = _gaps(grip, panel)
     return Grip(front=front, clearance=clearance, width=width, protrusion=protrusion)
+
+
+def _way_out(subject: Subject, joint: PackageJoint, center: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3"]:
+    """Out of the panel at a handle: along its first motion, or upright to a door that slides in its plane."""
+    way = velocity_at(joint, center[None])[0]
+    panel = panel_points(subject, joint.child)
+    if joint.type != "prismatic" or subject.labels.get(joint.child) != "door" or not len(panel):
+        return way
+    middle = (panel.min(axis=0) + panel.max(axis=0)) / 2.0
+    normal = thin_direction(panel - middle)
+    if abs(normal @ joint.axis) > PARALLEL:
+        return way
+    return normal if (center - middle) @ normal >= 0.0 else -normal
 
 
 def _frame_along(direction: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 3"]:

@@ -16,7 +16,7 @@ from sim_export.package import Hull, PackageJoint
 _SIGHT_LINES = 400
 _FIRST_TURN = 1.0
 """Rad; a door's corners are followed along the tangent for at most this turn."""
-_PARALLEL = 0.5
+PARALLEL = 0.5
 """Cosine above which an axis stands upright on a panel: such a lid screws or spins, it has no edge."""
 _TWIN_SIZE = 0.05
 _TWIN_AXIS_DEGREES = 5.0
@@ -141,8 +141,8 @@ def door_panel(subject: Subject, joint: PackageJoint) -> Panel | None:
     """The door's extent in the direction from its hinge; None where the axis stands upright on the panel."""
     points = panel_points(subject, joint.child)
     centered = points - (points.min(axis=0) + points.max(axis=0)) / 2.0
-    normal = _thin_direction(centered)
-    if abs(normal @ joint.axis) > _PARALLEL:
+    normal = thin_direction(centered)
+    if abs(normal @ joint.axis) > PARALLEL:
         return None
     across = np.cross(normal, joint.axis)
     across /= np.linalg.norm(across)
@@ -155,7 +155,7 @@ def door_panel(subject: Subject, joint: PackageJoint) -> Panel | None:
     )
 
 
-def _thin_direction(points: np.ndarray) -> np.ndarray:
+def thin_direction(points: np.ndarray) -> np.ndarray:
     """The axis direction in which points extend least; principal directions where none is clearly thin."""
     extents = np.ptp(points, axis=0)
     if extents.min() < 0.5 * np.sort(extents)[1]:

@@ -88,7 +88,7 @@ def check_sweep(subject: Subject, cfg: CheckConfig) -> Finding:
     )
 
 
-def open_positions(subject: Subject, joint: PackageJoint) -> dict[str, object]:
+def open_positions(subject: Subject, joint: PackageJoint) -> dict[str, float]:
     """Coordinates of the joints that must be open before ``joint`` can move, their own needs included."""
     known = {other.name for other in subject.driven}
     lost = [name for name in needed_fractions(joint.name, subject.requires_open) if name not in known]
@@ -96,7 +96,7 @@ def open_positions(subject: Subject, joint: PackageJoint) -> dict[str, object]:
         raise PackageError(
             f"annotations.json: {joint.name!r} needs {lost[0]!r}, which is no joint that moves"
         )
-    return dict(required_openings(joint, subject.driven, subject.requires_open))
+    return required_openings(joint, subject.driven, subject.requires_open)
 
 
 def joint_motion(subject: Subject, joint: PackageJoint, cfg: CheckConfig) -> Motion:
@@ -108,7 +108,10 @@ def joint_motion(subject: Subject, joint: PackageJoint, cfg: CheckConfig) -> Mot
     movers = subject.carried(joint.child)
     sweep = SweepConfig(poses=cfg.sweep_samples, step=cfg.sweep_step, max_poses=cfg.max_sweep_samples)
     moved = [subject.hull_sets[name].vertices for name in movers if subject.hull_sets[name].hulls]
-    qpos = open_positions(subject, joint) | {joint.name: sample_range(joint, moved, sweep)}
+    qpos: dict[str, object] = {
+        **open_positions(subject, joint),
+        joint.name: sample_range(joint, moved, sweep),
+    }
     others = [name for name in subject.links if name not in movers]
     pairs = [
         (mover, other)
@@ -120,7 +123,10 @@ def joint_motion(subject: Subject, joint: PackageJoint, cfg: CheckConfig) -> Mot
 
 
 def _joint_poses(subject: Subject, cfg: CheckConfig) -> Motion:
-    """All joints at once; links against ancestors and static links, since movable neighbours may meet."""
+    """All joints at once; links against ancestors and static links, since movable neighbours may meet.
+
+    A latch stands open as far as what it holds needs it: with its lever at rest, a door is shut.
+    """
     from scipy.stats.qmc import Sobol
 
     lower = np.array([joint.lower for joint in subject.driven])
@@ -128,6 +134,12 @@ def _joint_poses(subject: Subject, cfg: CheckConfig) -> Motion:
     unit = Sobol(len(lower), scramble=False).random(cfg.sobol_poses)
     values = (lower + unit * (upper - lower)).T
     qpos = {joint.name: row for joint, row in zip(subject.driven, values, strict=True)}
+    children = {joint.name: joint.child for joint in subject.driven}
+    for joint in subject.driven:
+        carried = subject.carried(joint.child)
+        for name, opened in open_positions(subject, joint).items():
+            if children[name] in carried:
+                qpos[name] = np.maximum(qpos[name], opened)
     moving = [name for name in subject.links if name not in subject.static_links]
     pairs = [
         (name, other)

@@ -6,7 +6,7 @@ empty link, `base`: SAPIEN takes a URDF without joints for a loose body, not for
 A screw part gets two links in a row: a carrier that turns and the part that travels on it.
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -32,6 +32,8 @@ from sim_export.tree import hanging_links
 BASE = "base"
 MAX_LINKS = 64
 HOLD_SLOPE = 0.09
+LATCH_HOLD = 2.0
+"""What holds a latch, over what gravity asks for: a spring does, and the leaf that leans on it pushes too."""
 SHORTEST_DECAY = 0.1
 """Seconds; engines overdo damping that stops a body within a few steps of 1/60 s, so none is stronger."""
 LEAST_TURNING = 1e-4
@@ -88,12 +90,14 @@ def link_names(asset: Asset) -> dict[int, str]:
     return {part: f"link_{k}" for k, part in enumerate([*leaders, asset.root])}
 
 
-def build_links(asset: Asset, geometry: Sequence[PartGeometry]) -> LinkTree:
+def build_links(asset: Asset, geometry: Sequence[PartGeometry], latched: Collection[str] = ()) -> LinkTree:
     """Welds parts into links and turns part joints into package joints.
 
     Args:
         asset: The parts and joints; unit-cube lengths.
         geometry: Visuals, hulls and mass of every part, in the order of ``asset.parts``.
+        latched: Names of parts that a latch of their own holds shut; their joints resist as free hinges and
+            runners do, and need not hold them on a floor out of level.
 
     Raises:
         InvalidKinematics: If there would be more than 64 links, or the root part moves.
@@ -130,7 +134,7 @@ def build_links(asset: Asset, geometry: Sequence[PartGeometry]) -> LinkTree:
         joints.append(_fix(links[-1].name))
     return LinkTree(
         links=tuple(links),
-        joints=_with_resistance(asset, links, joints),
+        joints=_with_resistance(links, joints, frozenset(latched)),
         records=(*records, *raised),
     )
 
@@ -275,8 +279,10 @@ def _with_shafts(links: Sequence[Link], joints: Sequence[PackageJoint]) -> tuple
     return out, records
 
 
-def opening_pull(joint: PackageJoint, moved: Inertial) -> float:
+def opening_pull(joint: PackageJoint, moved: Inertial, *, anywhere: bool = False) -> float:
     """The most with which gravity opens a closed joint on a floor out of level: N, or N m; 0 if it shuts it.
+
+    With ``anywhere``, the most with which it turns the joint from any position, as for arms that stay put.
 
     Catches, seals and runners keep furniture shut where the floor slopes by 5 degrees in any direction;
     `HOLD_SLOPE` is a little more than that.
@@ -284,16 +290,17 @@ def opening_pull(joint: PackageJoint, moved: Inertial) -> float:
     weight = moved.mass * GRAVITY
     arm = np.asarray(moved.com) - joint.origin
     moving = np.asarray(joint.axis) if joint.type == "prismatic" else np.cross(joint.axis, arm)
-    if joint.type == "continuous":  # any position may be the one it starts from
+    if anywhere or joint.type == "continuous":  # any position may be the one it starts from
         return weight * float(np.linalg.norm(moving)) * (1.0 + HOLD_SLOPE)
     level = -weight * float(moving[2])
     return max(0.0, level + HOLD_SLOPE * weight * float(np.hypot(moving[0], moving[1])))
 
 
 def _with_resistance(
-    asset: Asset, links: Sequence[Link], joints: Sequence[PackageJoint]
+    links: Sequence[Link], joints: Sequence[PackageJoint], latched: frozenset[str]
 ) -> tuple[PackageJoint, ...]:
     """Friction, damping, effort and velocity of every movable joint."""
+    held = {link.name for link in links if latched & set(link.parts[:1])}
     labels: dict[str, PartLabel | None] = {link.name: link.label for link in links}
     leads = {joint.mimic: joint for joint in joints if joint.mimic is not None}
     out = []
@@ -307,7 +314,10 @@ def _with_resistance(
             out.append(replace(joint, friction=0.0, damping=0.0, effort=100.0, velocity=1.0))
             continue
         moved = subtree_inertial(links, joints, joint.child)
-        hold = opening_pull(joint, moved)
+        stays = label == "handle" and joint.type == "revolute"  # arms of lamps, bails
+        hold = 0.0 if joint.child in held else opening_pull(joint, moved, anywhere=stays)
+        if joint.parent in held:  # a latch, on which its leaf leans
+            hold *= LATCH_HOLD
         if follower is not None:  # a screw that stands upright locks, as threads do
             climb = abs(float(follower.axis[2])) * follower.mimic_multiplier
             hold += (1.0 + HOLD_SLOPE) * moved.mass * GRAVITY * climb

@@ -64,11 +64,14 @@ THICKEST_GLASS = 0.012
 """Metres; a plate of glass that is thicker has gas in it."""
 
 APPLIANCES: frozenset[str] = frozenset(
-    {"Refrigerator", "Dishwasher", "Oven", "WashingMachine", "Microwave", "Safe", "CoffeeMachine", "Toaster"}
-)
+    {
+        "Refrigerator", "Dishwasher", "Oven", "WashingMachine", "Microwave", "Safe", "CoffeeMachine", "Toaster",
+        "ChestFreezer", "Dryer", "FilingCabinet", "Mailbox",
+    }
+)  # fmt: skip
 """Categories whose carcass and moving parts are sheet metal; every other category is wood board."""
 
-INSULATED: frozenset[str] = frozenset({"Refrigerator"})
+INSULATED: frozenset[str] = frozenset({"Refrigerator", "ChestFreezer"})
 """Appliances whose walls are thick and nearly all foam."""
 
 PLASTIC_CATEGORIES: frozenset[str] = frozenset(

@@ -1,51 +1,31 @@
 """Washing machines: a porthole before a lying drum, or a lid over a standing one."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from artigen.shapes.appliances.assembly import Assembly
 from artigen.shapes.appliances.cavity import SIDES, build_feet, build_tub
 from artigen.shapes.appliances.control_panel import design_dial, spread_controls
-from artigen.shapes.appliances.drums import build_bearing, build_porthole, fit_radius, make_drum
+from artigen.shapes.appliances.drums import build_bearing, fit_radius, make_drum
+from artigen.shapes.appliances.laundry import (
+    FACE,
+    LID,
+    WALL,
+    LaundryPlan,
+    build_cabinet,
+    draw_band,
+    draw_porthole,
+    seat_drum,
+)
 from artigen.shapes.appliances.rings import build_pierced_plate
 from artigen.shapes.draw import Draft, Wish, choose
 from artigen.shapes.fittings.handles import HandleDesign, make_handle
-from artigen.shapes.fittings.hardware import GAP, ROOM, Panel, Range, Space, hinge, slide
+from artigen.shapes.fittings.hardware import GAP, ROOM, Panel, Range, Space, slide
 from artigen.shapes.primitives import Primitive, box, line, rounded_box
 from artigen.shapes.shape import Motion, ShapePart
 from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "WashingMachine"
 STYLES = ("white", "steel", "black", "retro")
-
-
-@dataclass(frozen=True, kw_only=True)
-class _Plan:
-    """Sizes that all parts share; metres."""
-
-    width: float
-    depth: float
-    height: float
-    pedestal: float
-    """Height of a drawer below; 0 without."""
-    thickness: float
-    """Of the door or the lid."""
-    band: float
-    """Height of the band of controls, or of the console."""
-    longest: float
-
-    @property
-    def y(self) -> Range:
-        return -self.width / 2, self.width / 2
-
-
-WALL = 0.024
-"""Sides and back of the housing (m)."""
-LID = 0.022
-"""Thickness of the top (m)."""
-FACE = 0.03
-"""Thickness of the front plate (m)."""
 
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
@@ -58,14 +38,14 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     return Draft(style=style, parts=built.close(), finishes=tuple(sorted(palette.items())))
 
 
-def _draw_plan(rng: np.random.Generator, wish: Wish, *, loads_at_top: bool) -> _Plan:
+def _draw_plan(rng: np.random.Generator, wish: Wish, *, loads_at_top: bool) -> LaundryPlan:
     width = choose(rng, 0.57, 0.70, wish.width)
     depth = choose(rng, 0.54, 0.72, wish.depth)
     height = choose(rng, *((1.00, 1.12) if loads_at_top else (0.82, 0.99)), wish.height)
     pedestal = 0.0
     if not loads_at_top and wish.height is None and rng.random() < 0.12:
         pedestal = float(rng.uniform(0.26, 0.36))
-    return _Plan(
+    return LaundryPlan(
         width=width,
         depth=depth,
         height=height + pedestal,
@@ -76,7 +56,7 @@ def _draw_plan(rng: np.random.Generator, wish: Wish, *, loads_at_top: bool) -> _
     )
 
 
-def _draw_front_loader(rng: np.random.Generator, plan: _Plan) -> Assembly:
+def _draw_front_loader(rng: np.random.Generator, plan: LaundryPlan) -> Assembly:
     x = -plan.depth / 2 + plan.thickness + GAP
     back, y = plan.depth / 2, plan.y
     foot = float(rng.uniform(0.012, 0.025))
@@ -87,115 +67,25 @@ def _draw_front_loader(rng: np.random.Generator, plan: _Plan) -> Assembly:
     built = Assembly(
         pieces=(
             *build_feet((x + FACE, back), y, foot, "rubber", radius=0.022, inset=0.03),
-            *_build_cabinet(plan, x, (floor, plan.height)),
+            *build_cabinet(plan, x, (floor, plan.height)),
             *build_pierced_plate(
                 (x, x + FACE), (y, (floor, sill)), (0.0, level, hole), "front", lining="rubber"
             ),
         )
     )
-    built += _draw_band(rng, plan, x, (sill, plan.height - LID))
+    built += draw_band(rng, plan, x, (sill, plan.height - LID))
     square = (level - radius, level + radius)
     panel = Panel(x=-plan.depth / 2, thickness=plan.thickness, y=(-radius, radius), z=square)
-    built += _draw_porthole(rng, plan, panel, hole)
+    built += draw_porthole(rng, plan, panel, hole)
     end, wall = back - WALL - 0.05, back - WALL
     room = min(plan.width / 2 - WALL, sill - level, level - floor - 0.03) - 0.008
     center = (0.0, 0.0, level)
     drum = make_drum(center, "x", (x + FACE + 0.055, end), fit_radius(room), paddles=int(rng.integers(2, 5)))
-    built += _seat_drum(rng, drum, build_bearing(end, wall, center, "x"))
+    built += seat_drum(rng, drum, build_bearing(end, wall, center, "x"))
     return built + _draw_pedestal(rng, plan, x, foot) if plan.pedestal else built
 
 
-def _seat_drum(rng: np.random.Generator, drum: ShapePart, bearing: Primitive) -> Assembly:
-    """The drum on its bearing; now and then there is none, as in machines on show."""
-    if rng.random() < 0.15:
-        return Assembly(pieces=(bearing,))
-    return Assembly(pieces=(bearing,), parts=(drum,))
-
-
-def _draw_porthole(rng: np.random.Generator, plan: _Plan, panel: Panel, hole: float) -> Assembly:
-    """The round door, with a handle half of the time."""
-    edge = "left" if rng.random() < 0.8 else "right"
-    glass = "clear" if rng.random() < 0.45 else "glass"
-    mouth = 0.84 * hole
-    door = ShapePart(
-        name="door",
-        label="door",
-        parent="body",
-        primitives=build_porthole(panel, mouth, float(rng.uniform(0.035, 0.055)), glass),
-        motion=hinge(panel, edge, float(np.radians(rng.uniform(100, 170)))),
-    )
-    if rng.random() < 0.5:
-        return Assembly(parts=(door,))
-    thickness = max(0.016, 0.017 * plan.longest)
-    design = HandleDesign(kind="block", length=float(rng.uniform(0.09, 0.14)), thickness=thickness)
-    aside = (mouth + panel.width / 2 - 0.022) / 2
-    at = (-aside if edge == "left" else aside, panel.center[1])
-    handle = make_handle(panel, design, name="door_handle", parent="door", upright=True, at=at)
-    return Assembly(parts=(door, handle))
-
-
-def _build_cabinet(plan: _Plan, x: float, z: Range) -> list[Primitive]:
-    """Sides, back, floor and worktop; sides and back stand on the floor of the cabinet's lowest tier."""
-    back, (y0, y1) = plan.depth / 2, plan.y
-    low = z[0] - plan.pedestal
-    inner = (y0 + WALL, y1 - WALL)
-    return [
-        line(box((x + FACE, y0, low), (back, inner[0], z[1] - LID), "body"), "steel", SIDES["right"]),
-        line(box((x + FACE, inner[1], low), (back, y1, z[1] - LID), "body"), "steel", SIDES["left"]),
-        line(box((back - WALL, inner[0], low), (back, inner[1], z[1] - LID), "body"), "steel", SIDES["back"]),
-        box((x + FACE, inner[0], z[0]), (back - WALL, inner[1], z[0] + 0.018), "body"),
-        rounded_box((x, y0, z[1] - LID), (back, y1, z[1]), 0.004, "top"),
-    ]
-
-
-def _draw_band(rng: np.random.Generator, plan: _Plan, x: float, z: Range) -> Assembly:
-    """The band of controls above the porthole, with a detergent drawer at its left end most of the time."""
-    finish = "panel" if rng.random() < 0.45 else "front"
-    left = plan.y[1]
-    built = Assembly()
-    if rng.random() < 0.74:
-        left -= float(rng.uniform(0.17, 0.22))
-        built = _draw_detergent_drawer(rng, plan, x, (left, z), finish)
-    band = rounded_box((x, plan.y[0], z[0]), (x + FACE, left, z[1]), 0.002, finish)
-    dial = design_dial(rng, (0.024, 0.034), endless=0.7)
-    counts = (
-        int(rng.choice((0, 1, 2, 3), p=(0.1, 0.6, 0.12, 0.18))),
-        int(rng.choice((0, 3, 4, 5, 6), p=(0.43, 0.12, 0.14, 0.13, 0.18))),
-    )
-    across = (plan.y[0] + WALL + 0.012, left - 0.012)
-    extras, controls = spread_controls(rng, dial, x, across, z, counts=counts)
-    return built + Assembly(pieces=(band, *extras), parts=tuple(controls))
-
-
-def _draw_detergent_drawer(
-    rng: np.random.Generator, plan: _Plan, x: float, place: tuple[float, Range], finish: str
-) -> Assembly:
-    """A drawer of two chambers between a y and the left side, and the shelf it runs on."""
-    left, z = place
-    y, wall = (left + GAP, plan.y[1]), plan.y[1] - WALL
-    low, high = z[0] + GAP, z[1] - GAP
-    room = 0.010
-    tub = Space(x=(x + 0.02, x + 0.24), y=(y[0] + room, wall - room), z=(z[0] + 0.026, z[1] - 0.02))
-    lip, middle = max(0.016, 0.016 * plan.longest), sum(tub.y) / 2
-    solids = (
-        rounded_box((x, y[0], low), (x + 0.02, y[1], high), 0.002, finish),
-        box((x - 0.014, y[0] + 0.02, low), (x, y[1] - 0.02, low + lip), finish),
-        *build_tub(tub, 0.005, "plastic"),
-        box((tub.x[0], middle - 0.003, tub.z[0]), (tub.x[1], middle + 0.003, tub.z[1]), "plastic"),
-    )
-    drawer = ShapePart(
-        name="detergent_drawer",
-        label="drawer",
-        parent="body",
-        primitives=solids,
-        motion=slide(float(rng.uniform(0.5, 0.7)) * tub.depth),
-    )
-    top = tub.z[0] - room
-    shelf = box((x + FACE, left - 0.01, top - 0.008), (tub.x[1] + 0.01, wall, top), "steel")
-    return Assembly(pieces=(shelf,), parts=(drawer,))
-
-
-def _draw_pedestal(rng: np.random.Generator, plan: _Plan, x: float, foot: float) -> Assembly:
+def _draw_pedestal(rng: np.random.Generator, plan: LaundryPlan, x: float, foot: float) -> Assembly:
     """A drawer under the machine, and the floor below it."""
     inner, back = (plan.y[0] + WALL, plan.y[1] - WALL), plan.depth / 2 - WALL
     board = box((x + FACE, inner[0], foot), (back, inner[1], foot + 0.018), "body")
@@ -221,7 +111,7 @@ def _draw_pedestal(rng: np.random.Generator, plan: _Plan, x: float, foot: float)
     return Assembly(pieces=(board,), parts=(drawer, handle))
 
 
-def _draw_top_loader(rng: np.random.Generator, plan: _Plan) -> Assembly:
+def _draw_top_loader(rng: np.random.Generator, plan: LaundryPlan) -> Assembly:
     """A standing drum under a lid, a console with the controls behind it."""
     x, back, y = -plan.depth / 2, plan.depth / 2, plan.y
     foot = float(rng.uniform(0.015, 0.03))
@@ -258,10 +148,10 @@ def _draw_top_loader(rng: np.random.Generator, plan: _Plan) -> Assembly:
     across, up = (y[0] + 0.03, y[1] - 0.03), (deck + 0.05, plan.height)
     extras, controls = spread_controls(rng, dial, console, across, up, counts=counts)
     built = Assembly(pieces=(*pieces, *extras), parts=(door, *controls))
-    return built + _seat_drum(rng, drum, build_bearing(end, foot + 0.018, center, "z"))
+    return built + seat_drum(rng, drum, build_bearing(end, foot + 0.018, center, "z"))
 
 
-def _build_tall_cabinet(plan: _Plan, z: Range) -> tuple[Primitive, ...]:
+def _build_tall_cabinet(plan: LaundryPlan, z: Range) -> tuple[Primitive, ...]:
     """Four walls and a floor, lined with steel."""
     x, back, (y0, y1) = -plan.depth / 2, plan.depth / 2, plan.y
     inner = (y0 + WALL, y1 - WALL)

@@ -205,7 +205,7 @@ def make_castors(
         else:
             fixed += fork
         parts.append(
-            _make_wheel(f"wheel_{index}", carrier, (at_x, at_y, radius * np.cos(np.pi / SEGMENTS)), width)
+            make_wheel(f"wheel_{index}", carrier, (at_x, at_y, radius * np.cos(np.pi / SEGMENTS)), width)
         )
     return Stand(height=height, primitives=tuple(fixed), parts=tuple(parts))
 
@@ -227,7 +227,7 @@ def _make_fork(
     return (fill_space(lid, finish), *cheeks)
 
 
-def _make_wheel(name: str, parent: str, center: Vector, width: float) -> ShapePart:
+def make_wheel(name: str, parent: str, center: Vector, width: float) -> ShapePart:
     """A tyre with a hub that stands out a little on both sides, turning about y.
 
     The prism that stands for it in simulators rests on the floor with a flat side, the tyre gives way.

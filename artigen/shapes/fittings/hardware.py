@@ -19,6 +19,8 @@ GAP = 0.0025
 """Clearance (m) between a moving part and what it does not belong to."""
 ROOM = 0.014
 """Room (m) beside racks and tubs that run on wheels, rails or runners."""
+FINGER_ROOM = 0.028
+"""Free height (m) below a grip that is taken from above."""
 PASSING = 0.003
 """Least distance (m) at which the inner corner of a leaf swings past what is beside it. At centimetres per
 step engines foresee contacts there that never come about, and keep some: half of this was too little."""

@@ -75,11 +75,30 @@ def make_metal(name: str, seed: int) -> Finish:
     )
 
 
+def make_polished(name: str, seed: int) -> Finish:
+    """A metal of `METALS`, polished or plated: its brushing can hardly be seen."""
+    metal = make_metal(name, seed)
+    red, green, blue = (
+        0.85 * own + 0.15 * other for own, other in zip(metal.color, metal.accent, strict=True)
+    )
+    return replace(metal, accent=(red, green, blue), gloss=max(metal.gloss, 0.6))
+
+
 def make_stone(name: str, seed: int) -> Finish:
     """A stone of `STONES`, honed."""
     color, speckles = STONES[name]
     period = 0.016 if name == "terrazzo" else 0.006
     return Finish(kind="stone", color=color, accent=speckles, period=period, seed=seed, gloss=0.3)
+
+
+def make_ceramic(color: Color, seed: int) -> Finish:
+    """Glazed sanitary ware or stoneware: stone by weight, of an even colour."""
+    return Finish(kind="stone", color=color, accent=_shade(color, 0.985), period=0.02, seed=seed, gloss=0.5)
+
+
+def make_plastic(color: Color, *, gloss: float = 0.25) -> Finish:
+    """A moulding of one colour."""
+    return Finish(kind="plastic", color=color, accent=_shade(color, 0.95), period=0.3, gloss=gloss)
 
 
 def make_glass(color: Color, *, opacity: float = 1.0) -> Finish:

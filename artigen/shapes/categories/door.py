@@ -1,0 +1,178 @@
+"""Door: a room door in its frame, with levers on both sides whose latch holds it shut.
+
+Leaves are those of DIN 18101 (610 to 985 mm wide, 1,985 or 2,110 mm high, 40 mm thick, levers 1,050 mm above
+the floor). The lever turns a tongue out of its keep in the frame; only then does the leaf open. Of a double
+door, the leaf with the lever opens first, and a bolt holds the other one.
+"""
+
+from itertools import pairwise
+
+import numpy as np
+
+from artigen.shapes.draw import Draft, Wish, choose_size, choose_style
+from artigen.shapes.fittings.hardware import Range, Space, fill_space
+from artigen.shapes.fittings.hinges import Leaf, build_astragal, fit_hinges, hang_leaves
+from artigen.shapes.fittings.latches import (
+    RELEASED,
+    TURN,
+    Latch,
+    build_keep,
+    build_latch_stile,
+    build_tongue,
+    make_bolt,
+)
+from artigen.shapes.fittings.levers import LeverDesign, build_lever, design_lever
+from artigen.shapes.primitives import Primitive, box, polytope
+from artigen.shapes.shape import Motion, Need, ShapePart
+from artigen.shapes.surfaces.palette import draw_palette
+
+CATEGORY = "Door"
+STYLES = {"panelled": 0.35, "flush": 0.25, "glazed": 0.25, "double": 0.15}
+PALETTES = ("white", "white", "white", "oak", "oak", "walnut", "grey", "cream", "anthracite", "sage")
+WIDTHS, PAIRS, HEIGHTS = (0.61, 0.735, 0.86, 0.985), (1.26, 1.51, 1.76), (1.985, 1.985, 2.11)
+THICK = 0.04
+LINING, TRIM, TRIM_THICK, STOP = 0.025, 0.062, 0.012, 0.013
+"""Of the frame (m): boards beside the leaf, casings around them, and what the leaf closes against."""
+BORDER = TRIM + 0.006
+"""From the edge of the casing to the leaf; casings stand back a little from the edge of the lining."""
+STILE = 0.112
+"""Width of stiles (m): twice the backset of the lock."""
+LEVER = 1.05
+GRIDS = {
+    "panelled": ((1, 2), (2, 2), (2, 3), (1, 1), (1, 3)),
+    "glazed": ((1, 1), (1, 1), (1, 3), (2, 4), (1, 4)),
+}
+"""Columns and rows of fields."""
+
+
+def draw(rng: np.random.Generator, wish: Wish) -> Draft:
+    """Draws a door."""
+    style = choose_style(rng, CATEGORY, STYLES, wish.style)
+    count = 2 if style == "double" else 1
+    wide = float(rng.choice(PAIRS if count == 2 else WIDTHS)) + 2 * BORDER
+    tall = float(rng.choice(HEIGHTS)) + BORDER
+    lever = design_lever(rng)
+    width, depth, height = choose_size(
+        rng, CATEGORY, wish, width=(wide, wide + 0.02), depth=(0.2, 0.36), height=(tall, tall + 0.02)
+    )
+    x = (lever.reach - depth / 2, depth / 2 - TRIM_THICK)
+    inner = Space(x=x, y=(BORDER - width / 2, width / 2 - BORDER), z=(0.0, height - BORDER))
+    look = style if count == 1 else ("panelled", "glazed")[int(rng.integers(2))]
+    grids = GRIDS.get(look, ((1, 1),))
+    columns, rows = grids[int(rng.integers(len(grids)))]
+    leaves = hang_leaves(inner, THICK, count=count, hand=1 if rng.random() < 0.5 else -1, sill=0.007)
+    first = leaves[0]
+    latch = Latch(x=first.x, edge=first.edge, side=first.side, level=min(LEVER, 0.55 * height))
+    frame = _build_frame(inner, latch if count == 1 else None)
+    parts: list[ShapePart] = []
+    for index, leaf in enumerate(leaves):
+        levels = [leaf.z[0] + 0.22, leaf.z[1] - 0.2, *([leaf.z[1] - 0.55] if height > 2.1 else [])]
+        on_leaf, on_frame = fit_hinges(leaf, levels, "handle", straps=(0.03, 0.0085))
+        pieces = [*_build_leaf(leaf, latch, look, (columns if count == 1 else 1, rows)), *on_leaf]
+        frame += on_frame
+        needs = ("lever",) if index == 0 else ("leaf", "bolt")
+        if count == 2 and index == 0:
+            pieces += build_astragal(leaf, "front")
+        if index == 1:
+            at = (leaf.x[0], leaf.edge - leaf.side * STILE / 2, inner.z[1] + BORDER - TRIM)
+            bolt, guides, staple = make_bolt(at, TRIM_THICK, name="bolt", parent="leaf_1", finish="handle")
+            parts.append(bolt)
+            pieces, frame = [*pieces, *guides], [*frame, *staple]
+        parts.append(
+            ShapePart(
+                name=("leaf", "leaf_1")[index],
+                label="door",
+                parent="frame",
+                primitives=tuple(pieces),
+                motion=leaf.swing(float(np.radians(rng.uniform(88.0, 105.0)))),
+                needs=tuple(Need(part=name, fraction=RELEASED) for name in needs),
+            )
+        )
+    base = ShapePart(name="frame", label="base", parent=None, primitives=tuple(frame))
+    finishes = draw_palette(rng, "furniture", PALETTES[int(rng.integers(len(PALETTES)))])
+    parts.append(_make_lever(latch, lever))
+    return Draft(style=style, parts=(base, *parts), finishes=tuple(sorted(finishes.items())))
+
+
+def _build_frame(inner: Space, latch: Latch | None) -> list[Primitive]:
+    """Linings with casings on both faces, stops behind the leaf, and the keep of a single leaf."""
+    x, top, finish = inner.x, inner.z[1], "body"
+    stop = x[0] + THICK + 0.003
+    pieces = [
+        box((x[0], inner.y[0] - LINING, top), (x[1], inner.y[1] + LINING, top + LINING), finish),
+        box((stop, inner.y[0], top - STOP), (x[1], inner.y[1], top), finish),
+    ]
+    for side, at in ((-1, inner.y[0]), (1, inner.y[1])):
+        low, high = sorted((at, at + side * LINING))
+        jamb = Space(x=x, y=(low, high), z=(0.0, top))
+        own = latch is not None and latch.side == side
+        pieces += build_keep(latch, jamb, finish) if latch is not None and own else [fill_space(jamb, finish)]
+        low, high = sorted((at, at - side * STOP))
+        pieces.append(box((stop, low, 0.0), (x[1], high, top - STOP), finish))
+    outer, edge = (inner.y[0] - BORDER, inner.y[1] + BORDER), top + BORDER
+    for face in ((x[0] - TRIM_THICK, x[0]), (x[1], x[1] + TRIM_THICK)):
+        for y in ((outer[0], outer[0] + TRIM), (outer[1] - TRIM, outer[1])):
+            pieces.append(box((face[0], y[0], 0.0), (face[1], y[1], edge), finish))
+        low, high = outer[0] + TRIM, outer[1] - TRIM
+        pieces.append(box((face[0], low, edge - TRIM), (face[1], high, edge), finish))
+    return pieces
+
+
+def _build_leaf(leaf: Leaf, latch: Latch, look: str, grid: tuple[int, int]) -> list[Primitive]:
+    """Stiles and rails around fields of board or glass; the lock stile holds the latch, or its keep."""
+    (x0, x1), (z0, z1), finish = leaf.x, leaf.z, "front"
+    hung, field, lock = leaf.stiles(STILE)
+    if leaf.edge == latch.edge:
+        pieces = list(build_latch_stile(latch, lock, leaf.z, finish))
+    else:
+        pieces = list(build_keep(latch, Space(x=leaf.x, y=lock, z=leaf.z), finish))
+    if look == "flush":
+        low, high = min(hung[0], field[0]), max(hung[1], field[1])
+        return [*pieces, box((x0, low, z0), (x1, high, z1), finish)]
+    pieces.append(box((x0, hung[0], z0), (x1, hung[1], z1), finish))
+    columns, rows = grid
+    bottom, top = z0 + 0.2, z1 - STILE
+    levels = np.linspace(bottom, top, rows + 1)
+    if look == "panelled" and rows == 2:
+        levels[1] = latch.level
+    slim = 0.032 if look == "glazed" else 0.09
+    between = [(float(z) - slim / 2, float(z) + slim / 2) for z in levels[1:-1]]
+    edges = np.linspace(field[0], field[1], columns + 1)
+    posts = [(float(y) - slim / 2, float(y) + slim / 2) for y in edges[1:-1]]
+    rails = [(z0, bottom), *between, (top, z1)]
+    pieces += [box((x0, field[0], low), (x1, field[1], high), finish) for low, high in rails]
+    if look == "glazed":  # one pane, and bars on both faces of it
+        middle = (x0 + x1) / 2
+        pieces += [box((x0 + 0.006, y[0], bottom), (x1 - 0.006, y[1], top), finish) for y in posts]
+        pane = box((middle - 0.004, field[0], bottom), (middle + 0.004, field[1], top), "glass")
+        return [*pieces, pane]
+    spans = [(low[1], high[0]) for low, high in pairwise([(0.0, field[0]), *posts, (field[1], 0.0)])]
+    for low, high in pairwise(rails):
+        pieces += [box((x0, y[0], low[1]), (x1, y[1], high[0]), finish) for y in posts]
+        pieces += [_build_field(leaf.x, y, (low[1], high[0]), finish) for y in spans]
+    return pieces
+
+
+def _build_field(x: Range, y: Range, z: Range, finish: str) -> Primitive:
+    """A fielded panel: thin at its edges, raised in the middle of both faces."""
+    slope = min(0.05, 0.3 * min(y[1] - y[0], z[1] - z[0]))
+    corners = [
+        (side, a, b)
+        for back, inset in ((0.011, 0.0), (0.004, slope))
+        for side in (x[0] + back, x[1] - back)
+        for a in (y[0] + inset, y[1] - inset)
+        for b in (z[0] + inset, z[1] - inset)
+    ]
+    return polytope(np.array(corners), finish)
+
+
+def _make_lever(latch: Latch, design: LeverDesign) -> ShapePart:
+    """Levers on both faces, joined by the spindle that turns the tongue."""
+    (y, z), along = latch.axis, (-float(latch.side), 0.0)
+    pieces = (
+        *build_lever(design, (latch.x[0], y, z), out=-1.0, along=along),
+        *build_lever(design, (latch.x[1], y, z), out=1.0, along=along),
+        *build_tongue(latch, "steel"),
+    )
+    motion = Motion(type="revolute", axis=(latch.side, 0.0, 0.0), origin=(latch.x[0], y, z), upper=TURN)
+    return ShapePart(name="lever", label="knob", parent="leaf", primitives=pieces, motion=motion)

@@ -1,0 +1,128 @@
+"""Dresser: a low, wide chest of drawers for clothes, or a tall one, on feet, at times with a cupboard.
+
+Sizes are those of furniture catalogues: wide ones 1.1 to 1.8 m by 0.72 to 0.95 m, tall ones 0.7 to 1.05 m by
+1.0 to 1.35 m, 0.42 to 0.53 m deep; drawers are at most 1 m wide, for a person to pull with two hands.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from artigen.shapes.draw import CrowdedError, Draft, Wish, choose, choose_style
+from artigen.shapes.fittings.feet import LegKind, StandKind
+from artigen.shapes.fittings.hardware import Range
+from artigen.shapes.furniture.carcass import fits_engines
+from artigen.shapes.furniture.case import Size, build_case, draw_plan
+from artigen.shapes.furniture.furniture_kinds import STYLES, Kind
+from artigen.shapes.furniture.splits import Cell, Node, Split, Taste, stack_drawers
+from artigen.shapes.surfaces.palette import draw_palette
+
+CATEGORY = "Dresser"
+MAX_LAYOUTS = 100
+WIDE = 1.1
+"""Width (m) from which drawers lie in columns side by side."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Look:
+    """A style: fronts and handles as furniture of that name has them, and its feet."""
+
+    weight: float
+    fronts: str
+    palettes: tuple[str, ...]
+    stands: tuple[tuple[StandKind, float], ...]
+    legs: tuple[LegKind, ...] = ("square", "tapered")
+
+
+LOOKS = {
+    "modern": _Look(
+        weight=3, fronts="flat", palettes=("flat",), stands=(("plinth", 2), ("legs", 1.5), ("sled", 1))
+    ),
+    "midcentury": _Look(
+        weight=2.5,
+        fronts="flat",
+        palettes=("walnut", "teak", "oak", "cherry"),
+        stands=(("legs", 1),),
+        legs=("splayed", "round", "tapered"),
+    ),
+    "shaker": _Look(weight=2.5, fronts="shaker", palettes=("shaker",), stands=(("legs", 3), ("toe_kick", 1))),
+    "classic": _Look(
+        weight=2,
+        fronts="classic",
+        palettes=("classic", "cherry", "cream"),
+        stands=(("plinth", 2), ("legs", 2)),
+    ),
+    "handleless": _Look(
+        weight=1.5, fronts="handleless", palettes=("flat",), stands=(("plinth", 2), ("floor", 1), ("sled", 1))
+    ),
+}
+FORMS: dict[str, tuple[Range, Range]] = {
+    "wide": ((1.1, 1.8), (0.72, 0.95)),
+    "tall": ((0.7, 1.05), (1.0, 1.35)),
+}
+"""Width and height (m)."""
+
+
+def draw(rng: np.random.Generator, wish: Wish) -> Draft:
+    """A dresser that meets the wish."""
+    style = choose_style(rng, CATEGORY, {name: look.weight for name, look in LOOKS.items()}, wish.style)
+    look = LOOKS[style]
+    wide = rng.random() < 0.62
+    if wish.width is not None or wish.height is not None:
+        wide = (wish.width or 1.2) > (wish.height or 0.9)
+    width, height = FORMS["wide" if wide else "tall"]
+    size = (
+        choose(rng, *width, wish.width),
+        choose(rng, 0.42, 0.53, wish.depth),
+        choose(rng, *height, wish.height),
+    )
+    kind = Kind(weight=1, width=width, depth=(0.42, 0.53), height=height, stands=look.stands,
+                taste=Taste(), worktop=0.75)  # fmt: skip
+    finishes = draw_palette(rng, "furniture", look.palettes[int(rng.integers(len(look.palettes)))])
+    if style == "midcentury":
+        finishes["leg"] = finishes["top"]
+    for _ in range(MAX_LAYOUTS):
+        plan = draw_plan(rng, kind, STYLES[look.fronts], size)
+        leg = look.legs[int(rng.integers(len(look.legs)))]
+        frame = plan.looks.carcass.frame if style in ("shaker", "classic") else 0.0
+        looks = replace(plan.looks, carcass=replace(plan.looks.carcass, frame=frame), lock=False)
+        plan = replace(plan, looks=looks, stand=replace(plan.stand, leg=leg))
+        parts = build_case(plan, _draw_layout(rng, size), size)
+        if fits_engines(parts):
+            return Draft(style=style, parts=parts, finishes=tuple(sorted(finishes.items())))
+    raise CrowdedError(
+        f"{CATEGORY}: none of {MAX_LAYOUTS} layouts of {size} m (width, depth, height) keeps within what "
+        "engines hold; wish for a smaller one"
+    )
+
+
+def _draw_layout(rng: np.random.Generator, size: Size) -> Node:
+    """Drawers in columns, often below a row of smaller ones; now and then with a cupboard between."""
+    width, _, height = size
+    rows = int(np.clip(round(height / float(rng.uniform(0.2, 0.27))), 2, 7))
+    small = rng.random() < 0.55
+    graded = np.linspace(1.0, float(rng.choice((1.0, 1.0, 1.25, 1.5))), max(rows - small, 1))
+    stack = stack_drawers(tuple(float(share) for share in graded))
+    columns = 1 if width < WIDE else int(rng.choice((2, 2, 3) if width < 1.35 else (2, 3, 3)))
+    columns = max(columns, int(np.ceil(width / 1.05)))
+    children = [stack] * columns
+    cupboard = columns > 1 and rng.random() < 0.25
+    if cupboard:
+        at = 1 if columns == 3 else int(rng.integers(columns))
+        shelves = 1 if height < 0.95 else 2
+        children[at] = Cell(fill="door", edge="left" if at == 0 else "right", inside="shelves", count=shelves)
+    body = _stand_abreast(tuple(children))
+    if not small or cupboard:
+        return body
+    count = {1: int(rng.choice((2, 2, 3))), 2: int(rng.choice((2, 3, 4))), 3: 3}.get(columns, columns)
+    row = _stand_abreast((Cell(fill="drawer"),) * count)
+    return Split(
+        along="rows", shares=(float(rng.uniform(0.7, 0.85)), float(graded.sum())), children=(row, body)
+    )
+
+
+def _stand_abreast(cells: tuple[Node, ...]) -> Node:
+    """Columns of one width."""
+    if len(cells) == 1:
+        return cells[0]
+    return Split(along="columns", shares=(1.0,) * len(cells), children=cells)

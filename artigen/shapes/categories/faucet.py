@@ -1,0 +1,198 @@
+"""Faucet: basin and kitchen mixers on a piece of worktop, with levers, taps and spouts that swivel.
+
+Basin mixers reach 110 to 160 mm forward, kitchen mixers 180 to 240 mm and 300 to 420 mm up; taps of bridge
+faucets stand 203 mm apart (8 inches). Levers in the middle give cold water and turn one way only, to warm.
+"""
+
+import numpy as np
+
+from artigen.shapes.draw import Draft, Wish, choose_size, choose_style
+from artigen.shapes.fittings.hardware import Range
+from artigen.shapes.fittings.taps import PIVOT, make_cross_handle, make_mixer
+from artigen.shapes.fittings.tubes import bend_tube, sweep_arc
+from artigen.shapes.primitives import SEGMENTS, Primitive, Vector, cylinder, rounded_box
+from artigen.shapes.shape import Motion, ShapePart
+from artigen.shapes.surfaces.materials import make_polished
+from artigen.shapes.surfaces.palette import draw_palette
+
+CATEGORY = "Faucet"
+STYLES = {"single": 0.35, "kitchen": 0.35, "bridge": 0.3}
+SIZES: dict[str, tuple[Range, Range, Range]] = {
+    "single": ((0.16, 0.22), (0.17, 0.22), (0.16, 0.22)),
+    "kitchen": ((0.18, 0.24), (0.24, 0.3), (0.32, 0.44)),
+    "bridge": ((0.29, 0.34), (0.2, 0.26), (0.26, 0.34)),
+}
+"""Width and depth, with the piece of worktop, and height."""
+METALS = ("chrome", "chrome", "steel", "black", "brass", "bronze")
+DECK = 0.03
+ROUND = float(np.cos(np.pi / SEGMENTS))
+"""Extent of the prism that stands for a cylinder, over the cylinder's."""
+Point = tuple[float, float]
+"""In the plane of a spout: x and z."""
+UP: Vector = (0.0, 0.0, 1.0)
+FRONT: Vector = (-1.0, 0.0, 0.0)
+
+
+def draw(rng: np.random.Generator, wish: Wish) -> Draft:
+    """Draws a faucet."""
+    style = choose_style(rng, CATEGORY, STYLES, wish.style)
+    wide, deep, tall = SIZES[style]
+    width, depth, height = choose_size(rng, CATEGORY, wish, width=wide, depth=deep, height=tall)
+    back = depth / 2 - 0.06  # x of the faucet's axis
+    low = -depth / 2 + 0.3 * depth
+    deck = rounded_box((low, -width / 2, 0.0), (depth / 2, width / 2, DECK), 0.002, "top")
+    reach = back + depth / 2
+    build = {"single": _draw_single, "kitchen": _draw_kitchen, "bridge": _draw_bridge}[style]
+    pieces, parts = build(rng, back, reach, height)
+    body = ShapePart(name="body", label="base", parent=None, primitives=(deck, *pieces))
+    finishes = draw_palette(rng, "furniture", ("oak", "white", "walnut", "anthracite")[int(rng.integers(4))])
+    metal = make_polished(METALS[int(rng.integers(len(METALS)))], int(rng.integers(2**30)))
+    finishes |= {"handle": metal, "accent": metal}
+    return Draft(style=style, parts=(body, *parts), finishes=tuple(sorted(finishes.items())))
+
+
+def _build_spout(path: list[Point], radius: float) -> tuple[Primitive, ...]:
+    """A tube with an aerator at its end, which points down."""
+    x, z = path[-1]
+    aerator = cylinder((x, 0.0, z - 0.008), (x, 0.0, z + 0.012), 1.12 * radius, "handle")
+    return *bend_tube([(a, 0.0, c) for a, c in path], radius, "handle"), aerator
+
+
+def _draw_single(
+    rng: np.random.Generator, x: float, reach: float, height: float
+) -> tuple[tuple[Primitive, ...], tuple[ShapePart, ...]]:
+    """A pillar with a fixed spout, and on top the cartridge with its lever."""
+    radius = float(rng.uniform(0.021, 0.026))
+    cap = 0.02
+    top = height - cap - 0.0015 - 2 * PIVOT - (0.013 - PIVOT)
+    spout, tube = DECK + 0.6 * (top - DECK), 0.0135
+    end = x - reach + 1.12 * tube * ROUND
+    rise = float(rng.uniform(0.0, 0.02))
+    path = [(x, spout), (end + 0.02, spout + rise), (end, spout + rise - 0.012), (end, spout + rise - 0.03)]
+    pieces = (
+        cylinder((x, 0.0, DECK), (x, 0.0, DECK + 0.006), 1.25 * radius, "handle"),
+        cylinder((x, 0.0, DECK), (x, 0.0, top), radius, "handle"),
+        *_build_spout(path, tube),
+    )
+    mixer = make_mixer(
+        (x, 0.0, top),
+        UP,
+        FRONT,
+        name="lever",
+        parent="body",
+        radius=radius,
+        height=cap,
+        length=float(rng.uniform(0.6, 0.8)) * reach,
+        turn=float(np.radians(50.0)),
+        finish="handle",
+    )
+    return pieces, mixer
+
+
+def _draw_kitchen(
+    rng: np.random.Generator, x: float, reach: float, height: float
+) -> tuple[tuple[Primitive, ...], tuple[ShapePart, ...]]:
+    """A high spout that swivels on a body with a lever at its side."""
+    radius, tube = float(rng.uniform(0.022, 0.026)), 0.0125
+    neck = DECK + 0.11
+    pieces = (
+        cylinder((x, 0.0, DECK), (x, 0.0, DECK + 0.006), 1.25 * radius, "handle"),
+        cylinder((x, 0.0, DECK), (x, 0.0, neck), radius, "handle"),
+        cylinder((x, -radius - 0.006, DECK + 0.06), (x, 0.0, DECK + 0.06), 0.019, "handle"),
+    )
+    end = x - reach + 1.12 * tube * ROUND
+    collar = cylinder((x, 0.0, neck + 0.0015), (x, 0.0, neck + 0.03), 0.9 * radius, "handle")
+    if rng.random() < 0.6:  # a bow
+        bow = (x - end) / 2
+        middle = height - tube / ROUND - bow
+        turns = sweep_arc((x - bow, 0.0, middle), (bow, 0.0, 0.0), (0.0, 0.0, bow), (0.0, np.pi), 9)
+        path = [
+            (x, neck + 0.02),
+            *((float(a), float(c)) for a, _, c in turns),
+            (end, middle - 0.03),
+        ]
+    else:  # square, with short bends
+        level, bend = height - tube, 0.03
+        path = [
+            (x, neck + 0.02),
+            (x, level - bend),
+            (x - 0.3 * bend, level - 0.3 * bend),
+            (x - bend, level),
+        ]
+        path += [
+            (end + bend, level),
+            (end + 0.3 * bend, level - 0.3 * bend),
+            (end, level - bend),
+            (end, level - 0.07),
+        ]
+    swivel = Motion(type="continuous", axis=UP, origin=(x, 0.0, neck), upper=2 * np.pi)
+    spout = ShapePart(
+        name="spout",
+        label="handle",
+        parent="body",
+        primitives=(collar, *_build_spout(path, tube)),
+        motion=swivel,
+    )
+    mixer = make_mixer(
+        (x, -radius - 0.006, DECK + 0.06),
+        (0.0, -1.0, 0.0),
+        UP,
+        name="lever",
+        parent="body",
+        radius=0.018,
+        height=0.02,
+        length=float(rng.uniform(0.08, 0.1)),
+        turn=float(np.radians(50.0)),
+        finish="handle",
+    )
+    return pieces, (spout, *mixer)
+
+
+def _draw_bridge(
+    rng: np.random.Generator, x: float, reach: float, height: float
+) -> tuple[tuple[Primitive, ...], tuple[ShapePart, ...]]:
+    """Two taps on pillars that a bridge joins, and a spout that swivels on its middle."""
+    apart, level, tube = 0.1015, DECK + 0.055, 0.0115
+    pieces = [cylinder((x, -apart, level), (x, apart, level), 0.011, "handle")]
+    for y in (-apart, apart):
+        pieces.append(cylinder((x, y, DECK), (x, y, DECK + 0.007), 0.026, "handle"))
+        pieces.append(cylinder((x, y, DECK), (x, y, level + 0.022), 0.0145, "handle"))
+    pieces.append(cylinder((x, 0.0, level - 0.014), (x, 0.0, level + 0.022), 0.0165, "handle"))
+    neck, end = level + 0.022, x - reach + 1.12 * tube * ROUND
+    bow = (x - end) / 2
+    middle = height - tube / ROUND - bow
+    lowest = neck + 0.068  # above the taps, which it passes
+    if middle > lowest + 0.02:
+        turns = sweep_arc((x - bow, 0.0, middle), (bow, 0.0, 0.0), (0.0, 0.0, bow), (0.0, np.pi), 9)
+        path = [(float(a), float(c)) for a, _, c in turns]
+        path = [(x, neck + 0.01), *path, (end, middle - 0.02)]
+    else:
+        top = height - tube
+        path = [(x, neck + 0.01), (x, top - 0.02), (x - 0.02, top), (end + 0.02, top)]
+        path += [(end, top - 0.02), (end, min(lowest, top - 0.03))]
+    collar = cylinder((x, 0.0, neck + 0.0015), (x, 0.0, neck + 0.022), 0.0155, "handle")
+    swivel = Motion(type="continuous", axis=UP, origin=(x, 0.0, neck), upper=2 * np.pi)
+    spout = ShapePart(
+        name="spout",
+        label="handle",
+        parent="body",
+        primitives=(collar, *_build_spout(path, tube)),
+        motion=swivel,
+    )
+    arms = 4 if rng.random() < 0.65 else 1
+    taps = [
+        make_cross_handle(
+            (x, y, neck),
+            UP,
+            FRONT if arms > 1 else (0.0, float(np.sign(y)), 0.0),
+            name=name,
+            parent="body",
+            reach=0.034 if arms > 1 else 0.042,
+            height=0.05,
+            finish="handle",
+            arms=arms,
+            upper=float(np.pi if arms > 1 else np.pi / 2),
+        )
+        for name, y in (("hot", apart), ("cold", -apart))
+    ]
+    return tuple(pieces), (spout, *taps)

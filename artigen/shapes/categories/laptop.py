@@ -1,0 +1,177 @@
+"""Laptop: a screen that opens over a keyboard; light, for business, for games, and in colours.
+
+Outlines follow the screen (16:10 or 16:9, 13 to 17 inches): 0.30 m x 0.21 m to 0.40 m x 0.27 m, 14 to 26 mm
+thick. Keys are 19 mm apart (ISO 9241-410); a key block is one piece where its keys would be too many hulls.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from artigen.shapes.appliances.assembly import Assembly
+from artigen.shapes.draw import Draft, Wish, choose, choose_style
+from artigen.shapes.fittings.hardware import GAP, Range
+from artigen.shapes.fittings.lids import hinge_lid, loft, shrink
+from artigen.shapes.primitives import Primitive, box, cylinder
+from artigen.shapes.shape import ShapePart
+from artigen.shapes.surfaces.finishes import Color, Finish
+from artigen.shapes.surfaces.materials import make_glass, make_metal
+
+CATEGORY = "Laptop"
+STYLES = {"light": 3.0, "business": 2.0, "gaming": 1.5, "colour": 1.5}
+PITCH = 0.01905
+"""Distance (m) of two keys."""
+BARREL = 0.0045
+"""Radius (m) of the hinge."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Look:
+    """Thickness of base and lid (m), colours, and how far the lid opens (degrees)."""
+
+    base: Range
+    lid: Range
+    bodies: tuple[Color, ...]
+    keys: tuple[Color, ...]
+    opens: Range
+
+
+DARK, BLACK, SILVER = (0.20, 0.205, 0.22), (0.10, 0.10, 0.11), (0.74, 0.75, 0.76)
+LOOKS = {
+    "light": _Look(
+        base=(0.009, 0.012), lid=(0.0045, 0.006),
+        bodies=(SILVER, SILVER, (0.45, 0.46, 0.48), (0.80, 0.72, 0.66)),
+        keys=(BLACK, DARK), opens=(115, 140),
+    ),
+    "business": _Look(
+        base=(0.013, 0.017), lid=(0.006, 0.008), bodies=(BLACK, DARK, (0.30, 0.31, 0.33)),
+        keys=(DARK, (0.28, 0.285, 0.30)),
+        opens=(135, 178),
+    ),
+    "gaming": _Look(
+        base=(0.018, 0.022), lid=(0.007, 0.009), bodies=(BLACK, DARK),
+        keys=((0.62, 0.12, 0.12), (0.16, 0.46, 0.62), (0.30, 0.55, 0.28)), opens=(115, 140),
+    ),
+    "colour": _Look(
+        base=(0.012, 0.016), lid=(0.0055, 0.0075),
+        bodies=((0.90, 0.90, 0.90), (0.42, 0.55, 0.68), (0.80, 0.56, 0.54), (0.36, 0.52, 0.46)),
+        keys=((0.86, 0.86, 0.86), DARK), opens=(120, 160),
+    ),
+}  # fmt: skip
+
+
+def draw(rng: np.random.Generator, wish: Wish) -> Draft:
+    """A laptop that meets the wish."""
+    style = choose_style(rng, CATEGORY, STYLES, wish.style)
+    look = LOOKS[style]
+    width = choose(rng, *((0.35, 0.4) if style == "gaming" else (0.295, 0.37)), wish.width)
+    depth = choose(rng, 0.65 * width, 0.72 * width, wish.depth)
+    lid = float(rng.uniform(*look.lid))
+    base = choose(rng, *look.base, None if wish.height is None else wish.height - lid - GAP - 0.002)
+    built = _build(rng, (width, depth, base, lid), look, style)
+    return Draft(
+        style=style, parts=built.close(), finishes=tuple(sorted(_draw_finishes(rng, look, style).items()))
+    )
+
+
+def _draw_finishes(rng: np.random.Generator, look: _Look, style: str) -> dict[str, Finish]:
+    body, key = look.bodies[int(rng.integers(len(look.bodies)))], look.keys[int(rng.integers(len(look.keys)))]
+    kind, gloss = ("steel", 0.4) if style == "light" else ("plastic", 0.25)
+    shade = (0.94 * body[0], 0.94 * body[1], 0.94 * body[2])
+    well = (0.05, 0.05, 0.055) if max(body) < 0.4 else (0.62 * body[0], 0.62 * body[1], 0.62 * body[2])
+    dark = Finish(kind="plastic", color=BLACK, accent=BLACK, gloss=0.2)
+    return {
+        "body": Finish(kind=kind, color=body, accent=shade, grain=(0.0, 1.0, 0.0), period=0.05, gloss=gloss),
+        "key": Finish(kind="plastic", color=key, accent=key, gloss=0.15),
+        "pad": Finish(kind="glass", color=shade, accent=shade, gloss=0.35),
+        "well": Finish(kind="plastic", color=well, accent=well, gloss=0.1),
+        "bezel": dark,
+        "screen": make_glass((0.055, 0.075, 0.11)),
+        "rubber": Finish(kind="rubber", color=(0.13, 0.13, 0.13), accent=(0.16, 0.16, 0.16), gloss=0.05),
+        "logo": make_metal("chrome", 1),
+        "accent": Finish(kind="plastic", color=(0.75, 0.12, 0.10), accent=(0.75, 0.12, 0.10), gloss=0.2),
+    }
+
+
+def _build(
+    rng: np.random.Generator, size: tuple[float, float, float, float], look: _Look, style: str
+) -> Assembly:
+    """Base and lid, which turns about a barrel behind the base."""
+    width, depth, thick, lid = size
+    foot = 0.002
+    x, y = (-depth / 2, depth / 2 - BARREL), (-width / 2, width / 2)
+    top, rear = foot + thick, x[1] - BARREL - GAP
+    deck = loft(shrink(((x[0], rear), y), 0.35 * thick), ((x[0], rear), y), (foot, top), "body")
+    pads = [
+        box((at, y[0] + 0.05, 0.0), (at + 0.01, y[1] - 0.05, foot + 0.001), "rubber")
+        for at in (x[0] + 0.02, rear - 0.03)
+    ]
+    pieces: list[Primitive] = [deck, *pads, *_build_keys(x[0], rear, y, top, style)]
+    if style == "gaming":
+        pieces += [
+            box((rear - 0.001, a, top - 0.008), (rear + 0.0012, a + 0.07, top - 0.002), "key")
+            for a in (y[0] + 0.02, y[1] - 0.09)
+        ]
+    low = top + GAP
+    slab = box((x[0], y[0], low + 0.001), (x[1], y[1], low + lid), "body")
+    inset = float(rng.uniform(0.005, 0.009))
+    bezel = box((x[0] + 0.001, y[0] + 0.001, low), (x[1] - 0.012, y[1] - 0.001, low + 0.003), "bezel")
+    screen = box(
+        (x[0] + inset, y[0] + inset, low - 0.0005),
+        (x[1] - 0.012 - 2 * inset, y[1] - inset, low + 0.002),
+        "screen",
+    )
+    barrel = cylinder((x[1], y[0] + 0.06 * width, low), (x[1], y[1] - 0.06 * width, low), BARREL, "bezel")
+    solids = [slab, bezel, screen, barrel]
+    if rng.random() < 0.8:
+        middle = ((x[0] + x[1]) / 2, 0.0)
+        solids.append(cylinder((*middle, low + 0.002), (*middle, low + lid + 0.0004), 0.045 * width, "logo"))
+    motion = hinge_lid(x, y, low, float(np.radians(rng.uniform(*look.opens))))
+    cover = ShapePart(name="screen", label="door", parent="body", primitives=tuple(solids), motion=motion)
+    return Assembly(pieces=tuple(pieces), parts=(cover,))
+
+
+ROWS: tuple[tuple[float, ...], ...] = (
+    (1.5, 4.0, 4.0, 4.0, 1.5),
+    (5.0, 4.0, 4.0, 2.0),
+    (1.5, 5.0, 5.0, 3.5),
+    (1.8, 5.0, 5.0, 3.2),
+    (2.3, 5.0, 5.0, 2.7),
+    (4.0, 6.5, 4.5),
+)
+"""Widths of key blocks in keys, from the rear row on: 15 keys each."""
+
+
+def _build_keys(front: float, rear: float, y: Range, top: float, style: str) -> list[Primitive]:
+    """Six rows of keys in a dark field, the touchpad before them."""
+    pitch = min(PITCH, 0.92 * (y[1] - y[0]) / 15)
+    wide, gap, rise = 15 * pitch, 0.0022, 0.0012
+    back = rear - 0.018
+    out = [
+        box(
+            (back - 5.7 * pitch - 0.002, -wide / 2 - 0.002, top - 0.002),
+            (back + 0.002, wide / 2 + 0.002, top + 0.0003),
+            "well",
+        )
+    ]
+    end = back
+    for number, row in enumerate(ROWS):
+        deep = 0.7 * pitch if number == 0 else pitch
+        left = wide / 2
+        for keys in row:
+            right = left - keys * pitch
+            out.append(
+                box(
+                    (end - deep + gap, right + gap / 2, top - 0.001), (end, left - gap / 2, top + rise), "key"
+                )
+            )
+            left = right
+        end -= deep
+    room = end - 0.004 - front
+    half = 0.5 * min(0.13, 0.38 * (y[1] - y[0]))
+    pad = box((front + 0.14 * room, -half, top - 0.002), (front + 0.9 * room, half, top + 0.0005), "pad")
+    out.append(pad)
+    if style == "business":
+        at = end + 3.0 * pitch
+        out.append(cylinder((at, 0.6 * pitch, top), (at, 0.6 * pitch, top + 0.0018), 0.004, "accent"))
+    return out

@@ -1,0 +1,297 @@
+"""Mailbox: an arched box with a flag on a post, a box with a flap on legs, a parcel locker, a cluster.
+
+USPS-STD-7C has the bottom of a box at the road 1.04 to 1.14 m above it, and boxes from 0.16 m x 0.48 m x
+0.19 m to 0.29 m x 0.58 m x 0.38 m; EN 13724 has slots of 230 to 280 mm by 30 to 35 mm for letters of C4 size.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from artigen.shapes.appliances.assembly import Assembly
+from artigen.shapes.appliances.cavity import build_shell
+from artigen.shapes.draw import Draft, Wish, choose, choose_style
+from artigen.shapes.fittings.fronts import FrontDesign, make_door
+from artigen.shapes.fittings.handles import HandleDesign, make_handle
+from artigen.shapes.fittings.hardware import GAP, Panel, Range, Space, hinge, sweep_gap
+from artigen.shapes.fittings.lids import build_roof
+from artigen.shapes.fittings.locks import make_lock
+from artigen.shapes.primitives import Primitive, box, move, prism, rounded_box
+from artigen.shapes.shape import Motion, ShapePart
+from artigen.shapes.surfaces.finishes import Color, Finish
+from artigen.shapes.surfaces.materials import (
+    LACQUERS,
+    make_lacquer,
+    make_metal,
+    make_stone,
+    make_wood,
+)
+from artigen.shapes.surfaces.palette import draw_palette
+
+CATEGORY = "Mailbox"
+STYLES = {"rural": 3.0, "modern": 2.5, "parcel": 1.5, "cluster": 1.2}
+SIZES: dict[str, tuple[Range, Range, Range]] = {
+    "rural": ((0.17, 0.29), (0.46, 0.6), (1.25, 1.5)),
+    "modern": ((0.3, 0.42), (0.16, 0.3), (1.05, 1.3)),
+    "parcel": ((0.38, 0.52), (0.34, 0.46), (1.05, 1.35)),
+    "cluster": ((0.6, 0.85), (0.4, 0.5), (1.4, 1.6)),
+}
+"""Width, depth and height (m)."""
+PAINTS: tuple[Color, ...] = (
+    LACQUERS["black"], LACQUERS["anthracite"], LACQUERS["white"], (0.62, 0.14, 0.13), (0.16, 0.26, 0.46),
+    (0.18, 0.33, 0.24), (0.60, 0.61, 0.61), (0.86, 0.68, 0.12),
+)  # fmt: skip
+WALL = 0.008
+KEY = 0.026
+"""How far (m) a key stands out."""
+
+
+def draw(rng: np.random.Generator, wish: Wish) -> Draft:
+    """A mailbox that meets the wish."""
+    style = choose_style(rng, CATEGORY, STYLES, wish.style)
+    width, depth, height = (
+        choose(rng, *span, wished)
+        for span, wished in zip(SIZES[style], (wish.width, wish.depth, wish.height), strict=True)
+    )
+    build = {
+        "rural": _build_rural,
+        "modern": _build_modern,
+        "parcel": _build_parcel,
+        "cluster": _build_cluster,
+    }[style]
+    built = build(rng, width, depth, height)
+    return Draft(style=style, parts=built.close(), finishes=tuple(sorted(_draw_finishes(rng, style).items())))
+
+
+def _draw_finishes(rng: np.random.Generator, style: str) -> dict[str, Finish]:
+    seed = int(rng.integers(2**30))
+    paint = make_lacquer(PAINTS[int(rng.integers(len(PAINTS)))], gloss=0.4)
+    other = make_metal("steel", seed) if rng.random() < 0.5 else paint
+    wood = make_wood(("pine", "oak", "teak", "grey_oak")[int(rng.integers(4))], seed)
+    post = wood if style == "rural" and rng.random() < 0.75 else make_lacquer(LACQUERS["anthracite"])
+    return draw_palette(rng, "appliance", "steel") | {
+        "body": paint,
+        "front": paint if style == "rural" else other,
+        "inside": make_lacquer(LACQUERS["grey"]),
+        "post": post,
+        "foot": make_stone("concrete", seed),
+        "flag": make_lacquer(
+            (0.72, 0.10, 0.10) if paint.color != PAINTS[3] else (0.90, 0.90, 0.88), gloss=0.4
+        ),
+        "card": make_lacquer((0.92, 0.92, 0.90)),
+    }
+
+
+def _build_rural(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
+    """The arched box with its door in front and its flag at the right, on a post in a block."""
+    flag, grip = 0.0055, 0.03
+    x, y = (grip - depth / 2, depth / 2), (flag - width / 2, width / 2)
+    half, middle = (y[1] - y[0]) / 2, (y[0] + y[1]) / 2
+    high = half + float(rng.uniform(0.5, 0.8)) * (y[1] - y[0])
+    z = (height - high, height)
+    spring = height - half
+    turns = np.linspace(0.0, np.pi, 9)
+    arch = np.array([(middle + half * np.cos(t), spring + half * np.sin(t)) for t in turns])
+    outline = np.concatenate(
+        [[(y[1], z[0])], arch, [(y[0], z[0])]]
+    )  # (y, z), from left over the top to the right
+    thick = 0.010
+    start = x[0] + thick + GAP
+    walls = [
+        move(solid, turn=np.pi / 2)
+        for solid in build_roof(outline[::-1], WALL, (-x[1], -start), "body", ends=False)
+    ]
+    floor = box((start, y[0], z[0] - 0.006), (x[1], y[1], z[0] + 0.004), "body")
+    rear = prism(outline, (x[1] - WALL, 0, 0), (x[1], 0, 0), "body")
+    front = prism(outline, (x[0], 0, 0), (x[0] + thick, 0, 0), "front")
+    panel = Panel(x=x[0], thickness=thick, y=y, z=z)
+    door = ShapePart(
+        name="door", label="door", parent="body", primitives=(front,),
+        motion=hinge(panel, "bottom", float(np.radians(rng.uniform(85, 110)))),
+    )  # fmt: skip
+    design = HandleDesign(kind="knob", length=0.028, thickness=0.01, finish="accent")
+    handle = make_handle(
+        panel, design, name="door_handle", parent="door", upright=False, at=(middle, height - 0.045)
+    )
+    post, block = 0.045, 0.16
+    under = z[0] - 0.006
+    board = 0.022
+    pieces = [
+        *walls, floor, rear,
+        box((-0.38 * depth, -0.4 * width, under - board), (0.42 * depth, 0.4 * width, under), "post"),
+        box((-post, -post, 0.05), (post, post, under - board), "post"),
+        box((-block, -width / 2, 0.0), (block, width / 2, 0.05), "foot"),
+    ]  # fmt: skip
+    if rng.random() < 0.6:
+        heights = (under - board, under - board, under - 0.3, under - 0.36)
+        places = (0.25 * depth, 0.19 * depth, post - 0.005, post - 0.005)
+        profile = np.column_stack([heights, places])
+        brace = prism(profile, (0, -0.03, 0), (0, 0.03, 0), "post")
+        pieces.append(brace)
+    at = (float(rng.uniform(-0.15, 0.1)) * depth, y[0] - 0.0015, z[0] + 0.45 * (spring - z[0]))
+    return Assembly(pieces=tuple(pieces), parts=(door, handle, _make_flag(at, min(0.15, 0.32 * depth))))
+
+
+def _make_flag(at: tuple[float, float, float], long: float) -> ShapePart:
+    """A flag on the right side: it lies towards the rear and is turned up for outgoing mail."""
+    x, y, z = at
+    solids = (
+        box((x - 0.012, y - 0.004, z - 0.008), (x + long, y, z + 0.008), "flag"),
+        box((x + 0.62 * long, y - 0.004, z + 0.008), (x + long, y, z + 0.04), "flag"),
+    )
+    turn = Motion(type="revolute", axis=(0.0, -1.0, 0.0), origin=(x, y, z), upper=np.pi / 2)
+    return ShapePart(name="flag", label="knob", parent="body", primitives=solids, motion=turn)
+
+
+def _build_modern(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
+    """A box on two legs with a foot plate: a flap over the slot, a door with a lock below."""
+    tall = float(rng.uniform(0.32, 0.5))
+    x, y = (KEY - depth / 2, depth / 2), (-width / 2, width / 2)
+    legs = [
+        box((0.02, a - 0.02, 0.012), (0.06, a + 0.02, height - tall + 0.002), "post")
+        for a in (y[0] + 0.05, y[1] - 0.05)
+    ]
+    plate = box((-depth / 2, y[0], 0.0), (depth / 2, y[1], 0.012), "post")
+    built = _build_box(rng, Space(x=x, y=y, z=(height - tall, height)), (0.09, tall - 0.09))
+    return built + Assembly(pieces=(*legs, plate))
+
+
+def _build_parcel(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
+    """A column: a flap for letters, a door for them, a large one for parcels."""
+    x, y = (KEY - depth / 2, depth / 2), (-width / 2, width / 2)
+    plinth = box((x[0] + 0.05, y[0] + 0.03, 0.0), (x[1] - 0.03, y[1] - 0.03, 0.04), "post")
+    rest = height - 0.04 - 0.1
+    upper = float(rng.uniform(0.25, 0.4)) * rest
+    return _build_box(rng, Space(x=x, y=y, z=(0.04, height)), (0.1, upper, rest - upper)) + Assembly(
+        pieces=(plinth,)
+    )
+
+
+def _build_box(rng: np.random.Generator, outer: Space, heights: tuple[float, ...]) -> Assembly:
+    """A box whose front is, from the top, a flap over a slot, then doors with locks."""
+    thick = 0.012
+    front, wall = outer.x[0], 0.010
+    shell = Space(x=(front + thick + GAP, outer.x[1]), y=outer.y, z=outer.z)
+    inner = Space(
+        x=(shell.x[0], outer.x[1] - wall),
+        y=(outer.y[0] + wall, outer.y[1] - wall),
+        z=(outer.z[0] + wall, outer.z[1] - wall),
+    )
+    pieces: list[Primitive] = list(build_shell(shell, inner, "body", "inside"))
+    roof = rounded_box(
+        (front - 0.012, outer.y[0], outer.z[1] - 0.012),
+        (shell.x[0] + 0.002, outer.y[1], outer.z[1]),
+        0.002,
+        "body",
+    )
+    pieces.append(roof)
+    left = bool(rng.random() < 0.5)
+    upper = float(np.radians(rng.uniform(92, 115)))
+    parts: list[ShapePart] = []
+    top = outer.z[1] - 0.012
+    for k, high in enumerate(heights):
+        bottom = outer.z[0] if k == len(heights) - 1 else top - high
+        room = sweep_gap(outer.y[1] - outer.y[0], thick)
+        across = (outer.y[0] + (0.001 if not left else room), outer.y[1] - (room if not left else 0.001))
+        if k == 0:
+            panel = Panel(
+                x=front,
+                thickness=thick,
+                y=(outer.y[0] + 0.03, outer.y[1] - 0.03),
+                z=(bottom + 0.004, top - 0.018),
+            )
+            frame = [
+                box(
+                    (front, outer.y[0], bottom + 0.002), (shell.x[0] + 0.002, outer.y[0] + 0.028, top), "body"
+                ),
+                box(
+                    (front, outer.y[1] - 0.028, bottom + 0.002), (shell.x[0] + 0.002, outer.y[1], top), "body"
+                ),
+                box(
+                    (front, outer.y[0] + 0.028, top - 0.014),
+                    (shell.x[0] + 0.002, outer.y[1] - 0.028, top),
+                    "body",
+                ),
+            ]
+            pieces += frame
+            lip = box(
+                (front - 0.008, panel.y[0] + 0.06, panel.z[0]),
+                (front, panel.y[1] - 0.06, panel.z[0] + 0.006),
+                "front",
+            )
+            slab = rounded_box(
+                (front, panel.y[0], panel.z[0]), (panel.back, panel.y[1], panel.z[1]), 0.001, "front"
+            )
+            motion = hinge(panel, "top", float(np.radians(70)))
+            parts.append(
+                ShapePart(name="flap", label="door", parent="body", primitives=(slab, lip), motion=motion)
+            )
+        else:
+            panel = Panel(x=front, thickness=thick, y=across, z=(bottom + 0.002, top - 0.002))
+            parts += _make_locked_door(panel, f"door_{k}", upper, left=left)
+        if k < len(heights) - 1 and k > 0:
+            pieces.append(
+                box(
+                    (shell.x[0], inner.y[0], bottom - 0.004),
+                    (inner.x[1], inner.y[1], bottom + 0.004),
+                    "inside",
+                )
+            )
+        top = bottom
+    return Assembly(pieces=tuple(pieces), parts=tuple(parts))
+
+
+def _make_locked_door(panel: Panel, name: str, upper: float, *, left: bool) -> list[ShapePart]:
+    """A door with a lock, and a card for the name where there is room."""
+    plain = FrontDesign(style="flat", frame=0.0, handle=None)
+    door = make_door(panel, plain, name=name, parent="body", edge="right" if left else "left", upper=upper)[0]
+    at = panel.y[1] - 0.025 if left else panel.y[0] + 0.025
+    if panel.height < 0.25 and panel.width > 0.2:  # a card with a name
+        middle = panel.center
+        low = (panel.x - 0.0015, middle[0] - 0.04, middle[1] - 0.014)
+        card = box(low, (panel.x + 0.003, middle[0] + 0.04, middle[1] + 0.014), "card")
+        door = replace(door, primitives=(*door.primitives, card))
+    return [door, make_lock((panel.x, at, panel.center[1]), name=f"{name}_lock", parent=name, radius=0.009)]
+
+
+def _build_cluster(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
+    """Compartments with doors and locks, in columns, on a pedestal."""
+    foot = float(rng.uniform(0.35, 0.5))
+    x, y = (KEY - depth / 2, depth / 2), (-width / 2, width / 2)
+    thick, wall = 0.012, 0.012
+    shell = Space(x=(x[0] + thick + GAP, x[1]), y=y, z=(foot, height))
+    inner = Space(x=(shell.x[0], x[1] - wall), y=(y[0] + wall, y[1] - wall), z=(foot + wall, height - wall))
+    pieces: list[Primitive] = [
+        *build_shell(shell, inner, "body", "inside"),
+        box((-0.1, -0.12, 0.012), (0.1, 0.12, foot), "post"),
+        box((-0.2, -0.2, 0.0), (0.2, 0.2, 0.012), "post"),
+    ]
+    columns = 2
+    rows = int(rng.integers(4, 7))
+    tall = rng.random() < 0.6  # a parcel locker below one column
+    middle = 0.0
+    pieces.append(
+        box(
+            (shell.x[0], middle - wall / 2, inner.z[0]), (inner.x[1], middle + wall / 2, inner.z[1]), "inside"
+        )
+    )
+    parts: list[ShapePart] = []
+    for column in range(columns):
+        span = (middle, y[1]) if column == 0 else (y[0], middle)
+        count = rows if not (tall and column) else rows - 2
+        shares = [1.0] * count + ([2.0] if tall and column else [])
+        tops = height - np.concatenate([[0.0], np.cumsum(shares)]) / sum(shares) * (height - foot)
+        deep = (inner.y[0], middle) if column else (middle, inner.y[1])
+        for k, high in enumerate(tops[:-1].tolist()):
+            low = float(tops[k + 1])
+            room = sweep_gap(span[1] - span[0], thick) / 2 + 0.001
+            panel = Panel(
+                x=x[0], thickness=thick, y=(span[0] + room, span[1] - room), z=(low + 0.0015, high - 0.0015)
+            )
+            name = f"door_{column}_{k}"
+            parts += _make_locked_door(panel, name, float(np.radians(95)), left=bool(column))
+            if k < len(shares) - 1:
+                pieces.append(
+                    box((shell.x[0], deep[0], low - 0.004), (inner.x[1], deep[1], low + 0.004), "inside")
+                )
+    return Assembly(pieces=tuple(pieces), parts=tuple(parts))

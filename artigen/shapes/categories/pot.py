@@ -1,0 +1,127 @@
+"""Pot: a saucepan, casserole or stockpot with a loose lid that lifts.
+
+Diameters of 160 to 280 mm as pots are sold for hobs of 145 to 210 mm; saucepans have a grip of 150 to 190 mm.
+"""
+
+import numpy as np
+
+from artigen.shapes.appliances.rings import build_ring
+from artigen.shapes.draw import Draft, Wish, choose_size, choose_style
+from artigen.shapes.fittings.hardware import Range, lift
+from artigen.shapes.fittings.tubes import bend_tube
+from artigen.shapes.primitives import Primitive, Vector, cylinder, prism
+from artigen.shapes.shape import Motion, ShapePart
+from artigen.shapes.surfaces.finishes import Finish
+from artigen.shapes.surfaces.materials import (
+    LACQUERS,
+    make_ceramic,
+    make_glass,
+    make_plastic,
+    make_polished,
+    make_wood,
+)
+
+CATEGORY = "Pot"
+STYLES = {"casserole": 0.4, "saucepan": 0.35, "stockpot": 0.25}
+SIZES: dict[str, tuple[Range, Range, Range]] = {
+    "casserole": ((0.31, 0.37), (0.22, 0.28), (0.15, 0.19)),
+    "saucepan": ((0.34, 0.4), (0.16, 0.2), (0.14, 0.17)),
+    "stockpot": ((0.33, 0.39), (0.24, 0.28), (0.26, 0.33)),
+}
+"""Width with handles, diameter, height with the lid."""
+ENAMELS = ("terracotta", "navy", "cream", "forest", "black", "sage", "blue")
+WALL, BOTTOM, SIDES = 0.005, 0.008, 16
+ROUND = float(np.cos(np.pi / SIDES))
+"""Of a prism: the distance of its faces from the axis over that of its edges."""
+LID, DOME, KNOB = 0.005, 0.016, 0.032
+"""Heights of the lid's rim, of its dome, and of the knob on it."""
+
+
+def draw(rng: np.random.Generator, wish: Wish) -> Draft:
+    """Draws a pot."""
+    style = choose_style(rng, CATEGORY, STYLES, wish.style)
+    wide, deep, tall = SIZES[style]
+    width, depth, height = choose_size(rng, CATEGORY, wish, width=wide, depth=deep, height=tall)
+    radius, rim = depth / 2, height - 0.0015 - LID - DOME - KNOB
+    axis = width / 2 - radius if style == "saucepan" else 0.0  # y of the middle of the pot
+    slope = 0.94 if style == "casserole" and rng.random() < 0.5 else 1.0
+    low = slope * radius
+    wall = max(WALL, (rim - BOTTOM) / 45)
+    outer, inner = (low, radius), (ROUND * low - wall, ROUND * radius - wall)
+    span, radii = (BOTTOM, rim), ((inner[0], outer[0]), (inner[1], outer[1]))
+    pieces = build_ring((0.0, axis, 0.0), "z", span, radii, "body", sides=SIDES, lining="inside")
+    base = cylinder((0.0, axis, 0.0), (0.0, axis, BOTTOM), 0.985 * low, "base")
+    if style == "saucepan":
+        grips = lift(_build_grip(rng, axis - radius, width), 0.8 * rim)
+    else:
+        grips = _build_ears(rng, radius, width, rim)
+    body = ShapePart(name="body", label="base", parent=None, primitives=(*pieces, base, *grips))
+    lid, knob = _make_lid(axis, radius, rim, wall)
+    return Draft(style=style, parts=(body, lid, knob), finishes=_draw_finishes(rng))
+
+
+def _make_lid(axis: float, radius: float, rim: float, wall: float) -> tuple[ShapePart, ShapePart]:
+    """A flat rim, a dome and a collar that hangs into the pot; it lifts clear of it."""
+    low = rim + 0.0015
+    turns = (np.arange(SIDES) + 0.5) * 2 * np.pi / SIDES
+    circle = 0.86 * radius * np.column_stack([np.cos(turns), np.sin(turns)])
+    top = low + LID + DOME
+    pieces = (
+        cylinder((0.0, axis, low), (0.0, axis, low + LID), 0.99 * radius, "rim"),
+        cylinder((0.0, axis, rim - 0.008), (0.0, axis, low), ROUND * radius - wall - 0.01, "rim"),
+        prism(circle, (0.0, axis, low + LID), (0.0, axis, top), "lid", taper=0.4),
+    )
+    rise = Motion(type="prismatic", axis=(0.0, 0.0, 1.0), upper=0.12)
+    lid = ShapePart(name="lid", label="door", parent="body", primitives=pieces, motion=rise)
+    stem = cylinder((0.0, axis, top), (0.0, axis, top + 0.4 * KNOB), 0.007, "grip")
+    head = cylinder((0.0, axis, top + 0.4 * KNOB), (0.0, axis, top + KNOB), 0.019, "grip")
+    return lid, ShapePart(name="lid_knob", label="handle", parent="lid", primitives=(stem, head))
+
+
+def _build_ears(rng: np.random.Generator, radius: float, width: float, rim: float) -> tuple[Primitive, ...]:
+    """Two bows below the rim, left and right."""
+    rod, level, half = 0.0055, 0.82 * rim, float(rng.uniform(0.038, 0.05))
+    root = (radius**2 - half**2) ** 0.5 - WALL
+    pieces: list[Primitive] = []
+    for side in (-1.0, 1.0):
+        tip = side * (width / 2 - rod)
+        shoulder = tip - side * 0.014
+        path: list[Vector] = [(-half, side * root, level), (-half, shoulder, level + 0.008)]
+        path += [(-half + 0.014, tip, level + 0.011), (half - 0.014, tip, level + 0.011)]
+        path += [(half, shoulder, level + 0.008), (half, side * root, level)]
+        pieces += bend_tube(path, rod, "grip", sides=8)
+    return tuple(pieces)
+
+
+def _build_grip(rng: np.random.Generator, start: float, width: float) -> tuple[Primitive, ...]:
+    """A long grip to the right, on a stub at the wall; it rises a little."""
+    rise = float(rng.uniform(0.012, 0.03))
+    end = -width / 2
+    neck = start - 0.03
+    stub = bend_tube([(0.0, start + 2 * WALL, 0.0), (0.0, neck, 0.004)], 0.0075, "rim")
+    path: list[Vector] = [(0.0, neck, 0.004), (0.0, (neck + end) / 2, 0.5 * rise)]
+    path += [(0.0, end + 0.02, rise), (0.0, end, rise)]
+    return *stub, *bend_tube(path, (0.0085, 0.0115, 0.011, 0.009), "grip")
+
+
+def _draw_finishes(rng: np.random.Generator) -> tuple[tuple[str, Finish], ...]:
+    seed, steel = int(rng.integers(2**30)), make_polished("steel", 0)
+    enamel = bool(rng.random() < 0.4)
+    color = LACQUERS[ENAMELS[int(rng.integers(len(ENAMELS)))]]
+    glassy = bool(rng.random() < (0.15 if enamel else 0.5))
+    grips = (
+        make_plastic((0.12, 0.12, 0.125)),
+        steel,
+        make_wood("walnut", seed),
+        make_polished("brass", seed),
+    )
+    body = make_ceramic(color, seed) if enamel else steel
+    finishes = {
+        "body": body,
+        "inside": make_ceramic((0.87, 0.85, 0.8), seed) if enamel else steel,
+        "base": make_polished("dark", seed),
+        "rim": steel if glassy or not enamel else body,
+        "lid": make_glass((0.72, 0.78, 0.78), opacity=0.25) if glassy else body,
+        "grip": grips[int(rng.integers(4 if enamel else 3))],
+    }
+    return tuple(sorted(finishes.items()))

@@ -1,0 +1,290 @@
+"""Box: a wooden chest, a trunk with a curved lid, a plastic tub with clips, a carton with flaps.
+
+Chests are 0.7 to 1.2 m wide and knee-high; plastic tubs follow the modules of a Euro pallet of 0.8 m x 1.2 m:
+0.6 m x 0.4 m, and its half; cartons are of type 0201 of the FEFCO code: four flaps, each half as long as the
+box is deep, of which the outer pair meets in the middle.
+"""
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+
+from artigen.shapes.appliances.assembly import Assembly
+from artigen.shapes.draw import Draft, Wish, choose, choose_style
+from artigen.shapes.fittings.feet import make_legs, make_plinth
+from artigen.shapes.fittings.handles import HandleDesign, make_handle
+from artigen.shapes.fittings.hardware import GAP, Edge, Panel, Range
+from artigen.shapes.fittings.lids import (
+    build_roof,
+    build_vessel,
+    hinge_lid,
+    loft,
+    make_lift_out,
+    shrink,
+    trace_arch,
+)
+from artigen.shapes.fittings.locks import make_latch
+from artigen.shapes.fittings.turning import turn_part
+from artigen.shapes.primitives import Primitive, box, rounded_box
+from artigen.shapes.shape import Need, ShapePart
+from artigen.shapes.surfaces.finishes import Color, Finish
+from artigen.shapes.surfaces.materials import make_lacquer, make_metal, make_plastic
+from artigen.shapes.surfaces.palette import draw_palette
+
+CATEGORY = "Box"
+STYLES = {"chest": 2.5, "trunk": 1.5, "plastic": 2.5, "carton": 2.5}
+SIZES: dict[str, tuple[Range, Range, Range]] = {
+    "chest": ((0.7, 1.2), (0.38, 0.52), (0.4, 0.55)),
+    "trunk": ((0.6, 1.0), (0.38, 0.52), (0.45, 0.6)),
+    "plastic": ((0.38, 0.78), (0.28, 0.44), (0.18, 0.42)),
+    "carton": ((0.28, 0.62), (0.22, 0.42), (0.18, 0.45)),
+}
+"""Width, depth and height (m)."""
+TUBS: tuple[Color, ...] = (
+    (0.86, 0.88, 0.89), (0.30, 0.44, 0.62), (0.62, 0.64, 0.66), (0.24, 0.25, 0.27), (0.70, 0.26, 0.22),
+    (0.40, 0.56, 0.44), (0.90, 0.86, 0.76),
+)  # fmt: skip
+HASP, BAIL = 0.0135, 0.039
+"""How far (m) a hasp and a side handle stand out."""
+CARDBOARD: Color = (0.72, 0.57, 0.40)
+
+
+def draw(rng: np.random.Generator, wish: Wish) -> Draft:
+    """A box that meets the wish."""
+    style = choose_style(rng, CATEGORY, STYLES, wish.style)
+    width, depth, height = (
+        choose(rng, *span, wished)
+        for span, wished in zip(SIZES[style], (wish.width, wish.depth, wish.height), strict=True)
+    )
+    build = {"chest": _build_chest, "trunk": _build_trunk, "plastic": _build_tub, "carton": _build_carton}[
+        style
+    ]
+    built = build(rng, width, depth, height)
+    return Draft(style=style, parts=built.close(), finishes=tuple(sorted(_draw_finishes(rng, style).items())))
+
+
+def _draw_finishes(rng: np.random.Generator, style: str) -> dict[str, Finish]:
+    """Wood or paint, moulded plastic, or brown board with tape."""
+    seed, tub, lid = int(rng.integers(2**30)), int(rng.integers(len(TUBS))), int(rng.integers(len(TUBS)))
+    wood = ("pine", "oak", "walnut", "teak", "classic", "white")[int(rng.integers(6))]
+    finishes = draw_palette(rng, "furniture", wood)
+    if finishes["top"].kind == "stone":
+        finishes["top"] = finishes["body"]
+    finishes["brass"] = make_metal("brass" if rng.random() < 0.5 else "black", seed)
+    if style == "plastic":
+        clear = rng.random() < 0.35
+        shell = Finish(
+            kind="glass", color=(0.80, 0.85, 0.87), accent=(0.84, 0.88, 0.90), gloss=0.3, opacity=0.35
+        )
+        finishes |= {
+            "body": shell if clear else make_plastic(TUBS[tub]),
+            "top": make_plastic(TUBS[lid]),
+            "clip": make_plastic(TUBS[lid]),
+        }
+    if style == "carton":
+        board = Finish(
+            kind="lacquer", color=CARDBOARD, accent=(0.70, 0.55, 0.38), period=0.3, seed=seed, gloss=0.03
+        )
+        finishes |= {
+            "body": board,
+            "tape": make_plastic((0.80, 0.70, 0.52)),
+            "paper": make_lacquer((0.92, 0.91, 0.88)),
+        }
+    return finishes
+
+
+def _build_chest(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
+    """Boards on a plinth or on legs, and a lid that stands out a little."""
+    wall, lid = float(rng.uniform(0.018, 0.024)), float(rng.uniform(0.02, 0.03))
+    over = float(rng.uniform(0.006, 0.018))
+    x, y = (over - depth / 2, depth / 2), (over - width / 2, width / 2 - over)
+    raised = bool(rng.random() < 0.45)
+    foot = float(rng.uniform(0.08, 0.14)) if raised else float(rng.uniform(0.04, 0.07))
+    rim = height - lid - GAP
+    stand = (
+        make_legs(x, y, foot, kind="tapered" if rng.random() < 0.5 else "square", width=0.04, finish="body")
+        if raised
+        else make_plinth((x[0] - 0.5 * over, x[1]), (y[0] - 0.5 * over, y[1] + 0.5 * over), foot, "body")
+    )
+    walls = build_vessel((x, y), (x, y), (foot, rim), wall, "body", lining="inside")
+    panels: list[Primitive] = []
+    if rng.random() < 0.6:
+        panels = _frame_front(x[0], y, (foot, rim), int(rng.integers(2, 4)))
+    board = rounded_box((-depth / 2, -width / 2, rim + GAP), (depth / 2, width / 2, height), 0.004, "top")
+    span = ((-depth / 2, x[1]), (-width / 2, width / 2))
+    motion = hinge_lid(*span, rim + GAP, float(np.radians(rng.uniform(92, 108))))
+    cover = ShapePart(name="lid", label="door", parent="body", primitives=(board,), motion=motion)
+    return Assembly(pieces=(*stand, *walls, *panels), parts=(cover,))
+
+
+def _frame_front(x: float, y: Range, z: Range, fields: int) -> list[Primitive]:
+    """Stiles and rails laid on the front."""
+    wide, thick = 0.055, 0.006
+    stiles = np.linspace(y[0], y[1] - wide, fields + 1)
+    out = [box((x - thick, float(a), z[0]), (x, float(a) + wide, z[1]), "body") for a in stiles]
+    for a, b in pairwise(stiles):
+        for c in (z[0], z[1] - wide):
+            out.append(box((x - thick, float(a) + wide, c), (x, float(b), c + wide), "body"))
+    return out
+
+
+def _build_trunk(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
+    """A box with straps below a curved lid, a hasp in front, handles at the sides, a tray within."""
+    wall, strap = 0.02, 0.004
+    x, y = (HASP - depth / 2, depth / 2 - strap), (BAIL - width / 2, width / 2 - BAIL)
+    rise = float(rng.uniform(0.24, 0.34)) * depth
+    rim = height - strap - rise - GAP
+    walls = build_vessel((x, y), (x, y), (0.012, rim), wall, "body", lining="inside")
+    feet = [
+        box((a, b, 0.0), (a + 0.05, b + 0.05, 0.012), "brass")
+        for a in (x[0], x[1] - 0.05)
+        for b in (y[0], y[1] - 0.05)
+    ]
+    bands = [(a, a + 0.03) for a in np.linspace(y[0] + 0.06, y[1] - 0.09, int(rng.integers(2, 4))).tolist()]
+    if len(bands) == 3:  # the hasp is in the middle
+        bands.pop(1)
+    straps = [box((x[0] - strap, a, 0.012), (x[0], b, rim), "brass") for a, b in bands]
+    low = rim + GAP
+    solids = [*build_roof(trace_arch(x, low, rise), wall, y, "top")]
+    for band in bands:
+        crest = trace_arch((x[0] - strap, x[1] + strap), low, rise + strap)
+        solids += build_roof(crest, 2 * strap, band, "brass", ends=False)
+    motion = hinge_lid((x[0], x[1] + strap), y, low, float(np.radians(rng.uniform(92, 105))))
+    lid = ShapePart(
+        name="lid",
+        label="door",
+        parent="body",
+        primitives=tuple(solids),
+        motion=motion,
+        needs=(Need(part="hasp"),),
+    )
+    hasp = make_latch(
+        x[0] - 0.002, (-0.03, 0.03), (rim - 0.05, rim + 0.06), name="hasp", parent="body", finish="brass"
+    )
+    plate = box((x[0] - 0.002, -0.04, rim - 0.07), (x[0], 0.04, rim), "brass")
+    parts = [lid, hasp, *_make_side_handles(width / 2 - BAIL, 0.55 * rim)]
+    ledge = 0.55 * rim
+    ledges = [
+        box((x[0] + wall, a, ledge - 0.02), (x[1] - wall, a + 0.016, ledge), "inside")
+        for a in (y[0] + wall, y[1] - wall - 0.016)
+    ]
+    inside = (x[0] + wall + GAP + 0.002, x[1] - wall - GAP - 0.002), (y[0] + wall + GAP, y[1] - wall - GAP)
+    parts.append(make_lift_out(inside, (ledge + 0.0015, rim - 0.012), 0.012, "drawer"))
+    return Assembly(pieces=(*walls, *feet, *straps, plate, *ledges), parts=tuple(parts))
+
+
+def _make_side_handles(half: float, z: float) -> list[ShapePart]:
+    """Bails on both sides of a body that is ``half`` metres wide to either side."""
+    panel = Panel(x=-half, thickness=0.02, y=(-0.3, 0.3), z=(z - 0.1, z + 0.1))
+    design = HandleDesign(kind="arch", length=0.13, thickness=0.012, finish="brass")
+    made = make_handle(panel, design, name="handle", parent="body", upright=False, at=(0.0, z))
+    return [replace(turn_part(made, side), name=f"handle_{side}") for side in ("left", "right")]
+
+
+def _build_tub(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
+    """A tub that narrows downwards, a lid with a raised field, a clip at each side; some on wheels."""
+    wall, clip = 0.006, 0.0115
+    x, y = (-depth / 2, depth / 2), (clip - width / 2, width / 2 - clip)
+    thick, rise = 0.012, float(rng.uniform(0.006, 0.014))
+    rim = height - thick - rise - GAP
+    taper = float(rng.uniform(0.08, 0.16)) * min(depth, height)
+    inner = shrink((x, y), 0.016)
+    walls = build_vessel(shrink(inner, taper / 2), inner, (0.0, rim), wall, "body")
+    brim = [
+        box((x[0] + 0.004, y[0], rim - 0.018), (x[1] - 0.004, inner[1][0] + wall, rim), "body"),
+        box((x[0] + 0.004, inner[1][1] - wall, rim - 0.018), (x[1] - 0.004, y[1], rim), "body"),
+        box(
+            (x[0] + 0.004, inner[1][0] + wall, rim - 0.018),
+            (inner[0][0] + wall, inner[1][1] - wall, rim),
+            "body",
+        ),
+        box(
+            (inner[0][1] - wall, inner[1][0] + wall, rim - 0.018),
+            (x[1] - 0.004, inner[1][1] - wall, rim),
+            "body",
+        ),
+    ]
+    low = rim + GAP
+    field = shrink((x, y), 0.03)
+    solids = (
+        rounded_box((x[0], y[0], low), (x[1], y[1], low + thick), 0.004, "top"),
+        loft(field, shrink(field, 0.01), (low + thick, height), "top"),
+    )
+    motion = hinge_lid(x, y, low, float(np.radians(rng.uniform(95, 110))))
+    needs = (Need(part="clip_left"), Need(part="clip_right"))
+    lid = ShapePart(name="lid", label="door", parent="body", primitives=solids, motion=motion, needs=needs)
+    half = min(0.05, 0.16 * depth)
+    made = make_latch(
+        -y[1], (-half, half), (rim - 0.045, low + 0.9 * thick), name="clip", parent="body", finish="clip"
+    )
+    clips = [replace(turn_part(made, side), name=f"clip_{side}") for side in ("left", "right")]
+    return Assembly(pieces=(*walls, *brim), parts=(lid, *clips))
+
+
+def _build_carton(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
+    """A carton of two or four flaps: the outer ones, front and rear, close over those at the sides."""
+    wall = max(0.005, max(width, depth, height) / 56)
+    x, y = (-depth / 2, depth / 2), (-width / 2, width / 2)
+    four = bool(rng.random() < 0.75)
+    upper = height - wall - GAP  # of the front and rear wall
+    side = upper - wall - GAP if four else upper
+    inner = (x[0] + wall, x[1] - wall)
+    pieces = (
+        box((x[0], y[0], 0.0), (inner[0], y[1], upper), "body"),
+        box((inner[1], y[0], 0.0), (x[1], y[1], upper), "body"),
+        box((inner[0], y[0], 0.0), (inner[1], y[0] + wall, side), "body"),
+        box((inner[0], y[1] - wall, 0.0), (inner[1], y[1], side), "body"),
+        box((inner[0], y[0] + wall, 0.0), (inner[1], y[1] - wall, wall), "body"),
+    )
+    opened = float(np.radians(rng.uniform(105, 178)))
+    taped, tape = bool(rng.random() < 0.6), 0.026
+    parts: list[ShapePart] = []
+    for name, near, far in (("front", x[0], -0.0008), ("rear", 0.0008, x[1])):
+        edge = "bottom" if name == "front" else None
+        span = (near, far)
+        seam = (far - tape, far) if name == "front" else (near, near + tape)
+        rest = (near, far - tape) if name == "front" else (near + tape, far)
+        solids = [box((rest[0], y[0] + 0.001, height - wall), (rest[1], y[1] - 0.001, height), "body")]
+        strip = box(
+            (seam[0], y[0] + 0.001, height - wall),
+            (seam[1], y[1] - 0.001, height),
+            "tape" if taped else "body",
+        )
+        motion = hinge_lid(span, y, height - wall, opened, edge)
+        parts.append(
+            ShapePart(
+                name=f"flap_{name}", label="door", parent="body", primitives=(*solids, strip), motion=motion
+            )
+        )
+    if four:
+        needs = tuple(Need(part=part.name) for part in parts)
+        reach = min(depth / 2, width / 2 - 0.004)
+        across = (inner[0] + GAP, inner[1] - GAP)
+        sides: tuple[tuple[Edge, Range], ...] = (
+            ("right", (y[0], y[0] + reach)),
+            ("left", (y[1] - reach, y[1])),
+        )
+        for name, span in sides:
+            low = side + GAP
+            solid = box((across[0], span[0], low), (across[1], span[1], low + wall), "body")
+            motion = hinge_lid(across, span, low, opened, name)
+            parts.append(
+                ShapePart(
+                    name=f"flap_{name}",
+                    label="door",
+                    parent="body",
+                    primitives=(solid,),
+                    motion=motion,
+                    needs=needs,
+                )
+            )
+    marks = _mark_carton(rng, x[0], y, height) if rng.random() < 0.7 else ()
+    return Assembly(pieces=(*pieces, *marks), parts=tuple(parts))
+
+
+def _mark_carton(rng: np.random.Generator, x: float, y: Range, height: float) -> tuple[Primitive, ...]:
+    """A paper label on the front."""
+    wide, high = 0.3 * (y[1] - y[0]), 0.28 * height
+    left = float(rng.uniform(y[0] + 0.03, y[1] - 0.03 - wide))
+    return (box((x - 0.0012, left, 0.5 * height), (x + 0.002, left + wide, 0.5 * height + high), "paper"),)

@@ -1,0 +1,192 @@
+"""Suitcase: a hard shell on four wheels, standing, with rods to pull it by; a case that lies and opens.
+
+Cabin luggage is at most 0.55 m x 0.40 m x 0.20 m with most airlines (wheels and handles included); medium and
+large shells are 0.66 and 0.76 m high. Cases that are carried are 0.45 to 0.7 m wide and 0.13 to 0.2 m thick.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from artigen.shapes.appliances.assembly import Assembly
+from artigen.shapes.draw import Draft, Wish, choose, choose_style
+from artigen.shapes.fittings.bowls import Outline, build_bowl
+from artigen.shapes.fittings.carrying import CHANNEL, build_channel, make_grip, make_pull_handle
+from artigen.shapes.fittings.feet import make_castors
+from artigen.shapes.fittings.handles import HandleDesign, make_handle
+from artigen.shapes.fittings.hardware import FINGER_ROOM, GAP, Edge, Panel, Range, hinge
+from artigen.shapes.fittings.lids import hinge_lid
+from artigen.shapes.fittings.locks import make_latch
+from artigen.shapes.primitives import Primitive, box, polytope
+from artigen.shapes.shape import Need, ShapePart
+from artigen.shapes.surfaces.finishes import Color, Finish
+from artigen.shapes.surfaces.materials import make_metal
+from artigen.shapes.surfaces.palette import draw_palette
+
+CATEGORY = "Suitcase"
+STYLES = {"cabin": 3.0, "large": 2.5, "leather": 2.0, "aluminium": 1.5}
+SIZES: dict[str, tuple[Range, Range, Range]] = {
+    "cabin": ((0.35, 0.4), (0.19, 0.23), (0.5, 0.55)),
+    "large": ((0.42, 0.52), (0.25, 0.32), (0.62, 0.78)),
+    "leather": ((0.45, 0.7), (0.32, 0.46), (0.14, 0.21)),
+    "aluminium": ((0.42, 0.6), (0.3, 0.42), (0.13, 0.2)),
+}
+"""Width, depth and height (m)."""
+SHELLS: tuple[Color, ...] = (
+    (0.15, 0.16, 0.18), (0.17, 0.23, 0.35), (0.62, 0.16, 0.16), (0.76, 0.77, 0.78),
+    (0.80, 0.56, 0.52), (0.24, 0.42, 0.40), (0.88, 0.85, 0.78), (0.80, 0.58, 0.16),
+)  # fmt: skip
+LEATHERS: tuple[Color, ...] = ((0.42, 0.25, 0.14), (0.30, 0.18, 0.11), (0.55, 0.36, 0.20), (0.14, 0.12, 0.11),
+                               (0.20, 0.27, 0.22))  # fmt: skip
+WALL = 0.007
+"""Least thickness (m) of a shell with its lining."""
+SLENDER = 57
+"""Longest edge of a plate or strap over its thickness."""
+
+
+def draw(rng: np.random.Generator, wish: Wish) -> Draft:
+    """A suitcase that meets the wish."""
+    style = choose_style(rng, CATEGORY, STYLES, wish.style)
+    width, depth, height = (
+        choose(rng, *span, wished)
+        for span, wished in zip(SIZES[style], (wish.width, wish.depth, wish.height), strict=True)
+    )
+    build = _build_standing if style in ("cabin", "large") else _build_lying
+    built = build(rng, width, depth, height)
+    return Draft(style=style, parts=built.close(), finishes=tuple(sorted(_draw_finishes(rng, style).items())))
+
+
+def _draw_finishes(rng: np.random.Generator, style: str) -> dict[str, Finish]:
+    seed = int(rng.integers(2**30))
+    shell, hide = SHELLS[int(rng.integers(len(SHELLS)))], LEATHERS[int(rng.integers(len(LEATHERS)))]
+    linings: tuple[Color, ...] = ((0.22, 0.22, 0.24), (0.55, 0.55, 0.56), (0.66, 0.58, 0.46))
+    lining = Finish(kind="rubber", color=linings[int(rng.integers(3))], accent=(0.4, 0.4, 0.4), gloss=0.05)
+    lining = replace(lining, accent=lining.color)
+    body = {
+        "leather": Finish(
+            kind="rubber", color=hide, accent=(0.9 * hide[0], 0.9 * hide[1], 0.9 * hide[2]), gloss=0.2
+        ),
+        "aluminium": make_metal("steel" if rng.random() < 0.75 else "black", seed),
+    }.get(style) or Finish(kind="plastic", color=shell, accent=shell, period=0.3, gloss=0.4)
+    dark = Finish(kind="plastic", color=(0.12, 0.12, 0.13), accent=(0.12, 0.12, 0.13), gloss=0.3)
+    belt = Finish(
+        kind="rubber", color=(0.75 * hide[0], 0.75 * hide[1], 0.75 * hide[2]), accent=hide, gloss=0.2
+    )
+    return draw_palette(rng, "appliance", "steel") | {
+        "body": body,
+        "inside": lining,
+        "trim": {"leather": belt, "aluminium": make_metal("dark", seed)}.get(style, dark),
+        "handle": belt if style == "leather" else dark,
+        "fitting": make_metal("brass" if style == "leather" else "chrome", seed),
+    }
+
+
+def _build_standing(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
+    """Two ribbed shells that open like a book, on four wheels; the rods run behind the rear one."""
+    grip, behind = FINGER_ROOM + 0.014, CHANNEL + 0.006
+    radius = float(rng.uniform(0.018, 0.024))
+    x, y = (0.004 - depth / 2, depth / 2 - behind), (-width / 2, width / 2)
+    castors = make_castors(
+        (x[0] + 0.012, x[1] - 0.012), (y[0] + 0.03, y[1] - 0.03), radius, parent="body", swivel=False
+    )
+    z = (castors.height, height - grip)
+    seam = x[0] + float(rng.uniform(0.42, 0.5)) * (x[1] - x[0])
+    outline = Outline(a=y, b=z, radius=float(rng.uniform(0.035, 0.06)))
+    bevel = float(rng.uniform(0.012, 0.02))
+    wall = max(WALL, (z[1] - z[0]) / SLENDER)
+    front = build_bowl(outline, (x[0], seam - GAP), wall, "body", bevel=bevel, lining="inside")
+    rear = build_bowl(outline, (x[1], seam), wall, "body", bevel=bevel, lining="inside")
+    edge: Edge = "left" if rng.random() < 0.5 else "right"
+    ribs = _build_ribs(rng, x[0], y, z, outline.radius)
+    panel = Panel(x=seam - GAP, thickness=0.01, y=y, z=z)
+    upper = float(np.radians(rng.uniform(100, 170)))
+    door = ShapePart(
+        name="door", label="door", parent="body", primitives=(*front, *ribs, *castors.primitives[:6]),
+        motion=hinge(panel, edge, upper),
+    )  # fmt: skip
+    wheels = [replace(part, parent="door" if k < 2 else "body") for k, part in enumerate(castors.parts)]
+    spread = float(rng.uniform(0.38, 0.5)) * width
+    channel = build_channel(x[1], spread, (z[0] + 0.06, z[1] - 0.05), "trim")
+    rods = make_pull_handle(x[1], spread, (z[0] + 0.06, z[1] - 0.012), 0.62 * (z[1] - z[0]), parent="body")
+    deep = (seam + x[1]) / 2
+    carry = make_grip((deep, 0.0, z[1]), 0.42 * width, name="grip", parent="body", thick=0.014)
+    side = y[0] if edge == "left" else y[1]
+    lock = box(
+        (seam + 0.004, side - 0.002, sum(z) / 2 - 0.03),
+        (seam + 0.03, side + 0.002, sum(z) / 2 + 0.03),
+        "trim",
+    )
+    straps = _cross_straps(seam + 0.012, y, z)
+    pieces = (*rear, *castors.primitives[6:], *channel, lock, *straps)
+    return Assembly(pieces=pieces, parts=(door, carry, rods, *wheels))
+
+
+def _build_ribs(rng: np.random.Generator, x: float, y: Range, z: Range, radius: float) -> list[Primitive]:
+    """Ribs on the front, upright or level."""
+    thick, count = 0.004, int(rng.integers(4, 8))
+    upright = rng.random() < 0.65
+    low_y, high_y, low_z, high_z = y[0] + radius, y[1] - radius, z[0] + radius, z[1] - radius
+    span = (low_y, high_y) if upright else (low_z, high_z)
+    pitch = (span[1] - span[0]) / count
+    out = []
+    for k in range(count):
+        low, high = span[0] + (k + 0.2) * pitch, span[0] + (k + 0.8) * pitch
+        ys, zs = ((low, high), (low_z, high_z)) if upright else ((low_y, high_y), (low, high))
+        out.append(box((x - thick, ys[0], zs[0]), (x + 0.004, ys[1], zs[1]), "body"))
+    return out
+
+
+def _cross_straps(x: float, y: Range, z: Range) -> list[Primitive]:
+    """Two elastic straps across the rear shell."""
+    thick = float(np.hypot(y[1] - y[0], 0.6 * (z[1] - z[0]))) / SLENDER + 0.002
+    half, low, high = 0.012, z[0] + 0.2 * (z[1] - z[0]), z[0] + 0.8 * (z[1] - z[0])
+    ends = (y[0] + 0.5 * WALL, y[1] - 0.5 * WALL)
+    out = []
+    for a, b in ((low, high), (high, low)):
+        corners = [
+            (x + t, at, c + s)
+            for t in (0.0, thick)
+            for at, c in ((ends[0], a), (ends[1], b))
+            for s in (-half, half)
+        ]
+        out.append(polytope(np.array(corners), "trim"))
+    return out
+
+
+def _build_lying(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
+    """A case on its back: the lid opens upwards once its latches do; the handle is between them."""
+    reach, band = 0.041, 0.004
+    x, y = (reach - depth / 2, depth / 2 + band), (-width / 2, width / 2)
+    seam = float(rng.uniform(0.5, 0.62)) * height
+    outline = Outline(a=(x[0], x[1] - band), b=y, radius=float(rng.uniform(0.02, 0.035)))
+    bevel = float(rng.uniform(0.006, 0.014))
+    low = build_bowl(outline, (0.0, seam), WALL, "body", axis="z", bevel=bevel, lining="inside")
+    high = build_bowl(
+        outline, (height - band, seam + GAP), WALL, "body", axis="z", bevel=bevel, lining="inside"
+    )
+    places = [float(at) for at in (-0.22 * width, 0.22 * width)]
+    belts, straps = [], []
+    for at in (-0.38 * width, 0.38 * width):
+        a, b = at - 0.016, at + 0.016
+        straps.append(box((x[0] - band, a, bevel), (x[0] + 0.003, b, seam), "trim"))
+        belts += [
+            box((x[0] - band, a, seam + GAP), (x[0] + 0.003, b, height - band - bevel), "trim"),
+            box((x[0] + bevel, a, height - band - 0.003), (x[1] - band - bevel, b, height), "trim"),
+        ]
+    half = float(rng.uniform(0.016, 0.024))
+    latches = [
+        make_latch(
+            x[0], (at - half, at + half), (seam - 0.03, min(seam + 0.032, height - bevel - 0.012)),
+            name=f"latch_{k}", parent="body", upper=1.4, finish="fitting",
+        )
+        for k, at in enumerate(places)
+    ]  # fmt: skip
+    needs = tuple(Need(part=latch.name) for latch in latches)
+    motion = hinge_lid((x[0], x[1] - band), y, seam + GAP, float(np.radians(rng.uniform(95, 115))))
+    lid = ShapePart(
+        name="lid", label="door", parent="body", primitives=(*high, *belts), motion=motion, needs=needs
+    )
+    panel = Panel(x=x[0], thickness=0.02, y=y, z=(0.0, seam))
+    design = HandleDesign(kind="arch", length=0.13, thickness=0.014)
+    handle = make_handle(panel, design, name="handle", parent="body", upright=False, at=(0.0, 0.55 * seam))
+    return Assembly(pieces=(*low, *straps), parts=(lid, handle, *latches))

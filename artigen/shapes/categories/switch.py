@@ -1,0 +1,133 @@
+"""Switch: rockers, toggles, dimmers and push buttons on a piece of wall.
+
+Plates of 80 mm with 71 mm from one insert to the next (DIN 49075); rockers tilt by 10 degrees, toggles by 50.
+"""
+
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+
+from artigen.shapes.appliances.cavity import build_frame
+from artigen.shapes.appliances.control_panel import DIAL_GAP, DialDesign, design_dial, make_button, make_dial
+from artigen.shapes.draw import Draft, Wish, choose_size, choose_style
+from artigen.shapes.primitives import Primitive, Vector, box, cylinder, move, rounded_box
+from artigen.shapes.shape import Motion, ShapePart
+from artigen.shapes.surfaces.finishes import Finish
+from artigen.shapes.surfaces.materials import LACQUERS, make_ceramic, make_plastic, make_polished
+
+CATEGORY = "Switch"
+STYLES = {"rocker": 0.4, "toggle": 0.25, "dimmer": 0.15, "buttons": 0.2}
+PLATE, PITCH, HIGH = 0.08, 0.071, 0.08
+THICK = 0.009
+"""Of a plate."""
+REACH = {"rocker": 0.00565, "toggle": 0.03, "dimmer": 0.026, "buttons": 0.016}
+"""How far what one moves stands out of its plate."""
+ROCK, FLIP = float(np.radians(10.0)), float(np.radians(50.0))
+SIGNALS = ((0.13, 0.5, 0.25), (0.7, 0.13, 0.12), (0.12, 0.12, 0.125), (0.85, 0.65, 0.1), (0.15, 0.3, 0.6))
+LIGHT = ((0.94, 0.94, 0.935), (0.94, 0.94, 0.935), (0.9, 0.88, 0.82), (0.2, 0.2, 0.21), (0.75, 0.75, 0.74))
+
+
+def draw(rng: np.random.Generator, wish: Wish) -> Draft:
+    """Draws a plate of switches."""
+    style = choose_style(rng, CATEGORY, STYLES, wish.style)
+    width, depth, height = choose_size(
+        rng, CATEGORY, wish, width=(0.115, 0.29), depth=(0.065, 0.09), height=(0.115, 0.145)
+    )
+    count = max(1, int((width - 0.02 - PLATE) / PITCH) + 1)
+    face = -depth / 2 + REACH[style]  # x of the face of the plate
+    wide, (low, high) = PLATE + (count - 1) * PITCH, ((height - HIGH) / 2, (height + HIGH) / 2)
+    wall = box((face + THICK, -width / 2, 0.0), (depth / 2, width / 2, height), "wall")
+    places = [((count - 1) / 2 - k) * PITCH for k in range(count)]
+    pieces: list[Primitive] = [wall]
+    parts: list[ShapePart] = []
+    if style == "rocker":
+        pieces += _build_plate(face, wide, (low, high), places)
+        parts = [_make_rocker(f"rocker_{k}", (face, y, height / 2)) for k, y in enumerate(places)]
+    else:
+        pieces.append(rounded_box((face, -wide / 2, low), (face + THICK, wide / 2, high), 0.002, "plate"))
+        kind = _draw_dimmer(rng) if style == "dimmer" else None
+        for k, y in enumerate(places):
+            at = (face, y, height / 2)
+            if style == "toggle":
+                part, collar = _make_toggle(f"toggle_{k}", at)
+                parts.append(part)
+                pieces.append(collar)
+            elif kind is not None:
+                parts.append(make_dial(kind, at, name=f"dimmer_{k}", parent="body"))
+            else:
+                parts += _make_pair(f"button_{k}", at)
+    body = ShapePart(name="body", label="base", parent=None, primitives=tuple(pieces))
+    return Draft(style=style, parts=(body, *parts), finishes=_draw_finishes(rng, style))
+
+
+def _draw_finishes(rng: np.random.Generator, style: str) -> tuple[tuple[str, Finish], ...]:
+    seed, color = int(rng.integers(2**30)), LIGHT[int(rng.integers(len(LIGHT)))]
+    metal = make_polished(("brass", "steel", "black", "chrome")[int(rng.integers(4))], seed)
+    plain = make_plastic(color, gloss=0.35)
+    plate = metal if style in ("toggle", "dimmer") and rng.random() < 0.6 else plain
+    signals = rng.permutation(len(SIGNALS))
+    paints = ("white", "cream", "sage", "light_grey", "blue", "terracotta")
+    finishes = {
+        "wall": make_ceramic(LACQUERS[paints[int(rng.integers(len(paints)))]], seed),
+        "plate": make_polished("steel", seed) if style == "buttons" and rng.random() < 0.5 else plate,
+        "rocker": plain if rng.random() < 0.8 else make_plastic(LIGHT[3]),
+        "metal": metal,
+        "accent": make_polished("chrome", seed + 1),
+        "rubber": make_plastic((0.13, 0.13, 0.135)),
+        "first": make_plastic(SIGNALS[int(signals[0])]),
+        "second": make_plastic(SIGNALS[int(signals[1])]),
+    }
+    return tuple(sorted(finishes.items()))
+
+
+def _build_plate(face: float, wide: float, z: tuple[float, float], places: list[float]) -> list[Primitive]:
+    """A frame with a window for each rocker, and what closes them behind."""
+    half, back = 0.0295, face + THICK
+    inner = wide / 2 - 0.004
+    pieces = [box((back - 0.002, -inner, z[0] + 0.004), (back, inner, z[1] - 0.004), "plate")]
+    middle = sum(z) / 2
+    edges = [-wide / 2, *((low + high) / 2 for low, high in pairwise(places[::-1])), wide / 2]
+    for k, y in enumerate(reversed(places)):
+        hole = (y - half, y + half), (middle - half, middle + half)
+        pieces += build_frame((face, back), ((edges[k], edges[k + 1]), z), hole, "plate")
+    return pieces
+
+
+def _make_rocker(name: str, at: Vector) -> ShapePart:
+    """A rocker that is pressed in at its lower half, and tilts over to the upper one."""
+    half, thick = 0.0275, 0.0055
+    plate = rounded_box((-thick / 2, -half, -half), (thick / 2, half, half), 0.001, "rocker")
+    pivot = (at[0] - 0.0006, at[1], at[2])
+    tilted = move(plate, pivot, turn=-ROCK / 2, about=(0.0, 1.0, 0.0))
+    motion = Motion(type="revolute", axis=(0.0, 1.0, 0.0), origin=pivot, upper=ROCK)
+    return ShapePart(name=name, label="knob", parent="body", primitives=(tilted,), motion=motion)
+
+
+def _make_toggle(name: str, at: Vector) -> tuple[ShapePart, Primitive]:
+    """A lever that points down and flips up, before a collar."""
+    x, y, z = at
+    collar = cylinder((x - 0.004, y, z), (x, y, z), 0.014, "accent")
+    pivot = (x - 0.004 - DIAL_GAP - 0.0055, y, z)
+    reach = REACH["toggle"] - 0.004 - DIAL_GAP - 0.0055
+    stem = cylinder((0.0, 0.0, 0.0), (-reach, 0.0, 0.0), 0.0042, "metal")
+    ball = cylinder((0.0, -0.008, 0.0), (0.0, 0.008, 0.0), 0.0055, "metal")
+    pieces = tuple(move(piece, pivot, turn=-FLIP / 2, about=(0.0, 1.0, 0.0)) for piece in (stem, ball))
+    motion = Motion(type="revolute", axis=(0.0, 1.0, 0.0), origin=pivot, upper=FLIP)
+    return ShapePart(name=name, label="knob", parent="body", primitives=pieces, motion=motion), collar
+
+
+def _draw_dimmer(rng: np.random.Generator) -> DialDesign:
+    design = design_dial(rng, (0.017, 0.022), endless=0.2, finish="metal")
+    long = REACH["dimmer"] - DIAL_GAP - (0.002 if design.kind == "round" else 0.0)
+    return replace(design, length=long)
+
+
+def _make_pair(name: str, at: Vector) -> tuple[ShapePart, ShapePart]:
+    """Two round push buttons above each other."""
+    (x, y, z), size = at, (0.026, 0.026, 0.0126)
+    first, second = (
+        make_button((x, y, z + up), size, name=f"{name}_{word}", parent="body", finish=word, shape="round")
+        for word, up in (("first", 0.019), ("second", -0.019))
+    )
+    return first, second

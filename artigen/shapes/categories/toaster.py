@@ -1,0 +1,124 @@
+"""Toaster: levers that lower the bread, a dial for the browning, buttons, and a tray for crumbs.
+
+Toasters for two slices are 160 to 190 mm wide, 270 to 310 mm deep and 180 to 210 mm high, those for four
+about 300 mm wide; slots are 30 to 38 mm wide, levers travel 60 to 70 mm.
+"""
+
+import numpy as np
+
+from artigen.shapes.appliances.cavity import build_feet
+from artigen.shapes.appliances.control_panel import FRONT, design_dial, make_button, make_dial
+from artigen.shapes.draw import Draft, Wish, choose_size, choose_style
+from artigen.shapes.fittings.hardware import GAP, Range, slide
+from artigen.shapes.primitives import Primitive, box, rounded_box
+from artigen.shapes.shape import Motion, ShapePart
+from artigen.shapes.surfaces.palette import draw_palette
+
+CATEGORY = "Toaster"
+STYLES = {"steel": 0.3, "white": 0.2, "black": 0.2, "retro": 0.3}
+FOOT, FLOOR, END, WALL = 0.008, 0.012, 0.03, 0.016
+"""Heights of feet and of the room for the tray (m); thickness of the ends and of the sides."""
+SLOT, TRAVEL = 0.034, 0.062
+KNOB = 0.024
+"""How far the knob of a lever stands out."""
+
+
+def draw(rng: np.random.Generator, wish: Wish) -> Draft:
+    """Draws a toaster."""
+    style = choose_style(rng, CATEGORY, STYLES, wish.style)
+    four = bool(rng.random() < 0.3) if wish.width is None else wish.width > 0.24
+    wide: Range = (0.29, 0.33) if four else (0.165, 0.195)
+    width, depth, height = choose_size(
+        rng, CATEGORY, wish, width=wide, depth=(0.28, 0.32), height=(0.18, 0.21)
+    )
+    x, y = (-depth / 2 + KNOB, depth / 2), (-width / 2, width / 2)
+    bays = [(y[0], 0.0), (0.0, y[1])] if four else [y]
+    bottom = FOOT + FLOOR + 0.022
+    pieces = [
+        *build_feet(x, y, FOOT, "rubber", radius=0.01, inset=0.025),
+        box((x[0], y[0], FOOT), (x[1], y[1], FOOT + 0.008), "rubber"),
+        *_build_skirt(x, y, bottom),
+    ]
+    parts: list[ShapePart] = []
+    for index, bay in enumerate(bays):
+        made, moving = _build_bay(rng, x, bay, (bottom, height), f"_{index}" if four else "")
+        pieces += made
+        parts += moving
+    tray = _make_tray(x, y)
+    body = ShapePart(name="body", label="base", parent=None, primitives=tuple(pieces))
+    finishes = tuple(sorted(draw_palette(rng, "appliance", style).items()))
+    return Draft(style=style, parts=(body, *parts, tray), finishes=finishes)
+
+
+def _build_skirt(x: Range, y: Range, top: float) -> list[Primitive]:
+    """Sides and back around the tray, and the floor above it."""
+    low = FOOT + 0.008
+    spans = ((y[0], y[0] + WALL), (y[1] - WALL, y[1]))
+    pieces = [box((x[0], a, low), (x[1], b, top), "front") for a, b in spans]
+    pieces.append(box((x[1] - END, y[0] + WALL, low), (x[1], y[1] - WALL, top), "front"))
+    return [*pieces, box((x[0], y[0] + WALL, top - 0.008), (x[1] - END, y[1] - WALL, top), "rubber")]
+
+
+def _build_bay(
+    rng: np.random.Generator, x: Range, y: Range, z: Range, tag: str
+) -> tuple[list[Primitive], list[ShapePart]]:
+    """Two slots between walls, with the lever, dial and buttons before them."""
+    low, high = z
+    middle, apart = sum(y) / 2, 0.25 * (y[1] - y[0]) - 0.004
+    slots = [(middle + side * apart - SLOT / 2, middle + side * apart + SLOT / 2) for side in (-1.0, 1.0)]
+    inner = (x[0] + END, x[1] - END)
+    web = 0.006  # half the gap that the lever's arm passes
+    pieces = [
+        rounded_box((x[0], y[0], low), (x[1], slots[0][0], high), 0.01, "front"),
+        rounded_box((x[0], slots[1][1], low), (x[1], y[1], high), 0.01, "front"),
+        box((inner[1], slots[0][0], low), (x[1] - 0.004, slots[1][1], high - 0.004), "front"),
+        box((inner[0] + 0.02, slots[0][1], low), (inner[1], slots[1][0], high - 0.004), "body"),
+        box((x[0] + 0.004, slots[0][0], low), (inner[0], middle - web, high - 0.004), "front"),
+        box((x[0] + 0.004, middle + web, low), (inner[0], slots[1][1], high - 0.004), "front"),
+        box((x[0] + 0.004, middle - web, high - 0.03), (inner[0], middle + web, high - 0.004), "front"),
+    ]
+    top = high - 0.042
+    arm = 0.004
+    z_arm, ends = (top - 0.012, top - 0.002), (slots[0][0] + 0.006, slots[1][1] - 0.006)
+    grip = ((x[0] - KNOB, middle - 0.02, top - 0.014), (x[0] - 0.003, middle + 0.02, top + 0.006))
+    lever = [
+        rounded_box(*grip, 0.003, "handle"),
+        box((x[0] - 0.004, middle - arm, z_arm[0]), (inner[0] + 0.008, middle + arm, z_arm[1]), "steel"),
+        box((inner[0] + 0.004, ends[0], z_arm[0]), (inner[0] + 0.014, ends[1], z_arm[1]), "steel"),
+    ]
+    for a, b in slots:
+        at = (a + b) / 2
+        low_end, high_end = (
+            (inner[0] + 0.014, at - 0.006, z_arm[0]),
+            (inner[1] - 0.006, at + 0.006, top - 0.006),
+        )
+        lever.append(box(low_end, high_end, "steel"))
+    travel = min(TRAVEL, top - 0.014 - low - 0.012)
+    down = Motion(type="prismatic", axis=(0.0, 0.0, -1.0), upper=travel)
+    parts = [ShapePart(name=f"lever{tag}", label="knob", parent="body", primitives=tuple(lever), motion=down)]
+    side = y[0] + 0.5 * (slots[0][0] - y[0])
+    face, aside = x[0], y[1] - (side - y[0])
+    dial = design_dial(rng, (0.012, 0.014), endless=0.0)
+    parts.append(make_dial(dial, (face, side, low + 0.035), name=f"browning{tag}", parent="body", out=FRONT))
+    for k, word in enumerate(("cancel", "defrost", "reheat")[: int(rng.integers(1, 4))]):
+        at = (face, aside, low + 0.03 + 0.022 * k)
+        size = (0.014, 0.014, 0.005)
+        parts.append(
+            make_button(at, size, name=f"{word}{tag}", parent="body", finish="handle", shape="round")
+        )
+    return pieces, parts
+
+
+def _make_tray(x: Range, y: Range) -> ShapePart:
+    """A flat tray with a lip, drawn out to the front below the slots."""
+    low, top = FOOT + 0.008 + GAP, FOOT + FLOOR + 0.022 - 0.008 - GAP
+    span = (y[0] + WALL + 0.004, y[1] - WALL - 0.004)
+    end = x[1] - END - 0.006
+    pieces = (
+        box((x[0], span[0], low), (end, span[1], low + 0.005), "steel"),
+        box((x[0] - 0.002, span[0], low), (x[0] + 0.006, span[1], top), "handle"),
+        box((end - 0.005, span[0], low), (end, span[1], low + 0.011), "steel"),
+    )
+    return ShapePart(
+        name="crumb_tray", label="tray", parent="body", primitives=pieces, motion=slide(0.7 * (end - x[0]))
+    )

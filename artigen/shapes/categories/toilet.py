@@ -1,0 +1,186 @@
+"""Toilet: a bowl with seat and lid on hinges, and a cistern that a lever or buttons flush.
+
+Sizes of EN 997 and EN 33: 355 to 400 mm wide, 620 to 700 mm deep with the cistern, seats 400 to 430 mm above
+the floor; bowls that hang on a wall stand out by 490 to 540 mm, their flush plates measure 246 by 164 mm.
+"""
+
+import numpy as np
+
+from artigen.shapes.appliances.cavity import build_tub
+from artigen.shapes.appliances.control_panel import PRESS, make_button
+from artigen.shapes.draw import Draft, Wish, choose_size, choose_style
+from artigen.shapes.fittings.hardware import Range, Space
+from artigen.shapes.fittings.lofts import Outline, build_solid, build_wall, draw_egg, inset
+from artigen.shapes.fittings.taps import make_cross_handle
+from artigen.shapes.primitives import Primitive, Vector, box, cylinder, rounded_box
+from artigen.shapes.shape import Motion, Need, ShapePart
+from artigen.shapes.surfaces.materials import WOODS, make_ceramic, make_metal, make_plastic, make_wood
+
+CATEGORY = "Toilet"
+STYLES = {"close_coupled": 0.4, "skirted": 0.3, "wall_hung": 0.3}
+SIZES: dict[str, tuple[Range, Range, Range]] = {
+    "close_coupled": ((0.36, 0.41), (0.63, 0.7), (0.74, 0.83)),
+    "skirted": ((0.36, 0.4), (0.62, 0.68), (0.78, 0.86)),
+    "wall_hung": ((0.5, 0.6), (0.7, 0.76), (1.08, 1.18)),
+}
+"""Width, depth and height; what hangs comes with the piece of wall that holds it."""
+GLAZES = ((0.95, 0.95, 0.945), (0.95, 0.95, 0.945), (0.93, 0.92, 0.88), (0.2, 0.2, 0.21))
+TANK, WALL = 0.165, 0.19
+"""Depth of a cistern, and of a piece of wall."""
+RIM, SEAT, LID = 0.4, 0.017, 0.016
+"""Height of the bowl's rim; thickness of seat and lid."""
+SLIT = 0.0025
+UP: Vector = (0.0, 0.0, 1.0)
+Drawn = tuple[list[Primitive], list[ShapePart]]
+"""Pieces of the body, and the parts that move."""
+
+
+def draw(rng: np.random.Generator, wish: Wish) -> Draft:
+    """Draws a toilet."""
+    style = choose_style(rng, CATEGORY, STYLES, wish.style)
+    wide, deep, tall = SIZES[style]
+    width, depth, height = choose_size(rng, CATEGORY, wish, width=wide, depth=deep, height=tall)
+    hung = style == "wall_hung"
+    half = min(width / 2, 0.185) if hung else width / 2
+    behind = depth / 2 - (WALL if hung else TANK)  # front of what stands behind the bowl
+    hinge = behind - 0.085
+    length = hinge + depth / 2
+    outline = draw_egg((hinge - 0.4 * length, 0.0), 0.6 * length, 0.4 * length, half, sides=18)
+    pieces = _build_bowl(style, outline, behind, depth / 2)
+    seat, lid = _make_seat(outline, hinge, upper=float(np.radians(rng.uniform(89.0, 92.0))))
+    if hung:
+        wall, flush = _draw_wall(behind, depth / 2, width, height)
+    else:
+        wall, flush = _draw_cistern(rng, style, behind, depth / 2, width, height)
+    body = ShapePart(name="body", label="base", parent=None, primitives=(*pieces, *wall))
+    seed = int(rng.integers(2**30))
+    glaze = make_ceramic(GLAZES[int(rng.integers(len(GLAZES)))], seed)
+    plain = make_plastic(glaze.color, gloss=0.4)
+    wood = make_wood(tuple(WOODS)[int(rng.integers(4))], seed)
+    finishes = {
+        "body": glaze,
+        "front": wood if style == "close_coupled" and rng.random() < 0.3 else plain,
+        "handle": make_metal(("chrome", "chrome", "brass", "black")[int(rng.integers(4))], seed),
+        "wall": make_ceramic((0.86, 0.85, 0.83), seed + 1),
+        "panel": make_plastic((0.93, 0.93, 0.93)) if rng.random() < 0.5 else make_metal("steel", seed),
+    }
+    return Draft(style=style, parts=(body, lid, seat, *flush), finishes=tuple(sorted(finishes.items())))
+
+
+def _build_bowl(style: str, outline: Outline, behind: float, back: float) -> list[Primitive]:
+    """A rim around a hollow, its bottom, what carries it, and the block behind the seat."""
+    low = 0.2 if style != "skirted" else 0.17
+    shrink = 0.055 if style != "skirted" else 0.012
+    foot, hole = inset(outline, shrink), inset(outline, 0.045)
+    well = inset(outline, 0.1)
+    pieces = list(build_wall((foot, outline), (well, hole), (low, RIM), "body"))
+    middle = (outline.min(axis=0) + outline.max(axis=0)) / 2
+    ends = outline[:, 0].min(), outline[:, 0].max()
+    half = outline[:, 1].max()
+    pieces.append(build_solid(foot, foot, (low - 0.03, low), "body"))
+    if style == "close_coupled":
+        base = draw_egg((middle[0] + 0.06, 0.0), 0.17, behind - middle[0], 0.62 * half)
+        neck = draw_egg((middle[0] + 0.05, 0.0), 0.15, behind - middle[0], 0.5 * half)
+        pieces.append(build_solid(base, neck, (0.0, low - 0.03), "body"))
+    elif style == "skirted":
+        plinth = inset(outline, 0.03)
+        pieces.append(build_solid(plinth, foot, (0.0, low - 0.03), "body"))
+        pieces.append(box((ends[1] - 0.12, -0.8 * half, 0.0), (back, 0.8 * half, RIM), "body"))
+        return pieces
+    else:
+        trap = draw_egg((middle[0] + 0.07, 0.0), 0.1, behind - middle[0] - 0.07, 0.6 * half)
+        pieces.append(build_solid(trap, foot, (low - 0.1, low - 0.03), "body"))
+        pieces.append(box((ends[1] - 0.1, -0.72 * half, low - 0.06), (behind, 0.72 * half, RIM), "body"))
+        return pieces
+    pieces.append(box((ends[1] - 0.1, -0.75 * half, RIM - 0.16), (back, 0.75 * half, RIM), "body"))
+    return pieces
+
+
+def _make_seat(outline: Outline, hinge: float, upper: float) -> tuple[ShapePart, ShapePart]:
+    """A ring and a lid above it that turn about one line behind them; the lid goes first."""
+    low = RIM + SLIT
+    edge = inset(outline, 0.002)
+    hole = inset(outline, 0.072)
+    ring = build_wall((edge, edge), (hole, hole), (low, low + SEAT), "front")
+    top = low + SEAT + SLIT
+    plate = build_solid(edge, inset(edge, 0.012), (top, top + LID), "front")
+    axis = low + SEAT / 2
+    x = float(edge[:, 0].max())
+    pins, ears = [], []
+    for y in (-0.07, 0.07):
+        pins.append(cylinder((x + 0.004, y - 0.018, axis), (x + 0.004, y + 0.018, axis), 0.0075, "handle"))
+        pins.append(
+            box((x - 0.06, y - 0.012, low + 0.002), (x + 0.004, y + 0.012, low + SEAT - 0.002), "front")
+        )
+    for low_y, high_y in ((-0.121, -0.099), (0.099, 0.121)):
+        ears.append(box((x - 0.05, low_y, top), (x + 0.0115, high_y, top + LID - 0.004), "front"))
+        ears.append(box((x - 0.0035, low_y, axis - 0.0075), (x + 0.0115, high_y, top), "front"))
+    motion = Motion(type="revolute", axis=(0.0, 1.0, 0.0), origin=(x + 0.004, 0.0, axis), upper=upper - 0.05)
+    swing = Motion(type="revolute", axis=(0.0, 1.0, 0.0), origin=(x + 0.004, 0.0, axis), upper=upper)
+    seat = ShapePart(
+        name="seat",
+        label="shelf",
+        parent="body",
+        primitives=(*ring, *pins),
+        motion=motion,
+        needs=(Need(part="lid", fraction=1.0),),
+    )
+    lid = ShapePart(name="lid", label="door", parent="body", primitives=(plate, *ears), motion=swing)
+    return seat, lid
+
+
+def _draw_cistern(
+    rng: np.random.Generator, style: str, front: float, back: float, width: float, height: float
+) -> Drawn:
+    """A tank with a lid on the block behind the bowl, and a lever on its front or buttons on top."""
+    buttons = style == "skirted" or rng.random() < 0.4
+    lid = 0.03
+    top = height - (0.0012 + PRESS + 0.006 if buttons else 0.0)
+    low = RIM if style == "skirted" else RIM + 0.012
+    half = width / 2
+    tank = Space(x=(front + 0.008, back), y=(-half + 0.008, half - 0.008), z=(low, top - lid))
+    pieces = [*build_tub(tank, 0.014, "body")]
+    pieces.append(rounded_box((front, -half, top - lid), (back, half, top), 0.005, "body"))
+    if low > RIM:
+        pieces.append(cylinder((front + 0.08, 0.0, RIM), (front + 0.08, 0.0, low), 0.055, "body"))
+    middle = (front + back) / 2
+    if buttons:
+        apart = 0.021
+        parts = [
+            make_button(
+                (middle, y, top),
+                (0.038, 0.038, 0.006),
+                name=name,
+                parent="body",
+                finish="handle",
+                out=(0.0, 0.0, 1.0),
+            )
+            for name, y in (("flush", apart), ("small_flush", -apart))
+        ]
+        return pieces, parts
+    at = (front + 0.008, half - 0.07, top - lid - 0.05)
+    lever = make_cross_handle(
+        at,
+        (-1.0, 0.0, 0.0),
+        (0.0, -1.0, 0.0),
+        name="flush",
+        parent="body",
+        reach=0.085,
+        height=0.026,
+        finish="handle",
+        arms=1,
+        upper=float(np.radians(35.0)),
+    )
+    return pieces, [lever]
+
+
+def _draw_wall(front: float, back: float, width: float, height: float) -> Drawn:
+    """A piece of wall with a plate of two buttons."""
+    level = height - 0.16
+    wall = box((front, -width / 2, 0.0), (back, width / 2, height), "wall")
+    plate = box((front - 0.006, -0.123, level - 0.082), (front, 0.123, level + 0.082), "panel")
+    parts = [
+        make_button((front - 0.006, y, level), (wide, 0.12, 0.006), name=name, parent="body", finish="panel")
+        for name, y, wide in (("flush", 0.038, 0.13), ("small_flush", -0.071, 0.08))
+    ]
+    return [wall, plate], parts

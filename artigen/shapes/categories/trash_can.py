@@ -1,0 +1,337 @@
+"""TrashCan: bins with a pedal, with a lid, with a flap below a hood, for sorting, and on two wheels.
+
+Sizes are those of catalogues: pedal bins of 5 to 40 l (0.2 to 0.34 m across, 0.28 to 0.68 m high), kitchen
+bins of up to 60 l; wheeled bins as EN 840-1 has them, from 80 l (0.45 m x 0.53 m x 0.94 m) to 240 l (0.58 m x
+0.74 m x 1.07 m).
+"""
+
+import numpy as np
+
+from artigen.shapes.appliances.assembly import Assembly
+from artigen.shapes.appliances.rings import build_ring
+from artigen.shapes.draw import Draft, Wish, choose, choose_style
+from artigen.shapes.fittings.feet import make_wheel
+from artigen.shapes.fittings.hardware import GAP, Range, slide
+from artigen.shapes.fittings.lids import Rectangle, build_vessel, hinge_lid, loft, shrink
+from artigen.shapes.primitives import SEGMENTS, Primitive, box, cylinder, polytope, prism, rounded_box
+from artigen.shapes.shape import Motion, Need, ShapePart
+from artigen.shapes.surfaces.finishes import Color, Finish
+from artigen.shapes.surfaces.materials import make_lacquer, make_metal, make_plastic
+from artigen.shapes.surfaces.palette import draw_palette
+
+CATEGORY = "TrashCan"
+STYLES = {"pedal": 3.0, "flip": 2.0, "flap": 1.6, "sorting": 1.4, "wheeled": 2.2}
+SIZES: dict[str, tuple[Range, Range, Range]] = {
+    "pedal": ((0.2, 0.34), (0.25, 0.4), (0.28, 0.68)),
+    "flip": ((0.24, 0.42), (0.2, 0.34), (0.32, 0.68)),
+    "flap": ((0.26, 0.42), (0.24, 0.36), (0.5, 0.8)),
+    "sorting": ((0.5, 0.8), (0.28, 0.38), (0.45, 0.7)),
+    "wheeled": ((0.45, 0.58), (0.53, 0.74), (0.93, 1.07)),
+}
+"""Width, depth and height (m)."""
+SHELL: tuple[Color, ...] = (
+    (0.90, 0.90, 0.89), (0.25, 0.26, 0.28), (0.13, 0.13, 0.14), (0.60, 0.61, 0.61),
+    (0.62, 0.20, 0.18), (0.30, 0.45, 0.58), (0.82, 0.76, 0.66), (0.55, 0.66, 0.58),
+)  # fmt: skip
+STREET: tuple[Color, ...] = ((0.14, 0.33, 0.20), (0.20, 0.21, 0.22), (0.15, 0.26, 0.44), (0.33, 0.23, 0.16))
+SORTED: tuple[Color, ...] = ((0.22, 0.42, 0.66), (0.86, 0.72, 0.20), (0.28, 0.52, 0.30), (0.45, 0.31, 0.20))
+"""Paper, packaging, glass and compost."""
+ROUND = 22
+"""Sides of a round bin."""
+SLENDER = 56
+"""Length of a wall over its thickness, at most."""
+PEDAL, HUB = 0.045, 0.012
+"""How far (m) a pedal stands out in front, and a hinge behind."""
+WALL = 0.008
+"""Thickness (m) of moulded walls."""
+
+
+def draw(rng: np.random.Generator, wish: Wish) -> Draft:
+    """A bin that meets the wish."""
+    style = choose_style(rng, CATEGORY, STYLES, wish.style)
+    width, depth, height = (
+        choose(rng, *span, wished)
+        for span, wished in zip(SIZES[style], (wish.width, wish.depth, wish.height), strict=True)
+    )
+    slender = float(rng.uniform(0.5, 0.8))
+    if style in ("pedal", "flip") and wish.width is None:
+        width = max(min(width, slender * height), 0.42 * height)
+    if (
+        style == "pedal" and wish.depth is None and rng.random() < 0.7
+    ):  # round: as deep as wide, and the pedal
+        depth = width + HUB + PEDAL
+    build = {
+        "pedal": _build_pedal_bin,
+        "flip": _build_flip_bin,
+        "flap": _build_flap_bin,
+        "sorting": _build_sorting_bin,
+        "wheeled": _build_wheeled_bin,
+    }[style]
+    built = build(rng, width, depth, height)
+    finishes = tuple(sorted(_draw_finishes(rng, style).items()))
+    return Draft(style=style, parts=built.close(), finishes=finishes)
+
+
+def _draw_finishes(rng: np.random.Generator, style: str) -> dict[str, Finish]:
+    """The shell, its lid, and what is within."""
+    seed = int(rng.integers(2**30))
+    colors = STREET if style == "wheeled" else SHELL
+    shell = make_plastic(colors[int(rng.integers(len(colors)))])
+    lids = [make_plastic(SORTED[int(k)]) for k in rng.permutation(len(SORTED))]
+    lid, metallic, dark = lids[0] if style == "wheeled" else shell, rng.random() < 0.6, rng.random() < 0.5
+    if style == "wheeled" and dark:
+        lid = shell
+    if style in ("flip", "flap") and dark:
+        lid = make_plastic((0.15, 0.15, 0.16))
+    if style == "pedal" or (style == "flap" and metallic):
+        paint = shell.color
+        shell = make_metal("steel", seed) if metallic else make_lacquer(paint, gloss=0.45)
+        lid = make_plastic((0.14, 0.14, 0.15)) if dark else shell
+    return draw_palette(rng, "appliance", "steel") | {
+        "body": shell,
+        "front": lid,
+        "bucket": make_plastic((0.17, 0.17, 0.18) if rng.random() < 0.7 else (0.75, 0.75, 0.74)),
+        "trim": make_plastic((0.14, 0.14, 0.15)),
+        **{f"lid_{k}": finish for k, finish in enumerate(lids)},
+    }
+
+
+def _build_pedal_bin(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
+    """A steel bin, round or not, with a lid on top, a pedal below and a bucket that is lifted out."""
+    thick, foot, under = float(rng.uniform(0.016, 0.024)), 0.05, 0.024
+    x = (PEDAL - depth / 2, depth / 2 - HUB)
+    y = (-width / 2, width / 2)
+    rim = height - thick - 0.012 - GAP
+    opened = float(np.radians(rng.uniform(96, 105)))
+    middle, radius = sum(x) / 2, min(x[1] - x[0], width) / 2
+    round_ = abs(x[1] - x[0] - width) < 1e-6
+    z = (foot, rim)
+    if round_:
+        y, x = (-radius, radius), (middle - radius, middle + radius)
+        wall = max(0.006, height / SLENDER)
+        radii = (radius * np.cos(np.pi / ROUND) - wall, radius)
+        walls = build_ring((middle, 0.0, 0.0), "z", z, (radii, radii), "body", sides=ROUND, lining="trim")
+        base: tuple[Primitive, ...] = (
+            cylinder((middle, 0, under), (middle, 0, foot + 0.001), radius - 0.006, "trim"),
+            cylinder((middle, 0, foot), (middle, 0, foot + 0.008), radii[0] + 0.002, "trim"),
+        )
+        cover: tuple[Primitive, ...] = (
+            cylinder((middle, 0, rim + GAP), (middle, 0, rim + GAP + thick), radius, "front"),
+            prism(
+                _circle(radius * 0.96),
+                (middle, 0, rim + GAP + thick),
+                (middle, 0, height),
+                "front",
+                taper=0.7,
+            ),
+        )
+        ring = ((radii[0] - 0.010) * np.cos(np.pi / SEGMENTS) - wall, radii[0] - 0.010)
+        pail: tuple[Primitive, ...] = (
+            *build_ring((middle, 0, 0), "z", (foot + 0.0105, rim - 0.012), (ring, ring), "bucket"),
+            cylinder((middle, 0, foot + 0.0105), (middle, 0, foot + 0.0175), ring[0] + 0.003, "bucket"),
+        )
+    else:
+        walls = build_vessel((x, y), (x, y), (foot, rim), WALL, "body", lining="trim")
+        base = (box((x[0] + 0.004, y[0] + 0.004, under), (x[1] - 0.004, y[1] - 0.004, foot), "trim"),)
+        slab = rounded_box((x[0], y[0], rim + GAP), (x[1], y[1], rim + GAP + thick), 0.004, "front")
+        outline = shrink((x, y), 0.005)
+        cover = (slab, loft(outline, shrink(outline, 0.03), (rim + GAP + thick, height), "front"))
+        inside = shrink((x, y), WALL + 0.010)
+        pail = build_vessel(inside, inside, (foot + WALL + 0.004, rim - 0.012), 0.006, "bucket")
+    pivot = x[1] + HUB
+    tab = box((x[1] - 0.02, -0.25 * width, rim + GAP), (pivot, 0.25 * width, rim + GAP + 0.012), "front")
+    knuckle = box((x[1] - 0.01, -0.28 * width, rim - 0.05), (pivot, 0.28 * width, rim), "trim")
+    toe = 0.12 * radius
+    feet = [
+        box((a - toe, b - toe, 0.0), (a + toe, b + toe, under), "trim")
+        for a in (middle - 0.5 * radius, middle + 0.5 * radius)
+        for b in (-0.62 * radius, 0.62 * radius)
+    ]
+    lid = ShapePart(
+        name="lid", label="door", parent="body", primitives=(*cover, tab),
+        motion=hinge_lid((x[0], pivot), y, rim + GAP, opened),
+    )  # fmt: skip
+    parts = [lid, _make_pedal(x[0] - PEDAL, x[0] + 0.05, width, under)]
+    if rng.random() < 0.8:
+        lift = slide(0.75 * (rim - foot), (0.0, 0.0, 1.0))
+        needs = (Need(part="lid"),)
+        parts.append(
+            ShapePart(name="bucket", label="tray", parent="body", primitives=pail, motion=lift, needs=needs)
+        )
+    return Assembly(pieces=(*walls, *base, knuckle, *feet), parts=tuple(parts))
+
+
+def _make_pedal(tip: float, pivot: float, width: float, under: float) -> ShapePart:
+    """A lever that runs out below the front and gives way by a centimetre; it hangs just below ``under``."""
+    top = under - 0.0015
+    half = min(0.045, 0.17 * width)
+    solids = (
+        box((tip + 0.03, -0.4 * half, top - 0.006), (pivot, 0.4 * half, top), "steel"),
+        rounded_box((tip, -half, top - 0.008), (tip + 0.034, half, top), 0.002, "steel"),
+    )
+    drop = float((top - 0.011) / (pivot - tip))
+    turn = Motion(type="revolute", axis=(0.0, -1.0, 0.0), origin=(pivot, 0.0, top), upper=min(drop, 0.2))
+    return ShapePart(name="pedal", label="knob", parent="body", primitives=solids, motion=turn)
+
+
+def _circle(radius: float, sides: int = SEGMENTS) -> np.ndarray:
+    turns = (np.arange(sides) + 0.5) * 2 * np.pi / sides
+    return radius * np.column_stack([np.cos(turns), np.sin(turns)])
+
+
+def _build_flip_bin(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
+    """A moulded bin that narrows downwards, and a lid with a lip."""
+    lip, rise = 0.014, float(rng.uniform(0.014, 0.03))
+    x, y = (lip - depth / 2, depth / 2), (-width / 2, width / 2)
+    rim = height - rise - 0.012 - GAP
+    taper = float(rng.uniform(0.0, 0.14)) * min(width, depth)
+    walls = build_vessel(shrink((x, y), taper / 2), (x, y), (0.0, rim), WALL, "body")
+    low = rim + GAP
+    slab = rounded_box((x[0], y[0], low), (x[1], y[1], low + 0.012), 0.003, "front")
+    grip = box((x[0] - lip, -0.2 * width, low), (x[0] + 0.01, 0.2 * width, low + 0.012), "front")
+    outline = shrink((x, y), 0.006)
+    crown = loft(outline, shrink(outline, float(rng.uniform(0.02, 0.07))), (low + 0.012, height), "front")
+    motion = hinge_lid(x, y, low, float(np.radians(rng.uniform(80, 105))))
+    lid = ShapePart(name="lid", label="door", parent="body", primitives=(slab, grip, crown), motion=motion)
+    return Assembly(pieces=walls, parts=(lid,))
+
+
+def _build_flap_bin(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
+    """A bin below a hood with a flap in its slope, hinged at its upper edge."""
+    x, y = (-depth / 2, depth / 2), (-width / 2, width / 2)
+    rim, wall = height - float(rng.uniform(0.5, 0.62)) * depth, 0.01
+    taper = float(rng.uniform(0.0, 0.12)) * min(width, depth)
+    walls = build_vessel(shrink((x, y), taper / 2), (x, y), (0.0, rim), wall, "body")
+    front, top = x[0] + 0.02, x[0] + float(rng.uniform(0.55, 0.7)) * depth  # the slope begins and ends
+    eaves = rim + 0.03
+    cheek = np.array([(rim, x[0]), (eaves, front - 0.012), (height, top), (height, x[1]), (rim, x[1])])
+    hood = [prism(cheek, (0, a, 0), (0, a + wall, 0), "front") for a in (y[0], y[1] - wall)]
+    inner = (y[0] + wall, y[1] - wall)
+    hood += [
+        box((x[1] - wall, inner[0], rim), (x[1], inner[1], height), "front"),
+        box((top, inner[0], height - wall), (x[1] - wall, inner[1], height), "front"),
+        box((x[0], inner[0], rim), (x[0] + wall, inner[1], eaves - 0.012), "front"),
+    ]
+    flap = _make_flap((front - 0.012, eaves), (top, height), (inner[0] + GAP, inner[1] - GAP))
+    return Assembly(pieces=(*walls, *hood), parts=(flap,))
+
+
+def _make_flap(low: tuple[float, float], high: tuple[float, float], y: Range) -> ShapePart:
+    """A plate in the slope from one (x, z) up to another, a lip at its lower edge; the hinge is above."""
+    thick, gap = 0.008, 0.006
+    start, way = np.array(low), np.array(high) - np.array(low)
+    length = float(np.hypot(*way))
+    along = way / length
+    out = np.array([-along[1], along[0]])
+    top = length - thick - gap  # its inner edge swings as far as it is thick
+
+    def plate(run: Range, rise: Range, across: Range) -> Primitive:
+        flat = [start + s * along + t * out for s in run for t in rise]
+        return polytope(np.array([(x, b, z) for x, z in flat for b in across]), "front")
+
+    middle, half = (y[0] + y[1]) / 2, 0.22 * (y[1] - y[0])
+    solids = (
+        plate((gap, top), (-thick, 0.0), y),
+        plate((gap, gap + 0.014), (0.0, 0.014), (middle - half, middle + half)),
+    )
+    x, z = (start + top * along).tolist()
+    turn = Motion(type="revolute", axis=(0.0, 1.0, 0.0), origin=(x, middle, z), upper=float(np.radians(80)))
+    return ShapePart(name="flap", label="door", parent="body", primitives=solids, motion=turn)
+
+
+def _build_sorting_bin(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
+    """Compartments side by side, each with a bucket and a lid in the colour of what goes in."""
+    count = int(np.clip(round(width / float(rng.uniform(0.2, 0.28))), 2, 4))
+    lip, thick = 0.014, 0.018
+    x, y = (lip - depth / 2, depth / 2), (-width / 2, width / 2)
+    rim = height - thick - GAP
+    pieces = list(build_vessel((x, y), (x, y), (0.0, rim), WALL, "body"))
+    pitch = width / count
+    parts: list[ShapePart] = []
+    for k in range(count):
+        left = y[1] - k * pitch
+        if k:
+            span = (left - WALL / 2, left + WALL / 2)
+            pieces.append(box((x[0] + WALL, span[0], WALL), (x[1] - WALL, span[1], rim), "body"))
+        own = (left - pitch + 0.0015, left - 0.0015)
+        low, middle = rim + GAP, (own[0] + own[1]) / 2
+        slab = rounded_box((x[0], own[0], low), (x[1], own[1], height), 0.004, f"lid_{k}")
+        grip = box(
+            (x[0] - lip, middle - 0.25 * pitch, low), (x[0], middle + 0.25 * pitch, low + 0.012), f"lid_{k}"
+        )
+        motion = hinge_lid(x, own, low, float(np.radians(98)))
+        parts.append(
+            ShapePart(name=f"lid_{k}", label="door", parent="body", primitives=(slab, grip), motion=motion)
+        )
+        sign = (x[0] - 0.003, middle - 0.055, 0.66 * rim), (x[0], middle + 0.055, 0.66 * rim + 0.09)
+        pieces.append(box(*sign, f"lid_{k}"))
+        room = (
+            x,
+            (left - pitch + (0.0 if k == count - 1 else -WALL / 2), left + (0.0 if k == 0 else WALL / 2)),
+        )
+        inside = shrink(room, WALL + 0.010)
+        pail = build_vessel(inside, inside, (WALL + GAP, rim - 0.015), 0.006, "bucket")
+        lift, needs = slide(0.7 * rim, (0.0, 0.0, 1.0)), (Need(part=f"lid_{k}"),)
+        parts.append(
+            ShapePart(
+                name=f"bucket_{k}", label="tray", parent="body", primitives=pail, motion=lift, needs=needs
+            )
+        )
+    return Assembly(pieces=tuple(pieces), parts=tuple(parts))
+
+
+def _build_wheeled_bin(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
+    """A bin of EN 840: it narrows downwards, rolls on two wheels behind and is pushed by a bar at its rim."""
+    bar, lip, wall = 0.05, 0.016, 0.010
+    x, y = (lip - depth / 2, depth / 2 - bar), (-width / 2, width / 2)
+    rise = float(rng.uniform(0.035, 0.06))
+    rim = height - rise - GAP
+    radius, tread = float(rng.uniform(0.085, 0.1)), 0.045
+    bottom = (x[0] + 0.12 * depth, x[1] - 0.1 * depth), shrink((x, y), 0.07)[1]
+    pieces = list(build_vessel(bottom, (x, y), (0.0, rim), wall, "body"))
+    pieces += _build_collar((x, y), rim)
+    pivot = x[1] + 0.012
+    pieces += [
+        box((x[1] - 0.02, a - 0.02, rim - 0.05), (x[1] + bar - 0.01, a + 0.02, rim - 0.02), "body")
+        for a in (-0.3 * width, 0.3 * width)
+    ]
+    grip = cylinder(
+        (x[1] + bar - 0.014, -0.36 * width, rim - 0.035),
+        (x[1] + bar - 0.014, 0.36 * width, rim - 0.035),
+        0.014,
+        "trim",
+    )
+    handle = ShapePart(name="handle", label="handle", parent="body", primitives=(grip,))
+    low, crest = rim + GAP, rim + GAP + 0.45 * rise
+    brim = loft((x, y), shrink((x, y), 0.004), (low, crest), "front")
+    crown = loft(shrink((x, y), 0.012), shrink((x, y), 0.09), (crest, height), "front")
+    hinges = box((x[1] - 0.02, -0.3 * width, low), (pivot, 0.3 * width, low + 0.012), "front")
+    lips = [
+        box((x[0] - lip, a - 0.06, low), (x[0] + 0.01, a + 0.06, low + 0.014), "front")
+        for a in (-0.28 * width, 0.28 * width)
+    ]
+    lid = ShapePart(
+        name="lid", label="door", parent="body", primitives=(brim, crown, hinges, *lips),
+        motion=hinge_lid((x[0], pivot), y, low, float(np.radians(rng.uniform(82, 90)))),
+    )  # fmt: skip
+    axle_x, level = bottom[0][1] - 0.3 * radius, radius * float(np.cos(np.pi / SEGMENTS))
+    spread = (y[1] - bottom[1][1]) * (2 * radius / rim)  # how far the sides lean out over the wheels
+    parts: list[ShapePart] = [lid, handle]
+    for index, side in enumerate((-1.0, 1.0)):
+        face = bottom[1][1] + spread + GAP + 0.002
+        at = side * (face + tread / 2)
+        parts.append(make_wheel(f"wheel_{index}", "body", (axle_x, at, level), tread))
+        stub = [(axle_x, side * s, level) for s in (bottom[1][1] - wall, face - 0.003)]
+        pieces.append(cylinder(stub[0], stub[1], 0.018, "steel"))
+    return Assembly(pieces=tuple(pieces), parts=tuple(parts))
+
+
+def _build_collar(outline: Rectangle, rim: float) -> list[Primitive]:
+    """A rib around the upper edge."""
+    (x0, x1), (y0, y1) = outline
+    low = rim - 0.03
+    return [
+        box((x0, y0, low), (x1, y0 + 0.012, rim), "body"),
+        box((x0, y1 - 0.012, low), (x1, y1, rim), "body"),
+        box((x0, y0 + 0.012, low), (x0 + 0.012, y1 - 0.012, rim), "body"),
+    ]

@@ -1,0 +1,124 @@
+"""Wardrobe: a tall cupboard for clothes, with a rail to hang them on, behind hinged or sliding doors.
+
+Clothes on hangers need 0.5 m of depth and 0.9 to 1.5 m of height below the rail; catalogues have wardrobes of
+1.75 to 2.3 m by 0.5 m per door, 0.5 to 0.66 m deep.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from artigen.shapes.draw import CrowdedError, Draft, Wish, choose, choose_style
+from artigen.shapes.fittings.hardware import ROOM, Space
+from artigen.shapes.furniture.carcass import fits_engines, open_carcass
+from artigen.shapes.furniture.case import BODY, CasePlan, Size, build_case, draw_plan, place_case
+from artigen.shapes.furniture.furniture_kinds import STYLES, Kind
+from artigen.shapes.furniture.interior import furnish_interior
+from artigen.shapes.furniture.splits import Cell, Node, Split, Taste
+from artigen.shapes.shape import ShapePart
+from artigen.shapes.surfaces.finishes import Finish
+from artigen.shapes.surfaces.palette import draw_palette
+
+CATEGORY = "Wardrobe"
+LOOKS = {"flat": 3.0, "shaker": 2.2, "country": 1.0, "louvre": 0.8, "mirrored": 1.4, "sliding": 2.4}
+"""Styles and how often they are sold."""
+MAX_LAYOUTS = 100
+DOOR = 0.5
+"""Usual width (m) of a door."""
+BACK = 0.014
+"""Thickness (m) of the back: as thin as engines take it at this height."""
+KIND = Kind(
+    weight=1,
+    width=(0.5, 2.2),
+    depth=(0.5, 0.66),
+    height=(1.75, 2.3),
+    stands=(("plinth", 2), ("toe_kick", 1.5), ("floor", 1), ("legs", 1)),
+    taste=Taste(),
+)
+MIRROR = Finish(kind="glass", color=(0.74, 0.79, 0.81), accent=(0.80, 0.85, 0.87), period=0.5, gloss=0.95)
+
+
+def draw(rng: np.random.Generator, wish: Wish) -> Draft:
+    """A wardrobe that meets the wish."""
+    style = choose_style(rng, CATEGORY, LOOKS, wish.style)
+    slides = style == "sliding"
+    doors = int(
+        rng.choice((2, 2, 3, 4) if slides else (1, 2, 2, 3) if style == "louvre" else (1, 2, 2, 3, 4))
+    )
+    width = choose(rng, 0.44 * doors, 0.56 * doors, wish.width)
+    if slides and wish.width is None:
+        width = max(1.2, width)
+    size = (width, choose(rng, *KIND.depth, wish.depth), choose(rng, *KIND.height, wish.height))
+    doors = max(1, round(width / DOOR))
+    finishes = draw_palette(rng, "furniture", style) | {"mirror": MIRROR}
+    look = STYLES[{"mirrored": "framed_glass", "sliding": "flat"}.get(style, style)]
+    mirrored = style == "mirrored" or (slides and bool(rng.random() < 0.5))
+    for _ in range(MAX_LAYOUTS):
+        plan = draw_plan(rng, KIND, replace(look, frame=0.0 if slides else 0.5 * look.frame), size)
+        fronts = replace(plan.looks.doors, style="framed_glass", glass="mirror")
+        carcass = replace(plan.looks.carcass, back=BACK, recess=0.0)
+        doors_look = fronts if mirrored else plan.looks.doors
+        plan = replace(plan, looks=replace(plan.looks, doors=doors_look, carcass=carcass, lock=False))
+        if slides:
+            parts = _build_sliding(rng, plan, size)
+        else:
+            parts = build_case(plan, _draw_hinged(rng, doors, size), size)
+        if fits_engines(parts):
+            return Draft(style=style, parts=parts, finishes=tuple(sorted(finishes.items())))
+    raise CrowdedError(
+        f"{CATEGORY}: none of {MAX_LAYOUTS} layouts of {size} m (width, depth, height) keeps within what "
+        "engines hold; wish for a smaller one"
+    )
+
+
+def _draw_hinged(rng: np.random.Generator, doors: int, size: Size) -> Node:
+    """Tall doors, single and in pairs, at times above drawers or below lockers."""
+    height = size[2]
+    pairs = doors // 2 if rng.random() < 0.75 else max(doors // 2 - 1, 0)
+    widths = [2] * pairs + [1] * (doors - 2 * pairs)
+    rng.shuffle(widths)
+    low = float(rng.uniform(0.18, 0.3)) * int(rng.choice((1, 1, 2))) if rng.random() < 0.45 else 0.0
+    low = low if height - low > 1.3 else 0.0
+    high = float(rng.uniform(0.35, 0.45)) if height > 2.1 and not low and rng.random() < 0.35 else 0.0
+    inside = ["rod"] + ["shelves" if rng.random() < 0.4 else "rod" for _ in widths[1:]]
+    rng.shuffle(inside)
+    columns: list[Node] = []
+    for index, (wide, held) in enumerate(zip(widths, inside, strict=True)):
+        edge = "left" if index < len(widths) / 2 else "right"
+        fill = "double" if wide == 2 else "door"
+        count = 1 if held == "rod" else int(rng.integers(3, 6))
+        tall = Cell(fill=fill, edge=edge, inside="rod" if held == "rod" else "shelves", count=count)
+        if low:
+            drawer = Cell(fill="drawer")
+            drawers = (drawer, drawer) if low > 0.3 else (drawer,)
+            below = (low / len(drawers),) * len(drawers)
+            column = Split(along="rows", shares=(height - low, *below), children=(tall, *drawers))
+        elif high:
+            column = Split(
+                along="rows", shares=(high, height - high), children=(Cell(fill=fill, edge=edge), tall)
+            )
+        else:
+            column = tall
+        columns.append(column)
+    if len(columns) == 1:
+        return columns[0]
+    return Split(along="columns", shares=tuple(float(wide) for wide in widths), children=tuple(columns))
+
+
+def _build_sliding(rng: np.random.Generator, plan: CasePlan, size: Size) -> tuple[ShapePart, ...]:
+    """Two doors that pass each other, and behind them a rail beside shelves."""
+    parts = build_case(plan, Cell(fill="slide"), size)
+    rail = Cell(fill="open", inside="rod", count=1)
+    shelves = Cell(fill="open", inside="shelves", count=int(rng.integers(3, 6)))
+    share = float(rng.uniform(0.5, 0.65))
+    pair, shares = (rail, shelves), (share, 1 - share)
+    if rng.random() < 0.5:
+        pair, shares = pair[::-1], shares[::-1]
+    node = Split(along="columns", shares=shares, children=pair)
+    outer, design = place_case(plan, size), plan.looks.carcass
+    y, z = open_carcass(outer, design)
+    tracks = 2 * plan.looks.thickness + ROOM + 0.012
+    space = Space(x=(outer.x[0] + tracks, outer.x[1] - design.back - design.recess), y=y, z=z)
+    inside = furnish_interior(space, node, plan.looks, parent=BODY)
+    body = replace(parts[0], primitives=(*parts[0].primitives, *inside.primitives))
+    return (body, *parts[1:], *inside.parts)

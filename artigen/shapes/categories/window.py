@@ -1,0 +1,257 @@
+"""Window: casements that a turned handle sets free, sashes that slide up, panes that slide sideways.
+
+Profiles of 70 to 80 mm as in DIN 68121 (IV 68, IV 78), insulating glass of 24 mm, handles that turn by 90
+degrees. What opens is held by its handle, by a cam on the meeting rail, or by a bolt.
+"""
+
+import numpy as np
+
+from artigen.shapes.appliances.cavity import build_frame
+from artigen.shapes.draw import Draft, Wish, choose_size, choose_style
+from artigen.shapes.fittings.handles import HandleDesign, make_handle
+from artigen.shapes.fittings.hardware import GAP, Panel, Range, Space, fill_space, slide
+from artigen.shapes.fittings.hinges import Leaf, build_astragal, fit_hinges, hang_leaves
+from artigen.shapes.fittings.latches import (
+    RELEASED,
+    THROW,
+    Latch,
+    build_keep,
+    build_latch_stile,
+    build_tongue,
+    make_bolt,
+)
+from artigen.shapes.fittings.levers import LeverDesign, build_lever, design_lever
+from artigen.shapes.primitives import Primitive, box, cylinder
+from artigen.shapes.shape import Motion, Need, ShapePart
+from artigen.shapes.surfaces.palette import draw_palette
+
+CATEGORY = "Window"
+STYLES = {"casement": 0.5, "sash": 0.3, "sliding": 0.2}
+PALETTES = ("white", "white", "white", "oak", "walnut", "anthracite", "pine", "sage")
+SIZES: dict[str, tuple[Range, Range]] = {
+    "casement": ((0.6, 1.5), (0.75, 1.45)),
+    "sash": ((0.62, 1.0), (1.1, 1.65)),
+    "sliding": ((1.2, 1.8), (0.8, 1.25)),
+}
+"""Width and height."""
+PROFILE, SILL, OVERHANG = 0.055, 0.024, 0.03
+LEAF = 0.056
+"""Thickness of a casement's leaf."""
+SASH, APART, RAIL, STOP = 0.036, 0.008, 0.048, 0.012
+"""Of sashes that slide: their thickness, the gap between their tracks, their rails, the stops beside them."""
+PANE = 0.024
+Drawn = tuple[list[Primitive], list[ShapePart]]
+"""Pieces of the frame, and the parts that move."""
+TWO_LEAVES = 1.12
+"""Width from which a casement window has two leaves."""
+
+
+def draw(rng: np.random.Generator, wish: Wish) -> Draft:
+    """Draws a window on its sill."""
+    style = choose_style(rng, CATEGORY, STYLES, wish.style)
+    wide, tall = SIZES[style]
+    width, depth, height = choose_size(rng, CATEGORY, wish, width=wide, depth=(0.19, 0.28), height=tall)
+    deep = 0.084 if style == "casement" else STOP + SASH + APART + SASH + STOP
+    x = (depth / 2 - deep, depth / 2)
+    y = (OVERHANG - width / 2, width / 2 - OVERHANG)
+    inner = Space(x=x, y=(y[0] + PROFILE, y[1] - PROFILE), z=(SILL + PROFILE, height - PROFILE))
+    sill = box((-depth / 2, -width / 2, 0.0), (depth / 2, width / 2, SILL), "top")
+    bars = int(rng.integers(3)) if rng.random() < 0.4 else 0
+    draw_kind = {"casement": _draw_casement, "sash": _draw_sashes, "sliding": _draw_sliding}[style]
+    pieces, parts = draw_kind(rng, inner, bars)
+    base = ShapePart(name="frame", label="base", parent=None, primitives=(sill, *pieces))
+    finishes = draw_palette(rng, "furniture", PALETTES[int(rng.integers(len(PALETTES)))])
+    finishes["top"] = finishes["top"] if finishes["top"].kind == "stone" else finishes["front"]
+    return Draft(style=style, parts=(base, *parts), finishes=tuple(sorted(finishes.items())))
+
+
+def _outline(inner: Space) -> tuple[Range, Range]:
+    """The frame's outer edges (y, z)."""
+    return (inner.y[0] - PROFILE, inner.y[1] + PROFILE), (inner.z[0] - PROFILE, inner.z[1] + PROFILE)
+
+
+def _glaze(x: Range, y: Range, z: Range, bars: int) -> list[Primitive]:
+    """A pane, with so many bars across and one upright where there are bars."""
+    middle, half = sum(x) / 2, min(PANE, 0.6 * (x[1] - x[0])) / 2
+    pieces = [box((middle - half, y[0], z[0]), (middle + half, y[1], z[1]), "glass")]
+    out = (middle - half - 0.006, middle + half + 0.006)
+    for k in range(bars):
+        at = z[0] + (k + 1) * (z[1] - z[0]) / (bars + 1)
+        pieces.append(box((out[0], y[0], at - 0.012), (out[1], y[1], at + 0.012), "front"))
+    if bars:
+        at = sum(y) / 2
+        pieces.append(box((out[0], at - 0.012, z[0]), (out[1], at + 0.012, z[1]), "front"))
+    return pieces
+
+
+def _draw_casement(rng: np.random.Generator, inner: Space, bars: int) -> Drawn:
+    """One leaf, or two that meet; the handle of the first turns a tongue out of its keep."""
+    count = 2 if inner.width > TWO_LEAVES - 2 * (PROFILE + OVERHANG) else 1
+    lever = design_lever(rng, (0.105, 0.125), 0.052)
+    lever = LeverDesign(kind=lever.kind, length=lever.length, reach=lever.reach, thickness=0.016, rose=0.02)
+    leaves = hang_leaves(inner, LEAF, count=count, hand=1 if rng.random() < 0.5 else -1, sill=0.004)
+    first, level = leaves[0], inner.z[0] + 0.45 * inner.height
+    latch = Latch(x=first.x, edge=first.edge, side=first.side, level=level, backset=0.034, lift=-1)
+    (low, high), (bottom, top) = _outline(inner)
+    frame = [
+        box((inner.x[0], low, a), (inner.x[1], high, b), "body")
+        for a, b in ((bottom, inner.z[0]), (inner.z[1], top))
+    ]
+    for side, span in ((-1, (low, inner.y[0])), (1, (inner.y[1], high))):
+        jamb = Space(x=inner.x, y=span, z=inner.z)
+        frame += (
+            build_keep(latch, jamb, "body")
+            if count == 1 and side == latch.side
+            else [fill_space(jamb, "body")]
+        )
+    back = (inner.x[0] + LEAF + 0.003, inner.x[1])
+    hole = (inner.y[0] + STOP, inner.y[1] - STOP), (inner.z[0] + STOP, inner.z[1] - STOP)
+    frame += build_frame(back, (inner.y, inner.z), hole, "body")
+    parts: list[ShapePart] = []
+    for index, leaf in enumerate(leaves):
+        levels = (leaf.z[0] + 0.13, leaf.z[1] - 0.13)
+        on_leaf, on_frame = fit_hinges(leaf, levels, "handle", length=0.07, straps=(0.025, 0.02))
+        frame += on_frame
+        pieces = [*_build_leaf(leaf, latch, bars), *on_leaf]
+        needs = ("handle",) if index == 0 else ("leaf", "bolt")
+        if count == 2 and index == 0:
+            pieces += build_astragal(leaf, "front", cover=0.02, inset=0.011)
+        if index == 1:
+            at = (leaf.x[0], leaf.edge - leaf.side * 0.046, inner.z[1] + 0.004)
+            bolt, guides, staple = make_bolt(
+                at, 0.0, name="bolt", parent="leaf_1", finish="handle", length=0.11
+            )
+            parts.append(bolt)
+            pieces, frame = [*pieces, *guides], [*frame, *staple]
+        parts.append(
+            ShapePart(
+                name=("leaf", "leaf_1")[index],
+                label="door",
+                parent="frame",
+                primitives=tuple(pieces),
+                motion=leaf.swing(float(np.radians(rng.uniform(90.0, 105.0)))),
+                needs=tuple(Need(part=name, fraction=RELEASED) for name in needs),
+            )
+        )
+    return frame, [*parts, _make_turn_handle(latch, lever)]
+
+
+def _build_leaf(leaf: Leaf, latch: Latch, bars: int) -> list[Primitive]:
+    """Stiles and rails around a pane; the lock stile holds the latch, or its keep."""
+    (x0, x1), (z0, z1), wide = leaf.x, leaf.z, 0.078
+    hung, field, lock = leaf.stiles(wide)
+    if leaf.edge == latch.edge:
+        pieces = list(build_latch_stile(latch, lock, leaf.z, "front", through=False))
+    else:
+        pieces = list(build_keep(latch, Space(x=leaf.x, y=lock, z=leaf.z), "front"))
+    z = (z0 + wide, z1 - wide)
+    pieces.append(box((x0, hung[0], z0), (x1, hung[1], z1), "front"))
+    pieces += [box((x0, field[0], a), (x1, field[1], b), "front") for a, b in ((z0, z[0]), (z[1], z1))]
+    return pieces + _glaze(leaf.x, field, z, bars)
+
+
+def _make_turn_handle(latch: Latch, design: LeverDesign) -> ShapePart:
+    """A handle that points down, and turns level to open."""
+    (y, z) = latch.axis
+    lever = build_lever(design, (latch.x[0], y, z), out=-1.0, along=(0.0, -1.0))
+    motion = Motion(type="revolute", axis=(-latch.side, 0.0, 0.0), origin=(latch.x[0], y, z), upper=np.pi / 2)
+    pieces = (*lever, *build_tongue(latch, "steel", through=False))
+    return ShapePart(name="handle", label="knob", parent="leaf", primitives=pieces, motion=motion)
+
+
+def _build_tracks(inner: Space, *, upright: bool) -> list[Primitive]:
+    """A frame with stops before, between and behind two tracks: at its sides, or above and below."""
+    x, outline = inner.x, _outline(inner)
+    pieces = list(build_frame(x, outline, (inner.y, inner.z), "body"))
+    middle = x[0] + STOP + SASH
+    slots = ((x[0], x[0] + STOP), (middle + 0.002, middle + APART - 0.002), (x[1] - STOP, x[1]))
+    for low, high in slots:
+        spans = inner.y if upright else inner.z
+        for at in ((spans[0], spans[0] + STOP), (spans[1] - STOP, spans[1])):
+            y, z = (at, inner.z) if upright else (inner.y, at)
+            pieces.append(box((low, y[0], z[0]), (high, y[1], z[1]), "body"))
+    return pieces
+
+
+def _build_sash(x: Range, y: Range, z: Range, rails: tuple[float, float], bars: int) -> list[Primitive]:
+    """Stiles, a lower and an upper rail of given heights, and the pane."""
+    hole = (y[0] + RAIL, y[1] - RAIL), (z[0] + rails[0], z[1] - rails[1])
+    return [*build_frame(x, (y, z), hole, "front"), *_glaze(x, *hole, bars)]
+
+
+def _draw_sashes(rng: np.random.Generator, inner: Space, bars: int) -> Drawn:
+    """A sash that slides up before a fixed one; a cam on its rail lies in a notch of the other one."""
+    front = (inner.x[0] + STOP, inner.x[0] + STOP + SASH)
+    back = (front[1] + APART, front[1] + APART + SASH)
+    y = (inner.y[0] + GAP, inner.y[1] - GAP)
+    low, high = inner.z
+    top = low + float(rng.uniform(0.46, 0.54)) * (high - low)
+    middle = sum(y) / 2
+    notch_y, notch_z, deep = (
+        (middle - 0.016, middle + 0.044),
+        (top + 0.001, top + 0.0175),
+        back[0] + THROW + 0.006,
+    )
+    rail, ledge = (top - RAIL, notch_z[0]), (notch_z[1], top + 0.034)
+    frame = _build_tracks(inner, upright=True)
+    frame += [box((back[0], inner.y[0], a), (back[1], inner.y[1], b), "front") for a, b in (rail, ledge)]
+    frame += [
+        box((back[0], a, notch_z[0]), (back[1], b, notch_z[1]), "front")
+        for a, b in ((inner.y[0], notch_y[0]), (notch_y[1], inner.y[1]))
+    ]
+    frame.append(box((deep, notch_y[0], notch_z[0]), (back[1], notch_y[1], notch_z[1]), "front"))
+    free = inner.y[0] + RAIL, inner.y[1] - RAIL
+    sides = ((inner.y[0], free[0], high), (free[1], inner.y[1], high))
+    frame += [box((back[0], a, ledge[1]), (back[1], b, c), "front") for a, b, c in sides]
+    frame.append(box((back[0], free[0], high - RAIL), (back[1], free[1], high), "front"))
+    frame += _glaze(back, free, (ledge[1], high - RAIL), bars)
+    sash = ShapePart(
+        name="sash",
+        label="door",
+        parent="frame",
+        primitives=tuple(_build_sash(front, y, (low + 0.002, top), (0.075, RAIL), bars)),
+        motion=slide(0.92 * (high - top - 0.024), (0.0, 0.0, 1.0)),
+        needs=(Need(part="cam", fraction=RELEASED),),
+    )
+    at, z = ((front[0] + front[1]) / 2, middle), top + 0.0055
+    cam = (
+        cylinder((*at, top + 0.0015), (*at, top + 0.019), 0.013, "handle"),
+        box((at[0], middle - 0.008, z), (back[0] + THROW, middle + 0.008, z + 0.008), "handle"),
+        box((at[0] - 0.045, middle - 0.006, z + 0.007), (at[0], middle + 0.006, z + 0.0135), "handle"),
+    )
+    turn = Motion(type="revolute", axis=(0.0, 0.0, 1.0), origin=(*at, top), upper=np.pi / 2)
+    lock = ShapePart(name="cam", label="knob", parent="sash", primitives=cam, motion=turn)
+    panel = Panel(x=front[0], thickness=SASH, y=y, z=(low, low + 0.075))
+    lift = HandleDesign(kind="pull", length=0.11, thickness=0.012)
+    grip = make_handle(panel, lift, name="lift", parent="sash", upright=False, at=(middle, low + 0.045))
+    return frame, [sash, lock, grip]
+
+
+def _draw_sliding(rng: np.random.Generator, inner: Space, bars: int) -> Drawn:
+    """A sash that slides before a fixed one; a bolt in the frame above holds it."""
+    front = (inner.x[0] + STOP, inner.x[0] + STOP + SASH)
+    back = (front[1] + APART, front[1] + APART + SASH)
+    z = (inner.z[0] + GAP, inner.z[1] - GAP)
+    middle, left = sum(inner.y) / 2, bool(rng.random() < 0.5)
+    over = RAIL / 2
+    y = (middle - over, inner.y[1] - GAP) if left else (inner.y[0] + GAP, middle + over)
+    rest = (inner.y[0], middle + over) if left else (middle - over, inner.y[1])
+    frame = _build_tracks(inner, upright=False)
+    frame += _build_sash(back, rest, inner.z, (RAIL, RAIL), bars)
+    stile = (y[1] - RAIL / 2) if left else (y[0] + RAIL / 2)
+    at = (front[0], stile, inner.z[1] - STOP)
+    bolt, guides, staple = make_bolt(at, STOP, name="bolt", parent="sash", finish="handle", length=0.11)
+    way = (0.0, -1.0 if left else 1.0, 0.0)
+    sash = ShapePart(
+        name="sash",
+        label="door",
+        parent="frame",
+        primitives=(*_build_sash(front, y, z, (RAIL, RAIL), bars), *guides),
+        motion=slide(0.92 * (inner.width - (y[1] - y[0])), way),
+        needs=(Need(part="bolt", fraction=RELEASED),),
+    )
+    panel = Panel(x=front[0], thickness=SASH, y=(stile - RAIL / 2, stile + RAIL / 2), z=z)
+    pull = HandleDesign(kind=("pull", "bar", "arch")[int(rng.integers(3))], length=0.15, thickness=0.013)
+    level = inner.z[0] + 0.45 * inner.height
+    grip = make_handle(panel, pull, name="pull", parent="sash", upright=True, at=(stile, level))
+    return [*frame, *staple], [sash, bolt, grip]

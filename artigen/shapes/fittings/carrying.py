@@ -1,0 +1,62 @@
+"""What luggage and tool boxes are carried and pulled by: grips on posts, rods that are drawn out."""
+
+from artigen.shapes.fittings.hardware import FINGER_ROOM, GAP, Range, slide
+from artigen.shapes.primitives import Primitive, Vector, box, rounded_box
+from artigen.shapes.shape import ShapePart
+
+ROD = 0.013
+"""Edge (m) of a rod that is drawn out."""
+CHANNEL = ROD + 2 * GAP
+"""Depth (m) of the channel in which such rods run."""
+
+
+def make_grip(
+    at: Vector, length: float, *, name: str, parent: str, finish: str = "handle", thick: float = 0.016
+) -> ShapePart:
+    """A grip along y on two posts on a face that looks up; it is `FINGER_ROOM` and its thickness high."""
+    x, y, z = at
+    low, half, deep = z + FINGER_ROOM, length / 2, 0.6 * thick
+    posts = [box((x - deep, a, z), (x + deep, a + thick, low), finish) for a in (y - half, y + half - thick)]
+    bar = rounded_box((x - deep, y - half, low), (x + deep, y + half, low + thick), 0.2 * thick, finish)
+    return ShapePart(name=name, label="handle", parent=parent, primitives=(bar, *posts))
+
+
+def make_pull_handle(
+    x: float, spread: float, z: Range, travel: float, *, parent: str, finish: str = "steel"
+) -> ShapePart:
+    """Two rods and a grip that are drawn up out of a channel which begins at ``x`` (m, its front face).
+
+    Args:
+        x: Front face of the channel; rods keep `GAP` from both faces.
+        spread: Distance of the rods.
+        z: Lower end of the rods, and upper side of the grip.
+        travel: How far they come out.
+        parent: What the channel belongs to.
+        finish: Of the rods.
+    """
+    front, half = x + GAP, spread / 2
+    rods: list[Primitive] = [
+        box((front, a - ROD / 2, z[0]), (front + ROD, a + ROD / 2, z[1] - 0.02), finish)
+        for a in (-half, half)
+    ]
+    grip = box((front, -half - ROD / 2, z[1] - 0.02), (front + ROD, half + ROD / 2, z[1]), "rubber")
+    return ShapePart(
+        name="pull_handle",
+        label="handle",
+        parent=parent,
+        primitives=(grip, *rods),
+        motion=slide(travel, (0.0, 0.0, 1.0)),
+    )
+
+
+def build_channel(
+    x: float, spread: float, z: Range, finish: str, *, wall: float = 0.006
+) -> tuple[Primitive, ...]:
+    """Cheeks and a cover behind a face at ``x`` that make a channel for `make_pull_handle`, open above."""
+    half = spread / 2 + ROD / 2 + GAP
+    back = x + CHANNEL
+    return (
+        box((x, -half - wall, z[0]), (back, -half, z[1]), finish),
+        box((x, half, z[0]), (back, half + wall, z[1]), finish),
+        box((back, -half - wall, z[0]), (back + wall, half + wall, z[1]), finish),
+    )

@@ -1,0 +1,124 @@
+"""Leaves of doors and windows between jambs, and their butt hinges: a barrel before the face of the leaf."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Literal
+
+from artigen.shapes.fittings.hardware import GAP, Range, Space, sweep_gap
+from artigen.shapes.primitives import Primitive, box, cylinder
+from artigen.shapes.shape import Motion
+
+BARREL = 0.0065
+"""Radius (m) of the barrel of a door hinge (DIN 18268: 13 to 16 mm across)."""
+AXIS = BARREL + 0.0015
+"""Distance (m) of the axis before the face: the barrel stays clear of the leaf that turns about it."""
+
+
+def build_butt_hinge(
+    at: tuple[float, float, float],
+    length: float,
+    side: Literal[-1, 1],
+    finish: str,
+    *,
+    straps: tuple[float, float] = (0.02, 0.02),
+) -> tuple[tuple[Primitive, ...], tuple[Primitive, ...]]:
+    """Two knuckles about an upright axis, each with a strap: what is on the leaf, and what is on the frame.
+
+    Args:
+        at: Middle of the hinge on its axis; leaf and frame have their faces `AXIS` behind it.
+        length: Of the barrel (m).
+        side: 1 where the frame is on the left (+y) of the axis, -1 where it is on the right.
+        finish: Surface.
+        straps: How far the straps lie on leaf and frame, from the axis (m).
+    """
+    x, y, z = at
+    half = length / 2
+    upper = cylinder((x, y, z + GAP / 2), (x, y, z + half), BARREL, finish)
+    lower = cylinder((x, y, z - half), (x, y, z - GAP / 2), BARREL, finish)
+    leaf, frame = sorted((y, y - side * straps[0])), sorted((y, y + side * straps[1]))
+    face = x + AXIS
+    on_leaf = box((face - 0.004, leaf[0], z + GAP / 2), (face, leaf[1], z + half), finish)
+    on_frame = box((face - 0.004, frame[0], z - half), (face, frame[1], z - GAP / 2), finish)
+    return (upper, on_leaf), (lower, on_frame)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Leaf:
+    """Where a leaf hangs between jambs: its faces and edges; ``side`` is the way (y) from hinges to lock."""
+
+    x: Range
+    y: Range
+    z: Range
+    side: Literal[-1, 1]
+
+    @property
+    def hung(self) -> float:
+        """The y of its hinged edge."""
+        return self.y[0] if self.side > 0 else self.y[1]
+
+    @property
+    def edge(self) -> float:
+        """The y of its edge with the lock."""
+        return self.y[1] if self.side > 0 else self.y[0]
+
+    def stiles(self, width: float) -> tuple[Range, Range, Range]:
+        """Ranges across (y): the stile that is hung, what lies between, the stile with the lock."""
+        low, high = (self.y[0], self.y[0] + width), (self.y[1] - width, self.y[1])
+        between = (low[1], high[0])
+        return (low, between, high) if self.side > 0 else (high, between, low)
+
+    def swing(self, upper: float) -> Motion:
+        """A hinge before the face that opens by ``upper`` radians towards the viewer."""
+        origin = (self.x[0] - AXIS, self.hung, self.z[0])
+        return Motion(type="revolute", axis=(0.0, 0.0, float(self.side)), origin=origin, upper=upper)
+
+
+def hang_leaves(
+    inner: Space, thick: float, *, count: int, hand: Literal[-1, 1], sill: float, head: float = 0.004
+) -> tuple[Leaf, ...]:
+    """One leaf, or two that meet in the middle, in a frame that is flush with its front.
+
+    Args:
+        inner: The free space within the frame.
+        thick: Of a leaf (m).
+        count: 1 or 2; the first of two is the one that has the lever.
+        hand: The way (y) from the hinges of the first leaf to its lock.
+        sill: Gap (m) below.
+        head: Gap (m) above.
+    """
+    x, z = (inner.x[0], inner.x[0] + thick), (inner.z[0] + sill, inner.z[1] - head)
+    (low, high), middle = inner.y, sum(inner.y) / 2
+    free = sweep_gap(inner.width / count, thick + AXIS)
+    if count == 1:
+        y = (low + GAP, high - free) if hand > 0 else (low + free, high - GAP)
+        return (Leaf(x=x, y=y, z=z, side=hand),)
+    right = Leaf(x=x, y=(low + GAP, middle - free / 2), z=z, side=1)
+    left = Leaf(x=x, y=(middle + free / 2, high - GAP), z=z, side=-1)
+    return (right, left) if hand > 0 else (left, right)
+
+
+def fit_hinges(
+    leaf: Leaf, levels: Iterable[float], finish: str, *, length: float = 0.1, straps: tuple[float, float]
+) -> tuple[list[Primitive], list[Primitive]]:
+    """Butt hinges at some heights (m): what is on the leaf, and what is on the frame."""
+    on_leaf: list[Primitive] = []
+    on_frame: list[Primitive] = []
+    for z in levels:
+        at = (leaf.x[0] - AXIS, leaf.hung, z)
+        moving, fixed = build_butt_hinge(at, length, -1 if leaf.side > 0 else 1, finish, straps=straps)
+        on_leaf += moving
+        on_frame += fixed
+    return on_leaf, on_frame
+
+
+def build_astragal(
+    leaf: Leaf, finish: str, *, cover: float = 0.022, inset: float = 0.018, thick: float = 0.012
+) -> tuple[Primitive, ...]:
+    """A strip on the leaf that opens first; it covers the gap, and holds the other leaf behind it."""
+    edge, x = leaf.edge, leaf.x[0]
+    low, high = sorted((edge - leaf.side * inset, edge))
+    over = sorted((edge - leaf.side * inset, edge + leaf.side * cover))
+    return (
+        box((x - GAP, low, leaf.z[0]), (x, high, leaf.z[1]), finish),
+        box((x - thick, over[0], leaf.z[0]), (x - GAP, over[1], leaf.z[1]), finish),
+    )

@@ -1,0 +1,155 @@
+"""Latches that hold leaves shut: a tongue on the spindle of a lever, and a bolt that slides.
+
+The tongue reaches out of the leaf's edge into its keep.
+
+With the lever at rest the tongue lies in the keep, and the leaf cannot move: in simulators too, as tongue and
+keep collide. Pressed down, the lever turns the tongue back into the pocket of the leaf. Lengths in metres;
+``edge`` is the y of the leaf's edge and ``side`` the way out of it, 1 or -1.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from artigen.shapes.appliances.cavity import build_frame
+from artigen.shapes.fittings.hardware import Range, Space, fill_space
+from artigen.shapes.primitives import Primitive, Vector, box, cylinder, polytope
+from artigen.shapes.shape import Motion, ShapePart
+
+TURN = float(np.radians(45.0))
+"""How far a lever is pressed down (DIN 18255)."""
+RELEASED = 0.9
+"""Share of its turn at which the tongue has left the keep."""
+THROW = 0.0105
+"""How far the tongue reaches out of the edge."""
+TONGUE = 0.0075
+"""Half the height of the tongue."""
+THICK = 0.012
+"""Of the tongue."""
+PLAY = 0.004
+"""Free space beside the tongue; with less, engines that foresee contacts jam it in its keep."""
+BOLT_PLAY = 0.002
+"""Free space around a bolt in its staple: a leaf that is held by bolt and tongue moves by both."""
+HOLE = 0.011
+"""Half the edge of the square holes that the spindle passes."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Latch:
+    """Where a latch lies in its leaf."""
+
+    x: Range
+    """Front and rear face of the leaf."""
+    edge: float
+    side: float
+    level: float
+    """Height of the spindle."""
+    backset: float = 0.055
+    """From the edge to the spindle (DIN 18251)."""
+    lift: Literal[-1, 1] = 1
+    """Whether the tongue rises or drops as it leaves the keep."""
+
+    @property
+    def axis(self) -> tuple[float, float]:
+        """The spindle as (y, z)."""
+        return self.edge - self.side * self.backset, self.level
+
+    @property
+    def pocket(self) -> Space:
+        """The free space in the leaf, open at the edge."""
+        y = sorted((self.edge, self.edge - self.side * (self.backset + 0.024)))
+        ends = sorted((-self.lift * 0.024, self.lift * (self.backset + THROW + 0.006)))
+        middle, half = sum(self.x) / 2, THICK / 2 + PLAY
+        x, z = (middle - half, middle + half), (self.level + ends[0], self.level + ends[1])
+        return Space(x=x, y=(y[0], y[1]), z=z)
+
+    @property
+    def keep(self) -> Space:
+        """The free space in the frame, beyond the edge."""
+        y = sorted((self.edge, self.edge + self.side * (THROW + PLAY)))
+        rise = ((self.backset + THROW) ** 2 - self.backset**2) ** 0.5  # where the tip leaves the edge
+        ends = sorted((-self.lift * (TONGUE + PLAY), self.lift * (rise + TONGUE + PLAY)))
+        return Space(x=self.pocket.x, y=(y[0], y[1]), z=(self.level + ends[0], self.level + ends[1]))
+
+
+def build_latch_stile(
+    latch: Latch, y: Range, z: Range, finish: str, *, through: bool = True
+) -> tuple[Primitive, ...]:
+    """Solid boards around the pocket of a leaf's latch, and two skins; the spindle passes one or both."""
+    free, (front, back) = latch.pocket, latch.x
+    behind = (y[0], free.y[0]) if latch.side > 0 else (free.y[1], y[1])
+    hole_y, hole_z = ((at - HOLE, at + HOLE) for at in latch.axis)
+    skin = fill_space(Space(x=(free.x[1], back), y=free.y, z=free.z), finish)
+    skins = [*build_frame((front, free.x[0]), (free.y, free.z), (hole_y, hole_z), finish), skin]
+    if through:
+        skins[-1:] = build_frame((free.x[1], back), (free.y, free.z), (hole_y, hole_z), finish)
+    return (
+        box((front, y[0], z[0]), (back, y[1], free.z[0]), finish),
+        box((front, y[0], free.z[1]), (back, y[1], z[1]), finish),
+        box((front, behind[0], free.z[0]), (back, behind[1], free.z[1]), finish),
+        *skins,
+    )
+
+
+def build_keep(latch: Latch, jamb: Space, finish: str) -> tuple[Primitive, ...]:
+    """A jamb beside the leaf's edge with the keep cut out of it."""
+    free, (x0, x1), (y0, y1), (z0, z1) = latch.keep, jamb.x, jamb.y, jamb.z
+    web = (free.y[1], y1) if latch.side > 0 else (y0, free.y[0])
+    pieces = [box((x0, y0, z0), (x1, y1, free.z[0]), finish), box((x0, y0, free.z[1]), (x1, y1, z1), finish)]
+    pieces += [
+        box((x[0], y0, free.z[0]), (x[1], y1, free.z[1]), finish) for x in ((x0, free.x[0]), (free.x[1], x1))
+    ]
+    return (*pieces, box((free.x[0], web[0], free.z[0]), (free.x[1], web[1], free.z[1]), finish))
+
+
+def build_tongue(latch: Latch, finish: str, *, through: bool = True) -> tuple[Primitive, ...]:
+    """Tongue, hub and the spindle to the lever before the leaf, or to those on both faces."""
+    (y, z), free = latch.axis, latch.pocket
+    x = (free.x[0] + PLAY, free.x[1] - PLAY)
+    tip, high = y + latch.side * (latch.backset + THROW), latch.lift * TONGUE
+    profile = [(y, z + high), (y, z - high), (tip, z + high), (tip, z), (tip - latch.side * 0.012, z - high)]
+    tongue = polytope(np.array([(at, *corner) for at in x for corner in profile]), finish)
+    hub = cylinder((x[0], y, z), (x[1], y, z), 0.015, finish)
+    end = latch.x[1] + 0.006 if through else x[1]
+    return tongue, hub, cylinder((latch.x[0] - 0.006, y, z), (end, y, z), 0.0055, finish)
+
+
+def make_bolt(
+    at: Vector, over: float, *, name: str, parent: str, finish: str, length: float = 0.16
+) -> tuple[ShapePart, tuple[Primitive, ...], tuple[Primitive, ...]]:
+    """A surface bolt that stands upright in a staple on the frame above the leaf, and is drawn down.
+
+    Args:
+        at: On the leaf's face, under the edge of the frame's face that the bolt reaches over.
+        over: How far (m) the frame's face stands out before the leaf's.
+        name: Of the bolt.
+        parent: The leaf.
+        finish: Surface.
+        length: Of the rod (m).
+
+    Returns:
+        The bolt, and what is fixed to the leaf and to the frame.
+    """
+    x, y, z = at
+    radius, reach = 0.006, 0.022
+    base = max(over, 0.004)
+    middle = x - base - BOLT_PLAY - radius
+    top, low = z + reach, z + reach - length
+    rod = cylinder((middle, y, low), (middle, y, top), radius, finish)
+    knob = cylinder((middle, y, low + 0.02), (middle - 0.028, y, low + 0.02), 0.009, finish)
+    slide = Motion(type="prismatic", axis=(0.0, 0.0, -1.0), upper=reach + 0.012)
+    bolt = ShapePart(name=name, label="knob", parent=parent, primitives=(rod, knob), motion=slide)
+    plate = box((x - base, y - 0.02, low - 0.045), (x, y + 0.02, z - 0.02), finish)
+    guide = _build_staple((middle, y), radius, x - base, (z - 0.05, z - 0.03), finish)
+    return bolt, (plate, *guide), _build_staple((middle, y), radius, x - over, (z + 0.001, z + 0.016), finish)
+
+
+def _build_staple(
+    at: tuple[float, float], radius: float, face: float, z: Range, finish: str
+) -> tuple[Primitive, ...]:
+    """Two cheeks and a cap around a rod at (x, y) before a face."""
+    (x, y), inner, wall = at, radius + BOLT_PLAY, 0.004
+    cap = x - inner
+    cheeks = [box((cap, y + a, z[0]), (face, y + a + wall, z[1]), finish) for a in (-inner - wall, inner)]
+    return (*cheeks, box((cap - wall, y - inner - wall, z[0]), (cap, y + inner + wall, z[1]), finish))

@@ -1,0 +1,84 @@
+"""Lever handles of doors and windows: a rose, a neck and a grip that a hand presses down or turns.
+
+Sizes are those of the trade: roses of 50 to 54 mm, grips of 105 to 140 mm whose middle is 50 to 60 mm away
+from the leaf (DIN 18255).
+"""
+
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import numpy as np
+
+from artigen.shapes.fittings.hardware import Range
+from artigen.shapes.fittings.tubes import bend_tube
+from artigen.shapes.primitives import Primitive, Vector, cylinder, rounded_box
+
+LeverKind = Literal["round", "square", "curved"]
+LEVER_KINDS: tuple[LeverKind, ...] = get_args(LeverKind)
+ROSE_GAP = 0.0015
+"""How far (m) a rose that turns with its lever floats before the leaf."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class LeverDesign:
+    """One model of lever handle, metres."""
+
+    kind: LeverKind
+    length: float
+    """From the axis to the end of the grip."""
+    reach: float
+    """From the leaf to the far side of the grip."""
+    thickness: float = 0.019
+    rose: float = 0.026
+    """Radius of the rose."""
+    finish: str = "handle"
+
+
+def design_lever(rng: np.random.Generator, length: Range = (0.115, 0.14), reach: float = 0.06) -> LeverDesign:
+    """A lever of one of three kinds."""
+    kind = LEVER_KINDS[int(rng.integers(len(LEVER_KINDS)))]
+    return LeverDesign(kind=kind, length=float(rng.uniform(*length)), reach=reach)
+
+
+def build_lever(
+    design: LeverDesign, at: Vector, *, out: float, along: tuple[float, float] = (-1.0, 0.0)
+) -> tuple[Primitive, ...]:
+    """The pieces of one lever on a face at ``at``.
+
+    Args:
+        design: The model.
+        at: Where its axis meets the face.
+        out: -1 on a front, which looks along -x, 1 on a rear face.
+        along: Unit direction (y, z) of the grip.
+    """
+    x, y, z = at
+    half = design.thickness / 2
+    middle = design.reach - half
+
+    def point(ahead: float, run: float) -> Vector:
+        return x + out * ahead, y + along[0] * run, z + along[1] * run
+
+    rose = cylinder(point(ROSE_GAP, 0.0), point(ROSE_GAP + 0.008, 0.0), design.rose, design.finish)
+    if design.kind == "square":
+        neck = cylinder(point(0.009, 0.0), point(middle, 0.0), 0.8 * half, design.finish)
+        across = 1.15 * half
+        corners = np.array([point(middle - 0.7 * half, -half), point(middle + half, design.length)])
+        wide = np.array([0.0, abs(along[1]), abs(along[0])]) * across
+        low, high = corners.min(axis=0) - wide, corners.max(axis=0) + wide
+        grip = rounded_box(_vector(low), _vector(high), 0.0025, design.finish)
+        return rose, neck, grip
+    bend = 0.018
+    path = [point(0.009, 0.0), point(middle - bend, 0.0), point(middle - 0.3 * bend, 0.3 * bend)]
+    path += [point(middle, bend), point(middle, 0.55 * design.length)]
+    radii = [half] * len(path)
+    if design.kind == "curved":
+        path += [point(middle - 0.004, 0.8 * design.length), point(middle - 0.014, design.length)]
+        radii += [0.9 * half, 0.75 * half]
+    else:
+        path[-1] = point(middle, design.length)
+    return rose, *bend_tube(path, radii, design.finish)
+
+
+def _vector(values: np.ndarray) -> Vector:
+    x, y, z = values.tolist()
+    return x, y, z

@@ -1,0 +1,156 @@
+"""Lids, flaps and the vessels below them: what is hinged at its lower rear edge and opens upwards.
+
+A lid that turns about its lower rear edge by up to 180 degrees never enters what is below it and before its
+hinge: every point that starts above the hinge stays above it or behind it. What reaches down within the
+walls, a plug, needs room before it (`sweep_gap`); what reaches down outside of them, an apron, needs none.
+"""
+
+import numpy as np
+from jaxtyping import Float
+
+from artigen.shapes.fittings.hardware import Edge, Range, Space, slide
+from artigen.shapes.primitives import Primitive, Vector, box, line, polytope
+from artigen.shapes.shape import Motion, Need, ShapePart
+
+Rectangle = tuple[Range, Range]
+"""Ranges of x and y (m)."""
+
+
+def hinge_lid(x: Range, y: Range, z: float, upper: float, edge: Edge | None = None) -> Motion:
+    """A hinge along one lower edge of a lid or flap that lies from ``z`` upwards over the rectangle x by y.
+
+    Args:
+        x: Front and rear edge (m).
+        y: Right and left edge (m).
+        z: Height of its underside (m).
+        upper: How far it opens (rad), at most pi.
+        edge: Where it is hinged: "left", "right", "bottom" for the front; None for the rear.
+    """
+    middle = ((x[0] + x[1]) / 2, (y[0] + y[1]) / 2, z)
+    axis, origin = {
+        None: ((0.0, 1.0, 0.0), (x[1], middle[1], z)),
+        "bottom": ((0.0, -1.0, 0.0), (x[0], middle[1], z)),
+        "left": ((-1.0, 0.0, 0.0), (middle[0], y[1], z)),
+        "right": ((1.0, 0.0, 0.0), (middle[0], y[0], z)),
+    }[edge]
+    return Motion(type="revolute", axis=axis, origin=origin, upper=upper)
+
+
+def build_vessel(
+    bottom: Rectangle, top: Rectangle, z: Range, wall: float, finish: str, *, lining: str | None = None
+) -> tuple[Primitive, ...]:
+    """A floor and four walls that may lean outwards, open at the top.
+
+    Args:
+        bottom: Outline at the lower end of ``z``.
+        top: Outline at its upper end.
+        z: From the underside of the floor to the rim (m).
+        wall: Thickness (m).
+        finish: Surface.
+        lining: Surface of the inside; None where it is the same.
+    """
+    (bx, by), (tx, ty) = bottom, top
+    half = wall / 2  # front and rear reach into the sides: leaning faces that only touch make unclean unions
+    inner_b, inner_t = (by[0] + half, by[1] - half), (ty[0] + half, ty[1] - half)
+    share = wall / (z[1] - z[0])
+    floor_x, floor_y = (
+        (low[0] + share * (high[0] - low[0]) + wall / 2, low[1] + share * (high[1] - low[1]) - wall / 2)
+        for low, high in ((bx, tx), (by, ty))
+    )
+    walls = (
+        ((0.0, 1.0, 0.0), (bx, (by[0], by[0] + wall)), (tx, (ty[0], ty[0] + wall))),
+        ((0.0, -1.0, 0.0), (bx, (by[1] - wall, by[1])), (tx, (ty[1] - wall, ty[1]))),
+        ((1.0, 0.0, 0.0), ((bx[0], bx[0] + wall), inner_b), ((tx[0], tx[0] + wall), inner_t)),
+        ((-1.0, 0.0, 0.0), ((bx[1] - wall, bx[1]), inner_b), ((tx[1] - wall, tx[1]), inner_t)),
+    )
+    pieces = [(side, loft(low, high, z, finish)) for side, low, high in walls]
+    base = box((floor_x[0], floor_y[0], z[0]), (floor_x[1], floor_y[1], z[0] + wall), finish)
+    pieces.append(((0.0, 0.0, 1.0), base))
+    return tuple(solid if lining is None else line(solid, lining, side) for side, solid in pieces)
+
+
+def make_lift_out(
+    outline: Rectangle,
+    z: Range,
+    wall: float,
+    finish: str,
+    *,
+    name: str = "tray",
+    lid: str = "lid",
+    parent: str = "body",
+) -> ShapePart:
+    """An open tray that fills a rectangle and is lifted out by nearly its height once the lid is open."""
+    solids = build_vessel(outline, outline, z, wall, finish)
+    lift = slide(0.85 * (z[1] - z[0]), (0.0, 0.0, 1.0))
+    return ShapePart(
+        name=name, label="tray", parent=parent, primitives=solids, motion=lift, needs=(Need(part=lid),)
+    )
+
+
+def loft(low: Rectangle, high: Rectangle, z: Range, finish: str) -> Primitive:
+    """The solid between a rectangle at the lower end of ``z`` and one at its upper end."""
+    corners = [(x, y, at) for (xs, ys), at in ((low, z[0]), (high, z[1])) for x in xs for y in ys]
+    return polytope(np.array(corners), finish)
+
+
+def shrink(outline: Rectangle, by: float) -> Rectangle:
+    """A rectangle taken in by so much (m) on every side."""
+    (x0, x1), (y0, y1) = outline
+    return (x0 + by, x1 - by), (y0 + by, y1 - by)
+
+
+def trace_arch(x: Range, z: float, rise: float, pieces: int = 6) -> Float[np.ndarray, "N 2"]:
+    """Half an ellipse over a range of x, from front to rear, as points (x, z)."""
+    turns = np.linspace(0.0, np.pi, pieces + 1)
+    middle, half = (x[0] + x[1]) / 2, (x[1] - x[0]) / 2
+    return np.column_stack([middle - half * np.cos(turns), z + rise * np.sin(turns)])
+
+
+def build_roof(
+    outline: Float[np.ndarray, "N 2"], wall: float, y: Range, finish: str, *, ends: bool = True
+) -> tuple[Primitive, ...]:
+    """A lid whose cross-section is convex: plates along its outline, and a board at each end.
+
+    Args:
+        outline: Points (x, z) from the front lower edge over the top to the rear one, both at one height.
+        wall: Thickness (m), measured about the middle of the lower edges.
+        y: Right and left end (m).
+        finish: Surface.
+        ends: Whether the ends are closed.
+    """
+    foot = np.array([(outline[0, 0] + outline[-1, 0]) / 2, outline[0, 1]])
+    reach = np.array([outline[-1, 0] - foot[0], outline[:, 1].max() - foot[1]])
+    inner = foot + (outline - foot) * (1.0 - wall / reach)
+    out = []
+    for k in range(len(outline) - 1):
+        flat = np.array([outline[k], outline[k + 1], inner[k], inner[k + 1]])
+        out.append(polytope(np.array([(a, b, c) for b in y for a, c in flat]), finish))
+    for span in ((y[0], y[0] + wall), (y[1] - wall, y[1])) if ends else ():
+        out.append(polytope(np.array([(a, b, c) for b in span for a, c in outline]), finish))
+    return tuple(out)
+
+
+def build_half_shell(
+    space: Space, wall: float, side: Vector, finish: str, lining: str
+) -> tuple[Primitive, ...]:
+    """Five plates of a box that is open towards ``side`` (a unit vector along an axis) and fills a space."""
+    spans = [space.x, space.y, space.z]
+    out = []
+    for axis in range(3):
+        for end, sign in ((0, -1.0), (1, 1.0)):
+            if side[axis] == sign:
+                continue
+            low, high = [span[0] for span in spans], [span[1] for span in spans]
+            low[axis], high[axis] = (
+                (spans[axis][0], spans[axis][0] + wall)
+                if end == 0
+                else (spans[axis][1] - wall, spans[axis][1])
+            )
+            for other in range(axis):  # plates meet edge to face, the earlier axes' ones run through
+                low[other] += wall if side[other] != -1.0 else 0.0
+                high[other] -= wall if side[other] != 1.0 else 0.0
+            plate = box((low[0], low[1], low[2]), (high[0], high[1], high[2]), finish)
+            inward = [0.0, 0.0, 0.0]
+            inward[axis] = -sign
+            out.append(line(plate, lining, (inward[0], inward[1], inward[2])))
+    return tuple(out)

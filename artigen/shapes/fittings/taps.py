@@ -1,0 +1,132 @@
+"""Taps: cartridges that turn with a lever that lifts, cross handles, quarter-turn levers, hand wheels.
+
+Each stands on a face at a point and looks along ``out``, the axis about which it turns. Lengths in metres.
+"""
+
+from typing import Literal
+
+import numpy as np
+
+from artigen.shapes.appliances.control_panel import DIAL_GAP
+from artigen.shapes.primitives import Primitive, Vector, cylinder, polytope
+from artigen.shapes.shape import Motion, ShapePart
+
+PIVOT = 0.007
+"""Radius of the pin about which a mixer's lever lifts."""
+LIFT = float(np.radians(25.0))
+"""How far a mixer's lever lifts (EN 817: 20 to 30 degrees)."""
+HotSide = Literal[-1, 1]
+
+
+def along(at: Vector, *steps: tuple[Vector, float]) -> Vector:
+    """A point moved by some lengths along some directions."""
+    x, y, z = np.array(at) + sum((length * np.array(way) for way, length in steps), np.zeros(3))
+    return float(x), float(y), float(z)
+
+
+def cross(first: Vector, second: Vector) -> Vector:
+    """The direction upright to two others."""
+    x, y, z = np.cross(first, second)
+    return float(x), float(y), float(z)
+
+
+def make_mixer(
+    at: Vector,
+    out: Vector,
+    ahead: Vector,
+    *,
+    name: str,
+    parent: str,
+    radius: float,
+    height: float,
+    length: float,
+    turn: float,
+    finish: str,
+) -> tuple[ShapePart, ShapePart]:
+    """A cartridge that turns about ``out`` for heat, and on it a lever along ``ahead`` that lifts for flow.
+
+    Args:
+        at: Middle of the face that the cartridge stands on.
+        out: Axis of the cartridge, away from the face (unit).
+        ahead: Way of the lever, upright to ``out`` (unit).
+        name: Of the lever; the cartridge has the name with ``_cartridge``.
+        parent: What carries both.
+        radius: Of the cartridge.
+        height: Of the cartridge above the face.
+        length: From the axis to the tip of the lever.
+        turn: Range of the cartridge (rad); its sign says which way.
+        finish: Surface.
+    """
+    aside = cross(ahead, out)
+    spin: Vector = out if turn > 0 else (-out[0], -out[1], -out[2])
+    pin = height + 0.0015 + PIVOT
+    body = cylinder(along(at, (out, DIAL_GAP)), along(at, (out, height)), radius, finish)
+    cartridge = ShapePart(
+        name=f"{name}_cartridge",
+        label="knob",
+        parent=parent,
+        primitives=(body,),
+        motion=Motion(type="revolute", axis=spin, origin=at, upper=abs(turn)),
+    )
+    ends = [along(at, (out, pin), (aside, side * 0.8 * radius)) for side in (-1, 1)]
+    stations = ((0.0, 0.72 * radius, (-0.6 * PIVOT, PIVOT)), (length, 0.4 * radius, (0.006, 0.013)))
+    blade = np.array(
+        [
+            along(at, (out, pin + up), (ahead, run), (aside, side * wide))
+            for run, wide, levels in stations
+            for side in (-1, 1)
+            for up in levels
+        ]
+    )
+    lever = ShapePart(
+        name=name,
+        label="knob",
+        parent=cartridge.name,
+        primitives=(cylinder(ends[0], ends[1], PIVOT, finish), polytope(blade, finish)),
+        motion=Motion(type="revolute", axis=aside, origin=along(at, (out, pin)), upper=LIFT),
+    )
+    return cartridge, lever
+
+
+def make_cross_handle(
+    at: Vector,
+    out: Vector,
+    ahead: Vector,
+    *,
+    name: str,
+    parent: str,
+    reach: float,
+    height: float,
+    finish: str,
+    arms: int = 4,
+    upper: float = np.pi,
+) -> ShapePart:
+    """A hub with arms that turns about ``out``: a cross of four, a quarter-turn lever of one.
+
+    Args:
+        at: Middle of the face that it stands on.
+        out: Its axis, away from the face (unit).
+        ahead: Way of its first arm, upright to ``out`` (unit).
+        name: Of the part.
+        parent: What carries it.
+        reach: Length of an arm from the axis.
+        height: Of the hub's top above the face.
+        finish: Surface.
+        arms: How many.
+        upper: Range (rad).
+    """
+    aside = cross(out, ahead)
+    level, rod = height - 0.008, 0.0055 if arms > 1 else 0.007
+    pieces: list[Primitive] = [
+        cylinder(along(at, (out, DIAL_GAP)), along(at, (out, 0.55 * height)), 0.013, finish),
+        cylinder(along(at, (out, 0.55 * height)), along(at, (out, height)), 0.0105, finish),
+    ]
+    for k in range(arms):
+        angle = 2 * np.pi * k / arms
+        way = along((0.0, 0.0, 0.0), (ahead, float(np.cos(angle))), (aside, float(np.sin(angle))))
+        tip = along(at, (out, level), (way, reach))
+        pieces.append(cylinder(along(at, (out, level)), tip, rod, finish))
+        if arms > 1:
+            pieces.append(cylinder(along(tip, (way, -0.012)), tip, 1.45 * rod, finish))
+    motion = Motion(type="revolute", axis=out, origin=at, upper=upper)
+    return ShapePart(name=name, label="knob", parent=parent, primitives=tuple(pieces), motion=motion)

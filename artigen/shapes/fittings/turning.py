@@ -1,0 +1,30 @@
+"""Parts turned about the vertical by quarters: what is made for a front, put on a side or on the back."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from artigen.shapes.primitives import Vector, move
+from artigen.shapes.shape import ShapePart
+
+QUARTERS: dict[str, int] = {"front": 0, "right": 1, "back": 2, "left": 3}
+"""Turns by 90 degrees, counterclockwise from above, that bring the front (-x) to a side: right is -y."""
+
+
+def turn_part(part: ShapePart, side: str) -> ShapePart:
+    """A part that is made for a front at -x, on another side of the origin's vertical: "right" is -y."""
+    quarters = QUARTERS[side]
+    solids = tuple(move(solid, turn=quarters * np.pi / 2) for solid in part.primitives)
+    if part.motion is None:
+        return replace(part, primitives=solids)
+    motion = replace(
+        part.motion, axis=_turn(part.motion.axis, quarters), origin=_turn(part.motion.origin, quarters)
+    )
+    return replace(part, primitives=solids, motion=motion)
+
+
+def _turn(vector: Vector, quarters: int) -> Vector:
+    x, y, z = vector
+    for _ in range(quarters):
+        x, y = -y, x
+    return x, y, z

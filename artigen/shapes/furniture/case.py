@@ -1,0 +1,82 @@
+"""A piece of case furniture: a cabinet on its stand, with or without a worktop."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from artigen.shapes.fittings.feet import StandDesign, design_stand, make_stand
+from artigen.shapes.fittings.hardware import Space
+from artigen.shapes.furniture.cabinet import Looks, draw_looks, has_fronts, list_cells, make_cabinet
+from artigen.shapes.furniture.furniture_kinds import Kind, Style
+from artigen.shapes.furniture.splits import Node, pick
+from artigen.shapes.primitives import rounded_box
+from artigen.shapes.shape import ShapePart
+
+RECESSED = 0.6
+"""Chance of a back that lies within the sides, with a rail behind it."""
+BODY = "body"
+Size = tuple[float, float, float]
+"""Width, depth and height (m)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class CasePlan:
+    """All choices of one object but its layout; lengths in metres."""
+
+    looks: Looks
+    stand: StandDesign
+    worktop: float
+    """Thickness; 0 without one."""
+    overhang: tuple[float, float]
+    """Of the worktop, in front and at each side."""
+
+
+def draw_plan(rng: np.random.Generator, kind: Kind, style: Style, size: Size) -> CasePlan:
+    """The choices for an object of a kind and a style in a size."""
+    looks = draw_looks(rng, style, max(size), kind.hand)
+    covered = bool(rng.random() < kind.worktop)
+    overhang = (float(rng.uniform(0.0, 0.02)), float(rng.choice((0.0, 0.012))))
+    frame, recess = float(rng.uniform(0.036, 0.045)), float(rng.uniform(0.012, 0.019))
+    carcass = replace(
+        looks.carcass,
+        lid=not covered,
+        rails=bool(rng.random() < kind.rails),
+        frame=frame if rng.random() < style.frame else 0.0,
+        recess=recess if rng.random() < RECESSED else 0.0,
+    )
+    return CasePlan(
+        looks=replace(looks, carcass=carcass),
+        stand=design_stand(rng, pick(rng, dict(kind.stands)), size[2]),
+        worktop=float(rng.uniform(0.018, 0.04)) if covered else 0.0,
+        overhang=overhang if covered else (0.0, 0.0),
+    )
+
+
+def place_case(plan: CasePlan, size: Size) -> Space:
+    """The box of the cabinet in an object of a size: above the stand, below and within the worktop."""
+    width, depth, height = size
+    ahead, aside = plan.overhang
+    return Space(
+        x=(ahead - depth / 2, depth / 2),
+        y=(aside - width / 2, width / 2 - aside),
+        z=(plan.stand.height, height - plan.worktop),
+    )
+
+
+def build_case(plan: CasePlan, node: Node, size: Size) -> tuple[ShapePart, ...]:
+    """All parts of an object whose front is divided as ``node`` says; the first one is its body."""
+    width, depth, height = size
+    box, ahead, looks = place_case(plan, size), plan.overhang[0], plan.looks
+    if any(cell.fill == "slide" for cell in list_cells(node)):  # they run in the carcass, not behind a frame
+        looks = replace(looks, carcass=replace(looks.carcass, frame=0.0))
+    if has_fronts(node):
+        box = replace(box, x=(max(ahead, plan.looks.reach) - depth / 2, depth / 2))
+    cabinet = make_cabinet(node, box, looks, parent=BODY)
+    shell = cabinet.primitives[0].center[0] - cabinet.primitives[0].size[0] / 2  # where the sides begin
+    stand = make_stand(plan.stand, (float(shell), box.x[1]), box.y, parent=BODY)
+    solids = [*cabinet.primitives, *stand.primitives]
+    if plan.worktop:
+        low = (box.x[0] - ahead, -width / 2, box.z[1])
+        solids.append(rounded_box(low, (depth / 2, width / 2, height), 0.002, "top"))
+    body = ShapePart(name=BODY, label="base", parent=None, primitives=tuple(solids))
+    return (body, *cabinet.parts, *stand.parts)
