@@ -65,8 +65,8 @@ THICKEST_GLASS = 0.012
 
 APPLIANCES: frozenset[str] = frozenset(
     {
-        "Refrigerator", "Dishwasher", "Oven", "WashingMachine", "Microwave", "Safe", "CoffeeMachine", "Toaster",
-        "ChestFreezer", "Dryer", "FilingCabinet", "Mailbox",
+        "Refrigerator", "Dishwasher", "Oven", "WashingMachine", "Microwave", "Safe", "CoffeeMachine",
+        "Toaster", "ChestFreezer", "Dryer", "FilingCabinet", "Mailbox",
     }
 )  # fmt: skip
 """Categories whose carcass and moving parts are sheet metal; every other category is wood board."""
