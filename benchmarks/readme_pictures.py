@@ -19,7 +19,8 @@ from PIL import Image
 
 from artigen.cli.generate import GenerateSettings, generate
 from artigen.cli.preview import draw_splats
-from artigen.shapes.draw import draw_shape
+from artigen.shapes.draw import categories, draw_shape
+from artigen.shapes.sheet import draw_sheet
 from artigen.train.photographs import photograph_shape
 from artigen.types import PAPER_CATEGORIES
 from sim_export.files.read import read_package
@@ -91,6 +92,12 @@ def show_photographs(
     return arrange_grid(cells, PreviewConfig(columns=2))
 
 
+def draw_kinds() -> UInt8[np.ndarray, "H W 3"]:
+    """The first seed of every kind of the grammar, open."""
+    shapes = [draw_shape(category, 0) for category in categories()]
+    return draw_sheet(shapes, opened=0.8, size=PHOTOGRAPH, columns=6)
+
+
 def main(out: Path = Path("out/readme"), images: Path = Path("docs/images")) -> int:
     """Draws everything.
 
@@ -98,6 +105,7 @@ def main(out: Path = Path("out/readme"), images: Path = Path("docs/images")) -> 
         out: Folder for the packages.
         images: Folder for the pictures.
     """
+    save(draw_kinds(), images / "kinds.png")
     sheet = draw_categories(out / "categories")
     save(contact_sheet([read_package(folder) for folder in sheet], SMALL), images / "generated.png")
     told = draw_sentences(out / "sentences")
