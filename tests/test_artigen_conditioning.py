@@ -30,6 +30,14 @@ def test_adjectives_stretch_only_what_is_open():
     assert understand(Request(text="a tall cabinet, 2 m high")).stretch == ()
 
 
+def test_the_colour_of_a_whole_table_is_that_of_its_top_and_legs():
+    table = understand(Request(text="a blue table with a white shelf")).request.finishes
+    colors = {finish.role: finish.color for finish in table}
+    assert colors["body"] == colors["front"] == colors["leg"] != colors["top"]
+    oven = understand(Request(text="a blue oven")).request.finishes
+    assert {finish.role for finish in oven} == {"body", "front"}  # its top is a hob
+
+
 def test_a_colour_of_a_part_goes_before_that_of_the_whole_and_some_name_a_material():
     finishes = {
         finish.role: finish

@@ -6,7 +6,7 @@ from typing import TypeVar
 
 from artigen.errors import ArtigenError
 from artigen.shapes.draw import Wish, check_wish
-from artigen.sketch.request import MATERIAL_OF, ROLES_OF, AskedFinish, SketchRequest, check_category
+from artigen.sketch.request import ALSO_OF, MATERIAL_OF, ROLES_OF, AskedFinish, SketchRequest, check_category
 from artigen.text import COLORS, ParsedText, parse_text
 from artigen.types import PartLabel
 
@@ -65,7 +65,7 @@ def understand(request: Request) -> Understood:
         depth=asked.depth,
         width=asked.width,
         height=asked.height,
-        finishes=find_finishes(text.colors),
+        finishes=find_finishes(text.colors, category),
     )
     open_axes = tuple(
         (axis, factor) for axis, factor in text.stretch if getattr(asked, axis) is None
@@ -74,11 +74,19 @@ def understand(request: Request) -> Understood:
     return Understood(request=said, stretch=open_axes, notes=notes)
 
 
-def find_finishes(colors: tuple[tuple[PartLabel, str], ...]) -> tuple[AskedFinish, ...]:
-    """The finishes that colour words ask for; a word for a part goes before that for the whole object."""
+def find_finishes(
+    colors: tuple[tuple[PartLabel, str], ...], category: str | None = None
+) -> tuple[AskedFinish, ...]:
+    """The finishes that colour words ask for; a word for a part goes before that for the whole object.
+
+    Args:
+        colors: Colour words by what they are said of; ``base`` is the whole object.
+        category: Of the object, if it is known.
+    """
+    also = ALSO_OF.get(category or "", ())
     found: dict[str, AskedFinish] = {}
     for label, word in sorted(colors, key=lambda named: named[0] != "base"):
-        for role in ROLES_OF[label]:
+        for role in (*ROLES_OF[label], *(also if label == "base" else ())):
             found[role] = AskedFinish(role=role, color=COLORS[word], material=MATERIAL_OF.get(word))
     return tuple(found.values())
 

@@ -34,6 +34,12 @@ ROLES_OF: Mapping[PartLabel, tuple[str, ...]] = {
     "tray": ("steel",),
 }
 """The finishes that a colour asked of parts of a label means."""
+ALSO_OF: Mapping[str, tuple[str, ...]] = {
+    "StorageFurniture": ("top",),
+    "Table": ("top", "leg"),
+    "WashingMachine": ("top",),
+}
+"""Further finishes, by category, that the colour of a whole object means: a blue table has a blue top."""
 MATERIAL_OF: Mapping[str, FinishKind] = {"oak": "wood", "walnut": "wood", "steel": "steel", "silver": "steel"}
 """Colour words that name a material too."""
 
