@@ -91,6 +91,7 @@ class Worker:
     def __init__(self) -> None:
         self._process: BaseProcess | None = None
         self._connection: Connection | None = None
+        self._closing = threading.Lock()
 
     def call(self, function: Callable[[Item], Value], item: Item, timeout: float) -> Outcome[Value]:
         """Runs ``function(item)`` in the process; never raises for what happens in there.
@@ -113,13 +114,15 @@ class Worker:
             return Outcome(error=f"the worker process died: {code}")
 
     def close(self) -> None:
-        """Ends the process; the next call starts another."""
-        if self._connection is not None:
-            self._connection.close()
-        if self._process is not None and self._process.is_alive():
-            self._process.kill()
-            self._process.join()
-        self._process = self._connection = None
+        """Ends the process; the next call starts another. Any thread may close it, also twice."""
+        with self._closing:
+            connection, process = self._connection, self._process
+            self._process = self._connection = None
+        if connection is not None:
+            connection.close()
+        if process is not None and process.is_alive():
+            process.kill()
+            process.join()
 
     def _start(self) -> Connection:
         if self._connection is None:

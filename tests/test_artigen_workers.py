@@ -2,6 +2,7 @@
 
 import os
 import signal
+import threading
 import time
 
 import pytest
@@ -88,6 +89,28 @@ def test_what_the_handler_itself_raises_ends_the_run():
 
     with pytest.raises(ZeroDivisionError):
         list(run_supervised(broken, [1, 2], workers=1))
+
+
+def test_many_threads_may_close_a_worker():
+    worker, errors = Worker(), []
+    assert worker.call(act, "fine", 10.0).value == "FINE"
+    process, start = worker._process, threading.Barrier(8)
+
+    def close() -> None:
+        start.wait()
+        try:
+            worker.close()
+        except OSError as error:
+            errors.append(error)
+
+    threads = [threading.Thread(target=close) for _ in range(8)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert not errors
+    assert process is not None
+    assert not process.is_alive()
 
 
 def test_a_worker_that_is_there_already_is_used_first_and_closed():
