@@ -30,6 +30,11 @@ def test_adjectives_stretch_only_what_is_open():
     assert understand(Request(text="a tall cabinet, 2 m high")).stretch == ()
 
 
+def test_parts_that_have_a_colour_are_there():
+    request = understand(Request(text="a white fridge with black handles")).request
+    assert request.some == ("handle",)
+
+
 def test_the_colour_of_a_whole_table_is_that_of_its_top_and_legs():
     table = understand(Request(text="a blue table with a white shelf")).request.finishes
     colors = {finish.role: finish.color for finish in table}

@@ -310,6 +310,14 @@ def test_what_is_asked_is_delivered_even_by_a_network_that_knows_nothing():
                 assert {piece.finish, piece.lining} - {None} <= roles
 
 
+def test_a_header_has_at_least_one_part_of_labels_that_are_asked_for():
+    hot = DrawConfig(temperature=5.0, top_p=1.0)
+    for some in ((), ("wheel",)):
+        request = SketchRequest(category="Safe", some=some)
+        counts = [dict(draw_header(_network(), request, seed, hot).counts)["wheel"] for seed in range(100)]
+        assert (0 in counts) == (not some)
+
+
 @pytest.mark.usefixtures("_short")
 def test_the_same_seed_draws_the_same_and_another_something_else():
     one, again, other = (_draw_tables([ask(REQUEST)] * 2, seed) for seed in (5, 5, 6))

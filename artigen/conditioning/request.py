@@ -66,6 +66,7 @@ def understand(request: Request) -> Understood:
         width=asked.width,
         height=asked.height,
         finishes=find_finishes(text.colors, category),
+        some=tuple(label for label, _ in text.colors if label != "base"),
     )
     open_axes = tuple(
         (axis, factor) for axis, factor in text.stretch if getattr(asked, axis) is None

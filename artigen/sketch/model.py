@@ -348,6 +348,7 @@ def draw_header(
         width=width,
         height=height,
         finishes=request.finishes,
+        some=request.some,
     )
 
 

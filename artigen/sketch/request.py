@@ -65,6 +65,8 @@ class SketchRequest:
     width: float | None = None
     height: float | None = None
     finishes: tuple[AskedFinish, ...] = ()
+    some: tuple[PartLabel, ...] = ()
+    """Labels of which there is at least one part, where ``counts`` does not say how many."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -73,6 +75,8 @@ class Asked:
 
     rows: Int[np.ndarray, "A W"]
     known: Bool[np.ndarray, "A W"]
+    some: tuple[PartLabel, ...] = ()
+    """Labels whose count is not 0; the network is not told, the rules see to it."""
 
 
 def nothing_asked() -> Asked:
@@ -139,7 +143,7 @@ def ask(request: SketchRequest) -> Asked:
             mark[at : at + 3] = [True] * 3
         rows.append(row)
         marks.append(mark)
-    return Asked(rows=np.array(rows), known=np.array(marks))
+    return Asked(rows=np.array(rows), known=np.array(marks), some=request.some)
 
 
 def _role(name: str) -> int:

@@ -176,6 +176,8 @@ class Writer:
             can[self._next_kinds()] = True
         elif kind == "finish" and self.name == "role":
             can[self._next_roles()] = True
+        elif kind == "object" and self.name in self.asked.some:
+            can[1:] = True
         elif kind == "part":
             can[self._next_labels() if self.name == "label" else self._next_parents()] = True
         elif kind in PIECE_KINDS and self.name in ("finish", "lining"):
