@@ -16,10 +16,11 @@ from artigen.figures import find_edges
 from artigen.models.appearance_presets import APPEARANCE_PRESETS, AppearancePreset
 from artigen.models.appearance_vae import APPEARANCE_FLOW, APPEARANCE_VAE
 from artigen.models.conditions import StructureCondition, gather_conditions
+from artigen.models.description import DESCRIPTION, read_description
 from artigen.models.evenness import even_sides
 from artigen.models.gaussian_decoder import GaussianDecoder, to_gaussians
 from artigen.models.slat_flow import SlatFlow, sample_slats
-from artigen.models.store import DESCRIPTION, load_model, read_description
+from artigen.models.store import load_model
 from artigen.models.trellis import load_strictly, read_tensors
 from artigen.paint import PaintedSurface, gather_paint
 from artigen.places import describe_places, measure_places

@@ -15,10 +15,11 @@ from artigen.mending.mend import mend_cells
 from artigen.mending.rows import Owners, read_owners
 from artigen.metrics.delivery import asset_size, part_counts
 from artigen.models.conditions import ConditionBatch, StructureCondition, gather_conditions
+from artigen.models.description import read_description
 from artigen.models.outline import gather_outlines, outline_rows
 from artigen.models.presets import PRESETS, StructurePreset
 from artigen.models.steady import SteadyConfig
-from artigen.models.store import load_model, read_description
+from artigen.models.store import load_model
 from artigen.models.structure_flow import StructureFlow, sample_latents
 from artigen.models.structure_vae import StructureVae, decode_cells
 from artigen.sampling import SamplerConfig

@@ -18,11 +18,12 @@ from artigen.errors import SourceError
 from artigen.facings import SIDES, facing_frames
 from artigen.models.appearance_presets import APPEARANCE_PRESETS
 from artigen.models.appearance_vae import APPEARANCE_VAE, SIDE_CHANNELS, AppearanceVae
+from artigen.models.description import read_description
 from artigen.models.extractors import make_extractor
 from artigen.models.features import FeatureExtractor
 from artigen.models.gaussian_decoder import to_gaussians
 from artigen.models.presets import PresetName
-from artigen.models.store import load_model, read_description
+from artigen.models.store import load_model
 from artigen.paint import read_paint
 from artigen.places import SAMPLES, find_voxels
 from artigen.shapes.asset import part_owners, shape_to_asset

@@ -12,7 +12,7 @@ from pathlib import Path
 import torch
 import tyro
 
-from artigen.models.store import hash_model
+from artigen.models.description import hash_model
 from artigen.sketch.model import load_sketch_network, save_sketch_network
 from artigen.sketch.network import SketchNetwork
 from artigen.sketch.rows import CATEGORIES

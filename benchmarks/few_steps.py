@@ -27,7 +27,7 @@ from artigen.metrics.roughness import measure_roughness
 from artigen.metrics.score import ScoreConfig, Scores, score_objects, score_set
 from artigen.metrics.shapes import grammar_source
 from artigen.metrics.subjects import Subject, describe_subject, draw_subjects
-from artigen.models.store import hash_model
+from artigen.models.description import hash_model
 from artigen.sampling import SamplerConfig, is_guided, plan_times
 from artigen.types import Asset
 

@@ -26,9 +26,10 @@ from artigen.errors import ArtigenError
 from artigen.generate import build_structure_model
 from artigen.models.appearance_presets import APPEARANCE_PRESETS
 from artigen.models.appearance_vae import APPEARANCE_FLOW, APPEARANCE_VAE, AppearanceVae
+from artigen.models.description import hash_model
 from artigen.models.presets import PRESETS
 from artigen.models.slat_flow import SlatFlow
-from artigen.models.store import hash_model, save_model
+from artigen.models.store import save_model
 from artigen.shapes.draw import draw_shape
 from artigen.sketch.model import Drawn, save_sketch_network
 from artigen.sketch.network import SketchNetwork, SketchNetworkConfig
@@ -252,3 +253,18 @@ def cut(path: Path) -> None:
     """Leaves the first half of a file."""
     content = path.read_bytes()
     path.write_bytes(content[: len(content) // 2])
+
+
+def test_packages_of_other_weights_are_made_again_and_those_of_the_same_are_not(model: Path, tmp_path: Path):
+    """A folder's name does not count: a model that was trained further in place is another one."""
+    same = Path(shutil.copytree(model, tmp_path / "same"))
+    other = Path(shutil.copytree(model, tmp_path / "other"))
+    weights = other / "sketch-0.safetensors"
+    content = bytearray(weights.read_bytes())
+    content[-1] ^= 1
+    weights.write_bytes(content)
+    settings = [
+        GenerateJob(model=folder, category="Oven", seed=0, out=tmp_path).settings
+        for folder in (model, same, other)
+    ]
+    assert settings[0] == settings[1] != settings[2]

@@ -98,8 +98,8 @@ class GenerateJob:
 
     @property
     def settings(self) -> str:
-        """Object, model and settings as text."""
-        return f"{self.key} {self.model} {self.cfg}"
+        """Object, weights and settings as text: packages of other weights are made again."""
+        return f"{self.key} {_hash_weights(self.model)} {self.cfg}"
 
 
 def read_job(job: GenerateJob) -> "Request":
@@ -115,6 +115,13 @@ def read_job(job: GenerateJob) -> "Request":
 
 
 @lru_cache(maxsize=1)
+def _hash_weights(folder: Path) -> str:
+    from artigen.models.description import hash_model
+
+    return hash_model(folder)
+
+
+@lru_cache(maxsize=1)
 def _load_sketch(folder: Path) -> "SketchNetwork":
     from artigen.sketch.model import load_sketch_network
 
@@ -125,7 +132,7 @@ def _load_sketch(folder: Path) -> "SketchNetwork":
 def _load_appearance(folder: Path) -> "ShapeAppearanceModel | None":
     """None where the folder has no weights of appearance."""
     from artigen.models.appearance_vae import APPEARANCE_VAE
-    from artigen.models.store import read_description
+    from artigen.models.description import read_description
     from artigen.shape_appearance import load_shape_appearance
 
     return load_shape_appearance(folder) if APPEARANCE_VAE in read_description(folder) else None
@@ -206,7 +213,7 @@ def draw_generated(job: GenerateJob) -> "tuple[Drawn, _Asked]":
 def generate_object(job: GenerateJob) -> Made:
     """Draws one object, exports it and writes its package; runs in a worker process."""
     from artigen import __version__
-    from artigen.models.store import hash_model
+    from artigen.models.description import hash_model
     from sim_export.files.write import write_package
 
     started = time.perf_counter()

@@ -30,7 +30,7 @@ from artigen.metrics.score import Scores
 from artigen.metrics.shapes import ShapeSource, sketch_source
 from artigen.metrics.structure import score_reconstruction, score_spread
 from artigen.metrics.subjects import Subject, describe_subject, draw_subjects, read_subjects
-from artigen.models.store import hash_model, read_description
+from artigen.models.description import hash_model, read_description
 from artigen.sketch.model import load_sketch_network
 from artigen.train.real import list_split
 from artigen.train.shards import HELD_OUT

@@ -24,10 +24,11 @@ from artigen.metrics.splat_distance import score_distances
 from artigen.models.appearance_presets import APPEARANCE_PRESETS
 from artigen.models.appearance_vae import APPEARANCE_VAE, AppearanceVae
 from artigen.models.conditions import ConditionConfig
+from artigen.models.description import hash_model, read_description
 from artigen.models.extractors import ExtractorConfig, make_extractor
 from artigen.models.features import FeatureExtractor, PyramidFeatures
 from artigen.models.presets import PresetName
-from artigen.models.store import hash_model, load_model, read_description
+from artigen.models.store import load_model
 from artigen.sampling import SamplerConfig
 from artigen.shapes.draw import draw_shape
 from artigen.train.appearance.curation import CurationConfig

@@ -1,6 +1,5 @@
 """Trained models as folders: ``model.json`` and the weights in half precision, in files of limited size."""
 
-import hashlib
 import json
 from collections.abc import Mapping
 from pathlib import Path
@@ -10,9 +9,9 @@ from torch import Tensor, nn
 
 from artigen.errors import SourceError
 from artigen.io import write_whole
+from artigen.models.description import DESCRIPTION, read_description
 from artigen.models.trellis import load_strictly, read_tensors
 
-DESCRIPTION = "model.json"
 FILE_LIMIT = 16 * 2**20
 
 
@@ -47,35 +46,6 @@ def save_model(network: nn.Module, folder: Path, described: Mapping[str, object]
     text = json.dumps({**known, name: dict(described)}, indent=1, sort_keys=True) + "\n"
     write_whole(folder / DESCRIPTION, text)
     return paths
-
-
-def read_description(folder: Path) -> dict[str, dict[str, object]]:
-    """What a model folder says about its networks.
-
-    Raises:
-        SourceError: If there is no such folder, or its description is no JSON, or another one.
-    """
-    path = folder / DESCRIPTION
-    try:
-        said = json.loads(path.read_text())
-    except (FileNotFoundError, NotADirectoryError) as error:
-        raise SourceError(f"{path}: there is no such model; train one, or give the folder of one") from error
-    except OSError as error:
-        raise SourceError(f"{path}: cannot be read ({error.strerror})") from error
-    except ValueError as error:  # no JSON, or not even text
-        raise SourceError(f"{path}: is no JSON ({error})") from error
-    if not isinstance(said, dict) or not all(isinstance(value, dict) for value in said.values()):
-        raise SourceError(f"{path}: expected what a model says about its networks, by their names")
-    return said
-
-
-def hash_model(folder: Path) -> str:
-    """SHA-256 over the names and bytes of a model's description and weights: says which model it was."""
-    digest = hashlib.sha256()
-    for path in sorted([folder / DESCRIPTION, *folder.glob("*.safetensors")]):
-        digest.update(path.name.encode())
-        digest.update(path.read_bytes())
-    return digest.hexdigest()
 
 
 def load_model(network: nn.Module, folder: Path, name: str) -> nn.Module:

@@ -11,7 +11,8 @@ import torch
 from jaxtyping import Float
 
 from artigen.errors import SourceError
-from artigen.models.store import load_model, read_description, save_model
+from artigen.models.description import read_description
+from artigen.models.store import load_model, save_model
 from artigen.pictures import Picture, read_picture
 from artigen.shapes.shape import Shape
 from artigen.sketch.alignment import View, fit_camera

@@ -7,9 +7,9 @@ from typing import Literal
 from artigen.claim import claim_folder
 from artigen.errors import ArtigenError
 from artigen.models.conditions import ConditionConfig
+from artigen.models.description import hash_model, read_description
 from artigen.models.presets import PRESETS, PresetName
 from artigen.models.public_encoders import find_encoders
-from artigen.models.store import hash_model, read_description
 from artigen.models.structure_dit import StructureDitConfig
 from artigen.train.real import list_split
 

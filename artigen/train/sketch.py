@@ -20,7 +20,7 @@ from torch.nn import functional
 
 from artigen.claim import claim_folder
 from artigen.errors import ArtigenError, SourceError
-from artigen.models.store import hash_model
+from artigen.models.description import hash_model
 from artigen.shapes.draw import draw_shape
 from artigen.sketch.batch import ask_for, make_batch
 from artigen.sketch.model import load_sketch_network, save_sketch_network

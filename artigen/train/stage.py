@@ -8,7 +8,8 @@ from typing import TypeVar
 import torch
 from torch import nn
 
-from artigen.models.store import load_model, read_description
+from artigen.models.description import read_description
+from artigen.models.store import load_model
 from artigen.models.trellis import load_strictly, read_tensors
 from artigen.train.loop import LoopConfig, finished_steps
 from artigen.train.presets import StageConfig

@@ -8,11 +8,11 @@ from artigen.claim import claim_folder
 from artigen.errors import ArtigenError
 from artigen.models.appearance_presets import APPEARANCE_PRESETS
 from artigen.models.appearance_vae import SIDE_CHANNELS
+from artigen.models.description import hash_model, read_description
 from artigen.models.dinov2 import DinoConfig
 from artigen.models.extractors import ExtractorConfig, ExtractorName
 from artigen.models.presets import PRESETS, PresetName
 from artigen.models.slat_vae import SlatVaeConfig
-from artigen.models.store import hash_model, read_description
 from artigen.train.appearance.curation import CurationConfig
 from artigen.train.appearance.presets import APPEARANCE_TRAINING
 from artigen.train.appearance.visibility import Weighting
