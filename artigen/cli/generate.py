@@ -213,7 +213,6 @@ def draw_generated(job: GenerateJob) -> "tuple[Drawn, _Asked]":
 def generate_object(job: GenerateJob) -> Made:
     """Draws one object, exports it and writes its package; runs in a worker process."""
     from artigen import __version__
-    from artigen.models.description import hash_model
     from sim_export.files.write import write_package
 
     started = time.perf_counter()
@@ -223,7 +222,7 @@ def generate_object(job: GenerateJob) -> Made:
     condition = shape.condition
     provenance = {
         "generator": f"artigen {__version__} generate",
-        "model": hash_model(job.model),
+        "model": _hash_weights(job.model),
         "structure": job.cfg.structure,
         "condition": json.dumps(
             {

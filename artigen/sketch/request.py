@@ -112,12 +112,11 @@ def ask(request: SketchRequest) -> Asked:
 
     if request.category is not None:
         check_category(request.category)
-    for name, words in (("category", CATEGORIES), ("style", STYLES)):
-        word = getattr(request, name)
-        if word is not None:
-            if word not in words:
-                raise SketchError(f"{name} {word!r}: this model knows {', '.join(words)}")
-            say(name, words.index(word))
+        say("category", CATEGORIES.index(request.category))
+    if request.style is not None:
+        if request.style not in STYLES:
+            raise SketchError(f"style {request.style!r}: this model knows {', '.join(STYLES)}")
+        say("style", STYLES.index(request.style))
     for label, count in request.counts:
         if label == "base":
             continue
