@@ -5,7 +5,7 @@ A category is a module of `artigen.shapes.categories` with ``CATEGORY``, its nam
 """
 
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
 from importlib import import_module
@@ -274,5 +274,15 @@ def choose_size(
             raise ShapeError(
                 f"{category}: {name} {wished:g} m, expected from {least:.3g} to {most:.3g} m for this style"
             )
-    w, d, h = (choose(rng, low, high, getattr(wish, name)) for name, (low, high) in usual.items())
-    return w, d, h
+    return choose_lengths(rng, wish, (width, depth, height))
+
+
+def choose_lengths(
+    rng: np.random.Generator, wish: Wish, spans: Sequence[tuple[float, float]]
+) -> tuple[float, float, float]:
+    """Width, depth and height (m), in this order: the wished ones, or uniform ones within their spans."""
+    wished = (wish.width, wish.depth, wish.height)
+    width, depth, height = (
+        choose(rng, low, high, one) for (low, high), one in zip(spans, wished, strict=True)
+    )
+    return width, depth, height

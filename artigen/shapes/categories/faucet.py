@@ -125,14 +125,7 @@ def _draw_kitchen(
             (end, level - bend),
             (end, level - 0.07),
         ]
-    swivel = Motion(type="continuous", axis=UP, origin=(x, 0.0, neck), upper=2 * np.pi)
-    spout = ShapePart(
-        name="spout",
-        label="handle",
-        parent="body",
-        primitives=(collar, *_build_spout(path, tube)),
-        motion=swivel,
-    )
+    spout = _make_swivel((x, 0.0, neck), (collar, *_build_spout(path, tube)))
     mixer = make_mixer(
         (x, -radius - 0.006, DECK + 0.06),
         (0.0, -1.0, 0.0),
@@ -146,6 +139,12 @@ def _draw_kitchen(
         finish="handle",
     )
     return pieces, (spout, *mixer)
+
+
+def _make_swivel(foot: Vector, pieces: tuple[Primitive, ...]) -> ShapePart:
+    """A spout that turns about the upright axis through its foot."""
+    turn = Motion(type="continuous", axis=UP, origin=foot, upper=2 * np.pi)
+    return ShapePart(name="spout", label="handle", parent="body", primitives=pieces, motion=turn)
 
 
 def _draw_bridge(
@@ -171,14 +170,7 @@ def _draw_bridge(
         path = [(x, neck + 0.01), (x, top - 0.02), (x - 0.02, top), (end + 0.02, top)]
         path += [(end, top - 0.02), (end, min(lowest, top - 0.03))]
     collar = cylinder((x, 0.0, neck + 0.0015), (x, 0.0, neck + 0.022), 0.0155, "handle")
-    swivel = Motion(type="continuous", axis=UP, origin=(x, 0.0, neck), upper=2 * np.pi)
-    spout = ShapePart(
-        name="spout",
-        label="handle",
-        parent="body",
-        primitives=(collar, *_build_spout(path, tube)),
-        motion=swivel,
-    )
+    spout = _make_swivel((x, 0.0, neck), (collar, *_build_spout(path, tube)))
     arms = 4 if rng.random() < 0.65 else 1
     taps = [
         make_cross_handle(

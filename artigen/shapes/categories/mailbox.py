@@ -10,7 +10,7 @@ import numpy as np
 
 from artigen.shapes.appliances.assembly import Assembly
 from artigen.shapes.appliances.cavity import build_shell
-from artigen.shapes.draw import Draft, Wish, choose, choose_style
+from artigen.shapes.draw import Draft, Wish, choose_lengths, choose_style
 from artigen.shapes.fittings.fronts import FrontDesign, make_door
 from artigen.shapes.fittings.handles import HandleDesign, make_handle
 from artigen.shapes.fittings.hardware import GAP, Panel, Range, Space, hinge, sweep_gap
@@ -49,10 +49,7 @@ KEY = 0.026
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """A mailbox that meets the wish."""
     style = choose_style(rng, CATEGORY, STYLES, wish.style)
-    width, depth, height = (
-        choose(rng, *span, wished)
-        for span, wished in zip(SIZES[style], (wish.width, wish.depth, wish.height), strict=True)
-    )
+    width, depth, height = choose_lengths(rng, wish, SIZES[style])
     build = {
         "rural": _build_rural,
         "modern": _build_modern,

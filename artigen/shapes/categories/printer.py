@@ -11,7 +11,7 @@ import numpy as np
 
 from artigen.shapes.appliances.assembly import Assembly
 from artigen.shapes.appliances.control_panel import make_button
-from artigen.shapes.draw import Draft, Wish, choose, choose_style
+from artigen.shapes.draw import Draft, Wish, choose_lengths, choose_style
 from artigen.shapes.fittings.feet import make_castors
 from artigen.shapes.fittings.hardware import GAP, Panel, Range, hinge, slide, sweep_gap
 from artigen.shapes.fittings.lids import hinge_lid, loft, shrink
@@ -50,10 +50,7 @@ class _Frame:
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """A printer that meets the wish."""
     style = choose_style(rng, CATEGORY, STYLES, wish.style)
-    width, depth, height = (
-        choose(rng, *span, wished)
-        for span, wished in zip(SIZES[style], (wish.width, wish.depth, wish.height), strict=True)
-    )
+    width, depth, height = choose_lengths(rng, wish, SIZES[style])
     frame = _Frame(x=(0.012 - depth / 2, depth / 2), y=(-width / 2, width / 2))
     built = _build(rng, frame, height, style)
     return Draft(style=style, parts=built.close(), finishes=tuple(sorted(_draw_finishes(rng).items())))

@@ -11,7 +11,7 @@ from itertools import pairwise
 import numpy as np
 
 from artigen.shapes.appliances.assembly import Assembly
-from artigen.shapes.draw import Draft, Wish, choose, choose_style
+from artigen.shapes.draw import Draft, Wish, choose_lengths, choose_style
 from artigen.shapes.fittings.feet import make_legs, make_plinth
 from artigen.shapes.fittings.handles import HandleDesign, make_handle
 from artigen.shapes.fittings.hardware import GAP, Edge, Panel, Range
@@ -53,10 +53,7 @@ CARDBOARD: Color = (0.72, 0.57, 0.40)
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """A box that meets the wish."""
     style = choose_style(rng, CATEGORY, STYLES, wish.style)
-    width, depth, height = (
-        choose(rng, *span, wished)
-        for span, wished in zip(SIZES[style], (wish.width, wish.depth, wish.height), strict=True)
-    )
+    width, depth, height = choose_lengths(rng, wish, SIZES[style])
     build = {"chest": _build_chest, "trunk": _build_trunk, "plastic": _build_tub, "carton": _build_carton}[
         style
     ]

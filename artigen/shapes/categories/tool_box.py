@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 
 from artigen.shapes.appliances.assembly import Assembly
-from artigen.shapes.draw import Draft, Wish, choose, choose_style
+from artigen.shapes.draw import Draft, Wish, choose_lengths, choose_style
 from artigen.shapes.fittings.carrying import CHANNEL, build_channel, make_grip, make_pull_handle
 from artigen.shapes.fittings.drawers import BoxDesign, make_drawer
 from artigen.shapes.fittings.feet import make_wheel
@@ -55,10 +55,7 @@ WALL = 0.007
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """A tool box that meets the wish."""
     style = choose_style(rng, CATEGORY, STYLES, wish.style)
-    width, depth, height = (
-        choose(rng, *span, wished)
-        for span, wished in zip(SIZES[style], (wish.width, wish.depth, wish.height), strict=True)
-    )
+    width, depth, height = choose_lengths(rng, wish, SIZES[style])
     build = {
         "plastic": _build_plastic,
         "metal": _build_metal,

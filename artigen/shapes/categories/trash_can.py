@@ -9,7 +9,7 @@ import numpy as np
 
 from artigen.shapes.appliances.assembly import Assembly
 from artigen.shapes.appliances.rings import build_ring
-from artigen.shapes.draw import Draft, Wish, choose, choose_style
+from artigen.shapes.draw import Draft, Wish, choose_lengths, choose_style
 from artigen.shapes.fittings.feet import make_wheel
 from artigen.shapes.fittings.hardware import GAP, Range, slide
 from artigen.shapes.fittings.lids import Rectangle, build_vessel, hinge_lid, loft, shrink
@@ -49,10 +49,7 @@ WALL = 0.008
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """A bin that meets the wish."""
     style = choose_style(rng, CATEGORY, STYLES, wish.style)
-    width, depth, height = (
-        choose(rng, *span, wished)
-        for span, wished in zip(SIZES[style], (wish.width, wish.depth, wish.height), strict=True)
-    )
+    width, depth, height = choose_lengths(rng, wish, SIZES[style])
     slender = float(rng.uniform(0.5, 0.8))
     if style in ("pedal", "flip") and wish.width is None:
         width = max(min(width, slender * height), 0.42 * height)
