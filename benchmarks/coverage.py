@@ -29,7 +29,8 @@ from scipy.spatial import ConvexHull, QhullError, cKDTree
 from artigen.datasets.partnet_mobility import ReaderConfig, read_object
 from artigen.datasets.partnet_surface import FaceTable
 from artigen.shapes.primitives import Primitive, contains, place_vertices
-from artigen.sketch.pieces import Piece, across, build_piece
+from artigen.sketch.piece import Piece, across
+from artigen.sketch.pieces import build_piece
 
 NEAR = 0.01
 """Distance (of the longest edge) within which surface is covered."""

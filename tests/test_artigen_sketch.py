@@ -27,7 +27,8 @@ from artigen.sketch.model import (
 )
 from artigen.sketch.network import COARSE, SketchNetwork, SketchNetworkConfig, slots
 from artigen.sketch.picture import PictureConfig
-from artigen.sketch.pieces import UnknownSolid, build_piece, fit_pieces
+from artigen.sketch.piece import UnknownSolid
+from artigen.sketch.pieces import build_piece, fit_pieces
 from artigen.sketch.request import Asked, AskedFinish, SketchRequest, ask, nothing_asked
 from artigen.sketch.rows import (
     CATEGORIES,

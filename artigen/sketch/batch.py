@@ -8,7 +8,7 @@ import torch
 from jaxtyping import Bool, Int
 
 from artigen.sketch.network import PARTS, PLACES, RowBatch
-from artigen.sketch.pieces import PIECE_KINDS
+from artigen.sketch.piece import PIECE_KINDS
 from artigen.sketch.request import Asked
 from artigen.sketch.rows import FIELDS, ROW_KINDS, WIDTH, column, find_said, number_axis
 from artigen.sketch.sketch import lowest_corner

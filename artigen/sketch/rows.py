@@ -15,7 +15,16 @@ from jaxtyping import Bool, Int
 
 from artigen.shapes.surfaces.finishes import FinishKind
 from artigen.shapes.surfaces.palette import ROLES
-from artigen.sketch.pieces import INWARD, NUMBERS, PIECE_KINDS, Piece, PieceKind, number_axes
+from artigen.sketch.piece import (
+    CORNERS,
+    INWARD,
+    NUMBERS,
+    PIECE_KINDS,
+    SQUARE_KINDS,
+    Piece,
+    PieceKind,
+    number_axes,
+)
 from artigen.sketch.sketch import (
     LEVELS,
     OPACITIES,
@@ -90,10 +99,12 @@ def _piece_fields(kind: PieceKind) -> tuple[Field, ...]:
     said = _symbols(finish=len(ROLES), lined=INWARD + 2, lining=len(ROLES))
     if kind not in ("box", "plate"):
         said += _symbols(axis=3)
-    if kind in ("frustum", "ring", "spokes"):
+    if kind in ("frustum", "ring", "spokes", "slab", "shell", "elbow"):
         said += _symbols(sides=MAX_SIDES + 1)
     if kind == "spokes":
         said += _symbols(phase=2)
+    if kind in ("slab", "elbow"):
+        said += _symbols(corners=2**CORNERS if kind == "slab" else CORNERS)
     return said + tuple(Field(name=name) for name in NUMBERS[kind])
 
 
@@ -284,7 +295,7 @@ def _implied(kind: str, key: tuple[int, ...]) -> frozenset[str]:
         return frozenset()
     lined, axis, sides = key
     follows = set() if lined else {"lining"}
-    if kind in ("cylinder", "ring", "spokes") or (kind == "frustum" and sides > SQUARE):
+    if kind in SQUARE_KINDS or (kind == "frustum" and sides > SQUARE):
         # Of the two edges across, the one whose end is said later follows.
         follows.add(("x1", "y1", "z1")[max((axis + 1) % 3, (axis + 2) % 3)])
         follows |= {"v1"} if kind == "frustum" else set()
@@ -335,6 +346,7 @@ def _piece_row(piece: Piece) -> list[int]:
         "axis": piece.axis,
         "sides": piece.sides,
         "phase": piece.phase,
+        "corners": piece.corners,
         **{name: int(number) for name, number in zip(NUMBERS[piece.kind], piece.numbers, strict=True)},
     }
     return _row(piece.kind, *(values[name] for name in said_fields(piece.kind)))
@@ -393,6 +405,7 @@ def _read_piece(kind: str, row: list[int]) -> Piece:
         axis=values.get("axis", 0),
         sides=values.get("sides", 0),
         phase=values.get("phase", 0),
+        corners=values.get("corners", 0),
     )
 
 

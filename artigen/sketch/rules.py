@@ -12,7 +12,12 @@ from jaxtyping import Bool, Int
 
 from artigen.shapes.surfaces.finishes import FinishKind
 from artigen.shapes.surfaces.palette import ROLES
-from artigen.sketch.pieces import MIN_WEDGES, PIECE_KINDS, ROUND_SIDES, across
+from artigen.sketch.piece import (
+    MIN_WEDGES,
+    PIECE_KINDS,
+    ROUND_SIDES,
+    across,
+)
 from artigen.sketch.request import Asked
 from artigen.sketch.rows import (
     COUNTED,

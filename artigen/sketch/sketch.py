@@ -8,6 +8,7 @@ half a step, and writing it again gives the same sketch.
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from math import ceil
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -16,7 +17,9 @@ from artigen.errors import ArtigenError
 from artigen.shapes.shape import Motion, Need, Shape, ShapePart
 from artigen.shapes.surfaces.finishes import Finish, FinishKind
 from artigen.shapes.surfaces.palette import ROLES
-from artigen.sketch.pieces import LINED, Piece, UnknownSolid, across, build_piece, fit_pieces, number_axes
+from artigen.sketch.piece import LINED, SQUARE_KINDS, Piece, UnknownSolid, across, number_axes
+from artigen.sketch.pieces import build_piece, fit_pieces
+from artigen.sketch.solid_pieces import room_to_cut
 from artigen.types import FULL_TURN, JointType, PartLabel
 
 STEP = 0.0005
@@ -30,6 +33,8 @@ PERIODS = (0.4, 0.045, 0.012, 0.3, 0.05, 0.5, 0.006, 0.016)
 FRACTIONS = (0.95, 1.0)
 """Shares of its range by which a part that must open first is open."""
 MAX_NEEDS = 2
+_EPSILON = 1e-6
+"""Metres."""
 ROUND_TURN = 720
 """A full turn, in half degrees."""
 
@@ -59,7 +64,7 @@ class SketchJoint:
 
     type: JointType
     axis: int
-    """Index into `artigen.sketch.pieces.LINED`, which lists the six directions."""
+    """Index into `artigen.sketch.piece.LINED`, which lists the six directions."""
     origin: tuple[int, int, int] = (0, 0, 0)
     upper: int = ROUND_TURN
     travel: int = 0
@@ -248,12 +253,43 @@ def snap_piece(piece: Piece) -> Piece:
         width = max(numbers[8] - numbers[6], 1)
         numbers[8] = numbers[6] + width
         numbers[9] = numbers[7] + width if is_square(piece) else max(numbers[9], numbers[7] + 1)
+    if kind in ("slab", "shell"):
+        sizes = [numbers[3 + axis] - numbers[axis] for axis in (u, v)]
+        measured = [piece.numbers[3 + axis] - piece.numbers[axis] for axis in (u, v)]
+        numbers[6:] = (_snap_slab if kind == "slab" else _snap_shell)(piece, sizes, measured)
     return replace(piece, numbers=tuple(numbers))
+
+
+def _snap_slab(piece: Piece, sizes: Sequence[int], measured: Sequence[float]) -> list[int]:
+    """Lengths of arcs in steps: those that take all there is go on doing so.
+
+    Args:
+        piece: In metres.
+        sizes: Its edges along u and v, in steps.
+        measured: The same in metres.
+    """
+    out = []
+    for cut, share, size, length in zip(piece.rest, room_to_cut(piece.corners), sizes, measured, strict=True):
+        most = ceil(share * size)
+        out.append(most if cut > share * length - _EPSILON else min(max(round(cut / STEP), 1), most))
+    return out
+
+
+def _snap_shell(piece: Piece, sizes: Sequence[int], measured: Sequence[float]) -> list[int]:
+    """As `_snap_slab`, and a wall that does not vanish."""
+    low, high, inset, wall = (round(number / STEP) for number in piece.rest)
+    low = min(max(low, 1), sizes[0] - 1)
+    meet = piece.rest[0] + piece.rest[1] > measured[0] - _EPSILON
+    high = sizes[0] - low if meet else min(max(high, 1), sizes[0] - low)
+    room = (min(sizes) - 1) // 2
+    inset = min(max(inset, -room), room)
+    wall = min(max(wall, 1), room - abs(inset)) if piece.rest[3] > 0 else 0
+    return [low, high, inset, wall]
 
 
 def is_square(piece: Piece) -> bool:
     """Whether the solid is as wide as high across its axis by its kind."""
-    return piece.kind in ("cylinder", "ring", "spokes") or (piece.kind == "frustum" and piece.sides > 4)
+    return piece.kind in SQUARE_KINDS or (piece.kind == "frustum" and piece.sides > 4)
 
 
 def _write_joint(

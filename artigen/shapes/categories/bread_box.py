@@ -130,8 +130,11 @@ def _build_curved(rng: np.random.Generator, size: tuple[float, float, float], st
     skin = np.array([crest - (crest - x[0]) * np.cos(turn), sill + (height - sill) * np.sin(turn)])
     (a, c), (inner_x, inner_z) = (skin + 0.036 * out).tolist(), (skin - 0.006 * out).tolist()
     bar = cylinder((a, -0.3 * width, c), (a, 0.3 * width, c), 0.007, "handle")
+    foot, half = np.array([inner_x, inner_z]), 0.004 * np.array([-out[1], out[0]])
+    flat = [end + side for end in (np.array([a, c]), foot) for side in (-half, half)]
     posts = [
-        cylinder((a, b, c), (inner_x, b, inner_z), 0.005, "handle") for b in (-0.26 * width, 0.26 * width)
+        polytope(np.array([(x, b + s, z) for x, z in flat for s in (-0.006, 0.006)]), "handle")
+        for b in (-0.26 * width, 0.26 * width)
     ]
     handle = ShapePart(name="lid_handle", label="handle", parent="lid", primitives=(bar, *posts))
     return Assembly(pieces=tuple(pieces), parts=(lid, handle))

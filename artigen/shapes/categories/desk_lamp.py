@@ -9,6 +9,7 @@ import numpy as np
 from artigen.shapes.appliances.control_panel import make_button
 from artigen.shapes.appliances.rings import build_ring
 from artigen.shapes.draw import Draft, Wish, choose_size, choose_style
+from artigen.shapes.fittings.tubes import lean_rod
 from artigen.shapes.primitives import (
     SEGMENTS,
     Primitive,
@@ -126,12 +127,12 @@ def _build_arm(start: Point, end: Point, apart: float, *, flat: bool, springs: b
             corners = [place(p, r, y + a, b) for p, r in ends for a in (-ROD, ROD) for b in (-0.011, 0.011)]
             pieces.append(polytope(np.array(corners), "arm"))
         else:
-            pieces.append(cylinder(place(start, -over, y), place(end, over, y), ROD, "arm"))
+            pieces.append(lean_rod(place(start, -over, y), place(end, over, y), ROD, "arm"))
     spacers = ((start, 0.05), (start, 0.15), (end, -0.05)) if springs else ((start, 0.05), (end, -0.05))
     pieces += [cylinder(place(p, r, -apart), place(p, r, apart), 0.004, "arm") for p, r in spacers]
     if springs:
         pieces += [
-            cylinder(place(start, 0.05, y), place(start, 0.15, y), 0.0055, "accent") for y in (-0.007, 0.007)
+            lean_rod(place(start, 0.05, y), place(start, 0.15, y), 0.0055, "accent") for y in (-0.007, 0.007)
         ]
     if apart == OUTER:
         for base in (start, end):
@@ -143,14 +144,12 @@ def _build_arm(start: Point, end: Point, apart: float, *, flat: bool, springs: b
 
 def _build_head(rng: np.random.Generator, style: str) -> tuple[list[Primitive], float]:
     """A head about its hinge in the origin, and how far it reaches forward (m)."""
-    tilt = float(np.radians(rng.uniform(5.0, 9.0)))
     sides = ((-OUTER - ROD, -OUTER + ROD), (OUTER - ROD, OUTER + ROD))
     cheeks = [box((-0.008, low, -0.034), (0.008, high, 0.008), "arm") for low, high in sides]
     if style == "led":
         long = float(rng.uniform(0.2, 0.26))
         bar = box((0.075 - long, -0.024, -0.046), (0.075, 0.024, -0.032), "body")
         pieces = [*cheeks, bar, box((0.085 - long, -0.019, -0.049), (0.02, 0.019, -0.045), "bulb")]
-        tilt *= 0.5
     else:
         mouth, neck = float(rng.uniform(0.066, 0.08)), 0.03
         tall = float(rng.uniform(0.1, 0.13)) if style == "architect" else float(rng.uniform(0.075, 0.095))
@@ -163,5 +162,4 @@ def _build_head(rng: np.random.Generator, style: str) -> tuple[list[Primitive], 
         for span, ends in (((bend, -0.06), (waist, top)), ((low, bend), (rim, waist))):
             pieces += build_ring((0.0, 0.0, 0.0), "z", span, ends, "body", sides=12, lining="inside")
         pieces.append(cylinder((0.0, 0.0, -0.115), (0.0, 0.0, -0.065), 0.02, "bulb"))
-    turned = [move(piece, turn=tilt, about=(0.0, 1.0, 0.0)) for piece in pieces]
-    return turned, -float(min(place_vertices(piece)[:, 0].min() for piece in turned))
+    return pieces, -float(min(place_vertices(piece)[:, 0].min() for piece in pieces))

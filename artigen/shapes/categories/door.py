@@ -22,7 +22,7 @@ from artigen.shapes.fittings.latches import (
     make_bolt,
 )
 from artigen.shapes.fittings.levers import LeverDesign, build_lever, design_lever
-from artigen.shapes.primitives import Primitive, box, polytope
+from artigen.shapes.primitives import Primitive, box, rounded_box
 from artigen.shapes.shape import Motion, Need, ShapePart
 from artigen.shapes.surfaces.palette import draw_palette
 
@@ -154,16 +154,11 @@ def _build_leaf(leaf: Leaf, latch: Latch, look: str, grid: tuple[int, int]) -> l
 
 
 def _build_field(x: Range, y: Range, z: Range, finish: str) -> Primitive:
-    """A fielded panel: thin at its edges, raised in the middle of both faces."""
-    slope = min(0.05, 0.3 * min(y[1] - y[0], z[1] - z[0]))
-    corners = [
-        (side, a, b)
-        for back, inset in ((0.011, 0.0), (0.004, slope))
-        for side in (x[0] + back, x[1] - back)
-        for a in (y[0] + inset, y[1] - inset)
-        for b in (z[0] + inset, z[1] - inset)
-    ]
-    return polytope(np.array(corners), finish)
+    """A raised panel: its bevelled edges run into the frame as far as their corners are cut."""
+    back, slope = 0.004, 0.014
+    over = slope / 2
+    low, high = (x[0] + back, y[0] - over, z[0] - over), (x[1] - back, y[1] + over, z[1] + over)
+    return rounded_box(low, high, slope, finish)
 
 
 def _make_lever(latch: Latch, design: LeverDesign) -> ShapePart:

@@ -9,7 +9,7 @@ import numpy as np
 from artigen.shapes.draw import Draft, Wish, choose_size, choose_style
 from artigen.shapes.fittings.hardware import Range
 from artigen.shapes.fittings.taps import PIVOT, make_cross_handle, make_mixer
-from artigen.shapes.fittings.tubes import bend_tube, sweep_arc
+from artigen.shapes.fittings.tubes import bend_elbow, lay_pipe, lean_rod
 from artigen.shapes.primitives import SEGMENTS, Primitive, Vector, cylinder, rounded_box
 from artigen.shapes.shape import Motion, ShapePart
 from artigen.shapes.surfaces.materials import make_polished
@@ -27,8 +27,6 @@ METALS = ("chrome", "chrome", "steel", "black", "brass", "bronze")
 DECK = 0.03
 ROUND = float(np.cos(np.pi / SEGMENTS))
 """Extent of the prism that stands for a cylinder, over the cylinder's."""
-Point = tuple[float, float]
-"""In the plane of a spout: x and z."""
 UP: Vector = (0.0, 0.0, 1.0)
 FRONT: Vector = (-1.0, 0.0, 0.0)
 
@@ -51,11 +49,25 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     return Draft(style=style, parts=(body, *parts), finishes=tuple(sorted(finishes.items())))
 
 
-def _build_spout(path: list[Point], radius: float) -> tuple[Primitive, ...]:
-    """A tube with an aerator at its end, which points down."""
-    x, z = path[-1]
-    aerator = cylinder((x, 0.0, z - 0.008), (x, 0.0, z + 0.012), 1.12 * radius, "handle")
-    return *bend_tube([(a, 0.0, c) for a, c in path], radius, "handle"), aerator
+def _build_aerator(x: float, z: float, radius: float) -> Primitive:
+    """What is on the end of a tube that points down."""
+    return cylinder((x, 0.0, z - 0.008), (x, 0.0, z + 0.012), 1.12 * radius, "handle")
+
+
+def _build_spout(x: Range, z: Range, top: float, bend: float, radius: float) -> tuple[Primitive, ...]:
+    """A tube from its foot up, across and down to its aerator.
+
+    Args:
+        x: Of the foot and of the aerator (m).
+        z: Of the foot and of the aerator.
+        top: Height of the tube's middle where it is highest.
+        bend: Radius of its bends.
+        radius: Of the tube.
+    """
+    path = [(x[0], 0.0, z[0]), (x[0], 0.0, top), (x[1], 0.0, top), (x[1], 0.0, z[1])]
+    bow = abs(x[1] - x[0]) < 2 * bend + 1e-9
+    tube = lay_pipe(path, radius, bend, "handle", pieces=4 if bow else 2)
+    return *tube, _build_aerator(x[1], z[1], radius)
 
 
 def _draw_single(
@@ -68,11 +80,14 @@ def _draw_single(
     spout, tube = DECK + 0.6 * (top - DECK), 0.0135
     end = x - reach + 1.12 * tube * ROUND
     rise = float(rng.uniform(0.0, 0.02))
-    path = [(x, spout), (end + 0.02, spout + rise), (end, spout + rise - 0.012), (end, spout + rise - 0.03)]
+    bend, level, low = 0.02, spout + rise, spout + rise - 0.03
     pieces = (
         cylinder((x, 0.0, DECK), (x, 0.0, DECK + 0.006), 1.25 * radius, "handle"),
         cylinder((x, 0.0, DECK), (x, 0.0, top), radius, "handle"),
-        *_build_spout(path, tube),
+        lean_rod((x, 0.0, spout), (end + bend, 0.0, level), tube, "handle"),
+        *bend_elbow((end + bend, 0.0, level - bend), (UP, FRONT), bend, tube, "handle"),
+        cylinder((end, 0.0, level - bend), (end, 0.0, low), tube, "handle"),
+        _build_aerator(end, low, tube),
     )
     mixer = make_mixer(
         (x, 0.0, top),
@@ -103,29 +118,13 @@ def _draw_kitchen(
     end = x - reach + 1.12 * tube * ROUND
     collar = cylinder((x, 0.0, neck + 0.0015), (x, 0.0, neck + 0.03), 0.9 * radius, "handle")
     if rng.random() < 0.6:  # a bow
-        bow = (x - end) / 2
-        middle = height - tube / ROUND - bow
-        turns = sweep_arc((x - bow, 0.0, middle), (bow, 0.0, 0.0), (0.0, 0.0, bow), (0.0, np.pi), 9)
-        path = [
-            (x, neck + 0.02),
-            *((float(a), float(c)) for a, _, c in turns),
-            (end, middle - 0.03),
-        ]
+        bend, level = (x - end) / 2, height - tube * ROUND
+        low = level - bend - 0.03
     else:  # square, with short bends
-        level, bend = height - tube, 0.03
-        path = [
-            (x, neck + 0.02),
-            (x, level - bend),
-            (x - 0.3 * bend, level - 0.3 * bend),
-            (x - bend, level),
-        ]
-        path += [
-            (end + bend, level),
-            (end + 0.3 * bend, level - 0.3 * bend),
-            (end, level - bend),
-            (end, level - 0.07),
-        ]
-    spout = _make_swivel((x, 0.0, neck), (collar, *_build_spout(path, tube)))
+        bend, level = 0.03, height - tube
+        low = level - 0.07
+    tubes = _build_spout((x, end), (neck + 0.02, low), level, bend, tube)
+    spout = _make_swivel((x, 0.0, neck), (collar, *tubes))
     mixer = make_mixer(
         (x, -radius - 0.006, DECK + 0.06),
         (0.0, -1.0, 0.0),
@@ -158,19 +157,15 @@ def _draw_bridge(
         pieces.append(cylinder((x, y, DECK), (x, y, level + 0.022), 0.0145, "handle"))
     pieces.append(cylinder((x, 0.0, level - 0.014), (x, 0.0, level + 0.022), 0.0165, "handle"))
     neck, end = level + 0.022, x - reach + 1.12 * tube * ROUND
-    bow = (x - end) / 2
-    middle = height - tube / ROUND - bow
+    bend, top = (x - end) / 2, height - tube * ROUND
     lowest = neck + 0.068  # above the taps, which it passes
-    if middle > lowest + 0.02:
-        turns = sweep_arc((x - bow, 0.0, middle), (bow, 0.0, 0.0), (0.0, 0.0, bow), (0.0, np.pi), 9)
-        path = [(float(a), float(c)) for a, _, c in turns]
-        path = [(x, neck + 0.01), *path, (end, middle - 0.02)]
-    else:
-        top = height - tube
-        path = [(x, neck + 0.01), (x, top - 0.02), (x - 0.02, top), (end + 0.02, top)]
-        path += [(end, top - 0.02), (end, min(lowest, top - 0.03))]
+    low = top - bend - 0.02
+    if low <= lowest:
+        bend, top = 0.02, height - tube
+        low = min(lowest, top - 0.03)
+    tubes = _build_spout((x, end), (neck + 0.01, low), top, bend, tube)
     collar = cylinder((x, 0.0, neck + 0.0015), (x, 0.0, neck + 0.022), 0.0155, "handle")
-    spout = _make_swivel((x, 0.0, neck), (collar, *_build_spout(path, tube)))
+    spout = _make_swivel((x, 0.0, neck), (collar, *tubes))
     arms = 4 if rng.random() < 0.65 else 1
     taps = [
         make_cross_handle(

@@ -3,12 +3,14 @@
 Diameters of 160 to 280 mm as pots are sold for hobs of 145 to 210 mm; saucepans have a grip of 150 to 190 mm.
 """
 
+from itertools import pairwise
+
 import numpy as np
 
 from artigen.shapes.appliances.rings import build_ring
 from artigen.shapes.draw import Draft, Wish, choose_size, choose_style
 from artigen.shapes.fittings.hardware import Range, lift
-from artigen.shapes.fittings.tubes import bend_tube
+from artigen.shapes.fittings.tubes import bend_elbow, lean_rod
 from artigen.shapes.primitives import Primitive, Vector, cylinder, prism
 from artigen.shapes.shape import Motion, ShapePart
 from artigen.shapes.surfaces.finishes import Finish
@@ -82,14 +84,18 @@ def _build_ears(rng: np.random.Generator, radius: float, width: float, rim: floa
     """Two bows below the rim, left and right."""
     rod, level, half = 0.0055, 0.82 * rim, float(rng.uniform(0.038, 0.05))
     root = (radius**2 - half**2) ** 0.5 - WALL
-    pieces: list[Primitive] = []
+    bend, pieces = 0.014, []
     for side in (-1.0, 1.0):
         tip = side * (width / 2 - rod)
-        shoulder = tip - side * 0.014
-        path: list[Vector] = [(-half, side * root, level), (-half, shoulder, level + 0.008)]
-        path += [(-half + 0.014, tip, level + 0.011), (half - 0.014, tip, level + 0.011)]
-        path += [(half, shoulder, level + 0.008), (half, side * root, level)]
-        pieces += bend_tube(path, rod, "grip", sides=8)
+        shoulder = tip - side * bend
+        high = level + min(0.009, 0.5 * abs(shoulder - side * root))
+        for end in (-1.0, 1.0):
+            pieces.append(
+                lean_rod((end * half, side * root, level), (end * half, shoulder, high), rod, "grip")
+            )
+            center, ways = (end * (half - bend), shoulder, high), ((end, 0.0, 0.0), (0.0, side, 0.0))
+            pieces += bend_elbow(center, ways, bend, rod, "grip", pieces=2)
+        pieces.append(cylinder((bend - half, tip, high), (half - bend, tip, high), rod, "grip"))
     return tuple(pieces)
 
 
@@ -98,10 +104,11 @@ def _build_grip(rng: np.random.Generator, start: float, width: float) -> tuple[P
     rise = float(rng.uniform(0.012, 0.03))
     end = -width / 2
     neck = start - 0.03
-    stub = bend_tube([(0.0, start + 2 * WALL, 0.0), (0.0, neck, 0.004)], 0.0075, "rim")
+    stub = lean_rod((0.0, start + 2 * WALL, 0.0), (0.0, neck, 0.004), 0.0075, "rim")
     path: list[Vector] = [(0.0, neck, 0.004), (0.0, (neck + end) / 2, 0.5 * rise)]
     path += [(0.0, end + 0.02, rise), (0.0, end, rise)]
-    return *stub, *bend_tube(path, (0.0085, 0.0115, 0.011, 0.009), "grip")
+    rods = pairwise(zip(path, (0.0085, 0.0115, 0.011, 0.009), strict=True))
+    return stub, *(lean_rod(a, b, (first, second), "grip") for (a, first), (b, second) in rods)
 
 
 def _draw_finishes(rng: np.random.Generator) -> tuple[tuple[str, Finish], ...]:

@@ -10,13 +10,14 @@ import numpy as np
 
 from artigen.shapes.appliances.assembly import Assembly
 from artigen.shapes.draw import Draft, Wish, choose_lengths, choose_style
-from artigen.shapes.fittings.bowls import Outline, build_bowl
+from artigen.shapes.fittings.bowls import build_bowl
 from artigen.shapes.fittings.carrying import CHANNEL, build_channel, make_grip, make_pull_handle
 from artigen.shapes.fittings.feet import make_castors
 from artigen.shapes.fittings.handles import HandleDesign, make_handle
 from artigen.shapes.fittings.hardware import FINGER_ROOM, GAP, Edge, Panel, Range, hinge
 from artigen.shapes.fittings.lids import hinge_lid
 from artigen.shapes.fittings.locks import make_latch
+from artigen.shapes.fittings.outlines import Outline
 from artigen.shapes.primitives import Primitive, box, polytope
 from artigen.shapes.shape import Need, ShapePart
 from artigen.shapes.surfaces.finishes import Color, Finish
@@ -88,13 +89,14 @@ def _build_standing(rng: np.random.Generator, width: float, depth: float, height
     )
     z = (castors.height, height - grip)
     seam = x[0] + float(rng.uniform(0.42, 0.5)) * (x[1] - x[0])
-    outline = Outline(a=y, b=z, radius=float(rng.uniform(0.035, 0.06)))
+    radius = float(rng.uniform(0.035, 0.06))
+    outline = Outline(a=y, b=z, cuts=(radius, radius))
     bevel = float(rng.uniform(0.012, 0.02))
     wall = max(WALL, (z[1] - z[0]) / SLENDER)
     front = build_bowl(outline, (x[0], seam - GAP), wall, "body", bevel=bevel, lining="inside")
     rear = build_bowl(outline, (x[1], seam), wall, "body", bevel=bevel, lining="inside")
     edge: Edge = "left" if rng.random() < 0.5 else "right"
-    ribs = _build_ribs(rng, x[0], y, z, outline.radius)
+    ribs = _build_ribs(rng, x[0], y, z, radius)
     panel = Panel(x=seam - GAP, thickness=0.01, y=y, z=z)
     upper = float(np.radians(rng.uniform(100, 170)))
     door = ShapePart(
@@ -155,11 +157,12 @@ def _build_lying(rng: np.random.Generator, width: float, depth: float, height: f
     reach, band = 0.041, 0.004
     x, y = (reach - depth / 2, depth / 2 + band), (-width / 2, width / 2)
     seam = float(rng.uniform(0.5, 0.62)) * height
-    outline = Outline(a=(x[0], x[1] - band), b=y, radius=float(rng.uniform(0.02, 0.035)))
+    radius = float(rng.uniform(0.02, 0.035))
+    outline = Outline(a=(x[0], x[1] - band), b=y, cuts=(radius, radius))
     bevel = float(rng.uniform(0.006, 0.014))
-    low = build_bowl(outline, (0.0, seam), WALL, "body", axis="z", bevel=bevel, lining="inside")
+    low = build_bowl(outline, (0.0, seam), WALL, "body", axis=2, bevel=bevel, lining="inside")
     high = build_bowl(
-        outline, (height - band, seam + GAP), WALL, "body", axis="z", bevel=bevel, lining="inside"
+        outline, (height - band, seam + GAP), WALL, "body", axis=2, bevel=bevel, lining="inside"
     )
     places = [float(at) for at in (-0.22 * width, 0.22 * width)]
     belts, straps = [], []

@@ -11,7 +11,8 @@ import numpy as np
 from artigen.shapes.appliances.cavity import build_frame
 from artigen.shapes.appliances.control_panel import DIAL_GAP, DialDesign, design_dial, make_button, make_dial
 from artigen.shapes.draw import Draft, Wish, choose_size, choose_style
-from artigen.shapes.primitives import Primitive, Vector, box, cylinder, move, rounded_box
+from artigen.shapes.fittings.tubes import lean_rod
+from artigen.shapes.primitives import Primitive, Vector, box, cylinder, polytope, rounded_box
 from artigen.shapes.shape import Motion, ShapePart
 from artigen.shapes.surfaces.finishes import Finish
 from artigen.shapes.surfaces.materials import LACQUERS, make_ceramic, make_plastic, make_polished
@@ -97,9 +98,12 @@ def _build_plate(face: float, wide: float, z: tuple[float, float], places: list[
 def _make_rocker(name: str, at: Vector) -> ShapePart:
     """A rocker that is pressed in at its lower half, and tilts over to the upper one."""
     half, thick = 0.0275, 0.0055
-    plate = rounded_box((-thick / 2, -half, -half), (thick / 2, half, half), 0.001, "rocker")
     pivot = (at[0] - 0.0006, at[1], at[2])
-    tilted = move(plate, pivot, turn=-ROCK / 2, about=(0.0, 1.0, 0.0))
+    flat = np.array([(a, c) for a in (-thick / 2, thick / 2) for c in (-half, half)])
+    cosine, sine = np.cos(ROCK / 2), np.sin(ROCK / 2)
+    flat = flat @ np.array([(cosine, sine), (-sine, cosine)])
+    corners = np.array([(x, y, z) for x, z in flat for y in (-half, half)])
+    tilted = polytope(corners, "rocker", center=pivot)
     motion = Motion(type="revolute", axis=(0.0, 1.0, 0.0), origin=pivot, upper=ROCK)
     return ShapePart(name=name, label="knob", parent="body", primitives=(tilted,), motion=motion)
 
@@ -110,9 +114,10 @@ def _make_toggle(name: str, at: Vector) -> tuple[ShapePart, Primitive]:
     collar = cylinder((x - 0.004, y, z), (x, y, z), 0.014, "accent")
     pivot = (x - 0.004 - DIAL_GAP - 0.0055, y, z)
     reach = REACH["toggle"] - 0.004 - DIAL_GAP - 0.0055
-    stem = cylinder((0.0, 0.0, 0.0), (-reach, 0.0, 0.0), 0.0042, "metal")
-    ball = cylinder((0.0, -0.008, 0.0), (0.0, 0.008, 0.0), 0.0055, "metal")
-    pieces = tuple(move(piece, pivot, turn=-FLIP / 2, about=(0.0, 1.0, 0.0)) for piece in (stem, ball))
+    tip = (pivot[0] - reach, y, z - reach * float(np.tan(FLIP / 2)))
+    stem = lean_rod(pivot, tip, 0.0042, "metal")
+    ball = cylinder((pivot[0], y - 0.008, z), (pivot[0], y + 0.008, z), 0.0055, "metal")
+    pieces = (stem, ball)
     motion = Motion(type="revolute", axis=(0.0, 1.0, 0.0), origin=pivot, upper=FLIP)
     return ShapePart(name=name, label="knob", parent="body", primitives=pieces, motion=motion), collar
 

@@ -10,7 +10,7 @@ from artigen.shapes.appliances.cavity import build_tub
 from artigen.shapes.appliances.control_panel import PRESS, make_button
 from artigen.shapes.draw import Draft, Wish, choose_size, choose_style
 from artigen.shapes.fittings.hardware import Range, Space
-from artigen.shapes.fittings.lofts import Outline, build_solid, build_wall, draw_egg, inset
+from artigen.shapes.fittings.outlines import Outline, build_loft, draw_egg
 from artigen.shapes.fittings.taps import make_cross_handle
 from artigen.shapes.primitives import Primitive, Vector, box, cylinder, rounded_box
 from artigen.shapes.shape import Motion, Need, ShapePart
@@ -45,7 +45,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     behind = depth / 2 - (WALL if hung else TANK)  # front of what stands behind the bowl
     hinge = behind - 0.085
     length = hinge + depth / 2
-    outline = draw_egg((hinge - 0.4 * length, 0.0), 0.6 * length, 0.4 * length, half, sides=18)
+    outline = draw_egg((hinge - 0.4 * length, 0.0), 0.6 * length, 0.4 * length, half)
     pieces = _build_bowl(style, outline, behind, depth / 2)
     seat, lid = _make_seat(outline, hinge, upper=float(np.radians(rng.uniform(89.0, 92.0))))
     if hung:
@@ -69,43 +69,35 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
 
 def _build_bowl(style: str, outline: Outline, behind: float, back: float) -> list[Primitive]:
     """A rim around a hollow, its bottom, what carries it, and the block behind the seat."""
-    low = 0.2 if style != "skirted" else 0.17
-    shrink = 0.055 if style != "skirted" else 0.012
-    foot, hole = inset(outline, shrink), inset(outline, 0.045)
-    well = inset(outline, 0.1)
-    pieces = list(build_wall((foot, outline), (well, hole), (low, RIM), "body"))
-    middle = (outline.min(axis=0) + outline.max(axis=0)) / 2
-    ends = outline[:, 0].min(), outline[:, 0].max()
-    half = outline[:, 1].max()
-    pieces.append(build_solid(foot, foot, (low - 0.03, low), "body"))
+    low, taper = (0.2, 0.055) if style != "skirted" else (0.24, 0.012)
+    foot, under = outline.shrink(taper), low - 0.03
+    middle, end, half = sum(outline.a) / 2, outline.a[1], outline.b[1]
+    pieces = [
+        *build_loft(outline, 2, (low, RIM), "body", inset=taper, wall=0.045),
+        *build_loft(foot, 2, (under, low), "body"),
+    ]
     if style == "close_coupled":
-        base = draw_egg((middle[0] + 0.06, 0.0), 0.17, behind - middle[0], 0.62 * half)
-        neck = draw_egg((middle[0] + 0.05, 0.0), 0.15, behind - middle[0], 0.5 * half)
-        pieces.append(build_solid(base, neck, (0.0, low - 0.03), "body"))
-    elif style == "skirted":
-        plinth = inset(outline, 0.03)
-        pieces.append(build_solid(plinth, foot, (0.0, low - 0.03), "body"))
-        pieces.append(box((ends[1] - 0.12, -0.8 * half, 0.0), (back, 0.8 * half, RIM), "body"))
-        return pieces
-    else:
-        trap = draw_egg((middle[0] + 0.07, 0.0), 0.1, behind - middle[0] - 0.07, 0.6 * half)
-        pieces.append(build_solid(trap, foot, (low - 0.1, low - 0.03), "body"))
-        pieces.append(box((ends[1] - 0.1, -0.72 * half, low - 0.06), (behind, 0.72 * half, RIM), "body"))
-        return pieces
-    pieces.append(box((ends[1] - 0.1, -0.75 * half, RIM - 0.16), (back, 0.75 * half, RIM), "body"))
-    return pieces
+        base = draw_egg((middle + 0.06, 0.0), 0.17, behind - middle, 0.62 * half)
+        return [
+            *pieces,
+            *build_loft(base, 2, (0.0, under), "body", inset=-0.02),
+            box((end - 0.1, -0.75 * half, RIM - 0.16), (back, 0.75 * half, RIM), "body"),
+        ]
+    if style == "skirted":
+        pieces += build_loft(foot, 2, (0.0, under), "body", inset=0.018)
+        return [*pieces, box((end - 0.12, -0.8 * half, 0.0), (back, 0.8 * half, RIM), "body")]
+    pieces += build_loft(foot, 2, (low - 0.1, under), "body", inset=0.07)
+    return [*pieces, box((end - 0.1, -0.72 * half, low - 0.06), (behind, 0.72 * half, RIM), "body")]
 
 
 def _make_seat(outline: Outline, hinge: float, upper: float) -> tuple[ShapePart, ShapePart]:
     """A ring and a lid above it that turn about one line behind them; the lid goes first."""
     low = RIM + SLIT
-    edge = inset(outline, 0.002)
-    hole = inset(outline, 0.072)
-    ring = build_wall((edge, edge), (hole, hole), (low, low + SEAT), "front")
+    edge = outline.shrink(0.002)
+    ring = build_loft(edge, 2, (low, low + SEAT), "front", wall=0.07)
     top = low + SEAT + SLIT
-    plate = build_solid(edge, inset(edge, 0.012), (top, top + LID), "front")
-    axis = low + SEAT / 2
-    x = float(edge[:, 0].max())
+    plate = build_loft(edge, 2, (top, top + LID), "front", inset=-0.012)
+    axis, x = low + SEAT / 2, edge.a[1]
     pins, ears = [], []
     for y in (-0.07, 0.07):
         pins.append(cylinder((x + 0.004, y - 0.018, axis), (x + 0.004, y + 0.018, axis), 0.0075, "handle"))
@@ -125,7 +117,7 @@ def _make_seat(outline: Outline, hinge: float, upper: float) -> tuple[ShapePart,
         motion=motion,
         needs=(Need(part="lid", fraction=1.0),),
     )
-    lid = ShapePart(name="lid", label="door", parent="body", primitives=(plate, *ears), motion=swing)
+    lid = ShapePart(name="lid", label="door", parent="body", primitives=(*plate, *ears), motion=swing)
     return seat, lid
 
 

@@ -199,17 +199,17 @@ def _build_flap_bin(rng: np.random.Generator, width: float, depth: float, height
     rim, wall = height - float(rng.uniform(0.5, 0.62)) * depth, 0.01
     taper = float(rng.uniform(0.0, 0.12)) * min(width, depth)
     walls = build_vessel(shrink((x, y), taper / 2), (x, y), (0.0, rim), wall, "body")
-    front, top = x[0] + 0.02, x[0] + float(rng.uniform(0.55, 0.7)) * depth  # the slope begins and ends
+    front, top = x[0] + 0.008, x[0] + float(rng.uniform(0.55, 0.7)) * depth  # the slope begins and ends
     eaves = rim + 0.03
-    cheek = np.array([(rim, x[0]), (eaves, front - 0.012), (height, top), (height, x[1]), (rim, x[1])])
+    cheek = np.array([(rim, front), (eaves, front), (height, top), (height, x[1]), (rim, x[1])])
     hood = [prism(cheek, (0, a, 0), (0, a + wall, 0), "front") for a in (y[0], y[1] - wall)]
     inner = (y[0] + wall, y[1] - wall)
     hood += [
         box((x[1] - wall, inner[0], rim), (x[1], inner[1], height), "front"),
         box((top, inner[0], height - wall), (x[1] - wall, inner[1], height), "front"),
-        box((x[0], inner[0], rim), (x[0] + wall, inner[1], eaves - 0.012), "front"),
+        box((front, inner[0], rim), (front + wall, inner[1], eaves - 0.012), "front"),
     ]
-    flap = _make_flap((front - 0.012, eaves), (top, height), (inner[0] + GAP, inner[1] - GAP))
+    flap = _make_flap((front, eaves), (top, height), (inner[0] + GAP, inner[1] - GAP))
     return Assembly(pieces=(*walls, *hood), parts=(flap,))
 
 

@@ -5,16 +5,19 @@ from the leaf (DIN 18255).
 """
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Literal, get_args
 
 import numpy as np
 
 from artigen.shapes.fittings.hardware import Range
-from artigen.shapes.fittings.tubes import bend_tube
+from artigen.shapes.fittings.tubes import lay_pipe, lean_rod
 from artigen.shapes.primitives import Primitive, Vector, cylinder, rounded_box
 
 LeverKind = Literal["round", "square", "curved"]
 LEVER_KINDS: tuple[LeverKind, ...] = get_args(LeverKind)
+BEND = 0.018
+"""Radius (m) of the bend between neck and grip."""
 ROSE_GAP = 0.0015
 """How far (m) a rose that turns with its lever floats before the leaf."""
 
@@ -67,16 +70,22 @@ def build_lever(
         low, high = corners.min(axis=0) - wide, corners.max(axis=0) + wide
         grip = rounded_box(_vector(low), _vector(high), 0.0025, design.finish)
         return rose, neck, grip
-    bend = 0.018
-    path = [point(0.009, 0.0), point(middle - bend, 0.0), point(middle - 0.3 * bend, 0.3 * bend)]
-    path += [point(middle, bend), point(middle, 0.55 * design.length)]
-    radii = [half] * len(path)
-    if design.kind == "curved":
-        path += [point(middle - 0.004, 0.8 * design.length), point(middle - 0.014, design.length)]
-        radii += [0.9 * half, 0.75 * half]
-    else:
-        path[-1] = point(middle, design.length)
-    return rose, *bend_tube(path, radii, design.finish)
+    straight = 0.55 if design.kind == "curved" else 1.0
+    path = [point(0.009, 0.0), point(middle, 0.0), point(middle, straight * design.length)]
+    grip = lay_pipe(path, half, BEND, design.finish, pieces=2)
+    if design.kind == "round":
+        return rose, *grip
+    stations = ((0.0, 0.55, half), (0.004, 0.8, 0.9 * half), (0.014, 1.0, 0.75 * half))
+    tail = [
+        lean_rod(
+            point(middle - before[0], before[1] * design.length),
+            point(middle - after[0], after[1] * design.length),
+            (before[2], after[2]),
+            design.finish,
+        )
+        for before, after in pairwise(stations)
+    ]
+    return rose, *grip, *tail
 
 
 def _vector(values: np.ndarray) -> Vector:

@@ -1,4 +1,7 @@
-"""Bent tubes and rods as mitred convex pieces: spouts, lever handles, bails, lamp arms."""
+"""Round tubes and rods: straight, leaning and bent by a quarter: spouts, lever handles, bails, lamp arms.
+
+All have `SEGMENTS` sides that lie alike, so that the pieces of one tube meet corner to corner.
+"""
 
 from collections.abc import Sequence
 from itertools import pairwise
@@ -6,41 +9,92 @@ from itertools import pairwise
 import numpy as np
 from jaxtyping import Float
 
-from artigen.shapes.primitives import Primitive, Vector, polytope
+from artigen.shapes.primitives import SEGMENTS, Primitive, Vector, cylinder, polytope
 
 
-def bend_tube(
-    path: Sequence[Vector], radii: float | Sequence[float], finish: str, *, sides: int = 12
-) -> tuple[Primitive, ...]:
-    """A rod along a polyline, mitred at every bend.
+def lean_rod(start: Vector, end: Vector, radii: float | tuple[float, float], finish: str) -> Primitive:
+    """A round rod between two points (m), whose ends are upright to the axis along which it runs most.
 
     Args:
-        path: Points of its centre line (m), at least two; bends of less than a right angle.
-        radii: Of its corners (m), one for all points or one each.
+        start: Centre of one end.
+        end: Centre of the other.
+        radii: Of its edges, in the planes of its ends: one for both, or one each.
         finish: Surface.
-        sides: Sides of its cross section; multiples of four fill the box around a round rod.
     """
-    points = np.asarray(path, dtype=float)
-    sizes = np.broadcast_to(np.asarray(radii, dtype=float), len(points))
-    ways = np.diff(points, axis=0)
-    ways /= np.linalg.norm(ways, axis=1, keepdims=True)
-    angles = np.arange(sides) * 2 * np.pi / sides
-    across = np.cross(ways[0], np.eye(3)[int(np.argmin(np.abs(ways[0])))])
-    across /= np.linalg.norm(across)
+    ends, sizes = np.array([start, end], dtype=float), np.broadcast_to(np.asarray(radii, dtype=float), 2)
+    way = np.abs(ends[1] - ends[0])
+    axis = int(way.argmax())
+    if np.delete(way, axis).max() < 1e-9 and sizes[0] == sizes[1]:
+        return cylinder(start, end, float(sizes[0]), finish)
+    rim = _trace_circle(axis)
+    corners = [point + size * rim for point, size in zip(ends, sizes, strict=True)]
+    return polytope(np.concatenate(corners), finish)
+
+
+def bend_elbow(
+    center: Vector, ways: tuple[Vector, Vector], bend: float, radius: float, finish: str, *, pieces: int = 3
+) -> tuple[Primitive, ...]:
+    """A quarter of a bent tube.
+
+    Args:
+        center: The point about which it bends (m).
+        ways: From there to the middle of its one end and to that of the other: unit vectors along two axes.
+        bend: Distance of the tube's middle from the center, at least its radius (m).
+        radius: Of the tube's edges (m).
+        finish: Surface.
+        pieces: Straight pieces.
+    """
+    first, second = np.array(ways)
+    if (np.abs(second).argmax() - np.abs(first).argmax()) % 3 != 1:  # the same pieces from either end
+        first, second = second, first
+    aside = np.cross(first, second)
+    turns = (np.arange(SEGMENTS) + 0.5) * 2 * np.pi / SEGMENTS
     rings = []
-    for index, (point, size) in enumerate(zip(points, sizes, strict=True)):
-        before, after = ways[max(index - 1, 0)], ways[min(index, len(ways) - 1)]
-        circle = np.outer(np.cos(angles), across) + np.outer(np.sin(angles), np.cross(before, across))
-        mitre = before + after
-        along = (circle @ mitre) / (before @ mitre)
-        rings.append(point + size * (circle - along[:, None] * before))
-        across = across - (across @ after) / (1.0 + before @ after) * mitre  # turned with the rod
+    for angle in np.linspace(0.0, np.pi / 2, pieces + 1):
+        out = np.cos(angle) * first + np.sin(angle) * second
+        ring = (bend + radius * np.cos(turns))[:, None] * out + radius * np.sin(turns)[:, None] * aside
+        rings.append(np.array(center) + ring)
     return tuple(polytope(np.concatenate(pair), finish) for pair in pairwise(rings))
 
 
-def sweep_arc(
-    center: Vector, first: Vector, second: Vector, turn: tuple[float, float], count: int
-) -> Float[np.ndarray, "N 3"]:
-    """Points on an arc: ``center + cos(a) first + sin(a) second`` for ``count`` angles between two."""
-    angles = np.linspace(*turn, count)[:, None]
-    return np.array(center) + np.cos(angles) * np.array(first) + np.sin(angles) * np.array(second)
+def lay_pipe(
+    path: Sequence[Vector], radius: float, bend: float, finish: str, *, pieces: int = 3
+) -> tuple[Primitive, ...]:
+    """A tube along legs that run along the axes, with round bends where they meet.
+
+    Args:
+        path: Ends of the legs (m).
+        radius: Of the tube (m).
+        bend: Radius of the bends (m), measured to the tube's middle.
+        finish: Surface.
+        pieces: Straight pieces of each bend.
+    """
+    points = np.array(path, dtype=float)
+    ways = np.diff(points, axis=0)
+    lengths = np.linalg.norm(ways, axis=1)
+    ways /= lengths[:, None]
+    out: list[Primitive] = []
+    for k, way in enumerate(ways):
+        start = points[k] + (bend * way if k else 0.0)
+        end = points[k + 1] - (bend * way if k + 1 < len(ways) else 0.0)
+        if float((end - start) @ way) > 1e-9:
+            out.append(cylinder(_vector(start), _vector(end), radius, finish))
+        if k + 1 < len(ways):
+            after = ways[k + 1]
+            center = points[k + 1] + bend * (after - way)
+            sides = (_vector(-after), _vector(way))
+            out += bend_elbow(_vector(center), sides, bend, radius, finish, pieces=pieces)
+    return tuple(out)
+
+
+def _trace_circle(axis: int) -> Float[np.ndarray, "N 3"]:
+    """Corners of a circle of radius 1 about an axis."""
+    turns = (np.arange(SEGMENTS) + 0.5) * 2 * np.pi / SEGMENTS
+    out = np.zeros((SEGMENTS, 3))
+    out[:, (axis + 1) % 3], out[:, (axis + 2) % 3] = np.cos(turns), np.sin(turns)
+    return out
+
+
+def _vector(values: Float[np.ndarray, "3"]) -> Vector:
+    x, y, z = values.tolist()
+    return x, y, z
