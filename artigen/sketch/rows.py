@@ -6,7 +6,7 @@ What follows from the fields before it (the second edge of a square) is held in 
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import get_args
 
@@ -26,7 +26,9 @@ from artigen.sketch.piece import (
     number_axes,
 )
 from artigen.sketch.sketch import (
+    FRACTIONS,
     LEVELS,
+    MAX_NEEDS,
     OPACITIES,
     PERIODS,
     Sketch,
@@ -122,8 +124,10 @@ FIELDS: dict[str, tuple[Field, ...]] = {
     "part": _symbols(label=len(PART_LABELS), parent=MAX_PARTS + 1),
     **{kind: _piece_fields(kind) for kind in PIECE_KINDS},
     "joint": (
-        *_symbols(type=len(JOINT_TYPES), axis=6, need0=MAX_PARTS + 1, need1=MAX_PARTS + 1, fraction=2),
+        *_symbols(type=len(JOINT_TYPES), axis=6, need0=MAX_PARTS + 1, need1=MAX_PARTS + 1),
+        *_symbols(fraction=len(FRACTIONS)),
         *(Field(name=name) for name in ("x", "y", "z", "upper", "travel")),
+        *_symbols(holds=MAX_PARTS + 1, released=len(FRACTIONS)),
     ),
     "end": (),
 }
@@ -148,10 +152,10 @@ def sketch_to_rows(sketch: Sketch) -> Int[np.ndarray, "T W"]:
         ),
         *(_finish_row(finish) for finish in sketch.finishes),
     ]
-    for part in sketch.parts:
+    for index, part in enumerate(sketch.parts):
         rows.append(_row("part", PART_LABELS.index(part.label), part.parent + 1))
         rows += [_piece_row(piece) for piece in part.pieces]
-        rows.append(_joint_row(part.joint))
+        rows.append(_joint_row(sketch, index))
     table = np.array([*rows, _row("end")])
     _check_rows(table, sketch)
     return table
@@ -168,6 +172,7 @@ def rows_to_sketch(rows: Int[np.ndarray, "T W"]) -> Sketch:
         raise SketchError(f"a table from {kinds[0]!r} to {kinds[-1]!r}, expected from 'object' to 'end'")
     finishes, parts = [], []
     header = rows[0, 1:].tolist()
+    holds: list[tuple[int, int, int]] = []
     pieces: list[Piece] = []
     opened: tuple[int, int] | None = None
     for at, (kind, row) in enumerate(zip(kinds[1:-1], rows[1:-1, 1:].tolist(), strict=True), start=1):
@@ -179,6 +184,8 @@ def rows_to_sketch(rows: Int[np.ndarray, "T W"]) -> Sketch:
             pieces.append(_read_piece(kind, row))
         elif kind == "joint" and opened is not None and pieces:
             label, parent = opened
+            if row[_HOLDS]:
+                holds.append((row[_HOLDS] - 1, len(parts), row[_HOLDS + 1]))
             parts.append(
                 SketchPart(
                     label=PART_LABELS[label], parent=parent, pieces=tuple(pieces), joint=_read_joint(row)
@@ -189,6 +196,8 @@ def rows_to_sketch(rows: Int[np.ndarray, "T W"]) -> Sketch:
             raise SketchError(f"row {at} of a table is a {kind!r}, which cannot follow {kinds[at - 1]!r}")
     if opened is not None:
         raise SketchError("a table ends within a part")
+    for held, holder, fraction in holds:
+        parts[held] = _hold(parts[held], holder, fraction)
     extents = header[len(FIELDS["object"]) - 3 : len(FIELDS["object"])]
     return Sketch(
         category=CATEGORIES[header[0]],
@@ -265,7 +274,10 @@ def number_axes_by_kind() -> tuple[Int[np.ndarray, "K 3 W"], Int[np.ndarray, "K"
 
 
 MAY_FOLLOW = frozenset(
-    ("lining", "x1", "y1", "z1", "v1", "axis", "need0", "need1", "fraction", "x", "y", "z", "upper", "travel")
+    (
+        *("lining", "x1", "y1", "z1", "v1", "axis", "need0", "need1", "fraction", "x", "y", "z", "upper"),
+        *("travel", "holds", "released"),
+    )
 )
 """Names of all fields that may follow from others."""
 
@@ -274,7 +286,7 @@ def _read_key(row: Sequence[int]) -> tuple[int, ...]:
     """What decides which fields of a row follow from others."""
     kind = ROW_KINDS[row[0]]
     if kind == "joint":
-        return (row[column(kind, "type")], min(row[column(kind, "need0")], 1))
+        return (row[column(kind, "type")], *(min(row[column(kind, name)], 1) for name in ("need0", "holds")))
     if kind not in PIECE_KINDS:
         return ()
     names = said_fields(kind)
@@ -285,9 +297,10 @@ def _read_key(row: Sequence[int]) -> tuple[int, ...]:
 def _implied(kind: str, key: tuple[int, ...]) -> frozenset[str]:
     """The fields that follow from others in rows with a key."""
     if kind == "joint":
-        joint, need = JOINT_TYPES[key[0]], key[1]
+        joint, need, hold = JOINT_TYPES[key[0]], key[1], key[2]
         names: tuple[str, ...] = ("need1", "fraction") if joint == "fixed" or not need else ()
-        names += ("axis", "need0") if joint == "fixed" else ()
+        names += ("released",) if joint == "fixed" or not hold else ()
+        names += ("axis", "need0", "holds") if joint == "fixed" else ()
         names += ("x", "y", "z") if joint in ("fixed", "prismatic") else ()
         names += ("upper",) if joint in ("fixed", "continuous") else ()
         return frozenset(names if joint == "screw" else (*names, "travel"))
@@ -313,6 +326,7 @@ def _said_cells(kind: str, key: tuple[int, ...]) -> Bool[np.ndarray, "W"]:
 
 
 _PIECE_KIND: dict[str, PieceKind] = {kind: kind for kind in PIECE_KINDS}
+_HOLDS = column("joint", "holds") - 1
 
 
 def _row(kind: str, *values: int) -> list[int]:
@@ -352,10 +366,17 @@ def _piece_row(piece: Piece) -> list[int]:
     return _row(piece.kind, *(values[name] for name in said_fields(piece.kind)))
 
 
-def _joint_row(joint: SketchJoint | None) -> list[int]:
+def _joint_row(sketch: Sketch, index: int) -> list[int]:
+    """The row of a part's joint; of two parts of which one needs the other open, the later one says so."""
+    joint = sketch.parts[index].joint
     if joint is None:
         return _row("joint")
-    needs = [need + 1 for need in joint.needs] + [0, 0]
+    early = [need + 1 for need in joint.needs if need < index]
+    held = [k for k, part in enumerate(sketch.parts[:index]) if part.joint and index in part.joint.needs]
+    if len(held) > 1:
+        raise SketchError(f"a {sketch.category}: part {index} holds parts {held}, expected at most one")
+    fractions = [part.joint.fraction for part in sketch.parts if part.joint and index in part.joint.needs]
+    needs = [*early, 0, 0]
     endless = joint.type == "continuous"
     return _row(
         "joint",
@@ -363,11 +384,23 @@ def _joint_row(joint: SketchJoint | None) -> list[int]:
         joint.axis,
         needs[0],
         needs[1],
-        joint.fraction if joint.needs else 0,
+        joint.fraction if early else 0,
         *joint.origin,
         0 if endless else joint.upper,
         joint.travel,
+        *((held[0] + 1, fractions[0]) if held else (0, 0)),
     )
+
+
+def _hold(part: SketchPart, holder: int, fraction: int) -> SketchPart:
+    """A part that a later one holds: it needs that one open.
+
+    Raises:
+        SketchError: If the part does not move, or is held by too many.
+    """
+    if part.joint is None or len(part.joint.needs) >= MAX_NEEDS:
+        raise SketchError(f"part {holder} holds a {part.label} that does not move or is held by {MAX_NEEDS}")
+    return replace(part, joint=replace(part.joint, needs=(*part.joint.needs, holder), fraction=fraction))
 
 
 def _check_rows(table: Int[np.ndarray, "T W"], sketch: Sketch) -> None:

@@ -6,6 +6,7 @@ extents, parts hang on parts that exist, pieces have finishes of the table and e
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from math import ceil
 
 import numpy as np
 from jaxtyping import Bool, Int
@@ -13,6 +14,8 @@ from jaxtyping import Bool, Int
 from artigen.shapes.surfaces.finishes import FinishKind
 from artigen.shapes.surfaces.palette import ROLES
 from artigen.sketch.piece import (
+    INWARD,
+    MAX_PIECES_OF_ARC,
     MIN_WEDGES,
     PIECE_KINDS,
     ROUND_SIDES,
@@ -25,6 +28,7 @@ from artigen.sketch.rows import (
     LENGTH,
     MATERIALS,
     MAX_PARTS,
+    MAX_SIDES,
     MAY_FOLLOW,
     REACH,
     ROW_KINDS,
@@ -34,7 +38,8 @@ from artigen.sketch.rows import (
     find_implied,
     number_axes_by_kind,
 )
-from artigen.sketch.sketch import LEVELS, lowest_corner
+from artigen.sketch.sketch import LEVELS, MAX_NEEDS, lowest_corner
+from artigen.sketch.solid_pieces import room_to_cut
 from artigen.types import JOINT_TYPES, PART_LABELS
 
 MAX_ROWS = 220
@@ -50,8 +55,26 @@ ACCENTS: Mapping[FinishKind, float] = {
     "stone": 0.8,
 }
 """Brightness of the accent over that of a colour that is asked for, as `artigen.shapes.surfaces` has them."""
-LEAST_EXTENT = 40
-"""Steps (2 cm): shorter objects are not drawn."""
+LEAST_EXTENT = 24
+"""Steps (1.2 cm): shorter objects are not drawn."""
+_ARCS = (*range(1, MAX_PIECES_OF_ARC + 1),)
+SIDES: Mapping[str, tuple[int, ...]] = {
+    "frustum": (4, *ROUND_SIDES),
+    "ring": (*range(MIN_WEDGES, MAX_SIDES + 1),),
+    "spokes": (*range(2, 9),),
+    "slab": _ARCS,
+    "shell": _ARCS,
+    "elbow": _ARCS,
+}
+"""What `Piece.sides` may be, by kind."""
+LINED_SIDES: Mapping[str, tuple[int, ...]] = {
+    "ring": (0, INWARD + 1),
+    "plate": (0, INWARD + 1),
+    "spokes": (0,),
+    "shell": (*range(INWARD + 2),),
+    "elbow": (0,),
+}
+"""What may be lined, by kind; others on any side."""
 _KIND = {kind: index for index, kind in enumerate(ROW_KINDS)}
 _PIECE_IDS = [_KIND[kind] for kind in PIECE_KINDS]
 
@@ -187,9 +210,9 @@ class Writer:
             can[self._next_labels() if self.name == "label" else self._next_parents()] = True
         elif kind in PIECE_KINDS and self.name in ("finish", "lining"):
             can[[row[1] for row in self.rows if row[0] == _KIND["finish"]]] = True
-        elif kind in PIECE_KINDS and self.name in ("axis", "sides", "lined"):
-            can[self._piece_choices(kind)] = True
-        elif kind == "joint" and self.name in ("type", "need0", "need1"):
+        elif kind in PIECE_KINDS and self.name in ("axis", "sides", "lined", "corners"):
+            can[self._piece_choices(kind, size)] = True
+        elif kind == "joint" and self.name in ("type", "need0", "need1", "holds"):
             can[self._joint_choices()] = True
         else:
             can[:] = True
@@ -212,6 +235,8 @@ class Writer:
         if kind == "frustum":
             start = start or {"u1": "u0", "v1": "v0"}.get(name)
         profile = kind == "prism" and axis != self.value("axis")
+        if kind == "elbow" and start is not None:
+            return self._elbow_span(start, high)
         if start is not None and not profile:
             return self.value(start) + 1, max(high, self.value(start) + 1)
         return low, high if profile or name in ("u1", "v1", "u3", "v3") else high - 1
@@ -293,21 +318,54 @@ class Writer:
             return [0]
         return list(range(1, min(len(self.labels), MAX_PARTS) + 1))
 
-    def _piece_choices(self, kind: str) -> list[int]:
+    def _piece_choices(self, kind: str, size: int) -> list[int]:
         if self.name == "axis":
             return [0, 2] if kind == "ring" else [0, 1, 2]
+        if self.name == "corners":
+            return [*range(kind == "slab", size)]  # some corner of a slab is cut
         if self.name == "sides":
-            return {"frustum": [4, *ROUND_SIDES], "ring": [*range(MIN_WEDGES, 32)]}.get(kind, [*range(2, 9)])
-        last = {"ring": [0, 7], "plate": [0, 7], "spokes": [0]}
-        return last.get(kind, [0, 1, 2, 3, 4, 5, 6])
+            return [*SIDES[kind]]
+        return [*LINED_SIDES.get(kind, range(INWARD + 1))]
 
     def _joint_choices(self) -> list[int]:
         if self.name == "type":
             base = self.labels[-1] == PART_LABELS.index("base")
             return [0] if base else list(range(len(JOINT_TYPES)))
         movable = [index + 1 for index, moves in enumerate(self.moving) if moves]
+        if self.name == "holds":
+            return [0, *(index for index in movable if self._may_hold(index - 1))]
         taken = self.value("need0") if self.name == "need1" else 0
         return [0, *(index for index in movable if index != taken)]
+
+    def _elbow_span(self, start: str, high: int) -> tuple[int, int]:
+        """Of an elbow's high side: it reaches at least as far as its tube is thick."""
+        own, axis, first = self.value("axis"), self.axis(), column("elbow", "x0")
+        sizes = {side: self.row[first + 3 + side] - self.row[first + side] for side in range(axis)}
+        low = self.value(start)
+        if axis == own:
+            return low + 1, min([max(high, low + 1), *(low + size for size in sizes.values())])
+        least = low + sizes.get(own, 1)
+        return least, max(high, least)
+
+    def _needs(self) -> list[set[int]]:
+        """For every finished part, and the one whose joint is being written, the parts that it needs open."""
+        found: list[set[int]] = [set() for _ in self.labels]
+        joints = [row for row in self.rows if row[0] == _KIND["joint"]]
+        for part, row in enumerate([*joints, self.padded()]):
+            found[part] |= {row[column("joint", name)] - 1 for name in ("need0", "need1")} - {-1}
+            if held := row[column("joint", "holds")]:
+                found[held - 1].add(part)
+        return found
+
+    def _may_hold(self, held: int) -> bool:
+        """Whether one more part may hold another, for which it does not wait itself."""
+        needs = self._needs()
+        waits, open_ = {len(self.labels) - 1}, [len(self.labels) - 1]
+        while open_:
+            more = needs[open_.pop()] - waits
+            waits |= more
+            open_ += more
+        return held not in waits and len(needs[held]) < MAX_NEEDS
 
     def _length_span(self, kind: str, name: str) -> tuple[int, int]:
         corners = np.array(self.row[column(kind, "x0") :][:6]).reshape(2, 3)
@@ -316,11 +374,25 @@ class Writer:
             return 0, max((int(sizes.min()) - 1) // 2, 0)
         if kind == "plate":
             return 1, max(int(sizes[1:].min()) // 2 - 1, 1)
-        u, _ = across(self.value("axis"))
+        u, v = across(self.value("axis"))
+        if kind == "slab":
+            room = room_to_cut(self.value("corners"))
+            return 1, ceil(room[0] * sizes[u]) if name == "cut_u" else ceil(room[1] * sizes[v])
+        if kind == "shell":
+            return self._shell_span(name, int(sizes[u]), (int(min(sizes[u], sizes[v])) - 1) // 2)
         radius = int(sizes[u]) // 2
         if kind == "spokes":
             return 1, max(radius - 1, 1)
         flat = np.cos(np.pi / max(self.value("sides"), 3))
         if name == "outer0":
             return int(self.value("inner0") / flat) + 2, 2 * max(radius, self.value("inner0")) + 2
-        return 1, max(int(radius * flat) - 1, 1)
+        # A ring's near end may be wider than the far one, which its bounds are those of.
+        return 1, max(int((3 if name == "inner0" else 1) * radius * flat) - 1, 1)
+
+    def _shell_span(self, name: str, length: int, room: int) -> tuple[int, int]:
+        """Of a shell so long along u, with so much room within each of its sides."""
+        if name == "cut0":
+            return 1, max(length - 1, 1)
+        if name == "cut1":
+            return 1, max(length - self.value("cut0"), 1)
+        return (-room, room) if name == "inset" else (0, room - abs(self.value("inset")))

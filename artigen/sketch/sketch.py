@@ -8,7 +8,6 @@ half a step, and writing it again gives the same sketch.
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import ceil
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -17,24 +16,20 @@ from artigen.errors import ArtigenError
 from artigen.shapes.shape import Motion, Need, Shape, ShapePart
 from artigen.shapes.surfaces.finishes import Finish, FinishKind
 from artigen.shapes.surfaces.palette import ROLES
-from artigen.sketch.piece import LINED, SQUARE_KINDS, Piece, UnknownSolid, across, number_axes
+from artigen.sketch.piece import LINED, Piece, UnknownSolid, across, number_axes
 from artigen.sketch.pieces import build_piece, fit_pieces
-from artigen.sketch.solid_pieces import room_to_cut
+from artigen.sketch.snap import STEP, snap_piece
 from artigen.types import FULL_TURN, JointType, PartLabel
 
-STEP = 0.0005
-"""Metres per step of a length."""
 HALF_DEGREE = np.pi / 360
 LEVELS = 63
 """Highest level of a colour or gloss."""
 OPACITIES = (1.0, 0.45, 0.22)
 PERIODS = (0.4, 0.045, 0.012, 0.3, 0.05, 0.5, 0.006, 0.016)
 """Lengths (m) after which the patterns of finishes repeat."""
-FRACTIONS = (0.95, 1.0)
+FRACTIONS = (0.95, 1.0, 0.9)
 """Shares of its range by which a part that must open first is open."""
 MAX_NEEDS = 2
-_EPSILON = 1e-6
-"""Metres."""
 ROUND_TURN = 720
 """A full turn, in half degrees."""
 
@@ -114,12 +109,13 @@ def write_sketch(shape: Shape) -> Sketch:
         SketchError: If the shape has a solid, joint or finish that sketches have no word for; names it.
     """
     fitted = [_fit_part(part, shape.name) for part in shape.parts]
-    low, _ = _bound_pieces(fitted)
+    low = _lowest_numbers(fitted)
     # The lowest corner of the closed object comes to lie on the grid; then whole steps centre the object.
     snapped = [[snap_piece(move_piece(piece, -low)) for piece in pieces] for pieces in fitted]
     start, end = _bound_pieces(snapped)
-    extents = (end - start).astype(int)
-    shift = lowest_corner(extents) - start.astype(int)
+    start, end = np.floor(start).astype(int), np.ceil(end).astype(int)
+    extents = end - start
+    shift = lowest_corner(extents) - start
     names = [part.name for part in shape.parts]
     parts = tuple(
         _write_part(
@@ -208,6 +204,16 @@ def _bound_pieces(
     return bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)
 
 
+def _lowest_numbers(parts: Sequence[Sequence[Piece]]) -> Float[np.ndarray, "3"]:
+    """The lowest coordinate that pieces name on each axis: on the grid in what was read from a sketch."""
+    out = np.full(3, np.inf)
+    for piece in (piece for pieces in parts for piece in pieces):
+        for number, axis in zip(piece.numbers, number_axes(piece.kind, piece.axis), strict=True):
+            if axis is not None:
+                out[axis] = min(out[axis], number)
+    return out
+
+
 def _fit_part(part: ShapePart, owner: str) -> tuple[Piece, ...]:
     try:
         return fit_pieces(part.primitives)
@@ -233,65 +239,6 @@ def _write_part(
     )
 
 
-def snap_piece(piece: Piece) -> Piece:
-    """A piece in metres as one in steps: no edge vanishes, and what is square stays square."""
-    numbers = [round(number / STEP) for number in piece.numbers]
-    kind, (u, v) = piece.kind, across(piece.axis)
-    for axis in range(3):
-        if kind != "prism" or axis == piece.axis:
-            numbers[3 + axis] = max(numbers[3 + axis], numbers[axis] + 1)
-    if is_square(piece):
-        diameter = max(round((piece.numbers[3 + u] - piece.numbers[u]) / STEP), 1)
-        for axis in (u, v):
-            middle = (piece.numbers[axis] + piece.numbers[3 + axis]) / 2
-            numbers[axis] = round(middle / STEP - diameter / 2)
-            numbers[3 + axis] = numbers[axis] + diameter
-    if kind == "box":
-        least = min(numbers[3 + axis] - numbers[axis] for axis in range(3))
-        numbers[6] = min(numbers[6], (least - 1) // 2)
-    if kind == "frustum":
-        width = max(numbers[8] - numbers[6], 1)
-        numbers[8] = numbers[6] + width
-        numbers[9] = numbers[7] + width if is_square(piece) else max(numbers[9], numbers[7] + 1)
-    if kind in ("slab", "shell"):
-        sizes = [numbers[3 + axis] - numbers[axis] for axis in (u, v)]
-        measured = [piece.numbers[3 + axis] - piece.numbers[axis] for axis in (u, v)]
-        numbers[6:] = (_snap_slab if kind == "slab" else _snap_shell)(piece, sizes, measured)
-    return replace(piece, numbers=tuple(numbers))
-
-
-def _snap_slab(piece: Piece, sizes: Sequence[int], measured: Sequence[float]) -> list[int]:
-    """Lengths of arcs in steps: those that take all there is go on doing so.
-
-    Args:
-        piece: In metres.
-        sizes: Its edges along u and v, in steps.
-        measured: The same in metres.
-    """
-    out = []
-    for cut, share, size, length in zip(piece.rest, room_to_cut(piece.corners), sizes, measured, strict=True):
-        most = ceil(share * size)
-        out.append(most if cut > share * length - _EPSILON else min(max(round(cut / STEP), 1), most))
-    return out
-
-
-def _snap_shell(piece: Piece, sizes: Sequence[int], measured: Sequence[float]) -> list[int]:
-    """As `_snap_slab`, and a wall that does not vanish."""
-    low, high, inset, wall = (round(number / STEP) for number in piece.rest)
-    low = min(max(low, 1), sizes[0] - 1)
-    meet = piece.rest[0] + piece.rest[1] > measured[0] - _EPSILON
-    high = sizes[0] - low if meet else min(max(high, 1), sizes[0] - low)
-    room = (min(sizes) - 1) // 2
-    inset = min(max(inset, -room), room)
-    wall = min(max(wall, 1), room - abs(inset)) if piece.rest[3] > 0 else 0
-    return [low, high, inset, wall]
-
-
-def is_square(piece: Piece) -> bool:
-    """Whether the solid is as wide as high across its axis by its kind."""
-    return piece.kind in SQUARE_KINDS or (piece.kind == "frustum" and piece.sides > 4)
-
-
 def _write_joint(
     part: ShapePart, names: Sequence[str], offset: Float[np.ndarray, "3"], owner: str
 ) -> SketchJoint:
@@ -304,6 +251,7 @@ def _write_joint(
         raise SketchError(
             f"{owner}: {part.name!r} needs {len(part.needs)} parts open, expected at most {MAX_NEEDS} alike"
         )
+    needs, own = [names.index(need.part) for need in part.needs], names.index(part.name)
     sliding = motion.type == "prismatic"
     fraction = part.needs[0].fraction if part.needs else FRACTIONS[0]
     origin = (0, 0, 0) if sliding else tuple(round(v / STEP) for v in np.array(motion.origin) + offset)
@@ -313,7 +261,7 @@ def _write_joint(
         origin=origin,
         upper=max(round(motion.upper / (STEP if sliding else HALF_DEGREE)), 1),
         travel=max(round(motion.pitch * motion.upper / STEP), 1) if motion.type == "screw" else 0,
-        needs=tuple(names.index(need.part) for need in part.needs),
+        needs=(*(need for need in needs if need < own), *sorted(need for need in needs if need > own)),
         fraction=int(np.abs(np.array(FRACTIONS) - fraction).argmin()),
     )
 

@@ -65,6 +65,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     latch = Latch(x=first.x, edge=first.edge, side=first.side, level=min(LEVER, 0.55 * height))
     frame = _build_frame(inner, latch if count == 1 else None)
     parts: list[ShapePart] = []
+    bolts: list[ShapePart] = []
     for index, leaf in enumerate(leaves):
         levels = [leaf.z[0] + 0.22, leaf.z[1] - 0.2, *([leaf.z[1] - 0.55] if height > 2.1 else [])]
         on_leaf, on_frame = fit_hinges(leaf, levels, "handle", straps=(0.03, 0.0085))
@@ -76,7 +77,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
         if index == 1:
             at = (leaf.x[0], leaf.edge - leaf.side * STILE / 2, inner.z[1] + BORDER - TRIM)
             bolt, guides, staple = make_bolt(at, TRIM_THICK, name="bolt", parent="leaf_1", finish="handle")
-            parts.append(bolt)
+            bolts.append(bolt)
             pieces, frame = [*pieces, *guides], [*frame, *staple]
         parts.append(
             ShapePart(
@@ -90,7 +91,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
         )
     base = ShapePart(name="frame", label="base", parent=None, primitives=tuple(frame))
     finishes = draw_palette(rng, "furniture", PALETTES[int(rng.integers(len(PALETTES)))])
-    parts.append(_make_lever(latch, lever))
+    parts += [*bolts, _make_lever(latch, lever)]
     return Draft(style=style, parts=(base, *parts), finishes=tuple(sorted(finishes.items())))
 
 

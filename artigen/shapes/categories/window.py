@@ -108,6 +108,7 @@ def _draw_casement(rng: np.random.Generator, inner: Space, bars: int) -> Drawn:
     hole = (inner.y[0] + STOP, inner.y[1] - STOP), (inner.z[0] + STOP, inner.z[1] - STOP)
     frame += build_frame(back, (inner.y, inner.z), hole, "body")
     parts: list[ShapePart] = []
+    bolts: list[ShapePart] = []
     for index, leaf in enumerate(leaves):
         levels = (leaf.z[0] + 0.13, leaf.z[1] - 0.13)
         on_leaf, on_frame = fit_hinges(leaf, levels, "handle", length=0.07, straps=(0.025, 0.02))
@@ -121,7 +122,7 @@ def _draw_casement(rng: np.random.Generator, inner: Space, bars: int) -> Drawn:
             bolt, guides, staple = make_bolt(
                 at, 0.0, name="bolt", parent="leaf_1", finish="handle", length=0.11
             )
-            parts.append(bolt)
+            bolts.append(bolt)
             pieces, frame = [*pieces, *guides], [*frame, *staple]
         parts.append(
             ShapePart(
@@ -133,7 +134,7 @@ def _draw_casement(rng: np.random.Generator, inner: Space, bars: int) -> Drawn:
                 needs=tuple(Need(part=name, fraction=RELEASED) for name in needs),
             )
         )
-    return frame, [*parts, _make_turn_handle(latch, lever)]
+    return frame, [*parts, *bolts, _make_turn_handle(latch, lever)]
 
 
 def _build_leaf(leaf: Leaf, latch: Latch, bars: int) -> list[Primitive]:

@@ -1,0 +1,72 @@
+"""Pieces in metres as pieces in whole steps."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from math import ceil
+
+from artigen.sketch.piece import SQUARE_KINDS, Piece, across
+from artigen.sketch.solid_pieces import room_to_cut
+
+STEP = 0.0005
+"""Metres per step of a length."""
+_EPSILON = 1e-6
+"""Metres."""
+
+
+def snap_piece(piece: Piece) -> Piece:
+    """A piece in metres as one in steps: no edge vanishes, and what is square stays square."""
+    numbers = [round(number / STEP) for number in piece.numbers]
+    kind, (u, v) = piece.kind, across(piece.axis)
+    for axis in range(3):
+        if kind != "prism" or axis == piece.axis:
+            numbers[3 + axis] = max(numbers[3 + axis], numbers[axis] + 1)
+    if is_square(piece):
+        diameter = max(round((piece.numbers[3 + u] - piece.numbers[u]) / STEP), 1)
+        for axis in (u, v):
+            middle = (piece.numbers[axis] + piece.numbers[3 + axis]) / 2
+            numbers[axis] = round(middle / STEP - diameter / 2)
+            numbers[3 + axis] = numbers[axis] + diameter
+    if kind == "box":
+        least = min(numbers[3 + axis] - numbers[axis] for axis in range(3))
+        numbers[6] = min(numbers[6], (least - 1) // 2)
+    if kind == "frustum":
+        width = max(numbers[8] - numbers[6], 1)
+        numbers[8] = numbers[6] + width
+        numbers[9] = numbers[7] + width if is_square(piece) else max(numbers[9], numbers[7] + 1)
+    if kind in ("slab", "shell"):
+        sizes = [numbers[3 + axis] - numbers[axis] for axis in (u, v)]
+        measured = [piece.numbers[3 + axis] - piece.numbers[axis] for axis in (u, v)]
+        numbers[6:] = (_snap_slab if kind == "slab" else _snap_shell)(piece, sizes, measured)
+    return replace(piece, numbers=tuple(numbers))
+
+
+def _snap_slab(piece: Piece, sizes: Sequence[int], measured: Sequence[float]) -> list[int]:
+    """Lengths of arcs in steps: those that take all there is go on doing so.
+
+    Args:
+        piece: In metres.
+        sizes: Its edges along u and v, in steps.
+        measured: The same in metres.
+    """
+    out = []
+    for cut, share, size, length in zip(piece.rest, room_to_cut(piece.corners), sizes, measured, strict=True):
+        most = ceil(share * size)
+        out.append(most if cut > share * length - _EPSILON else min(max(round(cut / STEP), 1), most))
+    return out
+
+
+def _snap_shell(piece: Piece, sizes: Sequence[int], measured: Sequence[float]) -> list[int]:
+    """As `_snap_slab`, and a wall that does not vanish."""
+    low, high, inset, wall = (round(number / STEP) for number in piece.rest)
+    low = min(max(low, 1), sizes[0] - 1)
+    meet = piece.rest[0] + piece.rest[1] > measured[0] - _EPSILON
+    high = sizes[0] - low if meet else min(max(high, 1), sizes[0] - low)
+    room = (min(sizes) - 1) // 2
+    inset = min(max(inset, -room), room)
+    wall = min(max(wall, 1), room - abs(inset)) if piece.rest[3] > 0 else 0
+    return [low, high, inset, wall]
+
+
+def is_square(piece: Piece) -> bool:
+    """Whether the solid is as wide as high across its axis by its kind."""
+    return piece.kind in SQUARE_KINDS or (piece.kind == "frustum" and piece.sides > 4)
