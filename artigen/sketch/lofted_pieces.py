@@ -49,7 +49,7 @@ def build_elbow(piece: Piece) -> tuple[Primitive, ...]:
     low, high, (u, v) = piece.low, piece.high, across(piece.axis)
     size, radius = high - low, (high - low)[piece.axis] / 2
     reach = (size[u] + size[v]) / 2
-    if not reach >= 2 * radius > 0:
+    if not reach > 2 * radius - TOLERANCE or radius <= 0:
         raise ValueError(f"an elbow of {reach} from a tube of {2 * radius}: expected at least as much")
     center, eye = (low + high) / 2, np.eye(3)
     far = ((0, 0), (1, 0), (1, 1), (0, 1))[piece.corners]
