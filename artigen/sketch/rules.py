@@ -45,8 +45,8 @@ ACCENTS: Mapping[FinishKind, float] = {
     "stone": 0.8,
 }
 """Brightness of the accent over that of a colour that is asked for, as `artigen.shapes.surfaces` has them."""
-LEAST_EXTENT = 40
-"""Steps (2 cm): shorter objects are not drawn."""
+LEAST_EXTENT = 20
+"""Steps (1 cm): shorter objects are not drawn."""
 _KIND = {kind: index for index, kind in enumerate(ROW_KINDS)}
 _PIECE_IDS = [_KIND[kind] for kind in PIECE_KINDS]
 
