@@ -3,7 +3,8 @@
     python benchmarks/average_weights.py BEFORE AFTER --out MODEL --share 0.75
 
 Networks that were trained from the same start can be averaged weight by weight, and often score better than
-both (Wortsman et al. 2022, "Model soups"). Prints the nats of held-out objects of each of the three.
+both (Wortsman et al. 2022, "Model soups"). Words that only the second has learned
+keep its weights. Prints the nats of held-out objects of each of the three.
 """
 
 import sys
@@ -15,7 +16,6 @@ import tyro
 from artigen.models.description import hash_model
 from artigen.sketch.model import load_sketch_network, save_sketch_network
 from artigen.sketch.network import SketchNetwork
-from artigen.sketch.rows import CATEGORIES
 from artigen.train.sketch import MEASURED, make_examples, score_examples
 
 
@@ -29,6 +29,7 @@ def average_networks(before: SketchNetwork, after: SketchNetwork, share: float) 
         raise ValueError(f"share {share} of {after.cfg} and {before.cfg}: expected equal sizes, 0 to 1")
     weights = after.state_dict()
     out = SketchNetwork(before.cfg)
+    out.categories = after.categories
     out.load_state_dict(
         {name: torch.lerp(value, weights[name], share) for name, value in before.state_dict().items()}
     )
@@ -51,9 +52,12 @@ def main(
         preset: Name of their sizes, for the description.
         share: How much of the second model.
     """
-    examples = make_examples(data, 0, 1, count=MEASURED // len(CATEGORIES), workers=1, photos=True)
-    networks = [load_sketch_network(folder) for folder in models]
-    networks.append(average_networks(*networks, share))
+    after = load_sketch_network(models[1])
+    before = load_sketch_network(models[0], like=after)
+    categories = after.categories
+    count = -(-MEASURED // len(categories))
+    examples = make_examples(data, 0, 1, categories=categories, count=count, workers=1, photos=True)
+    networks = [before, after, average_networks(before, after, share)]
     scores = [score_examples(network, examples) for network in networks]
     for name, score in zip((*map(str, models), str(out)), scores, strict=True):
         print(name, {key: round(value, 4) for key, value in score.items()})

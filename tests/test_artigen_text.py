@@ -88,3 +88,8 @@ def test_a_written_sentence_says_what_is_read_out_of_it(category: str):
         named = {label: count for label, count in counts.items() if count and label != "base"}
         assert (said.category, dict(said.counts)) == (category, named)
         assert not set(said.unused) - {"a", "an", "with", "and"}
+
+
+def test_every_category_has_a_noun_and_parts_of_others_are_none():
+    assert set(CATEGORY_WORDS.values()) | {"Dresser", "Wardrobe"} == set(categories())
+    assert parse_text("an oven with a window and a door").category == "Oven"

@@ -17,7 +17,7 @@ from artigen.sketch.model import load_sketch_network
 from artigen.sketch.network import SketchNetwork
 from artigen.sketch.picture import CELL, MAX_COUNT, Seen
 from artigen.sketch.request import AskedFinish, SketchRequest, ask, nothing_asked
-from artigen.sketch.rows import ROW_KINDS, column, sketch_to_rows
+from artigen.sketch.rows import CATEGORIES, ROW_KINDS, column, sketch_to_rows
 from artigen.sketch.sketch import LEVELS, write_sketch
 from artigen.train.sketch import (
     HEADER,
@@ -39,10 +39,14 @@ from artigen.train.sketch import (
 from artigen.train.sketch_photos import EDGE, NOTHING, PhotoBatch, gather_photos
 from artigen.types import PART_LABELS
 
+NINE = CATEGORIES[:9]
+
 
 @pytest.fixture(scope="module")
 def photos(tmp_path_factory: pytest.TempPathFactory) -> PhotoBatch:
-    examples = make_examples(tmp_path_factory.mktemp("shards"), 3, 1, count=1, workers=1, photos=True)
+    examples = make_examples(
+        tmp_path_factory.mktemp("shards"), 3, 1, categories=NINE, count=1, workers=1, photos=True
+    )
     return gather_photos([one.photo for one in examples if one.photo is not None])
 
 
@@ -183,7 +187,9 @@ def test_maps_that_are_true_cost_less_than_maps_that_miss(photos: PhotoBatch):
 def test_a_run_goes_on_where_it_was_and_its_model_loads(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr("artigen.train.sketch.SHARD", 1)
     monkeypatch.setattr("artigen.train.sketch.MEASURED", 9)
-    cfg = SketchRunConfig(folder=tmp_path, preset="tiny", minutes=0.02, shards=1, rows=120, workers=1)
+    cfg = SketchRunConfig(
+        folder=tmp_path, preset="tiny", minutes=0.02, shards=1, rows=120, workers=1, categories=CATEGORIES[:9]
+    )
     scores = train_sketch(cfg)
     assert scores["asked_per_field"] > 0
     assert scores["pictured_per_field"] > 0
@@ -194,7 +200,7 @@ def test_a_run_goes_on_where_it_was_and_its_model_loads(tmp_path: Path, monkeypa
     assert (tmp_path / "train" / "tables-000.npz").stat().st_mtime_ns == before
     (tmp_path / "train" / "tables-000.npz").write_bytes(b"torn")
     with pytest.raises(SourceError, match="delete it"):
-        make_examples(tmp_path / "train", 10_000, 1, count=1, workers=1, photos=True)
+        make_examples(tmp_path / "train", 10_000, 1, categories=NINE, count=1, workers=1, photos=True)
 
 
 @pytest.mark.parametrize(
@@ -208,7 +214,7 @@ def test_settings_that_make_no_sense_are_refused(tmp_path: Path, changed: dict[s
 
 
 def test_tables_of_a_shard_are_those_of_the_grammar_and_photos_show_them(tmp_path: Path):
-    examples = make_examples(tmp_path, 3, 1, count=1, workers=1, photos=True)
+    examples = make_examples(tmp_path, 3, 1, categories=NINE, count=1, workers=1, photos=True)
     assert len(examples) == 9
     oven = sketch_to_rows(write_sketch(draw_shape("Oven", 3)))
     (shown,) = [one.photo for one in examples if np.array_equal(one.table, oven)]
@@ -219,4 +225,4 @@ def test_tables_of_a_shard_are_those_of_the_grammar_and_photos_show_them(tmp_pat
     assert all(count <= held[label] for label, count in seen.items())
     (tmp_path / "photos-000.npz").write_bytes(b"torn")
     with pytest.raises(SourceError, match="delete it"):
-        make_examples(tmp_path, 3, 1, count=1, workers=1, photos=True)
+        make_examples(tmp_path, 3, 1, categories=NINE, count=1, workers=1, photos=True)

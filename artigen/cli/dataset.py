@@ -34,6 +34,7 @@ from artigen.datasets.shards import INDEX, Shards, open_shards
 from artigen.datasets.verify import verify_dataset
 from artigen.errors import ArtigenError
 from artigen.runner import Runner, choose_runner
+from artigen.weights import SHIPPED
 
 WORK = "work"
 """Folder, in the data set's, of what is not finished; it is removed at the end."""
@@ -192,9 +193,10 @@ def _check_wishes(recipe: Recipe, path: Path) -> None:
             if entry.drawn_by_model < entry.count:
                 draw_shape(entry.category, entry.seed if entry.like is None else entry.like, entry.wish)
             if entry.drawn_by_model:
-                from artigen.sketch.request import SketchRequest, ask
+                from artigen.sketch.request import SketchRequest, ask, check_category, list_learned
 
                 wish = entry.wish
+                check_category(entry.category, list_learned(SHIPPED))
                 ask(
                     SketchRequest(
                         category=entry.category, style=wish.style, counts=wish.counts, depth=wish.depth,

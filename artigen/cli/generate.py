@@ -102,6 +102,14 @@ class GenerateJob:
         return f"{self.key} {_hash_weights(self.model)} {self.cfg}"
 
 
+def _understand(job: GenerateJob) -> "Understood":
+    """A job's request in the words of its model's sketches."""
+    from artigen.conditioning.request import understand
+    from artigen.sketch.request import list_learned
+
+    return understand(read_job(job), list_learned(job.model))
+
+
 def read_job(job: GenerateJob) -> "Request":
     """What a job asks for."""
     from artigen.conditioning.request import Request
@@ -189,19 +197,17 @@ def check_job(job: GenerateJob) -> None:
     Raises:
         ArtigenError: If one of them cannot be read, or no object can be as requested.
     """
-    from artigen.conditioning.request import understand
     from artigen.sketch.request import ask
 
-    ask(_ask(job, understand(read_job(job))).request)
+    ask(_ask(job, _understand(job)).request)
 
 
 def draw_generated(job: GenerateJob) -> "tuple[Drawn, _Asked]":
     """Draws the object of a job, in the colours of its picture if it has one."""
-    from artigen.conditioning.request import understand
     from artigen.sketch.draw import DrawConfig
     from artigen.sketch.model import SketchConfig, draw_alike, draw_object
 
-    asked = _ask(job, understand(read_job(job)))
+    asked = _ask(job, _understand(job))
     noise = int(np.random.SeedSequence([job.seed, len(job.draws)]).generate_state(1)[0])
     cfg = SketchConfig(draw=DrawConfig(temperature=job.cfg.temperature))
     network = _load_sketch(job.model)
@@ -370,7 +376,6 @@ def generate(
         runner: Where objects are made: processes here, or tasks of a Ray cluster.
         shard: K/N makes the K-th of N parts of the objects.
     """
-    from artigen.conditioning.request import understand
     from artigen.sketch.request import ask
 
     if count < 1 or seed < 0 or cfg.redraws < 0:
@@ -393,7 +398,7 @@ def generate(
         for number in range(seed, seed + count)
     ]
     # Refuses at once what cannot be: sentences and numbers here, models and pictures where they are loaded.
-    ask(understand(read_job(jobs[0])).request)
+    ask(_understand(jobs[0]).request)
     worker = Worker()
     try:
         checked = worker.call(check_job, jobs[0], TIMEOUT)

@@ -1,5 +1,6 @@
 """What a person asks for (category, words, counts, lengths, a picture), checked and brought together."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TypeVar
@@ -7,6 +8,7 @@ from typing import TypeVar
 from artigen.errors import ArtigenError
 from artigen.shapes.draw import Wish, check_wish
 from artigen.sketch.request import ALSO_OF, MATERIAL_OF, ROLES_OF, AskedFinish, SketchRequest, check_category
+from artigen.sketch.rows import CATEGORIES
 from artigen.text import COLORS, ParsedText, parse_text
 from artigen.types import PartLabel
 
@@ -33,8 +35,12 @@ class Understood:
     notes: tuple[str, ...] = ()
 
 
-def understand(request: Request) -> Understood:
+def understand(request: Request, learned: Sequence[str] = CATEGORIES) -> Understood:
     """Reads the words of a request and joins them with what is asked for otherwise.
+
+    Args:
+        request: What a person asks for.
+        learned: Categories that can be drawn.
 
     Raises:
         ArtigenError: If nothing, an unknown category or twice different things are asked for, or the text
@@ -45,7 +51,7 @@ def understand(request: Request) -> Understood:
     if category is None and request.image is None:
         raise ArtigenError("no category is asked for: name one, in words if you like, or give a picture")
     if category is not None:
-        check_category(category)
+        check_category(category, learned)
     wish = request.wish
     counts = dict(wish.counts)
     for label, count in text.counts:

@@ -1,7 +1,7 @@
 """Trained models as folders: ``model.json`` and the weights in half precision, in files of limited size."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
 import torch
@@ -48,8 +48,19 @@ def save_model(network: nn.Module, folder: Path, described: Mapping[str, object]
     return paths
 
 
-def load_model(network: nn.Module, folder: Path, name: str) -> nn.Module:
+def load_model(
+    network: nn.Module,
+    folder: Path,
+    name: str,
+    convert: Callable[[dict[str, Tensor]], dict[str, Tensor]] | None = None,
+) -> nn.Module:
     """Loads the weights of a network, in float32, and returns it ready for use.
+
+    Args:
+        network: That takes the weights.
+        folder: Of the model.
+        name: Of the network.
+        convert: Makes the network's tensors of the stored ones, where these are laid out otherwise.
 
     Raises:
         SourceError: If files are missing or truncated, or tensors differ in name or shape.
@@ -58,9 +69,6 @@ def load_model(network: nn.Module, folder: Path, name: str) -> nn.Module:
     if not paths:
         raise SourceError(f"{folder}: holds no {name}-*.safetensors")
     tensors = {key: value for path in paths for key, value in read_tensors(path).items()}
-    load_strictly(
-        network,
-        {key: value.float() if value.is_floating_point() else value for key, value in tensors.items()},
-        str(folder / name),
-    )
+    tensors = {key: value.float() if value.is_floating_point() else value for key, value in tensors.items()}
+    load_strictly(network, tensors if convert is None else convert(tensors), str(folder / name))
     return network.to(torch.float32).eval()

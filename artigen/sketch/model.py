@@ -21,9 +21,10 @@ from artigen.sketch.faults import Fault, find_faults, search_faults
 from artigen.sketch.network import Sight, SketchNetwork, SketchNetworkConfig
 from artigen.sketch.picture import PictureConfig, Seen
 from artigen.sketch.picture_colors import read_colors
-from artigen.sketch.request import SketchRequest, ask
+from artigen.sketch.request import SketchRequest, ask, check_category
 from artigen.sketch.rows import CATEGORIES, COUNTED, STYLES, column, rows_to_sketch
 from artigen.sketch.sketch import STEP, SketchError, read_sketch
+from artigen.sketch.vocabulary import carry_weights, describe_vocabulary, find_new_symbols
 
 NAME = "sketch"
 """Of the network in a model folder."""
@@ -74,24 +75,33 @@ class Drawn:
 
 def save_sketch_network(network: SketchNetwork, folder: Path, described: dict[str, object]) -> None:
     """Writes the weights, and the vocabulary that they belong to, into a model folder."""
-    said = {"sizes": asdict(network.cfg), "categories": list(CATEGORIES), "styles": list(STYLES)}
+    said = {
+        "sizes": asdict(network.cfg),
+        "categories": list(network.categories),
+        "vocabulary": describe_vocabulary(),
+    }
     save_model(network, folder, {**said, **described}, NAME)
 
 
-def load_sketch_network(folder: Path) -> SketchNetwork:
-    """Loads the network of a model folder.
+def load_sketch_network(folder: Path, like: SketchNetwork | None = None) -> SketchNetwork:
+    """Loads the network of a model folder, which draws no category and uses no word that it has not learned.
+
+    Args:
+        folder: Of the model.
+        like: Network whose weights it has for words that it has not learned; fresh ones without.
 
     Raises:
-        SourceError: If the folder holds none, or one of another vocabulary.
+        SourceError: If the folder holds none.
+        VocabularyError: If it was trained with words or fields that this version lacks.
     """
     said = read_description(folder).get(NAME)
     if said is None:
         raise SourceError(f"{folder}: holds no sketch network; train one with artigen train")
-    for name, words in (("categories", CATEGORIES), ("styles", STYLES)):
-        if said.get(name) != list(words):
-            raise SourceError(
-                f"{folder}: a sketch network for {name} {said.get(name)}, expected {list(words)}"
-            )
+    vocabulary, categories = said.get("vocabulary"), said.get("categories")
+    if not isinstance(vocabulary, dict) or not isinstance(categories, list):
+        raise SourceError(
+            f"{folder}: a sketch network whose vocabulary and categories are not described; train it again"
+        )
     try:
         network = SketchNetwork(_read_sizes(said.get("sizes")))
     except (TypeError, ValueError) as error:
@@ -99,7 +109,10 @@ def load_sketch_network(folder: Path) -> SketchNetwork:
             f"{folder}: sizes {said.get('sizes')} of a sketch network ({error}), expected such as "
             f"{SketchNetworkConfig()}"
         ) from error
-    load_model(network, folder, NAME)
+    fresh = (like or network).state_dict()
+    load_model(network, folder, NAME, lambda weights: carry_weights(weights, vocabulary, fresh))
+    network.categories = tuple(categories)
+    network.unlearned[find_new_symbols(vocabulary, categories)] = True
     return network
 
 
@@ -136,10 +149,13 @@ def draw_object(
         sight: what is seen of its picture (`SketchNetwork.look`), if it has one.
 
     Raises:
-        SketchError: If the request is none that sketches can say, or no object could be read.
+        SketchError: If the request is none that sketches can say, its category is none that the network
+            draws, or no object could be read.
     """
     cfg = cfg or SketchConfig()
     hand = _Hand(network=network, rng=np.random.default_rng(seed), cfg=cfg)
+    if request.category is not None:
+        check_category(request.category, network.categories)
     grown = begin_drafts(network, [ask(request)], sight)
     dead_ends: Counter[int] = Counter()
     best: tuple[Shape, tuple[Fault, ...]] | None = None

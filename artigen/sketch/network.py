@@ -20,7 +20,7 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 from artigen.sketch.picture import PictureConfig, PictureEncoder, Seen
-from artigen.sketch.rows import FIELDS, LENGTH, REACH, ROW_KINDS, WIDTH, column
+from artigen.sketch.rows import CATEGORIES, FIELDS, LENGTH, REACH, ROW_KINDS, WIDTH, column
 
 OFFSET = 96
 """Steps from a known plane within which a coordinate may be said by its distance."""
@@ -151,10 +151,13 @@ class SketchNetwork(nn.Module):
     base: Tensor
     inside: Tensor
     turns: Tensor
+    unlearned: Tensor
 
     def __init__(self, cfg: SketchNetworkConfig) -> None:
         super().__init__()
         self.cfg = cfg
+        self.categories: tuple[str, ...] = CATEGORIES
+        """Those that it draws."""
         table, width = slots(), cfg.width
         count = len(table.base)
         self.symbols = nn.Embedding(table.total, width)
@@ -192,6 +195,7 @@ class SketchNetwork(nn.Module):
         self.register_buffer("of_cell", torch.from_numpy(table.of_cell), persistent=False)
         self.register_buffer("base", base, persistent=False)
         self.register_buffer("inside", inside, persistent=False)
+        self.register_buffer("unlearned", torch.zeros(table.total, dtype=torch.bool), persistent=False)
         self.register_buffer("turns", np.pi / 2.0 ** torch.arange(FREQUENCIES), persistent=False)
 
     def _start(self, cfg: SketchNetworkConfig) -> None:
@@ -308,10 +312,14 @@ class SketchNetwork(nn.Module):
         return logits.masked_fill(~self.inside[slot], _FAR)
 
     def slot_logits(self, x: Float[Tensor, "N D"], slot: Int[Tensor, "N"], size: int) -> Float[Tensor, "N V"]:
-        """Over ``size`` symbols from the first of the slot on, some of which may be those of others."""
+        """Over ``size`` symbols from the first of the slot on, some of which may be those of others.
+
+        Far below zero where a symbol was not learned.
+        """
         symbols = (self.base[slot][:, None] + torch.arange(size)).clamp(max=len(self.symbols.weight) - 1)
         logits = (self.symbols.weight[symbols] @ x[:, :, None])[..., 0]
-        return logits.float() + self.biases.weight[symbols, 0].float()
+        logits = logits.float() + self.biases.weight[symbols, 0].float()
+        return logits.masked_fill(self.unlearned[symbols], _FAR)
 
     def number_parts(
         self,

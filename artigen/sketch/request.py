@@ -1,11 +1,13 @@
 """`SketchRequest`: what is asked of a sketch, and `Asked`, the rows that say it to the network."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from jaxtyping import Bool, Int
 
+from artigen.models.description import read_description
 from artigen.shapes.draw import categories
 from artigen.shapes.surfaces.finishes import Color, FinishKind
 from artigen.shapes.surfaces.palette import ROLES
@@ -84,15 +86,25 @@ def nothing_asked() -> Asked:
     return ask(SketchRequest())
 
 
-def check_category(category: str) -> None:
-    """Refuses a category that the sketch network has not learned.
+def list_learned(model: Path) -> tuple[str, ...]:
+    """The categories that the sketch network of a model folder draws, read without PyTorch.
+
+    Raises:
+        SourceError: If the folder has no readable description.
+    """
+    learned = read_description(model).get("sketch", {}).get("categories", [])
+    return tuple(learned) if isinstance(learned, list) else ()
+
+
+def check_category(category: str, learned: Sequence[str] = CATEGORIES) -> None:
+    """Refuses a category that a sketch network has not learned.
 
     Raises:
         SketchError: Naming the categories it has learned, and `artigen shape` where the grammar draws it.
     """
-    if category in CATEGORIES:
+    if category in learned:
         return
-    text = f"category {category!r}: expected one of {', '.join(CATEGORIES)}, which the model draws"
+    text = f"category {category!r}: expected one of {', '.join(learned)}, which the model draws"
     if category in categories():
         text += f"; `artigen shape {category}` draws it"
     raise SketchError(text)

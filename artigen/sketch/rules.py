@@ -55,8 +55,8 @@ ACCENTS: Mapping[FinishKind, float] = {
     "stone": 0.8,
 }
 """Brightness of the accent over that of a colour that is asked for, as `artigen.shapes.surfaces` has them."""
-LEAST_EXTENT = 24
-"""Steps (1.2 cm): shorter objects are not drawn."""
+LEAST_EXTENT = 20
+"""Steps (1 cm): shorter objects are not drawn."""
 _ARCS = (*range(1, MAX_PIECES_OF_ARC + 1),)
 SIDES: Mapping[str, tuple[int, ...]] = {
     "frustum": (4, *ROUND_SIDES),

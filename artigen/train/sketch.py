@@ -56,7 +56,7 @@ SIZES: dict[str, SketchNetworkConfig] = {
     "compact": SketchNetworkConfig(width=512, layers=12, heads=8),
 }
 """Sizes by preset."""
-SHARD = 500
+SHARD = 100
 """Seeds per shard, each drawn for all categories."""
 TIMEOUT = 1800.0
 """Seconds after which a shard is given up."""
@@ -86,8 +86,10 @@ class SketchRunConfig:
     """Sizes."""
     minutes: float = 90.0
     """Budget of the training; making data comes on top."""
-    shards: int = 8
-    """Shards of training data, each of 500 objects of every category."""
+    categories: tuple[str, ...] = CATEGORIES
+    """What is drawn."""
+    shards: int = 24
+    """Shards of training data, each of 100 objects of every category."""
     rows: int = 480
     """Rows per step."""
     learning_rate: float = 1e-3
@@ -105,6 +107,7 @@ class _ShardJob:
     first: int
     count: int
     photos: bool
+    categories: tuple[str, ...]
 
     def path(self, what: str) -> Path:
         return self.folder / f"{what}-{self.number:03d}.npz"
@@ -128,17 +131,21 @@ def train_sketch(cfg: SketchRunConfig, *, on_report: Report | None = None) -> di
             "more than 0 of each"
         )
     start = None if cfg.start is None else hash_model(cfg.start)
-    claim_folder(cfg.folder / "sketch.json", {"preset": cfg.preset, "start": start})
+    claim_folder(
+        cfg.folder / "sketch.json",
+        {"preset": cfg.preset, "start": start, "categories": " ".join(cfg.categories)},
+    )
     torch.manual_seed(0)
     network = SketchNetwork(SIZES[cfg.preset]) if cfg.start is None else load_sketch_network(cfg.start)
     if network.cfg != SIZES[cfg.preset]:
         raise ArtigenError(
             f"{cfg.start}: {network.cfg}, expected the sizes of preset {cfg.preset!r}, {SIZES[cfg.preset]}"
         )
+    network.categories = cfg.categories
     photos = network.picture is not None
-    make = partial(make_examples, workers=cfg.workers, photos=photos)
+    make = partial(make_examples, categories=cfg.categories, workers=cfg.workers, photos=photos)
     trained = make(cfg.folder / "train", HELD_OUT, cfg.shards, count=SHARD)
-    held_out = make(cfg.folder / "held_out", 0, 1, count=MEASURED // len(CATEGORIES))
+    held_out = make(cfg.folder / "held_out", 0, 1, count=-(-MEASURED // len(cfg.categories)))
     loop = LoopConfig(
         minutes=cfg.minutes,
         learning_rate=cfg.learning_rate,
@@ -358,7 +365,14 @@ def head_of(table: Table) -> Table:
 
 
 def make_examples(
-    folder: Path, first: int, shards: int, *, count: int, workers: int, photos: bool
+    folder: Path,
+    first: int,
+    shards: int,
+    *,
+    categories: tuple[str, ...],
+    count: int,
+    workers: int,
+    photos: bool,
 ) -> list[SketchExample]:
     """Makes the shards that are missing and reads all.
 
@@ -366,7 +380,8 @@ def make_examples(
         folder: Of the shards.
         first: Seed of the first object of each category.
         shards: How many.
-        count: Seeds per shard.
+        categories: What is drawn.
+        count: Seeds per shard, each drawn for all categories.
         workers: Processes that make them.
         photos: Whether objects are photographed, too.
 
@@ -375,7 +390,14 @@ def make_examples(
     """
     folder.mkdir(parents=True, exist_ok=True)
     jobs = [
-        _ShardJob(folder=folder, number=index, first=first + index * count, count=count, photos=photos)
+        _ShardJob(
+            folder=folder,
+            number=index,
+            first=first + index * count,
+            count=count,
+            photos=photos,
+            categories=categories,
+        )
         for index in range(shards)
     ]
     missing = [job for job in jobs if not job.done]
@@ -391,11 +413,11 @@ def _make_shard(worker: Worker, job: _ShardJob) -> Outcome[int]:
 
 
 def _write_shard(job: _ShardJob) -> int:
-    """Draws objects of all categories and writes their tables and photos; what is too long is left out."""
+    """Draws objects of the categories and writes their tables and photos; what is too long is left out."""
     tables, photos = [], []
     rng = np.random.default_rng([job.first, 1])
     for seed in range(job.first, job.first + job.count):
-        for category in CATEGORIES:
+        for category in job.categories:
             shape = draw_shape(category, seed)
             try:
                 table = sketch_to_rows(write_sketch(shape))

@@ -42,7 +42,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     dark, lamp = (0.14, 0.14, 0.15), (0.30, 0.62, 0.32)
     finishes["trim"] = Finish(kind="plastic", color=dark, accent=dark, gloss=0.2)
     finishes["lamp"] = Finish(kind="plastic", color=lamp, accent=lamp, gloss=0.4)
-    finishes["ad"] = Finish(kind="plastic", color=ad, accent=ad, gloss=0.35)
+    finishes["mark"] = Finish(kind="plastic", color=ad, accent=ad, gloss=0.35)
     built = _build(rng, width, depth, height, shop=shop)
     return Draft(style=style, parts=built.close(), finishes=tuple(sorted(finishes.items())))
 
@@ -64,7 +64,7 @@ def _build(rng: np.random.Generator, width: float, depth: float, height: float, 
     built = Assembly(pieces=(*chest, *feet, hump)) + _build_controls(rng, dial, x[0], y, foot, step)
     if shop:
         low, high = foot + 0.24, rim - 0.06
-        band = box((x[0] - 0.002, y[0] + 0.02, low), (x[0] + 0.003, y[1] - 0.02, high), "ad")
+        band = box((x[0] - 0.002, y[0] + 0.02, low), (x[0] + 0.003, y[1] - 0.02, high), "mark")
         built += Assembly(pieces=(band,)) + _build_panes((x, y), rim, height, wall)
         return built + Assembly(parts=tuple(_make_baskets(hollow, level, step, 1, ("pane_right",))))
     lid = _make_lid((x, y), hollow, (rim + GAP, height - RAISED), float(np.radians(rng.uniform(78, 90))))

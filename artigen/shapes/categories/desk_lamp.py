@@ -104,7 +104,7 @@ def _draw_finishes(rng: np.random.Generator, style: str) -> tuple[tuple[str, Fin
         "foot": make_ceramic(color, seed),  # weighted: as heavy as stone
         "arm": paint if style == "led" and rng.random() < 0.6 else rods,
         "accent": make_polished("chrome", seed + 1),
-        "bulb": make_plastic((0.96, 0.95, 0.9)),
+        "lamp": make_plastic((0.96, 0.95, 0.9)),
         "inside": make_plastic(LACQUERS["white"]),
     }
     return tuple(sorted(finishes.items()))
@@ -149,7 +149,7 @@ def _build_head(rng: np.random.Generator, style: str) -> tuple[list[Primitive], 
     if style == "led":
         long = float(rng.uniform(0.2, 0.26))
         bar = box((0.075 - long, -0.024, -0.046), (0.075, 0.024, -0.032), "body")
-        pieces = [*cheeks, bar, box((0.085 - long, -0.019, -0.049), (0.02, 0.019, -0.045), "bulb")]
+        pieces = [*cheeks, bar, box((0.085 - long, -0.019, -0.049), (0.02, 0.019, -0.045), "lamp")]
     else:
         mouth, neck = float(rng.uniform(0.066, 0.08)), 0.03
         tall = float(rng.uniform(0.1, 0.13)) if style == "architect" else float(rng.uniform(0.075, 0.095))
@@ -161,5 +161,5 @@ def _build_head(rng: np.random.Generator, style: str) -> tuple[list[Primitive], 
         pieces = [*cheeks, cylinder((0.0, 0.0, -0.065), (0.0, 0.0, -0.03), neck + wall, "body")]
         for span, ends in (((bend, -0.06), (waist, top)), ((low, bend), (rim, waist))):
             pieces += build_ring((0.0, 0.0, 0.0), "z", span, ends, "body", sides=12, lining="inside")
-        pieces.append(cylinder((0.0, 0.0, -0.115), (0.0, 0.0, -0.065), 0.02, "bulb"))
+        pieces.append(cylinder((0.0, 0.0, -0.115), (0.0, 0.0, -0.065), 0.02, "lamp"))
     return pieces, -float(min(place_vertices(piece)[:, 0].min() for piece in pieces))

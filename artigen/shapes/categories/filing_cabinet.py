@@ -136,7 +136,7 @@ def _draw_finishes(rng: np.random.Generator, style: str) -> dict[str, Finish]:
     body = front if same else make_lacquer(LACQUERS[NEUTRAL[other]], gloss=gloss)
     painted = steel | {"body": body, "front": front, "top": body, "inside": body, "drawer": body}
     return (wooden if style == "wooden" else painted) | {
-        "card": make_lacquer((0.93, 0.92, 0.88)),
+        "paper": make_lacquer((0.93, 0.92, 0.88)),
         "folder": make_lacquer(FOLDERS[folder], gloss=0.05),
     }
 
@@ -232,5 +232,5 @@ def _make_label(panel: Panel) -> list[Primitive]:
     """A card in a frame, above the handle."""
     y, z = panel.center[0], panel.z[1] - 0.033
     frame = box((panel.x - 0.003, y - 0.045, z - 0.017), (panel.x, y + 0.045, z + 0.017), "handle")
-    card = box((panel.x - 0.0045, y - 0.039, z - 0.012), (panel.x, y + 0.039, z + 0.012), "card")
+    card = box((panel.x - 0.0045, y - 0.039, z - 0.012), (panel.x, y + 0.039, z + 0.012), "paper")
     return [frame, card]

@@ -83,12 +83,12 @@ def _draw_finishes(rng: np.random.Generator, look: _Look, style: str) -> dict[st
     return {
         "body": Finish(kind=kind, color=body, accent=shade, grain=(0.0, 1.0, 0.0), period=0.05, gloss=gloss),
         "key": Finish(kind="plastic", color=key, accent=key, gloss=0.15),
-        "pad": Finish(kind="glass", color=shade, accent=shade, gloss=0.35),
-        "well": Finish(kind="plastic", color=well, accent=well, gloss=0.1),
-        "bezel": dark,
+        "panel": Finish(kind="glass", color=shade, accent=shade, gloss=0.35),
+        "inside": Finish(kind="plastic", color=well, accent=well, gloss=0.1),
+        "trim": dark,
         "screen": make_glass((0.055, 0.075, 0.11)),
         "rubber": Finish(kind="rubber", color=(0.13, 0.13, 0.13), accent=(0.16, 0.16, 0.16), gloss=0.05),
-        "logo": make_metal("chrome", 1),
+        "mark": make_metal("chrome", 1),
         "accent": Finish(kind="plastic", color=(0.75, 0.12, 0.10), accent=(0.75, 0.12, 0.10), gloss=0.2),
     }
 
@@ -115,17 +115,17 @@ def _build(
     low = top + GAP
     slab = box((x[0], y[0], low + 0.001), (x[1], y[1], low + lid), "body")
     inset = float(rng.uniform(0.005, 0.009))
-    bezel = box((x[0] + 0.001, y[0] + 0.001, low), (x[1] - 0.012, y[1] - 0.001, low + 0.003), "bezel")
+    bezel = box((x[0] + 0.001, y[0] + 0.001, low), (x[1] - 0.012, y[1] - 0.001, low + 0.003), "trim")
     screen = box(
         (x[0] + inset, y[0] + inset, low - 0.0005),
         (x[1] - 0.012 - 2 * inset, y[1] - inset, low + 0.002),
         "screen",
     )
-    barrel = cylinder((x[1], y[0] + 0.06 * width, low), (x[1], y[1] - 0.06 * width, low), BARREL, "bezel")
+    barrel = cylinder((x[1], y[0] + 0.06 * width, low), (x[1], y[1] - 0.06 * width, low), BARREL, "trim")
     solids = [slab, bezel, screen, barrel]
     if rng.random() < 0.8:
         middle = ((x[0] + x[1]) / 2, 0.0)
-        solids.append(cylinder((*middle, low + 0.002), (*middle, low + lid + 0.0004), 0.045 * width, "logo"))
+        solids.append(cylinder((*middle, low + 0.002), (*middle, low + lid + 0.0004), 0.045 * width, "mark"))
     motion = hinge_lid(x, y, low, float(np.radians(rng.uniform(*look.opens))))
     cover = ShapePart(name="screen", label="door", parent="body", primitives=tuple(solids), motion=motion)
     return Assembly(pieces=tuple(pieces), parts=(cover,))
@@ -151,7 +151,7 @@ def _build_keys(front: float, rear: float, y: Range, top: float, style: str) -> 
         box(
             (back - 5.7 * pitch - 0.002, -wide / 2 - 0.002, top - 0.002),
             (back + 0.002, wide / 2 + 0.002, top + 0.0003),
-            "well",
+            "inside",
         )
     ]
     end = back
@@ -169,7 +169,7 @@ def _build_keys(front: float, rear: float, y: Range, top: float, style: str) -> 
         end -= deep
     room = end - 0.004 - front
     half = 0.5 * min(0.13, 0.38 * (y[1] - y[0]))
-    pad = box((front + 0.14 * room, -half, top - 0.002), (front + 0.9 * room, half, top + 0.0005), "pad")
+    pad = box((front + 0.14 * room, -half, top - 0.002), (front + 0.9 * room, half, top + 0.0005), "panel")
     out.append(pad)
     if style == "business":
         at = end + 3.0 * pitch

@@ -70,12 +70,12 @@ def _draw_finishes(rng: np.random.Generator, style: str) -> dict[str, Finish]:
         "body": paint,
         "front": paint if style == "rural" else other,
         "inside": make_lacquer(LACQUERS["grey"]),
-        "post": post,
+        "leg": post,
         "foot": make_stone("concrete", seed),
-        "flag": make_lacquer(
+        "mark": make_lacquer(
             (0.72, 0.10, 0.10) if paint.color != PAINTS[3] else (0.90, 0.90, 0.88), gloss=0.4
         ),
-        "card": make_lacquer((0.92, 0.92, 0.90)),
+        "paper": make_lacquer((0.92, 0.92, 0.90)),
     }
 
 
@@ -115,15 +115,15 @@ def _build_rural(rng: np.random.Generator, width: float, depth: float, height: f
     board = 0.022
     pieces = [
         *walls, floor, rear,
-        box((-0.38 * depth, -0.4 * width, under - board), (0.42 * depth, 0.4 * width, under), "post"),
-        box((-post, -post, 0.05), (post, post, under - board), "post"),
+        box((-0.38 * depth, -0.4 * width, under - board), (0.42 * depth, 0.4 * width, under), "leg"),
+        box((-post, -post, 0.05), (post, post, under - board), "leg"),
         box((-block, -width / 2, 0.0), (block, width / 2, 0.05), "foot"),
     ]  # fmt: skip
     if rng.random() < 0.6:
         heights = (under - board, under - board, under - 0.3, under - 0.36)
         places = (0.25 * depth, 0.19 * depth, post - 0.005, post - 0.005)
         profile = np.column_stack([heights, places])
-        brace = prism(profile, (0, -0.03, 0), (0, 0.03, 0), "post")
+        brace = prism(profile, (0, -0.03, 0), (0, 0.03, 0), "leg")
         pieces.append(brace)
     at = (float(rng.uniform(-0.15, 0.1)) * depth, y[0] - 0.0015, z[0] + 0.45 * (spring - z[0]))
     return Assembly(pieces=tuple(pieces), parts=(door, handle, _make_flag(at, min(0.15, 0.32 * depth))))
@@ -133,8 +133,8 @@ def _make_flag(at: tuple[float, float, float], long: float) -> ShapePart:
     """A flag on the right side: it lies towards the rear and is turned up for outgoing mail."""
     x, y, z = at
     solids = (
-        box((x - 0.012, y - 0.004, z - 0.008), (x + long, y, z + 0.008), "flag"),
-        box((x + 0.62 * long, y - 0.004, z + 0.008), (x + long, y, z + 0.04), "flag"),
+        box((x - 0.012, y - 0.004, z - 0.008), (x + long, y, z + 0.008), "mark"),
+        box((x + 0.62 * long, y - 0.004, z + 0.008), (x + long, y, z + 0.04), "mark"),
     )
     turn = Motion(type="revolute", axis=(0.0, -1.0, 0.0), origin=(x, y, z), upper=np.pi / 2)
     return ShapePart(name="flag", label="knob", parent="body", primitives=solids, motion=turn)
@@ -145,10 +145,10 @@ def _build_modern(rng: np.random.Generator, width: float, depth: float, height: 
     tall = float(rng.uniform(0.32, 0.5))
     x, y = (KEY - depth / 2, depth / 2), (-width / 2, width / 2)
     legs = [
-        box((0.02, a - 0.02, 0.012), (0.06, a + 0.02, height - tall + 0.002), "post")
+        box((0.02, a - 0.02, 0.012), (0.06, a + 0.02, height - tall + 0.002), "leg")
         for a in (y[0] + 0.05, y[1] - 0.05)
     ]
-    plate = box((-depth / 2, y[0], 0.0), (depth / 2, y[1], 0.012), "post")
+    plate = box((-depth / 2, y[0], 0.0), (depth / 2, y[1], 0.012), "leg")
     built = _build_box(rng, Space(x=x, y=y, z=(height - tall, height)), (0.09, tall - 0.09))
     return built + Assembly(pieces=(*legs, plate))
 
@@ -156,7 +156,7 @@ def _build_modern(rng: np.random.Generator, width: float, depth: float, height: 
 def _build_parcel(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
     """A column: a flap for letters, a door for them, a large one for parcels."""
     x, y = (KEY - depth / 2, depth / 2), (-width / 2, width / 2)
-    plinth = box((x[0] + 0.05, y[0] + 0.03, 0.0), (x[1] - 0.03, y[1] - 0.03, 0.04), "post")
+    plinth = box((x[0] + 0.05, y[0] + 0.03, 0.0), (x[1] - 0.03, y[1] - 0.03, 0.04), "leg")
     rest = height - 0.04 - 0.1
     upper = float(rng.uniform(0.25, 0.4)) * rest
     return _build_box(rng, Space(x=x, y=y, z=(0.04, height)), (0.1, upper, rest - upper)) + Assembly(
@@ -246,7 +246,7 @@ def _make_locked_door(panel: Panel, name: str, upper: float, *, left: bool) -> l
     if panel.height < 0.25 and panel.width > 0.2:  # a card with a name
         middle = panel.center
         low = (panel.x - 0.0015, middle[0] - 0.04, middle[1] - 0.014)
-        card = box(low, (panel.x + 0.003, middle[0] + 0.04, middle[1] + 0.014), "card")
+        card = box(low, (panel.x + 0.003, middle[0] + 0.04, middle[1] + 0.014), "paper")
         door = replace(door, primitives=(*door.primitives, card))
     return [door, make_lock((panel.x, at, panel.center[1]), name=f"{name}_lock", parent=name, radius=0.009)]
 
@@ -260,8 +260,8 @@ def _build_cluster(rng: np.random.Generator, width: float, depth: float, height:
     inner = Space(x=(shell.x[0], x[1] - wall), y=(y[0] + wall, y[1] - wall), z=(foot + wall, height - wall))
     pieces: list[Primitive] = [
         *build_shell(shell, inner, "body", "inside"),
-        box((-0.1, -0.12, 0.012), (0.1, 0.12, foot), "post"),
-        box((-0.2, -0.2, 0.0), (0.2, 0.2, 0.012), "post"),
+        box((-0.1, -0.12, 0.012), (0.1, 0.12, foot), "leg"),
+        box((-0.2, -0.2, 0.0), (0.2, 0.2, 0.012), "leg"),
     ]
     columns = 2
     rows = int(rng.integers(4, 7))

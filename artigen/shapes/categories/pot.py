@@ -52,7 +52,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     outer, inner = (low, radius), (ROUND * low - wall, ROUND * radius - wall)
     span, radii = (BOTTOM, rim), ((inner[0], outer[0]), (inner[1], outer[1]))
     pieces = build_ring((0.0, axis, 0.0), "z", span, radii, "body", sides=SIDES, lining="inside")
-    base = cylinder((0.0, axis, 0.0), (0.0, axis, BOTTOM), 0.985 * low, "base")
+    base = cylinder((0.0, axis, 0.0), (0.0, axis, BOTTOM), 0.985 * low, "foot")
     if style == "saucepan":
         grips = lift(_build_grip(rng, axis - radius, width), 0.8 * rim)
     else:
@@ -69,14 +69,14 @@ def _make_lid(axis: float, radius: float, rim: float, wall: float) -> tuple[Shap
     circle = 0.86 * radius * np.column_stack([np.cos(turns), np.sin(turns)])
     top = low + LID + DOME
     pieces = (
-        cylinder((0.0, axis, low), (0.0, axis, low + LID), 0.99 * radius, "rim"),
-        cylinder((0.0, axis, rim - 0.008), (0.0, axis, low), ROUND * radius - wall - 0.01, "rim"),
+        cylinder((0.0, axis, low), (0.0, axis, low + LID), 0.99 * radius, "trim"),
+        cylinder((0.0, axis, rim - 0.008), (0.0, axis, low), ROUND * radius - wall - 0.01, "trim"),
         prism(circle, (0.0, axis, low + LID), (0.0, axis, top), "lid", taper=0.4),
     )
     rise = Motion(type="prismatic", axis=(0.0, 0.0, 1.0), upper=0.12)
     lid = ShapePart(name="lid", label="door", parent="body", primitives=pieces, motion=rise)
-    stem = cylinder((0.0, axis, top), (0.0, axis, top + 0.4 * KNOB), 0.007, "grip")
-    head = cylinder((0.0, axis, top + 0.4 * KNOB), (0.0, axis, top + KNOB), 0.019, "grip")
+    stem = cylinder((0.0, axis, top), (0.0, axis, top + 0.4 * KNOB), 0.007, "handle")
+    head = cylinder((0.0, axis, top + 0.4 * KNOB), (0.0, axis, top + KNOB), 0.019, "handle")
     return lid, ShapePart(name="lid_knob", label="handle", parent="lid", primitives=(stem, head))
 
 
@@ -91,11 +91,11 @@ def _build_ears(rng: np.random.Generator, radius: float, width: float, rim: floa
         high = level + min(0.009, 0.5 * abs(shoulder - side * root))
         for end in (-1.0, 1.0):
             pieces.append(
-                lean_rod((end * half, side * root, level), (end * half, shoulder, high), rod, "grip")
+                lean_rod((end * half, side * root, level), (end * half, shoulder, high), rod, "handle")
             )
             center, ways = (end * (half - bend), shoulder, high), ((end, 0.0, 0.0), (0.0, side, 0.0))
-            pieces += bend_elbow(center, ways, bend, rod, "grip", pieces=2)
-        pieces.append(cylinder((bend - half, tip, high), (half - bend, tip, high), rod, "grip"))
+            pieces += bend_elbow(center, ways, bend, rod, "handle", pieces=2)
+        pieces.append(cylinder((bend - half, tip, high), (half - bend, tip, high), rod, "handle"))
     return tuple(pieces)
 
 
@@ -104,11 +104,11 @@ def _build_grip(rng: np.random.Generator, start: float, width: float) -> tuple[P
     rise = float(rng.uniform(0.012, 0.03))
     end = -width / 2
     neck = start - 0.03
-    stub = lean_rod((0.0, start + 2 * WALL, 0.0), (0.0, neck, 0.004), 0.0075, "rim")
+    stub = lean_rod((0.0, start + 2 * WALL, 0.0), (0.0, neck, 0.004), 0.0075, "trim")
     path: list[Vector] = [(0.0, neck, 0.004), (0.0, (neck + end) / 2, 0.5 * rise)]
     path += [(0.0, end + 0.02, rise), (0.0, end, rise)]
     rods = pairwise(zip(path, (0.0085, 0.0115, 0.011, 0.009), strict=True))
-    return stub, *(lean_rod(a, b, (first, second), "grip") for (a, first), (b, second) in rods)
+    return stub, *(lean_rod(a, b, (first, second), "handle") for (a, first), (b, second) in rods)
 
 
 def _draw_finishes(rng: np.random.Generator) -> tuple[tuple[str, Finish], ...]:
@@ -126,9 +126,9 @@ def _draw_finishes(rng: np.random.Generator) -> tuple[tuple[str, Finish], ...]:
     finishes = {
         "body": body,
         "inside": make_ceramic((0.87, 0.85, 0.8), seed) if enamel else steel,
-        "base": make_polished("dark", seed),
-        "rim": steel if glassy or not enamel else body,
+        "foot": make_polished("dark", seed),
+        "trim": steel if glassy or not enamel else body,
         "lid": make_glass((0.72, 0.78, 0.78), opacity=0.25) if glassy else body,
-        "grip": grips[int(rng.integers(4 if enamel else 3))],
+        "handle": grips[int(rng.integers(4 if enamel else 3))],
     }
     return tuple(sorted(finishes.items()))

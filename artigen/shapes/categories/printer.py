@@ -66,7 +66,7 @@ def _draw_finishes(rng: np.random.Generator) -> dict[str, Finish]:
         "front": make_plastic(shell if same else second, gloss=0.2),
         "trim": make_plastic(dark, gloss=0.2),
         "key": make_plastic((0.66, 0.67, 0.68), gloss=0.2),
-        "go": make_plastic((0.28, 0.58, 0.34), gloss=0.4),
+        "mark": make_plastic((0.28, 0.58, 0.34), gloss=0.4),
         "paper": make_plastic((0.95, 0.95, 0.94), gloss=0.05),
         "inside": make_plastic((0.24, 0.24, 0.25), gloss=0.2),
         "panel": make_glass((0.05, 0.06, 0.08)),
@@ -284,7 +284,7 @@ def _make_controls(rng: np.random.Generator, frame: _Frame, z: Range, y: Range) 
         make_button(
             (x, split - 0.006 - (k + 0.5) * pitch, middle), (size, size, 0.0045), name=f"button_{k}",
             parent="body",
-            finish="go" if k == count - 1 else "key", shape="round" if round_ else "square",
+            finish="mark" if k == count - 1 else "key", shape="round" if round_ else "square",
         )
         for k in range(count)
     ]  # fmt: skip

@@ -68,7 +68,7 @@ def _draw_finishes(rng: np.random.Generator, style: str) -> dict[str, Finish]:
     finishes = draw_palette(rng, "furniture", wood)
     if finishes["top"].kind == "stone":
         finishes["top"] = finishes["body"]
-    finishes["brass"] = make_metal("brass" if rng.random() < 0.5 else "black", seed)
+    finishes["metal"] = make_metal("brass" if rng.random() < 0.5 else "black", seed)
     if style == "plastic":
         clear = rng.random() < 0.35
         shell = Finish(
@@ -77,7 +77,7 @@ def _draw_finishes(rng: np.random.Generator, style: str) -> dict[str, Finish]:
         finishes |= {
             "body": shell if clear else make_plastic(TUBS[tub]),
             "top": make_plastic(TUBS[lid]),
-            "clip": make_plastic(TUBS[lid]),
+            "trim": make_plastic(TUBS[lid]),
         }
     if style == "carton":
         board = Finish(
@@ -85,7 +85,7 @@ def _draw_finishes(rng: np.random.Generator, style: str) -> dict[str, Finish]:
         )
         finishes |= {
             "body": board,
-            "tape": make_plastic((0.80, 0.70, 0.52)),
+            "trim": make_plastic((0.80, 0.70, 0.52)),
             "paper": make_lacquer((0.92, 0.91, 0.88)),
         }
     return finishes
@@ -134,19 +134,19 @@ def _build_trunk(rng: np.random.Generator, width: float, depth: float, height: f
     rim = height - strap - rise - GAP
     walls = build_vessel((x, y), (x, y), (0.012, rim), wall, "body", lining="inside")
     feet = [
-        box((a, b, 0.0), (a + 0.05, b + 0.05, 0.012), "brass")
+        box((a, b, 0.0), (a + 0.05, b + 0.05, 0.012), "metal")
         for a in (x[0], x[1] - 0.05)
         for b in (y[0], y[1] - 0.05)
     ]
     bands = [(a, a + 0.03) for a in np.linspace(y[0] + 0.06, y[1] - 0.09, int(rng.integers(2, 4))).tolist()]
     if len(bands) == 3:  # the hasp is in the middle
         bands.pop(1)
-    straps = [box((x[0] - strap, a, 0.012), (x[0], b, rim), "brass") for a, b in bands]
+    straps = [box((x[0] - strap, a, 0.012), (x[0], b, rim), "metal") for a, b in bands]
     low = rim + GAP
     solids = [*build_roof(trace_arch(x, low, rise), wall, y, "top")]
     for band in bands:
         crest = trace_arch((x[0] - strap, x[1] + strap), low, rise + strap)
-        solids += build_roof(crest, 2 * strap, band, "brass", ends=False)
+        solids += build_roof(crest, 2 * strap, band, "metal", ends=False)
     motion = hinge_lid((x[0], x[1] + strap), y, low, float(np.radians(rng.uniform(92, 105))))
     lid = ShapePart(
         name="lid",
@@ -157,9 +157,9 @@ def _build_trunk(rng: np.random.Generator, width: float, depth: float, height: f
         needs=(Need(part="hasp"),),
     )
     hasp = make_latch(
-        x[0] - 0.002, (-0.03, 0.03), (rim - 0.05, rim + 0.06), name="hasp", parent="body", finish="brass"
+        x[0] - 0.002, (-0.03, 0.03), (rim - 0.05, rim + 0.06), name="hasp", parent="body", finish="metal"
     )
-    plate = box((x[0] - 0.002, -0.04, rim - 0.07), (x[0], 0.04, rim), "brass")
+    plate = box((x[0] - 0.002, -0.04, rim - 0.07), (x[0], 0.04, rim), "metal")
     parts = [lid, hasp, *_make_side_handles(width / 2 - BAIL, 0.55 * rim)]
     ledge = 0.55 * rim
     ledges = [
@@ -174,7 +174,7 @@ def _build_trunk(rng: np.random.Generator, width: float, depth: float, height: f
 def _make_side_handles(half: float, z: float) -> list[ShapePart]:
     """Bails on both sides of a body that is ``half`` metres wide to either side."""
     panel = Panel(x=-half, thickness=0.02, y=(-0.3, 0.3), z=(z - 0.1, z + 0.1))
-    design = HandleDesign(kind="arch", length=0.13, thickness=0.012, finish="brass")
+    design = HandleDesign(kind="arch", length=0.13, thickness=0.012, finish="metal")
     made = make_handle(panel, design, name="handle", parent="body", upright=False, at=(0.0, z))
     return [replace(turn_part(made, side), name=f"handle_{side}") for side in ("left", "right")]
 
@@ -213,7 +213,7 @@ def _build_tub(rng: np.random.Generator, width: float, depth: float, height: flo
     lid = ShapePart(name="lid", label="door", parent="body", primitives=solids, motion=motion, needs=needs)
     half = min(0.05, 0.16 * depth)
     made = make_latch(
-        -y[1], (-half, half), (rim - 0.045, low + 0.9 * thick), name="clip", parent="body", finish="clip"
+        -y[1], (-half, half), (rim - 0.045, low + 0.9 * thick), name="clip", parent="body", finish="trim"
     )
     clips = [replace(turn_part(made, side), name=f"clip_{side}") for side in ("left", "right")]
     return Assembly(pieces=(*walls, *brim), parts=(lid, *clips))
@@ -246,7 +246,7 @@ def _build_carton(rng: np.random.Generator, width: float, depth: float, height: 
         strip = box(
             (seam[0], y[0] + 0.001, height - wall),
             (seam[1], y[1] - 0.001, height),
-            "tape" if taped else "body",
+            "trim" if taped else "body",
         )
         motion = hinge_lid(span, y, height - wall, opened, edge)
         parts.append(

@@ -75,7 +75,7 @@ def _draw_finishes(rng: np.random.Generator, style: str) -> dict[str, Finish]:
         "inside": lining,
         "trim": {"leather": belt, "aluminium": make_metal("dark", seed)}.get(style, dark),
         "handle": belt if style == "leather" else dark,
-        "fitting": make_metal("brass" if style == "leather" else "chrome", seed),
+        "metal": make_metal("brass" if style == "leather" else "chrome", seed),
     }
 
 
@@ -177,7 +177,7 @@ def _build_lying(rng: np.random.Generator, width: float, depth: float, height: f
     latches = [
         make_latch(
             x[0], (at - half, at + half), (seam - 0.03, min(seam + 0.032, height - bevel - 0.012)),
-            name=f"latch_{k}", parent="body", upper=1.4, finish="fitting",
+            name=f"latch_{k}", parent="body", upper=1.4, finish="metal",
         )
         for k, at in enumerate(places)
     ]  # fmt: skip

@@ -46,7 +46,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
         pieces += _build_plate(face, wide, (low, high), places)
         parts = [_make_rocker(f"rocker_{k}", (face, y, height / 2)) for k, y in enumerate(places)]
     else:
-        pieces.append(rounded_box((face, -wide / 2, low), (face + THICK, wide / 2, high), 0.002, "plate"))
+        pieces.append(rounded_box((face, -wide / 2, low), (face + THICK, wide / 2, high), 0.002, "panel"))
         kind = _draw_dimmer(rng) if style == "dimmer" else None
         for k, y in enumerate(places):
             at = (face, y, height / 2)
@@ -71,8 +71,8 @@ def _draw_finishes(rng: np.random.Generator, style: str) -> tuple[tuple[str, Fin
     paints = ("white", "cream", "sage", "light_grey", "blue", "terracotta")
     finishes = {
         "wall": make_ceramic(LACQUERS[paints[int(rng.integers(len(paints)))]], seed),
-        "plate": make_polished("steel", seed) if style == "buttons" and rng.random() < 0.5 else plate,
-        "rocker": plain if rng.random() < 0.8 else make_plastic(LIGHT[3]),
+        "panel": make_polished("steel", seed) if style == "buttons" and rng.random() < 0.5 else plate,
+        "front": plain if rng.random() < 0.8 else make_plastic(LIGHT[3]),
         "metal": metal,
         "accent": make_polished("chrome", seed + 1),
         "rubber": make_plastic((0.13, 0.13, 0.135)),
@@ -86,12 +86,12 @@ def _build_plate(face: float, wide: float, z: tuple[float, float], places: list[
     """A frame with a window for each rocker, and what closes them behind."""
     half, back = 0.0295, face + THICK
     inner = wide / 2 - 0.004
-    pieces = [box((back - 0.002, -inner, z[0] + 0.004), (back, inner, z[1] - 0.004), "plate")]
+    pieces = [box((back - 0.002, -inner, z[0] + 0.004), (back, inner, z[1] - 0.004), "panel")]
     middle = sum(z) / 2
     edges = [-wide / 2, *((low + high) / 2 for low, high in pairwise(places[::-1])), wide / 2]
     for k, y in enumerate(reversed(places)):
         hole = (y - half, y + half), (middle - half, middle + half)
-        pieces += build_frame((face, back), ((edges[k], edges[k + 1]), z), hole, "plate")
+        pieces += build_frame((face, back), ((edges[k], edges[k + 1]), z), hole, "panel")
     return pieces
 
 
@@ -103,7 +103,7 @@ def _make_rocker(name: str, at: Vector) -> ShapePart:
     cosine, sine = np.cos(ROCK / 2), np.sin(ROCK / 2)
     flat = flat @ np.array([(cosine, sine), (-sine, cosine)])
     corners = np.array([(x, y, z) for x, z in flat for y in (-half, half)])
-    tilted = polytope(corners, "rocker", center=pivot)
+    tilted = polytope(corners, "front", center=pivot)
     motion = Motion(type="revolute", axis=(0.0, 1.0, 0.0), origin=pivot, upper=ROCK)
     return ShapePart(name=name, label="knob", parent="body", primitives=(tilted,), motion=motion)
 

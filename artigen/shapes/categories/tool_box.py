@@ -76,7 +76,7 @@ def _draw_finishes(rng: np.random.Generator, style: str) -> dict[str, Finish]:
     handle = make_plastic((0.16, 0.16, 0.17)) if lid.color[0] > 0.2 else body
     return finishes | {
         "body": body, "top": lid, "front": lid, "tray": lid, "handle": handle, "steel": lid, "inside": body,
-        "rod": make_metal("steel", seed),
+        "metal": make_metal("steel", seed),
     }  # fmt: skip
 
 
@@ -212,7 +212,7 @@ def _build_rolling(rng: np.random.Generator, width: float, depth: float, height:
     spread = float(rng.uniform(0.45, 0.6)) * width
     channel = build_channel(back, spread, (foot + 0.1, rim - 0.05), "body")
     rods = make_pull_handle(
-        back, spread, (foot + 0.1, rim - 0.02), 0.5 * (rim - foot), parent="body", finish="rod"
+        back, spread, (foot + 0.1, rim - 0.02), 0.5 * (rim - foot), parent="body", finish="metal"
     )
     level = radius * float(np.cos(np.pi / SEGMENTS))
     parts, pieces = [rods], [*channel]

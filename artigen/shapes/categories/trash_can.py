@@ -38,6 +38,8 @@ SORTED: tuple[Color, ...] = ((0.22, 0.42, 0.66), (0.86, 0.72, 0.20), (0.28, 0.52
 """Paper, packaging, glass and compost."""
 ROUND = 22
 """Sides of a round bin."""
+LIDS = ("first", "second", "third", "fourth")
+"""Finishes of the lids of a bin for sorted waste."""
 SLENDER = 56
 """Length of a wall over its thickness, at most."""
 PEDAL, HUB = 0.045, 0.012
@@ -87,9 +89,9 @@ def _draw_finishes(rng: np.random.Generator, style: str) -> dict[str, Finish]:
     return draw_palette(rng, "appliance", "steel") | {
         "body": shell,
         "front": lid,
-        "bucket": make_plastic((0.17, 0.17, 0.18) if rng.random() < 0.7 else (0.75, 0.75, 0.74)),
+        "tray": make_plastic((0.17, 0.17, 0.18) if rng.random() < 0.7 else (0.75, 0.75, 0.74)),
         "trim": make_plastic((0.14, 0.14, 0.15)),
-        **{f"lid_{k}": finish for k, finish in enumerate(lids)},
+        **dict(zip(LIDS, lids, strict=False)),
     }
 
 
@@ -124,8 +126,8 @@ def _build_pedal_bin(rng: np.random.Generator, width: float, depth: float, heigh
         )
         ring = ((radii[0] - 0.010) * np.cos(np.pi / SEGMENTS) - wall, radii[0] - 0.010)
         pail: tuple[Primitive, ...] = (
-            *build_ring((middle, 0, 0), "z", (foot + 0.0105, rim - 0.012), (ring, ring), "bucket"),
-            cylinder((middle, 0, foot + 0.0105), (middle, 0, foot + 0.0175), ring[0] + 0.003, "bucket"),
+            *build_ring((middle, 0, 0), "z", (foot + 0.0105, rim - 0.012), (ring, ring), "tray"),
+            cylinder((middle, 0, foot + 0.0105), (middle, 0, foot + 0.0175), ring[0] + 0.003, "tray"),
         )
     else:
         walls = build_vessel((x, y), (x, y), (foot, rim), WALL, "body", lining="trim")
@@ -134,7 +136,7 @@ def _build_pedal_bin(rng: np.random.Generator, width: float, depth: float, heigh
         outline = shrink((x, y), 0.005)
         cover = (slab, loft(outline, shrink(outline, 0.03), (rim + GAP + thick, height), "front"))
         inside = shrink((x, y), WALL + 0.010)
-        pail = build_vessel(inside, inside, (foot + WALL + 0.004, rim - 0.012), 0.006, "bucket")
+        pail = build_vessel(inside, inside, (foot + WALL + 0.004, rim - 0.012), 0.006, "tray")
     pivot = x[1] + HUB
     tab = box((x[1] - 0.02, -0.25 * width, rim + GAP), (pivot, 0.25 * width, rim + GAP + 0.012), "front")
     knuckle = box((x[1] - 0.01, -0.28 * width, rim - 0.05), (pivot, 0.28 * width, rim), "trim")
@@ -252,22 +254,22 @@ def _build_sorting_bin(rng: np.random.Generator, width: float, depth: float, hei
             pieces.append(box((x[0] + WALL, span[0], WALL), (x[1] - WALL, span[1], rim), "body"))
         own = (left - pitch + 0.0015, left - 0.0015)
         low, middle = rim + GAP, (own[0] + own[1]) / 2
-        slab = rounded_box((x[0], own[0], low), (x[1], own[1], height), 0.004, f"lid_{k}")
+        slab = rounded_box((x[0], own[0], low), (x[1], own[1], height), 0.004, LIDS[k])
         grip = box(
-            (x[0] - lip, middle - 0.25 * pitch, low), (x[0], middle + 0.25 * pitch, low + 0.012), f"lid_{k}"
+            (x[0] - lip, middle - 0.25 * pitch, low), (x[0], middle + 0.25 * pitch, low + 0.012), LIDS[k]
         )
         motion = hinge_lid(x, own, low, float(np.radians(98)))
         parts.append(
             ShapePart(name=f"lid_{k}", label="door", parent="body", primitives=(slab, grip), motion=motion)
         )
         sign = (x[0] - 0.003, middle - 0.055, 0.66 * rim), (x[0], middle + 0.055, 0.66 * rim + 0.09)
-        pieces.append(box(*sign, f"lid_{k}"))
+        pieces.append(box(*sign, LIDS[k]))
         room = (
             x,
             (left - pitch + (0.0 if k == count - 1 else -WALL / 2), left + (0.0 if k == 0 else WALL / 2)),
         )
         inside = shrink(room, WALL + 0.010)
-        pail = build_vessel(inside, inside, (WALL + GAP, rim - 0.015), 0.006, "bucket")
+        pail = build_vessel(inside, inside, (WALL + GAP, rim - 0.015), 0.006, "tray")
         lift, needs = slide(0.7 * rim, (0.0, 0.0, 1.0)), (Need(part=f"lid_{k}"),)
         parts.append(
             ShapePart(

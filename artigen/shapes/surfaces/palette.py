@@ -10,6 +10,17 @@ steel       drums, racks, sinks, rods     plastic   trays, bins, mouldings
 rubber      gaskets, tyres, feet          accent    trim, the odd thing out
 drawer      drawer boxes                  cavity    enamel inside ovens
 clear       pale glass: portholes, shelves of refrigerators
+
+Palettes have all of these. Some categories add finishes of their own:
+
+trim        mouldings, bezels, tape       paper     labels, sheets of paper
+folder      hanging files                 tray      loose trays, inner buckets
+mirror      mirrors                       screen    displays
+key         keys, small buttons           lamp      what shines
+lid         lids of another material      wall      the piece of wall behind
+metal       fittings                      mark      logos, flags, what stands out
+foot        weighted feet, bases          arm       arms of lamps
+first, second, third, fourth   one of several alike that differ by colour
 """
 
 from dataclasses import replace
@@ -46,6 +57,24 @@ ROLES = (
     "drawer",
     "cavity",
     "clear",
+    "trim",
+    "paper",
+    "folder",
+    "tray",
+    "mirror",
+    "screen",
+    "key",
+    "lamp",
+    "lid",
+    "wall",
+    "metal",
+    "mark",
+    "foot",
+    "arm",
+    "first",
+    "second",
+    "third",
+    "fourth",
 )
 
 # What goes with what. Fronts that suit a body, and metals that suit a front, come from here alone.

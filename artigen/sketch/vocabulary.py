@@ -1,0 +1,147 @@
+"""The vocabulary of sketches by name, so that the weights of a network stay valid when words are added.
+
+Every symbol has a name, such as ``object.category=Table``, and so has every slot (``object.category``). A
+model folder records its vocabulary; weights that belong to a symbol or slot are found again by its name.
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import torch
+from torch import Tensor
+
+from artigen.errors import ArtigenError
+from artigen.shapes.surfaces.palette import ROLES
+from artigen.sketch.rows import CATEGORIES, FIELDS, MATERIALS, ROW_KINDS, STYLES
+from artigen.types import JOINT_TYPES, PART_LABELS
+
+Vocabulary = Mapping[str, Any]
+WORDS = {
+    "category": "categories",
+    "style": "styles",
+    "role": "roles",
+    "finish": "roles",
+    "lining": "roles",
+    "material": "materials",
+    "label": "labels",
+    "type": "joints",
+}
+"""The list of words that the symbols of a field stand for; those of other fields are numbered."""
+BY_SYMBOL = ("symbols.weight", "biases.weight")
+BY_SLOT = ("unknown.weight", "gates.weight", "slots.weight")
+GUESSED = ("picture.weigh.2.weight", "picture.weigh.2.bias", "picture.guess_token.weight")
+"""Weights whose last rows (of the last one: columns) belong to the categories."""
+
+
+class VocabularyError(ArtigenError):
+    """A vocabulary that lost words or fields that a network has learned."""
+
+
+def describe_vocabulary() -> dict[str, Any]:
+    """The vocabulary of this version as JSON values: lists of words, and the rows.
+
+    A row is its kind and its fields, such as ``part label:9 parent:63``: each with the number of its symbols,
+    0 for a number.
+    """
+    fields = {kind: [f"{field.name}:{field.size}" for field in FIELDS[kind]] for kind in ROW_KINDS}
+    return {
+        "categories": list(CATEGORIES),
+        "styles": list(STYLES),
+        "roles": list(ROLES),
+        "materials": list(MATERIALS),
+        "labels": list(PART_LABELS),
+        "joints": list(JOINT_TYPES),
+        "rows": [" ".join([kind, *named]) for kind, named in fields.items()],
+    }
+
+
+def name_slots(vocabulary: Vocabulary) -> list[str]:
+    """Names of the slots, in the order of `artigen.sketch.network.slots`."""
+    return ["kind", *(f"{kind}.{name}" for kind, fields in _read_rows(vocabulary) for name, _ in fields)]
+
+
+def name_symbols(vocabulary: Vocabulary) -> list[str]:
+    """Names of the symbols, in the order of `artigen.sketch.network.slots`."""
+    rows = _read_rows(vocabulary)
+    names = [f"kind={kind}" for kind, _ in rows]
+    for kind, fields in rows:
+        for name, size in fields:
+            words = vocabulary[WORDS[name]] if name in WORDS else range(size)
+            names += [f"{kind}.{name}={word}" for word in words] if size else []
+    return names
+
+
+def carry_weights(
+    weights: Mapping[str, Tensor], before: Vocabulary, fresh: Mapping[str, Tensor]
+) -> dict[str, Tensor]:
+    """The weights of a network of this version's vocabulary, with what another one has learned.
+
+    Args:
+        weights: Of the network that was trained, by name.
+        before: Its vocabulary.
+        fresh: Of a network of this version; they stay where a word or field is new. Symbols of new fields of
+            known rows begin as zeros: rows read as before.
+
+    Raises:
+        VocabularyError: If a symbol or slot that was learned no longer exists; names it.
+    """
+    now = describe_vocabulary()
+    tables = [
+        *((name, name_symbols(before), name_symbols(now), 0) for name in BY_SYMBOL),
+        *((name, name_slots(before), name_slots(now), 0) for name in BY_SLOT),
+        *((name, before["categories"], now["categories"], int(name == GUESSED[-1])) for name in GUESSED),
+    ]
+    out = dict(weights)
+    for name, old, new, axis in tables:
+        if name in weights:
+            out[name] = _carry(weights[name], old, fresh[name], new, axis)
+    if BY_SYMBOL[0] in out:
+        added = [index for index, symbol in enumerate(name_symbols(now)) if _is_added(symbol, before)]
+        out[BY_SYMBOL[0]][added] = 0.0
+    return out
+
+
+def find_new_symbols(before: Vocabulary, categories: Sequence[str]) -> list[int]:
+    """Indices of the symbols that a network has not learned: new words, and categories it never drew.
+
+    The first symbol of a new field stays: it says that there is none of what the field is for.
+    """
+    known = set(name_symbols(before)) - {f"object.category={name}" for name in before["categories"]}
+    known |= {f"object.category={name}" for name in categories}
+    names = name_symbols(describe_vocabulary())
+    known |= {name for name in names if name.endswith("=0") and _is_added(name, before)}
+    return [index for index, name in enumerate(names) if name not in known]
+
+
+def _is_added(symbol: str, before: Vocabulary) -> bool:
+    """Whether a symbol belongs to a field that a vocabulary lacks, of a row that it has."""
+    slot = symbol.partition("=")[0]
+    kinds = {kind for kind, _ in _read_rows(before)}
+    return slot not in name_slots(before) and slot.partition(".")[0] in kinds
+
+
+def _read_rows(vocabulary: Vocabulary) -> list[tuple[str, list[tuple[str, int]]]]:
+    """Kind of every row, and names and sizes of its fields."""
+    rows = []
+    for row in vocabulary["rows"]:
+        kind, *fields = row.split()
+        pairs = [field.split(":") for field in fields]
+        rows.append((kind, [(name, int(size)) for name, size in pairs]))
+    return rows
+
+
+def _carry(weight: Tensor, old: Sequence[str], fresh: Tensor, new: Sequence[str], axis: int) -> Tensor:
+    """Moves the entries that belong to names to where these are now; entries before them stay in front.
+
+    Weights of another width are left as they are: loading them says what does not fit.
+    """
+    if lost := set(old) - set(new):
+        raise VocabularyError(
+            f"a network of a vocabulary with {', '.join(sorted(lost))}, which this version lacks: words and "
+            "fields can be added, not removed"
+        )
+    ahead = fresh.shape[axis] - len(new)
+    if weight.shape != (*fresh.shape[:axis], ahead + len(old), *fresh.shape[axis + 1 :]):
+        return weight
+    where = torch.tensor([*range(ahead), *(ahead + new.index(name) for name in old)], device=weight.device)
+    return fresh.to(weight).index_copy(axis, where, weight)
