@@ -96,8 +96,8 @@ def carry_weights(
         if name in weights:
             out[name] = _carry(weights[name], old, fresh[name], new, axis)
     if BY_SYMBOL[0] in out:
-        added = [index for index, symbol in enumerate(name_symbols(now)) if _is_added(symbol, before)]
-        out[BY_SYMBOL[0]][added] = 0.0
+        added = _list_added(before)
+        out[BY_SYMBOL[0]][[index for index, name in enumerate(name_symbols(now)) if name in added]] = 0.0
     return out
 
 
@@ -109,15 +109,16 @@ def find_new_symbols(before: Vocabulary, categories: Sequence[str]) -> list[int]
     known = set(name_symbols(before)) - {f"object.category={name}" for name in before["categories"]}
     known |= {f"object.category={name}" for name in categories}
     names = name_symbols(describe_vocabulary())
-    known |= {name for name in names if name.endswith("=0") and _is_added(name, before)}
+    known |= {name for name in _list_added(before) if name.endswith("=0")}
     return [index for index, name in enumerate(names) if name not in known]
 
 
-def _is_added(symbol: str, before: Vocabulary) -> bool:
-    """Whether a symbol belongs to a field that a vocabulary lacks, of a row that it has."""
-    slot = symbol.partition("=")[0]
+def _list_added(before: Vocabulary) -> set[str]:
+    """Symbols of the fields that a vocabulary lacks in rows that it has."""
     kinds = {kind for kind, _ in _read_rows(before)}
-    return slot not in name_slots(before) and slot.partition(".")[0] in kinds
+    slots = {slot for slot in name_slots(describe_vocabulary()) if slot.partition(".")[0] in kinds}
+    slots -= set(name_slots(before))
+    return {name for name in name_symbols(describe_vocabulary()) if name.partition("=")[0] in slots}
 
 
 def _read_rows(vocabulary: Vocabulary) -> list[tuple[str, list[tuple[str, int]]]]:
