@@ -56,6 +56,8 @@ LOOKS = {
         weight=1.5, fronts="handleless", palettes=("flat",), stands=(("plinth", 2), ("floor", 1), ("sled", 1))
     ),
 }
+MOST_DRAWERS = 9
+"""In columns and rows of one width."""
 FORMS: dict[str, tuple[Range, Range]] = {
     "wide": ((1.1, 1.8), (0.72, 0.95)),
     "tall": ((0.7, 1.05), (1.0, 1.35)),
@@ -101,10 +103,11 @@ def _draw_layout(rng: np.random.Generator, size: Size) -> Node:
     width, _, height = size
     rows = int(np.clip(round(height / float(rng.uniform(0.2, 0.27))), 2, 7))
     small = rng.random() < 0.55
-    graded = np.linspace(1.0, float(rng.choice((1.0, 1.0, 1.25, 1.5))), max(rows - small, 1))
-    stack = stack_drawers(tuple(float(share) for share in graded))
     columns = 1 if width < WIDE else int(rng.choice((2, 2, 3) if width < 1.35 else (2, 3, 3)))
     columns = max(columns, int(np.ceil(width / 1.05)))
+    rows = min(rows, MOST_DRAWERS // columns)
+    graded = np.linspace(1.0, float(rng.choice((1.0, 1.0, 1.25, 1.5))), max(rows - small, 1))
+    stack = stack_drawers(tuple(float(share) for share in graded))
     children = [stack] * columns
     cupboard = columns > 1 and rng.random() < 0.25
     if cupboard:
