@@ -1,7 +1,6 @@
 """Leaves on hinges, levers, latches and tubes: what a latch holds, and what sets its leaf free."""
 
 from dataclasses import replace
-from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -12,8 +11,8 @@ from artigen.shapes.fittings.hardware import Space
 from artigen.shapes.fittings.hinges import hang_leaves
 from artigen.shapes.fittings.latches import RELEASED, THROW, TURN, Latch, build_tongue
 from artigen.shapes.fittings.levers import LEVER_KINDS, LeverDesign, build_lever
-from artigen.shapes.fittings.tubes import bend_tube
-from artigen.shapes.primitives import box, contains, place_vertices
+from artigen.shapes.fittings.tubes import lay_pipe, lean_rod
+from artigen.shapes.primitives import SEGMENTS, box, contains, place_vertices
 from artigen.shapes.shape import Need, Shape
 from artigen.sketch.faults import find_faults
 from sim_export.checks.suite import run_checks
@@ -107,20 +106,40 @@ def test_a_lever_reaches_as_far_as_its_design_says(kind, out):
     corners = np.concatenate(
         [place_vertices(piece) for piece in build_lever(design, (0.0, 0.0, 1.0), out=out)]
     )
-    assert (out * corners[:, 0]).max() == pytest.approx(0.06, abs=1e-9)
+    assert (out * corners[:, 0]).max() == pytest.approx(0.06, abs=2e-4)  # the prism within a rod
     assert corners[:, 1].min() == pytest.approx(-0.13, abs=0.004)
 
 
-def test_a_bent_tube_holds_its_centre_line_and_is_as_thick_as_it_says():
-    path = [(0.0, 0.0, 0.0), (0.0, 0.0, 0.2), (0.0, 0.05, 0.25), (0.0, 0.2, 0.25), (0.05, 0.3, 0.2)]
-    pieces = bend_tube(path, 0.01, "steel")
-    line = np.concatenate([np.linspace(a, b, 50)[1:-1] for a, b in pairwise(path)])
-    inside = np.any([contains(piece, line) for piece in pieces], axis=0)
-    assert inside.all()
-    straight = place_vertices(pieces[0])
-    assert np.ptp(straight[:, :2], axis=0) == pytest.approx([0.02, 0.02])
-    around = [np.linalg.norm(place_vertices(piece)[:, 0]) for piece in pieces[:3]]
-    assert np.ptp(around) < 1e-3 * max(around)  # it is not twisted where it bends in one plane
+PATH = [(0.0, 0.0, 0.0), (0.0, 0.0, 0.2), (0.0, 0.15, 0.2), (0.1, 0.15, 0.2)]
+
+
+@pytest.mark.parametrize("path", [PATH, PATH[::-1]])
+def test_a_bent_tube_is_whole_and_as_thick_as_it_says(path):
+    pieces = lay_pipe(path, 0.01, 0.03, "steel", pieces=4)
+    assert [piece.kind for piece in pieces].count("cylinder") == 3
+    around = [np.array(path[k + 1]) for k in range(2)]
+    ways = [np.sign(np.array(path[k + 1]) - path[k]) for k in range(3)]
+    turns = np.linspace(0.02, np.pi / 2 - 0.02, 40)[:, None]
+    for corner, way, after in zip(around, ways, ways[1:], strict=False):
+        center = corner + 0.03 * (after - way)
+        middle = center + 0.03 * (np.cos(turns) * way - np.sin(turns) * after)
+        assert np.any([contains(piece, middle) for piece in pieces], axis=0).all()
+        for bend, inside in ((0.0385, True), (0.0405, False), (0.0215, True), (0.0195, False)):
+            spots = center + bend / 0.03 * (middle - center)
+            assert np.any([contains(piece, spots) for piece in pieces], axis=0).all() == inside
+    legs = np.concatenate([np.linspace(a, b, 50)[1:-1] for a, b in ((path[0], path[1]), (path[2], path[3]))])
+    straight = [leg for leg in legs if min(np.linalg.norm(leg - corner) for corner in around) > 0.031]
+    assert np.any([contains(piece, np.array(straight)) for piece in pieces], axis=0).all()
+
+
+def test_a_leaning_rod_runs_from_point_to_point_and_meets_what_it_is_laid_to():
+    start, end = np.array([0.1, 0.0, 0.2]), np.array([0.4, 0.05, 0.3])
+    rod = lean_rod(tuple(start), tuple(end), (0.01, 0.02), "steel")
+    points = place_vertices(rod)
+    for center, radius in ((start, 0.01), (end, 0.02)):
+        ring = points[np.abs(points[:, 0] - center[0]) < 1e-9]
+        assert np.linalg.norm(ring - center, axis=1) == pytest.approx([radius] * SEGMENTS)
+    assert lean_rod((0.0, 0.0, 0.0), (0.0, 0.0, 0.1), 0.01, "steel").kind == "cylinder"
 
 
 @pytest.mark.parametrize(("share", "kept"), [(0.999, False), (1.001, True)])

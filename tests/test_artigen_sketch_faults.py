@@ -111,7 +111,7 @@ def swap_motion(**changes: object) -> Callable[[ShapePart], ShapePart]:
 
 @pytest.mark.parametrize("category", list(categories()))
 def test_procedural_shapes_have_none(category: str):
-    for seed in range(12 if category in CATEGORIES else 4):
+    for seed in range(12 if category in CATEGORIES[:9] else 4):
         assert find_faults(draw_shape(category, seed)) == ()
 
 

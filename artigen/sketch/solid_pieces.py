@@ -217,7 +217,7 @@ def _fit_prism(points: Points, axis: int, low: Corner, high: Corner) -> tuple[fl
 
 def _fit_slab(points: Points, axis: int, low: Corner, high: Corner, surface: Surface) -> Piece | None:
     layers = split_layers(points, axis, low, high)
-    if layers is None or len(layers[0]) < 5:
+    if layers is None or len(layers[0]) < 3:
         return None
     axes = list(across(axis))
     cut = measure_cuts(layers[0][:, axes])

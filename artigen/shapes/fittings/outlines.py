@@ -122,6 +122,6 @@ def build_loft(
 
 def _lift(flat: Float[np.ndarray, "N 2"], at: float, axis: int) -> Float[np.ndarray, "N 3"]:
     """Points across an axis, at a place along it."""
-    out = np.full((len(flat), 3), at)
+    out = np.full((len(flat), 3), at, dtype=float)
     out[:, [(axis + 1) % 3, (axis + 2) % 3]] = flat
     return out
