@@ -6,14 +6,12 @@ What follows from the fields before it (the second edge of a square) is held in 
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache
-from typing import get_args
 
 import numpy as np
 from jaxtyping import Bool, Int
 
-from artigen.shapes.surfaces.finishes import FinishKind
 from artigen.shapes.surfaces.palette import ROLES
 from artigen.sketch.piece import (
     CORNERS,
@@ -25,16 +23,24 @@ from artigen.sketch.piece import (
     PieceKind,
     number_axes,
 )
+from artigen.sketch.row_values import (
+    MATERIALS,
+    find_word,
+    hold_part,
+    list_finish,
+    list_joint,
+    list_piece,
+    read_finish,
+    read_joint,
+    read_piece,
+)
 from artigen.sketch.sketch import (
     FRACTIONS,
     LEVELS,
-    MAX_NEEDS,
     OPACITIES,
     PERIODS,
     Sketch,
     SketchError,
-    SketchFinish,
-    SketchJoint,
     SketchPart,
 )
 from artigen.types import JOINT_TYPES, PART_LABELS
@@ -157,7 +163,6 @@ STYLES = (
 )
 OTHER_STYLE = STYLES.index("other")
 COUNTED = PART_LABELS[1:]
-MATERIALS: tuple[FinishKind, ...] = get_args(FinishKind)
 MAX_COUNT = 31
 MAX_PARTS = 62
 MAX_SIDES = 31
@@ -229,17 +234,17 @@ def sketch_to_rows(sketch: Sketch) -> Int[np.ndarray, "T W"]:
     rows = [
         _row(
             "object",
-            _find(CATEGORIES, sketch.category, "category"),
+            find_word(CATEGORIES, sketch.category, "category"),
             STYLES.index(sketch.style) if sketch.style in STYLES else OTHER_STYLE,
             *(counts.get(label, 0) for label in COUNTED),
             *sketch.extents,
         ),
-        *(_finish_row(finish) for finish in sketch.finishes),
+        *(_row("finish", *list_finish(finish)) for finish in sketch.finishes),
     ]
     for index, part in enumerate(sketch.parts):
         rows.append(_row("part", PART_LABELS.index(part.label), part.parent + 1))
-        rows += [_piece_row(piece) for piece in part.pieces]
-        rows.append(_joint_row(sketch, index))
+        rows += [_row(piece.kind, *list_piece(piece, said_fields(piece.kind))) for piece in part.pieces]
+        rows.append(_row("joint", *list_joint(sketch, index)))
     table = np.array([*rows, _row("end")])
     _check_rows(table, sketch)
     return table
@@ -261,18 +266,19 @@ def rows_to_sketch(rows: Int[np.ndarray, "T W"]) -> Sketch:
     opened: tuple[int, int] | None = None
     for at, (kind, row) in enumerate(zip(kinds[1:-1], rows[1:-1, 1:].tolist(), strict=True), start=1):
         if kind == "finish" and not parts and opened is None:
-            finishes.append(_read_finish(row))
+            finishes.append(read_finish(row))
         elif kind == "part" and opened is None:
             opened = (row[0], row[1] - 1)
         elif kind in PIECE_KINDS and opened is not None:
-            pieces.append(_read_piece(kind, row))
+            pieces.append(read_piece(_PIECE_KIND[kind], said_fields(kind), row))
         elif kind == "joint" and opened is not None and pieces:
             label, parent = opened
-            if row[_HOLDS]:
-                holds.append((row[_HOLDS] - 1, len(parts), row[_HOLDS + 1]))
+            held, fraction = (row[column("joint", name) - 1] for name in ("holds", "released"))
+            if held:
+                holds.append((held - 1, len(parts), fraction))
             parts.append(
                 SketchPart(
-                    label=PART_LABELS[label], parent=parent, pieces=tuple(pieces), joint=_read_joint(row)
+                    label=PART_LABELS[label], parent=parent, pieces=tuple(pieces), joint=read_joint(row)
                 )
             )
             pieces, opened = [], None
@@ -281,7 +287,7 @@ def rows_to_sketch(rows: Int[np.ndarray, "T W"]) -> Sketch:
     if opened is not None:
         raise SketchError("a table ends within a part")
     for held, holder, fraction in holds:
-        parts[held] = _hold(parts[held], holder, fraction)
+        parts[held] = hold_part(parts[held], holder, fraction)
     extents = header[len(FIELDS["object"]) - 3 : len(FIELDS["object"])]
     return Sketch(
         category=CATEGORIES[header[0]],
@@ -410,81 +416,10 @@ def _said_cells(kind: str, key: tuple[int, ...]) -> Bool[np.ndarray, "W"]:
 
 
 _PIECE_KIND: dict[str, PieceKind] = {kind: kind for kind in PIECE_KINDS}
-_HOLDS = column("joint", "holds") - 1
 
 
 def _row(kind: str, *values: int) -> list[int]:
     return [ROW_KINDS.index(kind), *values, *[0] * (WIDTH - 1 - len(values))]
-
-
-def _find(known: Sequence[str], name: str, what: str) -> int:
-    if name not in known:
-        raise SketchError(f"{what} {name!r}, expected one of {', '.join(known)}")
-    return known.index(name)
-
-
-def _finish_row(finish: SketchFinish) -> list[int]:
-    return _row(
-        "finish",
-        _find(ROLES, finish.role, "role"),
-        MATERIALS.index(finish.kind),
-        *finish.color,
-        *finish.accent,
-        finish.gloss,
-        finish.opacity,
-        finish.period,
-    )
-
-
-def _piece_row(piece: Piece) -> list[int]:
-    values: dict[str, int] = {
-        "finish": _find(ROLES, piece.finish, "role"),
-        "lined": 0 if piece.lined is None else piece.lined + 1,
-        "lining": 0 if piece.lining is None else _find(ROLES, piece.lining, "role"),
-        "axis": piece.axis,
-        "sides": piece.sides,
-        "phase": piece.phase,
-        "corners": piece.corners,
-        **{name: int(number) for name, number in zip(NUMBERS[piece.kind], piece.numbers, strict=True)},
-    }
-    return _row(piece.kind, *(values[name] for name in said_fields(piece.kind)))
-
-
-def _joint_row(sketch: Sketch, index: int) -> list[int]:
-    """The row of a part's joint; of two parts of which one needs the other open, the later one says so."""
-    joint = sketch.parts[index].joint
-    if joint is None:
-        return _row("joint")
-    early = [need + 1 for need in joint.needs if need < index]
-    held = [k for k, part in enumerate(sketch.parts[:index]) if part.joint and index in part.joint.needs]
-    if len(held) > 1:
-        raise SketchError(f"a {sketch.category}: part {index} holds parts {held}, expected at most one")
-    fractions = [part.joint.fraction for part in sketch.parts if part.joint and index in part.joint.needs]
-    needs = [*early, 0, 0]
-    endless = joint.type == "continuous"
-    return _row(
-        "joint",
-        JOINT_TYPES.index(joint.type),
-        joint.axis,
-        needs[0],
-        needs[1],
-        joint.fraction if early else 0,
-        *joint.origin,
-        0 if endless else joint.upper,
-        joint.travel,
-        *((held[0] + 1, fractions[0]) if held else (0, 0)),
-    )
-
-
-def _hold(part: SketchPart, holder: int, fraction: int) -> SketchPart:
-    """A part that a later one holds: it needs that one open.
-
-    Raises:
-        SketchError: If the part does not move, or is held by too many.
-    """
-    if part.joint is None or len(part.joint.needs) >= MAX_NEEDS:
-        raise SketchError(f"part {holder} holds a {part.label} that does not move or is held by {MAX_NEEDS}")
-    return replace(part, joint=replace(part.joint, needs=(*part.joint.needs, holder), fraction=fraction))
 
 
 def _check_rows(table: Int[np.ndarray, "T W"], sketch: Sketch) -> None:
@@ -495,49 +430,3 @@ def _check_rows(table: Int[np.ndarray, "T W"], sketch: Sketch) -> None:
         )
     if np.abs(table[number_axis(table) >= 0]).max() >= REACH:
         raise SketchError(f"a {sketch.category} with extents of {sketch.extents} steps: at most {REACH}")
-
-
-def _read_finish(row: list[int]) -> SketchFinish:
-    return SketchFinish(
-        role=ROLES[row[0]],
-        kind=MATERIALS[row[1]],
-        color=(row[2], row[3], row[4]),
-        accent=(row[5], row[6], row[7]),
-        gloss=row[8],
-        opacity=row[9],
-        period=row[10],
-    )
-
-
-def _read_piece(kind: str, row: list[int]) -> Piece:
-    values = dict(zip(said_fields(kind), row, strict=False))
-    piece_kind = _PIECE_KIND[kind]
-    lined = values["lined"]
-    return Piece(
-        kind=piece_kind,
-        finish=ROLES[values["finish"]],
-        numbers=tuple(values[name] for name in NUMBERS[piece_kind]),
-        lining=ROLES[values["lining"]] if lined else None,
-        lined=lined - 1 if lined else None,
-        axis=values.get("axis", 0),
-        sides=values.get("sides", 0),
-        phase=values.get("phase", 0),
-        corners=values.get("corners", 0),
-    )
-
-
-def _read_joint(row: list[int]) -> SketchJoint | None:
-    if row[0] == 0:
-        return None
-    kind = JOINT_TYPES[row[0]]
-    needs = tuple(need - 1 for need in row[2:4] if need)
-    plain = SketchJoint(type=kind, axis=row[1], needs=needs, fraction=row[4])
-    return SketchJoint(
-        type=kind,
-        axis=row[1],
-        origin=plain.origin if kind == "prismatic" else (row[5], row[6], row[7]),
-        upper=plain.upper if kind == "continuous" else row[8],
-        travel=row[9],
-        needs=needs,
-        fraction=row[4],
-    )

@@ -1,0 +1,142 @@
+"""Values of single rows of a table: what finishes, pieces and joints say, field by field, and back."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import get_args
+
+from artigen.shapes.surfaces.finishes import FinishKind
+from artigen.shapes.surfaces.palette import ROLES
+from artigen.sketch.piece import NUMBERS, Piece, PieceKind
+from artigen.sketch.sketch import MAX_NEEDS, Sketch, SketchError, SketchFinish, SketchJoint, SketchPart
+from artigen.types import JOINT_TYPES
+
+MATERIALS: tuple[FinishKind, ...] = get_args(FinishKind)
+
+
+def find_word(known: Sequence[str], name: str, what: str) -> int:
+    """The index of a word in a list of the vocabulary.
+
+    Raises:
+        SketchError: If it is none of them.
+    """
+    if name not in known:
+        raise SketchError(f"{what} {name!r}, expected one of {', '.join(known)}")
+    return known.index(name)
+
+
+def list_finish(finish: SketchFinish) -> list[int]:
+    """The values of a finish."""
+    return [
+        find_word(ROLES, finish.role, "role"),
+        MATERIALS.index(finish.kind),
+        *finish.color,
+        *finish.accent,
+        finish.gloss,
+        finish.opacity,
+        finish.period,
+    ]
+
+
+def list_piece(piece: Piece, said: Sequence[str]) -> list[int]:
+    """The values of a piece, in the order of the names of its fields."""
+    values: dict[str, int] = {
+        "finish": find_word(ROLES, piece.finish, "role"),
+        "lined": 0 if piece.lined is None else piece.lined + 1,
+        "lining": 0 if piece.lining is None else find_word(ROLES, piece.lining, "role"),
+        "axis": piece.axis,
+        "sides": piece.sides,
+        "phase": piece.phase,
+        "corners": piece.corners,
+        **{name: int(number) for name, number in zip(NUMBERS[piece.kind], piece.numbers, strict=True)},
+    }
+    return [values[name] for name in said]
+
+
+def list_joint(sketch: Sketch, index: int) -> list[int]:
+    """The values of a part's joint, none where it has none.
+
+    Of two parts of which one needs the other open, the later one says so.
+
+    Raises:
+        SketchError: If several parts need it open that come before it.
+    """
+    joint = sketch.parts[index].joint
+    if joint is None:
+        return []
+    early = [need + 1 for need in joint.needs if need < index]
+    held = [k for k, part in enumerate(sketch.parts[:index]) if part.joint and index in part.joint.needs]
+    if len(held) > 1:
+        raise SketchError(f"a {sketch.category}: part {index} holds parts {held}, expected at most one")
+    fractions = [part.joint.fraction for part in sketch.parts if part.joint and index in part.joint.needs]
+    needs = [*early, 0, 0]
+    endless = joint.type == "continuous"
+    return [
+        JOINT_TYPES.index(joint.type),
+        joint.axis,
+        needs[0],
+        needs[1],
+        joint.fraction if early else 0,
+        *joint.origin,
+        0 if endless else joint.upper,
+        joint.travel,
+        *((held[0] + 1, fractions[0]) if held else (0, 0)),
+    ]
+
+
+def hold_part(part: SketchPart, holder: int, fraction: int) -> SketchPart:
+    """A part that a later one holds: it needs that one open.
+
+    Raises:
+        SketchError: If the part does not move, or is held by too many.
+    """
+    if part.joint is None or len(part.joint.needs) >= MAX_NEEDS:
+        raise SketchError(f"part {holder} holds a {part.label} that does not move or is held by {MAX_NEEDS}")
+    return replace(part, joint=replace(part.joint, needs=(*part.joint.needs, holder), fraction=fraction))
+
+
+def read_finish(row: Sequence[int]) -> SketchFinish:
+    """The finish of a row's values."""
+    return SketchFinish(
+        role=ROLES[row[0]],
+        kind=MATERIALS[row[1]],
+        color=(row[2], row[3], row[4]),
+        accent=(row[5], row[6], row[7]),
+        gloss=row[8],
+        opacity=row[9],
+        period=row[10],
+    )
+
+
+def read_piece(kind: PieceKind, said: Sequence[str], row: Sequence[int]) -> Piece:
+    """The piece of a row's values, whose fields have these names."""
+    values = dict(zip(said, row, strict=False))
+    lined = values["lined"]
+    return Piece(
+        kind=kind,
+        finish=ROLES[values["finish"]],
+        numbers=tuple(values[name] for name in NUMBERS[kind]),
+        lining=ROLES[values["lining"]] if lined else None,
+        lined=lined - 1 if lined else None,
+        axis=values.get("axis", 0),
+        sides=values.get("sides", 0),
+        phase=values.get("phase", 0),
+        corners=values.get("corners", 0),
+    )
+
+
+def read_joint(row: Sequence[int]) -> SketchJoint | None:
+    """The joint of a row's values; what it holds is not part of it."""
+    if row[0] == 0:
+        return None
+    kind = JOINT_TYPES[row[0]]
+    needs = tuple(need - 1 for need in row[2:4] if need)
+    plain = SketchJoint(type=kind, axis=row[1], needs=needs, fraction=row[4])
+    return SketchJoint(
+        type=kind,
+        axis=row[1],
+        origin=plain.origin if kind == "prismatic" else (row[5], row[6], row[7]),
+        upper=plain.upper if kind == "continuous" else row[8],
+        travel=row[9],
+        needs=needs,
+        fraction=row[4],
+    )
