@@ -149,7 +149,9 @@ def _build_head(rng: np.random.Generator, style: str) -> tuple[list[Primitive], 
     if style == "led":
         long = float(rng.uniform(0.2, 0.26))
         bar = box((0.075 - long, -0.024, -0.046), (0.075, 0.024, -0.032), "body")
-        pieces = [*cheeks, bar, box((0.085 - long, -0.019, -0.049), (0.02, 0.019, -0.045), "lamp")]
+        light = box((0.085 - long, -0.019, -0.049), (0.02, 0.019, -0.045), "lamp")
+        tilt = float(np.radians(rng.uniform(2.5, 4.5)))
+        pieces = [move(piece, turn=tilt, about=(0.0, 1.0, 0.0)) for piece in (*cheeks, bar, light)]
     else:
         mouth, neck = float(rng.uniform(0.066, 0.08)), 0.03
         tall = float(rng.uniform(0.1, 0.13)) if style == "architect" else float(rng.uniform(0.075, 0.095))

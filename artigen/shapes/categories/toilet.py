@@ -69,7 +69,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
 
 def _build_bowl(style: str, outline: Outline, behind: float, back: float) -> list[Primitive]:
     """A rim around a hollow, its bottom, what carries it, and the block behind the seat."""
-    low, taper = (0.2, 0.055) if style != "skirted" else (0.24, 0.012)
+    low, taper = (0.2, 0.055) if style != "skirted" else (0.24, 0.0)
     foot, under = outline.shrink(taper), low - 0.03
     middle, end, half = sum(outline.a) / 2, outline.a[1], outline.b[1]
     pieces = [
@@ -84,7 +84,7 @@ def _build_bowl(style: str, outline: Outline, behind: float, back: float) -> lis
             box((end - 0.1, -0.75 * half, RIM - 0.16), (back, 0.75 * half, RIM), "body"),
         ]
     if style == "skirted":
-        pieces += build_loft(foot, 2, (0.0, under), "body", inset=0.018)
+        pieces += build_loft(foot, 2, (0.0, under), "body", inset=0.03)
         return [*pieces, box((end - 0.12, -0.8 * half, 0.0), (back, 0.8 * half, RIM), "body")]
     pieces += build_loft(foot, 2, (low - 0.1, under), "body", inset=0.07)
     return [*pieces, box((end - 0.1, -0.72 * half, low - 0.06), (behind, 0.72 * half, RIM), "body")]
