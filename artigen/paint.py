@@ -9,14 +9,12 @@ from scipy.spatial import KDTree
 
 from artigen.errors import ArtigenError
 from artigen.facings import SIDES, facing_frames
-from artigen.places import AHEAD, find_voxels
+from artigen.places import AHEAD, SAMPLES, find_voxels
 from artigen.shapes.asset import part_owners
 from artigen.shapes.sampling import paint_points, place_points, read_clear
 from artigen.shapes.shape import Shape
 from artigen.types import Asset, SurfaceSamples, VoxelGrid
 
-SAMPLES = 3
-"""Samples of the surface along a voxel's edge."""
 PAINT = 3 * SIDES + 1
 """Numbers of a painted voxel: the colours of its outer and its inner side, and how clear it is."""
 TURNED = 1 / 32

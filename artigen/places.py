@@ -14,7 +14,7 @@ from jaxtyping import Bool, Float, Int
 from artigen.facings import facing_frames, mark_voxels
 from artigen.types import SurfaceSamples, VoxelGrid
 
-SAMPLES = 4
+SAMPLES = 3
 """Samples of the surface along a voxel's edge."""
 AHEAD = 0.5
 """Cosine from which surface faces as the side does."""

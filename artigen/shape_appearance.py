@@ -24,11 +24,10 @@ from artigen.models.features import FeatureExtractor
 from artigen.models.gaussian_decoder import to_gaussians
 from artigen.models.presets import PresetName
 from artigen.models.store import load_model
-from artigen.paint import read_paint
+from artigen.paint import gather_paint, paint_surface
 from artigen.places import SAMPLES, find_voxels
-from artigen.shapes.asset import part_owners, shape_to_asset
+from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.rasterize import rasterize_shape
-from artigen.shapes.sampling import sample_uncolored
 from artigen.shapes.shape import Shape
 from artigen.splats.render.splats import Splats
 from artigen.train.appearance.curation import CurationConfig, curate
@@ -128,12 +127,12 @@ def decode_gaussians(
     cfg = cfg or ShapeAppearanceConfig()
     told = shape_to_asset(shape, cfg.zoom * model.vae.encoder.cfg.resolution)
     assert told.voxels is not None
-    spacing = told.scale / (SAMPLES * told.voxels.resolution)
-    placed = sample_uncolored(shape, spacing)  # colours are read off other samples, by `read_paint`
-    surface = replace(placed, part_ids=part_owners(shape, told)[placed.part_ids])
+    spacing = 1.0 / (SAMPLES * told.voxels.resolution)
+    painted = paint_surface(shape, told, spacing)
+    surface = painted.samples
     voxels, facings = lay_out(surface, told.voxels)
     laid = replace(told, voxels=voxels, surface=surface)
-    paint = read_paint(shape, laid, facings)
+    paint = gather_paint(painted, voxels, facings)
     features, _ = curate(shape, laid, facings, model.extractor, model.curation, paint)
     splats = decode_tiles(model.vae, voxels, facings, features.values.astype(np.float32))
     shown = np.ones((len(facings), SIDES), dtype=bool)

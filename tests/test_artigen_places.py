@@ -61,8 +61,8 @@ def test_a_board_that_ends_within_a_voxel_is_told_so_whichever_way_it_faces(faci
         first, last = local[:, 1 + axis] == starts[axis], local[:, 1 + axis] == ends[axis]
         np.testing.assert_allclose(places.lowest[first, axis], low, atol=MISSED)
         np.testing.assert_allclose(places.highest[last, axis], high, atol=MISSED)
-        assert (places.lowest[~first, axis] < -0.35).all()
-        assert (places.highest[~last, axis] > 0.35).all()
+        assert (places.lowest[~first, axis] < MISSED / 2 - 0.5 + 1e-6).all()
+        assert (places.highest[~last, axis] > 0.5 - MISSED / 2 - 1e-6).all()
 
 
 def test_only_surface_of_the_voxels_part_counts():

@@ -74,7 +74,7 @@ class PyramidFeatures(nn.Module):
         near, far = (_mean_color(color, alpha, radius) for radius in RADII)
         exact = torch.where(alpha > 0.5, color / alpha.clamp(min=0.5), near)
         levels = [torch.cat([level, _slopes(level)], dim=1) for level in (exact, near, far)]
-        base = torch.cat([*levels, functional.avg_pool2d(alpha, 2 * RADII[1] + 1, 1, RADII[1])], dim=1)
+        base = torch.cat([*levels, _mean_square(alpha, RADII[1])], dim=1)
         if not len(self.kernels):
             return base
         mixed = functional.conv2d(functional.pad(base - 0.5, (1, 1, 1, 1), mode="replicate"), self.kernels)
@@ -83,8 +83,14 @@ class PyramidFeatures(nn.Module):
 
 def _mean_color(color: Tensor, alpha: Tensor, radius: int) -> Float[Tensor, "V 3 H W"]:
     """Mean over a square of pixels, weighted by coverage; zero where nothing is near."""
-    total = functional.avg_pool2d(torch.cat([color, alpha], dim=1), 2 * radius + 1, 1, radius)
+    total = _mean_square(torch.cat([color, alpha], dim=1), radius)
     return total[:, :3] / total[:, 3:].clamp(min=1e-3)
+
+
+def _mean_square(values: Float[Tensor, "V C H W"], radius: int) -> Float[Tensor, "V C H W"]:
+    """Mean over squares of pixels, beyond the edge 0: along columns, then along rows, which is faster."""
+    columns = functional.avg_pool2d(values, (2 * radius + 1, 1), 1, (radius, 0))
+    return functional.avg_pool2d(columns, (1, 2 * radius + 1), 1, (0, radius))
 
 
 def _slopes(level: Tensor) -> Float[Tensor, "V 2 H W"]:

@@ -69,12 +69,6 @@ def sample_shape(shape: Shape, spacing: float) -> SurfaceSamples:
     return paint_points(shape, place_points(shape, spacing), footprint=spacing)
 
 
-def sample_uncolored(shape: Shape, spacing: float) -> SurfaceSamples:
-    """The samples of `sample_shape` in black: where surface lies and which way it faces."""
-    found = place_points(shape, spacing)
-    return _to_samples(shape, found, np.zeros((len(found.points), 3), dtype=np.uint8))
-
-
 def paint_points(shape: Shape, found: SurfacePoints, *, footprint: float) -> SurfaceSamples:
     """Points on an object with their colours, in the unit cube.
 

@@ -102,7 +102,7 @@ class FeatureMean:
         out = []
         for view, at in enumerate(place):
             rows = counted[view].nonzero()[:, 0]
-            self.sums[rows] += _sample(maps[view], at[rows])
+            self.sums.index_add_(0, rows, _sample(maps[view], at[rows]))
             self.views[rows] += 1
             picture = _sample(views.surface[view], at[rows])
             toward = functional.normalize(views.cameras.position[view] - moved[rows], dim=1).float()
