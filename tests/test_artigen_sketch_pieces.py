@@ -7,7 +7,7 @@ import pytest
 
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.fittings.outlines import Outline, build_loft, draw_egg, trace_corners
-from artigen.shapes.primitives import SEGMENTS, box, contains, place_vertices
+from artigen.shapes.primitives import SEGMENTS, box, contains, place_vertices, polytope
 from artigen.sketch.network import slots
 from artigen.sketch.piece import CORNERS, INWARD, NUMBERS, Piece, PieceKind, across
 from artigen.sketch.pieces import build_piece, fit_pieces
@@ -63,6 +63,18 @@ def test_what_a_piece_makes_is_that_piece_on_the_grid_too(piece: Piece):
     # Off the grid, as the grammar has them: on it, a piece stays the one it is.
     odd = replace(piece, numbers=tuple(number * 1.0173 + 0.00013 * (number != 0) for number in piece.numbers))
     snapped = snap_piece(odd)
+    (again,) = fit_pieces(build_piece(_grow(snapped)))
+    assert snap_piece(again) == snapped
+
+
+def test_a_board_that_leans_by_less_than_a_step_at_its_ends_is_a_frustum():
+    flat = np.array([(-0.1, -0.002), (0.1, -0.002), (0.1, 0.002), (-0.1, 0.002)])
+    flat = flat @ np.array([(np.cos(0.06), np.sin(0.06)), (-np.sin(0.06), np.cos(0.06))])
+    corners = [(x, y, z) for x, z in flat for y in (-0.02, 0.02)]
+    (leaning,) = fit_pieces([polytope(np.array(corners), "body", center=(0.5, 0.5, 0.5))])
+    assert leaning.kind == "prism"
+    snapped = snap_piece(leaning)
+    assert snapped.kind == "frustum"
     (again,) = fit_pieces(build_piece(_grow(snapped)))
     assert snap_piece(again) == snapped
 

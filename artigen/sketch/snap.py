@@ -5,7 +5,7 @@ from dataclasses import replace
 from math import ceil
 
 from artigen.sketch.piece import SQUARE_KINDS, Piece, across
-from artigen.sketch.solid_pieces import room_to_cut
+from artigen.sketch.solid_pieces import build_prism, fit_polytope, room_to_cut
 
 STEP = 0.0005
 """Metres per step of a length."""
@@ -37,7 +37,24 @@ def snap_piece(piece: Piece) -> Piece:
         sizes = [numbers[3 + axis] - numbers[axis] for axis in (u, v)]
         measured = [piece.numbers[3 + axis] - piece.numbers[axis] for axis in (u, v)]
         numbers[6:] = (_snap_slab if kind == "slab" else _snap_shell)(piece, sizes, measured)
-    return replace(piece, numbers=tuple(numbers))
+    snapped = replace(piece, numbers=tuple(numbers))
+    return _find_frustum(snapped) if kind == "prism" else snapped
+
+
+def _find_frustum(prism: Piece) -> Piece:
+    """A prism in steps, or the frustum that it is where two of its sides are upright to an axis."""
+    u, v = across(prism.axis)
+    u1, v1, u3, v3 = prism.rest
+    ends = prism.numbers[u], u1, prism.numbers[3 + u], u3
+    others = prism.numbers[v], v1, prism.numbers[3 + v], v3
+    if not any(len(set(side)) == 2 and side.count(side[0]) == 2 for side in (ends, others)):
+        return prism
+    try:
+        found = fit_polytope(build_prism(replace(prism, numbers=tuple(n * STEP for n in prism.numbers))))
+    except ValueError:  # no solid is left on the grid, as reading the prism will say
+        return prism
+    numbers = tuple(round(number / STEP) for number in found.numbers)
+    return replace(found, numbers=numbers, lining=prism.lining, lined=prism.lined)
 
 
 def _snap_slab(piece: Piece, sizes: Sequence[int], measured: Sequence[float]) -> list[int]:
