@@ -67,8 +67,8 @@ def test_what_a_piece_makes_is_that_piece_on_the_grid_too(piece: Piece):
     assert snap_piece(again) == snapped
 
 
-def test_a_board_that_leans_by_less_than_a_step_at_its_ends_is_a_frustum():
-    flat = np.array([(-0.1, -0.002), (0.1, -0.002), (0.1, 0.002), (-0.1, 0.002)])
+def test_a_leaning_board_whose_ends_are_upright_on_the_grid_is_a_frustum():
+    flat = np.array([(-0.1, -0.001), (0.1, -0.001), (0.1, 0.001), (-0.1, 0.001)])
     flat = flat @ np.array([(np.cos(0.06), np.sin(0.06)), (-np.sin(0.06), np.cos(0.06))])
     corners = [(x, y, z) for x, z in flat for y in (-0.02, 0.02)]
     (leaning,) = fit_pieces([polytope(np.array(corners), "body", center=(0.5, 0.5, 0.5))])
