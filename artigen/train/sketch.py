@@ -22,9 +22,9 @@ from artigen.claim import claim_folder
 from artigen.errors import ArtigenError, SourceError
 from artigen.models.description import hash_model
 from artigen.shapes.draw import draw_shape
-from artigen.sketch.batch import ask_for, make_batch
+from artigen.sketch.batch import RowBatch, ask_for, make_batch
 from artigen.sketch.model import load_sketch_network, save_sketch_network
-from artigen.sketch.network import RowBatch, SketchNetwork, SketchNetworkConfig
+from artigen.sketch.network import SketchNetwork, SketchNetworkConfig
 from artigen.sketch.picture import MAX_COUNT, Seen
 from artigen.sketch.request import nothing_asked
 from artigen.sketch.rows import CATEGORIES, COUNTED, ROW_KINDS, column, sketch_to_rows
