@@ -25,10 +25,11 @@ from artigen.sketch.model import (
     read_object_picture,
     save_sketch_network,
 )
-from artigen.sketch.network import COARSE, SketchNetwork, SketchNetworkConfig, slots
+from artigen.sketch.network import SketchNetwork, SketchNetworkConfig
 from artigen.sketch.picture import PictureConfig
 from artigen.sketch.piece import UnknownSolid
 from artigen.sketch.pieces import build_piece, fit_pieces
+from artigen.sketch.planes import COARSE
 from artigen.sketch.request import Asked, AskedFinish, SketchRequest, ask, nothing_asked
 from artigen.sketch.rows import (
     CATEGORIES,
@@ -40,6 +41,7 @@ from artigen.sketch.rows import (
 )
 from artigen.sketch.rules import Writer
 from artigen.sketch.sketch import STEP, SketchError, read_sketch, write_sketch
+from artigen.sketch.slots import slots
 
 TINY = SketchNetworkConfig(width=32, layers=2, heads=2, pointer=8, picture=None)
 PICTURE = PictureConfig(edge=32, widths=(8, 16, 24), blocks=(1, 1, 1), stem=8)

@@ -8,13 +8,13 @@ import pytest
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.fittings.outlines import Outline, build_loft, draw_egg, trace_corners
 from artigen.shapes.primitives import SEGMENTS, box, contains, place_vertices, polytope
-from artigen.sketch.network import slots
 from artigen.sketch.piece import CORNERS, INWARD, NUMBERS, Piece, PieceKind, across
 from artigen.sketch.pieces import build_piece, fit_pieces
 from artigen.sketch.request import nothing_asked
 from artigen.sketch.rows import PIECE_KINDS, ROW_KINDS, column, rows_to_sketch, sketch_to_rows
 from artigen.sketch.rules import Writer
 from artigen.sketch.sketch import FRACTIONS, read_sketch, write_sketch
+from artigen.sketch.slots import slots
 from artigen.sketch.snap import STEP, snap_piece
 from artigen.sketch.solid_pieces import room_to_cut
 

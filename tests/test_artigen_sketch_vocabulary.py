@@ -8,11 +8,12 @@ import torch
 
 from artigen.shapes.draw import categories, draw_shape
 from artigen.sketch.model import draw_header, draw_object, load_sketch_network, save_sketch_network
-from artigen.sketch.network import SketchNetwork, SketchNetworkConfig, slots
+from artigen.sketch.network import SketchNetwork, SketchNetworkConfig
 from artigen.sketch.picture import PictureConfig
 from artigen.sketch.request import SketchRequest
 from artigen.sketch.rows import CATEGORIES, OTHER_STYLE, STYLES
 from artigen.sketch.sketch import SketchError
+from artigen.sketch.slots import slots
 from artigen.sketch.vocabulary import (
     BY_SLOT,
     BY_SYMBOL,

@@ -9,7 +9,7 @@ import pytest
 import torch
 from average_weights import average_networks
 
-import artigen.train.sketch
+import artigen.train.sketch_losses
 from artigen.errors import ArtigenError, SourceError
 from artigen.shapes.draw import draw_shape
 from artigen.sketch.batch import make_batch
@@ -19,21 +19,15 @@ from artigen.sketch.picture import CELL, MAX_COUNT, Seen
 from artigen.sketch.request import AskedFinish, SketchRequest, ask, nothing_asked
 from artigen.sketch.rows import CATEGORIES, ROW_KINDS, column, sketch_to_rows
 from artigen.sketch.sketch import LEVELS, write_sketch
-from artigen.train.sketch import (
+from artigen.train.sketch import SIZES, SketchRunConfig, train_sketch
+from artigen.train.sketch_examples import SketchBatch, SketchExample, draw_batches, head_of, make_examples
+from artigen.train.sketch_losses import (
     HEADER,
-    SIZES,
-    SketchBatch,
-    SketchExample,
     SketchLosses,
-    SketchRunConfig,
-    draw_batches,
-    head_of,
-    make_examples,
     reading_losses,
     sketch_losses,
     spread_spots,
     swap_channels,
-    train_sketch,
     weigh_fields,
 )
 from artigen.train.sketch_photos import EDGE, NOTHING, PhotoBatch, gather_photos
@@ -103,7 +97,7 @@ def test_the_weights_of_fields_belong_to_the_header_of_the_object_and_to_nothing
 
 
 def test_objects_whose_finishes_are_requested_keep_their_colors(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(artigen.train.sketch, "SWAPPED", 1.0)
+    monkeypatch.setattr(artigen.train.sketch_losses, "SWAPPED", 1.0)
     tables = [sketch_to_rows(write_sketch(draw_shape("Cart", seed))) for seed in range(12)]
     request = SketchRequest(finishes=(AskedFinish(role="front", color=(0.9, 0.5, 0.1)),))
     rows = make_batch(tables, [ask(request)] * 6 + [nothing_asked()] * 6)
@@ -125,7 +119,7 @@ def _blank_photos(count: int) -> PhotoBatch:
 
 def test_pictures_and_finishes_change_their_colors_alike(monkeypatch: pytest.MonkeyPatch):
     """An object whose finishes are painted on its picture keeps wearing them, whatever the order."""
-    monkeypatch.setattr(artigen.train.sketch, "SWAPPED", 0.5)
+    monkeypatch.setattr(artigen.train.sketch_losses, "SWAPPED", 0.5)
     tables = [sketch_to_rows(write_sketch(draw_shape("Cart", seed))) for seed in range(24)]
     rows = make_batch(tables, [nothing_asked()] * len(tables))
     finish = int((rows.rows[0, :, 0] == ROW_KINDS.index("finish")).int().argmax())

@@ -6,18 +6,53 @@ from dataclasses import dataclass
 import numpy as np
 import torch
 from jaxtyping import Bool, Int
+from torch import Tensor
 
-from artigen.sketch.network import PARTS, PLACES, RowBatch
 from artigen.sketch.piece import PIECE_KINDS
 from artigen.sketch.request import Asked
 from artigen.sketch.rows import FIELDS, ROW_KINDS, WIDTH, column, find_said, number_axis
 from artigen.sketch.sketch import lowest_corner
 
+PARTS, PLACES = 64, 32
+"""Numbers of parts, and of places within a part, that are told apart; the last stands for all beyond."""
 _PIECES = [ROW_KINDS.index(kind) for kind in PIECE_KINDS]
 _FIRST = np.array([column(kind, "x0") if kind in PIECE_KINDS else 0 for kind in ROW_KINDS])
 _OBJECT, _PART, _JOINT = (ROW_KINDS.index(kind) for kind in ("object", "part", "joint"))
 _SLIDING = 2
 """Index of the prismatic joint, which has no origin."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RowBatch:
+    """Rows of several objects, padded on the right; those of the request come first.
+
+    ``known`` says which cells are given (unknown ones only in requests), ``said`` which the network must
+    say. ``axes`` are those of `artigen.sketch.rows.number_axis`; ``part`` and ``piece`` number the parts,
+    and the rows within a part, up to each row.
+    """
+
+    rows: Int[Tensor, "B T W"]
+    known: Bool[Tensor, "B T W"]
+    said: Bool[Tensor, "B T W"]
+    axes: Int[Tensor, "B T W"]
+    asked: Bool[Tensor, "B T"]
+    part: Int[Tensor, "B T"]
+    piece: Int[Tensor, "B T"]
+    low: Int[Tensor, "B T 4"]
+    """Lowest corner of what a row describes; last the range of a joint, which later joints may repeat."""
+    high: Int[Tensor, "B T 4"]
+    named: Bool[Tensor, "B T"]
+    """Whether a row names planes."""
+    ranged: Bool[Tensor, "B T"]
+    """Whether it names the range of a joint."""
+    anchor: Int[Tensor, "B T 4"]
+    """Lowest corner of the first piece of the row's part."""
+    anchored: Bool[Tensor, "B T"]
+    """Whether that piece comes before the row."""
+
+    def to(self, device: torch.device | str) -> "RowBatch":
+        """The batch on another device."""
+        return RowBatch(**{name: value.to(device) for name, value in vars(self).items()})
 
 
 def make_batch(

@@ -9,27 +9,14 @@ from jaxtyping import Bool, Float, Int
 from torch import Tensor
 from torch.nn import functional
 
-from artigen.sketch.batch import make_batch, row_planes
-from artigen.sketch.network import (
-    COARSE,
-    FINE,
-    OFFSET,
-    PARTS,
-    PLACES,
-    SIDES,
-    Cache,
-    NumberParts,
-    Places,
-    RowBatch,
-    Sight,
-    SketchNetwork,
-    join_sights,
-    list_planes,
-    slots,
-)
+from artigen.sketch.batch import PARTS, PLACES, RowBatch, make_batch, row_planes
+from artigen.sketch.blocks import Cache, Sight, join_sights
+from artigen.sketch.network import SketchNetwork
+from artigen.sketch.planes import COARSE, FINE, OFFSET, SIDES, NumberParts, Places, list_planes
 from artigen.sketch.request import Asked
 from artigen.sketch.rows import REACH, number_axis
 from artigen.sketch.rules import Writer
+from artigen.sketch.slots import slots
 
 DIGITS = 24
 """Coarse digits that a number said anew may have: the likeliest within its span."""

@@ -16,9 +16,10 @@ from artigen.models.store import load_model, save_model
 from artigen.pictures import Picture, read_picture
 from artigen.shapes.shape import Shape
 from artigen.sketch.alignment import View, fit_camera
+from artigen.sketch.blocks import Sight
 from artigen.sketch.draw import Draft, DrawConfig, begin_drafts, continue_drafts
 from artigen.sketch.faults import Fault, find_faults, search_faults
-from artigen.sketch.network import Sight, SketchNetwork, SketchNetworkConfig
+from artigen.sketch.network import SketchNetwork, SketchNetworkConfig
 from artigen.sketch.picture import PictureConfig, Seen
 from artigen.sketch.picture_colors import read_colors
 from artigen.sketch.request import SketchRequest, ask, check_category

@@ -155,7 +155,7 @@ class Writer:
         return int(table[self.row[0], self.row[at] if 0 < at < len(self.row) else 0, len(self.row)])
 
     def place(self) -> dict[str, int]:
-        """Where the number that comes next stands, as `artigen.sketch.network.Places` has it."""
+        """Where the number that comes next stands, as `artigen.sketch.planes.Places` has it."""
         kind, at, axis, anchor = self.kind, len(self.row), self.axis(), self.anchor()
         piece = kind in PIECE_KINDS
         first = column(kind, "x0") if piece else 0

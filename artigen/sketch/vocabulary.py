@@ -56,12 +56,12 @@ def describe_vocabulary() -> dict[str, Any]:
 
 
 def name_slots(vocabulary: Vocabulary) -> list[str]:
-    """Names of the slots, in the order of `artigen.sketch.network.slots`."""
+    """Names of the slots, in the order of `artigen.sketch.slots.slots`."""
     return ["kind", *(f"{kind}.{name}" for kind, fields in _read_rows(vocabulary) for name, _ in fields)]
 
 
 def name_symbols(vocabulary: Vocabulary) -> list[str]:
-    """Names of the symbols, in the order of `artigen.sketch.network.slots`."""
+    """Names of the symbols, in the order of `artigen.sketch.slots.slots`."""
     rows = _read_rows(vocabulary)
     names = [f"kind={kind}" for kind, _ in rows]
     for kind, fields in rows:

@@ -1,0 +1,140 @@
+"""Blocks of the sketch network: causal attention over rows, attention to a picture, feed-forward layers."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import log
+
+import torch
+from jaxtyping import Float
+from torch import Tensor, nn
+from torch.nn import functional
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Sight:
+    """What blocks attend to of pictures: keys and values of each that looks."""
+
+    keys: tuple[Float[Tensor, "B H N E"], ...]
+    values: tuple[Float[Tensor, "B H N E"], ...]
+
+    def take(self, objects: Sequence[int]) -> "Sight":
+        """That of some of the objects, in this order."""
+        rows = list(objects)
+        return Sight(
+            keys=tuple(one[rows] for one in self.keys), values=tuple(one[rows] for one in self.values)
+        )
+
+
+def join_sights(sights: Sequence[Sight]) -> Sight | None:
+    """Those of several objects side by side; None for none."""
+    if not sights:
+        return None
+    keys, values = ([getattr(one, name) for one in sights] for name in ("keys", "values"))
+    return Sight(
+        keys=tuple(torch.cat(block) for block in zip(*keys, strict=True)),
+        values=tuple(torch.cat(block) for block in zip(*values, strict=True)),
+    )
+
+
+@dataclass(eq=False)
+class Cache:
+    """Keys and values of the rows read so far by one block."""
+
+    keys: Float[Tensor, "B H T E"] | None = None
+    values: Float[Tensor, "B H T E"] | None = None
+
+    @property
+    def length(self) -> int:
+        """Rows that were read."""
+        return 0 if self.keys is None else self.keys.shape[2]
+
+    def extend(self, keys: Tensor, values: Tensor) -> tuple[Tensor, Tensor]:
+        """Appends, and returns all."""
+        if self.keys is not None and self.values is not None:
+            keys, values = torch.cat([self.keys, keys], dim=2), torch.cat([self.values, values], dim=2)
+        self.keys, self.values = keys, values
+        return keys, values
+
+
+class Feed(nn.Module):
+    """A residual feed-forward layer."""
+
+    def __init__(self, width: int) -> None:
+        super().__init__()
+        self.norm = nn.RMSNorm(width)
+        self.up = nn.Linear(width, 2 * width, bias=False)
+        self.down = nn.Linear(2 * width, width, bias=False)
+
+    def forward(self, x: Float[Tensor, "... D"]) -> Float[Tensor, "... D"]:
+        return x + self.down(functional.gelu(self.up(self.norm(x))))
+
+
+class Block(nn.Module):
+    """Causal attention with rotary positions, then a feed-forward layer."""
+
+    def __init__(self, width: int, heads: int, *, looks: bool = False) -> None:
+        super().__init__()
+        self.heads = heads
+        self.norm = nn.RMSNorm(width)
+        self.qkv = nn.Linear(width, 3 * width, bias=False)
+        self.out = nn.Linear(width, width, bias=False)
+        self.feed = Feed(width)
+        self.look = Look(width, heads) if looks else None
+
+    def forward(
+        self, x: Float[Tensor, "B T D"], turn: tuple[Tensor, Tensor], cache: Cache | None = None
+    ) -> Float[Tensor, "B T D"]:
+        q, k, v = self.qkv(self.norm(x)).unflatten(-1, (3, self.heads, -1)).permute(2, 0, 3, 1, 4)
+        q, k = _turn(q, turn), _turn(k, turn)
+        if cache is not None:
+            k, v = cache.extend(k, v)
+        scores = q @ k.transpose(-1, -2) * q.shape[-1] ** -0.5
+        if q.shape[2] > 1:
+            ahead = torch.ones(q.shape[2], k.shape[2], dtype=torch.bool, device=x.device)
+            scores = scores.masked_fill(ahead.triu(k.shape[2] - q.shape[2] + 1), float("-inf"))
+        mixed = scores.float().softmax(dim=-1).to(v.dtype) @ v
+        x = x + self.out(mixed.transpose(1, 2).flatten(2))
+        return self.feed(x)
+
+
+class Look(nn.Module):
+    """Attention to a picture."""
+
+    def __init__(self, width: int, heads: int) -> None:
+        super().__init__()
+        self.heads = heads
+        self.norm = nn.RMSNorm(width)
+        self.query = nn.Linear(width, width, bias=False)
+        self.memory = nn.Linear(width, 2 * width, bias=False)
+        self.out = nn.Linear(width, width, bias=False)
+
+    def remember(self, tokens: Float[Tensor, "B N D"]) -> tuple[Tensor, Tensor]:
+        """Keys and values of a picture's tokens."""
+        keys, values = self.memory(tokens).unflatten(-1, (2, self.heads, -1)).permute(2, 0, 3, 1, 4)
+        return keys, values
+
+    def forward(
+        self,
+        x: Float[Tensor, "B T D"],
+        keys: Float[Tensor, "B H N E"],
+        values: Float[Tensor, "B H N E"],
+    ) -> Float[Tensor, "B T D"]:
+        query = self.query(self.norm(x)).unflatten(-1, (self.heads, -1)).transpose(1, 2)
+        mixed = functional.scaled_dot_product_attention(query, keys.to(query.dtype), values.to(query.dtype))
+        return x + self.out(mixed.transpose(1, 2).flatten(2))
+
+
+def find_turns(
+    x: Float[Tensor, "B T D"], start: int, width: int
+) -> tuple[Float[Tensor, "T H"], Float[Tensor, "T H"]]:
+    """Cosines and sines of the turns of positions from ``start`` on, for heads of a width."""
+    half = width // 2
+    speed = torch.exp(torch.arange(half, device=x.device) * (-log(10000.0) / half))
+    angle = torch.arange(start, start + x.shape[1], device=x.device)[:, None] * speed
+    return angle.cos(), angle.sin()
+
+
+def _turn(x: Float[Tensor, "B H T E"], turn: tuple[Tensor, Tensor]) -> Float[Tensor, "B H T E"]:
+    cos, sin = (one.to(x.dtype) for one in turn)
+    a, b = x.chunk(2, dim=-1)
+    return torch.cat([a * cos - b * sin, a * sin + b * cos], dim=-1)

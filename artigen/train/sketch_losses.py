@@ -1,0 +1,139 @@
+"""Losses of the sketch network: the likelihood of tables, and what is to be read off pictures."""
+
+from dataclasses import replace
+from itertools import permutations
+
+import torch
+from jaxtyping import Bool, Float
+from torch import Tensor, nn
+from torch.nn import functional
+
+from artigen.sketch.batch import RowBatch
+from artigen.sketch.network import SketchNetwork
+from artigen.sketch.picture import MAX_COUNT, Seen
+from artigen.sketch.rows import COUNTED, ROW_KINDS, column
+from artigen.train.sketch_examples import SketchBatch
+from artigen.train.sketch_photos import (
+    EDGE,
+    PhotoBatch,
+    vary_photos,
+)
+from artigen.types import PART_LABELS
+
+READING = 0.3
+"""Weight of what the encoder is to read off pictures, beside the likelihood of tables."""
+HEADER = 10.0
+"""Weight of the fields of a header beside a picture: few among hundreds, and what the picture has to tell."""
+SWAPPED = 0.1
+"""Share of the pictures whose red, green and blue are put in any order."""
+
+
+class SketchLosses(nn.Module):
+    """The losses of a sketch network as a network of their own: likelihood, and what is read off pictures."""
+
+    def __init__(self, network: SketchNetwork) -> None:
+        super().__init__()
+        self.network = network
+
+    def forward(self, batch: SketchBatch) -> dict[str, Tensor]:
+        """Negative log likelihood of what is said (nats), and what the encoder reads off pictures."""
+        sight, terms = None, {}
+        if batch.photos is not None:
+            seen, sight = self.network.look(batch.photos.image)
+            terms = reading_losses(seen, batch.photos) | guessing_losses(seen, batch.rows)
+        symbols, numbers = self.network(batch.rows, sight)
+        count = len(symbols) + len(numbers)
+        if sight is not None:
+            for_symbols, for_numbers = weigh_fields(batch.rows)
+            symbols, numbers = symbols * for_symbols, numbers * for_numbers
+        return {"symbols": symbols.sum() / count, "numbers": numbers.sum() / count, **terms}
+
+
+def weigh_fields(rows: RowBatch) -> tuple[Float[Tensor, "M"], Float[Tensor, "N"]]:
+    """Weights of the symbols and of the numbers that a batch says, in the order of their likelihoods."""
+    weights = torch.where(find_headers(rows), HEADER, 1.0)[..., None].expand(rows.said.shape)
+    return weights[rows.said & (rows.axes < 0)], weights[rows.said & (rows.axes >= 0)]
+
+
+def sketch_losses(
+    network: nn.Module, batch: SketchBatch, generator: torch.Generator, edge: int = EDGE
+) -> dict[str, Tensor]:
+    """The terms of a batch, its pictures varied and scaled to ``edge`` pixels."""
+    if batch.photos is not None:
+        rows, photos = swap_channels(batch.rows, batch.photos, generator)
+        batch = SketchBatch(rows=rows, photos=vary_photos(photos, generator, edge))
+    return network(batch)
+
+
+def swap_channels(
+    rows: RowBatch, photos: PhotoBatch, generator: torch.Generator
+) -> tuple[RowBatch, PhotoBatch]:
+    """Puts red, green and blue of some objects in another order, in their pictures and in their finishes.
+
+    The grammar knows the colours of furniture; so colours have to be read off the pictures. Objects whose
+    finishes are requested keep theirs: otherwise an unusual colour in a request, without a picture, would
+    suggest a swapped object, and its other finishes would be drawn in swapped colours.
+    """
+    orders = torch.tensor(list(permutations(range(3))), device=generator.device)
+    count = len(photos.image)
+    chosen = torch.randint(len(orders), (count,), generator=generator, device=generator.device)
+    swapped = torch.rand(count, generator=generator, device=generator.device) < SWAPPED
+    image, table = photos.image.clone(), rows.rows.clone()
+    finishes = table[..., 0] == ROW_KINDS.index("finish")
+    requested = (finishes & rows.asked).any(dim=1)
+    order = orders[torch.where(swapped & ~requested, chosen, 0)]
+    image[:, :3] = image[:, :3].gather(1, order[:, :, None, None].expand_as(image[:, :3]))
+    for names in (("r", "g", "b"), ("accent_r", "accent_g", "accent_b")):
+        columns = [column("finish", name) for name in names]
+        values = table[..., columns]
+        moved = values.gather(2, order[:, None].expand_as(values))
+        table[..., columns] = torch.where(finishes[..., None], moved, values)
+    return replace(rows, rows=table), replace(photos, image=image)
+
+
+def reading_losses(seen: Seen, photos: PhotoBatch) -> dict[str, Tensor]:
+    """What the encoder says of pictures against what they show, each with its weight.
+
+    The map of parts is the rate of a Poisson process: unlike a squared error, its likelihood is not content
+    with zeros where parts are few.
+    """
+    truth = spread_spots(photos, seen.density.shape[-1])
+    off = seen.density.sum(dim=(2, 3)) - truth.sum(dim=(2, 3))
+    size = seen.labels.shape[-2:]
+    labels = functional.interpolate(photos.labels[:, None].float(), size, mode="nearest-exact")[:, 0].long()
+    poisson = seen.density - truth * seen.density.clamp(min=1e-6).log()
+    return {
+        "parts": READING * 0.3 * poisson.sum(dim=(2, 3)).mean(),
+        "in view": READING * 0.1 * off.abs().mean(),
+        "labels": READING * 0.5 * functional.cross_entropy(seen.labels, labels),
+        "view": READING * 2.0 * functional.mse_loss(seen.view, photos.view),
+    }
+
+
+def guessing_losses(seen: Seen, rows: RowBatch) -> dict[str, Tensor]:
+    """What the encoder guesses of objects against their headers, each with its weight."""
+    header = rows.rows[find_headers(rows)]
+    first = column("object", COUNTED[0])
+    counts = functional.pad(header[:, first : first + len(COUNTED)], (1, 0), value=1)  # one base
+    category = header[:, column("object", "category")]
+    wrong = functional.cross_entropy(seen.counts.flatten(0, 1), counts.clamp(max=MAX_COUNT).flatten())
+    return {
+        "counts": READING * wrong,
+        "category": READING * 0.3 * functional.cross_entropy(seen.category, category),
+    }
+
+
+def find_headers(rows: RowBatch) -> Bool[Tensor, "B T"]:
+    """The row of each object that says its category, counts and extents; not those of requests."""
+    return (rows.rows[..., 0] == ROW_KINDS.index("object")) & ~rows.asked
+
+
+def spread_spots(photos: PhotoBatch, edge: int) -> Float[Tensor, "B L h w"]:
+    """Parts of each label per cell: around the middle of every part in view a bump whose sum is 1."""
+    places = torch.arange(edge, device=photos.centers.device) + 0.5
+    at = (photos.centers + 1.0) * (edge / 2)
+    bumps = torch.exp(-0.5 * (places - at[..., None]) ** 2)
+    inside = (photos.given & (at >= 0).all(dim=-1) & (at <= edge).all(dim=-1))[..., None]
+    across, down = (bumps / bumps.sum(dim=-1, keepdim=True).clamp(min=1e-6)).unbind(dim=2)
+    kinds = functional.one_hot(photos.kinds, len(PART_LABELS)) * inside
+    return torch.einsum("bnl,bnh,bnw->blhw", kinds.to(down.dtype), down, across)
