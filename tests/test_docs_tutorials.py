@@ -18,10 +18,8 @@ def test_a_tutorial_runs_from_top_to_bottom(page: Path, tmp_path: Path):
     assert blocks
     environ = os.environ | {"PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}"}
     for kind, block in blocks:
-        command = (
-            [sys.executable, "-c", block] if kind == "python" else ["bash", "-euo", "pipefail", "-c", block]
-        )
+        command = [sys.executable] if kind == "python" else ["bash", "-euo", "pipefail"]
         done = subprocess.run(
-            [*command, block], cwd=tmp_path, env=environ, capture_output=True, text=True, check=False
+            [*command, "-c", block], cwd=tmp_path, env=environ, capture_output=True, text=True, check=False
         )
         assert done.returncode == 0, f"{block}\n{done.stdout}{done.stderr}"
