@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 WORKERS ?= 2
 
-.PHONY: demo test lint types wheel examples benchmarks clean
+.PHONY: demo test lint types wheel examples docs benchmarks clean
 
 demo: $(STAMP)
 	$(BIN)/artigen demo -o out/demo
@@ -25,6 +25,9 @@ wheel: $(STAMP)
 
 examples: $(STAMP)
 	$(BIN)/python examples/run_all.py
+
+docs: $(STAMP)
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build --strict --quiet
 
 # torch's default wheel brings gigabytes of CUDA; constraints.txt pins a version with a CPU build.
 $(STAMP): pyproject.toml constraints.txt
