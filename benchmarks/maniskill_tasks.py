@@ -44,9 +44,9 @@ class Config:
     """File of JSON lines, one per episode."""
 
     what: Literal["steps", "open", "put", "verbs", "speed", "table"] = "table"
-    """``steps``: resets and random actions. ``open``, ``put``: the scripted solvers. ``verbs``: one episode for
-    every part, with the verb that it is for. ``speed``: steps per
-    second beside ManiSkill's own task. ``table``: only prints."""
+    """``steps``: resets and random actions. ``open``, ``put``: the scripted solvers. ``verbs``: the solver on
+    every part, with the verb that it is for. ``speed``: steps per second beside ManiSkill's own task.
+    ``table``: only prints."""
 
     robot: Literal["panda", "fetch"] = "panda"
     """Who does it; ManiSkill's own tasks have Fetch only."""
@@ -138,7 +138,7 @@ def parts_to_try(cfg: Config, folder: Path) -> list[tuple[Verb, TaskPart]]:
     """Parts with what is done to them: drawers and doors are opened, the others go by their motion."""
     found: list[tuple[Verb, TaskPart]] = []
     for verb in VERBS:
-        parts = [part for part in read_object(folder, "any", "optional", verb).parts]
+        parts = list(read_object(folder, "any", "optional", verb).parts)
         if verb != "open":
             parts = [part for part in parts if part.kind not in ("drawer", "door")]
         for kind in sorted({part.kind for part in parts}):

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from .settle import SettleConfig, SettleEnv
 
 TASKS = {
-    "ArtiGen-OpenPart-v1": ("envs.maniskill.open_part:OpenPartEnv", 300),
+    "ArtiGen-OpenPart-v1": ("envs.maniskill.open_part:OpenPartEnv", 500),
     "ArtiGen-PutInside-v1": ("envs.maniskill.put_inside:PutInsideEnv", 300),
     "ArtiGen-OpenCabinetDrawer-v1": ("envs.maniskill.stock:PackageDrawerEnv", 100),
     "ArtiGen-OpenCabinetDoor-v1": ("envs.maniskill.stock:PackageDoorEnv", 100),
@@ -76,7 +76,7 @@ def _register(name: str, factory: Callable[..., gym.Env], *, steps: int) -> None
 
 
 def _register_task(name: str, entry_point: str, steps: int, **kwargs: str) -> None:
-    """A ManiSkill task, its class called with ``kwargs``, with ManiSkill's batched time limit in place of gymnasium's."""
+    """A task whose class takes ``kwargs``, with ManiSkill's batched time limit in place of gymnasium's."""
     if name not in gym.registry:
         limit = WrapperSpec(
             "MSTimeLimit",

@@ -65,6 +65,12 @@ def ground_under(entry: TaskObject, hulls: Sequence[Hull]) -> Hull:
     return box_hull(low, high)
 
 
+def plinth_under(entry: TaskObject) -> Hull:
+    """The plinth of a raised object, in the object frame."""
+    low, high = entry.bounds
+    return box_hull(np.array([*low[:2], entry.floor]), np.array([*high[:2], low[2]]))
+
+
 def move_hull(hull: Hull, T: Float[np.ndarray, "4 4"]) -> Hull:
     """A hull after a rigid motion."""
     return Hull(vertices=transform_points(T, hull.vertices), faces=hull.faces)

@@ -28,6 +28,11 @@ HANDLE_SLACK = 0.005
 """How far hulls of a handle may reach out of its box, metres."""
 QUARTER = float(np.pi / 2.0)
 """How far something without limits is turned, rad."""
+HOLLOW = 0.015
+"""A handle whose middle is farther than this from its hulls is taken where it is solid, metres: the rods of a
+suitcase, the arm of a lamp."""
+LOW, PLINTH = 0.75, 0.5
+"""Objects lower than the first stand on a plinth as high as the second, metres: an arm needs room below."""
 LATCH_LABELS = ("knob", "handle")
 """What a leaf needs moved first and carries such a label is its latch: the robot works it."""
 
@@ -37,11 +42,11 @@ class TaskPart:
     """A part that a task may move.
 
     ``kind`` is the part's label and ``verb`` what is done to it. ``grip`` is where a gripper takes hold
-    (object frame at rest, metres): the middle of ``handle``, or of the free edge of the part where no handle is
-    annotated. ``moved`` are the part's hull vertices in the same frame, with those of everything it carries;
-    ``own`` are the hulls of the part itself and ``held`` those that make up the handle; ``needs`` are joints that must stand open first, and
-    ``latches`` those of them that a hand works, in their order, with the share of their range. A joint without
-    limits has those of a quarter turn here.
+    (object frame at rest, metres): the middle of ``handle``, or of the free edge of the part where no handle
+    is annotated. ``moved`` are the part's hull vertices in the same frame, with those of all it carries;
+    ``own`` are the hulls of the part itself and ``held`` those that make up the handle; ``needs`` are joints
+    that must stand open first, and ``latches`` those of them that a hand works, in their order. A joint
+    without limits has those of a quarter turn here.
     """
 
     kind: PartLabel
@@ -78,19 +83,26 @@ class Latching:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class TaskObject:
-    """A package with its usable parts. ``left_out`` are (joint, reason); ``floor`` is the lowest z and
-    ``bounds`` the box of all hulls at rest, metres."""
+    """A package with its usable parts. ``left_out`` are (joint, reason), ``bounds`` is the box of all hulls
+    at rest, and ``raised`` the height of the plinth that the object stands on, metres."""
 
     folder: Path
     package: SimPackage
     parts: tuple[TaskPart, ...]
     left_out: tuple[tuple[str, str], ...]
     bounds: Float[np.ndarray, "2 3"]
+    raised: float = 0.0
 
     @property
     def floor(self) -> float:
-        """Height of the object's lowest point in its own frame."""
-        return float(self.bounds[0, 2])
+        """Height of the ground in the object's own frame."""
+        return float(self.bounds[0, 2]) - self.raised
+
+
+def on_plinth(entry: TaskObject) -> TaskObject:
+    """The object on a plinth if it is one that would stand on a counter or hang on a wall."""
+    height = float(entry.bounds[1, 2] - entry.bounds[0, 2])
+    return replace(entry, raised=PLINTH if height < LOW else 0.0)
 
 
 def read_objects(
@@ -146,7 +158,7 @@ def read_object(
 ) -> TaskObject:
     """One package with its usable parts, of which there may be none."""
     package = read_package(folder, appearance=False)
-    labels = {link.name: link.label for link in package.links}
+    labels: dict[str, PartLabel | None] = {link.name: link.label for link in package.links}
     parts: list[TaskPart] = []
     left_out: list[tuple[str, str]] = []
     for joint in package.joints:
@@ -216,8 +228,9 @@ def _handle_of(package: SimPackage, link: str, held: dict[str, HandleAnnotation]
     """The handle on a link, or else the one on something the link carries: the knob of a safe's door."""
     if link in held:
         return held[link]
-    for joint in package.joints:
-        if joint.parent == link and (found := _handle_of(package, joint.child, held)) is not None:
+    carried = [joint for joint in package.joints if joint.parent == link]
+    for joint in sorted(carried, key=lambda joint: joint.type == "prismatic"):  # a lever rather than a bolt
+        if (found := _handle_of(package, joint.child, held)) is not None:
             return found
     return None
 
@@ -232,12 +245,16 @@ def _read_part(package: SimPackage, joint: PackageJoint, label: PartLabel) -> Ta
     if joint.type == "continuous":
         joint = replace(joint, lower=0.0, upper=QUARTER)
     handle = _handle_of(package, joint.child, {x.link: x for x in reversed(package.handles)})
-    grip = handle.corners.mean(axis=0) if handle is not None else _edge_point(joint, moved)
+    if handle is not None and label == "handle" and _is_hollow(links[joint.child].hulls, handle):
+        handle = None
+    own = [hull.vertices for hull in links[joint.child].hulls]
+    edge = np.concatenate(own) if label == "handle" and own else moved
+    grip = handle.corners.mean(axis=0) if handle is not None else _edge_point(joint, edge)
     normal = handle.normal if handle is not None else grip_direction(joint, grip)
     needs = needed_fractions(joint.name, package.requires_open)
     return TaskPart(
         kind=label,
-        verb=verb_of(joint, label, grip, normal),
+        verb=verb_of(joint, label, grip, normal, moved if handle is None else handle.corners),
         joint=joint,
         handle=handle,
         grip=grip,
@@ -250,14 +267,33 @@ def _read_part(package: SimPackage, joint: PackageJoint, label: PartLabel) -> Ta
 
 
 def _read_latches(package: SimPackage, needs: dict[str, float]) -> tuple[Latching, ...]:
-    """Those of the needed joints that move knobs and handles; what one of them needs comes before it."""
+    """Those of the needed joints that move knobs and handles; what one of them needs comes before it.
+
+    What hangs from another leaf that stands open has nothing to hold any more.
+    """
     labels = {link.name: link.label for link in package.links}
+    leaves = [x for x in package.joints if x.name in needs and labels[x.child] not in LATCH_LABELS]
+    gone = {name for joint in leaves for name in hanging_links(package.joints, joint.child)}
     found = [
         Latching(part=_read_part(package, joint, label), fraction=needs[joint.name])
         for joint in package.joints
-        if joint.name in needs and (label := labels[joint.child]) in LATCH_LABELS
+        if joint.name in needs and joint.child not in gone and (label := labels[joint.child]) in LATCH_LABELS
     ]
     return tuple(sorted(found, key=lambda latch: len(latch.part.needs)))
+
+
+def _is_hollow(hulls: tuple[Hull, ...], handle: HandleAnnotation) -> bool:
+    """Whether the middle of a handle's box is far from everything solid."""
+    middle = handle.corners.mean(axis=0)
+    return all(_gap(hull, middle) > HOLLOW for hull in hulls)
+
+
+def _gap(hull: Hull, point: Float[np.ndarray, "3"]) -> float:
+    """How far a point is outside of the planes of a hull's faces, metres; at most its distance."""
+    a, b, c = (hull.vertices[hull.faces[:, k]] for k in range(3))
+    normals = np.cross(b - a, c - a)
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-15)
+    return float(((point - a) * normals).sum(axis=1).max())
 
 
 def _hulls_of_handle(hulls: tuple[Hull, ...], handle: HandleAnnotation) -> tuple[Hull, ...]:

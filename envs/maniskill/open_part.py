@@ -16,8 +16,9 @@ FULL_REWARD = 5.0
 
 
 class OpenPartEnv(PackageTask):
-    """A robot opens, or closes, one drawer or door of an object, or turns, presses, lifts or slides one of its
-    parts. A latched leaf takes two motions: its handle or bolt first.
+    """A robot opens, or closes, one drawer or door of an object, or turns, presses, lifts or slides a part.
+
+    A latched leaf takes two motions: its handle or bolt first. Low objects stand on a plinth.
 
     **Randomizations:** the object, the part, the robot's base (2 cm, 3 degrees around a place from which
     the part is in reach) and its joints (0.02 rad).
@@ -69,7 +70,7 @@ class OpenPartEnv(PackageTask):
         self.goal = goal
         super().__init__(
             *args, packages=packages, part=part, joint=joint, handles=handles, validation=validation,
-            initial_open=begin, goal_open=end, verb=verb,
+            initial_open=begin, goal_open=end, verb=verb, plinths=True,
             latched=latches == "closed" and goal == "open" and begin == 0.0, **kwargs,
         )  # fmt: skip
 

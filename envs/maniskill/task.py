@@ -26,7 +26,7 @@ from mani_skill.utils.structs.types import GPUMemoryConfig, SimConfig
 from artigen.transforms import inverse, transform_points, transform_vectors
 
 from .load import load_object, without_visuals
-from .objects import HandleNeed, PartKind, TaskObject, TaskPart, Validation, read_objects
+from .objects import HandleNeed, PartKind, TaskObject, TaskPart, Validation, on_plinth, read_objects
 from .placement import PATH_SAMPLES, Stand, find_stand, grip_path
 from .robots import ROBOTS, RobotSpec
 from .verbs import Verb, grip_direction
@@ -42,8 +42,9 @@ class PackageTask(BaseEnv):
     """A robot in front of one part of an object. Subclasses say what is to be done with it.
 
     Objects stand at the origin, on the floor, front towards -x. Each scene draws one of the objects and one
-    of its usable parts; joints that the part needs open stand open, everything else is closed. With ``latched``,
-    the part's latches are closed, too: the robot has to work them.
+    of its usable parts; joints that the part needs open stand open, everything else is closed. With
+    ``latched``, the part's latches are closed, too: the robot has to work them. With ``plinths``, low objects
+    are raised.
     """
 
     SUPPORTED_ROBOTS = ["panda", "fetch"]  # noqa: RUF012
@@ -62,6 +63,7 @@ class PackageTask(BaseEnv):
         goal_open: float,
         verb: Verb = "open",
         latched: bool = False,
+        plinths: bool = False,
         robot_uids: str = "panda",
         num_envs: int = 1,
         reconfiguration_freq: int | None = None,
@@ -76,6 +78,8 @@ class PackageTask(BaseEnv):
         self.objects: tuple[TaskObject, ...] = read_objects(
             packages, part, joint=joint, handles=handles, validation=validation, verb=verb
         )
+        if plinths:
+            self.objects = tuple(on_plinth(entry) for entry in self.objects)
         self.latched = latched
         self.initial_open, self.goal_open = initial_open, goal_open
         if reconfiguration_freq is None:
@@ -122,6 +126,8 @@ class PackageTask(BaseEnv):
             rng = self._batched_episode_rng[index]
             entry, part = self._draw(rng)
             name = f"{entry.package.name}-{index}"
+            if entry.raised > 0.0:
+                self._build_plinth(entry, index)
             articulation, frames = load_object(self.scene, entry, name, index)
             self.remove_from_state_dict_registry(articulation)
             into_link = inverse(frames[part.joint.child])
@@ -132,6 +138,19 @@ class PackageTask(BaseEnv):
             self.into_links.append(into_link)
             targets.append(articulation.links_map[part.joint.child])
         self._adopt(built, targets, np.array(grips), np.array(pulls))
+
+    def _build_plinth(self, entry: TaskObject, index: int) -> None:
+        half = np.diff(entry.bounds, axis=0)[0] / 2.0
+        half[2] = entry.raised / 2.0
+        middle = entry.bounds.mean(axis=0)
+        middle[2] = half[2]
+        builder = self.scene.create_actor_builder()
+        builder.add_box_collision(half_size=tuple(half.tolist()))
+        if self.scene.can_render():
+            builder.add_box_visual(half_size=tuple(half.tolist()))
+        builder.set_scene_idxs([index])
+        builder.initial_pose = Pose.create(sapien.Pose(p=middle.tolist()))
+        builder.build_static(name=f"plinth-{index}")
 
     def _draw(self, rng: np.random.RandomState) -> tuple[TaskObject, TaskPart]:
         """An object and one of its parts, from one scene's generator."""

@@ -96,7 +96,7 @@ def pinch_grasps(opening: Opening) -> Grasps:
                 poses.append(_pose(opening, point, way_round * normals[k], place))
                 cost.append(base + 0.1 * max(0.0, float(point[2])))
                 out.append(normals[k])
-    found = _with_room(opening, Contacts(**_arrays(poses, cost, out)), opening.body, 0.0)
+    found = _with_room(opening, Contacts(**_arrays(poses, cost, out)), opening.body, 0.0, fingers=True)
     # Grasps have x where the gripper points and y where it closes.
     axes = np.eye(4)
     axes[:3, :3] = robot.tool_axes
@@ -138,8 +138,11 @@ def surface_samples(
     return found[first], outward[first]
 
 
-def _with_room(opening: Opening, found: Contacts, body: Body, touching: float) -> Contacts:
-    """The cheapest contacts at which the hand meets nothing but the place that it touches."""
+def _with_room(
+    opening: Opening, found: Contacts, body: Body, touching: float, *, fingers: bool = False
+) -> Contacts:
+    """The cheapest contacts at which the hand meets nothing but the place that it touches; ``fingers`` also
+    have to meet nothing but the part as they close."""
     last = len(opening.chain.before) - 1
     mine = (body.carrier == last) & (body.gap <= HAND_GAP)
     hand = transform_points(inverse(opening.chain.tool), body.points[mine])
@@ -151,17 +154,29 @@ def _with_room(opening: Opening, found: Contacts, body: Body, touching: float) -
         points = transform_points(found.poses[rows], hand)
         room = np.minimum(distances(opening.near_others, points), distances(opening.near_carried, points))
         room[:, allowed] = np.inf
-        good.append(rows[room.min(axis=1) > CLEAR])
+        free = room.min(axis=1) > CLEAR
+        if fingers:
+            sweep = transform_points(found.poses[rows], _finger_sweep(opening))
+            free &= distances(opening.near_others, sweep).min(axis=1) > CLEAR
+        good.append(rows[free])
         if sum(map(len, good)) >= KEPT:
             break
     rows = np.concatenate([np.zeros(0, dtype=np.int64), *good])[:KEPT]
     return Contacts(poses=found.poses[rows], cost=found.cost[rows], normals=found.normals[rows])
 
 
+def _finger_sweep(opening: Opening) -> Float[np.ndarray, "S 3"]:
+    """Points that the ends of both fingers pass as they close, in the frame of the tool."""
+    point, close = opening.robot.tool_axes[:, 0], opening.robot.tool_axes[:, 1]
+    half = opening.robot.opening / 2.0
+    across = np.linspace(-half, half, 15)
+    return np.concatenate([across[:, None] * close + back * point for back in (TIP, 0.0, -0.015)])
+
+
 def _thickness(
     hulls: Sequence[Hull], points: Float[np.ndarray, "P 3"], inwards: Float[np.ndarray, "P 3"], most: float
 ) -> Float[np.ndarray, "P"]:
-    """How far it is through the union of hulls from points on its surface; infinite beyond ``most`` metres."""
+    """How far it is through the union of hulls from points on its surface (m); infinite beyond ``most``."""
     steps = np.arange(THIN / 2.0, most + THIN, THIN)
     along = points[:, None] + steps[:, None] * inwards[:, None]
     inside = np.zeros(along.shape[:2], dtype=bool)

@@ -31,8 +31,8 @@ JOINT_STEP = 0.07
 class Driver:
     """One robot in one scene on the CPU, driven by absolute arm angles.
 
-    ``body`` is its arm with the gripper open, ``closed`` with the fingers shut, ``begin`` how far the part stood open at first. ``gripper`` is
-    1 open and -1 closed. ``info`` and ``over`` are those of the last step.
+    ``body`` is its arm with the gripper open, ``closed`` with the fingers shut, ``begin`` how far the part
+    stood open at first. ``gripper`` is 1 open and -1 closed; ``info`` and ``over`` are of the last step.
     """
 
     env: gym.Env

@@ -19,21 +19,27 @@ AROUND = 0.12
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Field:
     """Distances (m) of cell middles to the nearest cell that holds something solid, good to about half a
-    ``cell``; ``low`` is the middle of the first one."""
+    ``cell``; ``low`` is the middle of the first one. Below the height ``ground`` everything is solid."""
 
     low: Float[np.ndarray, "3"]
     cell: float
     distance: Float[np.ndarray, "X Y Z"]
+    ground: float = -np.inf
 
 
 def build_field(
-    hulls: Sequence[Hull], box: Float[np.ndarray, "2 3"] | None = None, finest: float = FINEST
+    hulls: Sequence[Hull],
+    box: Float[np.ndarray, "2 3"] | None = None,
+    finest: float = FINEST,
+    *,
+    ground: float = -np.inf,
 ) -> Field:
     """The field of hulls, in the frame of their vertices.
 
     Args:
         hulls: what is solid.
         box: the only part of space that matters; everything unless given.
+        ground: height of the ground, z up in the frame of the hulls; none unless given.
         finest: edge of a cell where there are few enough of them, metres.
 
     Raises:
@@ -57,7 +63,7 @@ def build_field(
         where = tuple(slice(a, b) for a, b in zip(first, last, strict=True))
         solid[where] |= _within(hull, axes, cell / 2.0)
     distance = distance_transform_edt(~solid, sampling=cell) if solid.any() else np.full(shape, AROUND)
-    return Field(low=low, cell=cell, distance=np.asarray(distance, dtype=np.float32))
+    return Field(low=low, cell=cell, distance=np.asarray(distance, dtype=np.float32), ground=ground)
 
 
 def distances(field: Field, points: Float[np.ndarray, "*N 3"]) -> Float[np.ndarray, "*N"]:
@@ -65,7 +71,8 @@ def distances(field: Field, points: Float[np.ndarray, "*N 3"]) -> Float[np.ndarr
     at = np.rint((points - field.low) / field.cell).astype(np.int64)
     inside = np.all((at >= 0) & (at < np.array(field.distance.shape)), axis=-1)
     at = np.where(inside[..., None], at, 0)
-    return np.where(inside, field.distance[at[..., 0], at[..., 1], at[..., 2]], AROUND)
+    near = np.where(inside, field.distance[at[..., 0], at[..., 1], at[..., 2]], AROUND)
+    return np.minimum(near, np.maximum(points[..., 2] - field.ground, 0.0))
 
 
 def _within(hull: Hull, axes: list[np.ndarray], slack: float) -> Bool[np.ndarray, "X Y Z"]:

@@ -26,6 +26,8 @@ STEP = 0.025
 BEYOND = 0.06
 """How much farther than asked a path goes, part of the range: a pulled joint lags behind."""
 LEAST_STEPS = 4
+TURNING = 0.15
+"""Travel (m) that a radian counts at least, of a knob that turns in place."""
 UNLATCHED = 0.1
 """Part of a leaf's range (at most; in any case 0.1 rad or 5 cm) from which on its latch holds it no more."""
 
@@ -41,10 +43,13 @@ class Way:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Opening:
-    """An arm, the part, and the solids: ``others`` in the object frame, ``carried`` (the part and what it
-    carries) in the object frame with the part closed; ``near_others`` and ``near_carried`` are the same around
-    the grip, on finer grids. ``closed`` is the arm with its fingers shut, ``turned`` how far (share of its range)
-    the latch is open that is the part's handle."""
+    """An arm, the part, and the solids.
+
+    ``others`` are solids in the object frame, ``carried`` the part and what it carries, in the object frame
+    with the part closed; ``near_others`` and ``near_carried`` are the same around the grip, on finer grids.
+    ``closed`` is the arm with its fingers shut; ``turned`` is how far the latch is open, share of its range,
+    where it is the part's handle.
+    """
 
     chain: Chain
     robot: RobotSpec
@@ -73,13 +78,9 @@ class Opening:
         turns = path_fractions(latch.part, self.turned, 1.0)
         first = np.repeat(carried[:1], len(turns), axis=0)
         held = np.concatenate(
-            [first @ part_motion(latch.part, turns), carried[1:] @ _last(latch.part, turns)]
+            [first @ part_motion(latch.part, turns), carried[1:] @ part_motion(latch.part, turns[-1:])]
         )
         return Way(held=held, carried=np.concatenate([first, carried[1:]]))
-
-
-def _last(part: TaskPart, fractions: Float[np.ndarray, "N"]) -> Float[np.ndarray, "1 4 4"]:
-    return part_motion(part, fractions[-1:])
 
 
 def path_fractions(part: TaskPart, begin: float, end: float) -> Float[np.ndarray, "N"]:
@@ -91,10 +92,6 @@ def path_fractions(part: TaskPart, begin: float, end: float) -> Float[np.ndarray
         lever = max(TURNING, float(np.linalg.norm(np.cross(part.joint.axis, part.grip - part.joint.origin))))
     travel = abs(beyond - begin) * part.span * lever
     return np.linspace(begin, beyond, max(LEAST_STEPS, int(np.ceil(travel / STEP))) + 1)
-
-
-TURNING = 0.15
-"""Travel (m) that a radian counts at least, of a knob that turns in place."""
 
 
 def pressure(

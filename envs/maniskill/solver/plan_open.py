@@ -1,4 +1,4 @@
-"""A plan for moving a part by its handle, or by its own edge: take hold of it and go along the joint's own path.
+"""A plan for moving a part by its handle, or its own edge: take hold of it and go along the joint's path.
 
 Numbers only. Grasps are tried by inverse kinematics along the whole path, and the one that stays most exact
 and keeps the arm off everything wins.
@@ -50,29 +50,37 @@ class OpenPlan:
     pressed: float
 
 
-def grasps_of(opening: Opening) -> Grasps:
-    """Ways to take hold of a part: of its handle, or of the part itself where none is annotated or the gripper
-    does not open wide enough for it.
+def handle_grasps(opening: Opening) -> Grasps:
+    """Ways to take hold of a part's handle.
 
     Raises:
-        NoPlan: if there is no such way.
+        NoPlan: if there is none, or the gripper does not open wide enough for it.
     """
-    part, robot = opening.part, opening.robot
-    if part.handle is not None:
-        grasps = find_grasps(part.handle, part.held, robot)
-        if len(grasps.poses):
-            return grasps
-    if part.grip_latch is None:
-        grasps = pinch_grasps(opening)
-        if len(grasps.poses):
-            return grasps
-    name = part.joint.name
+    part, robot, name = opening.part, opening.robot, opening.part.joint.name
     if part.handle is None:
-        raise NoPlan(f"joint {name!r}: no handle is annotated, and fingers cannot pinch the part itself")
-    raise NoPlan(
-        f"joint {name!r}: the handle is {1e3 * part.handle.width:.0f} mm thick, the gripper opens "
-        f"{1e3 * robot.opening:.0f} mm"
-    )
+        raise NoPlan(f"joint {name!r}: no handle is annotated")
+    grasps = find_grasps(part.handle, part.held, robot)
+    if not len(grasps.poses):
+        raise NoPlan(
+            f"joint {name!r}: the handle is {1e3 * part.handle.width:.0f} mm thick, the gripper opens "
+            f"{1e3 * robot.opening:.0f} mm"
+        )
+    return grasps
+
+
+def edge_grasps(opening: Opening) -> Grasps:
+    """Ways to pinch the part itself.
+
+    Raises:
+        NoPlan: if there are none, or the part is latched: then its handle has to be held.
+    """
+    name = opening.part.joint.name
+    if opening.part.grip_latch is not None:
+        raise NoPlan(f"joint {name!r}: the latch is the handle, so nothing else is held")
+    grasps = pinch_grasps(opening)
+    if not len(grasps.poses):
+        raise NoPlan(f"joint {name!r}: fingers cannot pinch the part itself")
+    return grasps
 
 
 def plan_open(

@@ -1,11 +1,16 @@
-"""A plan for a part that is pushed where it is: closed fingers touch it and go along, a little farther at the end.
+"""A plan for a part that is pushed: closed fingers touch it and go along, a little farther at the end.
 
 Buttons, switches, pedals and lids without handles; whatever fingers find to push against.
 """
 
-import numpy as np
-from jaxtyping import Float
+from dataclasses import replace
 
+import numpy as np
+from jaxtyping import Bool, Float
+
+from artigen.transforms import inverse
+
+from .body import Obstacle, is_free
 from .contacts import push_contacts
 from .opening import PRESSED, Opening, pressure, way_around
 from .plan_open import COMPARED, NoPlan, OpenPlan
@@ -15,16 +20,34 @@ OFF = 0.02
 """How far off the surface the fingers come near, metres."""
 FAR = 0.07
 """How far they are drawn back before that, metres."""
+SAMPLES = 3
+ENTERED = 0.002
+"""What the arm keeps away on that way, metres; a cell of the field more or less is true."""
 THROUGH = 0.008
 """How much farther than the part's own path the fingers aim in the end, metres: they have to press."""
+EXACT = 0.006
+"""What the place that is touched may be missed by, metres: a button is small."""
 LOOSE = 0.02
 MOST_TURN = 1.3
+
+
+def _enters(
+    opening: Opening, entry: Float[np.ndarray, "3 K J"], at: Float[np.ndarray, "4 4"]
+) -> Bool[np.ndarray, "K"]:
+    """Which ways up to the surface lead through nothing solid."""
+    ways = np.linspace(entry[1:-1], entry[2:], SAMPLES).reshape(-1, entry.shape[2])
+    body = replace(opening.closed, gap=np.full(len(opening.closed.gap), ENTERED))
+    obstacles = (
+        Obstacle(field=opening.others, T_field_root=inverse(opening.T_root_object)),
+        Obstacle(field=opening.carried, T_field_root=inverse(at)),
+    )
+    return np.asarray(is_free(opening.chain, body, obstacles, ways).reshape(SAMPLES, -1).all(axis=0))
 
 
 def plan_touch(
     opening: Opening, q: Float[np.ndarray, "J"], begin: float, end: float, *, skip: int = 0
 ) -> OpenPlan:
-    """A plan that pushes a part from fraction ``begin`` of its range to ``end``; arguments as for `plan_open`.
+    """A plan that pushes a part from fraction ``begin`` of its range to ``end``; arguments as `plan_open`.
 
     Raises:
         NoPlan: if there is no place to push at, or none that the arm can follow.
@@ -49,7 +72,8 @@ def plan_touch(
     back[2, :, :3, 3] += off - FAR * point
     entry, lost, _ = follow(chain, back, hold, turn_weight=LOOSE)
     total = found.cost[order] + 20.0 * missed + 5.0 * lost + 0.3 * turned
-    good = np.flatnonzero((missed < NEAR) & (turned < MOST_TURN) & (lost < 3.0 * NEAR))
+    good = np.flatnonzero((missed < EXACT) & (turned < MOST_TURN) & (lost < 3.0 * NEAR))
+    good = good[_enters(opening, entry[:, good], motions[0])]
     if len(good) <= skip:
         raise NoPlan(
             f"joint {name!r}: {len(good)} ways to push it along its path, the best misses by "

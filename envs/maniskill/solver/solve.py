@@ -16,7 +16,7 @@ from jaxtyping import Float
 from artigen.transforms import inverse, transform_points
 from sim_export.collision.hulls import box_hull
 
-from ..hulls import ground_under, move_hull
+from ..hulls import ground_under, move_hull, plinth_under
 from ..objects import TaskPart
 from ..placement import part_motion
 from .body import Obstacle
@@ -36,7 +36,7 @@ from .drive import (
 from .field import build_field
 from .grasp import Grasps
 from .opening import Opening
-from .plan_open import NoPlan, OpenPlan, grasps_of, plan_open
+from .plan_open import NoPlan, OpenPlan, edge_grasps, handle_grasps, plan_open
 from .plan_push import plan_push
 from .plan_put import NoPutPlan, PutPlan, plan_put
 from .plan_touch import plan_touch
@@ -84,9 +84,9 @@ def solve_open_part(env: gym.Env, seed: int) -> Outcome:
     """Plays one episode of ``ArtiGen-OpenPart-v1``, or of one of its verbs, with the control mode
     ``pd_joint_pos``.
 
-    Latches that are not the part's own handle come first. The part is taken by its handle and led all the way; where
-    the arm cannot go along with a door, it pulls it ajar and pushes from behind. What has no handle, or is
-    there to be pressed, is pushed with closed fingers.
+    Latches that are not the part's own handle come first. The part is taken by its handle, or by its edge,
+    and led all the way; where the arm cannot go along with a door, it pulls it ajar and pushes from behind.
+    What is there to be pressed, or cannot be held, is pushed with closed fingers.
 
     Args:
         env: the task, one scene on the CPU, wrapped or not.
@@ -110,7 +110,7 @@ def solve_open_part(env: gym.Env, seed: int) -> Outcome:
 
 
 def _work(driver: Driver, part: TaskPart, goal: float, least: float) -> str:
-    """Moves a part towards ``goal`` until it is at ``least`` (shares of its range); "", or what stopped it."""
+    """Moves a part towards ``goal`` until it is at ``least``, shares of its range; "", or what stopped it."""
     failed, reason = 0, ""
     rising = goal > opened(driver, part)
     while failed < ATTEMPTS and not driver.over:
@@ -118,7 +118,7 @@ def _work(driver: Driver, part: TaskPart, goal: float, least: float) -> str:
         try:
             plan = _next_plan(driver, part, goal, failed)
         except NoPlan as none:
-            return str(none)
+            return f"{part.joint.name!r}: {none}"
         _follow_plan(driver, plan)
         now = opened(driver, part)
         if now >= least if rising else now <= least:
@@ -132,7 +132,7 @@ def _opening(driver: Driver, part: TaskPart) -> Opening:
     """The part and everything around it, as they are now."""
     entry = driver.task.drawn[0][0]
     carried, others = object_hulls(driver, part)
-    others = (*others, ground_under(entry, carried + others))
+    others = (*others, plinth_under(entry)) if entry.raised > 0.0 else others
     closed = inverse(part_motion(part, np.array([opened(driver, part)]))[0])
     carried = tuple(move_hull(hull, closed) for hull in carried)
     near = np.stack([part.grip - AROUND_GRIP, part.grip + AROUND_GRIP])
@@ -144,41 +144,45 @@ def _opening(driver: Driver, part: TaskPart) -> Opening:
         closed=driver.closed,
         part=part,
         T_root_object=object_in_root(driver),
-        others=build_field(others),
+        others=build_field(others, ground=entry.floor),
         carried=build_field(carried),
-        near_others=build_field(others, near, FINE),
+        near_others=build_field(others, near, FINE, ground=entry.floor),
         near_carried=build_field(carried, near, FINE),
         turned=opened(driver, latch.part) if latch is not None and driver.task.latched else 1.0,
     )
 
 
-def _next_plan(driver: Driver, part: TaskPart, end: float, skip: int) -> OpenPlan:
-    """What comes first: pressing what is to be pressed; in the grip to the end if the arm keeps off everything;
-    pushing to the end from behind or from outside; part of the way in the grip, as far as a push needs, or as
-    far as the wrist turns; and the one that presses least if the arm keeps off in none.
+def _next_plan(driver: Driver, part: TaskPart, end: float, tries: int) -> OpenPlan:
+    """The first plan along which the arm keeps off everything, or else the one that presses least.
+
+    Tried are: pressing, for what is to be pressed; in the grip to the end; pushing to the end from behind;
+    pulling as far as that needs; pinching the part itself; pushing from outside; then the same for a part of
+    the way.
 
     Raises:
-        NoPlan: if none of them works, with what kept the first from it.
+        NoPlan: if none of them works, with what kept them from it.
     """
     opening, q, begin = _opening(driver, part), arm_angles(driver), opened(driver, part)
     ajar = [angle / part.span for angle in AJAR_ANGLES if part.joint.type != "prismatic"]
     shares = [begin + share * (end - begin) for share in PART_WAYS]
-    grips = _once(lambda: grasps_of(opening))
+    handle, edge = _once(partial(handle_grasps, opening)), _once(partial(edge_grasps, opening))
+    skip, name = tries // 2, part.joint.name
 
-    def held(to: float) -> OpenPlan:
-        return plan_open(opening, grips(), q, begin, to, skip=skip)
+    def held(grasps: Callable[[], Grasps], to: float) -> OpenPlan:
+        return plan_open(opening, grasps(), q, begin, to, skip=skip)
 
     def pulled_ajar(to: float) -> OpenPlan:
         if not begin < to < end or part.kind not in ("door", "drawer"):
-            raise NoPlan(f"joint {part.joint.name!r}: not to be pulled ajar")
+            raise NoPlan(f"joint {name!r}: not to be pulled ajar")
         _push(opening, q, to, end)
-        return held(to)
+        return held(handle, to)
 
-    whole = [partial(held, end)]
+    whole, pinched = [partial(held, handle, end)], [partial(held, edge, end)]
     touch = [partial(plan_touch, opening, q, begin, end, skip=skip)]
     push = [partial(_push, opening, q, begin, end)] + [partial(pulled_ajar, to) for to in ajar]
-    first = touch + whole if part.verb == "press" else whole + push + touch
-    rest = [partial(held, to) for to in shares]
+    first = touch + whole if part.verb == "press" else whole + push + pinched + touch
+    first = first[tries % len(first) :] + first[: tries % len(first)]  # what failed is not the first again
+    rest = [partial(held, grasps, to) for to in shares for grasps in (handle, edge)]
     rest += [partial(plan_touch, opening, q, begin, to, skip=skip) for to in shares]
     found: list[OpenPlan] = []
     reasons: list[NoPlan] = []
@@ -194,16 +198,23 @@ def _next_plan(driver: Driver, part: TaskPart, end: float, skip: int) -> OpenPla
             found.append(plan)
         if found:
             return min(found, key=lambda plan: plan.pressed)
-    raise reasons[0]
+    raise NoPlan(
+        "; ".join(dict.fromkeys(str(reason).removeprefix(f"joint {name!r}: ") for reason in reasons))
+    )
 
 
 def _once(function: Callable[[], Grasps]) -> Callable[[], Grasps]:
-    """A function that is called when its value is first asked for."""
-    known: list[Grasps] = []
+    """A function that is called once, when its value is first needed; what it raises is kept, too."""
+    known: list[Grasps | NoPlan] = []
 
     def value() -> Grasps:
         if not known:
-            known.append(function())
+            try:
+                known.append(function())
+            except NoPlan as none:
+                known.append(none)
+        if isinstance(known[0], NoPlan):
+            raise known[0]
         return known[0]
 
     return value
