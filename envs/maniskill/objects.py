@@ -29,8 +29,7 @@ HANDLE_SLACK = 0.005
 QUARTER = float(np.pi / 2.0)
 """How far something without limits is turned, rad."""
 HOLLOW = 0.015
-"""A handle whose middle is farther than this from its hulls is taken where it is solid, metres: the rods of a
-suitcase, the arm of a lamp."""
+"""A handle whose middle is farther than this (m) from its hulls is taken at its end: a suitcase's rods."""
 LOW, PLINTH = 0.75, 0.5
 """Objects lower than the first stand on a plinth as high as the second, metres: an arm needs room below."""
 LATCH_LABELS = ("knob", "handle")
@@ -245,11 +244,12 @@ def _read_part(package: SimPackage, joint: PackageJoint, label: PartLabel) -> Ta
     if joint.type == "continuous":
         joint = replace(joint, lower=0.0, upper=QUARTER)
     handle = _handle_of(package, joint.child, {x.link: x for x in reversed(package.handles)})
-    if handle is not None and label == "handle" and _is_hollow(links[joint.child].hulls, handle):
-        handle = None
-    own = [hull.vertices for hull in links[joint.child].hulls]
-    edge = np.concatenate(own) if label == "handle" and own else moved
-    grip = handle.corners.mean(axis=0) if handle is not None else _edge_point(joint, edge)
+    own = links[joint.child].hulls
+    if handle is None or (label == "handle" and _is_hollow(own, handle)):
+        edge = np.concatenate([hull.vertices for hull in own]) if label == "handle" and own else moved
+        grip = _edge_point(joint, edge)
+    else:
+        grip = handle.corners.mean(axis=0)
     normal = handle.normal if handle is not None else grip_direction(joint, grip)
     needs = needed_fractions(joint.name, package.requires_open)
     return TaskPart(

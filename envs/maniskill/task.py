@@ -25,7 +25,7 @@ from mani_skill.utils.structs.types import GPUMemoryConfig, SimConfig
 
 from artigen.transforms import inverse, transform_points, transform_vectors
 
-from .load import load_object, without_visuals
+from .load import load_object, play_mechanisms, without_visuals
 from .objects import HandleNeed, PartKind, TaskObject, TaskPart, Validation, on_plinth, read_objects
 from .placement import PATH_SAMPLES, Stand, find_stand, grip_path
 from .robots import ROBOTS, RobotSpec
@@ -207,6 +207,11 @@ class PackageTask(BaseEnv):
             for values in (lower, span, starts, grips, pulls)
         )
         self._still = torch.tensor([0.1 if flag else 1.0 for flag in sliding], device=self.device)
+
+    def _before_simulation_step(self) -> None:
+        super()._before_simulation_step()
+        for (entry, _), articulation in zip(self.drawn, self.built, strict=True):
+            play_mechanisms(articulation, entry.package)
 
     def _initialize_episode(self, env_idx: torch.Tensor, options: dict) -> None:
         self.object.set_qpos(self._starts[env_idx])
