@@ -85,8 +85,9 @@ class Opening:
 
 def path_fractions(part: TaskPart, begin: float, end: float) -> Float[np.ndarray, "N"]:
     """From ``begin`` to a little beyond ``end``, in steps of about the same travel of the grip, and of
-    the gripper's turn."""
-    beyond = float(np.clip(end + np.sign(end - begin) * BEYOND, 0.0, 1.0))
+    the gripper's turn. It leads beyond the limit only where the limit itself is asked for."""
+    most = 1.0 + BEYOND if end >= 1.0 else 1.0
+    beyond = float(np.clip(end + np.sign(end - begin) * BEYOND, 0.0, most))
     lever = 1.0
     if part.joint.type != "prismatic":
         lever = max(TURNING, float(np.linalg.norm(np.cross(part.joint.axis, part.grip - part.joint.origin))))
