@@ -10,7 +10,7 @@ import pytest
 from sample_packages import SAMPLE_PARTS, build_package
 
 from envs.maniskill.folders import TaskError
-from envs.maniskill.hulls import plinth_under
+from envs.maniskill.hulls import hulls_at, plinth_under
 from envs.maniskill.objects import LOW, PLINTH, QUARTER, TaskObject, on_plinth, read_object, read_objects
 from envs.maniskill.solver.contacts import _thickness, is_inside, surface_samples
 from envs.maniskill.solver.field import build_field, distances
@@ -172,3 +172,32 @@ def test_a_latched_door_starts_latched_unless_it_is_open(latched):
         env.close()
     with pytest.raises(TaskError, match="to press that one joint moves"):
         gym.make("ArtiGen-PressPart-v1", packages=str(latched), part="drawer", **settings)
+
+
+def test_hulls_of_followers_are_where_their_leader_takes_them(package, tmp_path):
+    labels = {link.name: link.label for link in package.links}
+    first, second = [x for x in package.joints if labels[x.child] in ("door", "drawer")][:2]
+    ratio = second.upper / first.upper
+    joints = tuple(
+        replace(x, mimic=first.name, mimic_multiplier=ratio) if x is second else x for x in package.joints
+    )
+    entry = read_object(write_package(replace(package, joints=joints), tmp_path / "pair"), "any")
+    assert dict(entry.left_out)[second.name] == f"follows {first.name}"
+    part = next(x for x in entry.parts if x.joint.name == first.name)
+
+    def lowest(qpos: dict[str, float]) -> np.ndarray:
+        return np.concatenate([h.vertices for group in hulls_at(entry, part, qpos) for h in group]).min(
+            axis=0
+        )
+
+    both = lowest({first.name: first.upper, second.name: 0.0})
+    np.testing.assert_allclose(both, lowest({first.name: first.upper}))
+    free = read_object(write_package(package, tmp_path / "free"), "any")
+    moved = np.concatenate(
+        [
+            h.vertices
+            for g in hulls_at(free, part, {first.name: first.upper, second.name: second.upper})
+            for h in g
+        ]
+    )
+    np.testing.assert_allclose(both, moved.min(axis=0), atol=1e-9)
