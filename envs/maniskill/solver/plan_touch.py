@@ -10,6 +10,7 @@ from jaxtyping import Bool, Float
 
 from artigen.transforms import inverse
 
+from ..objects import TaskPart
 from .body import Obstacle, is_free
 from .contacts import push_contacts
 from .opening import PRESSED, Opening, pressure, way_around
@@ -25,10 +26,20 @@ ENTERED = 0.002
 """What the arm keeps away on that way, metres; a cell of the field more or less is true."""
 THROUGH = 0.008
 """How much farther than the part's own path the fingers aim in the end, metres: they have to press."""
+YIELD = 8e-4
+"""How far the arm gives way to a force, metres per newton: about 10 mm at 19 N, and some to spare."""
 EXACT = 0.006
 """What the place that is touched may be missed by, metres: a button is small."""
 LOOSE = 0.02
 MOST_TURN = 1.3
+
+
+def _through(part: TaskPart, poses: Float[np.ndarray, "K 4 4"]) -> Float[np.ndarray, "K 1"]:
+    """How much farther than the part the fingers aim, metres: more against a spring."""
+    lever = np.ones(len(poses))
+    if part.joint.type != "prismatic":
+        lever = np.linalg.norm(np.cross(part.joint.axis, poses[:, :3, 3] - part.joint.origin), axis=1)
+    return (THROUGH + YIELD * 2.0 * part.joint.spring / np.maximum(lever, 0.02))[:, None]
 
 
 def _enters(
@@ -62,7 +73,7 @@ def plan_touch(
         raise NoPlan(f"joint {name!r}: nothing to push at is in reach")
     poses, normals = found.poses[order], found.normals[order]
     targets = motions[:, None] @ poses[None]
-    targets[-1, :, :3, 3] -= THROUGH * normals @ motions[-1, :3, :3].T
+    targets[-1, :, :3, 3] -= _through(opening.part, poses) * normals @ motions[-1, :3, :3].T
     path, missed, turned = follow(chain, targets, hold, turn_weight=LOOSE)
     # From the surface back to where the fingers come from: off it, then back along themselves.
     back = np.repeat(targets[:1], 3, axis=0)
