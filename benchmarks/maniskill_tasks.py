@@ -19,10 +19,14 @@ import tyro
 
 import envs  # noqa: F401  registers the tasks
 from envs.maniskill.folders import REPORT_FILE, TaskError, find_packages
+from envs.maniskill.objects import TaskPart, read_object
 from envs.maniskill.solver.solve import solve_open_part, solve_put_inside
+from envs.maniskill.verbs import VERBS, Verb
+from envs.registration import VERB_TASKS
 from sim_export.report import report_from_json
 
 OPEN, PUT, STOCK = "ArtiGen-OpenPart-v1", "ArtiGen-PutInside-v1", "ArtiGen-OpenCabinetDrawer-v1"
+TASK_OF: dict[Verb, str] = {verb: name for name, verb in VERB_TASKS.items()} | {"open": OPEN}
 TASKS = {"open": OPEN, "put": PUT, "stock-drawer": STOCK, "stock-door": "ArtiGen-OpenCabinetDoor-v1"}
 CPU: dict[str, Any] = {"sim_backend": "physx_cpu", "render_backend": "none", "obs_mode": "state"}
 
@@ -39,9 +43,10 @@ class Config:
     out: Path
     """File of JSON lines, one per episode."""
 
-    what: Literal["steps", "open", "put", "speed", "table"] = "table"
-    """``steps``: resets and random actions. ``open``, ``put``: the scripted solvers. ``speed``: steps per
-    second beside ManiSkill's own task. ``table``: only prints."""
+    what: Literal["steps", "open", "put", "verbs", "speed", "table"] = "table"
+    """``steps``: resets and random actions. ``open``, ``put``: the scripted solvers. ``verbs``: the solver on
+    every part, with the verb that it is for. ``speed``: steps per second beside ManiSkill's own task.
+    ``table``: only prints."""
 
     robot: Literal["panda", "fetch"] = "panda"
     """Who does it; ManiSkill's own tasks have Fetch only."""
@@ -54,6 +59,9 @@ class Config:
 
     seeds: int = 5
     """Episodes per package."""
+
+    alike: int = 2
+    """``verbs``: parts of one label and verb that are tried on each object; a panel may have twelve keys."""
 
     steps: int = 200
     """Random actions per episode, or of the speed run."""
@@ -126,6 +134,42 @@ def solve(cfg: Config, folder: Path) -> Iterator[dict]:
     env.close()
 
 
+def parts_to_try(cfg: Config, folder: Path) -> list[tuple[Verb, TaskPart]]:
+    """Parts with what is done to them: drawers and doors are opened, the others go by their motion."""
+    found: list[tuple[Verb, TaskPart]] = []
+    for verb in VERBS:
+        parts = list(read_object(folder, "any", "optional", verb).parts)
+        if verb != "open":
+            parts = [part for part in parts if part.kind not in ("drawer", "door")]
+        for kind in sorted({part.kind for part in parts}):
+            found += [(verb, part) for part in parts if part.kind == kind][: cfg.alike]
+    return found
+
+
+def try_verbs(cfg: Config, folder: Path) -> Iterator[dict]:
+    """The scripted solver on every part that moves."""
+    for verb, part in parts_to_try(cfg, folder):
+        env = gym.make(
+            TASK_OF[verb], packages=str(folder), joint=part.joint.name, robot_uids=cfg.robot,
+            control_mode="pd_joint_pos", **CPU,
+        )  # fmt: skip
+        begin = time.perf_counter()
+        outcome = solve_open_part(env, 0)
+        env.close()
+        yield {
+            "verb": verb,
+            "kind": part.kind,
+            "joint": part.joint.name,
+            "handle": part.handle is not None,
+            "latches": len(part.latches),
+            "good": outcome.success,
+            "steps": outcome.steps,
+            "opened": outcome.open_fraction,
+            "reason": outcome.reason,
+            "seconds": time.perf_counter() - begin,
+        }
+
+
 def run(cfg: Config) -> None:
     """Every package that is not in the file yet."""
     done = {(row["what"], row["package"], row["robot"], row.get("task")) for row in read(cfg.out)}
@@ -138,7 +182,8 @@ def run(cfg: Config) -> None:
             head = {"what": cfg.what, "package": folder.name, "robot": cfg.robot}
             head["category"] = category_of(folder)
             try:
-                rows = list((random_steps if cfg.what == "steps" else solve)(cfg, folder))
+                play = {"steps": random_steps, "verbs": try_verbs}.get(cfg.what, solve)
+                rows = list(play(cfg, folder))
             except TaskError as error:
                 rows = [{"task": task, "left_out": str(error)}]
             for row in rows:
@@ -178,6 +223,9 @@ def table(rows: list[dict]) -> str:
     lines: list[str] = []
     for what, robot, task in sorted({(r["what"], r["robot"], r.get("task") or "") for r in rows}):
         mine = [r for r in rows if (r["what"], r["robot"], r.get("task") or "") == (what, robot, task)]
+        if what == "verbs":
+            lines += [verb_table(mine), ""]
+            continue
         if what == "speed":
             rates = ", ".join(f"{r['rate']:.0f}" for r in mine)
             lines += [f"speed, {task}, {robot}: {rates} steps/s", ""]
@@ -200,6 +248,21 @@ def table(rows: list[dict]) -> str:
         if what == "steps":
             reset, step = (np.median([r[key] for r in played]) for key in ("reset", "step"))
             lines += [f"median reset {reset:.2f} s, {1.0 / step:.0f} steps/s", ""]
+    return "\n".join(lines)
+
+
+def verb_table(rows: list[dict]) -> str:
+    """Objects, and parts that were moved, by category and verb."""
+    lines = [f"| category | objects | {' | '.join(VERBS)} | all |", "|---" * (len(VERBS) + 3) + "|"]
+    for category in [*sorted({row["category"] for row in rows}), "all"]:
+        some = [row for row in rows if category in ("all", row["category"]) and "good" in row]
+        cells = [
+            f"{sum(row['good'] for row in mine)} of {len(mine)}" if mine else ""
+            for mine in [[row for row in some if row["verb"] == verb] for verb in VERBS]
+        ]
+        share = 100 * sum(row["good"] for row in some) / max(1, len(some))
+        objects = len({row["package"] for row in some})
+        lines.append(f"| {category} | {objects} | {' | '.join(cells)} | {share:.0f} % |")
     return "\n".join(lines)
 
 

@@ -10,6 +10,8 @@ from jaxtyping import Float
 
 from sim_export.package import HandleAnnotation, PackageJoint, SimPackage
 
+from .follow import pull_spring
+
 if TYPE_CHECKING:
     import sapien
     from sapien.physx import PhysxArticulation, PhysxArticulationJoint, PhysxArticulationLinkComponent
@@ -49,12 +51,12 @@ class LoadedJoint:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Screw:
-    """A sliding joint that follows a turning one by ``multiplier`` metres per radian.
+class Follower:
+    """A joint that follows another one by ``multiplier``: the travel of a screw its turn, a lid its pedal.
 
     SAPIEN's own coupling, a stiff tendon, pushes energy into multipliers as small as a thread's, so the
-    follower has a position drive instead, and `advance` sets its target. Thread friction hides the
-    reaction on the turning joint, which is left out.
+    follower has a position drive instead, and `advance` sets its target. The reaction on the leader is left
+    out; on screws, thread friction hides it.
     """
 
     leader: int
@@ -73,7 +75,7 @@ class LoadedPackage:
     articulation: "PhysxArticulation"
     joints: tuple[LoadedJoint, ...]
     links: tuple[LinkLoad, ...]
-    screws: tuple[Screw, ...] = ()
+    followers: tuple[Follower, ...] = ()
 
     def joint(self, name: str) -> LoadedJoint:
         """The joint of that name; raises `ValueError` naming those that exist."""
@@ -85,12 +87,15 @@ class LoadedPackage:
 
 
 def advance(loaded: LoadedPackage) -> None:
-    """One physics step in which the followers of screws follow. Objects without screws need no more
+    """One physics step in which followers follow and springs pull; an object that has neither needs no more
     than ``scene.step()``."""
-    if loaded.screws:
+    if loaded.followers:
         qpos = loaded.articulation.qpos
-        for screw in loaded.screws:
-            screw.follower.set_drive_target(screw.multiplier * float(qpos[screw.leader]))
+        for each in loaded.followers:
+            each.follower.set_drive_target(each.multiplier * float(qpos[each.leader]))
+    for joint in loaded.joints:
+        if joint.spec.spring > 0.0:
+            pull_spring(joint.engine, joint.spec, float(loaded.articulation.qpos[joint.index]))
     loaded.scene.step()
 
 

@@ -48,8 +48,9 @@ def _compile(path: Path) -> MujocoResult:
         return MujocoResult(file=path.name, error=" ".join(str(error).split()), warnings=tuple(warnings))
     finally:
         mujoco.set_mju_user_warning(before)
-    # Weight is off: what is left are forces of overlap and of limits that rest violates.
+    # Weight and springs are off: what is left are forces of overlap and of limits that rest violates.
     model.opt.gravity[:] = 0.0
+    model.jnt_stiffness[:] = 0.0
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
     force = float(np.abs(data.qfrc_constraint).sum())

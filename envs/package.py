@@ -13,17 +13,14 @@ from typing import TYPE_CHECKING, Literal
 from sim_export.errors import PackageError
 from sim_export.package import HandleAnnotation, PackageJoint, SimPackage
 
+from .follow import drive_follower
 from .friction import apply_damping, apply_friction, apply_velocity
-from .loaded import LinkLoad, LoadedJoint, LoadedPackage, Screw
+from .loaded import Follower, LinkLoad, LoadedJoint, LoadedPackage
 from .urdf_text import physics_urdf
 
 if TYPE_CHECKING:
     import sapien
     from sapien.physx import PhysxArticulation
-
-SCREW_FREQUENCY = 1000.0
-"""Natural frequency (rad/s) of the drive that makes the travel of a screw follow its turn: under its own
-weight a part sags by g / frequency^2, a hundredth of a millimetre."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -96,7 +93,9 @@ def load_package(
         articulation=articulation,
         joints=tuple(moving),
         links=links,
-        screws=tuple(_drive_screw(joint, joints) for joint in joints if joint.spec.mimic is not None),
+        followers=tuple(
+            _drive_follower(joint, joints, package) for joint in joints if joint.spec.mimic is not None
+        ),
     )
 
 
@@ -152,15 +151,13 @@ def _uncouple(builder, package: SimPackage) -> None:
             record.joint_type, record.limits = "revolute_unwrapped", limits[record.name]
 
 
-def _drive_screw(joint: LoadedJoint, joints: tuple[LoadedJoint, ...]) -> Screw:
+def _drive_follower(joint: LoadedJoint, joints: tuple[LoadedJoint, ...], package: SimPackage) -> Follower:
     """Couples a following joint to its leader by a critically damped position drive."""
     leader = next((other for other in joints if other.spec.name == joint.spec.mimic), None)
     if leader is None:
         raise PackageError(f"joint {joint.spec.name!r} follows {joint.spec.mimic!r}, which does not move")
-    mass = float(joint.engine.child_link.mass)
-    joint.engine.set_friction(0.0)
-    joint.engine.set_drive_properties(mass * SCREW_FREQUENCY**2, 2.0 * mass * SCREW_FREQUENCY)
-    return Screw(leader=leader.index, multiplier=joint.spec.mimic_multiplier, follower=joint.engine)
+    drive_follower(joint.engine, joint.spec, package)
+    return Follower(leader=leader.index, multiplier=joint.spec.mimic_multiplier, follower=joint.engine)
 
 
 def _compare(link, record, mass: float | None) -> LinkLoad:
@@ -201,7 +198,7 @@ def _match_joints(articulation: "PhysxArticulation", package: SimPackage) -> tup
         handles.setdefault(handle.link, handle)
     # What a screw turns is the carrier; the part with a meaning and a handle is what follows it.
     held = {spec.name: spec.child for spec in package.joints}
-    held |= {spec.mimic: spec.child for spec in package.joints if spec.mimic is not None}
+    held |= {spec.mimic: spec.child for spec in package.joints if spec.mimic is not None and spec.is_travel}
     strangers = [joint.name for joint in articulation.active_joints if joint.name not in specs]
     if strangers:
         raise PackageError(

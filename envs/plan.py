@@ -81,7 +81,7 @@ def _start(joint: LoadedJoint) -> float:
 def _plan(index: int, joint: LoadedJoint, moved: Moved, needs: tuple[str, ...], cfg: HandConfig) -> JointPlan:
     hand = hand_effort(joint, moved, cfg)
     travel = np.linspace(0.0, joint.span, SWEEP_SAMPLES)
-    weight = weight_effort(joint, moved, travel)
+    weight = weight_effort(joint, moved, travel) - joint.spec.spring - joint.spec.stiffness * travel
     opening = hand + max(0.0, float(-weight.min()))
     closing = hand + max(0.0, float(weight.max()))
     # Work of the largest effort plus the most that the weight can add, all of it turned into speed.

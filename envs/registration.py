@@ -13,12 +13,19 @@ if TYPE_CHECKING:
     from .settle import SettleConfig, SettleEnv
 
 TASKS = {
-    "ArtiGen-OpenPart-v1": ("envs.maniskill.open_part:OpenPartEnv", 300),
+    "ArtiGen-OpenPart-v1": ("envs.maniskill.open_part:OpenPartEnv", 500),
     "ArtiGen-PutInside-v1": ("envs.maniskill.put_inside:PutInsideEnv", 300),
     "ArtiGen-OpenCabinetDrawer-v1": ("envs.maniskill.stock:PackageDrawerEnv", 100),
     "ArtiGen-OpenCabinetDoor-v1": ("envs.maniskill.stock:PackageDoorEnv", 100),
 }
 """ManiSkill tasks: id, entry point, steps of an episode. ManiSkill is imported when one is made."""
+VERB_TASKS = {
+    "ArtiGen-TurnPart-v1": "turn",
+    "ArtiGen-PressPart-v1": "press",
+    "ArtiGen-LiftPart-v1": "lift",
+    "ArtiGen-SlidePart-v1": "slide",
+}
+"""``ArtiGen-OpenPart-v1`` with another verb."""
 ROOM_ID = "ArtiGen-Room-v1"
 """A furnished room in ManiSkill; needs ``scenes`` instead of packages."""
 ENVIRONMENT_IDS = ("ArtiGen/Actuate-v0", "ArtiGen/JointSweep-v0", "ArtiGen/Settle-v0")
@@ -58,6 +65,8 @@ def register_environments() -> None:
     _register("ArtiGen/Settle-v0", make_settle, steps=100)
     for name, (entry_point, steps) in TASKS.items():
         _register_task(name, entry_point, steps=steps)
+    for name, verb in VERB_TASKS.items():
+        _register_task(name, *TASKS["ArtiGen-OpenPart-v1"], verb=verb)
     _register_task(ROOM_ID, "envs.maniskill.scene:RoomEnv", steps=200)
 
 
@@ -66,8 +75,8 @@ def _register(name: str, factory: Callable[..., gym.Env], *, steps: int) -> None
         gym.register(id=name, entry_point=factory, max_episode_steps=steps)
 
 
-def _register_task(name: str, entry_point: str, *, steps: int) -> None:
-    """A ManiSkill task, with ManiSkill's batched time limit in place of gymnasium's."""
+def _register_task(name: str, entry_point: str, steps: int, **kwargs: str) -> None:
+    """A task whose class takes ``kwargs``, with ManiSkill's batched time limit in place of gymnasium's."""
     if name not in gym.registry:
         limit = WrapperSpec(
             "MSTimeLimit",
@@ -80,4 +89,5 @@ def _register_task(name: str, entry_point: str, *, steps: int) -> None:
             max_episode_steps=steps,
             disable_env_checker=True,
             additional_wrappers=(limit,),
+            kwargs=kwargs,
         )

@@ -6,6 +6,7 @@ compares those with thresholds. Everything is CPU PhysX, and nothing is random.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Literal
 
@@ -92,7 +93,7 @@ def run_trials(
     lean_drift = _lean(scene, loaded, plan, cfg, trace)
     pulls: dict[int, PullResult] = {}
     for group in plan.groups:
-        pulls |= _pull_group(scene, loaded, [(i, plan.joints[i]) for i in group], cfg, trace)
+        pulls |= _pull_group(scene, loaded, plan, [(i, plan.joints[i]) for i in group], cfg, trace)
         growth.append(_size(loaded))
     stand = _stand(folder, package, timestep, cfg, trace)
     return TrialResults(
@@ -145,7 +146,16 @@ def _run_free(scene, loaded: LoadedPackage, seconds: float, trace: list) -> np.n
 
 def _rest(scene, loaded: LoadedPackage, cfg: TrialConfig, trace: list) -> tuple[np.ndarray, np.ndarray]:
     drift = _run_free(scene, loaded, cfg.rest_seconds, trace)
-    return drift, np.abs(_of_joints(loaded, loaded.articulation.qvel))
+    speed = np.abs(_of_joints(loaded, loaded.articulation.qvel))
+    sprung = np.array([joint.spec.spring > 0.0 for joint in loaded.joints], dtype=bool)
+    if (
+        sprung.any()
+    ):  # PhysX states a speed for what a spring presses against its limit, though it stands still
+        before = _of_joints(loaded, loaded.articulation.qpos)
+        advance(loaded)
+        moved = np.abs(_of_joints(loaded, loaded.articulation.qpos) - before)
+        speed = np.where(sprung, moved / scene.timestep, speed)
+    return drift, speed
 
 
 def _lean(scene, loaded: LoadedPackage, plan: TrialPlan, cfg: TrialConfig, trace: list) -> np.ndarray:
@@ -165,8 +175,9 @@ def _lean(scene, loaded: LoadedPackage, plan: TrialPlan, cfg: TrialConfig, trace
 
 
 def _pull_group(
-    scene, loaded: LoadedPackage, members: list[tuple[int, JointPlan]], cfg: TrialConfig, trace: list
-) -> dict[int, PullResult]:
+    scene, loaded: LoadedPackage, plan: TrialPlan, members: list[tuple[int, JointPlan]], cfg: TrialConfig,
+    trace: list,
+) -> dict[int, PullResult]:  # fmt: skip
     """Opens joints together from their lower limits, then closes them; everything else is at rest."""
     start = {joint.spec.name: float(rest_qpos(loaded)[joint.index]) for joint in loaded.joints}
     start |= {name: loaded.joint(name).spec.upper for name in members[0][1].needs}
@@ -176,8 +187,9 @@ def _pull_group(
         if loaded.joints[i].limited
     }
     reset(loaded, qpos_of(loaded, start))
-    opened, open_gap, speed_out = _drive(scene, loaded, members, cfg, trace, direction=1.0)
-    _, close_gap, speed_back = _drive(scene, loaded, members, cfg, trace, direction=-1.0)
+    drive = partial(_drive, scene, loaded, members, cfg, trace, kept=_kept_open(loaded, plan, members[0][1]))
+    opened, open_gap, speed_out = drive(direction=1.0)
+    _, close_gap, speed_back = drive(direction=-1.0)
     return {
         index: PullResult(
             opened=float(opened[k]),
@@ -189,9 +201,18 @@ def _pull_group(
     }
 
 
+def _kept_open(loaded: LoadedPackage, plan: TrialPlan, member: JointPlan) -> list[tuple]:
+    """Pushes on needed joints that a spring would close meanwhile: links with forces and torques."""
+    return [
+        (joint.engine.child_link, push_wrench(joint, own.axis, own.opening))
+        for joint, own in zip(loaded.joints, plan.joints, strict=True)
+        if joint.spec.name in member.needs and joint.spec.spring > 0.0
+    ]
+
+
 def _drive(
     scene, loaded: LoadedPackage, members: list[tuple[int, JointPlan]], cfg: TrialConfig, trace: list, *,
-    direction: float,
+    direction: float, kept: list[tuple],
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:  # fmt: skip
     """Pushes joints one way until all have arrived, all have stalled, or the time is over.
 
@@ -216,6 +237,8 @@ def _drive(
             # A joint without limits is let go once it has turned far enough.
             if limited[k] or gap[k] > 0.0:
                 link.add_force_torque(*wrench)
+        for link, wrench in kept:
+            link.add_force_torque(*wrench)
         advance(loaded)
         q = np.array(loaded.articulation.qpos, dtype=np.float64)[columns]
         v = np.array(loaded.articulation.qvel, dtype=np.float64)[columns]

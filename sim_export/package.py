@@ -121,7 +121,9 @@ class PackageJoint:
 
     ``friction`` is a force (N) or torque (N m), ``damping`` N s/m or N m s/rad. ``kind`` keeps the
     asset's joint type; a screw is two joints in a row, the second a prismatic one that mimics the
-    first by ``mimic_multiplier`` (metres per radian).
+    first by ``mimic_multiplier`` (metres per radian). A part that follows another one (a lid its pedal)
+    mimics that one's joint in the same way. ``spring`` is a force (N) or torque (N m) that closes the joint,
+    twice as large at the upper limit as at 0.
     """
 
     name: str
@@ -139,6 +141,17 @@ class PackageJoint:
     damping: float = 0.0
     mimic: str | None = None
     mimic_multiplier: float = 0.0
+    spring: float = 0.0
+
+    @property
+    def is_travel(self) -> bool:
+        """Whether this is the second joint of a screw."""
+        return self.mimic is not None and self.kind == "screw"
+
+    @property
+    def stiffness(self) -> float:
+        """Of the spring, N/m or N m/rad; it is relaxed at minus the upper limit."""
+        return self.spring / self.upper if self.spring > 0.0 else 0.0
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -7,7 +7,7 @@ be open first are what the object says.
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import manifold3d
@@ -102,7 +102,7 @@ def build_reference(
         ]
         materials.append((part.name, Counter(sorted(made_of)).most_common(1)[0][0]))
         geometry.append(PartGeometry(visuals=(meshes[-1],), hulls=hulls, inertial=_weigh(solids, made_of)))
-    tree = build_links(asset, geometry, find_latched(shape))
+    tree = _couple(shape, build_links(asset, geometry, find_latched(shape)))
     return SimPackage(
         name=asset.name,
         category=asset.category,
@@ -235,6 +235,36 @@ def _weigh(solids: Sequence[Hull], made_of: Sequence[MaterialName]) -> Inertial:
         elif added.mass > (1.0 + 1e-6) * known.mass:  # else it lies inside of the others
             inertials.append(subtract(added, known))
     return combine(inertials)
+
+
+def _couple(shape: Shape, tree: LinkTree) -> LinkTree:
+    """The tree with followers that mimic their leaders, and springs; one sentence for each.
+
+    A follower resists nothing: what moves it does.
+    """
+    motions = {part.name: part.motion for part in shape.parts if part.motion is not None}
+    leading = {link.name: link.parts[0] for link in tree.links if link.parts}
+    by_part = {leading[joint.child]: joint for joint in tree.joints if joint.child in leading}
+    joints, records = [], list(tree.records)
+    for joint in tree.joints:
+        motion = motions.get(leading.get(joint.child, ""))
+        if motion is not None and motion.spring > 0.0:
+            joint = replace(joint, spring=motion.spring)
+            records.append(
+                f"{joint.name}: a spring closes it with {joint.spring:g}, at its upper limit with twice that "
+                f"(N or N m); URDF cannot say so"
+            )
+        if motion is not None and motion.follows is not None:
+            leader = by_part[motion.follows]
+            ratio = joint.upper / leader.upper
+            joint = replace(
+                joint, mimic=leader.name, mimic_multiplier=ratio, friction=0.0, damping=0.0, spring=0.0
+            )
+            records.append(
+                f"{joint.name} follows {leader.name} times {ratio:.6g}; engines without <mimic> let it go"
+            )
+        joints.append(joint)
+    return replace(tree, joints=tuple(joints), records=tuple(records))
 
 
 def find_latched(shape: Shape) -> frozenset[str]:

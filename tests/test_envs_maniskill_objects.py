@@ -83,7 +83,7 @@ def test_a_missing_kind_says_what_was_found(package, tmp_path):
         replace(link, label="tray" if link.label == "drawer" else link.label) for link in package.links
     )
     write_package(replace(package, links=links), tmp_path / "trays")
-    with pytest.raises(TaskError, match=r"none has a drawer on a joint with limits .*joint_0 moves a tray"):
+    with pytest.raises(TaskError, match=r"none has a drawer that one joint moves .*joint_0 moves a tray"):
         read_objects(tmp_path, "drawer", validation="any")
 
 

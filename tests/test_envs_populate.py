@@ -17,7 +17,7 @@ from envs.maniskill.rooms.file import SceneFileError, read_room, write_room
 from envs.maniskill.rooms.footprints import carries, measure_footprint, read_footprint
 from envs.maniskill.rooms.map import label_regions, start_place, way_to
 from envs.maniskill.rooms.picture import RoomPictureConfig, draw_plan, draw_room
-from envs.maniskill.rooms.recipes import BASE, KITCHEN, RANGE, RECIPES, Share
+from envs.maniskill.rooms.recipes import BASE, KITCHEN, RANGE, RECIPES, WINDOWS, Share
 from envs.maniskill.rooms.room import Room, RoomKind, pose_matrix_of
 from envs.maniskill.rooms.sweeps import opening_joints, sweep_boxes, sweep_joint
 from sim_export.collision.hulls import box_hull
@@ -26,7 +26,14 @@ from sim_export.package import Hull, Inertial, Link, Mesh, PackageJoint, SimPack
 from sim_export.report import CheckResult, Report, write_report
 
 WALL = 0.018
-ROOMS: tuple[tuple[RoomKind, int], ...] = (("kitchen", 0), ("kitchen", 1), ("office", 0), ("bedroom", 1))
+ROOMS: tuple[tuple[RoomKind, int], ...] = (
+    ("kitchen", 0),
+    ("kitchen", 1),
+    ("office", 0),
+    ("bedroom", 1),
+    ("bathroom", 0),
+    ("workshop", 0),
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,6 +61,12 @@ FURNITURE = (
     Furniture(name="wardrobe", category="StorageFurniture", size=(0.6, 1.2, 2.1), doors=2),
     Furniture(name="dresser", category="StorageFurniture", size=(0.48, 1.0, 0.9), drawers=3),
     Furniture(name="nightstand", category="StorageFurniture", size=(0.4, 0.45, 0.52), drawers=1),
+    Furniture(name="toilet", category="Toilet", size=(0.62, 0.38, 0.8)),
+    Furniture(name="washer", category="WashingMachine", size=(0.6, 0.6, 0.88), doors=1),
+    Furniture(name="files", category="FilingCabinet", size=(0.6, 0.45, 1.3), drawers=4),
+    Furniture(name="bin", category="TrashCan", size=(0.3, 0.3, 0.5)),
+    Furniture(name="window", category="Window", size=(0.08, 0.9, 1.1), doors=1, swing=1.4),
+    Furniture(name="laptop", category="Laptop", size=(0.25, 0.36, 0.03)),
     Furniture(name="sideboard", category="StorageFurniture", size=(0.42, 1.4, 0.78), doors=2),
 )
 
@@ -398,7 +411,7 @@ def test_the_command_writes_scene_and_plan(folder, tmp_path, capsys):
     assert f"{len(room.placements)} objects" in capsys.readouterr().out
     assert (tmp_path / "room" / "plan.png").stat().st_size > 5000
     assert not (tmp_path / "room" / "room.png").exists()
-    assert dict(room.provenance)["packages"].startswith("13 proven packages")
+    assert dict(room.provenance)["packages"].startswith(f"{len(FURNITURE)} proven packages")
     assert room.placements[0].provenance[0] == ("source", f"a box called {room.placements[0].package.name}")
 
 
@@ -406,3 +419,22 @@ def test_hulls_of_the_test_furniture_are_closed():
     package = build_furniture(FURNITURE[0])
     assert all(isinstance(hull, Hull) for link in package.links for hull in link.hulls)
     assert KITCHEN.role("base cabinet") is BASE
+
+
+def test_windows_hang_on_walls_and_small_things_stand_on_their_roles(rooms):
+    seen = set()
+    for room in rooms.values():
+        roles = {placement.id: placement.role for placement in room.placements}
+        for placement in room.placements:
+            T = pose_matrix_of(placement)
+            low = float(T[2, 3] + read_footprint(placement.package).body[0, 2])
+            if placement.role == "window":
+                assert low == pytest.approx(WINDOWS.height)
+                assert placement.support is None
+                seen.add("window")
+            for share in RECIPES[room.kind].tops:
+                if share.on and share.role.name == placement.role:
+                    assert placement.support is not None
+                    assert roles[placement.support] in share.on
+                    seen.add(placement.role)
+    assert {"window", "laptop"} <= seen

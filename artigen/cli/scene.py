@@ -49,7 +49,7 @@ class SceneSettings:
 
 
 def scene(
-    kind: tyro.conf.Positional[Literal["kitchen", "office", "bedroom"]],
+    kind: tyro.conf.Positional[Literal["kitchen", "office", "bedroom", "bathroom", "workshop"]],
     out: Out,
     seed: int = 0,
     packages: Path | None = None,

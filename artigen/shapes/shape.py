@@ -14,16 +14,25 @@ from artigen.shapes.primitives import Primitive, Vector, place_vertices
 from artigen.shapes.surfaces.finishes import Finish
 from artigen.types import JOINT_TYPES, PART_LABELS, JointType, PartLabel, check_tree
 
+ENDLESS: tuple[JointType, ...] = ("continuous", "screw")
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Motion:
-    """How a part moves on its parent: a joint in metres and radians, in the object frame at rest."""
+    """How a part moves on its parent: a joint in metres and radians, in the object frame at rest.
+
+    ``follows`` names a part that moves this one along, as a pedal does a lid: both are closed and both are
+    open at the same time, in proportion between. ``spring`` is a force (N) or torque (N m) that closes the
+    joint: as large as stated where it is closed, twice that where it is open, linear between.
+    """
 
     type: JointType
     axis: Vector
     origin: Vector = (0.0, 0.0, 0.0)
     upper: float = 0.0
     pitch: float = 0.0
+    follows: str | None = None
+    spring: float = 0.0
 
     def __post_init__(self) -> None:
         if self.type not in JOINT_TYPES or self.type == "fixed":
@@ -32,6 +41,12 @@ class Motion:
             raise ValueError(f"motion along {self.axis} up to {self.upper}: a unit axis and a range above 0")
         if (self.pitch != 0.0) != (self.type == "screw"):
             raise ValueError(f"a {self.type} motion has pitch {self.pitch}; screws and only screws have one")
+        if self.type in ENDLESS and (self.follows is not None or self.spring != 0.0):
+            raise ValueError(f"a {self.type} motion follows nothing and has no spring: it has no ends")
+        if not self.spring >= 0.0:
+            raise ValueError(
+                f"a spring of {self.spring} N or N m; it is to be 0 or more, and closes the joint"
+            )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -79,6 +94,22 @@ class Condition:
     style: str
 
 
+def _check_followers(name: str, parts: tuple[ShapePart, ...]) -> None:
+    """Raises `ValueError` unless what is followed moves between ends, and follows nothing itself."""
+    motions = {part.name: part.motion for part in parts}
+    for part in parts:
+        if part.motion is None or part.motion.follows is None:
+            continue
+        leader = motions[part.motion.follows]
+        if leader is None or leader.type in ENDLESS or leader.follows is not None:
+            raise ValueError(
+                f"{name}: part {part.name!r} follows {part.motion.follows!r}, which has to move between two "
+                f"ends and to follow nothing itself"
+            )
+        if any(need.part == part.name for other in parts for need in other.needs):
+            raise ValueError(f"{name}: part {part.name!r} follows another; let parts need the other one open")
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Shape:
     """A procedural articulated object: a pure function of category, seed and wishes."""
@@ -93,10 +124,12 @@ class Shape:
         names = [part.name for part in self.parts]
         unknown = {part.parent for part in self.parts} - {None, *names}
         unknown |= {need.part for part in self.parts for need in part.needs} - set(names)
+        unknown |= {part.motion.follows for part in self.parts if part.motion is not None} - {None, *names}
         if unknown:
             raise ValueError(f"{self.name}: parts {sorted(map(str, unknown))} are named and do not exist")
         parents = [-1 if part.parent is None else names.index(part.parent) for part in self.parts]
         check_tree(self.name, names, parents)
+        _check_followers(self.name, self.parts)
         finishes = {name for name, _ in self.finishes}
         used = {p.finish for part in self.parts for p in part.primitives}
         used |= {p.lining for part in self.parts for p in part.primitives if p.lining is not None}

@@ -7,7 +7,7 @@ from jaxtyping import Float
 
 from artigen.transforms import transform_points
 from sim_export.collision.hulls import box_hull
-from sim_export.collision.motion import link_displacements
+from sim_export.collision.motion import driven_joints, link_displacements
 from sim_export.package import Hull
 from sim_export.tree import hanging_links
 
@@ -28,10 +28,14 @@ def hulls_at(
     Args:
         entry: the object.
         part: one of its parts.
-        qpos: joint coordinates by name, m or rad; joints that are not named are at 0.
+        qpos: joint coordinates by name, m or rad; joints that are not named are at 0, and those that follow
+            others are where these lead them.
     """
     links = entry.package.links
-    T = link_displacements(links, entry.package.joints, qpos)
+    driven = {joint.name for joint in driven_joints(entry.package.joints)}
+    T = link_displacements(
+        links, entry.package.joints, {name: value for name, value in qpos.items() if name in driven}
+    )
     inside = hanging_links(entry.package.joints, part.joint.child)
     carried: list[Hull] = []
     others: list[Hull] = []
@@ -63,6 +67,12 @@ def ground_under(entry: TaskObject, hulls: Sequence[Hull]) -> Hull:
     low, high = corners.min(axis=0), corners.max(axis=0)
     low[2], high[2] = entry.floor - GROUND, entry.floor
     return box_hull(low, high)
+
+
+def plinth_under(entry: TaskObject) -> Hull:
+    """The plinth of a raised object, in the object frame."""
+    low, high = entry.bounds
+    return box_hull(np.array([*low[:2], entry.floor]), np.array([*high[:2], low[2]]))
 
 
 def move_hull(hull: Hull, T: Float[np.ndarray, "4 4"]) -> Hull:

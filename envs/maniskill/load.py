@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 import sapien
+import torch
 from jaxtyping import Float
 from mani_skill.utils import sapien_utils
 from mani_skill.utils.structs import Pose
@@ -18,6 +19,7 @@ from mani_skill.utils.structs import Pose
 from artigen.errors import ArtigenError
 from sim_export.package import SimPackage
 
+from ..follow import drive_follower, pull_spring
 from ..friction import apply_damping, apply_friction, apply_velocity
 from ..urdf_text import physics_urdf
 from .objects import TaskObject
@@ -103,8 +105,7 @@ def _parse(scene: "ManiSkillScene", folder: Path) -> "ArticulationBuilder":
 
 def _hold(builder: "ArticulationBuilder", package: SimPackage, *, endless: str) -> None:
     """Turns the joints of screws, and endless ones if asked, into fixed ones at rest."""
-    held = {joint.name for joint in package.joints if joint.mimic is not None or joint.kind == "screw"}
-    held |= {joint.mimic for joint in package.joints if joint.mimic is not None}
+    held = {joint.name for joint in package.joints if joint.kind == "screw"}
     if endless == "hold":
         held |= {joint.name for joint in package.joints if joint.type == "continuous"}
     for link in builder.link_builders:
@@ -135,12 +136,37 @@ def _apply_resistance(articulation: "Articulation", package: SimPackage, prefix:
     for engine in articulation._objs:
         for joint in engine.active_joints:
             spec = specs[joint.name.removeprefix(prefix)]
+            if spec.mimic is not None:
+                drive_follower(joint, spec, package)
+                continue
             if spec.friction == 0.0 and spec.damping == 0.0:
                 continue
             apply_friction(joint, spec.friction)
             apply_damping(engine, joint, spec.damping)
             if spec.velocity > 0.0:
                 apply_velocity(joint, spec.velocity)
+
+
+def play_mechanisms(articulation: "Articulation", package: SimPackage) -> None:
+    """Lets followers follow and springs pull; to be called before every physics step.
+
+    On the GPU followers follow, and springs are left out.
+    """
+    joints = {joint.name: index for index, joint in enumerate(articulation.active_joints)}
+    pairs = [spec for spec in package.joints if spec.mimic in joints and spec.name in joints]
+    springs = [spec for spec in package.joints if spec.spring > 0.0 and spec.name in joints]
+    if not pairs and not springs:
+        return
+    qpos = articulation.get_qpos()
+    if pairs:
+        targets = [spec.mimic_multiplier * qpos[:, joints[str(spec.mimic)]] for spec in pairs]
+        followers = [articulation.active_joints[joints[spec.name]] for spec in pairs]
+        articulation.set_joint_drive_targets(torch.stack(targets, dim=1), followers)
+    if articulation.scene.gpu_sim_enabled:
+        return
+    for spec in springs:
+        index = joints[spec.name]
+        pull_spring(articulation._objs[0].active_joints[index], spec, float(qpos[0, index]))
 
 
 def _link_frames(builder: "ArticulationBuilder") -> dict[str, Float[np.ndarray, "4 4"]]:

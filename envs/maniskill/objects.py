@@ -1,6 +1,6 @@
 """What a task knows of a package before any simulator runs: the parts it may use, and where to hold them.
 
-A drawer or door is usable if one joint with limits moves it. Everything else that moves is left out by
+A part is usable if one joint moves it and nothing else follows. Everything else that moves is left out by
 name, with the reason, instead of turning into a NaN later.
 """
 
@@ -13,58 +13,95 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Float
 
+from artigen.types import PartLabel
 from sim_export.files.read import read_package
 from sim_export.package import HandleAnnotation, Hull, PackageJoint, SimPackage
 from sim_export.tree import hanging_links, needed_fractions
 
 from .folders import TaskError, demand_validation, find_packages
+from .verbs import VERBS, Verb, grip_direction, verb_of
 
-PartKind = Literal["drawer", "door", "any"]
+PartKind = Literal["drawer", "door", "handle", "knob", "tray", "shelf", "any"]
 Validation = Literal["passed", "any"]
 HandleNeed = Literal["required", "optional"]
 HANDLE_SLACK = 0.005
 """How far hulls of a handle may reach out of its box, metres."""
+QUARTER = float(np.pi / 2.0)
+"""How far something without limits is turned, rad."""
+HOLLOW = 0.015
+"""A handle whose middle is farther than this (m) from its hulls is taken at its end: a suitcase's rods."""
+LOW, PLINTH = 0.75, 0.5
+"""Objects lower than the first stand on a plinth as high as the second, metres: an arm needs room below."""
+LATCH_LABELS = ("knob", "handle")
+"""What a leaf needs moved first and carries such a label is its latch: the robot works it."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class TaskPart:
     """A part that a task may move.
 
-    ``grip`` is where a gripper takes hold (object frame at rest, metres): the middle of ``handle``, or
-    of the free edge of the part where no handle is annotated. ``moved`` are the part's hull vertices in the
-    same frame, with those of everything it carries; ``held`` are the hulls that make up the handle;
-    ``needs`` are joints that must stand open first.
+    ``kind`` is the part's label and ``verb`` what is done to it. ``grip`` is where a gripper takes hold
+    (object frame at rest, metres): the middle of ``handle``, or of the free edge of the part where no handle
+    is annotated. ``moved`` are the part's hull vertices in the same frame, with those of all it carries;
+    ``own`` are the hulls of the part itself and ``held`` those that make up the handle; ``needs`` are joints
+    that must stand open first, and ``latches`` those of them that a hand works, in their order. A joint
+    without limits has those of a quarter turn here.
     """
 
-    kind: Literal["drawer", "door"]
+    kind: PartLabel
+    verb: Verb
     joint: PackageJoint
     handle: HandleAnnotation | None
     grip: Float[np.ndarray, "3"]
     moved: Float[np.ndarray, "V 3"]
+    own: tuple[Hull, ...]
     held: tuple[Hull, ...]
     needs: tuple[str, ...]
+    latches: "tuple[Latching, ...]" = ()
 
     @property
     def span(self) -> float:
         """Length of the range, m or rad."""
         return self.joint.upper - self.joint.lower
 
+    @property
+    def grip_latch(self) -> "Latching | None":
+        """The latch that is at the same time this part's handle: a door's lever."""
+        if self.handle is None:
+            return None
+        return next((x for x in self.latches if x.part.joint.child == self.handle.link), None)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Latching:
+    """A latch, and how far (share of its range) it has to be open before what it holds moves."""
+
+    part: TaskPart
+    fraction: float
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class TaskObject:
-    """A package with its usable parts. ``left_out`` are (joint, reason); ``floor`` is the lowest z and
-    ``bounds`` the box of all hulls at rest, metres."""
+    """A package with its usable parts. ``left_out`` are (joint, reason), ``bounds`` is the box of all hulls
+    at rest, and ``raised`` the height of the plinth that the object stands on, metres."""
 
     folder: Path
     package: SimPackage
     parts: tuple[TaskPart, ...]
     left_out: tuple[tuple[str, str], ...]
     bounds: Float[np.ndarray, "2 3"]
+    raised: float = 0.0
 
     @property
     def floor(self) -> float:
-        """Height of the object's lowest point in its own frame."""
-        return float(self.bounds[0, 2])
+        """Height of the ground in the object's own frame."""
+        return float(self.bounds[0, 2]) - self.raised
+
+
+def on_plinth(entry: TaskObject) -> TaskObject:
+    """The object on a plinth if it is one that would stand on a counter or hang on a wall."""
+    height = float(entry.bounds[1, 2] - entry.bounds[0, 2])
+    return replace(entry, raised=PLINTH if height < LOW else 0.0)
 
 
 def read_objects(
@@ -74,62 +111,66 @@ def read_objects(
     joint: str | None = None,
     handles: HandleNeed = "optional",
     validation: Validation = "passed",
+    verb: Verb = "open",
 ) -> tuple[TaskObject, ...]:
     """Every package that has a part of the kind asked for.
 
     Args:
         packages: as for `find_packages`.
-        kind: ``drawer``, ``door``, or ``any`` of the two.
+        kind: ``drawer``, ``door`` or another label; ``any`` is every one that the verb is for.
         joint: only parts on a joint of that name.
         handles: whether parts without an annotated handle are left out.
         validation: ``passed`` wants a passed ``validation.json`` in every package.
+        verb: ``open`` takes drawers and doors of every motion; another takes the parts that move in that way.
 
     Raises:
+        ValueError: if the verb is unknown.
         TaskError: if there is no package, one of them failed its validation or never had one, or none
             has a part of the kind.
     """
+    if verb not in VERBS:
+        raise ValueError(f"verb {verb!r}, expected one of {', '.join(VERBS)}")
     folders = find_packages(packages)
     if validation == "passed":
         demand_validation(folders)
-    objects = [read_object(folder, kind, handles) for folder in folders]
+    objects = [read_object(folder, kind, handles, verb) for folder in folders]
     if joint is not None:
         objects = [_only(entry, joint) for entry in objects]
     usable = tuple(entry for entry in objects if entry.parts)
     if not usable:
         reasons = [f"{entry.package.name}: {_describe(entry)}" for entry in objects[:3]]
         more = f", and {len(objects) - 3} packages more" if len(objects) > 3 else ""
-        wanted = "a drawer or door" if kind == "any" else f"a {kind}"
+        wanted = f"a {kind}" if kind != "any" else "a drawer or door" if verb == "open" else "a part"
+        wanted += "" if verb == "open" else f" to {verb}"
         with_handle = " with a handle" if handles == "required" else ""
         with_handle += "" if joint is None else f" on joint {joint!r}"
         raise TaskError(
-            f"{len(objects)} packages and none has {wanted}{with_handle} on a joint with limits "
-            f"({'; '.join(reasons)}{more}); ask for another part or give other packages"
+            f"{len(objects)} packages and none has {wanted}{with_handle} "
+            f"that one joint moves ({'; '.join(reasons)}{more}); ask for another part or give other packages"
         )
     return usable
 
 
 @functools.lru_cache(maxsize=256)
-def read_object(folder: Path, kind: PartKind, handles: HandleNeed = "optional") -> TaskObject:
+def read_object(
+    folder: Path, kind: PartKind, handles: HandleNeed = "optional", verb: Verb = "open"
+) -> TaskObject:
     """One package with its usable parts, of which there may be none."""
     package = read_package(folder, appearance=False)
-    labels = {link.name: link.label for link in package.links}
-    followed = {joint.mimic for joint in package.joints if joint.mimic is not None}
-    held = {handle.link: handle for handle in reversed(package.handles)}
+    labels: dict[str, PartLabel | None] = {link.name: link.label for link in package.links}
     parts: list[TaskPart] = []
     left_out: list[tuple[str, str]] = []
     for joint in package.joints:
         if joint.type == "fixed":
             continue
-        found = _kind_of(joint, labels.get(joint.child), followed)
-        handle = _handle_of(package, joint.child, held)
-        if found not in ("drawer", "door"):
-            left_out.append((joint.name, found))
-        elif kind not in ("any", found):
-            left_out.append((joint.name, f"moves a {found}"))
-        elif handle is None and handles == "required":
-            left_out.append((joint.name, f"its {found} has no handle"))
-        else:
-            parts.append(_part(package, joint, "drawer" if found == "drawer" else "door", handle))
+        label = _label_of(joint, labels[joint.child])
+        reason = _unusable(joint, label)
+        if not reason:
+            part = _read_part(package, joint, label)
+            reason = _unwanted(part, kind, handles, verb)
+            parts += [] if reason else [part]
+        if reason:
+            left_out.append((joint.name, reason))
     corners = np.concatenate([np.zeros((0, 3)), *(hull.vertices for x in package.links for hull in x.hulls)])
     if not len(corners):
         raise TaskError(f"{folder}: no collision shape at all; nothing can touch it")
@@ -153,52 +194,106 @@ def _describe(entry: TaskObject) -> str:
     return ", ".join(f"{name} {reason}" for name, reason in entry.left_out) or "no joint moves"
 
 
-def _kind_of(joint: PackageJoint, label: str | None, followed: set[str]) -> str:
-    """``drawer`` or ``door``, or why the joint cannot be used. Unlabelled parts go by their joint."""
-    if joint.kind == "screw" or joint.mimic is not None or joint.name in followed:
+def _label_of(joint: PackageJoint, label: PartLabel | None) -> PartLabel:
+    """A part's label; what has none is a drawer or a door, by its joint."""
+    return label or ("drawer" if joint.type == "prismatic" else "door")
+
+
+def _unusable(joint: PackageJoint, label: PartLabel) -> str:
+    """Why nothing can be done with a joint, "" if something can."""
+    if joint.kind == "screw":
         return "is part of a screw"
+    if joint.mimic is not None:
+        return f"follows {joint.mimic}"
     if joint.type == "continuous":
-        return "turns without limits"
+        return "" if label in LATCH_LABELS else "turns without limits"
     if not joint.upper - joint.lower > 0.0:
         return "has an empty range"
-    if label in ("drawer", "door"):
-        return label
-    if label is None:
-        return "drawer" if joint.type == "prismatic" else "door"
-    return f"moves a {label}"
+    return "moves a wheel" if label == "wheel" else ""
+
+
+def _unwanted(part: TaskPart, kind: PartKind, handles: HandleNeed, verb: Verb) -> str:
+    """Why a part is none that was asked for, "" if it is one."""
+    if kind not in ("any", part.kind) or (verb == "open" and part.kind not in ("drawer", "door")):
+        return f"moves a {part.kind}"
+    if verb not in ("open", part.verb):
+        return f"is there to {part.verb}"
+    if handles == "required" and part.handle is None:
+        return f"its {part.kind} has no handle"
+    return ""
 
 
 def _handle_of(package: SimPackage, link: str, held: dict[str, HandleAnnotation]) -> HandleAnnotation | None:
     """The handle on a link, or else the one on something the link carries: the knob of a safe's door."""
     if link in held:
         return held[link]
-    for joint in package.joints:
-        if joint.parent == link and (found := _handle_of(package, joint.child, held)) is not None:
+    carried = [joint for joint in package.joints if joint.parent == link]
+    for joint in sorted(carried, key=lambda joint: joint.type == "prismatic"):  # a lever rather than a bolt
+        if (found := _handle_of(package, joint.child, held)) is not None:
             return found
     return None
 
 
-def _part(
-    package: SimPackage,
-    joint: PackageJoint,
-    kind: Literal["drawer", "door"],
-    handle: HandleAnnotation | None,
-) -> TaskPart:
+def _read_part(package: SimPackage, joint: PackageJoint, label: PartLabel) -> TaskPart:
     links = {link.name: link for link in package.links}
     names = hanging_links(package.joints, joint.child)
     hulls = [hull.vertices for link in package.links if link.name in names for hull in link.hulls]
     moved = np.concatenate([np.zeros((0, 3)), *hulls])
     if not len(moved):
         raise TaskError(f"package {package.name!r}: link {joint.child!r} has no collision shape to touch")
+    if joint.type == "continuous":
+        joint = replace(joint, lower=0.0, upper=QUARTER)
+    handle = _handle_of(package, joint.child, {x.link: x for x in reversed(package.handles)})
+    own = links[joint.child].hulls
+    if handle is None or (label == "handle" and _is_hollow(own, handle)):
+        edge = np.concatenate([hull.vertices for hull in own]) if label == "handle" and own else moved
+        grip = _edge_point(joint, edge)
+    else:
+        grip = handle.corners.mean(axis=0)
+    normal = handle.normal if handle is not None else grip_direction(joint, grip)
+    needs = needed_fractions(joint.name, package.requires_open)
     return TaskPart(
-        kind=kind,
+        kind=label,
+        verb=verb_of(joint, label, grip, normal, moved if handle is None else handle.corners),
         joint=joint,
         handle=handle,
-        grip=handle.corners.mean(axis=0) if handle is not None else _edge_point(joint, moved),
+        grip=grip,
         moved=moved,
+        own=links[joint.child].hulls,
         held=() if handle is None else _hulls_of_handle(links[handle.link].hulls, handle),
-        needs=tuple(needed_fractions(joint.name, package.requires_open)),
+        needs=tuple(needs),
+        latches=_read_latches(package, needs),
     )
+
+
+def _read_latches(package: SimPackage, needs: dict[str, float]) -> tuple[Latching, ...]:
+    """Those of the needed joints that move knobs and handles; what one of them needs comes before it.
+
+    What hangs from another leaf that stands open has nothing to hold any more.
+    """
+    labels = {link.name: link.label for link in package.links}
+    leaves = [x for x in package.joints if x.name in needs and labels[x.child] not in LATCH_LABELS]
+    gone = {name for joint in leaves for name in hanging_links(package.joints, joint.child)}
+    found = [
+        Latching(part=_read_part(package, joint, label), fraction=needs[joint.name])
+        for joint in package.joints
+        if joint.name in needs and joint.child not in gone and (label := labels[joint.child]) in LATCH_LABELS
+    ]
+    return tuple(sorted(found, key=lambda latch: len(latch.part.needs)))
+
+
+def _is_hollow(hulls: tuple[Hull, ...], handle: HandleAnnotation) -> bool:
+    """Whether the middle of a handle's box is far from everything solid."""
+    middle = handle.corners.mean(axis=0)
+    return all(_gap(hull, middle) > HOLLOW for hull in hulls)
+
+
+def _gap(hull: Hull, point: Float[np.ndarray, "3"]) -> float:
+    """How far a point is outside of the planes of a hull's faces, metres; at most its distance."""
+    a, b, c = (hull.vertices[hull.faces[:, k]] for k in range(3))
+    normals = np.cross(b - a, c - a)
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-15)
+    return float(((point - a) * normals).sum(axis=1).max())
 
 
 def _hulls_of_handle(hulls: tuple[Hull, ...], handle: HandleAnnotation) -> tuple[Hull, ...]:

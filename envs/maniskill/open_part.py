@@ -1,4 +1,4 @@
-"""``ArtiGen-OpenPart-v1``: open, or close, a drawer or a door."""
+"""``ArtiGen-OpenPart-v1``: open, or close, a drawer or a door; turn, press, lift or slide any part."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -8,6 +8,7 @@ import torch
 
 from .objects import HandleNeed, PartKind, Validation
 from .task import PackageTask
+from .verbs import Verb
 
 STARTS = {"open": 0.0, "close": 0.75}
 GOALS = {"open": 0.75, "close": 0.05}
@@ -15,7 +16,9 @@ FULL_REWARD = 5.0
 
 
 class OpenPartEnv(PackageTask):
-    """A robot opens, or closes, one drawer or door of an object.
+    """A robot opens, or closes, one drawer or door of an object, or turns, presses, lifts or slides a part.
+
+    A latched leaf takes two motions: its handle or bolt first. Low objects stand on a plinth.
 
     **Randomizations:** the object, the part, the robot's base (2 cm, 3 degrees around a place from which
     the part is in reach) and its joints (0.02 rad).
@@ -28,12 +31,14 @@ class OpenPartEnv(PackageTask):
 
     Args:
         packages: a folder of packages, one package, or a list of either.
-        part: ``drawer``, ``door`` or ``any``.
+        part: ``drawer``, ``door`` or another label, or ``any`` that the verb is for.
+        verb: ``open`` takes drawers and doors, ``turn``, ``press``, ``lift`` and ``slide`` what moves so.
         joint: only parts on a joint of that name.
         goal: ``open`` or ``close``.
         fraction: of the range; 0.75 to open and 0.05 to close unless given.
         initial_open: how far the part is open at first; 0 to open and 0.75 to close unless given.
         handles: ``required`` leaves out parts without an annotated handle.
+        latches: ``closed`` (only where the part is closed at first) or ``open``.
         validation: ``any`` takes packages without a passed ``validation.json``.
         kwargs: everything that ManiSkill's environments take.
 
@@ -47,10 +52,12 @@ class OpenPartEnv(PackageTask):
         packages: str | Path | Sequence[str | Path],
         part: PartKind = "any",
         joint: str | None = None,
+        verb: Verb = "open",
         goal: Literal["open", "close"] = "open",
         fraction: float | None = None,
         initial_open: float | None = None,
         handles: HandleNeed = "optional",
+        latches: Literal["closed", "open"] = "closed",
         validation: Validation = "passed",
         **kwargs: Any,
     ) -> None:
@@ -63,7 +70,8 @@ class OpenPartEnv(PackageTask):
         self.goal = goal
         super().__init__(
             *args, packages=packages, part=part, joint=joint, handles=handles, validation=validation,
-            initial_open=begin, goal_open=end, **kwargs,
+            initial_open=begin, goal_open=end, verb=verb, plinths=True,
+            latched=latches == "closed" and goal == "open" and begin == 0.0, **kwargs,
         )  # fmt: skip
 
     def evaluate(self) -> dict[str, torch.Tensor]:

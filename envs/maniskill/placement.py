@@ -124,7 +124,8 @@ def free_radius(
     heights = np.linspace(0.0, 1.0, 4)
     columns = np.repeat(base[:, None, :], len(heights), axis=1)
     columns[:, :, 2] = heights * (base[:, 2:] + column) + entry.floor
-    gap = _distance(columns, entry.bounds).min(axis=1)
+    whole = np.stack([[*entry.bounds[0, :2], entry.floor], entry.bounds[1]])  # with its plinth
+    gap = _distance(columns, whole).min(axis=1)
     box = np.stack([part.moved.min(axis=0), part.moved.max(axis=0)])
     for T in inverse(part_motion(part, fractions)):
         moved = transform_points(T, columns.reshape(-1, 3)).reshape(columns.shape)

@@ -25,10 +25,11 @@ from mani_skill.utils.structs.types import GPUMemoryConfig, SimConfig
 
 from artigen.transforms import inverse, transform_points, transform_vectors
 
-from .load import load_object, without_visuals
-from .objects import HandleNeed, PartKind, TaskObject, TaskPart, Validation, read_objects
+from .load import load_object, play_mechanisms, without_visuals
+from .objects import HandleNeed, PartKind, TaskObject, TaskPart, Validation, on_plinth, read_objects
 from .placement import PATH_SAMPLES, Stand, find_stand, grip_path
 from .robots import ROBOTS, RobotSpec
+from .verbs import Verb, grip_direction
 
 NOISE_POSITION = 0.02
 NOISE_YAW = 0.05
@@ -38,10 +39,12 @@ AWAY = sapien.Pose(p=[-4.0, 0.0, 0.0])
 
 
 class PackageTask(BaseEnv):
-    """A robot in front of one drawer or door of an object. Subclasses say what is to be done with it.
+    """A robot in front of one part of an object. Subclasses say what is to be done with it.
 
     Objects stand at the origin, on the floor, front towards -x. Each scene draws one of the objects and one
-    of its usable parts; joints that the part needs open stand open, everything else is closed.
+    of its usable parts; joints that the part needs open stand open, everything else is closed. With
+    ``latched``, the part's latches are closed, too: the robot has to work them. With ``plinths``, low objects
+    are raised.
     """
 
     SUPPORTED_ROBOTS = ["panda", "fetch"]  # noqa: RUF012
@@ -58,6 +61,9 @@ class PackageTask(BaseEnv):
         validation: Validation,
         initial_open: float,
         goal_open: float,
+        verb: Verb = "open",
+        latched: bool = False,
+        plinths: bool = False,
         robot_uids: str = "panda",
         num_envs: int = 1,
         reconfiguration_freq: int | None = None,
@@ -70,8 +76,11 @@ class PackageTask(BaseEnv):
             raise ValueError(f"robot_uids {robot_uids!r}, expected one of {', '.join(sorted(ROBOTS))}")
         self.robot_spec: RobotSpec = ROBOTS[robot_uids]
         self.objects: tuple[TaskObject, ...] = read_objects(
-            packages, part, joint=joint, handles=handles, validation=validation
+            packages, part, joint=joint, handles=handles, validation=validation, verb=verb
         )
+        if plinths:
+            self.objects = tuple(on_plinth(entry) for entry in self.objects)
+        self.latched = latched
         self.initial_open, self.goal_open = initial_open, goal_open
         if reconfiguration_freq is None:
             reconfiguration_freq = 1 if num_envs == 1 else 0
@@ -117,16 +126,31 @@ class PackageTask(BaseEnv):
             rng = self._batched_episode_rng[index]
             entry, part = self._draw(rng)
             name = f"{entry.package.name}-{index}"
+            if entry.raised > 0.0:
+                self._build_plinth(entry, index)
             articulation, frames = load_object(self.scene, entry, name, index)
             self.remove_from_state_dict_registry(articulation)
             into_link = inverse(frames[part.joint.child])
             grips.append(transform_points(into_link, part.grip[None])[0])
-            pulls.append(transform_vectors(into_link, _pull(part)[None])[0])
+            pulls.append(transform_vectors(into_link, grip_direction(part.joint, part.grip)[None])[0])
             self.drawn.append((entry, part))
             built.append(articulation)
             self.into_links.append(into_link)
             targets.append(articulation.links_map[part.joint.child])
         self._adopt(built, targets, np.array(grips), np.array(pulls))
+
+    def _build_plinth(self, entry: TaskObject, index: int) -> None:
+        half = np.diff(entry.bounds, axis=0)[0] / 2.0
+        half[2] = entry.raised / 2.0
+        middle = entry.bounds.mean(axis=0)
+        middle[2] = half[2]
+        builder = self.scene.create_actor_builder()
+        builder.add_box_collision(half_size=tuple(half.tolist()))
+        if self.scene.can_render():
+            builder.add_box_visual(half_size=tuple(half.tolist()))
+        builder.set_scene_idxs([index])
+        builder.initial_pose = Pose.create(sapien.Pose(p=middle.tolist()))
+        builder.build_static(name=f"plinth-{index}")
 
     def _draw(self, rng: np.random.RandomState) -> tuple[TaskObject, TaskPart]:
         """An object and one of its parts, from one scene's generator."""
@@ -137,10 +161,27 @@ class PackageTask(BaseEnv):
         """How far the part stands open when an episode begins, fraction of its range."""
         return self.initial_open
 
+    def _start(self, entry: TaskObject, part: TaskPart, articulation: Articulation) -> Float[np.ndarray, "Q"]:
+        """Joint vector of an episode's start, padded to the widest object of the batch."""
+        specs = {joint.name: joint for joint in entry.package.joints}
+        shut = {latch.part.joint.name for latch in part.latches} if self.latched else set()
+        qpos = np.zeros(self.object.max_dof)
+        for column, joint in enumerate(articulation.active_joints):
+            spec = specs[joint.name]
+            limited = spec.type != "continuous"
+            rest = float(np.clip(0.0, spec.lower, spec.upper)) if limited else 0.0
+            wide = spec.name in part.needs and spec.name not in shut
+            qpos[column] = spec.upper if wide else rest
+        opened = part.joint.lower + self._opened(entry, part) * part.span
+        qpos[_column(articulation, part.joint.name)] = opened
+        return qpos
+
     def _stand(self, entry: TaskObject, part: TaskPart) -> Stand:
         """Where the robot works from: all of the grip's path is in reach."""
         fractions = np.linspace(self.initial_open, self.goal_open, PATH_SAMPLES)
         path = grip_path(entry, part, fractions)
+        if self.latched:
+            path = np.concatenate([path, *(grip_path(entry, x.part, fractions[:1]) for x in part.latches)])
         return find_stand(entry, part, self.robot_spec, fractions, path, self.robot_spec.forward)
 
     def _adopt(
@@ -154,7 +195,7 @@ class PackageTask(BaseEnv):
         columns, starts, self.stands = [], [], []
         for (entry, part), articulation in zip(self.drawn, built, strict=True):
             columns.append(_column(articulation, part.joint.name))
-            starts.append(_start(entry, part, articulation, self._opened(entry, part), self.object.max_dof))
+            starts.append(self._start(entry, part, articulation))
             self.stands.append(self._stand(entry, part))
         lower = [part.joint.lower for _, part in self.drawn]
         span = [part.span for _, part in self.drawn]
@@ -166,6 +207,11 @@ class PackageTask(BaseEnv):
             for values in (lower, span, starts, grips, pulls)
         )
         self._still = torch.tensor([0.1 if flag else 1.0 for flag in sliding], device=self.device)
+
+    def _before_simulation_step(self) -> None:
+        super()._before_simulation_step()
+        for (entry, _), articulation in zip(self.drawn, self.built, strict=True):
+            play_mechanisms(articulation, entry.package)
 
     def _initialize_episode(self, env_idx: torch.Tensor, options: dict) -> None:
         self.object.set_qpos(self._starts[env_idx])
@@ -230,28 +276,5 @@ class PackageTask(BaseEnv):
         return obs
 
 
-def _pull(part: TaskPart) -> Float[np.ndarray, "3"]:
-    """Unit direction in which the grip starts to move as the joint opens, object frame."""
-    if part.joint.type == "prismatic":
-        return part.joint.axis
-    direction = np.cross(part.joint.axis, part.grip - part.joint.origin)
-    return direction / max(float(np.linalg.norm(direction)), 1e-9)
-
-
 def _column(articulation: Articulation, joint: str) -> int:
     return [entry.name for entry in articulation.active_joints].index(joint)
-
-
-def _start(
-    entry: TaskObject, part: TaskPart, articulation: Articulation, opened: float, width: int
-) -> Float[np.ndarray, "Q"]:
-    """Joint vector of an episode's start, padded to the widest object of the batch."""
-    specs = {joint.name: joint for joint in entry.package.joints}
-    qpos = np.zeros(width)
-    for column, joint in enumerate(articulation.active_joints):
-        spec = specs[joint.name]
-        limited = spec.type != "continuous"
-        rest = float(np.clip(0.0, spec.lower, spec.upper)) if limited else 0.0
-        qpos[column] = spec.upper if spec.name in part.needs else rest
-    qpos[_column(articulation, part.joint.name)] = part.joint.lower + opened * part.span
-    return qpos

@@ -193,6 +193,11 @@ class Subject:
         """``link`` and everything that moves with it, sorted."""
         return tuple(sorted(name for name in self.links if name == link or link in self.ancestors(name)))
 
+    def moved(self, joint: PackageJoint) -> tuple[str, ...]:
+        """What a driven joint moves: what it carries, and what joints carry that follow it, sorted."""
+        moving = [joint.child, *(other.child for other in self.joints if other.mimic == joint.name)]
+        return tuple(sorted({name for link in moving for name in self.carried(link)}))
+
     @cached_property
     def static_links(self) -> frozenset[str]:
         """Links that no joint can move."""

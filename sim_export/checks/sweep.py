@@ -39,7 +39,7 @@ def has_colliding_joints(subject: Subject) -> str:
     """Applies where something with collision geometry moves."""
     if not subject.driven:
         return "no joint moves"
-    carried = {name for joint in subject.driven for name in subject.carried(joint.child)}
+    carried = {name for joint in subject.driven for name in subject.moved(joint)}
     if not any(subject.hull_sets[name].hulls for name in carried):
         return "nothing that moves has collision geometry"
     return ""
@@ -105,7 +105,7 @@ def joint_motion(subject: Subject, joint: PackageJoint, cfg: CheckConfig) -> Mot
     A folder that does not say what must be open first is judged against ancestors and static links
     only: two movable neighbours may well meet when one of them should have been opened before.
     """
-    movers = subject.carried(joint.child)
+    movers = subject.moved(joint)
     sweep = SweepConfig(poses=cfg.sweep_samples, step=cfg.sweep_step, max_poses=cfg.max_sweep_samples)
     moved = [subject.hull_sets[name].vertices for name in movers if subject.hull_sets[name].hulls]
     qpos: dict[str, object] = {

@@ -73,8 +73,9 @@ def link_displacements(
 def moved_links(
     links: Sequence[Link], joints: Sequence[PackageJoint], joint: PackageJoint
 ) -> tuple[int, ...]:
-    """Indices of the links that move with ``joint``: its child and everything that hangs from it."""
-    moved = hanging_links(joints, joint.child)
+    """Indices of the links that ``joint`` moves: its child, what follows it, and all that hangs from them."""
+    moving = [joint.child, *(other.child for other in joints if other.mimic == joint.name)]
+    moved = frozenset().union(*(hanging_links(joints, link) for link in moving))
     return tuple(index for index, link in enumerate(links) if link.name in moved)
 
 

@@ -134,6 +134,8 @@ def _add_joint(body: ET.Element, joint: PackageJoint) -> None:
     if joint.type != "continuous":
         attributes["range"] = f"{format_number(joint.lower)} {format_number(joint.upper)}"
         attributes |= {"solreflimit": HARD_REFERENCE, "solimplimit": HARD_IMPEDANCE}
+    if joint.spring > 0.0:
+        attributes |= {"stiffness": format_number(joint.stiffness), "springref": format_number(-joint.upper)}
     ET.SubElement(body, "joint", attributes)
 
 
@@ -177,7 +179,7 @@ def source_color(source: SourceMesh) -> tuple[float, float, float]:
 
 
 def _add_pairs(root: ET.Element, package: SimPackage, apart: tuple[tuple[str, str], ...]) -> None:
-    """Joined bodies do not collide; a screw's travel follows its turn."""
+    """Joined bodies do not collide; followers follow: a screw's travel its turn, a lid its pedal."""
     contact = ET.SubElement(root, "contact")
     hulls = {link.name for link in package.links if link.hulls}
     joined = [(joint.parent, joint.child) for joint in package.joints]

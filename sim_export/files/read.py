@@ -248,7 +248,7 @@ def _own_joint(joint: PackageJoint, motion: dict | None) -> PackageJoint:
         raise PackageError(f"physics.json: joint {joint.name!r} has kind {motion['kind']!r}")
     if joint.type == "continuous":
         joint = replace(joint, lower=float(motion["lower"]), upper=float(motion["upper"]))
-    return replace(joint, kind=motion["kind"])
+    return replace(joint, kind=motion["kind"], spring=float(motion.get("spring", 0.0)))
 
 
 def _own_link(

@@ -66,7 +66,7 @@ def child_joint(package: SimPackage, link: Link) -> PackageJoint | None:
     """The joint whose child a link is; a screw's turning joint rather than its travel."""
     by_child = {joint.child: joint for joint in package.joints}
     joint = by_child.get(link.name)
-    return by_child[joint.parent] if joint is not None and joint.mimic is not None else joint
+    return by_child[joint.parent] if joint is not None and joint.is_travel else joint
 
 
 def _semantic_kind(joint: PackageJoint | None) -> str:
@@ -129,7 +129,7 @@ def mobility_json(package: SimPackage) -> str:
 def _part_link(package: SimPackage, name: str) -> str:
     """A screw's carrier stands for the link it carries."""
     for joint in package.joints:
-        if joint.mimic is not None and joint.parent == name:
+        if joint.is_travel and joint.parent == name:
             return joint.child
     return name
 
@@ -143,7 +143,7 @@ def _joint_data(package: SimPackage, link: Link, joint: PackageJoint) -> dict:
         "b": _number(joint.upper * to_file, 6),
         "noLimit": joint.type == "continuous",
     }
-    travel = next((j for j in package.joints if j.child == link.name and j.mimic is not None), None)
+    travel = next((j for j in package.joints if j.child == link.name and j.is_travel), None)
     if travel is not None:
         limit = {
             "a": _number(travel.lower),
@@ -247,6 +247,7 @@ def physics_json(package: SimPackage) -> str:
             "damping": _number(joint.damping),
             "physx_friction_coefficient": _coefficient(package, joint),
         }
+        | ({"spring": _number(joint.spring)} if joint.spring > 0.0 else {})
         for joint in package.joints
         if joint.type != "fixed"
     ]

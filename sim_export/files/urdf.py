@@ -173,10 +173,10 @@ def turn_screws(package: SimPackage) -> SimPackage:
 
     For engines that cannot let a sliding joint mimic a turning one.
     """
-    travels = {joint.mimic: joint for joint in package.joints if joint.mimic is not None}
+    travels = {joint.mimic: joint for joint in package.joints if joint.is_travel}
     joints = []
     for joint in package.joints:
-        if joint.mimic is not None:
+        if joint.is_travel:
             continue
         child = travels[joint.name].child if joint.name in travels else joint.child
         joints.append(replace(joint, child=child))

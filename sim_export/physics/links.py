@@ -371,13 +371,16 @@ def check_kinematics(package: SimPackage) -> None:
             raise InvalidKinematics(f"{where}: names {', '.join(sorted(unknown))}, which is not there")
         if joint.type not in URDF_JOINT_TYPES:
             raise InvalidKinematics(f"{where}: type {joint.type!r}, allowed: {', '.join(URDF_JOINT_TYPES)}")
-        numbers = [*joint.origin, *joint.axis, joint.lower, joint.upper, joint.friction, joint.damping]
+        numbers = [*joint.origin, *joint.axis, joint.lower, joint.upper]
+        numbers += [joint.friction, joint.damping, joint.spring]
         if not np.isfinite(numbers).all():
             raise InvalidKinematics(
                 f"{where}: origin, axis, limits or resistance hold NaN or infinite values"
             )
         if abs(np.linalg.norm(joint.axis) - 1.0) > 1e-6:
             raise InvalidKinematics(f"{where}: axis of length {np.linalg.norm(joint.axis):.9g}, expected 1")
+        if joint.spring < 0.0 or (joint.spring > 0.0 and not joint.upper > 0.0):
+            raise InvalidKinematics(f"{where}: a spring of {joint.spring} up to {joint.upper}: both above 0")
         if joint.lower > joint.upper:
             raise InvalidKinematics(f"{where}: lower {joint.lower} is above upper {joint.upper}")
     _check_reached(package, owner, roots[0])

@@ -187,7 +187,7 @@ def add_joint(stage: "Usd.Stage", path: "Sdf.Path", joint: PackageJoint, frames:
 
 
 def follow_joint(prim: "Usd.Prim", joint: PackageJoint, leader: "Usd.Prim") -> None:
-    """Lets a sliding joint follow a turning one, as on a screw: for Newton and MuJoCo, and for PhysX.
+    """Lets a joint follow another one, as on a screw or a pedal bin: for Newton and MuJoCo, and for PhysX.
 
     ``newton:mimicCoef1`` is left out: Newton 1.8 reads it per radian and PhysX (ovphysx 0.7) per degree.
     PhysX wants an instance named after a turning axis for sliding followers too, and limits of the leader.
@@ -195,7 +195,7 @@ def follow_joint(prim: "Usd.Prim", joint: PackageJoint, leader: "Usd.Prim") -> N
     from pxr import Sdf, UsdPhysics, Vt
 
     turn = UsdPhysics.RevoluteJoint(leader)
-    if not turn.GetUpperLimitAttr().HasAuthoredValue():
+    if turn and not turn.GetUpperLimitAttr().HasAuthoredValue():
         for attribute, end in (
             (turn.CreateLowerLimitAttr(), joint.lower),
             (turn.CreateUpperLimitAttr(), joint.upper),
@@ -215,7 +215,9 @@ def follow_joint(prim: "Usd.Prim", joint: PackageJoint, leader: "Usd.Prim") -> N
     axis = prim.CreateAttribute(f"{own}referenceJointAxis", Sdf.ValueTypeNames.Token, custom=False)
     axis.Set("rotZ")
     gearing = prim.CreateAttribute(f"{own}gearing", Sdf.ValueTypeNames.Float, custom=False)
-    gearing.Set(-joint.mimic_multiplier * np.pi / 180.0)
+    # Turns are in degrees there: of the leader, and of a follower that turns.
+    scale = (np.pi / 180.0 if turn else 1.0) * (1.0 if joint.type == "prismatic" else 180.0 / np.pi)
+    gearing.Set(-joint.mimic_multiplier * scale)
 
 
 def _from_z(axis: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 3"]:
@@ -237,7 +239,9 @@ def _add_resistance(prim: "Usd.Prim", joint: PackageJoint) -> None:
     degrees = 1.0 if sliding else 180.0 / np.pi
     drive = UsdPhysics.DriveAPI.Apply(prim, way)
     drive.CreateTypeAttr().Set(UsdPhysics.Tokens.force)
-    drive.CreateStiffnessAttr().Set(0.0)
+    drive.CreateStiffnessAttr().Set(joint.stiffness / degrees)
+    if joint.spring > 0.0:
+        drive.CreateTargetPositionAttr().Set(-joint.upper * degrees)
     drive.CreateDampingAttr().Set(0.0)
     drive.CreateMaxForceAttr().Set(joint.effort)
     values = {

@@ -19,6 +19,8 @@ STYLES = {"steel": 0.3, "white": 0.2, "black": 0.2, "retro": 0.3}
 FOOT, FLOOR, END, WALL = 0.008, 0.012, 0.03, 0.016
 """Heights of feet and of the room for the tray (m); thickness of the ends and of the sides."""
 SLOT, TRAVEL = 0.034, 0.062
+SPRING = 4.0
+"""N that push a lever up; pressed down, twice that."""
 KNOB = 0.024
 """How far the knob of a lever stands out."""
 
@@ -94,7 +96,7 @@ def _build_bay(
         )
         lever.append(box(low_end, high_end, "steel"))
     travel = min(TRAVEL, top - 0.014 - low - 0.012)
-    down = Motion(type="prismatic", axis=(0.0, 0.0, -1.0), upper=travel)
+    down = Motion(type="prismatic", axis=(0.0, 0.0, -1.0), upper=travel, spring=SPRING)
     parts = [ShapePart(name=f"lever{tag}", label="knob", parent="body", primitives=tuple(lever), motion=down)]
     side = y[0] + 0.5 * (slots[0][0] - y[0])
     face, aside = x[0], y[1] - (side - y[0])

@@ -5,6 +5,8 @@ bins of up to 60 l; wheeled bins as EN 840-1 has them, from 80 l (0.45 m x 0.53 
 0.74 m x 1.07 m).
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from artigen.shapes.appliances.assembly import Assembly
@@ -44,6 +46,8 @@ SLENDER = 56
 """Length of a wall over its thickness, at most."""
 PEDAL, HUB = 0.045, 0.012
 """How far (m) a pedal stands out in front, and a hinge behind."""
+SPRING = 1.0
+"""N m that pull a pedal up: 10 N at its tread."""
 WALL = 0.008
 """Thickness (m) of moulded walls."""
 
@@ -96,8 +100,8 @@ def _draw_finishes(rng: np.random.Generator, style: str) -> dict[str, Finish]:
 
 
 def _build_pedal_bin(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
-    """A steel bin, round or not, with a lid on top, a pedal below and a bucket that is lifted out."""
-    thick, foot, under = float(rng.uniform(0.016, 0.024)), 0.05, 0.024
+    """A steel bin, round or not, a lid on top that a pedal below opens, and a bucket that is lifted out."""
+    thick, foot, under = float(rng.uniform(0.016, 0.024)), 0.05, 0.032
     x = (PEDAL - depth / 2, depth / 2 - HUB)
     y = (-width / 2, width / 2)
     rim = height - thick - 0.012 - GAP
@@ -148,12 +152,13 @@ def _build_pedal_bin(rng: np.random.Generator, width: float, depth: float, heigh
     ]
     lid = ShapePart(
         name="lid", label="door", parent="body", primitives=(*cover, tab),
-        motion=hinge_lid((x[0], pivot), y, rim + GAP, opened),
+        motion=replace(hinge_lid((x[0], pivot), y, rim + GAP, opened), follows="pedal"),
     )  # fmt: skip
-    parts = [lid, _make_pedal(x[0] - PEDAL, x[0] + 0.05, width, under)]
+    pedal = _make_pedal(x[0] - PEDAL, x[0] + 0.05, width, under)
+    parts = [lid, pedal]
     if rng.random() < 0.8:
         lift = slide(0.75 * (rim - foot), (0.0, 0.0, 1.0))
-        needs = (Need(part="lid"),)
+        needs = (Need(part="pedal"),)
         parts.append(
             ShapePart(name="bucket", label="tray", parent="body", primitives=pail, motion=lift, needs=needs)
         )
@@ -169,7 +174,9 @@ def _make_pedal(tip: float, pivot: float, width: float, under: float) -> ShapePa
         rounded_box((tip, -half, top - 0.008), (tip + 0.034, half, top), 0.002, "steel"),
     )
     drop = float((top - 0.011) / (pivot - tip))
-    turn = Motion(type="revolute", axis=(0.0, -1.0, 0.0), origin=(pivot, 0.0, top), upper=min(drop, 0.2))
+    turn = Motion(
+        type="revolute", axis=(0.0, -1.0, 0.0), origin=(pivot, 0.0, top), upper=min(drop, 0.2), spring=SPRING
+    )  # fmt: skip
     return ShapePart(name="pedal", label="knob", parent="body", primitives=solids, motion=turn)
 
 

@@ -31,7 +31,7 @@ class Sapien:
 
     def joints(self) -> dict[str, JointFacts]:
         facts: dict[str, JointFacts] = {}
-        followers = {screw.follower.name for screw in self.loaded.screws}
+        followers = {each.follower.name for each in self.loaded.followers}
         for joint in self.articulation.active_joints:
             lower, upper = (float(value) for value in np.asarray(joint.limits).reshape(-1))
             limited = bool(np.isfinite([lower, upper]).all())

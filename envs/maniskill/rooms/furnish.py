@@ -19,7 +19,9 @@ HAIR = 4e-4
 """Metres between a top and what stands on it."""
 TOP_HEIGHTS = (0.5, 1.05)
 """Between which heights (m) something may stand on furniture."""
-BARE_ROLES = frozenset({"range", "wall cabinet", "safe", "cart", "nightstand", "microwave", "table oven"})
+BARE_ROLES = frozenset(
+    {"range", "wall cabinet", "safe", "cart", "window", "toilet", "nightstand", "microwave", "table oven"}
+)
 """On which nothing is put."""
 GOOD_TOPS = frozenset({"base cabinet", "sideboard", "filing cabinet", "island"})
 """On which things are put rather than elsewhere."""
@@ -57,7 +59,7 @@ def place_group(plan: Plan, recipe: Recipe, group: Group, chooser: Chooser, *, w
     chosen: dict[str, int] = {}
     roles = list(group.roles)
     while roles:
-        pieces = _draw_pieces(roles, chooser, chosen)
+        pieces = _draw_pieces(roles, chooser, chosen, group.height)
         asked = [role for role in roles if role in needed] if whole else []
         lacking = [role for role in asked if role not in {piece.role for piece in pieces}]
         if lacking or not pieces or count_objects(plan) + len(pieces) > chooser.most:
@@ -71,7 +73,9 @@ def place_group(plan: Plan, recipe: Recipe, group: Group, chooser: Chooser, *, w
     return None
 
 
-def _draw_pieces(roles: list[str], chooser: Chooser, chosen: dict[str, int]) -> list[Piece]:
+def _draw_pieces(
+    roles: list[str], chooser: Chooser, chosen: dict[str, int], height: float | None
+) -> list[Piece]:
     """A piece for every role that has packages; equal roles get the same package."""
     pieces = []
     for role in roles:
@@ -82,7 +86,8 @@ def _draw_pieces(roles: list[str], chooser: Chooser, chosen: dict[str, int]) -> 
         if not entries:
             continue
         index = chosen.setdefault(role, int(chooser.rng.integers(len(entries))))
-        pieces.append(chooser.piece(entries[index], role))
+        lift = {} if height is None else {"elevation": height}
+        pieces.append(chooser.piece(entries[index], role, **lift))
     return pieces
 
 
@@ -91,7 +96,7 @@ def _cluster(group: Group, pieces: list[Piece], chooser: Chooser) -> Cluster:
         half = (len(pieces) + 1) // 2
         return back_to_back(group.name, line_up("near", pieces[:half]), line_up("far", pieces[half:]))
     flipped = chooser.rng.random() < 0.5
-    return line_up(group.name, pieces[::-1] if flipped else pieces)
+    return line_up(group.name, pieces[::-1] if flipped else pieces, group.height)
 
 
 def _find_place(plan: Plan, group: Group, cluster: Cluster, chooser: Chooser) -> Place | None:
@@ -114,7 +119,8 @@ def put_on_tops(plan: Plan, share: Share, chooser: Chooser) -> Plan:
         (place, member)
         for place in plan.places
         for member in place.cluster.members
-        if member.piece.entry is not None and member.piece.role not in BARE_ROLES
+        if member.piece.entry is not None
+        and (member.piece.role in share.on if share.on else member.piece.role not in BARE_ROLES)
     ]
     order = chooser.rng.permutation(len(supports)).tolist()
     order.sort(key=lambda index: supports[index][1].piece.role not in GOOD_TOPS)

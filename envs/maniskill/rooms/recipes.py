@@ -28,12 +28,16 @@ class Role:
 
 @dataclass(frozen=True, kw_only=True)
 class Share:
-    """How many of a role a run should hold: at least, rather, at most."""
+    """How many of a role a run, or the tops of a room, should hold: at least, rather, at most.
+
+    What goes on tops goes on those of the roles ``on`` only, where they are named.
+    """
 
     role: Role
     least: int
     wanted: int
     most: int
+    on: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,6 +56,8 @@ class Group:
     like: Literal["corner", "middle", "anywhere"] = "anywhere"
     near: str | None = None
     """A group to be close to."""
+    height: float | None = None
+    """Of the undersides above the floor, metres, of what hangs on a wall."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -128,12 +134,35 @@ PEDESTAL = _role(
     "pedestal", STORAGE, (0.3, 0.28, 0.38), (0.66, 0.66, 0.86), draws=((STORAGE, (0.5, 0.42, 0.6)),)
 )
 FILING = _role(
-    "filing cabinet", STORAGE, (0.3, 0.3, 0.8), (0.66, 1.7, 1.4), draws=((STORAGE, (0.45, 0.8, 1.1)),)
+    "filing cabinet",
+    f"FilingCabinet {STORAGE}",
+    (0.3, 0.3, 0.7),
+    (0.7, 1.7, 1.7),
+    draws=((STORAGE, (0.45, 0.8, 1.1)), ("FilingCabinet", (0, 0, 1.3))),
 )
 BOOKCASE = _role("bookcase", STORAGE, (0.25, 0.4, 1.4), (0.7, 1.7, 2.3), draws=((STORAGE, (0.38, 0.9, 1.9)),))
 SIDEBOARD = _role(
     "sideboard", STORAGE, (0.3, 0.7, 0.55), (0.6, 2.0, 0.98), draws=((STORAGE, (0.42, 1.3, 0.8)),)
 )
+BIN = _role("bin", "TrashCan", (0.18, 0.18, 0.25), (0.5, 0.5, 0.75), draws=(("TrashCan", (0, 0, 0)),))
+LAMP = _role("lamp", "DeskLamp", (0.2, 0.1, 0.3), (0.6, 0.4, 0.7), draws=(("DeskLamp", (0, 0, 0)),))
+LAPTOP = _role("laptop", "Laptop", (0.15, 0.25, 0.01), (0.35, 0.45, 0.05), draws=(("Laptop", (0, 0, 0)),))
+PRINTER = _role("printer", "Printer", (0.25, 0.3, 0.1), (0.5, 0.6, 0.5), draws=(("Printer", (0, 0, 0)),))
+TOASTER = _role("toaster", "Toaster", (0.2, 0.1, 0.12), (0.4, 0.4, 0.3), draws=(("Toaster", (0, 0, 0)),))
+BREAD = _role("bread box", "BreadBox", (0.15, 0.2, 0.12), (0.35, 0.5, 0.3), draws=(("BreadBox", (0, 0, 0)),))
+POT = _role("pot", "Pot", (0.1, 0.15, 0.08), (0.35, 0.5, 0.35), draws=(("Pot", (0, 0, 0)),))
+WINDOW = _role("window", "Window", (0.05, 0.4, 0.6), (0.4, 1.9, 1.5), draws=(("Window", (0, 1.0, 1.2)),))
+TOILET = _role("toilet", "Toilet", (0.45, 0.3, 0.35), (0.8, 0.65, 1.2), draws=(("Toilet", (0, 0, 0)),))
+DRYER = _role("dryer", "Dryer", (0.4, 0.5, 0.7), (0.8, 0.8, 1.2), draws=(("Dryer", (0, 0, 0)),))
+FREEZER = _role(
+    "chest freezer", "ChestFreezer", (0.5, 0.5, 0.7), (0.8, 1.7, 1.0), draws=(("ChestFreezer", (0, 0, 0)),)
+)
+TOOL_BOX = _role("tool box", "ToolBox", (0.15, 0.3, 0.12), (0.3, 0.6, 0.4), draws=(("ToolBox", (0, 0, 0)),))
+TOOL_CHEST = _role(
+    "tool chest", "ToolBox", (0.25, 0.35, 0.45), (0.6, 0.9, 1.1), draws=(("ToolBox", (0, 0, 0.6)),)
+)
+CRATE = _role("crate", "Box", (0.2, 0.25, 0.15), (0.5, 1.0, 0.5), draws=(("Box", (0, 0, 0)),))
+LUGGAGE = _role("suitcase", "Suitcase", (0.2, 0.3, 0.45), (0.4, 0.6, 0.85), draws=(("Suitcase", (0, 0, 0)),))
 SAFE = _role("safe", "Safe", (0.25, 0.3, 0.55), (0.65, 0.75, 1.35), draws=(("Safe", (0, 0, 0.9)),))
 SMALL_FRIDGE = _role("small fridge", "Refrigerator", (0.4, 0.35, 0.45), (0.7, 0.65, 1.0))
 LOW_TABLE = _role(
@@ -147,12 +176,25 @@ NIGHTSTAND = _role(
     draws=((STORAGE, (0.4, 0.45, 0.55)),),
 )
 WARDROBE = _role(
-    "wardrobe", STORAGE, (0.35, 0.45, 1.4), (0.75, 1.8, 2.4), draws=((STORAGE, (0.6, 1.2, 2.1)),)
+    "wardrobe",
+    f"Wardrobe {STORAGE}",
+    (0.35, 0.45, 1.4),
+    (0.75, 1.8, 2.4),
+    draws=((STORAGE, (0.6, 1.2, 2.1)), ("Wardrobe", (0, 1.2, 0))),
 )
-DRESSER = _role("dresser", STORAGE, (0.35, 0.6, 0.6), (0.7, 1.7, 1.4), draws=((STORAGE, (0.48, 1.0, 0.9)),))
+DRESSER = _role(
+    "dresser",
+    f"Dresser {STORAGE}",
+    (0.35, 0.6, 0.6),
+    (0.7, 1.8, 1.4),
+    draws=((STORAGE, (0.48, 1.0, 0.9)), ("Dresser", (0, 1.2, 0))),
+)
 LOWBOARD = _role(
     "lowboard", STORAGE, (0.3, 0.8, 0.34), (0.6, 2.0, 0.78), draws=((STORAGE, (0.42, 1.4, 0.5)),)
 )
+
+WINDOWS = Group(name="windows", roles=("window",), count=(0, 2), like="middle", height=0.92)
+COUNTERS = ("base cabinet", "island", "sideboard")
 
 KITCHEN = Recipe(
     kind="kitchen",
@@ -174,11 +216,16 @@ KITCHEN = Recipe(
         Group(name="island", roles=("island",), count=(0, 1), where="middle", rows=1, like="middle"),
         Group(name="table", roles=("table",), count=(0, 1), where="middle", like="anywhere"),
         Group(name="cart", roles=("cart",), count=(0, 1), like="corner"),
+        Group(name="bin", roles=("bin",), count=(0, 1), like="corner"),
+        WINDOWS,
     ),
-    roles=(ISLAND, DINING, CART),
+    roles=(ISLAND, DINING, CART, BIN, WINDOW),
     tops=(
         Share(role=MICROWAVE, least=0, wanted=2, most=2),
         Share(role=TABLE_OVEN, least=0, wanted=1, most=1),
+        Share(role=TOASTER, least=0, wanted=1, most=1, on=COUNTERS),
+        Share(role=BREAD, least=0, wanted=1, most=1, on=COUNTERS),
+        Share(role=POT, least=0, wanted=2, most=2, on=(*COUNTERS, "table")),
     ),
     wall_color=(0.90, 0.90, 0.87),
 )
@@ -197,9 +244,18 @@ OFFICE = Recipe(
         Group(name="safe", roles=("safe",), count=(0, 1), like="corner"),
         Group(name="fridge", roles=("small fridge",), count=(0, 1), like="corner", near="sideboard"),
         Group(name="cart", roles=("cart",), count=(0, 1), like="corner"),
+        Group(name="bin", roles=("bin",), count=(0, 2), like="corner", near="desks"),
+        WINDOWS,
     ),
-    roles=(DESK, PEDESTAL, BOOKCASE, FILING, SIDEBOARD, SAFE, SMALL_FRIDGE, CART),
-    tops=(Share(role=MICROWAVE, least=0, wanted=1, most=1),),
+    roles=(DESK, PEDESTAL, BOOKCASE, FILING, SIDEBOARD, SAFE, SMALL_FRIDGE, CART, BIN, WINDOW),
+    tops=(
+        Share(role=LAPTOP, least=0, wanted=3, most=3, on=("desk",)),
+        Share(role=LAMP, least=0, wanted=2, most=2, on=("desk",)),
+        Share(
+            role=PRINTER, least=0, wanted=1, most=1, on=("filing cabinet", "sideboard", "pedestal", "desk")
+        ),
+        Share(role=MICROWAVE, least=0, wanted=1, most=1, on=("sideboard", "filing cabinet")),
+    ),
     wall_color=(0.88, 0.90, 0.91),
 )
 
@@ -218,9 +274,76 @@ BEDROOM = Recipe(
         Group(name="chest", roles=("pedestal", "pedestal"), count=(0, 1), like="anywhere"),
         Group(name="safe", roles=("safe",), count=(0, 1), like="corner"),
         Group(name="low table", roles=("low table",), count=(0, 1), where="middle", like="anywhere"),
+        Group(name="bin", roles=("bin",), count=(0, 1), like="corner"),
+        Group(name="suitcase", roles=("suitcase",), count=(0, 1), like="corner"),
+        WINDOWS,
     ),
-    roles=(NIGHTSTAND, WARDROBE, DRESSER, DESK, PEDESTAL, LOWBOARD, BOOKCASE, SAFE, LOW_TABLE),
+    roles=(
+        NIGHTSTAND,
+        WARDROBE,
+        DRESSER,
+        DESK,
+        PEDESTAL,
+        LOWBOARD,
+        BOOKCASE,
+        SAFE,
+        LOW_TABLE,
+        BIN,
+        LUGGAGE,
+        WINDOW,
+    ),
+    tops=(
+        Share(role=LAMP, least=0, wanted=1, most=1, on=("desk", "dresser")),
+        Share(role=LAPTOP, least=0, wanted=1, most=1, on=("desk", "dresser")),
+    ),
     wall_color=(0.91, 0.88, 0.85),
 )
 
-RECIPES: dict[RoomKind, Recipe] = {"kitchen": KITCHEN, "office": OFFICE, "bedroom": BEDROOM}
+BATHROOM = Recipe(
+    kind="bathroom",
+    width=(3.6, 4.8),
+    depth=(3.2, 4.4),
+    needed=(TOILET, WASHER),
+    groups=(
+        Group(name="toilet", roles=("toilet",), count=(1, 1), like="corner"),
+        Group(name="laundry", roles=("washing machine", "dryer"), count=(1, 1), like="corner"),
+        Group(name="cupboards", roles=("nightstand", "nightstand"), count=(1, 2), like="anywhere"),
+        Group(name="linen", roles=("bookcase",), count=(0, 1), like="corner"),
+        Group(name="dresser", roles=("dresser",), count=(0, 1), like="anywhere"),
+        Group(name="bin", roles=("bin",), count=(0, 2), like="corner", near="toilet"),
+        Group(name="crates", roles=("crate",), count=(0, 2), like="corner"),
+        Group(name="cart", roles=("cart",), count=(0, 1), like="anywhere"),
+        WINDOWS,
+    ),
+    roles=(TOILET, WASHER, DRYER, NIGHTSTAND, BOOKCASE, DRESSER, BIN, CRATE, CART, WINDOW),
+    wall_color=(0.86, 0.91, 0.92),
+)
+
+WORKSHOP = Recipe(
+    kind="workshop",
+    width=(5.0, 6.6),
+    depth=(4.4, 5.8),
+    needed=(DESK, FILING),
+    groups=(
+        Group(name="benches", roles=("desk", "desk"), count=(1, 2), like="middle"),
+        Group(name="filing", roles=("filing cabinet", "filing cabinet"), count=(1, 2), like="corner"),
+        Group(name="tools", roles=("tool chest",), count=(0, 1), where="middle"),  # its lid leans out behind
+        Group(name="shelves", roles=("bookcase", "bookcase"), count=(0, 2), like="corner"),
+        Group(name="freezer", roles=("chest freezer",), count=(0, 1), like="corner"),
+        Group(name="carts", roles=("cart",), count=(0, 2), like="anywhere"),
+        Group(name="crates", roles=("crate", "crate"), count=(0, 2), like="anywhere"),
+        Group(name="bin", roles=("bin",), count=(0, 1), like="corner"),
+        Group(name="safe", roles=("safe",), count=(0, 1), like="corner"),
+        WINDOWS,
+    ),
+    roles=(DESK, TOOL_CHEST, FILING, BOOKCASE, FREEZER, CART, CRATE, BIN, SAFE, WINDOW),
+    tops=(
+        Share(role=TOOL_BOX, least=0, wanted=3, most=3, on=("desk", "filing cabinet")),
+        Share(role=LAMP, least=0, wanted=1, most=1, on=("desk",)),
+    ),
+    wall_color=(0.85, 0.85, 0.83),
+)
+
+RECIPES: dict[RoomKind, Recipe] = {
+    "kitchen": KITCHEN, "office": OFFICE, "bedroom": BEDROOM, "bathroom": BATHROOM, "workshop": WORKSHOP,
+}  # fmt: skip

@@ -15,7 +15,7 @@ from jaxtyping import Float
 
 from artigen.transforms import matrix_from_quat
 
-RoomKind = Literal["kitchen", "office", "bedroom"]
+RoomKind = Literal["kitchen", "office", "bedroom", "bathroom", "workshop"]
 Side = Literal["front", "back", "left", "right"]
 SIDES: tuple[Side, ...] = ("front", "back", "left", "right")
 YAWS: dict[Side, float] = {"front": -np.pi / 2, "back": np.pi / 2, "left": np.pi, "right": 0.0}

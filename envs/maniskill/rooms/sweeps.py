@@ -35,7 +35,7 @@ class Sweep:
 def opening_joints(package: SimPackage) -> tuple[PackageJoint, ...]:
     """Driven joints of everything that needs room to move: not knobs, buttons and wheels."""
     labels = {link.name: link.label for link in package.links}
-    carried = {joint.mimic: labels.get(joint.child) for joint in package.joints if joint.mimic is not None}
+    carried = {joint.mimic: labels.get(joint.child) for joint in package.joints if joint.is_travel}
     return tuple(
         joint
         for joint in driven_joints(package.joints)

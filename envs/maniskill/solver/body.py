@@ -46,7 +46,12 @@ class Obstacle:
 
 
 def read_body(
-    articulation: "PhysxArticulation", chain: Chain, hand: tuple[str, ...], spacing: float = SPACING
+    articulation: "PhysxArticulation",
+    chain: Chain,
+    hand: tuple[str, ...],
+    spacing: float = SPACING,
+    *,
+    closed: bool = False,
 ) -> Body:
     """Everything that the chain's joints move, as the engine has it now.
 
@@ -55,9 +60,12 @@ def read_body(
         chain: its arm.
         hand: how the names of links end that may come near to things.
         spacing: of the points, metres.
+        closed: with the fingers shut, wherever they are now.
     """
     names = [joint.name for joint in articulation.active_joints]
     coordinates = dict(zip(names, np.asarray(articulation.qpos, dtype=np.float64).tolist(), strict=True))
+    if closed:
+        coordinates |= {name: 0.0 for name in names if "finger" in name}
     movers = [names[column] for column in chain.columns]
     points, carriers, gaps = [], [], []
     for link in articulation.links:

@@ -12,6 +12,7 @@ from artigen.transforms import inverse
 from sim_export.package import Hull
 
 from ..hulls import hulls_at
+from ..objects import TaskPart
 from ..robots import RobotSpec
 from .body import Body, read_body
 from .chain import Chain, read_arm
@@ -30,8 +31,8 @@ JOINT_STEP = 0.07
 class Driver:
     """One robot in one scene on the CPU, driven by absolute arm angles.
 
-    ``body`` is its arm with the gripper open, ``begin`` how far the part stood open at first. ``gripper`` is
-    1 open and -1 closed. ``info`` and ``over`` are those of the last step.
+    ``body`` is its arm with the gripper open, ``closed`` with the fingers shut, ``begin`` how far the part
+    stood open at first. ``gripper`` is 1 open and -1 closed; ``info`` and ``over`` are of the last step.
     """
 
     env: gym.Env
@@ -39,6 +40,7 @@ class Driver:
     robot: RobotSpec
     chain: Chain
     body: Body
+    closed: Body
     begin: float
     target: Float[np.ndarray, "J"]
     gripper: float
@@ -62,8 +64,9 @@ def start(env: gym.Env, info: dict) -> Driver:
     qpos = np.asarray(articulation.qpos, dtype=np.float64)
     chain = read_arm(articulation, task.robot_spec)
     body = read_body(articulation, chain, task.robot_spec.hand)
+    closed = read_body(articulation, chain, task.robot_spec.hand, closed=True)
     return Driver(
-        env=env, task=task, robot=task.robot_spec, chain=chain, body=body,
+        env=env, task=task, robot=task.robot_spec, chain=chain, body=body, closed=closed,
         begin=float(task.open_fraction[0]), target=qpos[list(chain.columns)],
         gripper=1.0, info=info, over=False, steps=0,
     )  # fmt: skip
@@ -82,12 +85,21 @@ def object_in_root(driver: Driver) -> Float[np.ndarray, "4 4"]:
     return inverse(root_pose(driver)) @ T_world_object
 
 
-def object_hulls(driver: Driver) -> tuple[tuple[Hull, ...], tuple[Hull, ...]]:
+def object_qpos(driver: Driver) -> dict[str, float]:
+    """The object's joint coordinates now, by name."""
+    names = [joint.name for joint in driver.task.built[0].active_joints]
+    return dict(zip(names, driver.task.object.get_qpos()[0, : len(names)].tolist(), strict=True))
+
+
+def opened(driver: Driver, part: TaskPart) -> float:
+    """How far a part is open now, share of its range."""
+    return (object_qpos(driver)[part.joint.name] - part.joint.lower) / part.span
+
+
+def object_hulls(driver: Driver, part: TaskPart) -> tuple[tuple[Hull, ...], tuple[Hull, ...]]:
     """Every hull of the object where it is now, in the object frame: those that the part carries along, and
     all others."""
-    names = [joint.name for joint in driver.task.built[0].active_joints]
-    qpos = driver.task.object.get_qpos()[0, : len(names)].tolist()
-    return hulls_at(*driver.task.drawn[0], dict(zip(names, qpos, strict=True)))
+    return hulls_at(driver.task.drawn[0][0], part, object_qpos(driver))
 
 
 def root_pose(driver: Driver) -> Float[np.ndarray, "4 4"]:

@@ -19,34 +19,51 @@ AROUND = 0.12
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Field:
     """Distances (m) of cell middles to the nearest cell that holds something solid, good to about half a
-    ``cell``; ``low`` is the middle of the first one."""
+    ``cell``; ``low`` is the middle of the first one. Below the height ``ground`` everything is solid."""
 
     low: Float[np.ndarray, "3"]
     cell: float
     distance: Float[np.ndarray, "X Y Z"]
+    ground: float = -np.inf
 
 
-def build_field(hulls: Sequence[Hull]) -> Field:
+def build_field(
+    hulls: Sequence[Hull],
+    box: Float[np.ndarray, "2 3"] | None = None,
+    finest: float = FINEST,
+    *,
+    ground: float = -np.inf,
+) -> Field:
     """The field of hulls, in the frame of their vertices.
 
+    Args:
+        hulls: what is solid.
+        box: the only part of space that matters; everything unless given.
+        ground: height of the ground, z up in the frame of the hulls; none unless given.
+        finest: edge of a cell where there are few enough of them, metres.
+
     Raises:
-        ValueError: if there are none.
+        ValueError: if there are no hulls.
     """
     if not hulls:
         raise ValueError("no hulls: there is nothing to keep away from")
-    corners = np.concatenate([hull.vertices for hull in hulls])
-    low, high = corners.min(axis=0) - AROUND, corners.max(axis=0) + AROUND
-    cell = max(FINEST, float(np.prod(high - low) / MOST_CELLS) ** (1.0 / 3.0))
+    if box is None:
+        corners = np.concatenate([hull.vertices for hull in hulls])
+        box = np.stack([corners.min(axis=0) - AROUND, corners.max(axis=0) + AROUND])
+    low, high = box
+    cell = max(finest, float(np.prod(high - low) / MOST_CELLS) ** (1.0 / 3.0))
     shape = np.ceil((high - low) / cell).astype(int) + 1
     solid = np.zeros(shape, dtype=bool)
     for hull in hulls:
-        first = np.floor((hull.vertices.min(axis=0) - low) / cell).astype(int)
-        last = np.ceil((hull.vertices.max(axis=0) - low) / cell).astype(int) + 1
+        first = np.floor((hull.vertices.min(axis=0) - low) / cell).astype(int).clip(0, None)
+        last = np.minimum(np.ceil((hull.vertices.max(axis=0) - low) / cell).astype(int) + 1, shape)
+        if (first >= last).any():
+            continue
         axes = [low[k] + cell * np.arange(first[k], last[k]) for k in range(3)]
         where = tuple(slice(a, b) for a, b in zip(first, last, strict=True))
         solid[where] |= _within(hull, axes, cell / 2.0)
-    distance = distance_transform_edt(~solid, sampling=cell)
-    return Field(low=low, cell=cell, distance=np.asarray(distance, dtype=np.float32))
+    distance = distance_transform_edt(~solid, sampling=cell) if solid.any() else np.full(shape, AROUND)
+    return Field(low=low, cell=cell, distance=np.asarray(distance, dtype=np.float32), ground=ground)
 
 
 def distances(field: Field, points: Float[np.ndarray, "*N 3"]) -> Float[np.ndarray, "*N"]:
@@ -54,7 +71,8 @@ def distances(field: Field, points: Float[np.ndarray, "*N 3"]) -> Float[np.ndarr
     at = np.rint((points - field.low) / field.cell).astype(np.int64)
     inside = np.all((at >= 0) & (at < np.array(field.distance.shape)), axis=-1)
     at = np.where(inside[..., None], at, 0)
-    return np.where(inside, field.distance[at[..., 0], at[..., 1], at[..., 2]], AROUND)
+    near = np.where(inside, field.distance[at[..., 0], at[..., 1], at[..., 2]], AROUND)
+    return np.minimum(near, np.maximum(points[..., 2] - field.ground, 0.0))
 
 
 def _within(hull: Hull, axes: list[np.ndarray], slack: float) -> Bool[np.ndarray, "X Y Z"]:

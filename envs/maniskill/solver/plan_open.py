@@ -1,4 +1,4 @@
-"""A plan for opening or closing by the handle: take hold of it and go along the joint's own path.
+"""A plan for moving a part by its handle, or its own edge: take hold of it and go along the joint's path.
 
 Numbers only. Grasps are tried by inverse kinematics along the whole path, and the one that stays most exact
 and keeps the arm off everything wins.
@@ -11,19 +11,15 @@ from jaxtyping import Float
 
 from artigen.errors import ArtigenError
 
-from ..objects import TaskPart
 from ..robots import RobotSpec
 from .chain import Chain, solve, tool_pose
-from .grasp import find_grasps
+from .contacts import pinch_grasps
+from .grasp import Grasps, find_grasps
 from .opening import PRESSED, Opening, pressure, way_around
 from .reach import NEAR, follow, reach, starts_of
 
 BACK = 0.10
 """How far in front of the handle the open gripper stops before it takes hold, metres."""
-STEP = 0.025
-"""Travel of the handle between two waypoints, metres."""
-BEYOND = 0.06
-"""How much farther than asked the plan goes, part of the range: a pulled joint lags behind."""
 LOOSE = 0.01
 COMPARED = 12
 """Ways along the path whose distances from everything are compared."""
@@ -54,37 +50,64 @@ class OpenPlan:
     pressed: float
 
 
+def handle_grasps(opening: Opening) -> Grasps:
+    """Ways to take hold of a part's handle.
+
+    Raises:
+        NoPlan: if there is none, or the gripper does not open wide enough for it.
+    """
+    part, robot, name = opening.part, opening.robot, opening.part.joint.name
+    if part.handle is None:
+        raise NoPlan(f"joint {name!r}: no handle is annotated")
+    grasps = find_grasps(part.handle, part.held, robot)
+    if not len(grasps.poses):
+        raise NoPlan(
+            f"joint {name!r}: the handle is {1e3 * part.handle.width:.0f} mm thick, the gripper opens "
+            f"{1e3 * robot.opening:.0f} mm"
+        )
+    return grasps
+
+
+def edge_grasps(opening: Opening) -> Grasps:
+    """Ways to pinch the part itself.
+
+    Raises:
+        NoPlan: if there are none, or the part is latched: then its handle has to be held.
+    """
+    name = opening.part.joint.name
+    if opening.part.grip_latch is not None:
+        raise NoPlan(f"joint {name!r}: the latch is the handle, so nothing else is held")
+    grasps = pinch_grasps(opening)
+    if not len(grasps.poses):
+        raise NoPlan(f"joint {name!r}: fingers cannot pinch the part itself")
+    return grasps
+
+
 def plan_open(
-    opening: Opening, q: Float[np.ndarray, "J"], begin: float, end: float, *, skip: int = 0
+    opening: Opening, grasps: Grasps, q: Float[np.ndarray, "J"], begin: float, end: float, *, skip: int = 0
 ) -> OpenPlan:
-    """A plan that moves a part from fraction ``begin`` of its range to ``end`` by its handle.
+    """A plan that moves a part from fraction ``begin`` of its range to ``end`` in the grip of the fingers.
 
     Args:
         opening: the arm and the part.
+        grasps: ways to take hold of it.
         q: arm angles now, rad.
         begin: where the part is.
         end: where it is to go.
         skip: leaves out that many of the best plans, for another try.
 
     Raises:
-        NoPlan: if there is no handle, it is too thick, or no grasp is in reach along the path.
+        NoPlan: if no grasp is in reach along the path.
     """
     chain, robot, part = opening.chain, opening.robot, opening.part
-    if part.handle is None:
-        raise NoPlan(f"joint {part.joint.name!r}: no handle is annotated, so there is nothing to pull at")
-    grasps = find_grasps(part.handle, part.held, robot)
-    if not len(grasps.poses):
-        raise NoPlan(
-            f"joint {part.joint.name!r}: the handle is {1e3 * part.handle.width:.0f} mm thick, the gripper "
-            f"opens {1e3 * robot.opening:.0f} mm"
-        )
-    motions = opening.motions(path_fractions(part, begin, end))  # [N, 4, 4]
+    way = opening.way(begin, end)
+    motions = way.held  # [N, 4, 4]
     tools = np.eye(4)
     tools[:3, :3] = robot.tool_axes.T
     poses = grasps.poses @ tools
     hold, order = reach(chain, motions[0] @ poses, grasps.cost, starts_of(chain, robot, q))
     if not len(order):
-        raise NoPlan(f"joint {part.joint.name!r}: no grasp of the handle is in reach at its start")
+        raise NoPlan(f"joint {part.joint.name!r}: no grasp is in reach at its start")
     targets = motions[:, None] @ poses[order][None]
     ways = [follow(chain, targets, hold), follow(chain, targets, hold, turn_weight=LOOSE)]
     path, missed, turned = (
@@ -98,7 +121,7 @@ def plan_open(
             f"{1e3 * NEAR:.0f} mm, the best misses it by {1e3 * missed.min():.0f} mm"
         )
     good = good[np.argsort(cost[good], kind="stable")][: skip + COMPARED]
-    pressed = pressure(opening, path[:, good], motions)
+    pressed = pressure(opening, path[:, good], way.carried)
     chosen = np.argsort(cost[good] + PRESSED * pressed, kind="stable")[skip]
     best = good[chosen]
     return OpenPlan(
@@ -110,16 +133,6 @@ def plan_open(
         miss=float(missed[best]),
         pressed=float(pressed[chosen]),
     )
-
-
-def path_fractions(part: TaskPart, begin: float, end: float) -> Float[np.ndarray, "N"]:
-    """From ``begin`` to a little beyond ``end``, in steps of about the same travel of the grip."""
-    beyond = float(np.clip(end + np.sign(end - begin) * BEYOND, 0.0, 1.0))
-    lever = 1.0
-    if part.joint.type != "prismatic":
-        lever = float(np.linalg.norm(np.cross(part.joint.axis, part.grip - part.joint.origin)))
-    travel = abs(beyond - begin) * part.span * lever
-    return np.linspace(begin, beyond, max(4, int(np.ceil(travel / STEP))) + 1)
 
 
 def drawn_back(chain: Chain, robot: RobotSpec, q: Float[np.ndarray, "J"]) -> Float[np.ndarray, "J"]:

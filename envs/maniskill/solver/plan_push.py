@@ -10,8 +10,8 @@ from artigen.transforms import rotation_about
 
 from ..objects import TaskPart
 from ..robots import RobotSpec
-from .opening import PRESSED, Opening, pressure, way_around
-from .plan_open import COMPARED, NoPlan, OpenPlan, path_fractions
+from .opening import PRESSED, Opening, path_fractions, pressure, way_around
+from .plan_open import COMPARED, NoPlan, OpenPlan
 from .reach import NEAR, follow, reach, starts_of
 
 AJAR = 0.22

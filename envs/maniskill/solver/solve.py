@@ -4,7 +4,9 @@ They act like any policy, through the environment's actions; what they know of t
 package. Nothing here learns, and nothing pushes a joint but the robot's fingers.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING
 
 import gymnasium as gym
@@ -14,7 +16,8 @@ from jaxtyping import Float
 from artigen.transforms import inverse, transform_points
 from sim_export.collision.hulls import box_hull
 
-from ..hulls import ground_under, move_hull
+from ..hulls import ground_under, move_hull, plinth_under
+from ..objects import TaskPart
 from ..placement import part_motion
 from .body import Obstacle
 from .drive import (
@@ -25,15 +28,18 @@ from .drive import (
     move,
     object_hulls,
     object_in_root,
+    opened,
     root_pose,
     start,
     wait,
 )
 from .field import build_field
+from .grasp import Grasps
 from .opening import Opening
-from .plan_open import NoPlan, OpenPlan, plan_open
+from .plan_open import NoPlan, OpenPlan, edge_grasps, handle_grasps, plan_open
 from .plan_push import plan_push
 from .plan_put import NoPutPlan, PutPlan, plan_put
+from .plan_touch import plan_touch
 from .work import Work
 
 if TYPE_CHECKING:
@@ -47,6 +53,13 @@ TOUCH = 0.008
 """Pressing by less than this (m) along a path is no reason for another one: a field is not finer."""
 FARTHER = 0.1
 """How much farther than asked a part is pushed, part of its range."""
+PROGRESS = 0.03
+"""Change of a part's open fraction (share) that makes another try with the same plans worth it."""
+PART_WAYS = (0.6, 0.3, 0.15)
+"""Shares of a motion that are tried where the wrist cannot turn, or the arm reach, all the way at once."""
+AROUND_GRIP = 0.32
+FINE = 0.005
+"""What is near the grip is looked at more closely: so far from it, with cells of this edge, metres."""
 PULL_SPEED = 0.6
 PICKS = 3
 LIFTED = 0.05
@@ -68,10 +81,12 @@ class Outcome:
 
 
 def solve_open_part(env: gym.Env, seed: int) -> Outcome:
-    """Plays one episode of ``ArtiGen-OpenPart-v1`` with the control mode ``pd_joint_pos``.
+    """Plays one episode of ``ArtiGen-OpenPart-v1``, or of one of its verbs, with the control mode
+    ``pd_joint_pos``.
 
-    It pulls at the handle all the way; where the arm cannot go along with a door, it pulls it ajar and pushes
-    from behind.
+    Latches that are not the part's own handle come first. The part is taken by its handle, or by its edge,
+    and led all the way; where the arm cannot go along with a door, it pulls it ajar and pushes from behind.
+    What is there to be pressed, or cannot be held, is pushed with closed fingers.
 
     Args:
         env: the task, one scene on the CPU, wrapped or not.
@@ -80,89 +95,135 @@ def solve_open_part(env: gym.Env, seed: int) -> Outcome:
     _, info = env.reset(seed=seed)
     driver = start(env, info)
     task: OpenPartEnv = env.unwrapped  # type: ignore[assignment]
-    opening = _opening(driver)
-    reason = ""
-    for attempt in range(ATTEMPTS):
-        try:
-            plan = _next_plan(driver, task, opening, attempt)
-        except NoPlan as none:
-            reason = str(none)
-            break
-        _follow_plan(driver, plan)
-        if driver.over:
-            break
-        reason = f"let go at {float(task.open_fraction[0]):.2f} of the range"
+    part, reason = task.drawn[0][1], ""
+    for latch in part.latches if task.latched else ():
+        if latch is not part.grip_latch and opened(driver, latch.part) < latch.fraction and not reason:
+            reason = _work(driver, latch.part, 1.0, latch.fraction)
+    reason = reason or _work(driver, part, task.goal_open, task.goal_open)
     success = bool(driver.info["success"][0])
-    opened = float(task.open_fraction[0])
+    fraction = float(task.open_fraction[0])
     if not success and driver.over:
-        reason = f"time over at {opened:.2f} of the range"
+        reason = f"time over at {fraction:.2f} of the range" + (f"; {reason}" if reason else "")
     return Outcome(
-        success=success, steps=driver.steps, open_fraction=opened, reason="" if success else reason
+        success=success, steps=driver.steps, open_fraction=fraction, reason="" if success else reason
     )
 
 
-def _opening(driver: Driver) -> Opening:
-    """The part and everything around it, as an episode finds it."""
-    entry, part = driver.task.drawn[0]
-    carried, others = object_hulls(driver)
-    closed = inverse(part_motion(part, np.array([driver.begin]))[0])
+def _work(driver: Driver, part: TaskPart, goal: float, least: float) -> str:
+    """Moves a part towards ``goal`` until it is at ``least``, shares of its range; "", or what stopped it."""
+    failed, reason = 0, ""
+    rising = goal > opened(driver, part)
+    while failed < ATTEMPTS and not driver.over:
+        begin = opened(driver, part)
+        try:
+            plan = _next_plan(driver, part, goal, failed)
+        except NoPlan as none:
+            return f"{part.joint.name!r}: {none}"
+        _follow_plan(driver, plan)
+        now = opened(driver, part)
+        if now >= least if rising else now <= least:
+            return ""
+        reason = f"{part.joint.name!r} let go at {now:.2f} of the range"
+        failed += abs(now - begin) < PROGRESS
+    return reason
+
+
+def _opening(driver: Driver, part: TaskPart) -> Opening:
+    """The part and everything around it, as they are now."""
+    entry = driver.task.drawn[0][0]
+    carried, others = object_hulls(driver, part)
+    others = (*others, plinth_under(entry)) if entry.raised > 0.0 else others
+    closed = inverse(part_motion(part, np.array([opened(driver, part)]))[0])
+    carried = tuple(move_hull(hull, closed) for hull in carried)
+    near = np.stack([part.grip - AROUND_GRIP, part.grip + AROUND_GRIP])
+    latch = part.grip_latch
     return Opening(
         chain=driver.chain,
         robot=driver.robot,
         body=driver.body,
+        closed=driver.closed,
         part=part,
         T_root_object=object_in_root(driver),
-        others=build_field((*others, ground_under(entry, carried + others))),
-        carried=build_field([move_hull(hull, closed) for hull in carried]),
+        others=build_field(others, ground=entry.floor),
+        carried=build_field(carried),
+        near_others=build_field(others, near, FINE, ground=entry.floor),
+        near_carried=build_field(carried, near, FINE),
+        turned=opened(driver, latch.part) if latch is not None and driver.task.latched else 1.0,
     )
 
 
-def _next_plan(driver: Driver, task: "OpenPartEnv", opening: Opening, attempt: int) -> OpenPlan:
-    """Pull to the end if the arm keeps off everything; or else push to the end; or else pull only as far as
-    a push needs; or else pull and press.
+def _next_plan(driver: Driver, part: TaskPart, end: float, tries: int) -> OpenPlan:
+    """The first plan along which the arm keeps off everything, or else the one that presses least.
+
+    Tried are: pressing, for what is to be pressed; in the grip to the end; pushing to the end from behind;
+    pulling as far as that needs; pinching the part itself; pushing from outside; then the same for a part of
+    the way.
 
     Raises:
-        NoPlan: if none of them works, with what kept the first from it.
+        NoPlan: if none of them works, with what kept them from it.
     """
-    part, begin, end = opening.part, float(task.open_fraction[0]), task.goal_open
-    q = arm_angles(driver)
-    whole, reason = _plan_or_reason(opening, q, begin, end, attempt)
-    if whole is not None and whole.pressed <= TOUCH:
-        return whole
-    try:
-        return _push(opening, q, begin, end)
-    except NoPlan:
-        pass
-    partial = None
-    for ajar in [angle / part.span for angle in AJAR_ANGLES if part.joint.type != "prismatic"]:
-        if not begin < ajar < end:
-            continue
-        plan, _ = _plan_or_reason(opening, q, begin, ajar, attempt)
-        partial = partial or plan
-        try:
-            _push(opening, q, ajar, end)
-        except NoPlan:
-            continue
-        if plan is not None:
-            return plan
-    best = whole or partial
-    if best is None:
-        assert reason is not None
-        raise reason
-    return best
+    opening, q, begin = _opening(driver, part), arm_angles(driver), opened(driver, part)
+    ajar = [angle / part.span for angle in AJAR_ANGLES if part.joint.type != "prismatic"]
+    shares = [begin + share * (end - begin) for share in PART_WAYS]
+    handle, edge = _once(partial(handle_grasps, opening)), _once(partial(edge_grasps, opening))
+    skip, name = tries // 2, part.joint.name
+
+    def held(grasps: Callable[[], Grasps], to: float) -> OpenPlan:
+        return plan_open(opening, grasps(), q, begin, to, skip=skip)
+
+    def pulled_ajar(to: float) -> OpenPlan:
+        if not begin < to < end or part.kind not in ("door", "drawer"):
+            raise NoPlan(f"joint {name!r}: not to be pulled ajar")
+        _push(opening, q, to, end)
+        return held(handle, to)
+
+    whole, pinched = [partial(held, handle, end)], [partial(held, edge, end)]
+    touch = [partial(plan_touch, opening, q, begin, end, skip=skip)]
+    push = [partial(_push, opening, q, begin, end)] + [partial(pulled_ajar, to) for to in ajar]
+    first = touch + whole if part.verb == "press" else whole + push + pinched + touch
+    first = first[tries % len(first) :] + first[: tries % len(first)]  # what failed is not the first again
+    rest = [partial(held, grasps, to) for to in shares for grasps in (handle, edge)]
+    rest += [partial(plan_touch, opening, q, begin, to, skip=skip) for to in shares]
+    found: list[OpenPlan] = []
+    reasons: list[NoPlan] = []
+    for group in (first, rest):
+        for attempt in group:
+            try:
+                plan = attempt()
+            except NoPlan as none:
+                reasons.append(none)
+                continue
+            if plan.pressed <= TOUCH:
+                return plan
+            found.append(plan)
+        if found:
+            return min(found, key=lambda plan: plan.pressed)
+    raise NoPlan(
+        "; ".join(dict.fromkeys(str(reason).removeprefix(f"joint {name!r}: ") for reason in reasons))
+    )
 
 
-def _plan_or_reason(
-    opening: Opening, q: Float[np.ndarray, "J"], begin: float, end: float, attempt: int
-) -> tuple[OpenPlan | None, NoPlan | None]:
-    try:
-        return plan_open(opening, q, begin, end, skip=attempt), None
-    except NoPlan as none:
-        return None, none
+def _once(function: Callable[[], Grasps]) -> Callable[[], Grasps]:
+    """A function that is called once, when its value is first needed; what it raises is kept, too."""
+    known: list[Grasps | NoPlan] = []
+
+    def value() -> Grasps:
+        if not known:
+            try:
+                known.append(function())
+            except NoPlan as none:
+                known.append(none)
+        if isinstance(known[0], NoPlan):
+            raise known[0]
+        return known[0]
+
+    return value
 
 
 def _push(opening: Opening, q: Float[np.ndarray, "J"], begin: float, end: float) -> OpenPlan:
     """Pushes farther than asked if the arm can: what stands out of a leaf keeps fingers off it."""
+    if opening.part.kind != "door":
+        raise NoPlan(f"joint {opening.part.joint.name!r}: only doors are pushed from behind")
     try:
         return plan_push(opening, q, begin, min(1.0, end + FARTHER))
     except NoPlan:
@@ -208,9 +269,9 @@ def solve_put_inside(env: gym.Env, seed: int) -> Outcome:
     if not success and not reason:
         lying = "inside" if bool(driver.info["inside"][0]) else "outside"
         reason = f"the cube ended {lying}, {'time over' if driver.over else 'not at rest'}"
-    opened = float(task.open_fraction[0])
+    fraction = float(task.open_fraction[0])
     return Outcome(
-        success=success, steps=driver.steps, open_fraction=opened, reason="" if success else reason
+        success=success, steps=driver.steps, open_fraction=fraction, reason="" if success else reason
     )
 
 
@@ -222,7 +283,7 @@ def _put_plan(driver: Driver, task: "PutInsideEnv") -> PutPlan:
     stand[2] += 1.0 - STAND_HALF[2]
     solid = task.solid_at_start(0)
     if abs(float(task.open_fraction[0]) - driver.begin) > MOVED:
-        carried, others = object_hulls(driver)
+        carried, others = object_hulls(driver, task.drawn[0][1])
         hulls = carried + others
         solid = build_field((*hulls, ground_under(task.drawn[0][0], hulls)))
     column = build_field((box_hull(stand - STAND_HALF, stand + STAND_HALF),))

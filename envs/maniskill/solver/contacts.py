@@ -1,0 +1,225 @@
+"""Where closed fingers can push a part that has no handle, and where open ones can pinch it.
+
+Points all over the part's own hulls, near its grip; a place counts if the hand around it meets nothing.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from artigen.transforms import inverse, rotation_about, transform_points
+from sim_export.package import Hull, PackageJoint
+
+from .body import HAND_GAP, Body
+from .field import distances
+from .grasp import SPARE, TIP, Grasps
+from .opening import Opening
+
+NEAR = 0.20
+"""How far from the grip contacts are looked for, metres."""
+SPACING = 0.012
+MOST_POINTS = 90
+OUT = 0.007
+"""How far before a point of the surface there has to be nothing, metres."""
+ALONG = 0.75
+"""Least cosine between a push and the way that the point goes."""
+LEVER = 0.35
+"""Least distance from the axis of a point that is pushed, part of the largest."""
+FINGER = 0.011
+"""Half the thickness of the closed fingers, metres."""
+TOUCHING = 0.022
+"""Points of the hand so near to where it pushes may touch, metres."""
+CLEAR = 0.003
+"""What the rest of the hand keeps away, metres."""
+LEANS = np.radians([0.0, 30.0, 60.0, 90.0])
+"""How far the fingers lean from the direction of the push; at 90 degrees their side pushes."""
+AROUND = 8
+THIN = 0.002
+KEPT = 240
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Contacts:
+    """Tool poses in the object frame at rest, their costs, and the directions away from what is touched."""
+
+    poses: Float[np.ndarray, "C 4 4"]
+    cost: Float[np.ndarray, "C"]
+    normals: Float[np.ndarray, "C 3"]
+
+
+def push_contacts(opening: Opening, sign: float) -> Contacts:
+    """Places where closed fingers push the part open (``sign`` 1) or closed (-1), with room for the hand."""
+    part = opening.part
+    points, normals = _exposed(opening)
+    velocity = sign * _velocity(part.joint, points)
+    speed = np.linalg.norm(velocity, axis=1)
+    way = velocity / np.maximum(speed, 1e-9)[:, None]
+    lever = speed / max(float(speed.max(initial=0.0)), 1e-9)
+    good = np.flatnonzero(((-normals * way).sum(axis=1) > ALONG) & (lever > LEVER))
+    away = np.linalg.norm(points[good] - part.grip, axis=1)
+    good = good[np.argsort(away - 0.1 * lever[good], kind="stable")][:MOST_POINTS]
+    poses, cost, out = [], [], []
+    for k in good:
+        base = 0.5 * float(np.linalg.norm(points[k] - part.grip)) + 0.2 * (1.0 - lever[k])
+        for lean in LEANS:
+            for turn in np.linspace(0.0, 2.0 * np.pi, 1 if lean == 0.0 else AROUND, endpoint=False):
+                side = rotation_about(normals[k], np.array(turn)) @ _across(normals[k])
+                point = -np.cos(lean) * normals[k] + np.sin(lean) * side
+                # On the tip, and on the flank of the finger as it leans over.
+                place = points[k] - TIP * np.cos(lean) * point + FINGER * np.sin(lean) * normals[k]
+                for close in (_across(point), np.cross(point, _across(point))):
+                    for way_round in (1.0, -1.0):
+                        poses.append(_pose(opening, point, way_round * close, place))
+                        cost.append(base + 0.15 * lean)
+                        out.append(normals[k])
+    return _with_room(opening, Contacts(**_arrays(poses, cost, out)), opening.closed, TOUCHING)
+
+
+def pinch_grasps(opening: Opening) -> Grasps:
+    """Ways to take the part itself between open fingers, where it is thin enough and stands free."""
+    part, robot = opening.part, opening.robot
+    points, normals = _exposed(opening)
+    near = np.argsort(np.linalg.norm(points - part.grip, axis=1), kind="stable")[: 2 * MOST_POINTS]
+    points, normals = points[near], normals[near]
+    thick = _thickness(part.own, points, -normals, robot.opening - SPARE)
+    speed = np.linalg.norm(_velocity(part.joint, points), axis=1)
+    lever = speed / max(float(speed.max(initial=0.0)), 1e-9)
+    poses, cost, out = [], [], []
+    for k in np.flatnonzero(np.isfinite(thick) & (lever > LEVER)):
+        base = 0.5 * float(np.linalg.norm(points[k] - part.grip)) + 0.2 * (1.0 - lever[k])
+        for turn in np.linspace(0.0, 2.0 * np.pi, AROUND, endpoint=False):
+            point = rotation_about(normals[k], np.array(turn)) @ _across(normals[k])
+            place = points[k] - 0.5 * thick[k] * normals[k]
+            for way_round in (1.0, -1.0):
+                poses.append(_pose(opening, point, way_round * normals[k], place))
+                cost.append(base + 0.1 * max(0.0, float(point[2])))
+                out.append(normals[k])
+    found = _with_room(opening, Contacts(**_arrays(poses, cost, out)), opening.body, 0.0, fingers=True)
+    # Grasps have x where the gripper points and y where it closes.
+    axes = np.eye(4)
+    axes[:3, :3] = robot.tool_axes
+    return Grasps(poses=found.poses @ axes, cost=found.cost, width=robot.opening)
+
+
+def _exposed(opening: Opening) -> tuple[Float[np.ndarray, "P 3"], Float[np.ndarray, "P 3"]]:
+    """Points on the outside of the part near its grip, nothing right before them, and their normals."""
+    points, normals = surface_samples(opening.part.own, SPACING)
+    near = np.linalg.norm(points - opening.part.grip, axis=1) < NEAR
+    points, normals = points[near], normals[near]
+    before = points + OUT * normals
+    free = (distances(opening.near_others, before) > CLEAR) & (
+        distances(opening.near_carried, before) > CLEAR
+    )
+    return points[free], normals[free]
+
+
+def surface_samples(
+    hulls: Sequence[Hull], spacing: float
+) -> tuple[Float[np.ndarray, "P 3"], Float[np.ndarray, "P 3"]]:
+    """Points inside the faces of hulls, at most about ``spacing`` metres apart, and their normals."""
+    points, normals = [np.zeros((0, 3))], [np.zeros((0, 3))]
+    for hull in hulls:
+        for a, b, c in hull.vertices[hull.faces]:
+            cross = np.cross(b - a, c - a)
+            length = float(np.linalg.norm(cross))
+            if length < 1e-9:
+                continue
+            longest = max(np.linalg.norm(b - a), np.linalg.norm(c - a), np.linalg.norm(c - b))
+            count = int(np.ceil(longest / spacing))
+            u, v = (grid.ravel() for grid in np.meshgrid(*2 * [(np.arange(count) + 1.0 / 3.0) / count]))
+            u, v = u[u + v < 1.0], v[u + v < 1.0]
+            points.append(a + u[:, None] * (b - a) + v[:, None] * (c - a))
+            normals.append(np.repeat(cross[None] / length, len(u), axis=0))
+    found, outward = np.concatenate(points), np.concatenate(normals)
+    keys = np.rint(np.c_[found / spacing, 2.0 * outward])
+    first = np.sort(np.unique(keys, axis=0, return_index=True)[1])
+    return found[first], outward[first]
+
+
+def _with_room(
+    opening: Opening, found: Contacts, body: Body, touching: float, *, fingers: bool = False
+) -> Contacts:
+    """The cheapest contacts at which the hand meets nothing but the place that it touches; ``fingers`` also
+    have to meet nothing but the part as they close."""
+    last = len(opening.chain.before) - 1
+    mine = (body.carrier == last) & (body.gap <= HAND_GAP)
+    hand = transform_points(inverse(opening.chain.tool), body.points[mine])
+    order = np.argsort(found.cost, kind="stable")
+    tip = TIP * opening.robot.tool_axes[:, 0]
+    allowed = np.linalg.norm(hand - tip, axis=1) < touching
+    good: list[np.ndarray] = []
+    for rows in np.array_split(order, max(1, len(order) // 400)):
+        points = transform_points(found.poses[rows], hand)
+        room = np.minimum(distances(opening.near_others, points), distances(opening.near_carried, points))
+        room[:, allowed] = np.inf
+        free = room.min(axis=1) > CLEAR
+        if fingers:
+            sweep = transform_points(found.poses[rows], _finger_sweep(opening))
+            free &= distances(opening.near_others, sweep).min(axis=1) > CLEAR
+        good.append(rows[free])
+        if sum(map(len, good)) >= KEPT:
+            break
+    rows = np.concatenate([np.zeros(0, dtype=np.int64), *good])[:KEPT]
+    return Contacts(poses=found.poses[rows], cost=found.cost[rows], normals=found.normals[rows])
+
+
+def _finger_sweep(opening: Opening) -> Float[np.ndarray, "S 3"]:
+    """Points that the ends of both fingers pass as they close, in the frame of the tool."""
+    point, close = opening.robot.tool_axes[:, 0], opening.robot.tool_axes[:, 1]
+    half = opening.robot.opening / 2.0
+    across = np.linspace(-half, half, 15)
+    return np.concatenate([across[:, None] * close + back * point for back in (TIP, 0.0, -0.015)])
+
+
+def _thickness(
+    hulls: Sequence[Hull], points: Float[np.ndarray, "P 3"], inwards: Float[np.ndarray, "P 3"], most: float
+) -> Float[np.ndarray, "P"]:
+    """How far it is through the union of hulls from points on its surface (m); infinite beyond ``most``."""
+    steps = np.arange(THIN / 2.0, most + THIN, THIN)
+    along = points[:, None] + steps[:, None] * inwards[:, None]
+    inside = np.zeros(along.shape[:2], dtype=bool)
+    for hull in hulls:
+        inside |= is_inside(hull, along)
+    out = ~inside
+    first = np.where(out.any(axis=1), out.argmax(axis=1), 0)
+    return np.where(out.any(axis=1) & (first > 0), steps[first], np.inf)
+
+
+def is_inside(hull: Hull, points: Float[np.ndarray, "*N 3"]) -> Bool[np.ndarray, "*N"]:
+    """Which points lie in a hull."""
+    a, b, c = (hull.vertices[hull.faces[:, k]] for k in range(3))
+    normals = np.cross(b - a, c - a)
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-15)
+    return (points @ normals.T <= (normals * a).sum(axis=1) + 1e-6).all(axis=-1)
+
+
+def _velocity(joint: PackageJoint, points: Float[np.ndarray, "P 3"]) -> Float[np.ndarray, "P 3"]:
+    """Velocities of points per unit of joint speed, at rest."""
+    if joint.type == "prismatic":
+        return np.repeat(np.asarray(joint.axis)[None], len(points), axis=0)
+    return np.cross(joint.axis, points - joint.origin)
+
+
+def _pose(opening: Opening, point: np.ndarray, close: np.ndarray, place: np.ndarray) -> np.ndarray:
+    """The pose of the tool that points and closes in these directions."""
+    T = np.eye(4)
+    T[:3, :3] = np.stack([point, close, np.cross(point, close)], axis=1) @ opening.robot.tool_axes.T
+    T[:3, 3] = place
+    return T
+
+
+def _across(direction: np.ndarray) -> np.ndarray:
+    """A unit vector at right angles to a direction, level if that is possible."""
+    side = np.cross(direction, [0.0, 0.0, 1.0])
+    length = float(np.linalg.norm(side))
+    return side / length if length > 1e-2 else np.array([0.0, 1.0, 0.0])
+
+
+def _arrays(poses: list, cost: list, normals: list) -> dict[str, np.ndarray]:
+    return {
+        "poses": np.array(poses).reshape(-1, 4, 4),
+        "cost": np.array(cost, dtype=np.float64),
+        "normals": np.array(normals).reshape(-1, 3),
+    }

@@ -1,0 +1,105 @@
+"""A plan for a part that is pushed: closed fingers touch it and go along, a little farther at the end.
+
+Buttons, switches, pedals and lids without handles; whatever fingers find to push against.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from artigen.transforms import inverse
+
+from ..objects import TaskPart
+from .body import Obstacle, is_free
+from .contacts import push_contacts
+from .opening import PRESSED, Opening, pressure, way_around
+from .plan_open import COMPARED, NoPlan, OpenPlan
+from .reach import NEAR, follow, reach, starts_of
+
+OFF = 0.02
+"""How far off the surface the fingers come near, metres."""
+FAR = 0.07
+"""How far they are drawn back before that, metres."""
+SAMPLES = 3
+ENTERED = 0.002
+"""What the arm keeps away on that way, metres; a cell of the field more or less is true."""
+THROUGH = 0.008
+"""How much farther than the part's own path the fingers aim in the end, metres: they have to press."""
+YIELD = 8e-4
+"""How far the arm gives way to a force, metres per newton: about 10 mm at 19 N, and some to spare."""
+EXACT = 0.006
+"""What the place that is touched may be missed by, metres: a button is small."""
+LOOSE = 0.02
+MOST_TURN = 1.3
+
+
+def _through(part: TaskPart, poses: Float[np.ndarray, "K 4 4"]) -> Float[np.ndarray, "K 1"]:
+    """How much farther than the part the fingers aim, metres: more against a spring."""
+    lever = np.ones(len(poses))
+    if part.joint.type != "prismatic":
+        lever = np.linalg.norm(np.cross(part.joint.axis, poses[:, :3, 3] - part.joint.origin), axis=1)
+    return (THROUGH + YIELD * 2.0 * part.joint.spring / np.maximum(lever, 0.02))[:, None]
+
+
+def _enters(
+    opening: Opening, entry: Float[np.ndarray, "3 K J"], at: Float[np.ndarray, "4 4"]
+) -> Bool[np.ndarray, "K"]:
+    """Which ways up to the surface lead through nothing solid."""
+    ways = np.linspace(entry[1:-1], entry[2:], SAMPLES).reshape(-1, entry.shape[2])
+    body = replace(opening.closed, gap=np.full(len(opening.closed.gap), ENTERED))
+    obstacles = (
+        Obstacle(field=opening.others, T_field_root=inverse(opening.T_root_object)),
+        Obstacle(field=opening.carried, T_field_root=inverse(at)),
+    )
+    return np.asarray(is_free(opening.chain, body, obstacles, ways).reshape(SAMPLES, -1).all(axis=0))
+
+
+def plan_touch(
+    opening: Opening, q: Float[np.ndarray, "J"], begin: float, end: float, *, skip: int = 0
+) -> OpenPlan:
+    """A plan that pushes a part from fraction ``begin`` of its range to ``end``; arguments as `plan_open`.
+
+    Raises:
+        NoPlan: if there is no place to push at, or none that the arm can follow.
+    """
+    chain, robot, name = opening.chain, opening.robot, opening.part.joint.name
+    found = push_contacts(opening, float(np.sign(end - begin)))
+    if not len(found.poses):
+        raise NoPlan(f"joint {name!r}: nothing to push at has room for the fingers")
+    motions = opening.way(begin, end).carried
+    hold, order = reach(chain, motions[0] @ found.poses, found.cost, starts_of(chain, robot, q))
+    if not len(order):
+        raise NoPlan(f"joint {name!r}: nothing to push at is in reach")
+    poses, normals = found.poses[order], found.normals[order]
+    targets = motions[:, None] @ poses[None]
+    targets[-1, :, :3, 3] -= _through(opening.part, poses) * normals @ motions[-1, :3, :3].T
+    path, missed, turned = follow(chain, targets, hold, turn_weight=LOOSE)
+    # From the surface back to where the fingers come from: off it, then back along themselves.
+    back = np.repeat(targets[:1], 3, axis=0)
+    off = OFF * normals @ motions[0, :3, :3].T
+    point = np.einsum("kij,j->ki", targets[0, :, :3, :3], robot.tool_axes[:, 0])
+    back[1, :, :3, 3] += off
+    back[2, :, :3, 3] += off - FAR * point
+    entry, lost, _ = follow(chain, back, hold, turn_weight=LOOSE)
+    total = found.cost[order] + 20.0 * missed + 5.0 * lost + 0.3 * turned
+    good = np.flatnonzero((missed < EXACT) & (turned < MOST_TURN) & (lost < 3.0 * NEAR))
+    good = good[_enters(opening, entry[:, good], motions[0])]
+    if len(good) <= skip:
+        raise NoPlan(
+            f"joint {name!r}: {len(good)} ways to push it along its path, the best misses by "
+            f"{1e3 * missed.min():.0f} mm"
+        )
+    good = good[np.argsort(total[good], kind="stable")][: skip + COMPARED]
+    pressed = pressure(opening, path[:, good], motions, opening.closed)
+    chosen = np.argsort(total[good] + PRESSED * pressed, kind="stable")[skip]
+    best = good[chosen]
+    return OpenPlan(
+        before=way_around(opening, begin, q, entry[-1, best]),
+        approach=entry[-2::-1, best],
+        path=path[1:, best],
+        leave=entry[::-1, best][-1:],
+        width=0.0,
+        miss=float(missed[best]),
+        pressed=float(pressed[chosen]),
+    )

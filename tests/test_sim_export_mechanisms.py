@@ -1,0 +1,160 @@
+"""Parts that follow others, and springs: from shape to package, files, engines and back."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+import numpy as np
+import pytest
+
+from artigen.shapes.draw import Wish, draw_shape
+from artigen.shapes.shape import Motion, Shape
+from sim_export.collision.motion import link_displacements, moved_links
+from sim_export.errors import InvalidKinematics
+from sim_export.files.read import read_package
+from sim_export.files.write import write_package
+from sim_export.package import PackageJoint, SimPackage
+from sim_export.physics.links import check_kinematics
+from sim_export.reference import build_reference
+
+UP = (0.0, 0.0, 1.0)
+
+
+@pytest.fixture(scope="module")
+def package() -> SimPackage:
+    """A pedal bin: its lid follows the pedal, which a spring pulls up."""
+    return build_reference(draw_shape("TrashCan", 0, Wish(style="pedal")))
+
+
+@pytest.fixture(scope="module")
+def folder(package: SimPackage, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write_package(package, tmp_path_factory.mktemp("mechanisms") / "bin")
+
+
+def pedal_and_lid(package: SimPackage) -> tuple[PackageJoint, PackageJoint]:
+    lid = next(joint for joint in package.joints if joint.mimic is not None)
+    return next(joint for joint in package.joints if joint.name == lid.mimic), lid
+
+
+def test_motions_without_ends_neither_follow_nor_have_springs():
+    for extra in ({"follows": "pedal"}, {"spring": 1.0}):
+        with pytest.raises(ValueError, match="has no ends"):
+            Motion(type="continuous", axis=UP, upper=6.0, **extra)
+    with pytest.raises(ValueError, match="0 or more"):
+        Motion(type="revolute", axis=UP, upper=1.0, spring=-0.1)
+
+
+def with_motion(shape: Shape, name: str, **changes) -> Shape:
+    parts = tuple(
+        replace(part, motion=replace(part.motion, **changes))
+        if part.name == name and part.motion is not None
+        else part
+        for part in shape.parts
+    )
+    return replace(shape, parts=parts)
+
+
+def test_a_leader_exists_moves_and_follows_nothing():
+    shape = draw_shape("TrashCan", 0, Wish(style="pedal"))
+    with pytest.raises(ValueError, match="nobody"):
+        with_motion(shape, "lid", follows="nobody")
+    for leader in ("body", "lid"):
+        with pytest.raises(ValueError, match="has to move between two ends"):
+            with_motion(shape, "lid", follows=leader)
+    needing = next(part for part in shape.parts if part.needs)
+    with pytest.raises(ValueError, match="let parts need the other one open"):
+        with_motion(with_motion(shape, "lid", follows=None), needing.needs[0].part, follows=needing.name)
+
+
+def test_both_are_open_at_the_same_time(package):
+    pedal, lid = pedal_and_lid(package)
+    assert lid.mimic_multiplier * pedal.upper == pytest.approx(lid.upper)
+    shares = np.linspace(0.0, 1.0, 5)
+    T = link_displacements(package.links, package.joints, {pedal.name: shares * pedal.upper})
+    names = [link.name for link in package.links]
+    turned = T[:, names.index(lid.child), :3, :3]
+    angle = np.arccos(np.clip((np.trace(turned, axis1=1, axis2=2) - 1.0) / 2.0, -1.0, 1.0))
+    np.testing.assert_allclose(angle, shares * lid.upper, atol=1e-6)
+    assert {names.index(x) for x in (pedal.child, lid.child)} <= set(
+        moved_links(package.links, package.joints, pedal)
+    )
+
+
+def test_files_say_it_and_are_read_again(package, folder):
+    pedal, lid = pedal_and_lid(package)
+    found = {joint.name: joint for joint in read_package(folder).joints}
+    assert found[pedal.name].spring == pytest.approx(pedal.spring)
+    assert (found[lid.name].mimic, found[lid.name].kind) == (pedal.name, "revolute")
+    assert found[lid.name].mimic_multiplier == pytest.approx(lid.mimic_multiplier)
+    urdf = ET.parse(folder / "mobility.urdf").getroot()
+    mimic = [(x.get("name"), x.find("mimic")) for x in urdf.findall("joint") if x.find("mimic") is not None]
+    assert [(name, tag.get("joint")) for name, tag in mimic if tag is not None] == [(lid.name, pedal.name)]
+    told = " ".join(json.loads((folder / "meta.json").read_text())["records"])
+    assert f"{lid.name} follows {pedal.name}" in told
+    assert f"{pedal.name}: a spring closes it" in told
+
+
+def test_what_has_neither_is_written_as_before(tmp_path):
+    folder = write_package(build_reference(draw_shape("Switch", 0)), tmp_path / "switch")
+    assert '"spring"' not in (folder / "physics.json").read_text()
+    text = (folder / "mobility.mjcf.xml").read_text()
+    assert "stiffness" not in text
+    assert "equality" not in text
+
+
+def test_a_spring_needs_a_range(package):
+    pedal, _ = pedal_and_lid(package)
+    for changes in ({"spring": -1.0}, {"upper": 0.0}):
+        joints = tuple(replace(x, **changes) if x.name == pedal.name else x for x in package.joints)
+        with pytest.raises(InvalidKinematics, match="spring"):
+            check_kinematics(replace(package, joints=joints))
+
+
+def test_mujoco_pulls_as_stated_and_couples(package, folder):
+    mujoco = pytest.importorskip("mujoco")
+    pedal, lid = pedal_and_lid(package)
+    model = mujoco.MjModel.from_xml_path(str(folder / "mobility.mjcf.xml"))
+    data = mujoco.MjData(model)
+    at = model.joint(pedal.name).qposadr[0]
+    for share in (0.0, 0.5, 1.0):
+        data.qpos[at] = share * pedal.upper
+        mujoco.mj_forward(model, data)
+        assert data.qfrc_spring[at] == pytest.approx(-(1.0 + share) * pedal.spring, rel=1e-6)
+    assert model.neq == 1
+    assert model.eq_data[0, 1] == pytest.approx(lid.mimic_multiplier)
+
+
+def test_usd_has_the_spring_in_degrees(package, tmp_path):
+    pytest.importorskip("pxr")
+    from pxr import Usd, UsdPhysics
+
+    from sim_export.usd.write import write_usd
+
+    pedal, lid = pedal_and_lid(package)
+    stage = Usd.Stage.Open(str(write_usd(package, tmp_path / "usd")))
+    prims = {prim.GetName(): prim for prim in stage.Traverse()}
+    drive = UsdPhysics.DriveAPI.Get(prims[pedal.name], "angular")
+    stiffness, target = drive.GetStiffnessAttr().Get(), drive.GetTargetPositionAttr().Get()
+    assert -stiffness * target == pytest.approx(pedal.spring, rel=1e-5)
+    gearing = prims[lid.name].GetAttribute("physxMimicJoint:rotZ:gearing").Get()
+    assert gearing == pytest.approx(-lid.mimic_multiplier, rel=1e-5)
+
+
+@pytest.mark.sim
+def test_in_sapien_the_lid_follows_and_the_spring_closes_both(package, folder):
+    sapien = pytest.importorskip("sapien")
+    from envs.loaded import advance, set_open_fraction
+    from envs.package import LoadConfig, load_package
+
+    scene = sapien.Scene([sapien.physx.PhysxCpuSystem()])
+    scene.set_timestep(0.01)
+    loaded = load_package(scene, folder, LoadConfig())
+    pedal, lid = pedal_and_lid(package)
+    names = [joint.name for joint in loaded.articulation.active_joints]
+    assert [joint.spec.name for joint in loaded.joints if joint.spec.name == lid.name] == []
+    qpos = set_open_fraction(loaded, [float(x.spec.name == pedal.name) for x in loaded.joints])
+    assert qpos[names.index(lid.name)] == pytest.approx(lid.upper)
+    for _ in range(200):
+        advance(loaded)
+    np.testing.assert_allclose(loaded.articulation.qpos, 0.0, atol=2e-3)
