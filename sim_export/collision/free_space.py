@@ -1,0 +1,112 @@
+"""The space around a link that its collision must leave free: reachable from outside, and off its surface.
+
+A surface of separate, open or intersecting triangles encloses no exact volume. Cells of a grid do: those that
+the surface crosses are wall, those that can be reached from outside without crossing wall are free, and the
+rest is enclosed, where hulls may be.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float
+from scipy import ndimage
+
+from sim_export.checks.grid import Grid, make_grid, mark_surface
+
+CELLS = 128
+"""Cells along the longest edge of a link, as many as the check of cavities counts."""
+FINEST = 0.0025
+"""Least edge of a cell, over the object's diagonal."""
+MOST_TESTED = 12_000
+"""Cells of a hull's box that are tested; of larger boxes every second, third ... cell along an axis."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FreeSpace:
+    """Cells around a link's surface.
+
+    ``away`` is the distance of a cell's centre from the surface (m, to half a cell), ``depth`` the same
+    where the cell is free and 0 where it is enclosed.
+    """
+
+    grid: Grid
+    away: Float[np.ndarray, "X Y Z"]
+    depth: Float[np.ndarray, "X Y Z"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Intrusion:
+    """Free volume (m^3) in a convex region beyond a distance from the surface, and the farthest of it (m)."""
+
+    volume: float
+    depth: float
+
+
+NO_INTRUSION = Intrusion(volume=0.0, depth=0.0)
+
+
+def find_free_space(triangles: Float[np.ndarray, "F 3 3"], diagonal: float) -> FreeSpace:
+    """Free and enclosed cells of one link's surface (m), within an object of this diagonal (m)."""
+    bounds = np.stack([triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1))])
+    longest = max(float(np.ptp(bounds, axis=0).max()), 1e-6)
+    grid = make_grid(bounds, int(np.clip(longest / (FINEST * diagonal), 8, CELLS)))
+    wall = mark_surface(triangles, grid)
+    away = np.asarray(ndimage.distance_transform_edt(~wall), dtype=np.float32) * np.float32(grid.cell)
+    return FreeSpace(grid=grid, away=away, depth=np.where(_outside(wall), away, np.float32(0.0)))
+
+
+def _outside(wall: Bool[np.ndarray, "X Y Z"]) -> Bool[np.ndarray, "X Y Z"]:
+    """Cells that can be reached from the grid's corner."""
+    regions = np.zeros(wall.shape, dtype=np.int32)
+    ndimage.label(~wall, output=regions)
+    return regions == regions[0, 0, 0]
+
+
+def measure_intrusion(
+    planes: Float[np.ndarray, "K 4"], bounds: Float[np.ndarray, "2 3"], space: FreeSpace, least: float
+) -> Intrusion:
+    """What a convex region takes of the free space farther than ``least`` (m) from the surface.
+
+    Args:
+        planes: Outward normals and offsets of the region.
+        bounds: Its box (m).
+        space: Free space of the link.
+        least: Free space nearer than this counts as surface.
+    """
+    grid = space.grid
+    low = np.maximum(np.ceil((bounds[0] - grid.low) / grid.cell - 0.5), 0).astype(np.int64)
+    high = np.minimum(np.floor((bounds[1] - grid.low) / grid.cell - 0.5) + 1, grid.shape).astype(np.int64)
+    size = high - low
+    if (size <= 0).any():
+        return NO_INTRUSION
+    steps = _strides(size)
+    window = tuple(slice(a, b, s) for a, b, s in zip(low, high, steps, strict=True))
+    depth = space.depth[window]
+    cells = np.argwhere(depth > least)
+    if not len(cells):
+        return NO_INTRUSION
+    points = grid.low + (low + cells * steps + 0.5) * grid.cell
+    for plane in planes:
+        inside = points @ plane[:3] <= plane[3]
+        points, cells = points[inside], cells[inside]
+        if not len(cells):
+            return NO_INTRUSION
+    return Intrusion(
+        volume=len(cells) * grid.cell**3 * float(np.prod(steps)), depth=float(depth[tuple(cells.T)].max())
+    )
+
+
+def _strides(size: np.ndarray) -> np.ndarray:
+    """Steps along three axes that leave at most `MOST_TESTED` cells; long axes are thinned first."""
+    steps = np.ones(3, dtype=np.int64)
+    while np.prod(-(-size // steps)) > MOST_TESTED:
+        steps[(-(-size // steps)).argmax()] += 1
+    return steps
+
+
+def look_up(
+    points: Float[np.ndarray, "N 3"], values: Float[np.ndarray, "X Y Z"], grid: Grid
+) -> Float[np.ndarray, "N"]:
+    """The values of the cells that points lie in; points beyond the grid take those of its border."""
+    cells = np.clip(grid.cells_of(points), 0, np.array(grid.shape) - 1)
+    return values[tuple(cells.T)]

@@ -1,0 +1,196 @@
+"""Pieces of a surface, cut and joined by what their convex hulls would take of free space.
+
+Nothing is assumed of the triangles: they may be open, doubled, or pass through each other.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from scipy.spatial import ConvexHull, QhullError
+
+from sim_export.collision.free_space import (
+    NO_INTRUSION,
+    FreeSpace,
+    Intrusion,
+    look_up,
+    measure_intrusion,
+)
+from sim_export.geometry.sampling import sample_triangles, triangle_areas
+
+THIN = 1e-3
+"""Pieces (m) thinner than this are sheets: their hulls hold no cell."""
+MOST_PLANES = 6
+"""Planes of a surface along which cuts are tried."""
+BESIDE = 5e-4
+"""Metres beside a plane of the surface at which a cut runs, so that the plane's triangles stay whole."""
+SAMPLES = 48
+"""Points on the surface of a piece."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Piece:
+    """Triangles and their convex hull.
+
+    ``corners`` are the hull's vertices, ``planes`` its faces (none of a sheet), ``samples`` points on the
+    triangles, ``bare`` the area of hull faces (m^2) that are neither near the surface nor in the free space
+    that ``intrusion`` counts: cuts through enclosed space.
+    """
+
+    triangles: Float[np.ndarray, "F 3 3"]
+    corners: Float[np.ndarray, "V 3"]
+    planes: Float[np.ndarray, "K 4"]
+    volume: float
+    area: float
+    bare: float
+    intrusion: Intrusion
+    samples: Float[np.ndarray, "N 3"]
+
+    @property
+    def bounds(self) -> Float[np.ndarray, "2 3"]:
+        """Lowest and highest corner (m)."""
+        return np.stack([self.corners.min(axis=0), self.corners.max(axis=0)])
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Around:
+    """Convex hull of points: its corners, planes, volume (m^3), and points spread over its faces."""
+
+    corners: Float[np.ndarray, "V 3"]
+    planes: Float[np.ndarray, "K 4"]
+    volume: float
+    area: float
+    skin: Float[np.ndarray, "M 3"]
+
+
+def wrap(points: Float[np.ndarray, "N 3"], *, skin: int = 0) -> Around:
+    """The convex hull of points; no planes where they are thinner than `THIN`."""
+    middle = points.mean(axis=0)
+    spread = points - middle
+    axes = np.linalg.svd(spread if len(points) < 200 else spread.T @ spread, full_matrices=False)[2]
+    sheet = np.ptp(spread @ axes[2]) < THIN if len(points) > 3 and len(axes) == 3 else True
+    if not sheet:
+        try:
+            solved = ConvexHull(spread)
+        except QhullError:
+            sheet = True
+        else:
+            planes = np.unique(np.round(solved.equations, 7), axis=0)
+            planes = np.column_stack([planes[:, :3], planes[:, :3] @ middle - planes[:, 3]])
+            faces = points[solved.simplices]
+            return Around(
+                corners=points[solved.vertices],
+                planes=planes,
+                volume=float(solved.volume),
+                area=float(solved.area),
+                skin=sample_triangles(faces, skin)[0] if skin else np.zeros((0, 3)),
+            )
+    flat = spread @ axes[:2].T if len(axes) >= 2 else spread[:, :2]
+    try:
+        outline = ConvexHull(flat)
+        corners, area = points[outline.vertices], 2.0 * float(outline.volume)
+    except QhullError:
+        corners, area = points, 0.0
+    return Around(corners=corners, planes=np.zeros((0, 4)), volume=0.0, area=area, skin=np.zeros((0, 3)))
+
+
+def make_piece(triangles: Float[np.ndarray, "F 3 3"], space: FreeSpace, least: float) -> Piece:
+    """A piece of some triangles; ``least`` (m) as in `measure_intrusion`."""
+    around = wrap(np.unique(triangles.reshape(-1, 3), axis=0), skin=SAMPLES)
+    return _finish(around, triangles, sample_triangles(triangles, SAMPLES)[0], space, least)
+
+
+def join_pieces(first: Piece, second: Piece, space: FreeSpace, least: float) -> Piece:
+    """One piece of two."""
+    around = wrap(np.concatenate([first.corners, second.corners]), skin=SAMPLES)
+    triangles = np.concatenate([first.triangles, second.triangles])
+    return _finish(around, triangles, np.concatenate([first.samples, second.samples]), space, least)
+
+
+def _finish(
+    around: Around, triangles: np.ndarray, samples: np.ndarray, space: FreeSpace, least: float
+) -> Piece:
+    bounds = np.stack([around.corners.min(axis=0), around.corners.max(axis=0)])
+    intrusion, bare = NO_INTRUSION, 0.0
+    if len(around.planes):
+        intrusion = measure_intrusion(around.planes, bounds, space, least)
+        bare = around.area * float((look_up(around.skin, space.away, space.grid) > least).mean())
+    return Piece(
+        triangles=triangles,
+        corners=around.corners,
+        planes=around.planes,
+        volume=around.volume,
+        area=around.area,
+        bare=bare,
+        intrusion=intrusion,
+        samples=samples,
+    )
+
+
+def cut_triangles(
+    triangles: Float[np.ndarray, "F 3 3"], normal: Float[np.ndarray, "3"], offset: float
+) -> tuple[Float[np.ndarray, "G 3 3"], Float[np.ndarray, "H 3 3"]]:
+    """Triangles below and above the plane ``normal @ x = offset``; those across are divided."""
+    heights = triangles @ normal - offset
+    below = heights <= 0.0
+    count = below.sum(axis=1)
+    sides = [triangles[count == 3], triangles[count == 0]]
+    for lone_below in (True, False):
+        rows = np.flatnonzero(count == (1 if lone_below else 2))
+        if not len(rows):
+            continue
+        lone = (below[rows] == lone_below).argmax(axis=1)
+        turned = (lone[:, None] + np.arange(3)) % 3
+        corners = triangles[rows[:, None], turned]
+        h = heights[rows[:, None], turned]
+        a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
+        p = a + (h[:, 0] / (h[:, 0] - h[:, 1]))[:, None] * (b - a)
+        q = a + (h[:, 0] / (h[:, 0] - h[:, 2]))[:, None] * (c - a)
+        tip = np.stack([a, p, q], axis=1)
+        rest = np.concatenate([np.stack([p, b, c], axis=1), np.stack([p, c, q], axis=1)])
+        own, other = (0, 1) if lone_below else (1, 0)
+        sides[own] = np.concatenate([sides[own], tip])
+        sides[other] = np.concatenate([sides[other], rest])
+    return sides[0], sides[1]
+
+
+def cut_planes(triangles: Float[np.ndarray, "F 3 3"]) -> Float[np.ndarray, "K 4"]:
+    """Planes worth a cut: beside the largest flat regions of a surface, and across its middle."""
+    normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    areas = np.linalg.norm(normals, axis=1)
+    proper = areas > 1e-12
+    low, high = triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1))
+    out = [np.append(axis, axis @ (low + high) / 2) for axis in np.eye(3)]
+    if not proper.any():
+        return np.stack(out)
+    normals = normals[proper] / areas[proper, None]
+    main = np.abs(normals).argmax(axis=1)
+    normals *= np.where(normals[np.arange(len(normals)), main] < 0, -1.0, 1.0)[:, None]
+    offsets = np.einsum("ij,ij->i", normals, triangles[proper].mean(axis=1))
+    size = float((high - low).max())
+    key = np.round(np.column_stack([normals * 50, offsets / size * 400])).astype(np.int64)
+    _, first, slot = np.unique(key, axis=0, return_index=True, return_inverse=True)
+    weight = np.bincount(slot.ravel(), weights=areas[proper])
+    for group in np.argsort(-weight, kind="stable")[:MOST_PLANES]:
+        normal, offset = normals[first[group]], offsets[first[group]]
+        out += [np.append(normal, offset - BESIDE), np.append(normal, offset + BESIDE)]
+    return np.stack(out)
+
+
+def split_piece(piece: Piece, space: FreeSpace, least: float) -> tuple[Piece, Piece] | None:
+    """The cut after which the two hulls take least free space; ``None`` where no cut divides the piece."""
+    best, best_score = None, np.inf
+    total = float(triangle_areas(piece.triangles).sum())
+    for plane in cut_planes(piece.triangles):
+        sides = cut_triangles(piece.triangles, plane[:3], float(plane[3]))
+        if min(len(side) for side in sides) == 0:
+            continue
+        share = float(triangle_areas(sides[0]).sum()) / max(total, 1e-12)
+        if not 1e-3 < share < 1.0 - 1e-3:
+            continue
+        halves = tuple(make_piece(side, space, least) for side in sides)
+        taken = sum(half.intrusion.volume for half in halves)
+        score = taken + 0.02 * piece.intrusion.volume * abs(2.0 * share - 1.0)
+        if score < best_score:
+            best, best_score = (halves[0], halves[1]), score
+    return best
