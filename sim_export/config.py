@@ -13,6 +13,7 @@ from sim_export.collision.levelling import LevellingConfig
 from sim_export.collision.recovery import RecoveryConfig
 from sim_export.collision.requirements import RequirementConfig
 from sim_export.collision.retention import RetentionConfig
+from sim_export.collision.surface_hulls import SurfaceConfig
 from sim_export.collision.trimming import TrimmingConfig
 from sim_export.geometry.meshing import MeshingConfig
 from sim_export.geometry.wheels import WheelConfig
@@ -31,6 +32,8 @@ class ExportConfig:
     """Source colours to textures."""
     decompose: DecomposeConfig = field(default_factory=DecomposeConfig)
     """Part meshes to convex collision hulls."""
+    surface: SurfaceConfig = field(default_factory=SurfaceConfig)
+    """Surfaces of a source to convex collision hulls."""
     requirements: RequirementConfig = field(default_factory=RequirementConfig)
     """Which joint needs which other open."""
     retention: RetentionConfig = field(default_factory=RetentionConfig)

@@ -87,7 +87,8 @@ def convert_object(job: ConvertJob) -> Made:
         exported = export_asset(asset, provenance=provenance)
     else:
         meshes = place_source_meshes(source, asset)
-        exported = export_asset(asset, source_meshes=meshes, provenance=provenance)
+        surfaces = place_source_surfaces(source, asset)
+        exported = export_asset(asset, source_meshes=meshes, surfaces=surfaces, provenance=provenance)
     package = splat_package(exported.package, asset, RANDOM) if job.cfg.splats else exported.package
     written = time.perf_counter()
     write_package(package, job.out / job.key, "replace")
@@ -131,17 +132,35 @@ def place_source_meshes(source, asset: "Asset"):
 
     from sim_export.package import SourceMesh
 
-    names = {part.name: index for index, part in enumerate(asset.parts)}
+    heirs = find_remaining(source.asset, asset)
     placed: dict[int, list[SourceMesh]] = {}
     for visual in source.visuals:
-        part = visual.part
-        while source.asset.parts[part].name not in names:
-            part = source.asset.parts[part].parent
         T = np.array(visual.T_unit_file)
         T[:3, 3] *= asset.scale
         mesh = SourceMesh(path=visual.path, T_object_file=T, scale=visual.scale * asset.scale)
-        placed.setdefault(names[source.asset.parts[part].name], []).append(mesh)
+        placed.setdefault(heirs[visual.part], []).append(mesh)
     return placed
+
+
+def place_source_surfaces(source, asset: "Asset"):
+    """The object's own triangles, part by part, in metres; those of merged parts follow them."""
+    import numpy as np
+
+    triangles, heirs = source.triangles, np.array(find_remaining(source.asset, asset))
+    corners = asset.scale * triangles.vertices[triangles.faces]
+    owners = heirs[triangles.part_ids]
+    return [corners[owners == index] for index in range(len(asset.parts))]
+
+
+def find_remaining(before: "Asset", after: "Asset") -> list[int]:
+    """For every part of an asset, the part of what is left of it that it is, or that it was merged into."""
+    names = {part.name: index for index, part in enumerate(after.parts)}
+    out = []
+    for part in before.parts:
+        while part.name not in names:
+            part = before.parts[part.parent]
+        out.append(names[part.name])
+    return out
 
 
 def convert_and_validate(worker: Worker, job: ConvertJob, timeout: float) -> Finished:

@@ -49,7 +49,7 @@ class ClearanceConfig:
     """Limits of cutting."""
     limits: HullLimits = field(default_factory=HullLimits)
     """What hulls must be like after cutting."""
-    max_hulls: int = 32
+    max_hulls: int = 96
     """Most hulls of a link that notches may lead to."""
     max_growth: float = 1.5
     """Most hulls over those that a link had, but for the first eight; what turns inside of something is

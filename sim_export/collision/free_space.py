@@ -17,8 +17,11 @@ CELLS = 128
 """Cells along the longest edge of a link, as many as the check of cavities counts."""
 FINEST = 0.0025
 """Least edge of a cell, over the object's diagonal."""
-MOST_TESTED = 12_000
+MOST_TESTED = 4_000
 """Cells of a hull's box that are tested; of larger boxes every second, third ... cell along an axis."""
+
+_AT_ONCE = 12
+"""Planes that points are tested against before those outside are left out."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -85,9 +88,9 @@ def measure_intrusion(
     cells = np.argwhere(depth > least)
     if not len(cells):
         return NO_INTRUSION
-    points = grid.low + (low + cells * steps + 0.5) * grid.cell
-    for plane in planes:
-        inside = points @ plane[:3] <= plane[3]
+    points = (grid.low + (low + cells * steps + 0.5) * grid.cell).astype(np.float32)
+    for some in np.split(planes.astype(np.float32), range(_AT_ONCE, len(planes), _AT_ONCE)):
+        inside = (points @ some[:, :3].T <= some[:, 3]).all(axis=1)
         points, cells = points[inside], cells[inside]
         if not len(cells):
             return NO_INTRUSION
@@ -102,6 +105,14 @@ def _strides(size: np.ndarray) -> np.ndarray:
     while np.prod(-(-size // steps)) > MOST_TESTED:
         steps[(-(-size // steps)).argmax()] += 1
     return steps
+
+
+def is_open_between(
+    first: Float[np.ndarray, "N 3"], second: Float[np.ndarray, "M 3"], space: FreeSpace, most: float
+) -> bool:
+    """Whether free space deeper than ``most`` (m) lies half-way between points of two sets, at some pair."""
+    middles = (first[:, None] + second) / 2
+    return bool((look_up(middles.reshape(-1, 3), space.depth, space.grid) > most).any())
 
 
 def look_up(

@@ -6,13 +6,16 @@ closed bodies one hull, and what can be reached stays free.
 """
 
 import heapq
+import time
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from jaxtyping import Float
 
-from sim_export.collision.free_space import FreeSpace, find_free_space, look_up
+from sim_export.collision.free_space import FreeSpace, find_free_space, is_open_between, look_up
+from sim_export.collision.decompose import Decomposition
+from sim_export.collision.hull_limits import HullLimits, limit_hulls
 from sim_export.collision.hulls import convex_hull
 from sim_export.collision.surface_pieces import Piece, join_pieces, make_piece, split_piece
 from sim_export.errors import DegeneratePart
@@ -37,6 +40,62 @@ class SurfaceConfig:
     """Share of the area of a joint hull that may newly lie in enclosed space, away from the surface."""
     sheet: float = 0.002
     """Thickness (m) of the hulls of sheets."""
+    most_of_part: int = 64
+    """Hulls of a part, at most; a part of a quarter of the object's diagonal gets half of them."""
+    most: int = 224
+    """Hulls of the whole object, at most; a few less than checked, for what clearance may have to split."""
+    limits: HullLimits = field(default_factory=HullLimits)
+    """What each hull must be like."""
+
+
+def cover_parts(
+    surfaces: Sequence[Float[np.ndarray, "F 3 3"]],
+    owners: Sequence[int],
+    cfg: SurfaceConfig | None = None,
+) -> tuple[Decomposition, ...]:
+    """Hulls of all parts of an object from their triangles (m); a part without any gets none.
+
+    Args:
+        surfaces: Triangles of every part.
+        owners: The part that leads each part's link.
+        cfg: How true to the surface, and how many.
+    """
+    cfg = cfg or SurfaceConfig()
+    everything = np.concatenate([surface.reshape(-1, 3) for surface in surfaces])
+    diagonal = float(np.linalg.norm(np.ptp(everything, axis=0)))
+    shown = {owner: np.zeros((0, 3, 3)) for owner in sorted(set(owners))}
+    for surface, owner in zip(surfaces, owners, strict=True):
+        shown[owner] = np.concatenate([shown[owner], surface])
+    spaces = {owner: find_free_space(found, diagonal) for owner, found in shown.items() if len(found)}
+    out: list[Decomposition] = []
+    for surface, owner in zip(surfaces, owners, strict=True):
+        size = float(np.linalg.norm(np.ptp(surface.reshape(-1, 3), axis=0))) if len(surface) else 0.0
+        most = max(8, int(cfg.most_of_part * min(1.0, 2.0 * size / diagonal)))
+        out.append(_cover_part(surface, spaces.get(owner), diagonal, most, cfg))
+    while sum(len(found.hulls) for found in out) > cfg.most:
+        index = max(range(len(out)), key=lambda index: len(out[index].hulls))
+        count = len(out[index].hulls)
+        fewer = _cover_part(surfaces[index], spaces[owners[index]], diagonal, int(0.7 * count), cfg)
+        if len(fewer.hulls) >= count:
+            break
+        out[index] = fewer
+    return tuple(out)
+
+
+def _cover_part(
+    surface: Float[np.ndarray, "F 3 3"], space: FreeSpace | None, diagonal: float, most: int, cfg: SurfaceConfig
+) -> Decomposition:
+    started = time.perf_counter()
+    hulls: tuple[Hull, ...] = ()
+    records: tuple[str, ...] = ()
+    if len(surface) and space is not None:
+        pieces = cover_surface(surface, space, diagonal, most, cfg)
+        found = [hull for piece in pieces if (hull := piece_hull(piece, space, cfg)) is not None]
+        hulls, records = limit_hulls(found, cfg.limits, max(most, len(found)))
+    seconds = time.perf_counter() - started
+    return Decomposition(
+        hulls=hulls, method="surface", volume_error=0.0, kept_cavity=1.0, seconds=seconds, records=records
+    )
 
 
 def cover_surface(
@@ -144,6 +203,8 @@ def _join(pieces: Sequence[Piece], space: FreeSpace, least: float, cfg: SurfaceC
             beside = alive[j].bounds
             if (beside[0] > bounds[1] + 3.0 * least).any() or (beside[1] < bounds[0] - 3.0 * least).any():
                 continue
+            if is_open_between(alive[i].corners[:16], alive[j].corners[:16], space, 2.0 * least):
+                continue
             both = join_pieces(alive[i], alive[j], space, least)
             before = alive[i].intrusion.volume + alive[j].intrusion.volume
             fits = _fits(both, least, cfg) or (
@@ -190,6 +251,3 @@ def piece_hull(piece: Piece, space: FreeSpace, cfg: SurfaceConfig) -> Hull | Non
         return convex_hull(points)
     except DegeneratePart:
         return None
-
-
-__all__ = ["SurfaceConfig", "cover_surface", "find_free_space", "piece_hull"]

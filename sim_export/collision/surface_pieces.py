@@ -26,6 +26,8 @@ BESIDE = 5e-4
 """Metres beside a plane of the surface at which a cut runs, so that the plane's triangles stay whole."""
 SAMPLES = 48
 """Points on the surface of a piece."""
+_MIX = np.array([1.0, 7.389, 54.598, 403.43])
+"""Weights under which only coplanar faces have equal sums."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -67,15 +69,16 @@ def wrap(points: Float[np.ndarray, "N 3"], *, skin: int = 0) -> Around:
     """The convex hull of points; no planes where they are thinner than `THIN`."""
     middle = points.mean(axis=0)
     spread = points - middle
-    axes = np.linalg.svd(spread if len(points) < 200 else spread.T @ spread, full_matrices=False)[2]
-    sheet = np.ptp(spread @ axes[2]) < THIN if len(points) > 3 and len(axes) == 3 else True
+    axes = np.linalg.eigh(spread.T @ spread)[1].T[::-1]
+    across = spread @ axes[2]
+    sheet = bool(across.max() - across.min() < THIN) or len(points) < 4
     if not sheet:
         try:
             solved = ConvexHull(spread)
         except QhullError:
             sheet = True
         else:
-            planes = np.unique(np.round(solved.equations, 7), axis=0)
+            planes = solved.equations[np.unique(np.round(solved.equations @ _MIX, 6), return_index=True)[1]]
             planes = np.column_stack([planes[:, :3], planes[:, :3] @ middle - planes[:, 3]])
             faces = points[solved.simplices]
             return Around(
@@ -85,9 +88,8 @@ def wrap(points: Float[np.ndarray, "N 3"], *, skin: int = 0) -> Around:
                 area=float(solved.area),
                 skin=sample_triangles(faces, skin)[0] if skin else np.zeros((0, 3)),
             )
-    flat = spread @ axes[:2].T if len(axes) >= 2 else spread[:, :2]
     try:
-        outline = ConvexHull(flat)
+        outline = ConvexHull(spread @ axes[:2].T)
         corners, area = points[outline.vertices], 2.0 * float(outline.volume)
     except QhullError:
         corners, area = points, 0.0
@@ -96,7 +98,7 @@ def wrap(points: Float[np.ndarray, "N 3"], *, skin: int = 0) -> Around:
 
 def make_piece(triangles: Float[np.ndarray, "F 3 3"], space: FreeSpace, least: float) -> Piece:
     """A piece of some triangles; ``least`` (m) as in `measure_intrusion`."""
-    around = wrap(np.unique(triangles.reshape(-1, 3), axis=0), skin=SAMPLES)
+    around = wrap(triangles.reshape(-1, 3), skin=SAMPLES)
     return _finish(around, triangles, sample_triangles(triangles, SAMPLES)[0], space, least)
 
 
@@ -188,9 +190,17 @@ def split_piece(piece: Piece, space: FreeSpace, least: float) -> tuple[Piece, Pi
         share = float(triangle_areas(sides[0]).sum()) / max(total, 1e-12)
         if not 1e-3 < share < 1.0 - 1e-3:
             continue
-        halves = tuple(make_piece(side, space, least) for side in sides)
-        taken = sum(half.intrusion.volume for half in halves)
+        taken = sum(_taken(side, space, least) for side in sides)
         score = taken + 0.02 * piece.intrusion.volume * abs(2.0 * share - 1.0)
         if score < best_score:
-            best, best_score = (halves[0], halves[1]), score
-    return best
+            best, best_score = sides, score
+    return None if best is None else (make_piece(best[0], space, least), make_piece(best[1], space, least))
+
+
+def _taken(triangles: np.ndarray, space: FreeSpace, least: float) -> float:
+    """Free volume (m^3) in the hull of some triangles."""
+    around = wrap(triangles.reshape(-1, 3))
+    if not len(around.planes):
+        return 0.0
+    bounds = np.stack([around.corners.min(axis=0), around.corners.max(axis=0)])
+    return measure_intrusion(around.planes, bounds, space, least).volume
