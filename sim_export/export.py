@@ -18,6 +18,7 @@ from sim_export.collision.facets import flatten_links
 from sim_export.collision.feet import add_feet
 from sim_export.collision.filling import fill_meshes
 from sim_export.collision.levelling import level_object
+from sim_export.collision.passing import find_passing
 from sim_export.collision.pins import pin_carriers
 from sim_export.collision.recovery import Recovery, recover_surface
 from sim_export.collision.requirements import find_requirements
@@ -29,9 +30,9 @@ from sim_export.geometry.boards import fill_boards
 from sim_export.geometry.meshing import mesh_parts, solid_parts
 from sim_export.geometry.separation import separate_solids
 from sim_export.geometry.wheels import round_wheels
-from sim_export.package import Link, Mesh, SimPackage, SourceMesh
+from sim_export.package import Inertial, Link, Mesh, SimPackage, SourceMesh
 from sim_export.physics.annotations import annotate_handles
-from sim_export.physics.links import LinkTree, PartGeometry, build_links, link_owners
+from sim_export.physics.links import LinkTree, PartGeometry, build_links, link_names, link_owners
 from sim_export.physics.masses import hold_centers, weigh_part
 from sim_export.physics.materials import part_material
 
@@ -93,6 +94,8 @@ def export_asset(
     plain = mesh_parts(asset, cfg.meshing, solids)
     meshes, rounded = round_wheels(asset, plain, cfg.wheels)
     watch.lap("mesh")
+    inertials = [weigh_part(asset, index, mesh, solids[index]) for index, mesh in enumerate(meshes)]
+    watch.lap("mass")
     if surfaces is None:
         decompositions = decompose_parts(meshes, link_owners(asset), cfg.decompose, cache)
     else:
@@ -100,10 +103,8 @@ def export_asset(
             mesh.vertices[mesh.faces] if part.label == "wheel" and mesh is not before else surface
             for part, before, mesh, surface in zip(asset.parts, plain, meshes, surfaces, strict=True)
         ]
-        decompositions = cover_parts(surfaces, link_owners(asset), cfg.surface)
+        decompositions = _cover_parts(asset, surfaces, inertials, cfg)
     watch.lap("decompose")
-    inertials = [weigh_part(asset, index, mesh, solids[index]) for index, mesh in enumerate(meshes)]
-    watch.lap("mass")
     shown: list[tuple[Mesh | SourceMesh, ...]] = [(mesh,) for mesh in meshes]
     if source_meshes is not None:
         shown = [tuple(source_meshes.get(index, ())) for index in range(len(meshes))]
@@ -184,6 +185,23 @@ def export_asset(
         records=records,
     )
     return Exported(package=package, decompositions=decompositions, seconds=tuple(watch.laps))
+
+
+def _cover_parts(
+    asset: Asset,
+    surfaces: Sequence[Float[np.ndarray, "F 3 3"]],
+    inertials: Sequence[Inertial],
+    cfg: ExportConfig,
+) -> tuple[Decomposition, ...]:
+    """Hulls of all parts from their own triangles, which keep out of where other links pass."""
+    tree = build_links(asset, [PartGeometry(inertial=inertial) for inertial in inertials])
+    owners, leaders = link_owners(asset), {name: part for part, name in link_names(asset).items()}
+    shown = {
+        name: np.concatenate([s for s, owner in zip(surfaces, owners, strict=True) if owner == part])
+        for name, part in leaders.items()
+    }
+    passing = find_passing(tree.links, tree.joints, {name: s for name, s in shown.items() if len(s)})
+    return cover_parts(surfaces, owners, {leaders[name]: found for name, found in passing.items()}, cfg.surface)
 
 
 def _paint(

@@ -8,7 +8,7 @@ rest is enclosed, where hulls may be.
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Float
 from scipy import ndimage
 
 from sim_export.checks.grid import Grid, make_grid, mark_surface
@@ -17,6 +17,10 @@ CELLS = 128
 """Cells along the longest edge of a link, as many as the check of cavities counts."""
 FINEST = 0.0025
 """Least edge of a cell, over the object's diagonal."""
+LODGED = 0.05
+"""Share of the cells of an enclosed space that others pass through, above which the space is free."""
+TAKEN_DEPTH = np.float32(1.0)
+"""Metres; deeper than any hull may reach."""
 MOST_TESTED = 4_000
 """Cells of a hull's box that are tested; of larger boxes every second, third ... cell along an axis."""
 
@@ -29,7 +33,8 @@ class FreeSpace:
     """Cells around a link's surface.
 
     ``away`` is the distance of a cell's centre from the surface (m, to half a cell), ``depth`` the same
-    where the cell is free and 0 where it is enclosed.
+    where the cell is free and 0 where it is enclosed. Where other links are or pass, and none of the surface
+    is, ``depth`` is at least `TAKEN_DEPTH`.
     """
 
     grid: Grid
@@ -48,21 +53,34 @@ class Intrusion:
 NO_INTRUSION = Intrusion(volume=0.0, depth=0.0)
 
 
-def find_free_space(triangles: Float[np.ndarray, "F 3 3"], diagonal: float) -> FreeSpace:
-    """Free and enclosed cells of one link's surface (m), within an object of this diagonal (m)."""
+def find_free_space(
+    triangles: Float[np.ndarray, "F 3 3"], diagonal: float, others: Float[np.ndarray, "N 3"] | None = None
+) -> FreeSpace:
+    """Free and enclosed cells of one link's surface (m), within an object of this diagonal (m).
+
+    ``others`` are points where the surfaces of other links are or pass. Enclosed space that much of them
+    pass through is free: the room of drawers.
+    """
     bounds = np.stack([triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1))])
     longest = max(float(np.ptp(bounds, axis=0).max()), 1e-6)
     grid = make_grid(bounds, int(np.clip(longest / (FINEST * diagonal), 8, CELLS)))
     wall = mark_surface(triangles, grid)
     away = np.asarray(ndimage.distance_transform_edt(~wall), dtype=np.float32) * np.float32(grid.cell)
-    return FreeSpace(grid=grid, away=away, depth=np.where(_outside(wall), away, np.float32(0.0)))
-
-
-def _outside(wall: Bool[np.ndarray, "X Y Z"]) -> Bool[np.ndarray, "X Y Z"]:
-    """Cells that can be reached from the grid's corner."""
     regions = np.zeros(wall.shape, dtype=np.int32)
     ndimage.label(~wall, output=regions)
-    return regions == regions[0, 0, 0]
+    taken = np.zeros(wall.shape, dtype=bool)
+    if others is not None and len(others):
+        cells = grid.cells_of(others)
+        taken[tuple(cells[((cells >= 0) & (cells < grid.shape)).all(axis=1)].T)] = True
+        taken &= ~wall
+    size = np.bincount(regions.ravel())
+    lodged = np.bincount(regions[taken], minlength=len(size)) > LODGED * size
+    lodged[0], lodged[regions[0, 0, 0]] = False, True
+    free = lodged[regions]
+    depth = np.where(free, away, np.float32(0.0))
+    return FreeSpace(
+        grid=grid, away=away, depth=np.where(taken & free, np.maximum(depth, TAKEN_DEPTH), depth)
+    )
 
 
 def measure_intrusion(

@@ -47,6 +47,8 @@ class ReliefConfig:
     sliver: float = 0.02
     """This share of its link's volume may be cut off a hull in any case; a hull below it may be dropped
     where cuts do not help."""
+    sliver_length: float = 0.12
+    """Longest such hull, over the object's longest side."""
     end: float = 0.12
     """Share of a slender hull that deeper cuts may take: the end of a post above a wheel."""
     slender: float = 4.0
@@ -115,13 +117,13 @@ def relieve_pair(pair: OverlappingPair, gap: float, cfg: ReliefConfig) -> Relief
 
 def _cost(plan: Relief, pair: OverlappingPair) -> float:
     """Volume lost (m^3); every hull more, oblong ones counted as the several they will be cut to, is as
-    bad as the loss of a tenth of its side."""
-    cost = 0.0
+    bad as the loss of a tenth of the larger side."""
+    cost, larger = 0.0, max(map(hull_volume, pair.hulls))
     for hull, left in zip(pair.hulls, plan.hulls, strict=True):
         if left == (hull,):
             continue
         more = sum(np.ceil(hull_aspect(piece) / OBLONG) for piece in left) - 1.0
-        cost += hull_volume(hull) * (1.0 + 0.1 * max(more, 0.0)) - sum(map(hull_volume, left))
+        cost += hull_volume(hull) + 0.1 * max(more, 0.0) * larger - sum(map(hull_volume, left))
     return cost
 
 

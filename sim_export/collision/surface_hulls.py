@@ -7,19 +7,23 @@ closed bodies one hull, and what can be reached stays free.
 
 import heapq
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 from jaxtyping import Float
 
-from sim_export.collision.free_space import FreeSpace, find_free_space, is_open_between, look_up
+from sim_export.collision.free_space import TAKEN_DEPTH, FreeSpace, find_free_space, is_open_between, look_up
+from sim_export.collision.compact import compact_hull
 from sim_export.collision.decompose import Decomposition
-from sim_export.collision.hull_limits import HullLimits, limit_hulls
+from sim_export.collision.hull_limits import HullLimits
 from sim_export.collision.hulls import convex_hull
 from sim_export.collision.surface_pieces import Piece, join_pieces, make_piece, split_piece
 from sim_export.errors import DegeneratePart
 from sim_export.package import Hull
+
+UNLIKE = 0.3
+"""Difference of openness from which on a sheet grows to one side only."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,6 +44,8 @@ class SurfaceConfig:
     """Share of the area of a joint hull that may newly lie in enclosed space, away from the surface."""
     sheet: float = 0.002
     """Thickness (m) of the hulls of sheets."""
+    thickest: float = 0.008
+    """Thickness to which long thin hulls are thickened rather than divided."""
     most_of_part: int = 64
     """Hulls of a part, at most; a part of a quarter of the object's diagonal gets half of them."""
     most: int = 224
@@ -51,6 +57,7 @@ class SurfaceConfig:
 def cover_parts(
     surfaces: Sequence[Float[np.ndarray, "F 3 3"]],
     owners: Sequence[int],
+    passing: Mapping[int, Float[np.ndarray, "N 3"]],
     cfg: SurfaceConfig | None = None,
 ) -> tuple[Decomposition, ...]:
     """Hulls of all parts of an object from their triangles (m); a part without any gets none.
@@ -58,6 +65,7 @@ def cover_parts(
     Args:
         surfaces: Triangles of every part.
         owners: The part that leads each part's link.
+        passing: Where other links are or pass, by the part that leads a link (`find_passing`).
         cfg: How true to the surface, and how many.
     """
     cfg = cfg or SurfaceConfig()
@@ -66,7 +74,11 @@ def cover_parts(
     shown = {owner: np.zeros((0, 3, 3)) for owner in sorted(set(owners))}
     for surface, owner in zip(surfaces, owners, strict=True):
         shown[owner] = np.concatenate([shown[owner], surface])
-    spaces = {owner: find_free_space(found, diagonal) for owner, found in shown.items() if len(found)}
+    spaces = {
+        owner: find_free_space(found, diagonal, passing.get(owner))
+        for owner, found in shown.items()
+        if len(found)
+    }
     out: list[Decomposition] = []
     for surface, owner in zip(surfaces, owners, strict=True):
         size = float(np.linalg.norm(np.ptp(surface.reshape(-1, 3), axis=0))) if len(surface) else 0.0
@@ -87,14 +99,14 @@ def _cover_part(
 ) -> Decomposition:
     started = time.perf_counter()
     hulls: tuple[Hull, ...] = ()
-    records: tuple[str, ...] = ()
     if len(surface) and space is not None:
         pieces = cover_surface(surface, space, diagonal, most, cfg)
         found = [hull for piece in pieces if (hull := piece_hull(piece, space, cfg)) is not None]
-        hulls, records = limit_hulls(found, cfg.limits, max(most, len(found)))
+        thickest = cfg.thickest * diagonal
+        hulls = tuple(part for hull in found for part in compact_hull(hull, cfg.limits, thickest))
     seconds = time.perf_counter() - started
     return Decomposition(
-        hulls=hulls, method="surface", volume_error=0.0, kept_cavity=1.0, seconds=seconds, records=records
+        hulls=hulls, method="surface", volume_error=0.0, kept_cavity=1.0, seconds=seconds
     )
 
 
@@ -240,14 +252,16 @@ def piece_hull(piece: Piece, space: FreeSpace, cfg: SurfaceConfig) -> Hull | Non
     if len(axes) < 3:
         return None
     normal = axes[2]
-    reach = 1.5 * space.grid.cell
-    free = [
-        float((look_up(piece.samples + side * reach * normal, space.depth, space.grid) > 0).mean())
-        for side in (1.0, -1.0)
-    ]
-    first, last = (-0.5, 0.5) if abs(free[0] - free[1]) < 0.5 else (0.0, 1.0) if free[0] < free[1] else (-1.0, 0.0)
+    free = [_openness(piece.samples, side * normal, space) for side in (1.0, -1.0)]
+    first, last = (-0.5, 0.5) if abs(free[0] - free[1]) < UNLIKE else (0.0, 1.0) if free[0] < free[1] else (-1.0, 0.0)
     points = np.concatenate([piece.corners + end * cfg.sheet * normal for end in (first, last)])
     try:
         return convex_hull(points)
     except DegeneratePart:
         return None
+
+
+def _openness(points: Float[np.ndarray, "N 3"], side: Float[np.ndarray, "3"], space: FreeSpace) -> float:
+    """How little a sheet should grow to one side: the share of free cells there, taken ones counted thrice."""
+    depth = look_up(points + 1.5 * space.grid.cell * side, space.depth, space.grid)
+    return float((depth > 0).mean() + 2.0 * (depth >= TAKEN_DEPTH).mean())

@@ -18,7 +18,7 @@ from sim_export.collision.free_space import (
 )
 from sim_export.geometry.sampling import sample_triangles, triangle_areas
 
-THIN = 1e-3
+THIN = 2e-3
 """Pieces (m) thinner than this are sheets: their hulls hold no cell."""
 MOST_PLANES = 6
 """Planes of a surface along which cuts are tried."""
