@@ -10,23 +10,31 @@ from sim_export.package import Hull
 
 ALIKE = 1.12
 """A box stands for a hull of up to this many times less volume."""
+HALVINGS = 7
+"""Times that a hull is divided, and its halves again."""
 _SPARE = 0.97
 """Share of the longest allowed length that hulls are made for."""
 
 
-def compact_hull(hull: Hull, limits: HullLimits, thickest: float) -> list[Hull]:
+def compact_hull(
+    hull: Hull, limits: HullLimits, thickest: float, alike: float = ALIKE, halvings: int = HALVINGS
+) -> list[Hull]:
     """A hull, or what stands for it within the limits: its box, a thicker hull, or halves of these.
 
     Args:
         hull: Any hull.
         limits: What engines take.
         thickest: Thickness (m) up to which a hull is thickened rather than divided.
+        alike: Volume of its box over that of a hull up to which the box is taken.
+        halvings: Times that it may be divided; what is left oblong then is left out.
     """
     if hull_aspect(hull) <= limits.max_aspect:
         return [comply_hull(hull, limits)]
     box = around_box(hull)
-    if hull_volume(box) <= ALIKE * hull_volume(hull):
+    if hull_volume(box) <= alike * hull_volume(hull):
         return [box]
+    if not halvings:  # the tip of a wedge is thinner the shorter it is
+        return []
     length, along = hull_length(hull)
     needed = length / (_SPARE * limits.max_aspect)
     if needed <= max(thickest, hull_width(hull)[0]):
@@ -34,7 +42,12 @@ def compact_hull(hull: Hull, limits: HullLimits, thickest: float) -> list[Hull]:
     heights = hull.vertices @ along
     middle = float(heights.min() + heights.max()) / 2
     halves = (clip_hull(hull, along, middle), clip_hull(hull, -along, -middle))
-    return [part for half in halves if half is not None for part in compact_hull(half, limits, thickest)]
+    return [
+        part
+        for half in halves
+        if half is not None and hull_width(half)[0] >= 0.5 * limits.min_width
+        for part in compact_hull(half, limits, thickest, alike, halvings - 1)
+    ]
 
 
 def around_box(hull: Hull) -> Hull:
@@ -51,10 +64,10 @@ def around_box(hull: Hull) -> Hull:
     sides = np.stack([edges, np.column_stack([-edges[:, 1], edges[:, 0]])], axis=1)  # E 2 2
     spread = np.ptp(np.einsum("esi,ni->ens", sides, outline), axis=1)
     rows = sides[int(spread.prod(axis=1).argmin())] @ axes
-    return _box_along(hull.vertices, np.concatenate([rows, [normal]]))
+    return box_along(hull.vertices, np.concatenate([rows, [normal]]))
 
 
-def _box_along(points: Float[np.ndarray, "N 3"], axes: Float[np.ndarray, "3 3"]) -> Hull:
+def box_along(points: Float[np.ndarray, "N 3"], axes: Float[np.ndarray, "3 3"]) -> Hull:
     """The box around points whose edges run along the rows of ``axes``."""
     heights = points @ axes.T
     corners = np.stack(np.meshgrid(*zip(heights.min(axis=0), heights.max(axis=0), strict=True)), axis=-1)

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from sim_export.collision.contacts import HullSet
-from sim_export.collision.hull_limits import HullLimits, trim_hull
-from sim_export.collision.hulls import hull_volume, hull_width
+from sim_export.collision.compact import compact_hull
+from sim_export.collision.hull_limits import HullLimits
+from sim_export.collision.hulls import hull_volume, hull_width, reduce_hull
 from sim_export.collision.motion import longest_side
 from sim_export.collision.relief import ReliefConfig, find_ends
 from sim_export.package import Hull, Link
@@ -62,7 +63,7 @@ class CutHulls:
         untouched = {id(hull) for hull in self.links[link].hulls}
         out: list[Hull] = []
         for hull in self.prepared(link)[0].hulls:
-            out += [hull] if id(hull) in untouched else trim_hull(hull, limits)
+            out += [hull] if id(hull) in untouched else compact_hull(reduce_hull(hull, limits.max_vertices, limits.max_polygons), limits, 0.0, 1.0)
         thick = [h for h in out if id(h) in untouched or hull_width(h)[0] >= limits.min_width]
         sizes = np.array([hull_volume(hull) for hull in thick])
         largest = set(np.argsort(-sizes, kind="stable")[:most].tolist())

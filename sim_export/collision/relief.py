@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.transforms import inverse, transform_points
+from sim_export.collision.compact import box_along
 from sim_export.collision.contacts import HullSet, signed_distances
 from sim_export.collision.hull_limits import hull_aspect
 from sim_export.collision.hulls import (
@@ -22,6 +23,7 @@ from sim_export.collision.hulls import (
     merge_planes,
     subtract_hull,
 )
+from sim_export.geometry.primitives import find_primitive
 from sim_export.package import Hull
 
 OBLONG = 60.0
@@ -250,6 +252,9 @@ def _notch(pair: OverlappingPair, gap: float, cfg: ReliefConfig) -> list[Relief]
         slides = np.allclose(T_own_other[:, :3, :3], T_own_other[:1, :3, :3], atol=1e-9)
         chosen = T_own_other[np.unique(found.pose)] if slides else T_own_other[[pose]]
         other = convex_hull(transform_points(chosen, pair.hulls[1 - side].vertices).reshape(-1, 3))
+        own = find_primitive(pair.hulls[side])
+        if own is not None and own.kind == "box":  # what is left of a box is boxes
+            other = box_along(other.vertices, own.T_object_shape[:3, :3].T)
         planes = merge_planes(hull_planes(other))
         planes[:, 3] += cfg.margin
         pieces = subtract_hull(pair.hulls[side], planes, cfg.min_width)

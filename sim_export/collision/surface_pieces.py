@@ -22,6 +22,8 @@ THIN = 2e-3
 """Pieces (m) thinner than this are sheets: their hulls hold no cell."""
 MOST_PLANES = 6
 """Planes of a surface along which cuts are tried."""
+MOST_JUDGED = 600
+"""Triangles of a piece by which cuts are judged."""
 BESIDE = 5e-4
 """Metres beside a plane of the surface at which a cut runs, so that the plane's triangles stay whole."""
 SAMPLES = 48
@@ -182,9 +184,10 @@ def cut_planes(triangles: Float[np.ndarray, "F 3 3"]) -> Float[np.ndarray, "K 4"
 def split_piece(piece: Piece, space: FreeSpace, least: float) -> tuple[Piece, Piece] | None:
     """The cut after which the two hulls take least free space; ``None`` where no cut divides the piece."""
     best, best_score = None, np.inf
-    total = float(triangle_areas(piece.triangles).sum())
-    for plane in cut_planes(piece.triangles):
-        sides = cut_triangles(piece.triangles, plane[:3], float(plane[3]))
+    main = _main_triangles(piece.triangles)
+    total = float(triangle_areas(main).sum())
+    for plane in cut_planes(main):
+        sides = cut_triangles(main, plane[:3], float(plane[3]))
         if min(len(side) for side in sides) == 0:
             continue
         share = float(triangle_areas(sides[0]).sum()) / max(total, 1e-12)
@@ -193,8 +196,20 @@ def split_piece(piece: Piece, space: FreeSpace, least: float) -> tuple[Piece, Pi
         taken = sum(_taken(side, space, least) for side in sides)
         score = taken + 0.02 * piece.intrusion.volume * abs(2.0 * share - 1.0)
         if score < best_score:
-            best, best_score = sides, score
-    return None if best is None else (make_piece(best[0], space, least), make_piece(best[1], space, least))
+            best, best_score = plane, score
+    if best is None:
+        return None
+    below, above = cut_triangles(piece.triangles, best[:3], float(best[3]))
+    return make_piece(below, space, least), make_piece(above, space, least)
+
+
+def _main_triangles(triangles: Float[np.ndarray, "F 3 3"]) -> Float[np.ndarray, "G 3 3"]:
+    """The largest triangles and some of the others, by which cuts are judged."""
+    if len(triangles) <= MOST_JUDGED:
+        return triangles
+    order = np.argsort(-triangle_areas(triangles), kind="stable")
+    half = MOST_JUDGED // 2
+    return triangles[np.concatenate([order[:half], order[half :: len(order) // half]])]
 
 
 def _taken(triangles: np.ndarray, space: FreeSpace, least: float) -> float:
