@@ -1,6 +1,6 @@
 """The export's settings, one nested config per stage."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from sim_export.appearance.texture import TextureConfig
 from sim_export.collision.attachment import AttachmentConfig
@@ -18,6 +18,9 @@ from sim_export.collision.trimming import TrimmingConfig
 from sim_export.geometry.meshing import MeshingConfig
 from sim_export.geometry.wheels import WheelConfig
 from sim_export.physics.annotations import HandleConfig
+
+MOST_OF_LINK = 96
+"""Hulls of a link that is made from a source's surface, at most."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,3 +59,16 @@ class ExportConfig:
     """Surface for which no hull stands."""
     handles: HandleConfig = field(default_factory=HandleConfig)
     """How handles are measured."""
+
+
+def for_surfaces(cfg: ExportConfig) -> ExportConfig:
+    """The same settings for hulls made from a source's own surface: sheets, and more hulls of a link."""
+    addition = replace(cfg.attachment.addition, max_hulls=MOST_OF_LINK)
+    return replace(
+        cfg,
+        clearance=replace(
+            cfg.clearance, max_hulls=MOST_OF_LINK, relief=replace(cfg.clearance.relief, sheets=True)
+        ),
+        feet=replace(cfg.feet, addition=addition),
+        attachment=replace(cfg.attachment, addition=addition),
+    )

@@ -25,7 +25,7 @@ from sim_export.collision.requirements import find_requirements
 from sim_export.collision.retention import keep_drawers_held
 from sim_export.collision.surface_hulls import cover_parts
 from sim_export.collision.trimming import Trimmed, trim_meshes
-from sim_export.config import ExportConfig
+from sim_export.config import ExportConfig, for_surfaces
 from sim_export.geometry.boards import fill_boards
 from sim_export.geometry.meshing import mesh_parts, solid_parts
 from sim_export.geometry.separation import separate_solids
@@ -85,6 +85,7 @@ def export_asset(
         ExportError: names the part, what was measured and what is allowed.
     """
     cfg = cfg or ExportConfig()
+    cfg = cfg if surfaces is None else for_surfaces(cfg)
     watch = _Stopwatch()
     if asset.voxels is None:
         raise ValueError(f"asset {asset.name!r} has no voxels; voxelize its surface first")

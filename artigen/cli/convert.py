@@ -3,10 +3,11 @@
 import resource
 import sys
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import pairwise
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Literal
 
 import tyro
@@ -19,8 +20,12 @@ from artigen.workers import Worker
 
 if TYPE_CHECKING:
     from artigen.types import Asset
+    from sim_export.export import Exported
+    from sim_export.package import SimPackage
 
 SOURCE_FILE = "mobility_v2.json"
+COLLISION_CHECKS = ("V006", "V102", "V103", "V104", "V105", "V201", "V202")
+"""Static checks that other hulls may pass."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -86,9 +91,7 @@ def convert_object(job: ConvertJob) -> Made:
         watch.append(("segment", time.perf_counter()))
         exported = export_asset(asset, provenance=provenance)
     else:
-        meshes = place_source_meshes(source, asset)
-        surfaces = place_source_surfaces(source, asset)
-        exported = export_asset(asset, source_meshes=meshes, surfaces=surfaces, provenance=provenance)
+        exported = export_source(source, asset, provenance)
     package = splat_package(exported.package, asset, RANDOM) if job.cfg.splats else exported.package
     written = time.perf_counter()
     write_package(package, job.out / job.key, "replace")
@@ -102,8 +105,6 @@ def convert_object(job: ConvertJob) -> Made:
 
 def voxelize_object(asset: "Asset") -> "Asset":
     """Adds the voxels of the surface; parts below the grid's resolution join their parents."""
-    from dataclasses import replace
-
     from artigen.voxels import drop_unresolved, voxelize
 
     if asset.surface is None:
@@ -113,8 +114,6 @@ def voxelize_object(asset: "Asset") -> "Asset":
 
 def rebuild_from_voxels(asset: "Asset", recipe: Literal["robust", "paper"] = "robust") -> "Asset":
     """Object to 35-channel field and back: all that is kept besides is the colour of the surface."""
-    from dataclasses import replace
-
     from artigen.carry_over import carry_surface
     from artigen.fields import DEFAULT_LAYOUT, decode, encode
     from artigen.segment import SegmentConfig, segment
@@ -124,6 +123,45 @@ def rebuild_from_voxels(asset: "Asset", recipe: Literal["robust", "paper"] = "ro
         fields, SegmentConfig(recipe=recipe), name=asset.name, scale=asset.scale, category=asset.category
     )
     return carry_surface(asset, replace(found, notes=asset.notes + found.notes))
+
+
+def export_source(source, asset: "Asset", provenance: dict[str, str]) -> "Exported":
+    """A package that shows the object's own meshes, with the collision that stands the static checks best.
+
+    Hulls from the 64^3 voxels are few and quickly made; where checks object, hulls are made from the surface of
+    the meshes, too.
+    """
+    from sim_export.export import export_asset
+
+    meshes = place_source_meshes(source, asset)
+    first = export_asset(asset, source_meshes=meshes, provenance=provenance)
+    before = judge_package(first.package)
+    if not before[0]:
+        return first
+    surfaces = place_source_surfaces(source, asset)
+    second = export_asset(asset, source_meshes=meshes, surfaces=surfaces, provenance=provenance)
+    chosen = second if judge_package(second.package) < before else first
+    return replace(chosen, seconds=_add_seconds(first.seconds, second.seconds))
+
+
+def judge_package(package: "SimPackage") -> tuple[int, float]:
+    """Checks of its collision that a package fails, and how far it is from what V103 allows; less is better."""
+    from sim_export.checks.suite import run_checks
+    from sim_export.files.write import write_package
+
+    with TemporaryDirectory() as scratch:
+        results = run_checks(write_package(package, Path(scratch) / package.name))
+    unlike = [check.value for check in results if check.id == "V103" and check.value is not None]
+    failed = [check for check in results if check.verdict == "fail" and check.id in COLLISION_CHECKS]
+    return len(failed), max(unlike, default=0.0)
+
+
+def _add_seconds(
+    first: tuple[tuple[str, float], ...], second: tuple[tuple[str, float], ...]
+) -> tuple[tuple[str, float], ...]:
+    """Seconds of two exports, stage by stage."""
+    more = dict(second)
+    return tuple((name, spent + more.get(name, 0.0)) for name, spent in first)
 
 
 def place_source_meshes(source, asset: "Asset"):

@@ -22,7 +22,7 @@ class AdditionConfig:
     """What stays free (m) around it; engines push apart what touches, however little."""
     tolerance: float = 2e-5
     """Depth (m) to which a stretched hull may enter another link; it may have touched that before."""
-    max_hulls: int = 96
+    max_hulls: int = 32
     """Most hulls of a link; where there would be one more, a hull is stretched instead."""
     max_vertices: int = 32
     """Most vertices of such a stretched hull."""

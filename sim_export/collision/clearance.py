@@ -49,7 +49,7 @@ class ClearanceConfig:
     """Limits of cutting."""
     limits: HullLimits = field(default_factory=HullLimits)
     """What hulls must be like after cutting."""
-    max_hulls: int = 96
+    max_hulls: int = 32
     """Most hulls of a link that notches may lead to."""
     max_growth: float = 1.5
     """Most hulls over those that a link had, but for the first eight; what turns inside of something is
@@ -144,7 +144,7 @@ def clear_joints(
     final, limits, residuals = _settle_limits(work, joints, requirements, cfg, stuck)
     for index in range(len(links)):
         if work.cuts[index]:
-            work.trim(index, cfg.limits, cfg.max_hulls)
+            work.trim(index, cfg.limits, cfg.max_hulls, sheets=cfg.relief.sheets)
     cleared = tuple(
         link if not work.cuts[index] else replace(link, hulls=work.prepared(index)[0].hulls)
         for index, link in enumerate(links)

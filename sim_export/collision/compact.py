@@ -3,6 +3,7 @@
 import numpy as np
 from jaxtyping import Float
 from scipy.spatial import ConvexHull
+from scipy.spatial.distance import pdist
 
 from sim_export.collision.hull_limits import HullLimits, comply_hull, hull_aspect, thicken_hull
 from sim_export.collision.hulls import clip_hull, convex_hull, hull_length, hull_volume, hull_width
@@ -36,7 +37,8 @@ def compact_hull(
     if not halvings:  # the tip of a wedge is thinner the shorter it is
         return []
     length, along = hull_length(hull)
-    needed = length / (_SPARE * limits.max_aspect)
+    # Its longest diagonal, because thickening turns the directions along which its length is measured.
+    needed = max(length, float(pdist(hull.vertices).max())) / (_SPARE * limits.max_aspect)
     if needed <= max(thickest, hull_width(hull)[0]):
         return [comply_hull(thicken_hull(hull, needed), limits)]
     heights = hull.vertices @ along

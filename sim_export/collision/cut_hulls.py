@@ -7,7 +7,7 @@ import numpy as np
 
 from sim_export.collision.contacts import HullSet
 from sim_export.collision.compact import compact_hull
-from sim_export.collision.hull_limits import HullLimits
+from sim_export.collision.hull_limits import HullLimits, trim_hull
 from sim_export.collision.hulls import hull_volume, hull_width, reduce_hull
 from sim_export.collision.motion import longest_side
 from sim_export.collision.relief import ReliefConfig, find_ends
@@ -54,7 +54,7 @@ class CutHulls:
         self.hulls[link] += list(pieces)
         self.volumes[link] += [hull_volume(piece) for piece in pieces]
 
-    def trim(self, link: int, limits: HullLimits, most: int) -> None:
+    def trim(self, link: int, limits: HullLimits, most: int, *, sheets: bool = False) -> None:
         """Brings what cuts have left of a link's hulls within the limits of physics engines.
 
         Oblong pieces are cut again, pieces thinner than allowed go, and where there are too many hulls
@@ -63,7 +63,7 @@ class CutHulls:
         untouched = {id(hull) for hull in self.links[link].hulls}
         out: list[Hull] = []
         for hull in self.prepared(link)[0].hulls:
-            out += [hull] if id(hull) in untouched else compact_hull(reduce_hull(hull, limits.max_vertices, limits.max_polygons), limits, 0.0, 1.0)
+            out += [hull] if id(hull) in untouched else _trim(hull, limits, sheets=sheets)
         thick = [h for h in out if id(h) in untouched or hull_width(h)[0] >= limits.min_width]
         sizes = np.array([hull_volume(hull) for hull in thick])
         largest = set(np.argsort(-sizes, kind="stable")[:most].tolist())
@@ -107,7 +107,7 @@ class CutHulls:
     def _is_small(self, link: int, slot: int, cfg: ReliefConfig) -> bool:
         """Whether a hull is no longer than what may go: a sheet has hardly any volume, and is much to see."""
         hull = self.hulls[link][slot]
-        return hull is None or float(np.ptp(hull.vertices, axis=0).max()) <= cfg.sliver_length * self.size
+        return not cfg.sheets or hull is None or float(np.ptp(hull.vertices, axis=0).max()) <= cfg.sliver_length * self.size
 
     def sets(self) -> list[HullSet]:
         return [self.prepared(link)[0] for link in range(len(self.links))]
@@ -129,3 +129,10 @@ class CutHulls:
                     )
                 )
         return tuple(out)
+
+
+def _trim(hull: Hull, limits: HullLimits, *, sheets: bool) -> Sequence[Hull]:
+    """A hull within the limits without growing; of sheets as much as can be is kept."""
+    if not sheets:
+        return trim_hull(hull, limits)
+    return compact_hull(reduce_hull(hull, limits.max_vertices, limits.max_polygons), limits, 0.0, 1.0)

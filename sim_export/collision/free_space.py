@@ -5,7 +5,7 @@ the surface crosses are wall, those that can be reached from outside without cro
 rest is enclosed, where hulls may be.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
@@ -40,6 +40,10 @@ class FreeSpace:
     grid: Grid
     away: Float[np.ndarray, "X Y Z"]
     depth: Float[np.ndarray, "X Y Z"]
+
+    def without_rooms(self, least: float) -> "FreeSpace":
+        """The same with enclosed space farther than ``least`` (m) from the surface as free: rooms, not boards."""
+        return replace(self, depth=np.where(self.away > least, np.maximum(self.depth, self.away), self.depth))
 
 
 @dataclass(frozen=True, kw_only=True)

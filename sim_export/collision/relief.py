@@ -49,8 +49,12 @@ class ReliefConfig:
     sliver: float = 0.02
     """This share of its link's volume may be cut off a hull in any case; a hull below it may be dropped
     where cuts do not help."""
+    sheets: bool = False
+    """Whether hulls may be sheets, which are much to see and hardly have volume: then only hulls up to
+    ``sliver_length`` may go as slivers, a hull more costs as much as it does the thicker side, and what notches
+    leave of boxes is boxes."""
     sliver_length: float = 0.12
-    """Longest such hull, over the object's longest side."""
+    """Longest hull that goes as a sliver where there are sheets, over the object's longest side."""
     end: float = 0.12
     """Share of a slender hull that deeper cuts may take: the end of a post above a wheel."""
     slender: float = 4.0
@@ -108,7 +112,7 @@ def relieve_pair(pair: OverlappingPair, gap: float, cfg: ReliefConfig) -> Relief
     if not good or min(_lost_share(plan, pair) for plan in good) > cfg.notch_above:
         good += _notch(pair, gap, cfg)
     if good:
-        return min(good, key=lambda plan: _cost(plan, pair))
+        return min(good, key=lambda plan: _cost(plan, pair, sheets=cfg.sheets))
     for side in sorted(range(2), key=lambda side: pair.volumes[side]):
         if pair.slivers[side]:
             left = [(pair.hulls[0],), (pair.hulls[1],)]
@@ -117,15 +121,16 @@ def relieve_pair(pair: OverlappingPair, gap: float, cfg: ReliefConfig) -> Relief
     return plans[0]
 
 
-def _cost(plan: Relief, pair: OverlappingPair) -> float:
+def _cost(plan: Relief, pair: OverlappingPair, *, sheets: bool) -> float:
     """Volume lost (m^3); every hull more, oblong ones counted as the several they will be cut to, is as
-    bad as the loss of a tenth of the larger side."""
+    bad as the loss of a tenth of its side, or of the larger side where there are sheets."""
     cost, larger = 0.0, max(map(hull_volume, pair.hulls))
     for hull, left in zip(pair.hulls, plan.hulls, strict=True):
         if left == (hull,):
             continue
+        unit = larger if sheets else hull_volume(hull)
         more = sum(np.ceil(hull_aspect(piece) / OBLONG) for piece in left) - 1.0
-        cost += hull_volume(hull) + 0.1 * max(more, 0.0) * larger - sum(map(hull_volume, left))
+        cost += hull_volume(hull) + 0.1 * max(more, 0.0) * unit - sum(map(hull_volume, left))
     return cost
 
 
@@ -253,7 +258,7 @@ def _notch(pair: OverlappingPair, gap: float, cfg: ReliefConfig) -> list[Relief]
         chosen = T_own_other[np.unique(found.pose)] if slides else T_own_other[[pose]]
         other = convex_hull(transform_points(chosen, pair.hulls[1 - side].vertices).reshape(-1, 3))
         own = find_primitive(pair.hulls[side])
-        if own is not None and own.kind == "box":  # what is left of a box is boxes
+        if cfg.sheets and own is not None and own.kind == "box":  # what is left of a box is boxes
             other = box_along(other.vertices, own.T_object_shape[:3, :3].T)
         planes = merge_planes(hull_planes(other))
         planes[:, 3] += cfg.margin

@@ -2,13 +2,14 @@
 
 The surface is taken apart into connected components, those whose hulls take free space are cut, and pieces
 are joined as long as their common hull takes none. So a board becomes one box whatever its faces look like,
-closed bodies one hull, and what can be reached stays free.
+closed bodies one hull, and what can be reached stays free. Pieces that are cut keep out of enclosed space, too:
+a face in the middle of it would be far from anything that can be seen.
 """
 
 import heapq
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from jaxtyping import Float
@@ -18,7 +19,7 @@ from sim_export.collision.compact import compact_hull
 from sim_export.collision.decompose import Decomposition
 from sim_export.collision.hull_limits import HullLimits
 from sim_export.collision.hulls import convex_hull
-from sim_export.collision.surface_pieces import Piece, join_pieces, make_piece, split_piece
+from sim_export.collision.surface_pieces import Piece, join_pieces, make_piece, measure_again, split_piece
 from sim_export.errors import DegeneratePart
 from sim_export.package import Hull
 
@@ -34,8 +35,12 @@ class SurfaceConfig:
     """How far hulls may reach from the surface into free space."""
     coarser: float = 1.5
     """Factor by which that grows until there are few enough hulls."""
-    coarsest: float = 0.016
-    """It grows no further than this."""
+    coarsest: float = 0.008
+    """It grows no further than this for the sake of one part."""
+    room: float = 0.014
+    """Enclosed space farther than this from the surface is a room that pieces keep out of."""
+    loosest: float = 0.02
+    """It grows no further than this where the whole object has too many hulls."""
     most_pieces: int = 96
     """Pieces into which the surface of a part is cut, at most."""
     taken: float = 0.004
@@ -46,7 +51,7 @@ class SurfaceConfig:
     """Thickness (m) of the hulls of sheets."""
     thickest: float = 0.008
     """Thickness to which long thin hulls are thickened rather than divided."""
-    most_of_part: int = 64
+    most_of_part: int = 80
     """Hulls of a part, at most; a part of a quarter of the object's diagonal gets half of them."""
     most: int = 224
     """Hulls of the whole object, at most; a few less than checked, for what clearance may have to split."""
@@ -87,7 +92,8 @@ def cover_parts(
     while sum(len(found.hulls) for found in out) > cfg.most:
         index = max(range(len(out)), key=lambda index: len(out[index].hulls))
         count = len(out[index].hulls)
-        fewer = _cover_part(surfaces[index], spaces[owners[index]], diagonal, int(0.7 * count), cfg)
+        loose = replace(cfg, coarsest=cfg.loosest)
+        fewer = _cover_part(surfaces[index], spaces[owners[index]], diagonal, int(0.7 * count), loose)
         if len(fewer.hulls) >= count:
             break
         out[index] = fewer
@@ -124,7 +130,8 @@ def cover_surface(
     if _fits(whole, least, cfg):
         return [whole]
     pieces = [make_piece(group, space, least) for group in split_components(triangles)]
-    pieces = _cut(_uncovered(pieces, least), space, least, cfg)
+    pieces = _cut(_uncovered(pieces, least), space.without_rooms(cfg.room * diagonal), least, cfg)
+    pieces = [measure_again(piece, space, least) for piece in pieces]
     while True:
         pieces = _join(_uncovered(pieces, least), space, least, cfg)
         if len(pieces) <= most or least >= cfg.coarsest * diagonal:

@@ -111,6 +111,11 @@ def join_pieces(first: Piece, second: Piece, space: FreeSpace, least: float) -> 
     return _finish(around, triangles, np.concatenate([first.samples, second.samples]), space, least)
 
 
+def measure_again(piece: Piece, space: FreeSpace, least: float) -> Piece:
+    """A piece measured against another free space."""
+    return make_piece(piece.triangles, space, least)
+
+
 def _finish(
     around: Around, triangles: np.ndarray, samples: np.ndarray, space: FreeSpace, least: float
 ) -> Piece:
