@@ -10,6 +10,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Literal
 
+import numpy as np
 import tyro
 
 from artigen.cli.arguments import Out, RunnerChoice, Shard, Workers
@@ -166,8 +167,6 @@ def _add_seconds(
 
 def place_source_meshes(source, asset: "Asset"):
     """The object's own mesh files, part by part, in metres; visuals of merged parts follow them."""
-    import numpy as np
-
     from sim_export.package import SourceMesh
 
     heirs = find_remaining(source.asset, asset)
@@ -182,8 +181,6 @@ def place_source_meshes(source, asset: "Asset"):
 
 def place_source_surfaces(source, asset: "Asset"):
     """The object's own triangles, part by part, in metres; those of merged parts follow them."""
-    import numpy as np
-
     triangles, heirs = source.triangles, np.array(find_remaining(source.asset, asset))
     corners = asset.scale * triangles.vertices[triangles.faces]
     owners = heirs[triangles.part_ids]
@@ -203,9 +200,33 @@ def find_remaining(before: "Asset", after: "Asset") -> list[int]:
 
 def convert_and_validate(worker: Worker, job: ConvertJob, timeout: float) -> Finished:
     """One object the whole way, in a supervised process."""
-    return make_and_validate(
+    finished = make_and_validate(
         worker, job, convert_object, timeout=timeout, validation=job.cfg.validation == "full"
     )
+    if finished.passed is not False:
+        return finished
+    failed = tuple(dict.fromkeys(failure.split(" ")[0] for failure in finished.failures))
+    outcome = worker.call(explain_failures, (job, failed), timeout)
+    return replace(finished, as_in_source=outcome.value or ())
+
+
+def explain_failures(job: tuple[ConvertJob, tuple[str, ...]]) -> tuple[str, ...]:
+    """Check and evidence for each failed check that the source fails as well; runs in a worker process."""
+    from artigen.cli.source_faults import find_source_faults
+    from artigen.datasets.partnet_mobility import ReaderConfig, read_object
+    from sim_export.export import export_asset
+
+    (source_job, failed), cfg = job, job[0].cfg
+    source = read_object(source_job.source, ReaderConfig(size=cfg.size, seed=cfg.seed))
+    asset = voxelize_object(source.asset)
+    package = export_asset(asset, source_meshes=place_source_meshes(source, asset)).package
+    surfaces = dict(zip((part.name for part in asset.parts), place_source_surfaces(source, asset), strict=True))
+    shown = {
+        link.name: np.concatenate([surfaces[part] for part in link.parts])
+        for link in package.links
+        if link.parts
+    }
+    return tuple(f"{check} {said}" for check, said in find_source_faults(package, shown, failed).items())
 
 
 def find_sources(paths: tuple[Path, ...]) -> list[Path]:

@@ -17,8 +17,10 @@ CELLS = 128
 """Cells along the longest edge of a link, as many as the check of cavities counts."""
 FINEST = 0.0025
 """Least edge of a cell, over the object's diagonal."""
-LODGED = 0.05
-"""Share of the cells of an enclosed space that others pass through, above which the space is free."""
+LODGED = 0.1
+"""Share of an enclosed space that others pass through, above which the space is free."""
+BLOCK = 6
+"""Edge of the blocks of cells in which that share is counted."""
 TAKEN_DEPTH = np.float32(1.0)
 """Metres; deeper than any hull may reach."""
 MOST_TESTED = 4_000
@@ -78,7 +80,10 @@ def find_free_space(
         taken[tuple(cells[((cells >= 0) & (cells < grid.shape)).all(axis=1)].T)] = True
         taken &= ~wall
     size = np.bincount(regions.ravel())
-    lodged = np.bincount(regions[taken], minlength=len(size)) > LODGED * size
+    # Surfaces of lodgers are thin, so blocks of cells are counted in which they are.
+    inside = np.argwhere(taken)
+    blocks = np.unique(np.column_stack([regions[taken], inside // BLOCK]), axis=0)
+    lodged = np.bincount(blocks[:, 0], minlength=len(size)) * BLOCK**3 > LODGED * size
     lodged[0], lodged[regions[0, 0, 0]] = False, True
     free = lodged[regions]
     depth = np.where(free, away, np.float32(0.0))
@@ -143,3 +148,13 @@ def look_up(
     """The values of the cells that points lie in; points beyond the grid take those of its border."""
     cells = np.clip(grid.cells_of(points), 0, np.array(grid.shape) - 1)
     return values[tuple(cells.T)]
+
+
+def find_inside(points: Float[np.ndarray, "N 3"], space: FreeSpace) -> Float[np.ndarray, "N"]:
+    """How deep (m) points lie in enclosed space, at least; 0 outside of the grid, in wall and in free cells."""
+    enclosed = np.where(space.depth > 0, np.float32(0.0), space.away)
+    cells = space.grid.cells_of(points)
+    within = ((cells >= 0) & (cells < space.grid.shape)).all(axis=1)
+    deep = np.zeros(len(points))
+    deep[within] = enclosed[tuple(cells[within].T)]
+    return np.maximum(deep - space.grid.cell, 0.0)

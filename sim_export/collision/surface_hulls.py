@@ -171,7 +171,7 @@ def _uncovered(pieces: Sequence[Piece], least: float) -> list[Piece]:
         if _is_covered(piece.samples, solid, 0.5 * least):
             continue
         kept.append(piece)
-        if piece.intrusion.volume == 0.0 and len(piece.planes):
+        if len(piece.planes) and piece.intrusion.volume == 0.0:
             solid.append(piece)
     return kept
 
@@ -229,7 +229,7 @@ def _join(pieces: Sequence[Piece], space: FreeSpace, least: float, cfg: SurfaceC
             fits = _fits(both, least, cfg) or (
                 both.intrusion.volume <= before and both.intrusion.depth <= 2.0 * least
             )
-            if fits and both.bare <= alive[i].bare + alive[j].bare + cfg.bare * both.area:
+            if fits and both.bare <= both.most_bare + cfg.bare * both.area:
                 grown = both.volume - alive[i].volume - alive[j].volume
                 heapq.heappush(queue, (grown, i, j, both))
 

@@ -3,7 +3,7 @@
 Nothing is assumed of the triangles: they may be open, doubled, or pass through each other.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
@@ -22,6 +22,12 @@ THIN = 2e-3
 """Pieces (m) thinner than this are sheets: their hulls hold no cell."""
 MOST_PLANES = 6
 """Planes of a surface along which cuts are tried."""
+FEW = 0.03
+"""Share of the points on a thin hull that may lie in free space."""
+EVEN = 0.02
+"""What a cut costs that leaves all of the surface on one side, in shares of the free space taken before."""
+DONE = 0.4
+"""What a cut gains that leaves nearly all of the surface in a hull that takes none."""
 MOST_JUDGED = 600
 """Triangles of a piece by which cuts are judged."""
 BESIDE = 5e-4
@@ -37,8 +43,8 @@ class Piece:
     """Triangles and their convex hull.
 
     ``corners`` are the hull's vertices, ``planes`` its faces (none of a sheet), ``samples`` points on the
-    triangles, ``bare`` the area of hull faces (m^2) that are neither near the surface nor in the free space
-    that ``intrusion`` counts: cuts through enclosed space.
+    triangles, ``bare`` the area of hull faces (m^2) that are far from the surface: cuts through enclosed space.
+    ``most_bare`` is that of the barest piece that was joined to this one.
     """
 
     triangles: Float[np.ndarray, "F 3 3"]
@@ -47,6 +53,7 @@ class Piece:
     volume: float
     area: float
     bare: float
+    most_bare: float
     intrusion: Intrusion
     samples: Float[np.ndarray, "N 3"]
 
@@ -95,7 +102,9 @@ def wrap(points: Float[np.ndarray, "N 3"], *, skin: int = 0) -> Around:
         corners, area = points[outline.vertices], 2.0 * float(outline.volume)
     except QhullError:
         corners, area = points, 0.0
-    return Around(corners=corners, planes=np.zeros((0, 4)), volume=0.0, area=area, skin=np.zeros((0, 3)))
+    fan = np.stack([np.broadcast_to(corners[0], corners[2:].shape), corners[1:-1], corners[2:]], axis=1)
+    on_it = sample_triangles(fan, skin)[0] if skin and area > 0.0 else np.zeros((0, 3))
+    return Around(corners=corners, planes=np.zeros((0, 4)), volume=0.0, area=area, skin=on_it)
 
 
 def make_piece(triangles: Float[np.ndarray, "F 3 3"], space: FreeSpace, least: float) -> Piece:
@@ -108,7 +117,8 @@ def join_pieces(first: Piece, second: Piece, space: FreeSpace, least: float) -> 
     """One piece of two."""
     around = wrap(np.concatenate([first.corners, second.corners]), skin=SAMPLES)
     triangles = np.concatenate([first.triangles, second.triangles])
-    return _finish(around, triangles, np.concatenate([first.samples, second.samples]), space, least)
+    both = _finish(around, triangles, np.concatenate([first.samples, second.samples]), space, least)
+    return replace(both, most_bare=max(first.most_bare, second.most_bare))
 
 
 def measure_again(piece: Piece, space: FreeSpace, least: float) -> Piece:
@@ -119,11 +129,7 @@ def measure_again(piece: Piece, space: FreeSpace, least: float) -> Piece:
 def _finish(
     around: Around, triangles: np.ndarray, samples: np.ndarray, space: FreeSpace, least: float
 ) -> Piece:
-    bounds = np.stack([around.corners.min(axis=0), around.corners.max(axis=0)])
-    intrusion, bare = NO_INTRUSION, 0.0
-    if len(around.planes):
-        intrusion = measure_intrusion(around.planes, bounds, space, least)
-        bare = around.area * float((look_up(around.skin, space.away, space.grid) > least).mean())
+    intrusion, bare = _measure(around, space, least)
     return Piece(
         triangles=triangles,
         corners=around.corners,
@@ -131,9 +137,34 @@ def _finish(
         volume=around.volume,
         area=around.area,
         bare=bare,
+        most_bare=bare,
         intrusion=intrusion,
         samples=samples,
     )
+
+
+def _measure(around: Around, space: FreeSpace, least: float) -> tuple[Intrusion, float]:
+    """What a hull takes of free space, and the area of its faces (m^2) that are far from the surface.
+
+    Hulls thinner than two cells hold few of them, so that their faces tell: a frame must not close its opening.
+    """
+    cell = space.grid.cell
+    intrusion = NO_INTRUSION
+    if len(around.planes):
+        bounds = np.stack([around.corners.min(axis=0), around.corners.max(axis=0)])
+        intrusion = measure_intrusion(around.planes, bounds, space, least)
+    if not len(around.skin):
+        return intrusion, 0.0
+    bare = around.area * float((look_up(around.skin, space.away, space.grid) > least).mean())
+    if around.volume < cell * around.area:
+        depth = look_up(around.skin, space.depth, space.grid)
+        inside = depth > least + 0.5 * cell
+        share = float(inside.mean())
+        if share > FEW:
+            taken = 0.5 * share * around.area * cell
+            deepest = max(intrusion.depth, float(depth.max()))
+            return Intrusion(volume=max(intrusion.volume, taken), depth=deepest), bare
+    return intrusion, bare
 
 
 def cut_triangles(
@@ -187,7 +218,11 @@ def cut_planes(triangles: Float[np.ndarray, "F 3 3"]) -> Float[np.ndarray, "K 4"
 
 
 def split_piece(piece: Piece, space: FreeSpace, least: float) -> tuple[Piece, Piece] | None:
-    """The cut after which the two hulls take least free space; ``None`` where no cut divides the piece."""
+    """The cut after which the two hulls take least free space; ``None`` where no cut divides the piece.
+
+    Cuts that leave a side whose hull takes none are better the more of the surface is on that side: a wall
+    comes off a box in one piece.
+    """
     best, best_score = None, np.inf
     main = _main_triangles(piece.triangles)
     total = float(triangle_areas(main).sum())
@@ -198,8 +233,9 @@ def split_piece(piece: Piece, space: FreeSpace, least: float) -> tuple[Piece, Pi
         share = float(triangle_areas(sides[0]).sum()) / max(total, 1e-12)
         if not 1e-3 < share < 1.0 - 1e-3:
             continue
-        taken = sum(_taken(side, space, least) for side in sides)
-        score = taken + 0.02 * piece.intrusion.volume * abs(2.0 * share - 1.0)
+        taken = [_taken(side, space, least) for side in sides]
+        done = sum(part for part, left in zip((share, 1.0 - share), taken, strict=True) if left <= 0.0)
+        score = sum(taken) + piece.intrusion.volume * (EVEN * abs(2.0 * share - 1.0) - DONE * done)
         if score < best_score:
             best, best_score = plane, score
     if best is None:
@@ -219,8 +255,4 @@ def _main_triangles(triangles: Float[np.ndarray, "F 3 3"]) -> Float[np.ndarray, 
 
 def _taken(triangles: np.ndarray, space: FreeSpace, least: float) -> float:
     """Free volume (m^3) in the hull of some triangles."""
-    around = wrap(triangles.reshape(-1, 3))
-    if not len(around.planes):
-        return 0.0
-    bounds = np.stack([around.corners.min(axis=0), around.corners.max(axis=0)])
-    return measure_intrusion(around.planes, bounds, space, least).volume
+    return _measure(wrap(triangles.reshape(-1, 3), skin=SAMPLES), space, least)[0].volume
