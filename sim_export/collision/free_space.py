@@ -17,6 +17,8 @@ CELLS = 128
 """Cells along the longest edge of a link, as many as the check of cavities counts."""
 FINEST = 0.0025
 """Least edge of a cell, over the object's diagonal."""
+FAR = 0.012
+"""Distance from a surface at which nothing of its hulls should be, over the object's diagonal."""
 LODGED = 0.1
 """Share of an enclosed space that others pass through, above which the space is free."""
 BLOCK = 6
@@ -36,16 +38,18 @@ class FreeSpace:
 
     ``away`` is the distance of a cell's centre from the surface (m, to half a cell), ``depth`` the same
     where the cell is free and 0 where it is enclosed. Where other links are or pass, and none of the surface
-    is, ``depth`` is at least `TAKEN_DEPTH`.
+    is, ``depth`` is at least `TAKEN_DEPTH`. Faces of hulls in enclosed space should not be ``far`` (m) from the
+    surface.
     """
 
     grid: Grid
+    far: float
     away: Float[np.ndarray, "X Y Z"]
     depth: Float[np.ndarray, "X Y Z"]
 
-    def without_rooms(self, least: float) -> "FreeSpace":
-        """The same with enclosed space farther than ``least`` (m) from the surface as free: rooms, not boards."""
-        return replace(self, depth=np.where(self.away > least, np.maximum(self.depth, self.away), self.depth))
+    def without_rooms(self) -> "FreeSpace":
+        """The same with enclosed space ``far`` from the surface as free: rooms, not the inside of boards."""
+        return replace(self, depth=np.where(self.away > self.far, np.maximum(self.depth, self.away), self.depth))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -88,7 +92,7 @@ def find_free_space(
     free = lodged[regions]
     depth = np.where(free, away, np.float32(0.0))
     return FreeSpace(
-        grid=grid, away=away, depth=np.where(taken & free, np.maximum(depth, TAKEN_DEPTH), depth)
+        grid=grid, far=FAR * diagonal, away=away, depth=np.where(taken & free, np.maximum(depth, TAKEN_DEPTH), depth)
     )
 
 

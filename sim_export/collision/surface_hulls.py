@@ -17,7 +17,7 @@ from jaxtyping import Float
 from sim_export.collision.free_space import TAKEN_DEPTH, FreeSpace, find_free_space, is_open_between, look_up
 from sim_export.collision.compact import compact_hull
 from sim_export.collision.decompose import Decomposition
-from sim_export.collision.hull_limits import HullLimits
+from sim_export.collision.hull_limits import HullLimits, thicken_hull
 from sim_export.collision.hulls import convex_hull
 from sim_export.collision.surface_pieces import Piece, join_pieces, make_piece, measure_again, split_piece
 from sim_export.errors import DegeneratePart
@@ -37,15 +37,13 @@ class SurfaceConfig:
     """Factor by which that grows until there are few enough hulls."""
     coarsest: float = 0.008
     """It grows no further than this for the sake of one part."""
-    room: float = 0.014
-    """Enclosed space farther than this from the surface is a room that pieces keep out of."""
     loosest: float = 0.02
     """It grows no further than this where the whole object has too many hulls."""
     most_pieces: int = 96
     """Pieces into which the surface of a part is cut, at most."""
     taken: float = 0.004
     """Share of its volume that a hull may take of free space beyond."""
-    bare: float = 0.01
+    bare: float = 0.005
     """Share of the area of a joint hull that may newly lie in enclosed space, away from the surface."""
     sheet: float = 0.002
     """Thickness (m) of the hulls of sheets."""
@@ -109,7 +107,8 @@ def _cover_part(
         pieces = cover_surface(surface, space, diagonal, most, cfg)
         found = [hull for piece in pieces if (hull := piece_hull(piece, space, cfg)) is not None]
         thickest = cfg.thickest * diagonal
-        hulls = tuple(part for hull in found for part in compact_hull(hull, cfg.limits, thickest))
+        thick = [thicken_hull(hull, cfg.limits.min_width) for hull in found]
+        hulls = tuple(part for hull in thick for part in compact_hull(hull, cfg.limits, thickest))
     seconds = time.perf_counter() - started
     return Decomposition(
         hulls=hulls, method="surface", volume_error=0.0, kept_cavity=1.0, seconds=seconds
@@ -130,7 +129,7 @@ def cover_surface(
     if _fits(whole, least, cfg):
         return [whole]
     pieces = [make_piece(group, space, least) for group in split_components(triangles)]
-    pieces = _cut(_uncovered(pieces, least), space.without_rooms(cfg.room * diagonal), least, cfg)
+    pieces = _cut(_uncovered(pieces, least), space.without_rooms(), least, cfg)
     pieces = [measure_again(piece, space, least) for piece in pieces]
     while True:
         pieces = _join(_uncovered(pieces, least), space, least, cfg)

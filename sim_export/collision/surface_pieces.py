@@ -34,6 +34,8 @@ BESIDE = 5e-4
 """Metres beside a plane of the surface at which a cut runs, so that the plane's triangles stay whole."""
 SAMPLES = 48
 """Points on the surface of a piece."""
+SKIN = 240
+"""Points on the hull of a piece."""
 _MIX = np.array([1.0, 7.389, 54.598, 403.43])
 """Weights under which only coplanar faces have equal sums."""
 
@@ -109,13 +111,13 @@ def wrap(points: Float[np.ndarray, "N 3"], *, skin: int = 0) -> Around:
 
 def make_piece(triangles: Float[np.ndarray, "F 3 3"], space: FreeSpace, least: float) -> Piece:
     """A piece of some triangles; ``least`` (m) as in `measure_intrusion`."""
-    around = wrap(triangles.reshape(-1, 3), skin=SAMPLES)
+    around = wrap(triangles.reshape(-1, 3), skin=SKIN)
     return _finish(around, triangles, sample_triangles(triangles, SAMPLES)[0], space, least)
 
 
 def join_pieces(first: Piece, second: Piece, space: FreeSpace, least: float) -> Piece:
     """One piece of two."""
-    around = wrap(np.concatenate([first.corners, second.corners]), skin=SAMPLES)
+    around = wrap(np.concatenate([first.corners, second.corners]), skin=SKIN)
     triangles = np.concatenate([first.triangles, second.triangles])
     both = _finish(around, triangles, np.concatenate([first.samples, second.samples]), space, least)
     return replace(both, most_bare=max(first.most_bare, second.most_bare))
@@ -155,7 +157,7 @@ def _measure(around: Around, space: FreeSpace, least: float) -> tuple[Intrusion,
         intrusion = measure_intrusion(around.planes, bounds, space, least)
     if not len(around.skin):
         return intrusion, 0.0
-    bare = around.area * float((look_up(around.skin, space.away, space.grid) > least).mean())
+    bare = around.area * float((look_up(around.skin, space.away, space.grid) > space.far).mean())
     if around.volume < cell * around.area:
         depth = look_up(around.skin, space.depth, space.grid)
         inside = depth > least + 0.5 * cell
