@@ -202,7 +202,9 @@ def _cover_parts(
         for name, part in leaders.items()
     }
     passing = find_passing(tree.links, tree.joints, {name: s for name, s in shown.items() if len(s)})
-    return cover_parts(surfaces, owners, {leaders[name]: found for name, found in passing.items()}, cfg.surface)
+    return cover_parts(
+        surfaces, owners, {leaders[name]: found for name, found in passing.items()}, cfg.surface
+    )
 
 
 def _paint(

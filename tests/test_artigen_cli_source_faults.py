@@ -29,7 +29,10 @@ def make_package(upper=0.3):
 
 @pytest.mark.parametrize(("low", "found"), [(0.41, set()), (0.30, {"V202"})])
 def test_bodies_inside_each_other_at_rest_are_evidence(low, found):
-    surfaces = {"body": box((0, 0, 0), (0.4, 0.4, 0.4)), "drawer": box((low, 0.1, 0.1), (low + 0.2, 0.3, 0.3))}
+    surfaces = {
+        "body": box((0, 0, 0), (0.4, 0.4, 0.4)),
+        "drawer": box((low, 0.1, 0.1), (low + 0.2, 0.3, 0.3)),
+    }
     assert set(find_source_faults(make_package(), surfaces, {"V202"})) == found
 
 

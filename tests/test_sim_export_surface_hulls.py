@@ -1,4 +1,4 @@
-"""Hulls made from the triangles of a surface: whatever the triangles are like, they cover it and fill nothing."""
+"""Hulls made from triangles: whatever these are like, the hulls cover them and fill nothing else."""
 
 import numpy as np
 import pytest
@@ -123,7 +123,7 @@ def test_long_thin_hulls_are_kept_within_the_limits():
     assert compact_hull(long_box, limits, 0.0) == [long_box]
     turn = 2 * np.pi * np.arange(16) / 16
     disc = np.column_stack([np.cos(turn), np.sin(turn), np.zeros(16)])
-    plate = convex_hull(np.concatenate([disc, disc + [0, 0, 0.01]]))
+    plate = convex_hull(np.concatenate([disc, disc + np.array([0, 0, 0.01])]))
     divided = compact_hull(plate, limits, 0.0)
     assert max(map(hull_aspect, divided)) <= limits.max_aspect
     assert sum(map(hull_volume, divided)) > 0.99 * hull_volume(plate)

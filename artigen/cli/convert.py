@@ -129,8 +129,8 @@ def rebuild_from_voxels(asset: "Asset", recipe: Literal["robust", "paper"] = "ro
 def export_source(source, asset: "Asset", provenance: dict[str, str]) -> "Exported":
     """A package that shows the object's own meshes, with the collision that stands the static checks best.
 
-    Hulls from the 64^3 voxels are few and quickly made; where checks object, hulls are made from the surface of
-    the meshes, too.
+    Hulls from the 64^3 voxels are few and quickly made. Where they fail a check, hulls from the surface of the
+    meshes are tried as well.
     """
     from sim_export.export import export_asset
 
@@ -146,7 +146,7 @@ def export_source(source, asset: "Asset", provenance: dict[str, str]) -> "Export
 
 
 def judge_package(package: "SimPackage") -> tuple[int, float]:
-    """Checks of its collision that a package fails, and how far it is from what V103 allows; less is better."""
+    """How many checks of its collision a package fails, and its value of V103; less is better."""
     from sim_export.checks.suite import run_checks
     from sim_export.files.write import write_package
 
@@ -220,7 +220,9 @@ def explain_failures(job: tuple[ConvertJob, tuple[str, ...]]) -> tuple[str, ...]
     source = read_object(source_job.source, ReaderConfig(size=cfg.size, seed=cfg.seed))
     asset = voxelize_object(source.asset)
     package = export_asset(asset, source_meshes=place_source_meshes(source, asset)).package
-    surfaces = dict(zip((part.name for part in asset.parts), place_source_surfaces(source, asset), strict=True))
+    surfaces = dict(
+        zip((part.name for part in asset.parts), place_source_surfaces(source, asset), strict=True)
+    )
     shown = {
         link.name: np.concatenate([surfaces[part] for part in link.parts])
         for link in package.links

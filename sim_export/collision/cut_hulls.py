@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from sim_export.collision.contacts import HullSet
 from sim_export.collision.compact import compact_hull
+from sim_export.collision.contacts import HullSet
 from sim_export.collision.hull_limits import HullLimits, trim_hull
 from sim_export.collision.hulls import hull_volume, hull_width, reduce_hull
 from sim_export.collision.motion import longest_side
@@ -107,7 +107,11 @@ class CutHulls:
     def _is_small(self, link: int, slot: int, cfg: ReliefConfig) -> bool:
         """Whether a hull is no longer than what may go: a sheet has hardly any volume, and is much to see."""
         hull = self.hulls[link][slot]
-        return not cfg.sheets or hull is None or float(np.ptp(hull.vertices, axis=0).max()) <= cfg.sliver_length * self.size
+        return (
+            not cfg.sheets
+            or hull is None
+            or float(np.ptp(hull.vertices, axis=0).max()) <= cfg.sliver_length * self.size
+        )
 
     def sets(self) -> list[HullSet]:
         return [self.prepared(link)[0] for link in range(len(self.links))]

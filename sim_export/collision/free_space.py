@@ -38,8 +38,8 @@ class FreeSpace:
 
     ``away`` is the distance of a cell's centre from the surface (m, to half a cell), ``depth`` the same
     where the cell is free and 0 where it is enclosed. Where other links are or pass, and none of the surface
-    is, ``depth`` is at least `TAKEN_DEPTH`. Faces of hulls in enclosed space should not be ``far`` (m) from the
-    surface.
+    is, ``depth`` is at least `TAKEN_DEPTH`. Faces of hulls in enclosed space should not be ``far`` (m) from
+    the surface.
     """
 
     grid: Grid
@@ -49,7 +49,9 @@ class FreeSpace:
 
     def without_rooms(self) -> "FreeSpace":
         """The same with enclosed space ``far`` from the surface as free: rooms, not the inside of boards."""
-        return replace(self, depth=np.where(self.away > self.far, np.maximum(self.depth, self.away), self.depth))
+        return replace(
+            self, depth=np.where(self.away > self.far, np.maximum(self.depth, self.away), self.depth)
+        )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -92,7 +94,10 @@ def find_free_space(
     free = lodged[regions]
     depth = np.where(free, away, np.float32(0.0))
     return FreeSpace(
-        grid=grid, far=FAR * diagonal, away=away, depth=np.where(taken & free, np.maximum(depth, TAKEN_DEPTH), depth)
+        grid=grid,
+        far=FAR * diagonal,
+        away=away,
+        depth=np.where(taken & free, np.maximum(depth, TAKEN_DEPTH), depth),
     )
 
 
@@ -155,7 +160,7 @@ def look_up(
 
 
 def find_inside(points: Float[np.ndarray, "N 3"], space: FreeSpace) -> Float[np.ndarray, "N"]:
-    """How deep (m) points lie in enclosed space, at least; 0 outside of the grid, in wall and in free cells."""
+    """How deep (m) points lie in enclosed space, at least; 0 beyond the grid, in wall and in free cells."""
     enclosed = np.where(space.depth > 0, np.float32(0.0), space.away)
     cells = space.grid.cells_of(points)
     within = ((cells >= 0) & (cells < space.grid.shape)).all(axis=1)

@@ -50,9 +50,9 @@ class ReliefConfig:
     """This share of its link's volume may be cut off a hull in any case; a hull below it may be dropped
     where cuts do not help."""
     sheets: bool = False
-    """Whether hulls may be sheets, which are much to see and hardly have volume: then only hulls up to
-    ``sliver_length`` may go as slivers, a hull more costs as much as it does the thicker side, and what notches
-    leave of boxes is boxes."""
+    """Whether hulls may be sheets, which have much surface and hardly any volume. Then only hulls up to
+    ``sliver_length`` may be dropped as slivers, one more hull costs a tenth of the larger of the two volumes,
+    and notches leave boxes of boxes."""
     sliver_length: float = 0.12
     """Longest hull that goes as a sliver where there are sheets, over the object's longest side."""
     end: float = 0.12

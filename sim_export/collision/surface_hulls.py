@@ -2,8 +2,8 @@
 
 The surface is taken apart into connected components, those whose hulls take free space are cut, and pieces
 are joined as long as their common hull takes none. So a board becomes one box whatever its faces look like,
-closed bodies one hull, and what can be reached stays free. Pieces that are cut keep out of enclosed space, too:
-a face in the middle of it would be far from anything that can be seen.
+closed bodies one hull, and what can be reached stays free. Pieces that are cut keep out of enclosed rooms,
+too: a face in the middle of one would be far from anything that can be seen.
 """
 
 import heapq
@@ -14,9 +14,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from jaxtyping import Float
 
-from sim_export.collision.free_space import TAKEN_DEPTH, FreeSpace, find_free_space, is_open_between, look_up
 from sim_export.collision.compact import compact_hull
 from sim_export.collision.decompose import Decomposition
+from sim_export.collision.free_space import TAKEN_DEPTH, FreeSpace, find_free_space, is_open_between, look_up
 from sim_export.collision.hull_limits import HullLimits, thicken_hull
 from sim_export.collision.hulls import convex_hull
 from sim_export.collision.surface_pieces import Piece, join_pieces, make_piece, measure_again, split_piece
@@ -99,7 +99,11 @@ def cover_parts(
 
 
 def _cover_part(
-    surface: Float[np.ndarray, "F 3 3"], space: FreeSpace | None, diagonal: float, most: int, cfg: SurfaceConfig
+    surface: Float[np.ndarray, "F 3 3"],
+    space: FreeSpace | None,
+    diagonal: float,
+    most: int,
+    cfg: SurfaceConfig,
 ) -> Decomposition:
     started = time.perf_counter()
     hulls: tuple[Hull, ...] = ()
@@ -110,9 +114,7 @@ def _cover_part(
         thick = [thicken_hull(hull, cfg.limits.min_width) for hull in found]
         hulls = tuple(part for hull in thick for part in compact_hull(hull, cfg.limits, thickest))
     seconds = time.perf_counter() - started
-    return Decomposition(
-        hulls=hulls, method="surface", volume_error=0.0, kept_cavity=1.0, seconds=seconds
-    )
+    return Decomposition(hulls=hulls, method="surface", volume_error=0.0, kept_cavity=1.0, seconds=seconds)
 
 
 def cover_surface(
@@ -191,7 +193,9 @@ def _is_covered(points: Float[np.ndarray, "N 3"], pieces: Sequence[Piece], slack
 def _cut(pieces: Sequence[Piece], space: FreeSpace, least: float, cfg: SurfaceConfig) -> list[Piece]:
     """Cuts the pieces that take most free space, until all fit or there are many."""
     done = [piece for piece in pieces if _fits(piece, least, cfg)]
-    queue = [(-piece.intrusion.volume, n, piece) for n, piece in enumerate(pieces) if not _fits(piece, least, cfg)]
+    queue = [
+        (-piece.intrusion.volume, n, piece) for n, piece in enumerate(pieces) if not _fits(piece, least, cfg)
+    ]
     heapq.heapify(queue)
     serial = len(pieces)
     most = max(cfg.most_pieces, len(pieces) + cfg.most_pieces // 2)
@@ -259,7 +263,9 @@ def piece_hull(piece: Piece, space: FreeSpace, cfg: SurfaceConfig) -> Hull | Non
         return None
     normal = axes[2]
     free = [_openness(piece.samples, side * normal, space) for side in (1.0, -1.0)]
-    first, last = (-0.5, 0.5) if abs(free[0] - free[1]) < UNLIKE else (0.0, 1.0) if free[0] < free[1] else (-1.0, 0.0)
+    first, last = (
+        (-0.5, 0.5) if abs(free[0] - free[1]) < UNLIKE else (0.0, 1.0) if free[0] < free[1] else (-1.0, 0.0)
+    )
     points = np.concatenate([piece.corners + end * cfg.sheet * normal for end in (first, last)])
     try:
         return convex_hull(points)
@@ -268,6 +274,6 @@ def piece_hull(piece: Piece, space: FreeSpace, cfg: SurfaceConfig) -> Hull | Non
 
 
 def _openness(points: Float[np.ndarray, "N 3"], side: Float[np.ndarray, "3"], space: FreeSpace) -> float:
-    """How little a sheet should grow to one side: the share of free cells there, taken ones counted thrice."""
+    """How little a sheet should grow to one side: the share of free cells there, taken ones thrice."""
     depth = look_up(points + 1.5 * space.grid.cell * side, space.depth, space.grid)
     return float((depth > 0).mean() + 2.0 * (depth >= TAKEN_DEPTH).mean())

@@ -45,7 +45,7 @@ class Piece:
     """Triangles and their convex hull.
 
     ``corners`` are the hull's vertices, ``planes`` its faces (none of a sheet), ``samples`` points on the
-    triangles, ``bare`` the area of hull faces (m^2) that are far from the surface: cuts through enclosed space.
+    triangles, ``bare`` the area of hull faces (m^2) far from the surface, as where a room was cut.
     ``most_bare`` is that of the barest piece that was joined to this one.
     """
 
@@ -148,7 +148,8 @@ def _finish(
 def _measure(around: Around, space: FreeSpace, least: float) -> tuple[Intrusion, float]:
     """What a hull takes of free space, and the area of its faces (m^2) that are far from the surface.
 
-    Hulls thinner than two cells hold few of them, so that their faces tell: a frame must not close its opening.
+    Hulls thinner than two cells contain few centres of cells, so points on their faces are tested: the hull of
+    a frame must not close its opening.
     """
     cell = space.grid.cell
     intrusion = NO_INTRUSION
