@@ -129,8 +129,8 @@ def rebuild_from_voxels(asset: "Asset", recipe: Literal["robust", "paper"] = "ro
 def export_source(source, asset: "Asset", provenance: dict[str, str]) -> "Exported":
     """A package that shows the object's own meshes, with the collision that stands the static checks best.
 
-    Hulls from the 64^3 voxels are few and quickly made. Where they fail a check, hulls from the surface of the
-    meshes are tried as well.
+    Hulls from the 64^3 voxels are few and quickly made. Where they fail a check, hulls from the surface of
+    the meshes are tried as well.
     """
     from sim_export.export import export_asset
 
@@ -212,9 +212,9 @@ def convert_and_validate(worker: Worker, job: ConvertJob, timeout: float) -> Fin
 
 def explain_failures(job: tuple[ConvertJob, tuple[str, ...]]) -> tuple[str, ...]:
     """Check and evidence for each failed check that the source fails as well; runs in a worker process."""
-    from artigen.cli.source_faults import find_source_faults
     from artigen.datasets.partnet_mobility import ReaderConfig, read_object
     from sim_export.export import export_asset
+    from sim_export.source_faults import find_source_faults
 
     (source_job, failed), cfg = job, job[0].cfg
     source = read_object(source_job.source, ReaderConfig(size=cfg.size, seed=cfg.seed))

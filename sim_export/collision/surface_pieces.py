@@ -148,8 +148,8 @@ def _finish(
 def _measure(around: Around, space: FreeSpace, least: float) -> tuple[Intrusion, float]:
     """What a hull takes of free space, and the area of its faces (m^2) that are far from the surface.
 
-    Hulls thinner than two cells contain few centres of cells, so points on their faces are tested: the hull of
-    a frame must not close its opening.
+    Hulls thinner than two cells contain few centres of cells, so points on their faces are tested: the hull
+    of a frame must not close its opening.
     """
     cell = space.grid.cell
     intrusion = NO_INTRUSION

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from artigen.cli.source_faults import find_source_faults
 from sim_export.collision.hulls import box_hull
 from sim_export.package import Link, PackageJoint, SimPackage
+from sim_export.source_faults import find_source_faults
 
 
 def box(low, high):
