@@ -215,7 +215,10 @@ def failure_rows(keys: list[str], journal: dict[str, Finished]) -> str:
         lines.append(f"| {key} | {finished.error or why} |")
     summary = ", ".join(f"{check} {count}" for check, count in counts.most_common())
     own = [key for key in keys if (line := journal.get(key)) and is_as_in_source(line)]
-    explained = f"As in the source: {share(len(own), len(keys))} fail only what the source fails: {', '.join(own) or '-'}."
+    explained = (
+        f"As in the source: {share(len(own), len(keys))} fail only what the source fails: "
+        f"{', '.join(own) or '-'}."
+    )
     return "\n".join(
         [f"Failed checks: {summary or 'none'}.\n", explained, "", "| object | why |", "|---|---|", *lines, ""]
     )
