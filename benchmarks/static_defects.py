@@ -43,7 +43,7 @@ def _add_links(robot: ET.Element) -> None:
 
 def _repeat_collision(robot: ET.Element) -> None:
     door = find(robot, DOOR)
-    for _ in range(40):
+    for _ in range(93):
         door.append(find(door, "collision"))
 
 
@@ -158,7 +158,7 @@ FILE_DEFECTS = (
     ),
     Defect(name="axis zero", check="V005", mutate=set_attribute("joint[@name='joint_0']/axis", xyz="0 0 0")),
     Defect(name="65 links", check="V006", mutate=edit_urdf(_add_links)),
-    Defect(name="44 hulls on a link", check="V006", mutate=edit_urdf(_repeat_collision)),
+    Defect(name="97 hulls on a link", check="V006", mutate=edit_urdf(_repeat_collision)),
     Defect(
         name="mass of 10 tonnes", check="V007", mutate=set_attribute(f"{DOOR}/inertial/mass", value="10000")
     ),

@@ -1,6 +1,6 @@
 """The export's settings, one nested config per stage."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from sim_export.appearance.texture import TextureConfig
 from sim_export.collision.attachment import AttachmentConfig
@@ -13,10 +13,14 @@ from sim_export.collision.levelling import LevellingConfig
 from sim_export.collision.recovery import RecoveryConfig
 from sim_export.collision.requirements import RequirementConfig
 from sim_export.collision.retention import RetentionConfig
+from sim_export.collision.surface_hulls import SurfaceConfig
 from sim_export.collision.trimming import TrimmingConfig
 from sim_export.geometry.meshing import MeshingConfig
 from sim_export.geometry.wheels import WheelConfig
 from sim_export.physics.annotations import HandleConfig
+
+MOST_OF_LINK = 96
+"""Hulls of a link that is made from a source's surface, at most."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,6 +35,8 @@ class ExportConfig:
     """Source colours to textures."""
     decompose: DecomposeConfig = field(default_factory=DecomposeConfig)
     """Part meshes to convex collision hulls."""
+    surface: SurfaceConfig = field(default_factory=SurfaceConfig)
+    """Surfaces of a source to convex collision hulls."""
     requirements: RequirementConfig = field(default_factory=RequirementConfig)
     """Which joint needs which other open."""
     retention: RetentionConfig = field(default_factory=RetentionConfig)
@@ -53,3 +59,16 @@ class ExportConfig:
     """Surface for which no hull stands."""
     handles: HandleConfig = field(default_factory=HandleConfig)
     """How handles are measured."""
+
+
+def for_surfaces(cfg: ExportConfig) -> ExportConfig:
+    """The same settings for hulls made from a source's own surface: sheets, and more hulls of a link."""
+    addition = replace(cfg.attachment.addition, max_hulls=MOST_OF_LINK)
+    return replace(
+        cfg,
+        clearance=replace(
+            cfg.clearance, max_hulls=MOST_OF_LINK, relief=replace(cfg.clearance.relief, sheets=True)
+        ),
+        feet=replace(cfg.feet, addition=addition),
+        attachment=replace(cfg.attachment, addition=addition),
+    )

@@ -5,6 +5,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+import numpy as np
+from jaxtyping import Float
+
 from artigen.types import Asset
 from sim_export.appearance.splats import attach_splats
 from sim_export.appearance.texture import BakedParts, TextureConfig, bake_parts
@@ -15,19 +18,21 @@ from sim_export.collision.facets import flatten_links
 from sim_export.collision.feet import add_feet
 from sim_export.collision.filling import fill_meshes
 from sim_export.collision.levelling import level_object
+from sim_export.collision.passing import find_passing
 from sim_export.collision.pins import pin_carriers
-from sim_export.collision.recovery import recover_surface
+from sim_export.collision.recovery import Recovery, recover_surface
 from sim_export.collision.requirements import find_requirements
 from sim_export.collision.retention import keep_drawers_held
+from sim_export.collision.surface_hulls import cover_parts
 from sim_export.collision.trimming import Trimmed, trim_meshes
-from sim_export.config import ExportConfig
+from sim_export.config import ExportConfig, for_surfaces
 from sim_export.geometry.boards import fill_boards
 from sim_export.geometry.meshing import mesh_parts, solid_parts
 from sim_export.geometry.separation import separate_solids
 from sim_export.geometry.wheels import round_wheels
-from sim_export.package import Link, Mesh, SimPackage, SourceMesh
+from sim_export.package import Inertial, Link, Mesh, SimPackage, SourceMesh
 from sim_export.physics.annotations import annotate_handles
-from sim_export.physics.links import LinkTree, PartGeometry, build_links, link_owners
+from sim_export.physics.links import LinkTree, PartGeometry, build_links, link_names, link_owners
 from sim_export.physics.masses import hold_centers, weigh_part
 from sim_export.physics.materials import part_material
 
@@ -59,6 +64,7 @@ def export_asset(
     cfg: ExportConfig | None = None,
     *,
     source_meshes: Mapping[int, Sequence[SourceMesh]] | None = None,
+    surfaces: Sequence[Float[np.ndarray, "F 3 3"]] | None = None,
     provenance: Mapping[str, str] | None = None,
     cache: Path | None = None,
 ) -> Exported:
@@ -69,7 +75,9 @@ def export_asset(
             and Gaussians go into the package link by link.
         cfg: settings of all stages.
         source_meshes: meshes to show instead of those made from the voxels, by part; a part without
-            any is invisible. Collision, mass and annotations come from the voxels all the same.
+            any is invisible. Mass and annotations come from the voxels all the same.
+        surfaces: the triangles of these meshes, part by part (metres); collision is made from them. Without
+            them it comes from the voxels.
         provenance: where the object comes from, for ``provenance.json``.
         cache: folder for results of slow convex decompositions.
 
@@ -77,18 +85,27 @@ def export_asset(
         ExportError: names the part, what was measured and what is allowed.
     """
     cfg = cfg or ExportConfig()
+    cfg = cfg if surfaces is None else for_surfaces(cfg)
     watch = _Stopwatch()
     if asset.voxels is None:
         raise ValueError(f"asset {asset.name!r} has no voxels; voxelize its surface first")
     voxels, gaps = fill_boards(asset.voxels, link_owners(asset))
     asset = replace(asset, voxels=voxels)
     solids, given_up = separate_solids(asset, solid_parts(asset), link_owners(asset))
-    meshes, rounded = round_wheels(asset, mesh_parts(asset, cfg.meshing, solids), cfg.wheels)
+    plain = mesh_parts(asset, cfg.meshing, solids)
+    meshes, rounded = round_wheels(asset, plain, cfg.wheels)
     watch.lap("mesh")
-    decompositions = decompose_parts(meshes, link_owners(asset), cfg.decompose, cache)
-    watch.lap("decompose")
     inertials = [weigh_part(asset, index, mesh, solids[index]) for index, mesh in enumerate(meshes)]
     watch.lap("mass")
+    if surfaces is None:
+        decompositions = decompose_parts(meshes, link_owners(asset), cfg.decompose, cache)
+    else:
+        surfaces = [
+            mesh.vertices[mesh.faces] if part.label == "wheel" and mesh is not before else surface
+            for part, before, mesh, surface in zip(asset.parts, plain, meshes, surfaces, strict=True)
+        ]
+        decompositions = _cover_parts(asset, surfaces, inertials, cfg)
+    watch.lap("decompose")
     shown: list[tuple[Mesh | SourceMesh, ...]] = [(mesh,) for mesh in meshes]
     if source_meshes is not None:
         shown = [tuple(source_meshes.get(index, ())) for index in range(len(meshes))]
@@ -106,7 +123,9 @@ def export_asset(
     cleared = clear_joints(tree.links, joints, needs, cfg.clearance)
     watch.lap("clearance")
     solid = {part.name: mesh for part, mesh in zip(asset.parts, meshes, strict=True)}
-    whole = recover_surface(cleared.links, cleared.joints, needs, solid, cfg.recovery)
+    whole = Recovery(links=cleared.links)
+    if surfaces is None:
+        whole = recover_surface(cleared.links, cleared.joints, needs, solid, cfg.recovery)
     watch.lap("recover")
     flat = flatten_links(whole.links, cfg.facets)
     standing = add_feet(flat, cleared.joints, needs, solid, cfg.feet)
@@ -167,6 +186,25 @@ def export_asset(
         records=records,
     )
     return Exported(package=package, decompositions=decompositions, seconds=tuple(watch.laps))
+
+
+def _cover_parts(
+    asset: Asset,
+    surfaces: Sequence[Float[np.ndarray, "F 3 3"]],
+    inertials: Sequence[Inertial],
+    cfg: ExportConfig,
+) -> tuple[Decomposition, ...]:
+    """Hulls of all parts from their own triangles, which keep out of where other links pass."""
+    tree = build_links(asset, [PartGeometry(inertial=inertial) for inertial in inertials])
+    owners, leaders = link_owners(asset), {name: part for part, name in link_names(asset).items()}
+    shown = {
+        name: np.concatenate([s for s, owner in zip(surfaces, owners, strict=True) if owner == part])
+        for name, part in leaders.items()
+    }
+    passing = find_passing(tree.links, tree.joints, {name: s for name, s in shown.items() if len(s)})
+    return cover_parts(
+        surfaces, owners, {leaders[name]: found for name, found in passing.items()}, cfg.surface
+    )
 
 
 def _paint(

@@ -61,6 +61,8 @@ class Finished:
     seconds: tuple[tuple[str, float], ...] = ()
     peak_mib: float = 0.0
     notes: tuple[str, ...] = ()
+    as_in_source: tuple[str, ...] = ()
+    """Failed checks that the source fails as well, each with its evidence."""
     at: float = 0.0
     """Unix time when it was finished; of two lines of one object, the later one holds."""
 
@@ -96,6 +98,7 @@ def read_journal(out: Path) -> dict[str, Finished]:
             value["seconds"] = tuple((name, spent) for name, spent in value["seconds"])
             value["failures"] = tuple(value["failures"])
             value["notes"] = tuple(value["notes"])
+            value["as_in_source"] = tuple(value.get("as_in_source", ()))
             line = Finished(**value)
             if line.key not in done or done[line.key].at <= line.at:
                 done[line.key] = line

@@ -3,12 +3,14 @@
 import resource
 import sys
 import time
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import pairwise
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Literal
 
+import numpy as np
 import tyro
 
 from artigen.cli.arguments import Out, RunnerChoice, Shard, Workers
@@ -19,8 +21,12 @@ from artigen.workers import Worker
 
 if TYPE_CHECKING:
     from artigen.types import Asset
+    from sim_export.export import Exported
+    from sim_export.package import SimPackage
 
 SOURCE_FILE = "mobility_v2.json"
+COLLISION_CHECKS = ("V006", "V102", "V103", "V104", "V105", "V201", "V202")
+"""Static checks that other hulls may pass."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -86,8 +92,7 @@ def convert_object(job: ConvertJob) -> Made:
         watch.append(("segment", time.perf_counter()))
         exported = export_asset(asset, provenance=provenance)
     else:
-        meshes = place_source_meshes(source, asset)
-        exported = export_asset(asset, source_meshes=meshes, provenance=provenance)
+        exported = export_source(source, asset, provenance)
     package = splat_package(exported.package, asset, RANDOM) if job.cfg.splats else exported.package
     written = time.perf_counter()
     write_package(package, job.out / job.key, "replace")
@@ -101,8 +106,6 @@ def convert_object(job: ConvertJob) -> Made:
 
 def voxelize_object(asset: "Asset") -> "Asset":
     """Adds the voxels of the surface; parts below the grid's resolution join their parents."""
-    from dataclasses import replace
-
     from artigen.voxels import drop_unresolved, voxelize
 
     if asset.surface is None:
@@ -112,8 +115,6 @@ def voxelize_object(asset: "Asset") -> "Asset":
 
 def rebuild_from_voxels(asset: "Asset", recipe: Literal["robust", "paper"] = "robust") -> "Asset":
     """Object to 35-channel field and back: all that is kept besides is the colour of the surface."""
-    from dataclasses import replace
-
     from artigen.carry_over import carry_surface
     from artigen.fields import DEFAULT_LAYOUT, decode, encode
     from artigen.segment import SegmentConfig, segment
@@ -125,30 +126,109 @@ def rebuild_from_voxels(asset: "Asset", recipe: Literal["robust", "paper"] = "ro
     return carry_surface(asset, replace(found, notes=asset.notes + found.notes))
 
 
+def export_source(source, asset: "Asset", provenance: dict[str, str]) -> "Exported":
+    """A package that shows the object's own meshes, with the collision that stands the static checks best.
+
+    Hulls from the 64^3 voxels are few and quickly made. Where they fail a check, hulls from the surface of
+    the meshes are tried as well.
+    """
+    from sim_export.export import export_asset
+
+    meshes = place_source_meshes(source, asset)
+    first = export_asset(asset, source_meshes=meshes, provenance=provenance)
+    before = judge_package(first.package)
+    if not before[0]:
+        return first
+    surfaces = place_source_surfaces(source, asset)
+    second = export_asset(asset, source_meshes=meshes, surfaces=surfaces, provenance=provenance)
+    chosen = second if judge_package(second.package) < before else first
+    return replace(chosen, seconds=_add_seconds(first.seconds, second.seconds))
+
+
+def judge_package(package: "SimPackage") -> tuple[int, float]:
+    """How many checks of its collision a package fails, and its value of V103; less is better."""
+    from sim_export.checks.suite import run_checks
+    from sim_export.files.write import write_package
+
+    with TemporaryDirectory() as scratch:
+        results = run_checks(write_package(package, Path(scratch) / package.name))
+    unlike = [check.value for check in results if check.id == "V103" and check.value is not None]
+    failed = [check for check in results if check.verdict == "fail" and check.id in COLLISION_CHECKS]
+    return len(failed), max(unlike, default=0.0)
+
+
+def _add_seconds(
+    first: tuple[tuple[str, float], ...], second: tuple[tuple[str, float], ...]
+) -> tuple[tuple[str, float], ...]:
+    """Seconds of two exports, stage by stage."""
+    more = dict(second)
+    return tuple((name, spent + more.get(name, 0.0)) for name, spent in first)
+
+
 def place_source_meshes(source, asset: "Asset"):
     """The object's own mesh files, part by part, in metres; visuals of merged parts follow them."""
-    import numpy as np
-
     from sim_export.package import SourceMesh
 
-    names = {part.name: index for index, part in enumerate(asset.parts)}
+    heirs = find_remaining(source.asset, asset)
     placed: dict[int, list[SourceMesh]] = {}
     for visual in source.visuals:
-        part = visual.part
-        while source.asset.parts[part].name not in names:
-            part = source.asset.parts[part].parent
         T = np.array(visual.T_unit_file)
         T[:3, 3] *= asset.scale
         mesh = SourceMesh(path=visual.path, T_object_file=T, scale=visual.scale * asset.scale)
-        placed.setdefault(names[source.asset.parts[part].name], []).append(mesh)
+        placed.setdefault(heirs[visual.part], []).append(mesh)
     return placed
+
+
+def place_source_surfaces(source, asset: "Asset"):
+    """The object's own triangles, part by part, in metres; those of merged parts follow them."""
+    triangles, heirs = source.triangles, np.array(find_remaining(source.asset, asset))
+    corners = asset.scale * triangles.vertices[triangles.faces]
+    owners = heirs[triangles.part_ids]
+    return [corners[owners == index] for index in range(len(asset.parts))]
+
+
+def find_remaining(before: "Asset", after: "Asset") -> list[int]:
+    """For every part of an asset, the part of what is left of it that it is, or that it was merged into."""
+    names = {part.name: index for index, part in enumerate(after.parts)}
+    out = []
+    for part in before.parts:
+        while part.name not in names:
+            part = before.parts[part.parent]
+        out.append(names[part.name])
+    return out
 
 
 def convert_and_validate(worker: Worker, job: ConvertJob, timeout: float) -> Finished:
     """One object the whole way, in a supervised process."""
-    return make_and_validate(
+    finished = make_and_validate(
         worker, job, convert_object, timeout=timeout, validation=job.cfg.validation == "full"
     )
+    if finished.passed is not False:
+        return finished
+    failed = tuple(dict.fromkeys(failure.split(" ")[0] for failure in finished.failures))
+    outcome = worker.call(explain_failures, (job, failed), timeout)
+    return replace(finished, as_in_source=outcome.value or ())
+
+
+def explain_failures(job: tuple[ConvertJob, tuple[str, ...]]) -> tuple[str, ...]:
+    """Check and evidence for each failed check that the source fails as well; runs in a worker process."""
+    from artigen.datasets.partnet_mobility import ReaderConfig, read_object
+    from sim_export.export import export_asset
+    from sim_export.source_faults import find_source_faults
+
+    (source_job, failed), cfg = job, job[0].cfg
+    source = read_object(source_job.source, ReaderConfig(size=cfg.size, seed=cfg.seed))
+    asset = voxelize_object(source.asset)
+    package = export_asset(asset, source_meshes=place_source_meshes(source, asset)).package
+    surfaces = dict(
+        zip((part.name for part in asset.parts), place_source_surfaces(source, asset), strict=True)
+    )
+    shown = {
+        link.name: np.concatenate([surfaces[part] for part in link.parts])
+        for link in package.links
+        if link.parts
+    }
+    return tuple(f"{check} {said}" for check, said in find_source_faults(package, shown, failed).items())
 
 
 def find_sources(paths: tuple[Path, ...]) -> list[Path]:

@@ -42,7 +42,7 @@ class CheckConfig:
     max_links: int = 64
     """V006: PhysX articulations hold at most 64 links."""
 
-    max_hulls_per_link: int = 32
+    max_hulls_per_link: int = 96
     """V006: more hulls on one link slow every contact query down."""
 
     max_hulls: int = 256

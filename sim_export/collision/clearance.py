@@ -144,7 +144,7 @@ def clear_joints(
     final, limits, residuals = _settle_limits(work, joints, requirements, cfg, stuck)
     for index in range(len(links)):
         if work.cuts[index]:
-            work.trim(index, cfg.limits, cfg.max_hulls)
+            work.trim(index, cfg.limits, cfg.max_hulls, sheets=cfg.relief.sheets)
     cleared = tuple(
         link if not work.cuts[index] else replace(link, hulls=work.prepared(index)[0].hulls)
         for index, link in enumerate(links)

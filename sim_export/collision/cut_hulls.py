@@ -5,9 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from sim_export.collision.compact import compact_hull
 from sim_export.collision.contacts import HullSet
 from sim_export.collision.hull_limits import HullLimits, trim_hull
-from sim_export.collision.hulls import hull_volume, hull_width
+from sim_export.collision.hulls import hull_volume, hull_width, reduce_hull
+from sim_export.collision.motion import longest_side
 from sim_export.collision.relief import ReliefConfig, find_ends
 from sim_export.package import Hull, Link
 
@@ -32,6 +34,7 @@ class CutHulls:
         self.hulls: list[list[Hull | None]] = [list(link.hulls) for link in links]
         self.volumes = [[hull_volume(hull) for hull in link.hulls] for link in links]
         self.totals = [sum(volumes) for volumes in self.volumes]
+        self.size = longest_side(links)
         self.dropped = [0] * len(links)
         self.cuts = [0] * len(links)
         self.deepest = [0.0] * len(links)
@@ -51,7 +54,7 @@ class CutHulls:
         self.hulls[link] += list(pieces)
         self.volumes[link] += [hull_volume(piece) for piece in pieces]
 
-    def trim(self, link: int, limits: HullLimits, most: int) -> None:
+    def trim(self, link: int, limits: HullLimits, most: int, *, sheets: bool = False) -> None:
         """Brings what cuts have left of a link's hulls within the limits of physics engines.
 
         Oblong pieces are cut again, pieces thinner than allowed go, and where there are too many hulls
@@ -60,7 +63,7 @@ class CutHulls:
         untouched = {id(hull) for hull in self.links[link].hulls}
         out: list[Hull] = []
         for hull in self.prepared(link)[0].hulls:
-            out += [hull] if id(hull) in untouched else trim_hull(hull, limits)
+            out += [hull] if id(hull) in untouched else _trim(hull, limits, sheets=sheets)
         thick = [h for h in out if id(h) in untouched or hull_width(h)[0] >= limits.min_width]
         sizes = np.array([hull_volume(hull) for hull in thick])
         largest = set(np.argsort(-sizes, kind="stable")[:most].tolist())
@@ -80,7 +83,8 @@ class CutHulls:
         """Volume (m^3) that cuts may take from a hull: much of it, or little of its link; none of a wheel."""
         if self._is_round(link):
             return 0.0
-        return max(cfg.max_removed * self.volumes[link][slot], self.least(link, cfg))
+        least = self.least(link, cfg) if self._is_small(link, slot, cfg) else 0.0
+        return max(cfg.max_removed * self.volumes[link][slot], least)
 
     def least(self, link: int, cfg: ReliefConfig) -> float:
         """Volume (m^3) that cuts may take from a hull of a link however large it is: next to nothing."""
@@ -98,7 +102,16 @@ class CutHulls:
 
     def is_sliver(self, link: int, slot: int, cfg: ReliefConfig) -> bool:
         """Whether a hull is so small against its link that it may go entirely."""
-        return self.volumes[link][slot] < self.least(link, cfg)
+        return self._is_small(link, slot, cfg) and self.volumes[link][slot] < self.least(link, cfg)
+
+    def _is_small(self, link: int, slot: int, cfg: ReliefConfig) -> bool:
+        """Whether a hull is no longer than what may go: a sheet has hardly any volume, and is much to see."""
+        hull = self.hulls[link][slot]
+        return (
+            not cfg.sheets
+            or hull is None
+            or float(np.ptp(hull.vertices, axis=0).max()) <= cfg.sliver_length * self.size
+        )
 
     def sets(self) -> list[HullSet]:
         return [self.prepared(link)[0] for link in range(len(self.links))]
@@ -120,3 +133,10 @@ class CutHulls:
                     )
                 )
         return tuple(out)
+
+
+def _trim(hull: Hull, limits: HullLimits, *, sheets: bool) -> Sequence[Hull]:
+    """A hull within the limits without growing; of sheets as much as can be is kept."""
+    if not sheets:
+        return trim_hull(hull, limits)
+    return compact_hull(reduce_hull(hull, limits.max_vertices, limits.max_polygons), limits, 0.0, 1.0)

@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.transforms import inverse, transform_points
+from sim_export.collision.compact import box_along
 from sim_export.collision.contacts import HullSet, signed_distances
 from sim_export.collision.hull_limits import hull_aspect
 from sim_export.collision.hulls import (
@@ -22,6 +23,7 @@ from sim_export.collision.hulls import (
     merge_planes,
     subtract_hull,
 )
+from sim_export.geometry.primitives import find_primitive
 from sim_export.package import Hull
 
 OBLONG = 60.0
@@ -47,6 +49,12 @@ class ReliefConfig:
     sliver: float = 0.02
     """This share of its link's volume may be cut off a hull in any case; a hull below it may be dropped
     where cuts do not help."""
+    sheets: bool = False
+    """Whether hulls may be sheets, which have much surface and hardly any volume. Then only hulls up to
+    ``sliver_length`` may be dropped as slivers, one more hull costs a tenth of the larger of the two volumes,
+    and notches leave boxes of boxes."""
+    sliver_length: float = 0.12
+    """Longest hull that goes as a sliver where there are sheets, over the object's longest side."""
     end: float = 0.12
     """Share of a slender hull that deeper cuts may take: the end of a post above a wheel."""
     slender: float = 4.0
@@ -104,7 +112,7 @@ def relieve_pair(pair: OverlappingPair, gap: float, cfg: ReliefConfig) -> Relief
     if not good or min(_lost_share(plan, pair) for plan in good) > cfg.notch_above:
         good += _notch(pair, gap, cfg)
     if good:
-        return min(good, key=lambda plan: _cost(plan, pair))
+        return min(good, key=lambda plan: _cost(plan, pair, sheets=cfg.sheets))
     for side in sorted(range(2), key=lambda side: pair.volumes[side]):
         if pair.slivers[side]:
             left = [(pair.hulls[0],), (pair.hulls[1],)]
@@ -113,15 +121,16 @@ def relieve_pair(pair: OverlappingPair, gap: float, cfg: ReliefConfig) -> Relief
     return plans[0]
 
 
-def _cost(plan: Relief, pair: OverlappingPair) -> float:
+def _cost(plan: Relief, pair: OverlappingPair, *, sheets: bool) -> float:
     """Volume lost (m^3); every hull more, oblong ones counted as the several they will be cut to, is as
-    bad as the loss of a tenth of its side."""
-    cost = 0.0
+    bad as the loss of a tenth of its side, or of the larger side where there are sheets."""
+    cost, larger = 0.0, max(map(hull_volume, pair.hulls))
     for hull, left in zip(pair.hulls, plan.hulls, strict=True):
         if left == (hull,):
             continue
+        unit = larger if sheets else hull_volume(hull)
         more = sum(np.ceil(hull_aspect(piece) / OBLONG) for piece in left) - 1.0
-        cost += hull_volume(hull) * (1.0 + 0.1 * max(more, 0.0)) - sum(map(hull_volume, left))
+        cost += hull_volume(hull) + 0.1 * max(more, 0.0) * unit - sum(map(hull_volume, left))
     return cost
 
 
@@ -248,6 +257,9 @@ def _notch(pair: OverlappingPair, gap: float, cfg: ReliefConfig) -> list[Relief]
         slides = np.allclose(T_own_other[:, :3, :3], T_own_other[:1, :3, :3], atol=1e-9)
         chosen = T_own_other[np.unique(found.pose)] if slides else T_own_other[[pose]]
         other = convex_hull(transform_points(chosen, pair.hulls[1 - side].vertices).reshape(-1, 3))
+        own = find_primitive(pair.hulls[side])
+        if cfg.sheets and own is not None and own.kind == "box":  # what is left of a box is boxes
+            other = box_along(other.vertices, own.T_object_shape[:3, :3].T)
         planes = merge_planes(hull_planes(other))
         planes[:, 3] += cfg.margin
         pieces = subtract_hull(pair.hulls[side], planes, cfg.min_width)

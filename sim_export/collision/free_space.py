@@ -1,0 +1,169 @@
+"""The space around a link that its collision must leave free: reachable from outside, and off its surface.
+
+A surface of separate, open or intersecting triangles encloses no exact volume. Cells of a grid do: those that
+the surface crosses are wall, those that can be reached from outside without crossing wall are free, and the
+rest is enclosed, where hulls may be.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Float
+from scipy import ndimage
+
+from sim_export.checks.grid import Grid, make_grid, mark_surface
+
+CELLS = 128
+"""Cells along the longest edge of a link, as many as the check of cavities counts."""
+FINEST = 0.0025
+"""Least edge of a cell, over the object's diagonal."""
+FAR = 0.012
+"""Distance from a surface at which nothing of its hulls should be, over the object's diagonal."""
+LODGED = 0.1
+"""Share of an enclosed space that others pass through, above which the space is free."""
+BLOCK = 6
+"""Edge of the blocks of cells in which that share is counted."""
+TAKEN_DEPTH = np.float32(1.0)
+"""Metres; deeper than any hull may reach."""
+MOST_TESTED = 4_000
+"""Cells of a hull's box that are tested; of larger boxes every second, third ... cell along an axis."""
+
+_AT_ONCE = 12
+"""Planes that points are tested against before those outside are left out."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FreeSpace:
+    """Cells around a link's surface.
+
+    ``away`` is the distance of a cell's centre from the surface (m, to half a cell), ``depth`` the same
+    where the cell is free and 0 where it is enclosed. Where other links are or pass, and none of the surface
+    is, ``depth`` is at least `TAKEN_DEPTH`. Faces of hulls in enclosed space should not be ``far`` (m) from
+    the surface.
+    """
+
+    grid: Grid
+    far: float
+    away: Float[np.ndarray, "X Y Z"]
+    depth: Float[np.ndarray, "X Y Z"]
+
+    def without_rooms(self) -> "FreeSpace":
+        """The same with enclosed space ``far`` from the surface as free: rooms, not the inside of boards."""
+        return replace(
+            self, depth=np.where(self.away > self.far, np.maximum(self.depth, self.away), self.depth)
+        )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Intrusion:
+    """Free volume (m^3) in a convex region beyond a distance from the surface, and the farthest of it (m)."""
+
+    volume: float
+    depth: float
+
+
+NO_INTRUSION = Intrusion(volume=0.0, depth=0.0)
+
+
+def find_free_space(
+    triangles: Float[np.ndarray, "F 3 3"], diagonal: float, others: Float[np.ndarray, "N 3"] | None = None
+) -> FreeSpace:
+    """Free and enclosed cells of one link's surface (m), within an object of this diagonal (m).
+
+    ``others`` are points where the surfaces of other links are or pass. Enclosed space that much of them
+    pass through is free: the room of drawers.
+    """
+    bounds = np.stack([triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1))])
+    longest = max(float(np.ptp(bounds, axis=0).max()), 1e-6)
+    grid = make_grid(bounds, int(np.clip(longest / (FINEST * diagonal), 8, CELLS)))
+    wall = mark_surface(triangles, grid)
+    away = np.asarray(ndimage.distance_transform_edt(~wall), dtype=np.float32) * np.float32(grid.cell)
+    regions = np.zeros(wall.shape, dtype=np.int32)
+    ndimage.label(~wall, output=regions)
+    taken = np.zeros(wall.shape, dtype=bool)
+    if others is not None and len(others):
+        cells = grid.cells_of(others)
+        taken[tuple(cells[((cells >= 0) & (cells < grid.shape)).all(axis=1)].T)] = True
+        taken &= ~wall
+    size = np.bincount(regions.ravel())
+    # Surfaces of lodgers are thin, so blocks of cells are counted in which they are.
+    inside = np.argwhere(taken)
+    blocks = np.unique(np.column_stack([regions[taken], inside // BLOCK]), axis=0)
+    lodged = np.bincount(blocks[:, 0], minlength=len(size)) * BLOCK**3 > LODGED * size
+    lodged[0], lodged[regions[0, 0, 0]] = False, True
+    free = lodged[regions]
+    depth = np.where(free, away, np.float32(0.0))
+    return FreeSpace(
+        grid=grid,
+        far=FAR * diagonal,
+        away=away,
+        depth=np.where(taken & free, np.maximum(depth, TAKEN_DEPTH), depth),
+    )
+
+
+def measure_intrusion(
+    planes: Float[np.ndarray, "K 4"], bounds: Float[np.ndarray, "2 3"], space: FreeSpace, least: float
+) -> Intrusion:
+    """What a convex region takes of the free space farther than ``least`` (m) from the surface.
+
+    Args:
+        planes: Outward normals and offsets of the region.
+        bounds: Its box (m).
+        space: Free space of the link.
+        least: Free space nearer than this counts as surface.
+    """
+    grid = space.grid
+    low = np.maximum(np.ceil((bounds[0] - grid.low) / grid.cell - 0.5), 0).astype(np.int64)
+    high = np.minimum(np.floor((bounds[1] - grid.low) / grid.cell - 0.5) + 1, grid.shape).astype(np.int64)
+    size = high - low
+    if (size <= 0).any():
+        return NO_INTRUSION
+    steps = _strides(size)
+    window = tuple(slice(a, b, s) for a, b, s in zip(low, high, steps, strict=True))
+    depth = space.depth[window]
+    cells = np.argwhere(depth > least)
+    if not len(cells):
+        return NO_INTRUSION
+    points = (grid.low + (low + cells * steps + 0.5) * grid.cell).astype(np.float32)
+    for some in np.split(planes.astype(np.float32), range(_AT_ONCE, len(planes), _AT_ONCE)):
+        inside = (points @ some[:, :3].T <= some[:, 3]).all(axis=1)
+        points, cells = points[inside], cells[inside]
+        if not len(cells):
+            return NO_INTRUSION
+    return Intrusion(
+        volume=len(cells) * grid.cell**3 * float(np.prod(steps)), depth=float(depth[tuple(cells.T)].max())
+    )
+
+
+def _strides(size: np.ndarray) -> np.ndarray:
+    """Steps along three axes that leave at most `MOST_TESTED` cells; long axes are thinned first."""
+    steps = np.ones(3, dtype=np.int64)
+    while np.prod(-(-size // steps)) > MOST_TESTED:
+        steps[(-(-size // steps)).argmax()] += 1
+    return steps
+
+
+def is_open_between(
+    first: Float[np.ndarray, "N 3"], second: Float[np.ndarray, "M 3"], space: FreeSpace, most: float
+) -> bool:
+    """Whether free space deeper than ``most`` (m) lies half-way between points of two sets, at some pair."""
+    middles = (first[:, None] + second) / 2
+    return bool((look_up(middles.reshape(-1, 3), space.depth, space.grid) > most).any())
+
+
+def look_up(
+    points: Float[np.ndarray, "N 3"], values: Float[np.ndarray, "X Y Z"], grid: Grid
+) -> Float[np.ndarray, "N"]:
+    """The values of the cells that points lie in; points beyond the grid take those of its border."""
+    cells = np.clip(grid.cells_of(points), 0, np.array(grid.shape) - 1)
+    return values[tuple(cells.T)]
+
+
+def find_inside(points: Float[np.ndarray, "N 3"], space: FreeSpace) -> Float[np.ndarray, "N"]:
+    """How deep (m) points lie in enclosed space, at least; 0 beyond the grid, in wall and in free cells."""
+    enclosed = np.where(space.depth > 0, np.float32(0.0), space.away)
+    cells = space.grid.cells_of(points)
+    within = ((cells >= 0) & (cells < space.grid.shape)).all(axis=1)
+    deep = np.zeros(len(points))
+    deep[within] = enclosed[tuple(cells[within].T)]
+    return np.maximum(deep - space.grid.cell, 0.0)

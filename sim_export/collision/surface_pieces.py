@@ -1,0 +1,261 @@
+"""Pieces of a surface, cut and joined by what their convex hulls would take of free space.
+
+Nothing is assumed of the triangles: they may be open, doubled, or pass through each other.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Float
+from scipy.spatial import ConvexHull, QhullError
+
+from sim_export.collision.free_space import (
+    NO_INTRUSION,
+    FreeSpace,
+    Intrusion,
+    look_up,
+    measure_intrusion,
+)
+from sim_export.geometry.sampling import sample_triangles, triangle_areas
+
+THIN = 2e-3
+"""Pieces (m) thinner than this are sheets: their hulls hold no cell."""
+MOST_PLANES = 6
+"""Planes of a surface along which cuts are tried."""
+FEW = 0.03
+"""Share of the points on a thin hull that may lie in free space."""
+EVEN = 0.02
+"""What a cut costs that leaves all of the surface on one side, in shares of the free space taken before."""
+DONE = 0.4
+"""What a cut gains that leaves nearly all of the surface in a hull that takes none."""
+MOST_JUDGED = 600
+"""Triangles of a piece by which cuts are judged."""
+BESIDE = 5e-4
+"""Metres beside a plane of the surface at which a cut runs, so that the plane's triangles stay whole."""
+SAMPLES = 48
+"""Points on the surface of a piece."""
+SKIN = 240
+"""Points on the hull of a piece."""
+_MIX = np.array([1.0, 7.389, 54.598, 403.43])
+"""Weights under which only coplanar faces have equal sums."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Piece:
+    """Triangles and their convex hull.
+
+    ``corners`` are the hull's vertices, ``planes`` its faces (none of a sheet), ``samples`` points on the
+    triangles, ``bare`` the area of hull faces (m^2) far from the surface, as where a room was cut.
+    ``most_bare`` is that of the barest piece that was joined to this one.
+    """
+
+    triangles: Float[np.ndarray, "F 3 3"]
+    corners: Float[np.ndarray, "V 3"]
+    planes: Float[np.ndarray, "K 4"]
+    volume: float
+    area: float
+    bare: float
+    most_bare: float
+    intrusion: Intrusion
+    samples: Float[np.ndarray, "N 3"]
+
+    @property
+    def bounds(self) -> Float[np.ndarray, "2 3"]:
+        """Lowest and highest corner (m)."""
+        return np.stack([self.corners.min(axis=0), self.corners.max(axis=0)])
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Around:
+    """Convex hull of points: its corners, planes, volume (m^3), and points spread over its faces."""
+
+    corners: Float[np.ndarray, "V 3"]
+    planes: Float[np.ndarray, "K 4"]
+    volume: float
+    area: float
+    skin: Float[np.ndarray, "M 3"]
+
+
+def wrap(points: Float[np.ndarray, "N 3"], *, skin: int = 0) -> Around:
+    """The convex hull of points; no planes where they are thinner than `THIN`."""
+    middle = points.mean(axis=0)
+    spread = points - middle
+    axes = np.linalg.eigh(spread.T @ spread)[1].T[::-1]
+    across = spread @ axes[2]
+    sheet = bool(across.max() - across.min() < THIN) or len(points) < 4
+    if not sheet:
+        try:
+            solved = ConvexHull(spread)
+        except QhullError:
+            sheet = True
+        else:
+            planes = solved.equations[np.unique(np.round(solved.equations @ _MIX, 6), return_index=True)[1]]
+            planes = np.column_stack([planes[:, :3], planes[:, :3] @ middle - planes[:, 3]])
+            faces = points[solved.simplices]
+            return Around(
+                corners=points[solved.vertices],
+                planes=planes,
+                volume=float(solved.volume),
+                area=float(solved.area),
+                skin=sample_triangles(faces, skin)[0] if skin else np.zeros((0, 3)),
+            )
+    try:
+        outline = ConvexHull(spread @ axes[:2].T)
+        corners, area = points[outline.vertices], 2.0 * float(outline.volume)
+    except QhullError:
+        corners, area = points, 0.0
+    fan = np.stack([np.broadcast_to(corners[0], corners[2:].shape), corners[1:-1], corners[2:]], axis=1)
+    on_it = sample_triangles(fan, skin)[0] if skin and area > 0.0 else np.zeros((0, 3))
+    return Around(corners=corners, planes=np.zeros((0, 4)), volume=0.0, area=area, skin=on_it)
+
+
+def make_piece(triangles: Float[np.ndarray, "F 3 3"], space: FreeSpace, least: float) -> Piece:
+    """A piece of some triangles; ``least`` (m) as in `measure_intrusion`."""
+    around = wrap(triangles.reshape(-1, 3), skin=SKIN)
+    return _finish(around, triangles, sample_triangles(triangles, SAMPLES)[0], space, least)
+
+
+def join_pieces(first: Piece, second: Piece, space: FreeSpace, least: float) -> Piece:
+    """One piece of two."""
+    around = wrap(np.concatenate([first.corners, second.corners]), skin=SKIN)
+    triangles = np.concatenate([first.triangles, second.triangles])
+    both = _finish(around, triangles, np.concatenate([first.samples, second.samples]), space, least)
+    return replace(both, most_bare=max(first.most_bare, second.most_bare))
+
+
+def measure_again(piece: Piece, space: FreeSpace, least: float) -> Piece:
+    """A piece measured against another free space."""
+    return make_piece(piece.triangles, space, least)
+
+
+def _finish(
+    around: Around, triangles: np.ndarray, samples: np.ndarray, space: FreeSpace, least: float
+) -> Piece:
+    intrusion, bare = _measure(around, space, least)
+    return Piece(
+        triangles=triangles,
+        corners=around.corners,
+        planes=around.planes,
+        volume=around.volume,
+        area=around.area,
+        bare=bare,
+        most_bare=bare,
+        intrusion=intrusion,
+        samples=samples,
+    )
+
+
+def _measure(around: Around, space: FreeSpace, least: float) -> tuple[Intrusion, float]:
+    """What a hull takes of free space, and the area of its faces (m^2) that are far from the surface.
+
+    Hulls thinner than two cells contain few centres of cells, so points on their faces are tested: the hull
+    of a frame must not close its opening.
+    """
+    cell = space.grid.cell
+    intrusion = NO_INTRUSION
+    if len(around.planes):
+        bounds = np.stack([around.corners.min(axis=0), around.corners.max(axis=0)])
+        intrusion = measure_intrusion(around.planes, bounds, space, least)
+    if not len(around.skin):
+        return intrusion, 0.0
+    bare = around.area * float((look_up(around.skin, space.away, space.grid) > space.far).mean())
+    if around.volume < cell * around.area:
+        depth = look_up(around.skin, space.depth, space.grid)
+        inside = depth > least + 0.5 * cell
+        share = float(inside.mean())
+        if share > FEW:
+            taken = 0.5 * share * around.area * cell
+            deepest = max(intrusion.depth, float(depth.max()))
+            return Intrusion(volume=max(intrusion.volume, taken), depth=deepest), bare
+    return intrusion, bare
+
+
+def cut_triangles(
+    triangles: Float[np.ndarray, "F 3 3"], normal: Float[np.ndarray, "3"], offset: float
+) -> tuple[Float[np.ndarray, "G 3 3"], Float[np.ndarray, "H 3 3"]]:
+    """Triangles below and above the plane ``normal @ x = offset``; those across are divided."""
+    heights = triangles @ normal - offset
+    below = heights <= 0.0
+    count = below.sum(axis=1)
+    sides = [triangles[count == 3], triangles[count == 0]]
+    for lone_below in (True, False):
+        rows = np.flatnonzero(count == (1 if lone_below else 2))
+        if not len(rows):
+            continue
+        lone = (below[rows] == lone_below).argmax(axis=1)
+        turned = (lone[:, None] + np.arange(3)) % 3
+        corners = triangles[rows[:, None], turned]
+        h = heights[rows[:, None], turned]
+        a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
+        p = a + (h[:, 0] / (h[:, 0] - h[:, 1]))[:, None] * (b - a)
+        q = a + (h[:, 0] / (h[:, 0] - h[:, 2]))[:, None] * (c - a)
+        tip = np.stack([a, p, q], axis=1)
+        rest = np.concatenate([np.stack([p, b, c], axis=1), np.stack([p, c, q], axis=1)])
+        own, other = (0, 1) if lone_below else (1, 0)
+        sides[own] = np.concatenate([sides[own], tip])
+        sides[other] = np.concatenate([sides[other], rest])
+    return sides[0], sides[1]
+
+
+def cut_planes(triangles: Float[np.ndarray, "F 3 3"]) -> Float[np.ndarray, "K 4"]:
+    """Planes worth a cut: beside the largest flat regions of a surface, and across its middle."""
+    normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    areas = np.linalg.norm(normals, axis=1)
+    proper = areas > 1e-12
+    low, high = triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1))
+    out = [np.append(axis, axis @ (low + high) / 2) for axis in np.eye(3)]
+    if not proper.any():
+        return np.stack(out)
+    normals = normals[proper] / areas[proper, None]
+    main = np.abs(normals).argmax(axis=1)
+    normals *= np.where(normals[np.arange(len(normals)), main] < 0, -1.0, 1.0)[:, None]
+    offsets = np.einsum("ij,ij->i", normals, triangles[proper].mean(axis=1))
+    size = float((high - low).max())
+    key = np.round(np.column_stack([normals * 50, offsets / size * 400])).astype(np.int64)
+    _, first, slot = np.unique(key, axis=0, return_index=True, return_inverse=True)
+    weight = np.bincount(slot.ravel(), weights=areas[proper])
+    for group in np.argsort(-weight, kind="stable")[:MOST_PLANES]:
+        normal, offset = normals[first[group]], offsets[first[group]]
+        out += [np.append(normal, offset - BESIDE), np.append(normal, offset + BESIDE)]
+    return np.stack(out)
+
+
+def split_piece(piece: Piece, space: FreeSpace, least: float) -> tuple[Piece, Piece] | None:
+    """The cut after which the two hulls take least free space; ``None`` where no cut divides the piece.
+
+    Cuts that leave a side whose hull takes none are better the more of the surface is on that side: a wall
+    comes off a box in one piece.
+    """
+    best, best_score = None, np.inf
+    main = _main_triangles(piece.triangles)
+    total = float(triangle_areas(main).sum())
+    for plane in cut_planes(main):
+        sides = cut_triangles(main, plane[:3], float(plane[3]))
+        if min(len(side) for side in sides) == 0:
+            continue
+        share = float(triangle_areas(sides[0]).sum()) / max(total, 1e-12)
+        if not 1e-3 < share < 1.0 - 1e-3:
+            continue
+        taken = [_taken(side, space, least) for side in sides]
+        done = sum(part for part, left in zip((share, 1.0 - share), taken, strict=True) if left <= 0.0)
+        score = sum(taken) + piece.intrusion.volume * (EVEN * abs(2.0 * share - 1.0) - DONE * done)
+        if score < best_score:
+            best, best_score = plane, score
+    if best is None:
+        return None
+    below, above = cut_triangles(piece.triangles, best[:3], float(best[3]))
+    return make_piece(below, space, least), make_piece(above, space, least)
+
+
+def _main_triangles(triangles: Float[np.ndarray, "F 3 3"]) -> Float[np.ndarray, "G 3 3"]:
+    """The largest triangles and some of the others, by which cuts are judged."""
+    if len(triangles) <= MOST_JUDGED:
+        return triangles
+    order = np.argsort(-triangle_areas(triangles), kind="stable")
+    half = MOST_JUDGED // 2
+    return triangles[np.concatenate([order[:half], order[half :: len(order) // half]])]
+
+
+def _taken(triangles: np.ndarray, space: FreeSpace, least: float) -> float:
+    """Free volume (m^3) in the hull of some triangles."""
+    return _measure(wrap(triangles.reshape(-1, 3), skin=SAMPLES), space, least)[0].volume

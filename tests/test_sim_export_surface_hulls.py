@@ -1,0 +1,146 @@
+"""Hulls made from triangles: whatever these are like, the hulls cover them and fill nothing else."""
+
+import numpy as np
+import pytest
+
+from sim_export.checks.surface import inside_hulls, surface_distances
+from sim_export.collision.compact import compact_hull
+from sim_export.collision.free_space import find_free_space, find_inside, look_up
+from sim_export.collision.hull_limits import HullLimits, hull_aspect
+from sim_export.collision.hulls import box_hull, convex_hull, hull_volume, hull_width
+from sim_export.collision.passing import find_passing
+from sim_export.collision.surface_hulls import cover_parts, split_components
+from sim_export.collision.surface_pieces import cut_triangles
+from sim_export.geometry.sampling import sample_triangles, triangle_areas
+from sim_export.package import Link, PackageJoint
+
+WALL = 0.018
+
+
+def box(low, high):
+    """Triangles of a closed box."""
+    hull = box_hull(np.array(low, dtype=float), np.array(high, dtype=float))
+    return hull.vertices[hull.faces]
+
+
+def drawer():
+    """Five boards that leave the top open: 0.4 m wide and deep, 0.2 m high."""
+    a, h = 0.4, 0.2
+    return np.concatenate(
+        [
+            box((0, 0, 0), (a, a, WALL)),
+            box((0, 0, WALL), (WALL, a, h)),
+            box((a - WALL, 0, WALL), (a, a, h)),
+            box((WALL, 0, WALL), (a - WALL, WALL, h)),
+            box((WALL, a - WALL, WALL), (a - WALL, a, h)),
+        ]
+    )
+
+
+def cover(*surfaces):
+    return [found.hulls for found in cover_parts(surfaces, list(range(len(surfaces))), {})]
+
+
+def spoil(triangles, how):
+    """The same surface in triangles that enclose nothing."""
+    if how == "doubled":
+        return np.concatenate([triangles, triangles[:, ::-1]])
+    if how == "torn":
+        return np.concatenate(cut_triangles(triangles, np.array([0.6, 0.8, 0.0]), 0.1))
+    return triangles[:, ::-1]
+
+
+def test_a_closed_box_is_one_hull_of_its_own_volume():
+    (hulls,) = cover(box((0, 0, 0), (0.6, 0.4, 0.2)))
+    assert len(hulls) == 1
+    assert hull_volume(hulls[0]) == pytest.approx(0.6 * 0.4 * 0.2, rel=1e-6)
+
+
+@pytest.mark.parametrize("how", ["doubled", "torn", "inside out"])
+def test_a_drawer_keeps_its_room_and_all_its_boards(how):
+    surface = spoil(drawer(), how)
+    (hulls,) = cover(surface)
+    assert 5 <= len(hulls) <= 16
+    room = np.random.default_rng(0).uniform((0.04, 0.04, 0.04), (0.36, 0.36, 0.19), (500, 3))
+    assert not inside_hulls(room, hulls).any()
+    seen = sample_triangles(surface, 2000)[0]
+    felt = np.concatenate([hull.vertices[hull.faces] for hull in hulls])
+    outside = seen[~inside_hulls(seen, hulls)]
+    assert surface_distances(outside, felt, 20_000).max(initial=0.0) < 0.003
+
+
+def test_hulls_keep_out_of_a_room_that_another_link_is_in():
+    closed = box((0, 0, 0), (0.5, 0.5, 0.5))
+    lodger = box((0.1, 0.1, 0.1), (0.4, 0.4, 0.4))
+    others = {0: sample_triangles(lodger, 6000)[0]}
+    alone = cover_parts([closed], [0], {})[0].hulls
+    shared = cover_parts([closed], [0], others)[0].hulls
+    middle = np.full((1, 3), 0.25)
+    assert inside_hulls(middle, alone).all()
+    assert not inside_hulls(middle, shared).any()
+
+
+def test_a_sheet_becomes_a_hull_as_thick_as_engines_need():
+    corners = np.array([[0, 0, 0], [0.3, 0, 0], [0.3, 0.2, 0], [0, 0.2, 0]], dtype=float)
+    (hulls,) = cover(corners[[[0, 1, 2], [0, 2, 3]]])
+    assert len(hulls) == 1
+    assert 0.0015 <= hull_width(hulls[0])[0] <= 0.003
+
+
+def test_a_part_without_triangles_has_no_hulls():
+    assert cover(box((0, 0, 0), (1, 1, 1)), np.zeros((0, 3, 3)))[1] == ()
+
+
+def test_components_are_what_shares_corners():
+    two = np.concatenate([box((0, 0, 0), (1, 1, 1)), box((2, 0, 0), (3, 1, 1))])
+    assert sorted(len(group) for group in split_components(two)) == [12, 12]
+
+
+def test_cutting_keeps_all_area_and_divides_it_by_the_plane():
+    triangles = np.random.default_rng(1).normal(size=(300, 3, 3))
+    normal = np.array([2.0, -1.0, 2.0]) / 3.0
+    below, above = cut_triangles(triangles, normal, 0.2)
+    whole = triangle_areas(triangles).sum()
+    assert triangle_areas(below).sum() + triangle_areas(above).sum() == pytest.approx(whole, rel=1e-9)
+    assert (below @ normal).max() <= 0.2 + 1e-9
+    assert (above @ normal).min() >= 0.2 - 1e-9
+
+
+def test_enclosed_space_is_none_of_the_free_space_until_others_pass_through_it():
+    closed, middle = box((0, 0, 0), (1, 1, 1)), np.full((1, 3), 0.5)
+    space = find_free_space(closed, 1.7)
+    assert look_up(middle, space.depth, space.grid)[0] == 0.0
+    assert find_inside(middle, space)[0] == pytest.approx(0.5, abs=3 * space.grid.cell)
+    assert find_inside(np.array([[1.5, 0.5, 0.5]]), space)[0] == 0.0
+    lodger = sample_triangles(box((0.1, 0.1, 0.1), (0.9, 0.9, 0.9)), 40_000)[0]
+    shared = find_free_space(closed, 1.7, lodger)
+    assert look_up(middle, shared.depth, shared.grid)[0] > 0.0
+
+
+def test_long_thin_hulls_are_kept_within_the_limits():
+    limits = HullLimits()
+    long_box = box_hull(np.zeros(3), np.array([2.0, 0.3, 0.002]))
+    assert compact_hull(long_box, limits, 0.0) == [long_box]
+    turn = 2 * np.pi * np.arange(16) / 16
+    disc = np.column_stack([np.cos(turn), np.sin(turn), np.zeros(16)])
+    plate = convex_hull(np.concatenate([disc, disc + np.array([0, 0, 0.01])]))
+    divided = compact_hull(plate, limits, 0.0)
+    assert max(map(hull_aspect, divided)) <= limits.max_aspect
+    assert sum(map(hull_volume, divided)) > 0.99 * hull_volume(plate)
+    (thick,) = compact_hull(plate, limits, 0.1)
+    assert hull_aspect(thick) <= limits.max_aspect
+
+
+def test_passing_points_are_where_a_drawer_goes_as_its_body_sees_it():
+    links = [
+        Link(name="drawer", label="drawer", parts=("d",), visuals=(), hulls=(), inertial=None),
+        Link(name="body", label="base", parts=("b",), visuals=(), hulls=(), inertial=None),
+    ]
+    joint = PackageJoint(
+        name="slide", type="prismatic", kind="prismatic", parent="body", child="drawer",
+        origin=np.zeros(3), axis=np.array([-1.0, 0, 0]), lower=0.0, upper=0.5,
+    )  # fmt: skip
+    surfaces = {"drawer": box((0, 0, 0), (0.4, 0.4, 0.1)), "body": box((0, 0, 0.2), (0.4, 0.4, 0.3))}
+    passing = find_passing(links, [joint], surfaces)
+    assert passing["body"][:, 0].min() == pytest.approx(-0.5, abs=0.01)
+    assert passing["drawer"][:, 0].max() == pytest.approx(0.9, abs=0.01)
