@@ -17,7 +17,7 @@ from artigen.shapes.surfaces.materials import (
     make_wood,
 )
 from artigen.shapes.surfaces.noise import hash_unit, lattice_noise
-from artigen.shapes.surfaces.palette import ROLES, draw_palette
+from artigen.shapes.surfaces.palette import PALETTE_ROLES, draw_palette
 from artigen.shapes.surfaces.textures import paint, paint_primitives
 
 FINISHES = {
@@ -149,7 +149,7 @@ def test_palettes_have_every_role_and_follow_the_seed(theme: str):
     for seed in range(40):
         palette = draw_palette(np.random.default_rng(seed), theme, "flat")
         assert palette == draw_palette(np.random.default_rng(seed), theme, "flat")
-        assert set(palette) == set(ROLES)
+        assert set(palette) == set(PALETTE_ROLES)
         assert palette["glass"].opacity < 1.0
         assert palette["panel"].opacity == 1.0
         looks.add(palette["front"].color)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from artigen.shapes.draw import Wish, draw_shape
+from artigen.shapes.poses import lead_followers
 from artigen.shapes.shape import Motion, Shape
 from sim_export.collision.motion import link_displacements, moved_links
 from sim_export.errors import InvalidKinematics
@@ -158,3 +159,16 @@ def test_in_sapien_the_lid_follows_and_the_spring_closes_both(package, folder):
     for _ in range(200):
         advance(loaded)
     np.testing.assert_allclose(loaded.articulation.qpos, 0.0, atol=2e-3)
+
+
+def test_followers_are_as_far_open_as_their_leader():
+    shape = draw_shape("TrashCan", 0, Wish(style="pedal"))
+    index = {part.name: k for k, part in enumerate(shape.parts)}
+    lid, pedal = (shape.parts[index[name]].motion for name in ("lid", "pedal"))
+    assert lid is not None
+    assert pedal is not None
+    qpos = np.zeros(len(shape.parts))
+    qpos[index["pedal"]] = 0.3 * pedal.upper
+    led = lead_followers(shape, qpos)
+    assert led[index["lid"]] == pytest.approx(0.3 * lid.upper)
+    assert led[index["pedal"]] == qpos[index["pedal"]]

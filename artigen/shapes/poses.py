@@ -41,6 +41,23 @@ def pose_parts(shape: Shape, qpos: Float[np.ndarray, "*B P"]) -> Float[np.ndarra
     return out
 
 
+def lead_followers(shape: Shape, qpos: Float[np.ndarray, "P"]) -> Float[np.ndarray, "P"]:
+    """Coordinates with every follower as far open as the part that it follows."""
+    share = {
+        part.name: q / part.motion.upper
+        for part, q in zip(shape.parts, qpos, strict=True)
+        if part.motion is not None and part.motion.upper > 0.0
+    }
+    return np.array(
+        [
+            q
+            if part.motion is None or part.motion.follows is None
+            else share[part.motion.follows] * part.motion.upper
+            for part, q in zip(shape.parts, qpos, strict=True)
+        ]
+    )
+
+
 def open_parts(shape: Shape, fraction: float) -> Float[np.ndarray, "P"]:
     """Coordinates with every limited joint at the same share of its range, others closed."""
     return np.array(

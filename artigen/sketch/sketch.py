@@ -108,6 +108,7 @@ def write_sketch(shape: Shape) -> Sketch:
     Raises:
         SketchError: If the shape has a solid, joint or finish that sketches have no word for; names it.
     """
+    shape = _free_followers(shape)
     fitted = [_fit_part(part, shape.name) for part in shape.parts]
     low = _lowest_numbers(fitted)
     # The lowest corner of the closed object comes to lie on the grid; then whole steps centre the object.
@@ -138,6 +139,23 @@ def write_sketch(shape: Shape) -> Sketch:
         extents=(int(extents[0]), int(extents[1]), int(extents[2])),
         finishes=tuple(_write_finish(role, given[role]) for role in ROLES if role in used),
         parts=parts,
+    )
+
+
+def _free_followers(shape: Shape) -> Shape:
+    """The shape as sketches can say it: without springs, and with parts that move by themselves instead of
+    following others. What needs the leader open needs its followers."""
+    followers = {part.motion.follows: part.name for part in shape.parts if part.motion is not None}
+    return replace(
+        shape,
+        parts=tuple(
+            replace(
+                part,
+                motion=part.motion and replace(part.motion, follows=None, spring=0.0),
+                needs=tuple(replace(need, part=followers.get(need.part, need.part)) for need in part.needs),
+            )
+            for part in shape.parts
+        ),
     )
 
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from artigen.shapes.poses import pose_parts
+from artigen.shapes.poses import lead_followers, pose_parts
 from artigen.shapes.shape import Motion, Shape
 from artigen.sketch.contact import Bodies, displace, penetrate, separate
 from artigen.transforms import screw_motion, transform_points
@@ -77,7 +77,7 @@ def open_needed(shape: Shape, index: int) -> Float[np.ndarray, "P 4 4"]:
                 qpos[row] = need.fraction * upper
                 seen.add(row)
                 waiting.append(row)
-    return pose_parts(shape, qpos) if seen else np.tile(np.eye(4), (len(qpos), 1, 1))
+    return pose_parts(shape, lead_followers(shape, qpos)) if seen else np.tile(np.eye(4), (len(qpos), 1, 1))
 
 
 def place_opened(bodies: Bodies, T: Float[np.ndarray, "P 4 4"]) -> Bodies:

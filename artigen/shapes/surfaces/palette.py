@@ -41,7 +41,7 @@ from artigen.shapes.surfaces.materials import (
 )
 
 Theme = Literal["furniture", "appliance"]
-ROLES = (
+PALETTE_ROLES = (
     "body",
     "front",
     "inside",
@@ -57,6 +57,9 @@ ROLES = (
     "drawer",
     "cavity",
     "clear",
+)
+ROLES = (
+    *PALETTE_ROLES,
     "trim",
     "paper",
     "folder",
