@@ -107,7 +107,7 @@ class Scene:
         return sorted(inside)
 
     def opened(self, part: int) -> dict[int, float]:
-        """Coordinates of the parts that must be open before this one moves, their own needs included."""
+        """Coordinates of the parts that must be open before this one moves, their needs and followers too."""
         found: dict[int, float] = {}
         waiting = [part]
         while waiting:
@@ -117,6 +117,11 @@ class Scene:
                 if upper > found.get(other, 0.0):
                     found[other] = upper
                     waiting.append(other)
+        uppers = [part.joint.upper for part in self.asset.parts]
+        for index, led in enumerate(self.shape.parts):
+            leader = None if led.motion is None else led.motion.follows
+            if leader is not None and (at := self.names.index(leader)) in found:
+                found[index] = found[at] / uppers[at] * uppers[index]
         return found
 
     def bodies(self, parts: list[int], T: np.ndarray | None = None) -> tuple[HullSet, np.ndarray]:

@@ -14,7 +14,9 @@ from artigen.metrics.delivery import has_counts, size_error
 from artigen.models.conditions import StructureCondition
 from artigen.places import measure_places
 from artigen.shapes.asset import shape_to_asset
-from artigen.shapes.draw import Wish, draw_shape
+from artigen.shapes.draw import Wish, categories, draw_shape
+from artigen.sketch.model import draw_object, load_sketch_network
+from artigen.sketch.request import NETWORKS, SketchRequest, choose_network, list_learned, list_networks
 from artigen.weights import SHIPPED
 from sim_export.geometry.surface import sample_surface
 
@@ -23,7 +25,20 @@ def test_they_are_small_enough_to_ship():
     sizes = {path.name: path.stat().st_size for path in SHIPPED.iterdir()}
     appearance = sum(size for name, size in sizes.items() if name.startswith("appearance-"))
     assert 0 < appearance < 9e6
-    assert sum(sizes.values()) - appearance < 40e6
+    assert sum(sizes.values()) - appearance < 55e6
+
+
+def test_every_category_of_the_grammar_is_drawn_by_one_of_the_sketch_networks():
+    networks = list_networks(SHIPPED)
+    assert set(list_learned(SHIPPED)) == set(categories())
+    assert choose_network(SHIPPED, "Oven") == choose_network(SHIPPED, None) == NETWORKS[0]
+    assert choose_network(SHIPPED, "Faucet") == NETWORKS[1]
+    for name, learned in networks.items():
+        network = load_sketch_network(SHIPPED, name=name)
+        assert network.categories == learned
+    drawn = draw_object(network, SketchRequest(category="BreadBox"), 0)
+    assert drawn.shape.category == "BreadBox"
+    assert not drawn.faults
 
 
 def test_a_microwave_has_the_parts_that_are_asked_for():

@@ -129,11 +129,18 @@ def _hash_weights(folder: Path) -> str:
     return hash_model(folder)
 
 
-@lru_cache(maxsize=1)
-def _load_sketch(folder: Path) -> "SketchNetwork":
+def _load_sketch(folder: Path, category: str | None) -> "SketchNetwork":
+    """The network of a model folder that draws a category."""
+    from artigen.sketch.request import choose_network
+
+    return _load_network(folder, choose_network(folder, category))
+
+
+@lru_cache(maxsize=2)
+def _load_network(folder: Path, name: str) -> "SketchNetwork":
     from artigen.sketch.model import load_sketch_network
 
-    return load_sketch_network(folder)
+    return load_sketch_network(folder, name=name)
 
 
 @lru_cache(maxsize=1)
@@ -178,7 +185,8 @@ def _ask(job: GenerateJob, understood: "Understood") -> _Asked:
     """Reads the picture of a request, and completes it by the extents that adjectives change."""
     from artigen.sketch.model import draw_header, look_at, read_object_picture
 
-    network, request = _load_sketch(job.model), understood.request
+    request = understood.request
+    network = _load_sketch(job.model, request.category)
     picture, notes = None, understood.notes
     if job.cfg.image is not None:
         shown = read_object_picture(network, job.cfg.image)
@@ -210,7 +218,7 @@ def draw_generated(job: GenerateJob) -> "tuple[Drawn, _Asked]":
     asked = _ask(job, _understand(job))
     noise = int(np.random.SeedSequence([job.seed, len(job.draws)]).generate_state(1)[0])
     cfg = SketchConfig(draw=DrawConfig(temperature=job.cfg.temperature))
-    network = _load_sketch(job.model)
+    network = _load_sketch(job.model, asked.request.category)
     if asked.picture is None:
         return draw_object(network, asked.request, noise, cfg), asked
     return draw_alike(network, asked.request, noise, asked.picture, cfg), asked
