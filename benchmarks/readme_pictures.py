@@ -2,14 +2,15 @@
 
     python benchmarks/readme_pictures.py --out out/readme
 
-generates the first seeds of every category, four sentences, and one object for a picture of a held-out
-procedural object of every category; nothing is picked. Packages stay in ``out``, so a run that was stopped
-goes on. Prints which of them pass every check.
+generates the first seeds of every category, one object of every further kind, four sentences, and one object
+for a picture of a held-out procedural object of every category; nothing is picked. Packages stay in ``out``, so
+a run that was stopped goes on. Prints which of them pass every check.
 """
 
 import json
 import sys
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -21,8 +22,10 @@ from artigen.cli.generate import GenerateSettings, generate
 from artigen.cli.preview import draw_splats
 from artigen.shapes.draw import categories, draw_shape
 from artigen.shapes.sheet import draw_sheet
+from artigen.sketch.request import NETWORKS, choose_network
 from artigen.train.photographs import photograph_shape
 from artigen.types import PAPER_CATEGORIES
+from artigen.weights import SHIPPED
 from sim_export.files.read import read_package
 from sim_export.picture.animation import write_animation
 from sim_export.picture.camera import Viewpoint
@@ -53,6 +56,14 @@ def draw_categories(out: Path) -> list[Path]:
     for category in PAPER_CATEGORIES:
         generate(out, category=category, count=EACH)
     return [out / f"{category}_{seed}" for category in PAPER_CATEGORIES for seed in range(EACH)]
+
+
+def draw_further_kinds(out: Path) -> list[Path]:
+    """Packages of the first seed of every kind that only the second network draws."""
+    kinds = [kind for kind in categories() if choose_network(SHIPPED, kind) != NETWORKS[0]]
+    for kind in kinds:
+        generate(out, category=kind, cfg=GenerateSettings(gaussians=False))
+    return [out / f"{kind}_0" for kind in kinds]
 
 
 def draw_sentences(out: Path) -> list[Path]:
@@ -108,12 +119,15 @@ def main(out: Path = Path("out/readme"), images: Path = Path("docs/images")) -> 
     save(draw_kinds(), images / "kinds.png")
     sheet = draw_categories(out / "categories")
     save(contact_sheet([read_package(folder) for folder in sheet], SMALL), images / "generated.png")
+    further = draw_further_kinds(out / "kinds")
+    wide = replace(SMALL, columns=4)
+    save(contact_sheet([read_package(folder) for folder in further], wide), images / "generated_kinds.png")
     told = draw_sentences(out / "sentences")
     write_animation(told, images / "generated.gif", draw_splats=draw_splats)
     save(preview_package(read_package(told[0]), draw_splats=draw_splats), images / "white_fridge.png")
     shown = draw_photographs(out / "photographs")
     save(show_photographs(shown), images / "photos.png")
-    for folder in (*sheet, *told, *(package for _, package in shown)):
+    for folder in (*sheet, *further, *told, *(package for _, package in shown)):
         report = json.loads((folder / "validation.json").read_text())
         print(f"{folder}: {'passes' if report['passed'] else 'fails'}")
     return 0
