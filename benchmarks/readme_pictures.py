@@ -3,8 +3,8 @@
     python benchmarks/readme_pictures.py --out out/readme
 
 generates the first seeds of every category, one object of every further kind, four sentences, and one object
-for a picture of a held-out procedural object of every category; nothing is picked. Packages stay in ``out``, so
-a run that was stopped goes on. Prints which of them pass every check.
+for a picture of a held-out procedural object of every category; nothing is picked. Packages stay in ``out``,
+so a run that was stopped goes on. Prints which of them pass every check.
 """
 
 import json
