@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float, Int, UInt8
 from scipy.spatial import KDTree
 
+from artigen.canvas import lay_out
 from artigen.errors import ArtigenError
 from artigen.facings import SIDES, facing_frames
 from artigen.places import AHEAD, SAMPLES, find_voxels
@@ -47,13 +48,16 @@ class VoxelPaint:
         return np.rint(255.0 * values).astype(np.uint8)
 
 
-def read_paint(shape: Shape, asset: Asset, facings: Int[np.ndarray, "N"]) -> VoxelPaint:
-    """Reads both sides of every voxel of a procedural object off samples of its surface.
+def lay_painted(shape: Shape, asset: Asset) -> tuple[Asset, Int[np.ndarray, "N"], VoxelPaint]:
+    """The voxels that Gaussians of a procedural object are drawn on, all read off one set of samples.
 
     Args:
         shape: The object.
         asset: The same object, with voxels.
-        facings: Directions of their outer sides.
+
+    Returns:
+        The asset with samples of its surface and voxels for all of it (`artigen.canvas`), the directions of
+        their outer sides, and the paint of both sides.
 
     Raises:
         ValueError: If the asset has no voxels.
@@ -61,7 +65,9 @@ def read_paint(shape: Shape, asset: Asset, facings: Int[np.ndarray, "N"]) -> Vox
     if asset.voxels is None:
         raise ValueError(f"asset {asset.name!r} has no voxels; voxelize its surface first")
     surface = paint_surface(shape, asset, 1.0 / (SAMPLES * asset.voxels.resolution))
-    return gather_paint(surface, asset.voxels, facings)
+    voxels, facings = lay_out(surface.samples, asset.voxels)
+    laid = replace(asset, voxels=voxels, surface=surface.samples)
+    return laid, facings, gather_paint(surface, voxels, facings)
 
 
 def paint_surface(shape: Shape, asset: Asset, spacing: float) -> PaintedSurface:

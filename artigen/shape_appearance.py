@@ -13,7 +13,6 @@ import numpy as np
 import torch
 from jaxtyping import Bool, Float, Int
 
-from artigen.canvas import lay_out
 from artigen.errors import SourceError
 from artigen.facings import SIDES, facing_frames
 from artigen.models.appearance_presets import APPEARANCE_PRESETS
@@ -24,8 +23,8 @@ from artigen.models.features import FeatureExtractor
 from artigen.models.gaussian_decoder import to_gaussians
 from artigen.models.presets import PresetName
 from artigen.models.store import load_model
-from artigen.paint import gather_paint, paint_surface
-from artigen.places import SAMPLES, find_voxels
+from artigen.paint import lay_painted
+from artigen.places import find_voxels
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.rasterize import rasterize_shape
 from artigen.shapes.shape import Shape
@@ -126,13 +125,10 @@ def decode_gaussians(
     """
     cfg = cfg or ShapeAppearanceConfig()
     told = shape_to_asset(shape, cfg.zoom * model.vae.encoder.cfg.resolution)
-    assert told.voxels is not None
-    spacing = 1.0 / (SAMPLES * told.voxels.resolution)
-    painted = paint_surface(shape, told, spacing)
-    surface = painted.samples
-    voxels, facings = lay_out(surface, told.voxels)
-    laid = replace(told, voxels=voxels, surface=surface)
-    paint = gather_paint(painted, voxels, facings)
+    laid, facings, paint = lay_painted(shape, told)
+    surface, voxels = laid.surface, laid.voxels
+    assert surface is not None
+    assert voxels is not None
     features, _ = curate(shape, laid, facings, model.extractor, model.curation, paint)
     splats = decode_tiles(model.vae, voxels, facings, features.values.astype(np.float32))
     shown = np.ones((len(facings), SIDES), dtype=bool)

@@ -3,14 +3,14 @@
 import numpy as np
 
 from artigen.models.features import PyramidFeatures
-from artigen.paint import read_paint
+from artigen.paint import lay_painted
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.primitives import box
 from artigen.shapes.render import RenderConfig
 from artigen.shapes.shape import Motion, Need, Shape, ShapePart
 from artigen.shapes.surfaces.finishes import Finish
 from artigen.train.appearance.curation import CurationConfig, curate
-from artigen.train.appearance.examples import AppearanceExample, lay_true_voxels
+from artigen.train.appearance.examples import AppearanceExample
 from artigen.train.appearance.views import ViewConfig
 from artigen.types import Asset
 
@@ -91,9 +91,8 @@ def small_curation(**changes) -> CurationConfig:
 
 def make_example(shape: Shape, resolution: int = 16, **changes) -> tuple[Asset, AppearanceExample]:
     """An asset, and its example with pyramid features."""
-    asset, facings = lay_true_voxels(shape, shape_to_asset(shape, resolution))
+    asset, facings, paint = lay_painted(shape, shape_to_asset(shape, resolution))
     assert asset.voxels is not None
-    paint = read_paint(shape, asset, facings)
     features, pictures = curate(shape, asset, facings, PyramidFeatures(), small_curation(**changes), paint)
     labels = np.zeros((len(asset.parts), 35 - 1), dtype=np.float32)
     labels[:, 0] = 1.0

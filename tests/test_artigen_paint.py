@@ -8,7 +8,8 @@ from drawer_chest import COLOR, GLASS, INSIDE, make_chest
 
 from artigen.errors import ArtigenError
 from artigen.facings import find_facings
-from artigen.paint import PaintedSurface, VoxelPaint, paint_surface, read_paint, repaint
+from artigen.paint import PaintedSurface, VoxelPaint, gather_paint, lay_painted, paint_surface, repaint
+from artigen.places import SAMPLES
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.shape import Shape
 from artigen.types import Asset, SurfaceSamples
@@ -18,7 +19,8 @@ def paint(shape: Shape, resolution: int = 16) -> tuple[Asset, np.ndarray, VoxelP
     asset = shape_to_asset(shape, resolution)
     assert asset.voxels is not None
     facings = find_facings(asset.voxels.coords, asset.voxels.part_ids, resolution)
-    return asset, facings, read_paint(shape, asset, facings)
+    surface = paint_surface(shape, asset, 1.0 / (SAMPLES * resolution))
+    return asset, facings, gather_paint(surface, asset.voxels, facings)
 
 
 def test_both_sides_of_a_board_have_their_own_colour():
@@ -63,7 +65,7 @@ def test_only_glass_is_clear():
 def test_paint_needs_voxels():
     shape = make_chest()
     with pytest.raises(ValueError, match="no voxels"):
-        read_paint(shape, replace(shape_to_asset(shape, 16), voxels=None), np.zeros(0, dtype=int))
+        lay_painted(shape, replace(shape_to_asset(shape, 16), voxels=None))
 
 
 def pick(surface: PaintedSurface, rows: np.ndarray) -> PaintedSurface:

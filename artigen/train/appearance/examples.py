@@ -9,10 +9,8 @@ import numpy as np
 from jaxtyping import Float, Int, UInt8
 
 from artigen.attributes import describe_voxels, read_kinds
-from artigen.canvas import lay_out
 from artigen.models.features import FeatureExtractor
-from artigen.paint import read_paint
-from artigen.places import SAMPLES
+from artigen.paint import lay_painted
 from artigen.shapes.asset import part_owners
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.sampling import sample_shape
@@ -83,9 +81,8 @@ def draw_appearance_of(
     """A procedural object with voxels, and its example as `draw_appearance` gives it."""
     asset, described = draw_example_of(category, seed, resolution=resolution, image_size=image_size)
     shape = draw_shape(category, seed)
-    laid, facings = lay_true_voxels(shape, asset)
+    laid, facings, paint = lay_painted(shape, asset)
     assert laid.voxels is not None
-    paint = read_paint(shape, laid, facings)
     features, pictures = curate(shape, laid, facings, extractor, cfg, paint)
     return asset, AppearanceExample(
         name=asset.name,
@@ -112,11 +109,8 @@ def lay_true_voxels(shape: Shape, asset: Asset) -> tuple[Asset, Int[np.ndarray, 
     Raises:
         ValueError: If the asset has no voxels.
     """
-    if asset.voxels is None:
-        raise ValueError(f"asset {asset.name!r} has no voxels; voxelize its surface first")
-    surface = sample_parts(shape, asset, 1.0 / (SAMPLES * asset.voxels.resolution))
-    voxels, facings = lay_out(surface, asset.voxels)
-    return replace(asset, voxels=voxels, surface=surface), facings
+    laid, facings, _ = lay_painted(shape, asset)
+    return laid, facings
 
 
 def sample_parts(shape: Shape, asset: Asset, spacing: float) -> SurfaceSamples:
