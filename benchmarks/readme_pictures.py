@@ -22,10 +22,8 @@ from artigen.cli.generate import GenerateSettings, generate
 from artigen.cli.preview import draw_splats
 from artigen.shapes.draw import categories, draw_shape
 from artigen.shapes.sheet import draw_sheet
-from artigen.sketch.request import NETWORKS, choose_network
 from artigen.train.photographs import photograph_shape
 from artigen.types import PAPER_CATEGORIES
-from artigen.weights import SHIPPED
 from sim_export.files.read import read_package
 from sim_export.picture.animation import write_animation
 from sim_export.picture.camera import Viewpoint
@@ -59,8 +57,8 @@ def draw_categories(out: Path) -> list[Path]:
 
 
 def draw_further_kinds(out: Path) -> list[Path]:
-    """Packages of the first seed of every kind that only the second network draws."""
-    kinds = [kind for kind in categories() if choose_network(SHIPPED, kind) != NETWORKS[0]]
+    """Packages of the first seed of every kind beside those of the paper."""
+    kinds = [kind for kind in categories() if kind not in PAPER_CATEGORIES]
     for kind in kinds:
         generate(out, category=kind, cfg=GenerateSettings(gaussians=False))
     return [out / f"{kind}_0" for kind in kinds]

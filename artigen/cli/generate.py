@@ -6,7 +6,6 @@ import resource
 import sys
 import time
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -15,6 +14,7 @@ import tyro
 
 from artigen.cli.arguments import Count, Out, RunnerChoice, Shard, Workers
 from artigen.cli.batch import Finished, Made, make_and_validate, run_shown
+from artigen.cli.models import hash_weights, load_appearance, load_drawer, load_sketch, load_structure
 from artigen.cli.shape import read_counts
 from artigen.cli.shard import read_shard
 from artigen.errors import ArtigenError
@@ -24,12 +24,9 @@ from artigen.weights import SHIPPED
 
 if TYPE_CHECKING:
     from artigen.appearance.draw import AppearanceModel
-    from artigen.appearance.exact import ShapeAppearanceModel
     from artigen.appearance.paint import PaintedSurface
-    from artigen.latent.draw import StructureModel
     from artigen.shapes.shape import Shape
     from artigen.sketch.model import Drawn
-    from artigen.sketch.network import SketchNetwork
     from artigen.sketch.request import SketchRequest
     from artigen.sketch.understand import Request, Understood
     from artigen.types import Asset
@@ -99,7 +96,7 @@ class GenerateJob:
     @property
     def settings(self) -> str:
         """Object, weights and settings as text: packages of other weights are made again."""
-        return f"{self.key} {_hash_weights(self.model)} {self.cfg}"
+        return f"{self.key} {hash_weights(self.model)} {self.cfg}"
 
 
 def _understand(job: GenerateJob) -> "Understood":
@@ -122,56 +119,6 @@ def read_job(job: GenerateJob) -> "Request":
     return Request(category=job.category, text=cfg.text, image=cfg.image, wish=wish)
 
 
-@lru_cache(maxsize=1)
-def _hash_weights(folder: Path) -> str:
-    from artigen.models.description import hash_model
-
-    return hash_model(folder)
-
-
-def _load_sketch(folder: Path, category: str | None) -> "SketchNetwork":
-    """The network of a model folder that draws a category."""
-    from artigen.sketch.request import choose_network
-
-    return _load_network(folder, choose_network(folder, category))
-
-
-@lru_cache(maxsize=2)
-def _load_network(folder: Path, name: str) -> "SketchNetwork":
-    from artigen.sketch.model import load_sketch_network
-
-    return load_sketch_network(folder, name=name)
-
-
-@lru_cache(maxsize=1)
-def _load_appearance(folder: Path) -> "ShapeAppearanceModel | None":
-    """None where the folder has no weights of appearance."""
-    from artigen.appearance.exact import load_shape_appearance
-    from artigen.appearance.vae import APPEARANCE_VAE
-    from artigen.models.description import read_description
-
-    return load_shape_appearance(folder) if APPEARANCE_VAE in read_description(folder) else None
-
-
-@lru_cache(maxsize=1)
-def _load_structure(folder: Path, encoders: Path | None) -> "StructureModel":
-    from artigen.latent.draw import load_structure_model
-    from artigen.models.public_encoders import attach_encoders
-
-    structure = load_structure_model(folder)
-    if encoders is not None:
-        attach_encoders(structure.flow, encoders)
-    return structure
-
-
-@lru_cache(maxsize=1)
-def _load_drawer(folder: Path) -> "AppearanceModel | None":
-    """None where the folder has no weights of appearance."""
-    from artigen.appearance.draw import has_appearance, load_appearance_model
-
-    return load_appearance_model(folder) if has_appearance(folder) else None
-
-
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Asked:
     """A request with everything that words say, and its picture."""
@@ -186,7 +133,7 @@ def _ask(job: GenerateJob, understood: "Understood") -> _Asked:
     from artigen.sketch.model import draw_header, look_at, read_object_picture
 
     request = understood.request
-    network = _load_sketch(job.model, request.category)
+    network = load_sketch(job.model)
     picture, notes = None, understood.notes
     if job.cfg.image is not None:
         shown = read_object_picture(network, job.cfg.image)
@@ -218,7 +165,7 @@ def draw_generated(job: GenerateJob) -> "tuple[Drawn, _Asked]":
     asked = _ask(job, _understand(job))
     noise = int(np.random.SeedSequence([job.seed, len(job.draws)]).generate_state(1)[0])
     cfg = SketchConfig(draw=DrawConfig(temperature=job.cfg.temperature))
-    network = _load_sketch(job.model, asked.request.category)
+    network = load_sketch(job.model)
     if asked.picture is None:
         return draw_object(network, asked.request, noise, cfg), asked
     return draw_alike(network, asked.request, noise, asked.picture, cfg), asked
@@ -236,7 +183,7 @@ def generate_object(job: GenerateJob) -> Made:
     condition = shape.condition
     provenance = {
         "generator": f"artigen {__version__} generate",
-        "model": _hash_weights(job.model),
+        "model": hash_weights(job.model),
         "structure": job.cfg.structure,
         "condition": json.dumps(
             {
@@ -274,7 +221,7 @@ def _make_exact(
     """The package of the sketch's own primitives."""
     from artigen.cli.generated import make_generated_package
 
-    appearance = _load_appearance(job.model) if job.cfg.gaussians else None
+    appearance = load_appearance(job.model) if job.cfg.gaussians else None
     return make_generated_package(
         shape, appearance, provenance=provenance, notes=notes, textures=job.cfg.textures
     ).package
@@ -301,7 +248,7 @@ def _make_latent(
     from sim_export.export import export_asset
     from sim_export.geometry.surface import sample_surface
 
-    model, image = _load_structure(job.model, job.cfg.encoders), None
+    model, image = load_structure(job.model, job.cfg.encoders), None
     known = model.preset.conditions
     if job.cfg.image is not None and known.image_size:
         image = read_picture(job.cfg.image, known.image_size, margin=known.image_margin).rgba
@@ -320,7 +267,7 @@ def _make_latent(
     surface = repaint(sample_surface(asset), painted, names)
     colored = replace(asset, name=job.key, surface=surface.samples, notes=(*notes, *asset.notes))
     package = export_asset(colored, provenance=provenance).package
-    drawer = _load_drawer(job.model) if job.cfg.gaussians else None
+    drawer = load_drawer(job.model) if job.cfg.gaussians else None
     return package if drawer is None else _attach_drawn(package, drawer, colored, shape, surface, noise)
 
 

@@ -1,29 +1,12 @@
 """Faults of shapes: what would make the exported package fail its checks, found on the primitives.
 
 A shape is written in a moment, exported and checked in a second or more. `find_faults` says in milliseconds
-whether it is worth it; procedural shapes have no fault. Each id stands for what one check measures:
-
-overlap    V202  two rigid bodies overlap at rest
-blocked    V201  a body runs into another one along its joint's range
-grazing    V201  it enters another one just a little, but with much of its volume
-floating   V104  a body, or a part fixed to one, is away from what carries it
-loose            pieces of a part are away from the rest; no check notices, a person does
-inward     V203  a drawer or door opens into the body, or away from its handle
-hinge      V203  a door turns about a line that is not its edge
-handle     V204  no hand can take hold of a handle
-released   V206  a drawer leaves what holds it
-range      V005  a slide is longer than the object, a hinge turns more than once round
-thin       V102  a primitive is too thin to be a hull
-crowded    V006  a body has more hulls than engines handle well
-tipping    V303  the middle of the object is not above what it stands on
-unmet            a part needs another one open that does not move; exporters refuse it
-adrift           the part that carries all others moves; exporters refuse it
-extent           the object is not as large as was asked (`artigen.sketch.model`)
+whether it is worth it; procedural shapes have no fault. `artigen.sketch.fault` lists
+the kinds.
 """
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Literal
 
 import numpy as np
 from jaxtyping import Int
@@ -40,6 +23,7 @@ from artigen.sketch.contact import (
     measure_thickness,
     penetrate,
 )
+from artigen.sketch.fault import Fault, FaultId
 from artigen.sketch.opening import (
     FREE_MARGIN,
     MIN_HELD,
@@ -66,11 +50,6 @@ from artigen.sketch.sweep import (
 from artigen.sketch.tree import Tree, read_tree
 from artigen.types import FULL_TURN
 
-FaultId = Literal[
-    "overlap", "blocked", "grazing", "floating", "loose", "inward", "hinge",
-    "handle", "released", "range", "thin", "crowded", "tipping", "unmet", "adrift", "extent",
-]  # fmt: skip
-
 MAX_OVERLAP = 0.001
 """Depth (m) at rest between bodies of which neither carries the other."""
 MAX_OVERLAP_CARRIED = 0.002
@@ -95,52 +74,6 @@ FLOOR_BAND = 0.005
 """Height (m) above the lowest point up to which a corner stands on the floor."""
 TURN_TOLERANCE = 1e-3
 """Radians by which a hinge's range may exceed a full turn."""
-_METRES = {"overlap", "blocked", "floating", "loose", "hinge", "handle", "thin", "tipping", "extent"}
-
-
-@dataclass(frozen=True, kw_only=True)
-class Fault:
-    """Something that cannot stay: which kind, where, how far off, and what is allowed.
-
-    ``value`` and ``allowed`` are metres; shares for ``grazing``, ``inward`` and ``released``; numbers for
-    ``crowded``; for ``range`` and ``adrift`` metres of a slide and radians of a hinge; nothing for ``unmet``.
-    """
-
-    id: FaultId
-    part: str
-    other: str | None = None
-    value: float
-    allowed: float
-
-    @property
-    def text(self) -> str:
-        """One sentence: what was found, where, and what is allowed."""
-        unit, factor = ("mm", 1e3) if self.id in _METRES else ("%", 1e2)
-        if self.id in ("range", "adrift", "crowded"):
-            unit, factor = "", 1.0
-        found, allowed = (f"{factor * number:.3g} {unit}".strip() for number in (self.value, self.allowed))
-        return _SENTENCES[self.id].format(part=self.part, other=self.other, value=found, allowed=allowed)
-
-
-_SENTENCES: dict[FaultId, str] = {
-    "overlap": "{part} and {other} overlap by {value} at rest, allowed is {allowed}",
-    "blocked": "{part} runs into {other} by {value} on its way, allowed is {allowed}",
-    "grazing": "{part} enters {other} with {value} of its volume on its way, allowed is {allowed}",
-    "floating": "{part} is {value} away from {other}, allowed is {allowed}",
-    "loose": "pieces of {part} are {value} away from the rest, allowed is {allowed}",
-    "inward": "{part} opens into {other} or away from its handle: {value} more is blocked ahead than behind, "
-    "allowed is {allowed}",
-    "hinge": "{part} turns about a line {value} from its edge, allowed is {allowed}",
-    "handle": "{part} cannot be taken hold of: {value} is missing, allowed is {allowed}",
-    "released": "{part} is held by {value} of its depth when it is open, at least {allowed} is needed",
-    "range": "{part} moves by {value} (m or rad), allowed is {allowed}",
-    "thin": "{part} has a piece {value} thin, at least {allowed} is needed",
-    "crowded": "the body of {part} has {value} hulls or links, allowed is {allowed}",
-    "tipping": "the middle of the object lies {value} outside of what {part} stands on, allowed is {allowed}",
-    "unmet": "{part} needs {other} open, which does not move",
-    "extent": "the {part} is {value} off what was asked, allowed is {allowed}",
-    "adrift": "{part} carries all others and moves by {value} (m or rad), it must be fixed",
-}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

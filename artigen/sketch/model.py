@@ -18,17 +18,17 @@ from artigen.shapes.shape import Shape
 from artigen.sketch.alignment import View, fit_camera
 from artigen.sketch.blocks import Sight
 from artigen.sketch.draw import Draft, DrawConfig, begin_drafts, continue_drafts
-from artigen.sketch.faults import Fault, find_faults, search_faults
+from artigen.sketch.fault import Fault
+from artigen.sketch.faults import find_faults, search_faults
 from artigen.sketch.network import SketchNetwork, SketchNetworkConfig
 from artigen.sketch.picture import PictureConfig, Seen
 from artigen.sketch.picture_colors import read_colors
-from artigen.sketch.request import NETWORKS, SketchRequest, ask, check_category
-from artigen.sketch.rows import CATEGORIES, COUNTED, STYLES, column, rows_to_sketch
+from artigen.sketch.request import NETWORK, SketchRequest, ask, check_category
+from artigen.sketch.rows import COUNTED, column, rows_to_sketch
 from artigen.sketch.sketch import STEP, SketchError, read_sketch
 from artigen.sketch.vocabulary import carry_weights, describe_vocabulary, find_new_symbols
+from artigen.sketch.words import CATEGORIES, STYLES
 
-NAME = NETWORKS[0]
-"""Of the network in a model folder, where nothing else is said."""
 PICTURE_EDGE = 256
 """Pixels of a picture's edge when cameras are fitted and colours are read."""
 LIKELIEST = DrawConfig(temperature=0.2)
@@ -74,31 +74,28 @@ class Drawn:
     """Batches that were drawn."""
 
 
-def save_sketch_network(
-    network: SketchNetwork, folder: Path, described: dict[str, object], name: str = NAME
-) -> None:
+def save_sketch_network(network: SketchNetwork, folder: Path, described: dict[str, object]) -> None:
     """Writes the weights, and the vocabulary that they belong to, into a model folder."""
     said = {
         "sizes": asdict(network.cfg),
         "categories": list(network.categories),
         "vocabulary": describe_vocabulary(),
     }
-    save_model(network, folder, {**said, **described}, name)
+    save_model(network, folder, {**said, **described}, NETWORK)
 
 
-def load_sketch_network(folder: Path, like: SketchNetwork | None = None, name: str = NAME) -> SketchNetwork:
+def load_sketch_network(folder: Path, like: SketchNetwork | None = None) -> SketchNetwork:
     """Loads the network of a model folder, which draws no category and uses no word that it has not learned.
 
     Args:
         folder: Of the model.
         like: Network whose weights it has for words that it has not learned; fresh ones without.
-        name: One of `artigen.sketch.request.NETWORKS`.
 
     Raises:
         SourceError: If the folder holds none.
         VocabularyError: If it was trained with words or fields that this version lacks.
     """
-    said = read_description(folder).get(name)
+    said = read_description(folder).get(NETWORK)
     if said is None:
         raise SourceError(f"{folder}: holds no sketch network; train one with artigen train")
     vocabulary, categories = said.get("vocabulary"), said.get("categories")
@@ -114,7 +111,7 @@ def load_sketch_network(folder: Path, like: SketchNetwork | None = None, name: s
             f"{SketchNetworkConfig()}"
         ) from error
     fresh = (like or network).state_dict()
-    load_model(network, folder, name, lambda weights: carry_weights(weights, vocabulary, fresh))
+    load_model(network, folder, NETWORK, lambda weights: carry_weights(weights, vocabulary, fresh))
     network.categories = tuple(categories)
     network.unlearned[find_new_symbols(vocabulary, categories)] = True
     return network

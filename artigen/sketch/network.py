@@ -31,8 +31,9 @@ from artigen.sketch.planes import (
     gather_numbers,
     list_planes,
 )
-from artigen.sketch.rows import CATEGORIES, REACH
+from artigen.sketch.rows import REACH
 from artigen.sketch.slots import slots
+from artigen.sketch.words import CATEGORIES
 
 FREQUENCIES = 15
 """Sines and cosines that a number is read by: periods from 2 to 2**15 steps."""

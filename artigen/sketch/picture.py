@@ -14,7 +14,7 @@ from jaxtyping import Float
 from torch import Tensor, nn
 from torch.nn import functional
 
-from artigen.sketch.rows import CATEGORIES
+from artigen.sketch.words import CATEGORIES
 from artigen.types import PART_LABELS
 
 CELL = 4

@@ -11,22 +11,13 @@ from artigen.models.description import read_description
 from artigen.shapes.draw import categories
 from artigen.shapes.surfaces.finishes import Color, FinishKind
 from artigen.shapes.surfaces.palette import ROLES
-from artigen.sketch.rows import (
-    CATEGORIES,
-    COUNTED,
-    MATERIALS,
-    MAX_COUNT,
-    REACH,
-    ROW_KINDS,
-    STYLES,
-    WIDTH,
-    column,
-)
+from artigen.sketch.rows import COUNTED, MATERIALS, MAX_COUNT, REACH, ROW_KINDS, WIDTH, column
 from artigen.sketch.sketch import LEVELS, STEP, SketchError
+from artigen.sketch.words import CATEGORIES, STYLES
 from artigen.types import PartLabel
 
-NETWORKS = ("sketch", "kinds")
-"""Names that sketch networks have in a model folder; of two that draw a category, the first one does."""
+NETWORK = "sketch"
+"""Name of the sketch network in a model folder."""
 ROLES_OF: Mapping[PartLabel, tuple[str, ...]] = {
     "base": ("body", "front"),
     "door": ("front",),
@@ -88,34 +79,14 @@ def nothing_asked() -> Asked:
     return ask(SketchRequest())
 
 
-def list_networks(model: Path) -> dict[str, tuple[str, ...]]:
-    """The sketch networks of a model folder, with the categories that each draws; read without PyTorch.
-
-    Raises:
-        SourceError: If the folder has no readable description.
-    """
-    described = read_description(model)
-    learned = {name: described.get(name, {}).get("categories") for name in NETWORKS}
-    return {name: tuple(words) for name, words in learned.items() if isinstance(words, list)}
-
-
 def list_learned(model: Path) -> tuple[str, ...]:
-    """The categories that the sketch networks of a model folder draw.
+    """The categories that the sketch network of a model folder draws, read without PyTorch; none without one.
 
     Raises:
         SourceError: If the folder has no readable description.
     """
-    return tuple(dict.fromkeys(word for words in list_networks(model).values() for word in words))
-
-
-def choose_network(model: Path, category: str | None) -> str:
-    """Name of the first sketch network of a model folder that draws a category; of the first, for none.
-
-    Raises:
-        SourceError: If the folder has no readable description.
-    """
-    found = list_networks(model)
-    return next((name for name, words in found.items() if category in words), NETWORKS[0])
+    learned = read_description(model).get(NETWORK, {}).get("categories")
+    return tuple(learned) if isinstance(learned, list) else ()
 
 
 def check_category(category: str, learned: Sequence[str] = CATEGORIES) -> None:

@@ -9,7 +9,7 @@ from artigen.conditioning.prompt import COLORS, ParsedText, parse_text
 from artigen.errors import ArtigenError
 from artigen.shapes.draw import Wish, check_wish
 from artigen.sketch.request import ALSO_OF, MATERIAL_OF, ROLES_OF, AskedFinish, SketchRequest, check_category
-from artigen.sketch.rows import CATEGORIES
+from artigen.sketch.words import CATEGORIES
 from artigen.types import PartLabel
 
 Value = TypeVar("Value")

@@ -12,7 +12,8 @@ from torch import Tensor
 
 from artigen.errors import ArtigenError
 from artigen.shapes.surfaces.palette import ROLES
-from artigen.sketch.rows import CATEGORIES, FIELDS, MATERIALS, ROW_KINDS, STYLES
+from artigen.sketch.rows import FIELDS, MATERIALS, ROW_KINDS
+from artigen.sketch.words import CATEGORIES, STYLES
 from artigen.types import JOINT_TYPES, PART_LABELS
 
 Vocabulary = Mapping[str, Any]

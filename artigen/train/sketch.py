@@ -14,8 +14,8 @@ from artigen.runtime.run_config import claim_folder
 from artigen.sketch.batch import ask_for, make_batch
 from artigen.sketch.model import load_sketch_network, save_sketch_network
 from artigen.sketch.network import SketchNetwork, SketchNetworkConfig
-from artigen.sketch.request import NETWORKS, list_networks, nothing_asked
-from artigen.sketch.rows import CATEGORIES
+from artigen.sketch.request import nothing_asked
+from artigen.sketch.words import CATEGORIES
 from artigen.train.batches import prefetch
 from artigen.train.loop import LoopConfig, Report, finished_steps, process_seed, train
 from artigen.train.shards import HELD_OUT
@@ -80,7 +80,7 @@ def train_sketch(cfg: SketchRunConfig, *, on_report: Report | None = None) -> di
         {"preset": cfg.preset, "start": start, "categories": " ".join(cfg.categories)},
     )
     torch.manual_seed(0)
-    network = SketchNetwork(SIZES[cfg.preset]) if cfg.start is None else _load_start(cfg.start)
+    network = SketchNetwork(SIZES[cfg.preset]) if cfg.start is None else load_sketch_network(cfg.start)
     if network.cfg != SIZES[cfg.preset]:
         raise ArtigenError(
             f"{cfg.start}: {network.cfg}, expected the sizes of preset {cfg.preset!r}, {SIZES[cfg.preset]}"
@@ -117,14 +117,6 @@ def train_sketch(cfg: SketchRunConfig, *, on_report: Report | None = None) -> di
         },
     )
     return scores
-
-
-def _load_start(folder: Path) -> SketchNetwork:
-    """The sketch network of a model folder that draws most categories."""
-    learned = list_networks(folder)
-    return load_sketch_network(
-        folder, name=max(learned, key=lambda name: len(learned[name]), default=NETWORKS[0])
-    )
 
 
 @torch.no_grad()

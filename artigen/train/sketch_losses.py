@@ -1,7 +1,6 @@
 """Losses of the sketch network: the likelihood of tables, and what is to be read off pictures."""
 
 from dataclasses import replace
-from itertools import permutations
 
 import torch
 from jaxtyping import Bool, Float
@@ -24,8 +23,6 @@ READING = 0.3
 """Weight of what the encoder is to read off pictures, beside the likelihood of tables."""
 HEADER = 10.0
 """Weight of the fields of a header beside a picture: few among hundreds, and what the picture has to tell."""
-SWAPPED = 0.1
-"""Share of the pictures whose red, green and blue are put in any order."""
 
 
 class SketchLosses(nn.Module):
@@ -60,35 +57,8 @@ def sketch_losses(
 ) -> dict[str, Tensor]:
     """The terms of a batch, its pictures varied and scaled to ``edge`` pixels."""
     if batch.photos is not None:
-        rows, photos = swap_channels(batch.rows, batch.photos, generator)
-        batch = SketchBatch(rows=rows, photos=vary_photos(photos, generator, edge))
+        batch = replace(batch, photos=vary_photos(batch.photos, generator, edge))
     return network(batch)
-
-
-def swap_channels(
-    rows: RowBatch, photos: PhotoBatch, generator: torch.Generator
-) -> tuple[RowBatch, PhotoBatch]:
-    """Puts red, green and blue of some objects in another order, in their pictures and in their finishes.
-
-    The grammar knows the colours of furniture; so colours have to be read off the pictures. Objects whose
-    finishes are requested keep theirs: otherwise an unusual colour in a request, without a picture, would
-    suggest a swapped object, and its other finishes would be drawn in swapped colours.
-    """
-    orders = torch.tensor(list(permutations(range(3))), device=generator.device)
-    count = len(photos.image)
-    chosen = torch.randint(len(orders), (count,), generator=generator, device=generator.device)
-    swapped = torch.rand(count, generator=generator, device=generator.device) < SWAPPED
-    image, table = photos.image.clone(), rows.rows.clone()
-    finishes = table[..., 0] == ROW_KINDS.index("finish")
-    requested = (finishes & rows.asked).any(dim=1)
-    order = orders[torch.where(swapped & ~requested, chosen, 0)]
-    image[:, :3] = image[:, :3].gather(1, order[:, :, None, None].expand_as(image[:, :3]))
-    for names in (("r", "g", "b"), ("accent_r", "accent_g", "accent_b")):
-        columns = [column("finish", name) for name in names]
-        values = table[..., columns]
-        moved = values.gather(2, order[:, None].expand_as(values))
-        table[..., columns] = torch.where(finishes[..., None], moved, values)
-    return replace(rows, rows=table), replace(photos, image=image)
 
 
 def reading_losses(seen: Seen, photos: PhotoBatch) -> dict[str, Tensor]:

@@ -24,7 +24,7 @@ from artigen.shapes.primitives import Primitive, box, contains, place_vertices
 from artigen.shapes.shape import Shape, ShapePart
 from artigen.shapes.surfaces.finishes import Finish
 from artigen.sketch.faults import find_faults
-from artigen.sketch.rows import CATEGORIES
+from artigen.sketch.words import CATEGORIES
 
 FINISH = Finish(kind="plastic", color=(0.5, 0.5, 0.5), accent=(0.4, 0.4, 0.4))
 X, Y, RIM = (-0.2, 0.25), (-0.3, 0.35), 0.3

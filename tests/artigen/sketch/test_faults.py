@@ -15,9 +15,9 @@ from artigen.shapes.surfaces.finishes import Finish
 from artigen.sketch import faults, opening, sweep
 from artigen.sketch.contact import list_bodies, measure_pairs, penetrate
 from artigen.sketch.faults import find_faults
-from artigen.sketch.rows import CATEGORIES
 from artigen.sketch.sweep import deepest, find_meetings, open_needed, place_opened, read_path
 from artigen.sketch.tree import read_tree
+from artigen.sketch.words import CATEGORIES
 from artigen.types import PartLabel
 from sim_export.checks.config import CheckConfig
 from sim_export.checks.suite import run_checks

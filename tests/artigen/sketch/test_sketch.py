@@ -31,17 +31,11 @@ from artigen.sketch.piece import UnknownSolid
 from artigen.sketch.pieces import build_piece, fit_pieces
 from artigen.sketch.planes import COARSE
 from artigen.sketch.request import Asked, AskedFinish, SketchRequest, ask, nothing_asked
-from artigen.sketch.rows import (
-    CATEGORIES,
-    FIELDS,
-    ROW_KINDS,
-    column,
-    rows_to_sketch,
-    sketch_to_rows,
-)
+from artigen.sketch.rows import FIELDS, ROW_KINDS, column, rows_to_sketch, sketch_to_rows
 from artigen.sketch.rules import Writer
 from artigen.sketch.sketch import STEP, SketchError, read_sketch, write_sketch
 from artigen.sketch.slots import slots
+from artigen.sketch.words import CATEGORIES
 
 TINY = SketchNetworkConfig(width=32, layers=2, heads=2, pointer=8, picture=None)
 PICTURE = PictureConfig(edge=32, widths=(8, 16, 24), blocks=(1, 1, 1), stem=8)

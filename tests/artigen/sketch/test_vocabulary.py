@@ -11,7 +11,6 @@ from artigen.sketch.model import draw_header, draw_object, load_sketch_network, 
 from artigen.sketch.network import SketchNetwork, SketchNetworkConfig
 from artigen.sketch.picture import PictureConfig
 from artigen.sketch.request import SketchRequest
-from artigen.sketch.rows import CATEGORIES, OTHER_STYLE, STYLES
 from artigen.sketch.sketch import SketchError
 from artigen.sketch.slots import slots
 from artigen.sketch.vocabulary import (
@@ -26,6 +25,7 @@ from artigen.sketch.vocabulary import (
     name_slots,
     name_symbols,
 )
+from artigen.sketch.words import CATEGORIES, OTHER_STYLE, STYLES
 
 PICTURE = PictureConfig(edge=32, widths=(8, 16, 24), blocks=(1, 1, 1), stem=8)
 SIZES = SketchNetworkConfig(width=32, layers=2, heads=2, pointer=8, picture=PICTURE)

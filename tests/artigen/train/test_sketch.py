@@ -9,16 +9,16 @@ import pytest
 import torch
 from average_weights import average_networks
 
-import artigen.train.sketch_losses
 from artigen.errors import ArtigenError, SourceError
 from artigen.shapes.draw import draw_shape
 from artigen.sketch.batch import make_batch
 from artigen.sketch.model import load_sketch_network
 from artigen.sketch.network import SketchNetwork
 from artigen.sketch.picture import CELL, MAX_COUNT, Seen
-from artigen.sketch.request import AskedFinish, SketchRequest, ask, nothing_asked
-from artigen.sketch.rows import CATEGORIES, ROW_KINDS, column, sketch_to_rows
-from artigen.sketch.sketch import LEVELS, write_sketch
+from artigen.sketch.request import nothing_asked
+from artigen.sketch.rows import ROW_KINDS, sketch_to_rows
+from artigen.sketch.sketch import write_sketch
+from artigen.sketch.words import CATEGORIES
 from artigen.train.sketch import SIZES, SketchRunConfig, train_sketch
 from artigen.train.sketch_examples import SketchBatch, SketchExample, draw_batches, head_of, make_examples
 from artigen.train.sketch_losses import (
@@ -27,7 +27,6 @@ from artigen.train.sketch_losses import (
     reading_losses,
     sketch_losses,
     spread_spots,
-    swap_channels,
     weigh_fields,
 )
 from artigen.train.sketch_photos import EDGE, NOTHING, PhotoBatch, gather_photos
@@ -94,53 +93,6 @@ def test_the_weights_of_fields_belong_to_the_header_of_the_object_and_to_nothing
         count = len(rows.rows)
         assert int((symbols == HEADER).sum()) == (1 + 2 + 7) * count  # kind, category, style, counts
         assert int((numbers == HEADER).sum()) == 3 * count  # extents
-
-
-def test_objects_whose_finishes_are_requested_keep_their_colors(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(artigen.train.sketch_losses, "SWAPPED", 1.0)
-    tables = [sketch_to_rows(write_sketch(draw_shape("Cart", seed))) for seed in range(12)]
-    request = SketchRequest(finishes=(AskedFinish(role="front", color=(0.9, 0.5, 0.1)),))
-    rows = make_batch(tables, [ask(request)] * 6 + [nothing_asked()] * 6)
-    swapped, shown = swap_channels(rows, _blank_photos(len(tables)), torch.Generator().manual_seed(0))
-    changed = (swapped.rows != rows.rows).flatten(1).any(dim=1)
-    assert not changed[:6].any()
-    assert changed[6:].any()
-    assert torch.equal(shown.image[:6], _blank_photos(6).image)
-
-
-def _blank_photos(count: int) -> PhotoBatch:
-    """Pictures of one red and green, nothing labelled."""
-    color = torch.tensor([0.9, 0.5, 0.1, 1.0])[:, None, None]
-    return PhotoBatch(
-        image=color.expand(count, 4, 8, 8), labels=torch.zeros(count, 2, 2), kinds=torch.zeros(count, 1),
-        centers=torch.zeros(count, 1, 2), given=torch.zeros(count, 1), view=torch.zeros(count, 3),
-    )  # fmt: skip
-
-
-def test_pictures_and_finishes_change_their_colors_alike(monkeypatch: pytest.MonkeyPatch):
-    """An object whose finishes are painted on its picture keeps wearing them, whatever the order."""
-    monkeypatch.setattr(artigen.train.sketch_losses, "SWAPPED", 0.5)
-    tables = [sketch_to_rows(write_sketch(draw_shape("Cart", seed))) for seed in range(24)]
-    rows = make_batch(tables, [nothing_asked()] * len(tables))
-    finish = int((rows.rows[0, :, 0] == ROW_KINDS.index("finish")).int().argmax())
-    names = ("r", "g", "b"), ("accent_r", "accent_g", "accent_b")
-    columns, accents = ([column("finish", name) for name in group] for group in names)
-    worn = rows.rows[:, finish][:, columns].float() / LEVELS
-    image = torch.cat([worn[..., None, None].expand(-1, -1, 8, 8), torch.ones(len(tables), 1, 8, 8)], dim=1)
-    photos = replace(_blank_photos(len(tables)), image=image)
-    swapped, shown = swap_channels(rows, photos, torch.Generator().manual_seed(0))
-    new = swapped.rows[:, finish]
-    assert torch.equal(shown.image[:, :3, 0, 0], new[:, columns].float() / LEVELS)
-    assert torch.equal(shown.image[:, 3], image[:, 3])
-    assert torch.equal(
-        new[:, columns].sort(dim=1).values, rows.rows[:, finish][:, columns].sort(dim=1).values
-    )
-    changed = (swapped.rows != rows.rows).flatten(0, 1).any(dim=0).nonzero().flatten().tolist()
-    assert set(columns) < set(changed) <= {*columns, *accents}
-    others = rows.rows[..., 0] != ROW_KINDS.index("finish")
-    assert torch.equal(swapped.rows[others], rows.rows[others])
-    moved = (shown.image != image).flatten(1).any(dim=1).float().mean()
-    assert 0.15 < float(moved) < 0.7
 
 
 def test_the_average_of_two_networks_lies_between_them_and_ends_at_either():

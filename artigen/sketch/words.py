@@ -1,0 +1,26 @@
+"""The words of headers: categories and styles, known to weights by name.
+
+Words may be added anywhere, but not taken out.
+"""
+
+CATEGORIES = (
+    "StorageFurniture", "Table", "Refrigerator", "Dishwasher", "Oven", "WashingMachine", "Microwave",
+    "Cart", "Safe", "Box", "BreadBox", "ChestFreezer", "DeskLamp", "Door", "Dresser", "Dryer", "Faucet",
+    "FilingCabinet", "Laptop", "Mailbox", "Pot", "Printer", "Suitcase", "Switch", "Toaster", "Toilet",
+    "ToolBox", "TrashCan", "Wardrobe", "Window",
+)  # fmt: skip
+"""Those of the grammar."""
+STYLES = (
+    "flat", "shaker", "framed_glass", "handleless", "classic", "industrial", "country", "louvre",
+    "steel", "white", "black", "retro", "kitchen", "service", "tool", "dial", "handwheel", "keypad",
+    "other", "carton", "chest", "plastic", "trunk", "window", "drop", "enamel", "curved", "shop", "led",
+    "architect", "dome", "glazed", "panelled", "flush", "double", "midcentury", "modern", "american",
+    "single", "bridge", "wooden", "lateral", "vertical", "pedestal", "business", "gaming", "light",
+    "colour", "cluster", "rural", "parcel", "saucepan", "stockpot", "casserole", "copier", "inkjet",
+    "multifunction", "laser", "large", "aluminium", "cabin", "leather", "rocker", "toggle", "dimmer",
+    "buttons", "wall_hung", "close_coupled", "skirted", "metal", "rolling", "flap", "pedal", "wheeled",
+    "flip", "sorting", "mirrored", "sliding", "casement", "sash",
+)  # fmt: skip
+"""Those of all categories."""
+OTHER_STYLE = STYLES.index("other")
+"""Stands for styles that have no word."""
