@@ -17,14 +17,14 @@ from pathlib import Path
 
 import numpy as np
 import tyro
+from field_noise import TABLE_4, TABLES_3_AND_4, FieldNoise, add_noise
+from segment_score import PartScore, score_segmentation
 
 from artigen.datasets.partnet_mobility import read_object
 from artigen.errors import ArtigenError, SourceError
 from artigen.types import Asset
 from artigen.voxels.fields import VoxelFields, decode, encode
-from artigen.voxels.segmentation.field_noise import TABLE_4, TABLES_3_AND_4, FieldNoise, add_noise
 from artigen.voxels.segmentation.segment import SegmentConfig, segment
-from artigen.voxels.segmentation.segment_score import PartScore, score_segmentation
 from artigen.voxels.voxelize import drop_unresolved, voxelize
 
 NOISES: dict[str, FieldNoise | None] = {

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from segment_score import score_segmentation
 
 from artigen.kinematics import movable_parts
 from artigen.shapes.asset import frame_shape, shape_to_asset
@@ -23,7 +24,6 @@ from artigen.shapes.shape import Motion, Shape, ShapePart
 from artigen.shapes.surfaces.finishes import Finish
 from artigen.voxels.fields import decode, encode
 from artigen.voxels.segmentation.segment import segment
-from artigen.voxels.segmentation.segment_score import score_segmentation
 from artigen.voxels.voxelize import voxelize
 
 WOOD = Finish(kind="wood", color=(0.7, 0.5, 0.3), accent=(0.5, 0.3, 0.2))

@@ -4,40 +4,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from box_cabinet import SCALE, box_geometry, scaled
 
-from artigen.datasets.sample import SAMPLE_PARTS, sample_box_arrays
 from artigen.kinematics import displacements
 from artigen.transforms import rotation_about
 from artigen.types import Asset
 from sim_export.collision.hulls import box_hull
 from sim_export.package import HandleAnnotation, Mesh
 from sim_export.physics.annotations import HandleConfig, annotate_handles, ray_hits
-from sim_export.physics.inertia import combine, mesh_inertial
+from sim_export.physics.inertia import mesh_inertial
 from sim_export.physics.links import LinkTree, PartGeometry, build_links
-
-SCALE = 0.7
-
-
-def scaled(asset: Asset) -> Asset:
-    """The cabinet at 0.7 metres per unit, so that no factor is 1 by accident."""
-    return replace(asset, scale=SCALE)
-
-
-def box_geometry() -> list[PartGeometry]:
-    """The sample cabinet's own boxes as visuals and hulls, in metres about its centre."""
-    arrays = [sample_box_arrays(part) for part in SAMPLE_PARTS]
-    every = np.concatenate(arrays).reshape(-1, 3)
-    center = (every.min(axis=0) + every.max(axis=0)) / 2
-    geometry = []
-    for boxes in arrays:
-        hulls = tuple(box_hull(SCALE * (low - center), SCALE * (high - center)) for low, high in boxes)
-        mesh = Mesh(
-            vertices=np.concatenate([hull.vertices for hull in hulls]),
-            faces=np.concatenate([hull.faces + 8 * k for k, hull in enumerate(hulls)]),
-        )
-        inertial = combine([mesh_inertial(hull, 600.0) for hull in hulls])
-        geometry.append(PartGeometry(visuals=(mesh,), hulls=hulls, inertial=inertial))
-    return geometry
 
 
 def turned(asset: Asset, meshes: list[Mesh], R: np.ndarray) -> tuple[Asset, list[Mesh]]:

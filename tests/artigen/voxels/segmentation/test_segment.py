@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from field_noise import TABLE_4, TABLES_3_AND_4, FieldNoise, add_noise
+from segment_score import part_overlaps, score_segmentation
 
 from artigen.errors import SegmentationError
 from artigen.types import (
@@ -25,11 +27,9 @@ from artigen.voxels.segmentation.aggregate import (
     fuse_box,
     nearest_point_to_lines,
 )
-from artigen.voxels.segmentation.field_noise import TABLE_4, TABLES_3_AND_4, FieldNoise, add_noise
 from artigen.voxels.segmentation.neighbours import connected_groups, neighbour_pairs
 from artigen.voxels.segmentation.regularise import RegulariseConfig, regularise
 from artigen.voxels.segmentation.segment import SegmentConfig, segment
-from artigen.voxels.segmentation.segment_score import part_overlaps, score_segmentation
 from artigen.voxels.segmentation.tree import ALLOWED_PARENTS
 from artigen.voxels.voxelize import voxelize
 
