@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from artigen.metrics.categories import is_same_category
 from artigen.metrics.subjects import Subject, describe_subject
 from artigen.sketch.model import LIKELIEST, draw_header, look_at
 from artigen.sketch.network import SketchNetwork
@@ -19,7 +20,8 @@ def score_reading(network: SketchNetwork, subjects: Sequence[Subject]) -> dict[s
 
     ``category`` and ``counts`` are the shares of pictures read right, the latter of every label at once,
     ``counts in view`` without shelves and trays; ``counts of <label>`` those of one label; ``extents`` is the
-    mean error of the logarithms of the extents as shares of the longest.
+    mean error of the logarithms of the extents as shares of the longest. Categories are compared by
+    `artigen.metrics.categories`.
     """
     kinds, rights, errors = [], [], []
     for subject in subjects:
@@ -27,7 +29,7 @@ def score_reading(network: SketchNetwork, subjects: Sequence[Subject]) -> dict[s
         assert image is not None
         said = draw_header(network, SketchRequest(), 0, LIKELIEST, look_at(network, image)[1])
         held = {"base": 1, **dict(said.counts)}
-        kinds.append(said.category == subject.example.category)
+        kinds.append(is_same_category(said.category, subject.example.category))
         rights.append(
             [held[label] == count for label, count in zip(PART_LABELS, subject.example.counts, strict=True)]
         )

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from artigen.conditioning.delivery import SIZE_TOLERANCE, has_counts, size_error
+from artigen.metrics.categories import is_same_category
 from artigen.metrics.compat import compat_distance
 from artigen.metrics.distribution import coverage, minimum_matching_distance, nearest_neighbour_accuracy
 from artigen.metrics.instantiation import (
@@ -46,8 +47,9 @@ def score_objects(
     """Shares and mean distances over all objects; None counts as failed everywhere.
 
     ``valid``: is a tree of parts. ``counts``: every count wanted is exact. ``size``: every extent within
-    5 % of the size wanted. ``category``: as the true object's. ``strict_rest`` and ``strict_articulated``: a
-    failed draw costs what a missing part does; ``compat_*`` is over valid objects only.
+    5 % of the size wanted. ``category``: as the true object's (`artigen.metrics.categories`).
+    ``strict_rest`` and ``strict_articulated``: a failed draw costs what a missing part does; ``compat_*`` is
+    over valid objects only.
 
     Args:
         wanted: What is to be met; counts or sizes that are open are not scored.
@@ -58,7 +60,9 @@ def score_objects(
     pairs = list(zip(wanted, found, truths, strict=True))
     out: Scores = {
         "valid": _share([one is not None for one in found]),
-        "category": _share([one is not None and one.category == truth.category for _, one, truth in pairs]),
+        "category": _share(
+            [one is not None and is_same_category(one.category, truth.category) for _, one, truth in pairs]
+        ),
     }
     if all(condition.counts for condition in wanted):
         out["counts"] = _share([one is not None and has_counts(one, c.counts) for c, one, _ in pairs])
