@@ -19,7 +19,7 @@ Workers = Annotated[
 ]
 RunnerChoice = Annotated[
     RunnerName,
-    tyro.conf.arg(help="``local`` processes, or tasks of a ``ray`` cluster (docs/scale.md)."),
+    tyro.conf.arg(help="``local`` processes, or tasks of a ``ray`` cluster (docs/how-to/many_machines.md)."),
 ]
 Shard = Annotated[
     str | None,

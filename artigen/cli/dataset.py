@@ -50,7 +50,7 @@ def dataset(
     shard: Shard = None,
     prove: int = 0,
 ) -> int:
-    """Makes a data set from a recipe: shards, manifest, card and metadata (docs/datasets.md).
+    """Makes a data set from a recipe: shards, manifest, card and metadata (docs/how-to/data_sets.md).
 
     A killed or failed run is finished by running the same command again.
 

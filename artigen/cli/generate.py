@@ -54,7 +54,7 @@ class GenerateSettings:
     height: float | None = None
     """Metres."""
     style: str | None = None
-    """A word of the category, such as shaker or steel (docs/shapes.md)."""
+    """A word of the category, such as shaker or steel (docs/reference/kinds.md)."""
     counts: tuple[str, ...] = ()
     """Parts wanted, such as drawer=3 door=0."""
     structure: Literal["sketch", "latent"] = "sketch"

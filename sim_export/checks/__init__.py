@@ -1,6 +1,6 @@
 """Static checks of a package folder: files (L0), geometry (L1) and motion (L2), without a simulator.
 
-``docs/checks.md`` lists every check with its threshold, where it applies and why. The checks are not
+``docs/reference/checks.md`` lists every check with its threshold, where it applies and why. The checks are not
 imported here, so that readers of packages can share the URDF parser without loading them: take
 `run_checks` and `CHECKS` from `sim_export.checks.suite`. Nor is anything else but the settings before it is
 asked for, so that a process that only hands them on need not load SciPy.

@@ -31,7 +31,7 @@ class SegmentConfig:
 
     recipe: Literal["robust", "paper"] = "robust"
     """`paper`: semantics, DBSCAN on boxes, mean. `robust`: the default, measured against it in
-    docs/segmentation.md."""
+    docs/explanation/structure.md."""
     paper: PaperConfig = field(default_factory=PaperConfig)
     """Parameters of the paper's recipe."""
     robust: RobustConfig = field(default_factory=RobustConfig)
