@@ -3,7 +3,7 @@
 It differs from TRELLIS' network (`artigen.appearance.slat_dit`) where that buys speed on two CPU cores:
 tokens of 4^3 voxels (several times fewer), narrow convolutions on the voxels before and after, one modulation
 for all blocks, and its output is the clean latent, from which the velocity follows. It also reads what the
-structure model says about each voxel. See docs/explanation/structured_latents.md.
+structure model says about each voxel. See docs/explanation/appearance.md.
 """
 
 from dataclasses import dataclass

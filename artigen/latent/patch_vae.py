@@ -5,7 +5,7 @@ It differs from the paper's network (`artigen.latent.conv_vae`) where that buys 
 occupancy of their own; places relative to the patch; attention over 8^3 tokens, because what a part is for
 lies beyond a convolution's reach. And it decodes in view of an outline (`artigen.latent.outline`): what a
 part is called, its joint and its box are known, the latent says where its cells are, and each cell only
-chooses which of the parts that reach it it belongs to. See docs/how-to/train.md.
+chooses which of the parts that reach it it belongs to. See docs/explanation/structure.md.
 """
 
 from dataclasses import dataclass

@@ -25,7 +25,7 @@ THREAD_VARIABLES = (
 """What libraries read when they are loaded to size their pools of threads."""
 CGROUPS = Path("/sys/fs/cgroup")
 PEAK_MIB = 1500.0
-"""Resident memory of a worker that draws, exports and checks objects, in MiB (docs/how-to/many_machines.md has numbers)."""
+"""Resident memory of a worker that draws, exports and checks objects, in MiB (docs/reports/speed.md has numbers)."""
 MEMORY_SHARE = 0.9
 """Part of the available memory that workers may use by default."""
 

@@ -3,7 +3,7 @@
 The paper: Dice on occupancy, cross-entropies, squared errors, all with weight 1, KL 0.001. Dice alone
 settles on a solution one cell too thick, unit-cube squares are small beside cross-entropies, and handles
 and knobs are one cell in fifty; so ``compact`` adds a binary cross-entropy, weighs regressions by ten and
-small parts by up to eight. What each is worth is in docs/how-to/train.md.
+small parts by up to eight. What each is worth is in docs/reports/structure.md.
 """
 
 from dataclasses import dataclass
