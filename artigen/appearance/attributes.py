@@ -1,4 +1,4 @@
-"""Attributes: what the flow of structured latents is told of every voxel.
+"""Attributes of every voxel that condition the flow of structured latents.
 
 The kind of voxel, where its surface lies (`artigen.voxels.surface`), and its paint (`artigen.voxels.paint`).
 """

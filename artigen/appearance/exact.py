@@ -1,4 +1,4 @@
-"""An exact shape to one with Gaussians: a VAE is told its surfaces and colours, and decodes them.
+"""Gaussians of an exact shape: the VAE decoder applied to its known surfaces and colours.
 
 Nothing is drawn: where surface lies, which way it faces and what colour either side has are the shape's own.
 They are read off on a grid finer than that of the voxels, and encoded and decoded in tiles of the edge that

@@ -1,4 +1,4 @@
-"""What is read off a picture for the voxels it shows: feature extractors behind one interface.
+"""Image features for voxels: feature extractors behind one interface.
 
 `PyramidFeatures` needs no weights and no training; `artigen.trellis.dinov2` has the paper's DINOv2.
 """

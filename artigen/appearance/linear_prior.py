@@ -1,4 +1,4 @@
-"""What paint and places let one expect of the latent of a voxel, by what kind of voxel it is.
+"""Linear prediction of voxel latents from paint and geometry, per kind of voxel.
 
 How a painted side looks follows mostly from its colour, from the part's label, from where the side faces and
 from whether something stands before it; where its Gaussians lie, from where the surface does. So each kind of

@@ -1,4 +1,4 @@
-"""Active voxels as plain tensors: places ``[N, 4]`` (sample, x, y, z) and features ``[N, C]``, in any order.
+"""Active voxels as plain tensors: positions ``[N, 4]`` (sample, x, y, z), features ``[N, C]``, any order.
 
 What depends on the places alone (neighbours, parents, how tokens are padded) is computed once per set of
 voxels and handed to the layers, which then only see rows. No sparse library is needed.

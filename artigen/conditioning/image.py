@@ -1,4 +1,4 @@
-"""Photos as conditions: any picture file to a small premultiplied RGBA square, the object filling it."""
+"""Photos as conditions: any picture file to a small premultiplied RGBA square filled by the object."""
 
 import warnings
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Which triangle each pixel of a picture sees: a depth buffer over any mesh, in numpy."""
+"""Rasterises any mesh in numpy: the visible triangle of each pixel."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Outlines: one row per part with label, joint, axis, origin, range and box, and hints made of them.
+"""Outlines: one row per part with label, joint, axis, origin, range and box, and the hints derived from them.
 
 An outline is what a voxel field says about its parts and leaves out their shapes. The flow of latents and the
 decoder are told the outline of the object that they draw (`outline_rows`).

@@ -1,4 +1,4 @@
-"""The compact structure VAE: patches in and out, convolutions at 16^3 only, one look at the whole.
+"""The compact structure VAE: patch embedding in and out, convolutions at 16^3, one global attention.
 
 It differs from the paper's network (`artigen.latent.conv_vae`) where that buys speed on two CPU cores:
 4^3 patches instead of convolutions at 64^3 and 32^3 (ten times fewer operations); a stem and a head for

@@ -1,4 +1,4 @@
-"""The structure VAE {E, D} as training and generation use it: patches in, occupancy and attributes out.
+"""The structure VAE {E, D} for training and generation: patches in, occupancy and attributes out.
 
 Two networks behind one interface: the compact one (`artigen.latent.patch_vae`), and the paper's
 convolutions over the dense field (`artigen.latent.conv_vae`, section 4.1).

@@ -1,1 +1,1 @@
-"""Measures of generated and reconstructed objects."""
+"""Metrics of generated and reconstructed objects."""

@@ -1,4 +1,4 @@
-"""What a structure model is asked for when it is measured, and what becomes of the answers."""
+"""Conditions of an evaluation of the structure model, and collection of its draws."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field

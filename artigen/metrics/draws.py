@@ -1,4 +1,4 @@
-"""Objects drawn to be measured: one draw for each condition, kept on disk as it is made."""
+"""Objects drawn for evaluation: one draw per condition, stored as it is made."""
 
 import time
 from collections.abc import Callable, Sequence

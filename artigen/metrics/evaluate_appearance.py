@@ -1,4 +1,4 @@
-"""The whole measurement of an appearance model on held-out procedural objects."""
+"""Complete evaluation of an appearance model on held-out procedural objects."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace

@@ -1,4 +1,4 @@
-"""What drawing one object takes: seconds and memory, measured in a process that does nothing else."""
+"""Seconds and memory for drawing one object, measured in a separate process."""
 
 import statistics
 import time

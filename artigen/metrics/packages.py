@@ -1,4 +1,4 @@
-"""How many drawn objects become packages that pass every check: at the first draw, and when drawn again.
+"""Pass rates of packages of drawn objects, at the first draw and after redraws.
 
 Making and checking packages is no business of this package: whoever measures passes in a function that
 does it. Draws go in rounds, as `artigen generate` does for a single object: what fails is drawn again with

@@ -1,4 +1,4 @@
-"""An evaluation as files: everything as JSON, and the tables that a person reads as Markdown."""
+"""Writes an evaluation: everything as JSON, tables as Markdown."""
 
 import json
 from collections.abc import Iterable, Mapping, Sequence

@@ -1,4 +1,4 @@
-"""Conditions of the generative models: any subset of category, counts, size, a sentence and one picture.
+"""Conditions of the generative models: any subset of category, counts, size, sentence and picture.
 
 A condition becomes a row of tokens. Whatever is not asked for is a learned token of its own, so that one
 network answers every subset; dropping everything gives the unconditional velocity of guidance.

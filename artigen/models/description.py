@@ -1,4 +1,4 @@
-"""What a model folder says about its networks, read without PyTorch."""
+"""Description of the networks of a model folder, read without PyTorch."""
 
 import hashlib
 import json

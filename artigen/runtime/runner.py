@@ -1,4 +1,4 @@
-"""Where the jobs of a run are done: in supervised processes on this machine, or as tasks of a Ray cluster.
+"""Runners for jobs: supervised processes on this machine, or tasks of a Ray cluster.
 
 Both call the same function of a worker and a job for every job, and yield its answers as they come.
 """

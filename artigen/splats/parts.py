@@ -1,4 +1,4 @@
-"""Takes Gaussians apart by part, and puts sets of them together."""
+"""Splits Gaussians by part and joins sets of them."""
 
 from collections.abc import Sequence
 from dataclasses import fields

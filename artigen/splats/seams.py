@@ -1,4 +1,4 @@
-"""Gaussians that stray over a neighbouring part: given to it, or drawn back to their own.
+"""Corrects Gaussians that stray into a neighbouring part: reassigns or shrinks them.
 
 A Gaussian moves with its part. One that lies in another part's cells, or stands far over the edge of its own,
 hardly shows while the object is closed; opened, it floats in front of what it covered or leaves a spot.

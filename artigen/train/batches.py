@@ -1,4 +1,4 @@
-"""Examples in memory and endless random batches of them, prepared ahead in a thread."""
+"""Examples in memory and endless random batches of them, prefetched in a thread."""
 
 import queue
 import threading

@@ -1,4 +1,4 @@
-"""Training of the decoder once more, on what the flow makes of latents; encoder and flow stay as they are.
+"""Fine-tunes the decoder on the flow's estimates; encoder and flow are frozen.
 
 A decoder that has seen posteriors alone takes every error of a drawn latent for a shape. Here it sees the
 flow's guesses of clean latents, from anywhere on the path, and is asked for the object they came from.

@@ -1,4 +1,4 @@
-"""Any textured mesh as a picture: a depth buffer for what is seen, another for the shadow of each light.
+"""Renders any textured mesh with a depth buffer and a shadow map per light.
 
 The shading is that of procedural objects (`artigen.shapes.render`), so that pictures of both look alike.
 """

@@ -1,4 +1,4 @@
-"""What a run from nothing to weights is: its configuration, and the folder that belongs to it."""
+"""Configuration and folder of a structure training run."""
 
 from dataclasses import dataclass, replace
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Examples on disk: shards written by worker processes, each from its own range of seeds.
+"""Shards of examples, written by worker processes, each from its own range of seeds.
 
 A shard appears whole or not at all, so a run that was stopped goes on where it was, and training reads
 what is there while the rest is being made.

@@ -1,4 +1,4 @@
-"""Losses of the sketch network: the likelihood of tables, and what is to be read off pictures."""
+"""Losses of the sketch network: the likelihood of tables, and auxiliary losses of the image encoder."""
 
 from dataclasses import replace
 from itertools import permutations

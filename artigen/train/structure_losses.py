@@ -1,4 +1,4 @@
-"""Losses of the structure VAE: the paper's terms (section 4.1), with the weights that small parts need.
+"""Losses of the structure VAE: the paper's terms (section 4.1), reweighted for small parts.
 
 The paper: Dice on occupancy, cross-entropies, squared errors, all with weight 1, KL 0.001. Dice alone
 settles on a solution one cell too thick, unit-cube squares are small beside cross-entropies, and handles

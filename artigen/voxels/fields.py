@@ -1,4 +1,4 @@
-"""The articulated voxel field: which channel means what, and the way in and out of it.
+"""The articulated voxel field: layout of its channels, encoding and decoding.
 
 A field is a dense ``C x X x Y x Z`` array (`encode`, float32) in which every occupied cell carries
 the attributes of the part that owns it, constant within the part (paper section 3.1.1). The channel

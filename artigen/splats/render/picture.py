@@ -1,4 +1,4 @@
-"""One finished picture of Gaussians, from plain values: for sheets, viewers and measurements."""
+"""One finished picture of Gaussians from plain values, for sheets, viewers and measurements."""
 
 from collections.abc import Sequence
 

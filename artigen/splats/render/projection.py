@@ -1,4 +1,4 @@
-"""Projects splats into pictures: elliptical weighted averaging with the filter of Mip-Splatting.
+"""Projects splats: elliptical weighted averaging with the filter of Mip-Splatting.
 
 A splat with covariance ``S`` at ``(x, y, z)`` before the camera leaves a Gaussian of covariance
 ``J W S W^T J^T + k I`` in the picture, where ``W`` turns into the camera and ``J`` is the derivative of

@@ -1,4 +1,4 @@
-"""Voxels of procedural objects as a model draws them, which networks learn on besides true ones.
+"""Voxels of procedural objects as sampled by a structure model, for training besides true ones.
 
 A flow of latents that has seen true voxels alone leaves gaps and smears on drawn ones.
 """

@@ -1,4 +1,4 @@
-"""Newly exposed surface: what no straight line from outside reaches while the object is closed.
+"""Newly exposed surface: not reached by any straight line from outside while the object is closed.
 
 Exact up to the number of directions that are tried: every visible point is moved back to rest with its part
 and looked for from there, past all solids but glass.

@@ -1,4 +1,4 @@
-"""Photographs of a procedural object in its joint states, and what is kept of them as plain values."""
+"""Pictures of a procedural object in its joint states, as plain values."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""What the two sides of voxels look like: a thin board shows both of them in one voxel.
+"""Colours and geometry of the two sides of voxels, for boards that are thinner than a voxel.
 
 A mean over all views mixes the two, and an encoder would have to learn to take them apart. Here every view
 counts for the side that it looks at, the more the less it looks along the board.

@@ -1,4 +1,4 @@
-"""Boards out of drawn cells, a stage of its own: panels become flat, whole and straight at the rim.
+"""Covers sampled cells with boxes, so that panels become flat, complete and straight at the rim.
 
 A network draws the panels of furniture with dents, pinholes and ragged rims. Every part is told anew as the
 boxes that its cells speak for most (`artigen.voxels.cleanup.boxes`): what is missing in one is filled, what

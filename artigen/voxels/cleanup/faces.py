@@ -1,4 +1,4 @@
-"""Faces are boards: a stage of its own for holes, stairs, stains and frayed edges.
+"""Flattens faces: fills holes and removes steps, stains and frayed edges.
 
 The top, the sides and the back of a cabinet or an appliance are whole boards, and so are the fronts of doors
 and drawers, and that of a washing machine around its door. Where others overlap them, at an edge, they lie

@@ -1,1 +1,1 @@
-"""Voxel fields back to parts, joints and a tree."""
+"""Segmentation of voxel fields into parts, joints and a tree."""

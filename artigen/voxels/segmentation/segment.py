@@ -1,4 +1,4 @@
-"""Voxel fields back to parts, joints and a tree.
+"""Segments voxel fields into parts, joints and a tree.
 
 Three steps: a recipe divides the voxels among parts (`partition_paper`, `partition_robust`), every
 part's attributes are aggregated over its voxels, and each part is hung from another one
