@@ -1,4 +1,4 @@
-"""Joint friction, damping and top speed in SI units, for a loader that knows none of them.
+"""Sets joint friction, damping and top speed in SI units, which the loader ignores.
 
 SAPIEN ignores a URDF's ``<dynamics friction>`` and ``<limit velocity>``, and PhysX's own joint friction
 is a unitless coefficient whose holding force depends on the time step and on the number of solver

@@ -1,4 +1,4 @@
-"""What a hand does to a joint: how hard it may pull, where, and in which direction.
+"""Forces that a hand applies to a joint: magnitude, place and direction.
 
 A person pulls a drawer with at most 30 N and turns a door with at most 10 N m, and never with more
 than 30 N at its handle, which is what limits a small lid. Fingers push a button with 10 N and turn a

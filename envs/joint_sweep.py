@@ -1,4 +1,4 @@
-"""``ArtiGen/JointSweep-v0``: move every joint through its range without anything cutting into anything."""
+"""``ArtiGen/JointSweep-v0``: move every joint through its range without penetration."""
 
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""A package in a scene as a value, and what one does with it: pose it, step it, ask what moves."""
+"""A loaded package: poses, stepping, moving links."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""A package in SAPIEN: loaded strictly, with friction and damping in SI units, and nothing lost silently.
+"""Loads a package into SAPIEN strictly, with friction and damping in SI units.
 
 SAPIEN's own loader drops collision shapes that it cannot read, invents masses where a URDF has none,
 ignores joint friction, and needs (or aborts without) a render device as soon as there is a visual.

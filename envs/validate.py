@@ -1,4 +1,4 @@
-"""The verdict on a package folder: checks L0 to L3, and L4 and L5 where asked for, as one report."""
+"""Validates a package folder: checks L0 to L3, and L4 and L5 on request, as one report."""
 
 from collections.abc import Callable
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""`build_reference`: a package straight from a procedural object, the best that any exporter could make.
+"""`build_reference`: an exact package straight from a `Shape`.
 
 Collision is the object's own convex primitives, as boxes and cylinders where they nearly are such; visuals
 are the exact unions of each part's primitives with textures evaluated at every texel; joints and what must

@@ -1,4 +1,4 @@
-"""The verdict on a package: one `CheckResult` for every check, written as ``validation.json``."""
+"""The report on a package: one `CheckResult` per check, written as ``validation.json``."""
 
 import json
 import math

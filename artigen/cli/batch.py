@@ -1,4 +1,4 @@
-"""Long runs: many objects, several processes or machines, a progress bar, and journals to resume from.
+"""Runs over many objects: workers or machines, a progress bar, journals to resume from.
 
 A journal in the output folder holds one line per finished object, written as it finishes: ``run.jsonl``,
 or ``run.03-of-64.jsonl`` for the part of a run. All journals of the folder count, so a rerun with the same

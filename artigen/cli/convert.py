@@ -1,4 +1,4 @@
-"""`artigen convert`: real articulated objects to proven packages, many at once, resumable."""
+"""`artigen convert`: objects in the PartNet-Mobility layout to validated packages."""
 
 import resource
 import sys

@@ -1,4 +1,4 @@
-"""`artigen dataset`: from a recipe to a data set that others load; and to verify, merge and unpack such."""
+"""`artigen dataset`: builds, verifies, merges and unpacks data sets."""
 
 import shutil
 import sys

@@ -1,4 +1,4 @@
-"""Objects of a data set on their way: made, proven, described and packed, one small folder each."""
+"""Objects of a data set: made, validated, described and packed, one folder each."""
 
 import json
 import os

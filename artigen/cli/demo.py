@@ -1,4 +1,4 @@
-"""`artigen demo`: the whole way on objects drawn and generated on the spot, with everything to look at."""
+"""`artigen demo`: procedural and generated objects, exported, validated and rendered."""
 
 import sys
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""`artigen eval`: measures a trained model on held-out objects, beside retrieval and the training set."""
+"""`artigen eval`: evaluates a trained model beside retrieval and the training set."""
 
 import sys
 from dataclasses import dataclass

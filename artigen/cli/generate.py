@@ -1,4 +1,4 @@
-"""`artigen generate`: from a category, words or a picture to proven packages, drawn again where one fails."""
+"""`artigen generate`: category, words or a photo to validated packages; failures are redrawn."""
 
 import json
 import math

@@ -1,4 +1,4 @@
-"""`artigen scene`: a furnished room from a kind and a seed, its objects given or drawn on the spot."""
+"""`artigen scene`: a furnished room from a kind and a seed."""
 
 import sys
 import time

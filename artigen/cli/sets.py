@@ -1,4 +1,4 @@
-"""`artigen sets`: which packages share a topology, and so fit in one batch of an engine."""
+"""`artigen sets`: groups packages by topology."""
 
 import json
 import sys

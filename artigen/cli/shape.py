@@ -1,4 +1,4 @@
-"""`artigen shape`: procedural objects to proven packages, as many as wanted."""
+"""`artigen shape`: procedural objects to validated packages."""
 
 import resource
 import sys

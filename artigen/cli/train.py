@@ -1,4 +1,4 @@
-"""`artigen train`: from nothing to weights, in as many runs as it takes."""
+"""`artigen train`: data generation and training, resumable."""
 
 import logging
 import sys

@@ -1,4 +1,4 @@
-"""`artigen validate`: the proof, on any folder with a ``mobility.urdf``."""
+"""`artigen validate`: checks any folder with a ``mobility.urdf``."""
 
 import sys
 from functools import partial

@@ -1,4 +1,4 @@
-"""Tables of rows and requests to the batches that the network reads."""
+"""Batches of rows and requests for the network."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Tables of rows drawn from the network within the rules: several side by side, in any number of steps."""
+"""Samples tables of rows from the network within the rules, several in parallel."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Faults of shapes: what would make the exported package fail its checks, found on the primitives.
+"""Faults of shapes that would make the package fail its checks, found on the primitives.
 
 A shape is written in a moment, exported and checked in a second or more. `find_faults` says in milliseconds
 whether it is worth it; procedural shapes have no fault. Each id stands for what one check measures:

@@ -1,4 +1,4 @@
-"""`PictureEncoder`: what one picture shows, as tokens that a network attends to.
+"""`PictureEncoder`: a picture as tokens for the network.
 
 A convolutional pyramid sees the picture at a quarter, an eighth and a sixteenth of its resolution. How many
 drawers a cabinet has is seen where the drawers are, so counting is learnt there: a map for each label whose

@@ -1,4 +1,4 @@
-"""Colours of finishes, read off a picture over which a shape was laid.
+"""Reads colours of finishes off a picture over an aligned shape.
 
 A pixel shows its finish's colour under some light. The light is taken to be that of a bright room, in which
 shapes are drawn too; how bright each side of the object is in this picture follows from the finishes that

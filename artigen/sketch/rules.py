@@ -1,4 +1,4 @@
-"""`Writer`: what may be said next in a table of rows, so that what is said can always be read.
+"""`Writer`: masks the next symbol so that every finished table is valid.
 
 The header is a contract: every label comes as often as it was counted, every coordinate lies within the
 extents, parts hang on parts that exist, pieces have finishes of the table and edges longer than nothing.

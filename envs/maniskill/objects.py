@@ -1,4 +1,4 @@
-"""What a task knows of a package before any simulator runs: the parts it may use, and where to hold them.
+"""Parts of a package that a task may use, and where to grasp them, found without a simulator.
 
 A part is usable if one joint moves it and nothing else follows. Everything else that moves is left out by
 name, with the reason, instead of turning into a NaN later.

@@ -1,4 +1,4 @@
-"""Whether a room keeps its promises, measured on the collision hulls and not on what the planner knew.
+"""Checks the guarantees of a room on collision hulls, independently of the planner.
 
 A sweep is checked piece by piece: between two poses every hull stays within the convex hull of both, grown
 by the arc's height above its chord. So what is called free is free, and something closer to a sweep than
