@@ -20,7 +20,7 @@ below its friction creeps this slowly, and one that moves faster feels the whole
 def apply_friction(joint: "PhysxArticulationJoint", friction: float) -> None:
     """Replaces a joint's resistance by Coulomb friction of ``friction`` newtons or newton metres.
 
-    Uses the joint's drive; whoever drives the joint later replaces the friction with it.
+    Uses the joint's drive; setting another drive on the joint later replaces the friction.
     """
     if not friction >= 0.0:
         raise ValueError(f"joint {joint.name!r}: friction {friction}, expected >= 0")

@@ -87,8 +87,7 @@ class LoadedPackage:
 
 
 def advance(loaded: LoadedPackage) -> None:
-    """One physics step in which followers follow and springs pull; an object that has neither needs no more
-    than ``scene.step()``."""
+    """Makes one physics step with followers and springs; objects without them need only ``scene.step()``."""
     if loaded.followers:
         qpos = loaded.articulation.qpos
         for each in loaded.followers:

@@ -49,7 +49,7 @@ def load_package(
     """Loads ``mobility.urdf`` of a package folder into ``scene``, at rest, its frame on the world's.
 
     Args:
-        scene: where the articulation is built; its time step is the caller's business.
+        scene: where the articulation is built, with any time step.
         folder: the package; an original PartNet-Mobility folder will do.
         cfg: base, visuals and joint resistance.
         package: the folder's content where it has been read already.
