@@ -141,9 +141,9 @@ def draw_object(
 
     The header is drawn first; then the object grows part by part. Several continuations are drawn for every
     part, and the first without a new fault is kept. If all have one, the object is cut back to before the
-    part that most of these faults involve (conflict-directed backjumping, Prosser 1993); repeated dead ends at
-    the same number of parts cut back further. When the budget is used up, the object is finished with the fewest
-    faults of a batch, which are returned with it.
+    part that most of these faults involve (conflict-directed backjumping, Prosser 1993); repeated dead ends
+    at the same number of parts cut back further. When the budget is used up, the object is finished with the
+    fewest faults of a batch, which are returned with it.
 
     Args:
         network: A trained network.
