@@ -8,13 +8,13 @@ import torch
 from jaxtyping import Float
 from torch import Tensor
 
+from artigen.conditioning.delivery import asset_size, part_counts
 from artigen.errors import SegmentationError, SourceError
 from artigen.latent.outline import gather_outlines, outline_rows
 from artigen.latent.presets import PRESETS, StructurePreset
 from artigen.latent.smoothing import SteadyConfig
 from artigen.latent.structure_flow import StructureFlow, sample_latents
 from artigen.latent.structure_vae import StructureVae, decode_cells
-from artigen.metrics.delivery import asset_size, part_counts
 from artigen.models.conditions import ConditionBatch, StructureCondition, gather_conditions
 from artigen.models.description import read_description
 from artigen.models.rectified_flow import SamplerConfig

@@ -8,6 +8,7 @@ import pytest
 import torch
 
 import artigen.latent.draw
+from artigen.conditioning.delivery import asset_size, part_counts
 from artigen.errors import SegmentationError, SourceError
 from artigen.latent.draw import (
     GenerateConfig,
@@ -18,7 +19,6 @@ from artigen.latent.draw import (
 )
 from artigen.latent.outline import OutlineBatch, outline_rows, sort_rows
 from artigen.latent.presets import PRESETS
-from artigen.metrics.delivery import asset_size, part_counts
 from artigen.models.conditions import StructureCondition
 from artigen.models.store import save_model
 from artigen.shapes.asset import shape_to_asset

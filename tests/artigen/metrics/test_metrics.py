@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from artigen.conditioning.delivery import asset_size, has_counts, part_counts, size_error
 from artigen.metrics.chamfer import chamfer
 from artigen.metrics.clouds import sample_cells, sample_parts
 from artigen.metrics.compat import compat_distance, pair_with_leftovers
-from artigen.metrics.delivery import asset_size, has_counts, part_counts, size_error
 from artigen.metrics.deviations import part_deviations
 from artigen.metrics.distribution import coverage, minimum_matching_distance, nearest_neighbour_accuracy
 from artigen.metrics.instantiation import (

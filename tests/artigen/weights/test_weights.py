@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from artigen.appearance.draw import AppearanceConfig, draw_splats, load_appearance_model
+from artigen.conditioning.delivery import has_counts, size_error
 from artigen.latent.draw import generate_structure, load_structure_model
-from artigen.metrics.delivery import has_counts, size_error
 from artigen.models.conditions import StructureCondition
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.draw import Wish, categories, draw_shape
