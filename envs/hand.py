@@ -56,7 +56,7 @@ def shape_vertices(shape: "PhysxCollisionShape") -> Float[np.ndarray, "V 3"]:
 
 
 def measure_moved(loaded: LoadedPackage, joint: LoadedJoint) -> Moved:
-    """What ``joint`` moves at the articulation's present pose."""
+    """Mass properties of what ``joint`` moves in the present pose."""
     frame = pose_matrix(joint.engine.global_pose)
     axis, origin = frame[:3, 0], frame[:3, 3]  # SAPIEN puts the axis on the joint frame's x
     masses, centers, inertias, vertices = [], [], [], [np.zeros((0, 3))]

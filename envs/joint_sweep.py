@@ -18,7 +18,7 @@ from .package import LoadConfig
 
 @dataclass(frozen=True, kw_only=True)
 class JointSweepConfig:
-    """What a sweep allows and counts."""
+    """Thresholds of a sweep."""
 
     step: float = 0.1
     """Part of its range that a full action moves a joint by."""

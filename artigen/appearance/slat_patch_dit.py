@@ -55,7 +55,7 @@ class SlatPatchDitConfig:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PatchPlan:
-    """What the network needs to know about a set of voxels.
+    """Precomputed tokens and neighbourhoods of a set of voxels.
 
     ``slots`` is each voxel's cell, counted through the cells of all tokens; ``places`` are the tokens'.
     """

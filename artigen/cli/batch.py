@@ -28,7 +28,7 @@ JOURNAL = "run.jsonl"
 
 
 class Job(Protocol):
-    """What a batch needs to know about one piece of work."""
+    """One job of a batch."""
 
     @property
     def key(self) -> str:
@@ -74,7 +74,7 @@ class Finished:
 
 @dataclass(frozen=True, kw_only=True)
 class Made:
-    """What making one package took and noted."""
+    """Time, memory and notes of making one package."""
 
     seconds: tuple[tuple[str, float], ...]
     peak_mib: float

@@ -94,7 +94,7 @@ class _Pool:
 
 @dataclass(frozen=True, kw_only=True)
 class _Chosen:
-    """What of the objects that were made belongs to the data set, and how many each pool lacks."""
+    """Objects selected for the data set, and the number that each pool lacks."""
 
     ids: tuple[str, ...]
     full: frozenset[str]
@@ -147,7 +147,7 @@ def _make(path: Path, out: Path, runner: Runner, shard: str | None) -> int:
 
 
 def _failed_before(jobs: list[ObjectJob], work: Path) -> dict[str, Finished]:
-    """Of the jobs, those whose objects have failed a check, as they would again; errors are tried again."""
+    """Jobs whose objects failed a check, which would fail again; errors are retried."""
     journal = read_journal(work)
     return {
         job.key: line

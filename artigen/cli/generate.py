@@ -110,7 +110,7 @@ def _understand(job: GenerateJob) -> "Understood":
 
 
 def read_job(job: GenerateJob) -> "Request":
-    """What a job asks for."""
+    """The request of a job."""
     from artigen.conditioning.request import Request
     from artigen.shapes.draw import Wish
 

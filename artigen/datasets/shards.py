@@ -35,7 +35,7 @@ class StoredObject:
 
     @cached_property
     def sample(self) -> Sample:
-        """What is said of the object."""
+        """Description of the object."""
         return sample_from_json(self.members[JSON])
 
     @property

@@ -21,7 +21,7 @@ from artigen.voxels.fields import DEFAULT_LAYOUT, FieldLayout, VoxelFields, afte
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Reconstruction:
-    """What a pass through the VAE gives: logits of all cells, channels of the occupied patches, posterior."""
+    """Result of a pass through the VAE: logits of all cells, channels of the occupied patches, posterior."""
 
     logits: Float[Tensor, "N K"]
     attributes: Float[Tensor, "P K C"]

@@ -54,7 +54,7 @@ class DrawJob:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Draw:
-    """What became of a first draw: an object, or why it is none."""
+    """Result of a first draw: an object, or the reason of failure."""
 
     asset: Asset | None
     error: str | None

@@ -47,7 +47,7 @@ Progress = Callable[[str, int, int], None]
 
 @dataclass(frozen=True, kw_only=True)
 class EvaluateAppearanceConfig:
-    """What is measured."""
+    """Scope of an evaluation."""
 
     held_out: int = 14
     """Held-out procedural objects, categories in turn."""

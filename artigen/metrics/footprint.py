@@ -18,7 +18,7 @@ STATUS = Path("/proc/self/status")
 
 @dataclass(frozen=True, kw_only=True)
 class Footprint:
-    """Of one object, latent to parts."""
+    """Time and memory of drawing one object, latent to parts."""
 
     seconds: float
     """Median of the repeats, after one draw that warms up."""
@@ -30,7 +30,7 @@ class Footprint:
 
 @dataclass(frozen=True, kw_only=True)
 class FootprintJob:
-    """What to draw, and how often."""
+    """Object to draw, and number of repetitions."""
 
     model: Path
     asked: StructureCondition

@@ -28,7 +28,7 @@ FIELDS = 1 + len(PART_LABELS) + 1
 
 @dataclass(frozen=True, kw_only=True)
 class StructureCondition:
-    """What is asked of a structure; None is left open. Metres."""
+    """Condition of a structure; None is unconstrained. Metres."""
 
     category: str | None = None
     counts: tuple[tuple[PartLabel, int], ...] = ()

@@ -84,7 +84,7 @@ class ShapePart:
 
 @dataclass(frozen=True, kw_only=True)
 class Condition:
-    """What a person would ask for to get this object."""
+    """The condition that a person would state to get this object."""
 
     category: str
     counts: tuple[tuple[PartLabel, int], ...]

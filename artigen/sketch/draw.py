@@ -298,7 +298,7 @@ def _list_places(writers: Sequence[Writer]) -> Places:
 def _slice_cache(
     cache: Sequence[Cache], index: int
 ) -> tuple[tuple[Float[Tensor, "1 H T E"], Float[Tensor, "1 H T E"]], ...]:
-    """What every block remembers of one table."""
+    """Cache of every block for one table."""
     out = []
     for block in cache:
         assert block.keys is not None

@@ -205,7 +205,7 @@ def read_object_picture(network: SketchNetwork, path: Path) -> Picture:
 
 @torch.no_grad()
 def look_at(network: SketchNetwork, picture: Float[np.ndarray, "4 S S"]) -> tuple[Seen, Sight]:
-    """What a network sees in one picture (RGBA in [0, 1], premultiplied on black)."""
+    """Encodes one picture (RGBA in [0, 1], premultiplied on black)."""
     return network.look(torch.from_numpy(np.ascontiguousarray(picture, dtype=np.float32))[None])
 
 

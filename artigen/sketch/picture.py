@@ -53,7 +53,7 @@ class PictureConfig:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Seen:
-    """What pictures seem to show."""
+    """Predictions from pictures."""
 
     tokens: Float[Tensor, "B N D"]
     """One for every square of the picture, and two for all of it: what it looks like, and what is guessed."""

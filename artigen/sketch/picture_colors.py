@@ -241,7 +241,7 @@ def _trace(
 def _light(
     shape: Shape, points: Float[np.ndarray, "N 3"], camera: Pinhole
 ) -> tuple[Float[np.ndarray, "N"], Float[np.ndarray, "N"]]:
-    """What the room's light makes of points (m) that are seen: shares scattered, and light mirrored.
+    """Illumination of visible points (m): diffuse shares and mirrored light.
 
     The shape is drawn twice, all black and all grey: black shows what is mirrored, shadows and all.
     """

@@ -17,7 +17,7 @@ from artigen.types import Asset, Gaussians, VoxelGrid
 
 @dataclass(frozen=True, kw_only=True)
 class SeamConfig:
-    """What counts as straying; lengths in cells."""
+    """Thresholds for stray Gaussians; lengths in cells."""
 
     depth: float = 0.2
     """A Gaussian in another part's cell, further than this from every cell of its own, goes to that part.

@@ -103,7 +103,7 @@ def train_decoder(
 def guess_latents(
     flow: StructureFlow, drawn: LatentBatch, outlines: OutlineBatch, generator: torch.Generator
 ) -> Float[Tensor, "B C X Y Z"]:
-    """What a flow takes for the latents of a batch, from times between data and noise, each as likely."""
+    """The flow's estimates of the latents of a batch, from times uniform between data and noise."""
     tokens, hint = flow.conditions(drawn.conditions), flow.hint(outlines)
     jitter, first, second = (
         torch.randn(drawn.mean.shape, generator=generator, device=generator.device) for _ in range(3)

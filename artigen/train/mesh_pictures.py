@@ -106,7 +106,7 @@ def _pinhole(cameras: Cameras) -> Pinhole:
 def _find_surface(
     vertices: Float[np.ndarray, "V 3"], faces: Int[np.ndarray, "F 3"], seen: SeenFaces, cameras: Cameras
 ) -> Surface:
-    """What shading asks for: the source's triangles have no reliable orientation, so normals face us."""
+    """Surface for shading; normals face the camera, since source triangles have no reliable orientation."""
     corners = vertices[faces[seen.face]]
     point = np.einsum("nk,nkd->nd", seen.weights, corners)
     view = point - cameras.position[0].double().numpy()

@@ -32,7 +32,7 @@ ARRAYS = ("names", "categories", "resolution", "patches", "parts", "index", "row
 
 @dataclass(frozen=True, kw_only=True)
 class ShardConfig:
-    """What the examples of a folder are."""
+    """Configuration of the examples of a folder."""
 
     categories: tuple[str, ...] = PAPER_CATEGORIES
     """Categories, taken in turn."""
@@ -126,7 +126,7 @@ def draw_shard(
 
 
 def condition_arrays(examples: Sequence[Conditioned]) -> dict[str, np.ndarray]:
-    """What examples are called and can be asked for, as arrays; pictures if all have one."""
+    """Names and conditions of examples as arrays; pictures if all have one."""
     arrays = {
         "names": np.array([one.name for one in examples]),
         "categories": np.array([one.category for one in examples]),

@@ -148,7 +148,7 @@ def orient_kernels(network: nn.Module, tensors: dict[str, Tensor]) -> dict[str, 
 
 
 def normalise_features(features: Float[Tensor, "B L C"]) -> Float[Tensor, "B L C"]:
-    """What TRELLIS does to DINOv2's tokens before they condition a flow: layer norm without gain."""
+    """Normalises DINOv2's tokens as TRELLIS does before conditioning: layer norm without gain."""
     return nn.functional.layer_norm(features, features.shape[-1:])
 
 

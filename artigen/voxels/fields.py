@@ -128,7 +128,7 @@ def after_occupancy(channels: slice) -> slice:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class VoxelFields:
-    """What the occupied cells say, in meaningful units: radians and unit-cube lengths.
+    """Values of the occupied cells in meaningful units: radians and unit-cube lengths.
 
     Probabilities are non-negative and sum to one per voxel, except that category rows may be zero
     (an object outside the layout's categories).

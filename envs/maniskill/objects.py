@@ -267,7 +267,7 @@ def _read_part(package: SimPackage, joint: PackageJoint, label: PartLabel) -> Ta
 
 
 def _read_latches(package: SimPackage, needs: dict[str, float]) -> tuple[Latching, ...]:
-    """Those of the needed joints that move knobs and handles; what one of them needs comes before it.
+    """Needed joints that move knobs and handles, each after what it needs itself.
 
     What hangs from another leaf that stands open has nothing to hold any more.
     """

@@ -35,7 +35,7 @@ class View:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Footprints:
-    """What a camera may see of the splats: ``alpha = exp(f - (a dx^2 + 2 b dx dy + c dy^2) / 2)``."""
+    """Projected splats of a camera: ``alpha = exp(f - (a dx^2 + 2 b dx dy + c dy^2) / 2)``."""
 
     ellipses: Float[Tensor, "V 6"]
     """Column and row of the centre (pixels), a, b, c (per square pixel), f."""

@@ -54,7 +54,7 @@ class DrawnVoxels:
 
 @dataclass(frozen=True, kw_only=True)
 class DrawnShardConfig(ShardConfig):
-    """What the examples of a folder are."""
+    """Configuration of the examples of a folder."""
 
     structure: Path | None = None
     """Folder of the model that draws the voxels; without one, they are roughened."""

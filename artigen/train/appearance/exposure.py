@@ -79,7 +79,7 @@ def rest_surface(
 
 
 def _without_glass(scene: Scene, instances: Instances) -> Instances:
-    """What one cannot look through."""
+    """The opaque part of a shape."""
     clear = scene.paint.opacity.reshape(-1, 2).amin(dim=1) < 1
     kept = ~clear[instances.primitive]
     rows: dict[str, Any] = {

@@ -22,7 +22,7 @@ SLACK = 0.25
 
 @dataclass(frozen=True, kw_only=True)
 class BoardsConfig:
-    """What counts as a board. Evidence is counted in certain cells."""
+    """Thresholds for boards. Evidence is counted in certain cells."""
 
     certain: float = 4.0
     """Logits beyond this count as certain."""

@@ -154,7 +154,7 @@ def even_faces(
 
 
 def weigh_depths(evidence: Float[np.ndarray, "D H W"]) -> Float[np.ndarray, "K H W"]:
-    """What speaks for a column to begin at each depth, and for none of them, the last.
+    """Log-evidence per candidate depth of a column; the last entry means "no surface".
 
     Nothing is before the first cell, whatever comes behind it: cells there speak for no depth.
 

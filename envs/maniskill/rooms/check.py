@@ -150,7 +150,7 @@ def _meet_grid(boxes: Float[np.ndarray, "S H 2 3"], near: Float[np.ndarray, "M 2
 
 
 def _blocked_standing(room: Room, placement: Placement, solids: Sequence[Solid]) -> list[Problem]:
-    """What stands where the robot should, the object itself included."""
+    """Obstacles where the robot should stand, the object itself included."""
     problems = []
     radius = room.standing_radius
     for x, y in placement.standing:
