@@ -1,1 +1,1 @@
-"""Voxels: grids, 35-channel fields, voxelisation, surface position in cells, clean-up of sampled cells."""
+"""Voxels: grids, 35-channel fields, voxelisation, segmentation, clean-up of drawn cells."""
