@@ -52,13 +52,13 @@ artigen dataset verify out/household --prove 20""",
     "eval": "artigen eval sketch --model RUN/model -o RUN/evaluation",
     "demo": "artigen demo -o out/demo",
 }
-"""Commands in the order of the page, with what one would type."""
+"""What one would type, by command."""
 
 
 def render() -> str:
     """The page."""
     assert EXAMPLES.keys() == COMMANDS.keys()
-    return HEAD + "".join(_section(name, example) for name, example in EXAMPLES.items())
+    return HEAD + "".join(_section(name, EXAMPLES[name]) for name in COMMANDS)
 
 
 def _section(name: str, example: str) -> str:

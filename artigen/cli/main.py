@@ -10,19 +10,19 @@ from artigen.errors import ArtigenError
 from artigen.runtime.cores import thread_environment
 
 COMMANDS = {
-    "convert": "convert",
     "shape": "shape",
     "generate": "generate",
-    "dataset": "dataset",
-    "train": "train",
-    "eval": "evaluate",
-    "export": "export",
-    "usd": "usd",
+    "convert": "convert",
     "validate": "validate",
     "preview": "preview",
     "view": "view",
+    "export": "export",
+    "usd": "usd",
     "sets": "sets",
     "scene": "scene",
+    "dataset": "dataset",
+    "train": "train",
+    "eval": "evaluate",
     "demo": "demo",
 }
 """Subcommands, and for each the module of `artigen.cli` that holds a function of the module's name."""
