@@ -19,12 +19,14 @@ from artigen.cli.shard import read_shard
 from artigen.runner import choose_runner
 from artigen.workers import Worker
 
+Direction = Literal["x", "-x", "y", "-y", "z", "-z"]
+
 if TYPE_CHECKING:
+    from artigen.datasets.source_object import SourceObject
     from artigen.types import Asset
     from sim_export.export import Exported
     from sim_export.package import SimPackage
 
-SOURCE_FILE = "mobility_v2.json"
 COLLISION_CHECKS = ("V006", "V102", "V103", "V104", "V105", "V201", "V202")
 """Static checks that other hulls may pass."""
 
@@ -39,7 +41,14 @@ class ConvertSettings:
     recipe: Literal["robust", "paper"] = "robust"
     """How parts are found in the voxels: the robust recipe, or the paper's."""
     size: float | None = None
-    """Longest edge of the closed object in metres; None takes it from the category's usual size."""
+    """Longest edge of the closed object in metres; None keeps the lengths of a URDF, and takes those of other
+    layouts from the category's usual size."""
+    category: str | None = None
+    """What the objects are; None takes it from their own files and names."""
+    up: Direction | None = None
+    """Which way is up in a URDF or object.json; None is z in a URDF, y in object.json."""
+    front: Direction | None = None
+    """Which way the front faces in a URDF or object.json; None is -x in a URDF, z in object.json."""
     seed: int = 0
     """Seed of the surface samples."""
     splats: bool = False
@@ -58,30 +67,46 @@ class ConvertJob:
 
     @property
     def key(self) -> str:
-        """Name of the package: that of the source folder."""
-        return self.source.resolve().name
+        """Name of the package: that of the source."""
+        from artigen.datasets.sources import name_source
+
+        return name_source(self.source)
 
     @property
     def settings(self) -> str:
         """Source and settings as text."""
         return f"{self.source.resolve()} {self.cfg}"
 
+    def read(self, scratch: Path) -> "SourceObject":
+        """Reads the source; meshes that cannot stay as they are go into ``scratch``."""
+        from artigen.datasets.source_object import ReaderConfig
+        from artigen.datasets.sources import read_source
+
+        cfg = self.cfg
+        reader = ReaderConfig(size=cfg.size, seed=cfg.seed, category=cfg.category, up=cfg.up, front=cfg.front)
+        return read_source(self.source, scratch, reader)
+
 
 def convert_object(job: ConvertJob) -> Made:
     """Reads one object, exports it and writes the package; runs in a worker process."""
+    with TemporaryDirectory() as scratch:
+        return _convert(job, Path(scratch))
+
+
+def _convert(job: ConvertJob, scratch: Path) -> Made:
     from artigen import __version__
-    from artigen.datasets.partnet_mobility import ReaderConfig, read_object
+    from artigen.datasets.sources import find_layout
     from artigen.splats.surface import RANDOM
     from sim_export.appearance.splats import splat_package
     from sim_export.export import export_asset
     from sim_export.files.write import write_package
 
     watch = [("start", time.perf_counter())]
-    source = read_object(job.source, ReaderConfig(size=job.cfg.size, seed=job.cfg.seed))
+    source = job.read(scratch)
     watch.append(("read", time.perf_counter()))
     provenance = {
         "generator": f"artigen {__version__} convert",
-        "source": f"{job.key} ({source.asset.category}), PartNet-Mobility layout",
+        "source": f"{job.key} ({source.asset.category}), {find_layout(job.source)} layout",
         "visual": job.cfg.visual,
         "seed": str(job.cfg.seed),
     }
@@ -93,7 +118,8 @@ def convert_object(job: ConvertJob) -> Made:
         exported = export_asset(asset, provenance=provenance)
     else:
         exported = export_source(source, asset, provenance)
-    package = splat_package(exported.package, asset, RANDOM) if job.cfg.splats else exported.package
+    package = follow_source(exported.package, source)
+    package = splat_package(package, asset, RANDOM) if job.cfg.splats else package
     written = time.perf_counter()
     write_package(package, job.out / job.key, "replace")
     laps = [(name, now - before) for (_, before), (name, now) in pairwise(watch)]
@@ -102,6 +128,14 @@ def convert_object(job: ConvertJob) -> Made:
         peak_mib=resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
         notes=package.records,
     )
+
+
+def follow_source(package: "SimPackage", source: "SourceObject") -> "SimPackage":
+    """The package with joints that follow others as the source says."""
+    from sim_export.physics.followers import couple_followers
+
+    joints, records = couple_followers(package.links, package.joints, dict(source.follows))
+    return replace(package, joints=joints, records=(*package.records, *records))
 
 
 def voxelize_object(asset: "Asset") -> "Asset":
@@ -115,15 +149,20 @@ def voxelize_object(asset: "Asset") -> "Asset":
 
 def rebuild_from_voxels(asset: "Asset", recipe: Literal["robust", "paper"] = "robust") -> "Asset":
     """Object to 35-channel field and back: all that is kept besides is the colour of the surface."""
-    from artigen.carry_over import carry_surface
+    from artigen.carry_over import carry_surface, restore_tree
     from artigen.fields import DEFAULT_LAYOUT, decode, encode
     from artigen.segment import SegmentConfig, segment
 
     fields = decode(encode(asset, DEFAULT_LAYOUT), DEFAULT_LAYOUT)
     found = segment(
-        fields, SegmentConfig(recipe=recipe), name=asset.name, scale=asset.scale, category=asset.category
+        fields,
+        SegmentConfig(recipe=recipe, detached="note"),
+        name=asset.name,
+        scale=asset.scale,
+        category=asset.category,
     )
-    return carry_surface(asset, replace(found, notes=asset.notes + found.notes))
+    found = carry_surface(asset, replace(found, notes=asset.notes + found.notes))
+    return restore_tree(asset, found)
 
 
 def export_source(source, asset: "Asset", provenance: dict[str, str]) -> "Exported":
@@ -212,12 +251,15 @@ def convert_and_validate(worker: Worker, job: ConvertJob, timeout: float) -> Fin
 
 def explain_failures(job: tuple[ConvertJob, tuple[str, ...]]) -> tuple[str, ...]:
     """Check and evidence for each failed check that the source fails as well; runs in a worker process."""
-    from artigen.datasets.partnet_mobility import ReaderConfig, read_object
+    with TemporaryDirectory() as scratch:
+        return _explain(*job, Path(scratch))
+
+
+def _explain(job: ConvertJob, failed: tuple[str, ...], scratch: Path) -> tuple[str, ...]:
     from sim_export.export import export_asset
     from sim_export.source_faults import find_source_faults
 
-    (source_job, failed), cfg = job, job[0].cfg
-    source = read_object(source_job.source, ReaderConfig(size=cfg.size, seed=cfg.seed))
+    source = job.read(scratch)
     asset = voxelize_object(source.asset)
     package = export_asset(asset, source_meshes=place_source_meshes(source, asset)).package
     surfaces = dict(
@@ -231,15 +273,6 @@ def explain_failures(job: tuple[ConvertJob, tuple[str, ...]]) -> tuple[str, ...]
     return tuple(f"{check} {said}" for check, said in find_source_faults(package, shown, failed).items())
 
 
-def find_sources(paths: tuple[Path, ...]) -> list[Path]:
-    """The object folders among ``paths``, and those directly inside of any other folder."""
-    found = []
-    for path in paths:
-        inside = sorted(child for child in path.glob("*") if (child / SOURCE_FILE).is_file())
-        found += [path] if (path / SOURCE_FILE).is_file() or not inside else inside
-    return found
-
-
 def convert(
     sources: tyro.conf.Positional[tuple[Path, ...]],
     out: Out,
@@ -249,12 +282,13 @@ def convert(
     runner: RunnerChoice = "local",
     shard: Shard = None,
 ) -> int:
-    """Turns objects in the PartNet-Mobility layout into simulation packages and proves them.
+    """Turns articulated objects into simulation packages and proves them.
 
-    A killed or failed run is finished by running the same command again.
+    Takes any URDF, folders in the PartNet-Mobility layout, and object.json files (ACD). A killed or failed run
+    is finished by running the same command again.
 
     Args:
-        sources: Object folders, or folders full of them.
+        sources: URDF files, object folders, or folders full of either.
         out: Folder for the packages and the journal run.jsonl.
         cfg: How objects are converted.
         workers: Processes side by side, of one thread each; left out, one per core that may be used.
@@ -262,6 +296,8 @@ def convert(
         runner: Where objects are made: processes here, or tasks of a Ray cluster.
         shard: K/N converts the K-th of N parts of the objects.
     """
+    from artigen.datasets.sources import find_sources
+
     jobs = [ConvertJob(source=source, out=out, cfg=cfg) for source in find_sources(sources)]
     handle, chosen = partial(convert_and_validate, timeout=timeout), choose_runner(runner, workers)
     results = run_shown(handle, jobs, out, runner=chosen, part=read_shard(shard))

@@ -3,8 +3,9 @@
 The paper is silent on the tree. The rule here is explicit: `ALLOWED_PARENTS` says which labels a
 part may hang from and how strongly it prefers them; of the parts that it touches, the one with the
 largest preference-weighted contact is the parent. What reaches far beyond a door does not hang from that:
-a shelf behind it rests in the body, a handle across its edge sits on the drawer below. There is one base;
-whatever finds no parent within reach is reported, never guessed.
+a shelf behind it rests in the body, a handle across its edge sits on the drawer below. A part that touches
+none of these hangs from what it touches, whatever that is: a lid from a lever, a lever from another one.
+There is one base; whatever touches nothing within reach is reported, never guessed.
 """
 
 from collections.abc import Mapping, Sequence
@@ -63,10 +64,11 @@ def find_parents(
     pairs: Int[np.ndarray, "2 E"],
     cfg: TreeConfig,
 ) -> list[int | None]:
-    """Parent of every part: -1 for the base, None where no allowed part is within reach.
+    """Parent of every part: -1 for the base, None where no part at all is within reach.
 
     Parts that touch compete by contact, panels that the part's middle does not lie on or in after all others;
-    only where none touches does the nearest within reach win.
+    only where none touches does the nearest within reach win. What has no allowed parent within reach hangs
+    from any part that hangs from the base itself, in the order of contact.
     """
     contact = contact_counts(part_ids, pairs, len(parts))
     parents: list[int | None] = []
@@ -87,7 +89,34 @@ def find_parents(
             parents.append(int(scores.argmax()))
         else:
             parents.append(_nearest_parent(index, np.flatnonzero(weights), coords, part_ids, cfg))
-    return parents
+    return _hang_rest(parents, contact, coords, part_ids, cfg)
+
+
+def _hang_rest(
+    parents: list[int | None], contact: np.ndarray, coords: np.ndarray, part_ids: np.ndarray, cfg: TreeConfig
+) -> list[int | None]:
+    """Hangs parts without a parent from parts of any label that hang from the base, nearest ones first."""
+    out = list(parents)
+
+    def is_held(index: int) -> bool:
+        at: int | None = index
+        while at is not None and at != -1:
+            at = out[at]
+        return at == -1
+
+    while lost := [index for index, parent in enumerate(out) if parent is None]:
+        held = np.array([index for index in range(len(out)) if is_held(index)])
+        touches = contact[lost][:, held]
+        if touches.max(initial=0) > 0:
+            row, column = np.unravel_index(int(touches.argmax()), touches.shape)
+            out[lost[int(row)]] = int(held[int(column)])
+            continue
+        near = {index: _nearest_parent(index, held, coords, part_ids, cfg) for index in lost}
+        index = next((index for index, parent in near.items() if parent is not None), None)
+        if index is None:
+            break
+        out[index] = near[index]
+    return out
 
 
 def _holds(panel: Part, part: Part) -> bool:
