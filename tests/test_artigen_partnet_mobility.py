@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from artigen.datasets.part_labels import LABEL_TABLE, label_table_markdown
 from artigen.datasets.partnet_annotation import read_nodes
 from artigen.datasets.partnet_joints import motion
-from artigen.datasets.part_labels import LABEL_TABLE, label_table_markdown
 from artigen.datasets.partnet_mobility import ReaderConfig, read_object
 from artigen.datasets.sample import SAMPLE_PARTS
 from artigen.datasets.sample_partnet import write_sample

@@ -284,8 +284,8 @@ def convert(
 ) -> int:
     """Turns articulated objects into simulation packages and proves them.
 
-    Takes any URDF, folders in the PartNet-Mobility layout, and object.json files (ACD). A killed or failed run
-    is finished by running the same command again.
+    Takes any URDF, folders in the PartNet-Mobility layout, and object.json files (ACD). A killed or failed
+    run is finished by running the same command again.
 
     Args:
         sources: URDF files, object folders, or folders full of either.

@@ -131,6 +131,7 @@ LABEL_TABLE: tuple[LabelRule, ...] = (
             "tray_support",
             "turntable",
             "platter",
+            "plate",
             "basket",
         ),
         hinge="tray",
