@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from artigen.models.features import PyramidFeatures
-from artigen.paint import lay_painted
+from artigen.appearance.features import PyramidFeatures
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.primitives import box
 from artigen.shapes.render import RenderConfig
@@ -13,6 +12,7 @@ from artigen.train.appearance.curation import CurationConfig, curate
 from artigen.train.appearance.examples import AppearanceExample
 from artigen.train.appearance.views import ViewConfig
 from artigen.types import Asset
+from artigen.voxels.paint import lay_painted
 
 COLOR = (0.7, 0.4, 0.2)
 PLAIN = Finish(kind="lacquer", color=COLOR, accent=COLOR, gloss=0.0)

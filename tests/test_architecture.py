@@ -9,22 +9,21 @@ from graphlib import TopologicalSorter
 from pathlib import Path
 
 import pytest
+from project import ROOT
 
-ROOT = Path(__file__).resolve().parents[1]
 PACKAGES = ("artigen", "sim_export", "envs")
-SHARED = {"types", "transforms", "kinematics", "io", "errors", "workers", "shapes", "splats"}
+SHARED = {"types", "transforms", "kinematics", "io", "errors", "runtime", "shapes", "splats"}
 """Modules of artigen that the other two packages may use."""
 MODEL_CODE = (
     "artigen.appearance",
     "artigen.conditioning",
     "artigen.models",
-    "artigen.train",
-    "artigen.generate",
+    "artigen.latent",
     "artigen.metrics",
-    "artigen.sampling",
-    "artigen.shape_appearance",
     "artigen.shapes.render",
     "artigen.sketch",
+    "artigen.train",
+    "artigen.trellis",
     "envs.maniskill",
     "artigen.splats.render",
 )

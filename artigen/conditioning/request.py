@@ -5,11 +5,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TypeVar
 
+from artigen.conditioning.prompt import COLORS, ParsedText, parse_text
 from artigen.errors import ArtigenError
 from artigen.shapes.draw import Wish, check_wish
 from artigen.sketch.request import ALSO_OF, MATERIAL_OF, ROLES_OF, AskedFinish, SketchRequest, check_category
 from artigen.sketch.rows import CATEGORIES
-from artigen.text import COLORS, ParsedText, parse_text
 from artigen.types import PartLabel
 
 Value = TypeVar("Value")

@@ -3,8 +3,8 @@
 import re
 from collections.abc import Sequence
 
+from artigen.conditioning.prompt import CATEGORY_WORDS
 from artigen.datasets.sizes import SIZE_TABLE
-from artigen.text import CATEGORY_WORDS
 
 UNKNOWN = "Object"
 

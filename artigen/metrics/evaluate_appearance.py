@@ -7,8 +7,13 @@ from pathlib import Path
 import numpy as np
 import torch
 
-from artigen.appearance import AppearanceConfig, AppearanceModel, has_appearance, load_appearance_model
+from artigen.appearance.draw import AppearanceConfig, AppearanceModel, has_appearance, load_appearance_model
+from artigen.appearance.extractors import ExtractorConfig, make_extractor
+from artigen.appearance.features import FeatureExtractor, PyramidFeatures
+from artigen.appearance.presets import APPEARANCE_PRESETS
+from artigen.appearance.vae import APPEARANCE_VAE, AppearanceVae
 from artigen.errors import ArtigenError, SourceError
+from artigen.latent.presets import PresetName
 from artigen.metrics.appearance import (
     Comparison,
     Scores,
@@ -21,15 +26,10 @@ from artigen.metrics.appearance import (
 from artigen.metrics.painted import draw_painted
 from artigen.metrics.part_colors import score_colors
 from artigen.metrics.splat_distance import score_distances
-from artigen.models.appearance_presets import APPEARANCE_PRESETS
-from artigen.models.appearance_vae import APPEARANCE_VAE, AppearanceVae
 from artigen.models.conditions import ConditionConfig
 from artigen.models.description import hash_model, read_description
-from artigen.models.extractors import ExtractorConfig, make_extractor
-from artigen.models.features import FeatureExtractor, PyramidFeatures
-from artigen.models.presets import PresetName
+from artigen.models.rectified_flow import SamplerConfig
 from artigen.models.store import load_model
-from artigen.sampling import SamplerConfig
 from artigen.shapes.draw import draw_shape
 from artigen.train.appearance.curation import CurationConfig
 from artigen.train.appearance.examples import AppearanceExample, draw_appearance_of, sample_parts

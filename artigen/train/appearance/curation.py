@@ -10,10 +10,8 @@ import numpy as np
 import torch
 from jaxtyping import Int
 
-from artigen.models.appearance_vae import SIDE_CHANNELS
-from artigen.models.features import FeatureExtractor
-from artigen.paint import VoxelPaint
-from artigen.places import measure_places
+from artigen.appearance.features import FeatureExtractor
+from artigen.appearance.vae import SIDE_CHANNELS
 from artigen.shapes.asset import frame_shape
 from artigen.shapes.render import build_scene
 from artigen.shapes.shape import Shape
@@ -31,6 +29,8 @@ from artigen.train.appearance.states import plan_fractions
 from artigen.train.appearance.views import ViewConfig, pick_cameras, scale_cameras
 from artigen.train.appearance.visibility import FeatureMean, StateViews, VoxelFeatures, Weighting
 from artigen.types import Asset
+from artigen.voxels.paint import VoxelPaint
+from artigen.voxels.surface import measure_places
 
 AT_ONCE = 16
 """Pictures whose features are in memory."""

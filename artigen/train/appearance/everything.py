@@ -16,13 +16,13 @@ from typing import get_args
 import torch
 from torch import nn
 
+from artigen.appearance.extractors import make_extractor
+from artigen.appearance.presets import APPEARANCE_PRESETS
+from artigen.appearance.slat_flow import SlatFlow
+from artigen.appearance.vae import APPEARANCE_FLOW, APPEARANCE_VAE, AppearanceVae
 from artigen.errors import SourceError
 from artigen.io import write_whole
 from artigen.metrics.appearance import score_vae
-from artigen.models.appearance_presets import APPEARANCE_PRESETS
-from artigen.models.appearance_vae import APPEARANCE_FLOW, APPEARANCE_VAE, AppearanceVae
-from artigen.models.extractors import make_extractor
-from artigen.models.slat_flow import SlatFlow
 from artigen.models.store import save_model
 from artigen.train.appearance.drawn import (
     DrawnShardConfig,

@@ -1,8 +1,8 @@
-"""How the presets of `artigen.models.appearance_presets` are trained, and on what."""
+"""How the presets of `artigen.appearance.presets` are trained, and on what."""
 
 from dataclasses import dataclass, field, replace
 
-from artigen.models.presets import PresetName
+from artigen.latent.presets import PresetName
 from artigen.train.appearance.curation import CurationConfig
 from artigen.train.appearance.losses import AppearanceLossConfig
 from artigen.train.appearance.views import ViewConfig

@@ -4,19 +4,19 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
-from artigen.claim import claim_folder
+from artigen.appearance.extractors import ExtractorConfig, ExtractorName
+from artigen.appearance.presets import APPEARANCE_PRESETS
+from artigen.appearance.slat_vae import SlatVaeConfig
+from artigen.appearance.vae import SIDE_CHANNELS
 from artigen.errors import ArtigenError
-from artigen.models.appearance_presets import APPEARANCE_PRESETS
-from artigen.models.appearance_vae import SIDE_CHANNELS
+from artigen.latent.presets import PRESETS, PresetName
 from artigen.models.description import hash_model, read_description
-from artigen.models.dinov2 import DinoConfig
-from artigen.models.extractors import ExtractorConfig, ExtractorName
-from artigen.models.presets import PRESETS, PresetName
-from artigen.models.slat_vae import SlatVaeConfig
+from artigen.runtime.run_config import claim_folder
 from artigen.train.appearance.curation import CurationConfig
 from artigen.train.appearance.presets import APPEARANCE_TRAINING
 from artigen.train.appearance.visibility import Weighting
 from artigen.train.run import claim_start
+from artigen.trellis.dinov2 import DinoConfig
 
 AppearanceStage = Literal["appearance", "appearance-vae", "appearance-flow"]
 """Both networks, or one of them."""

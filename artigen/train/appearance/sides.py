@@ -12,12 +12,12 @@ from jaxtyping import Bool, Float, Int
 from scipy.spatial import KDTree
 from torch import Tensor
 
-from artigen.facings import count_behind, facing_frames
-from artigen.models.appearance_vae import COLOR_MIDDLE, COLOR_SPREAD, SIDE_CHANNELS
-from artigen.paint import VoxelPaint
-from artigen.places import PLACES, VoxelPlaces, describe_places
+from artigen.appearance.vae import COLOR_MIDDLE, COLOR_SPREAD, SIDE_CHANNELS
 from artigen.train.appearance.visibility import SeenVoxels
 from artigen.types import VoxelGrid
+from artigen.voxels.frames import count_behind, facing_frames
+from artigen.voxels.paint import VoxelPaint
+from artigen.voxels.surface import PLACES, VoxelPlaces, describe_places
 
 SURE = 0.5
 """Weight of views (a view from straight ahead counts as 1) at which a side is as good as known."""
@@ -28,7 +28,7 @@ SHADES = 24
 FEW = 5
 """Sides that a shade needs before it is told how it is seen."""
 PLACED = (4, 8, 9, 10, 11, 12)
-"""Which side features say where surface lies, as `artigen.places.describe_places` does."""
+"""Which side features say where surface lies, as `artigen.voxels.surface.describe_places` does."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -135,7 +135,7 @@ def see_alike(
 
 
 def describe_sides(looks: SideLooks, places: VoxelPlaces) -> Float[Tensor, "N 13"]:
-    """Features of voxels with two sides, scaled as the networks want them (`artigen.models.appearance_vae`).
+    """Features of voxels with two sides, scaled as the networks want them (`artigen.appearance.vae`).
 
     How clear a voxel is; of the outer side, then the inner: colour and height; where the middle of the
     surface lies across, and the logarithms of its widths. Not how well a side is known: a network that can

@@ -1,0 +1,1 @@
+"""Public checkpoints (TRELLIS, DINOv2, CLIP), read from local folders."""

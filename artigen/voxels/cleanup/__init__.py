@@ -1,0 +1,1 @@
+"""Drawn cells made whole, one stage per file; `artigen.voxels.cleanup.clean` runs them in order."""
