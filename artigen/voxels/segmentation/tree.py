@@ -95,7 +95,11 @@ def find_parents(
 def _hang_rest(
     parents: list[int | None], contact: np.ndarray, coords: np.ndarray, part_ids: np.ndarray, cfg: TreeConfig
 ) -> list[int | None]:
-    """Hangs parts without a parent from parts of any label that hang from the base, nearest ones first."""
+    """Hangs parts without a parent from parts of any label that hang from the base.
+
+    Of these the pair of the most contact comes first, then the nearest within reach. Where only a part that
+    hangs from a lost one meets the others (a lever with a lid), that part is hung anew and carries the other.
+    """
     out = list(parents)
 
     def is_held(index: int) -> bool:
@@ -104,19 +108,35 @@ def _hang_rest(
             at = out[at]
         return at == -1
 
-    while lost := [index for index, parent in enumerate(out) if parent is None]:
-        held = np.array([index for index in range(len(out)) if is_held(index)])
-        touches = contact[lost][:, held]
-        if touches.max(initial=0) > 0:
-            row, column = np.unravel_index(int(touches.argmax()), touches.shape)
-            out[lost[int(row)]] = int(held[int(column)])
-            continue
-        near = {index: _nearest_parent(index, held, coords, part_ids, cfg) for index in lost}
-        index = next((index for index, parent in near.items() if parent is not None), None)
-        if index is None:
+    while None in out:
+        held = [index for index in range(len(out)) if is_held(index)]
+        lost = [index for index, parent in enumerate(out) if parent is None]
+        carried = [index for index in range(len(out)) if index not in held and index not in lost]
+        found = next(
+            filter(None, (_meet(some, held, contact, coords, part_ids, cfg) for some in (lost, carried))),
+            None,
+        )
+        if found is None:
             break
-        out[index] = near[index]
+        out[found[0]] = found[1]
     return out
+
+
+def _meet(
+    some: list[int],
+    held: list[int],
+    contact: np.ndarray,
+    coords: np.ndarray,
+    part_ids: np.ndarray,
+    cfg: TreeConfig,
+) -> tuple[int, int] | None:
+    """The part among ``some`` that meets one of ``held`` most, and that one; None where none is in reach."""
+    touches = contact[some][:, held]
+    if touches.max(initial=0) > 0:
+        row, column = divmod(int(touches.argmax()), len(held))
+        return some[row], held[column]
+    near = ((index, _nearest_parent(index, np.array(held), coords, part_ids, cfg)) for index in some)
+    return next(((index, parent) for index, parent in near if parent is not None), None)
 
 
 def _holds(panel: Part, part: Part) -> bool:
