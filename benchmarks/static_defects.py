@@ -258,11 +258,6 @@ ISLAND_DEFECTS = (
     Defect(name="handle 3 cm off", check="V107", mutate=shift("visual/handle_link_0_0.obj", x=-0.03)),
     Defect(name="shelf before the body", check="V107", mutate=shift("visual/shelf_link_4_0.obj", x=-0.6)),
     Defect(name="loose hull", check="V107", mutate=shift("collision/link_0_6.obj", x=-0.04)),
-    Defect(
-        name="drawer floor of half the size",
-        check="V107",
-        mutate=edit_vertices("collision/link_0_1.obj", lambda v: v.mean(axis=0) + 0.5 * (v - v.mean(axis=0))),
-    ),
 )
 
 MOTION_DEFECTS = (

@@ -1,6 +1,7 @@
 """L1, islands: no piece of a visual and no hull floats beside the rest of its link (V107)."""
 
 from collections.abc import Callable, Iterator, Sequence
+from functools import cache
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -8,7 +9,7 @@ from jaxtyping import Float, Int
 from sim_export.checks.config import CheckConfig
 from sim_export.checks.registry import CheckSpec, Finding, always
 from sim_export.checks.subject import Subject
-from sim_export.collision.contacts import HullSet, signed_distances
+from sim_export.collision.contacts import HullSet
 
 # coal is a compiled module without stubs.
 # pyright: reportAttributeAccessIssue=false
@@ -17,22 +18,17 @@ Distance = Callable[[int, int], float]
 
 
 def check_islands(subject: Subject, cfg: CheckConfig) -> Finding:
-    """V107: the pieces of every link hold together, those that are seen and those that are felt."""
+    """V107: what is seen of a link holds together, and each of its hulls is at that or at other hulls."""
     gaps = [(0.0, "", "every link is of one piece")]
     for link in subject.links:
-        triangles = [shape.triangles for shape in subject.visuals if shape.link == link]
-        gaps += [
-            (
-                gap,
-                link,
-                f"a visible piece of {size} faces is {1e3 * gap:.3g} mm from the rest of link {link!r}",
-            )
-            for gap, size in visual_islands(np.concatenate([np.zeros((0, 3, 3)), *triangles]), cfg.max_island)
-        ]
-        gaps += [
-            (gap, link, f"{size} hulls of link {link!r} are {1e3 * gap:.3g} mm from its other ones")
-            for gap, size in hull_islands(subject.hull_sets[link], cfg.max_island)
-        ]
+        shown = [shape.triangles for shape in subject.visuals if shape.link == link]
+        triangles = np.concatenate([np.zeros((0, 3, 3)), *shown])
+        for gap, size in visual_islands(triangles, cfg.max_island):
+            said = f"a visible piece of {size} faces is {1e3 * gap:.3g} mm from the rest of link {link!r}"
+            gaps.append((gap, link, said))
+        for gap, size in hull_islands(subject.hull_sets[link], triangles, cfg.max_island):
+            said = f"{size} hulls of link {link!r} are {1e3 * gap:.3g} mm from all else of it"
+            gaps.append((gap, link, said))
     gap, where, said = max(gaps)
     return Finding(
         passed=gap <= cfg.max_island,
@@ -51,34 +47,46 @@ def visual_islands(triangles: Float[np.ndarray, "F 3 3"], reach: float) -> list[
     piece = join_near(triangles, connected_pieces(triangles), reach)
     order = np.argsort(piece, kind="stable")
     pieces = np.split(triangles[order], np.flatnonzero(np.diff(piece[order])) + 1)
-    bounds = np.array([[p.min(axis=(0, 1)), p.max(axis=(0, 1))] for p in pieces])
-    shapes: dict[int, object] = {}
-
-    def distance(first: int, second: int) -> float:
-        import coal
-
-        for index in (first, second):
-            if index not in shapes:
-                shapes[index] = _surface_shape(pieces[index])
-        still = coal.Transform3s()
-        result = coal.DistanceResult()
-        found = coal.distance(shapes[first], still, shapes[second], still, coal.DistanceRequest(), result)
-        return max(0.0, float(found))
-
-    return find_islands(bounds, distance, [len(p) for p in pieces], reach)
+    bounds = np.array([_bounds(piece) for piece in pieces])
+    shapes = cache(lambda index: _surface_shape(pieces[index]))
+    return find_islands(
+        bounds, lambda one, other: _distance(shapes(one), shapes(other)), [len(p) for p in pieces], reach
+    )
 
 
-def hull_islands(hulls: HullSet, reach: float) -> list[tuple[float, int]]:
-    """Hulls farther than ``reach`` from the others: distance (m) and count of hulls of each island."""
-    if len(hulls.hulls) < 2:
+def hull_islands(
+    hulls: HullSet, triangles: Float[np.ndarray, "F 3 3"], reach: float
+) -> list[tuple[float, int]]:
+    """Hulls farther than ``reach`` from all that is seen of a link and from its other hulls.
+
+    A hull at the surface that it stands for does not float, though the next one may be far: how well hulls
+    cover a surface is not judged here.
+
+    Args:
+        hulls: The hulls of a link.
+        triangles: What is seen of it.
+        reach: Farthest that a hull may be from the rest (m).
+    """
+    if not hulls.hulls:
         return []
-    alone = [HullSet(hulls=(hull,)) for hull in hulls.hulls]
+    shapes, bounds, sizes = [*hulls.shapes], hulls.rest_bounds, [1] * len(hulls.hulls)
+    if len(triangles):
+        shapes, sizes = [*shapes, _surface_shape(triangles)], [*sizes, len(sizes) + 1]
+        bounds = np.concatenate([bounds, _bounds(triangles)[None]])
+    return find_islands(bounds, lambda one, other: _distance(shapes[one], shapes[other]), sizes, reach)
 
-    def distance(first: int, second: int) -> float:
-        found = signed_distances(alone[first], alone[second], np.eye(4), np.eye(4), max_distance=np.inf)
-        return max(0.0, float(found.distance[0]))
 
-    return find_islands(hulls.rest_bounds, distance, [1] * len(alone), reach)
+def _bounds(triangles: Float[np.ndarray, "F 3 3"]) -> Float[np.ndarray, "2 3"]:
+    return np.stack([triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1))])
+
+
+def _distance(first: object, second: object) -> float:
+    """Distance (m) of two coal shapes, 0 where they overlap."""
+    import coal
+
+    request, still = coal.DistanceRequest(), coal.Transform3s()
+    request.enable_signed_distance = False
+    return max(0.0, float(coal.distance(first, still, second, still, request, coal.DistanceResult())))
 
 
 def find_islands(

@@ -27,7 +27,7 @@ def row(*starts: float, edge: float = 0.02):
 
 def islands(hulls):
     seen = visual_islands(np.concatenate([hull.vertices[hull.faces] for hull in hulls]), REACH)
-    felt = hull_islands(HullSet(hulls=tuple(hulls)), REACH)
+    felt = hull_islands(HullSet(hulls=tuple(hulls)), np.zeros((0, 3, 3)), REACH)
     assert [gap for gap, _ in seen] == pytest.approx([gap for gap, _ in felt], abs=1e-6)
     return [gap for gap, _ in felt]
 
@@ -43,6 +43,18 @@ def test_pieces_hold_together_in_a_chain_and_islands_are_measured_to_the_nearest
     assert islands(row(0.0, 0.024, 0.048, 0.096, 0.12)) == pytest.approx([0.028])
     # An island behind an island is measured from that one, not from the mainland.
     assert islands(row(0.0, 0.02, 0.05, 0.09)) == pytest.approx([0.01, 0.02])
+
+
+def test_a_hull_at_what_is_seen_does_not_float_and_one_beside_it_does():
+    """However far the next hull is."""
+    board = row(0.0, edge=0.3)[0]
+    seen = board.vertices[board.faces]
+    ends = HullSet(hulls=tuple(row(0.0, 0.28)))
+    assert [gap for gap, _ in hull_islands(ends, np.zeros((0, 3, 3)), REACH)] == pytest.approx([0.26])
+    assert hull_islands(ends, seen, REACH) == []
+    for gap, found in ((0.00499, []), (0.00501, [0.00501])):
+        beside = HullSet(hulls=tuple(row(0.0, 0.3 + gap)))
+        assert [island for island, _ in hull_islands(beside, seen, REACH)] == pytest.approx(found, abs=1e-6)
 
 
 def test_corners_that_many_pieces_share_make_one_surface():
