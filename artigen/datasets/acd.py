@@ -39,6 +39,7 @@ from artigen.types import PART_LABELS, PartLabel
 logger = logging.getLogger(__name__)
 
 JOINTS = ("fixed", "revolute", "prismatic", "continuous", "screw")
+OWN_LABELS: dict[str, PartLabel] = dict(zip(PART_LABELS, PART_LABELS, strict=True))
 MESH_KEYS = ("objs", "plys")
 """Textured meshes first; where there are none, the plain ones."""
 
@@ -219,7 +220,7 @@ def _label(
     """The parts' own names are our labels nearly always; else the tables decide."""
     labels: dict[int, PartLabel] = {}
     for node in nodes:
-        own: PartLabel = next((label for label in PART_LABELS if label == node.name), "base")
+        own = OWN_LABELS.get(node.name, "base")
         if node.parent == -1 or own != "base":
             labels[node.id] = "base" if node.parent == -1 else own
             continue

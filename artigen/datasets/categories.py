@@ -52,7 +52,10 @@ def guess_category(names: Sequence[str]) -> tuple[str, str]:
                     if spelled in known:
                         return known[spelled], f"category {known[spelled]} by the word {noun!r} in {name!r}"
     for name in names:
-        words = [word for word in split_words(name) if len(word) > 2 and word not in NO_NAMES]
+        spelled = [
+            token for token in re.split(r"[^A-Za-z0-9]+", name) if re.fullmatch(r"[A-Za-z]+\d*", token)
+        ]
+        words = [word for word in split_words(" ".join(spelled)) if len(word) > 2 and word not in NO_NAMES]
         if words:
             category = "".join(word.capitalize() for word in words)
             return category, f"category {category} is the name {name!r}: it holds no noun that is known"

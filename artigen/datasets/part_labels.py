@@ -21,6 +21,13 @@ JointWord = Literal["hinge", "free hinge", "slider", "fixed"]
 SPLIT_LABELS: dict[str, PartLabel] = {"handle": "handle", "knob": "knob"}
 """Content that becomes a part of its own, fixed to the part that carries it."""
 
+SPLIT_WORDS: dict[str, PartLabel] = {
+    **SPLIT_LABELS,
+    **dict.fromkeys(("grip", "pull", "bail"), "handle"),
+    "shelf": "shelf",
+}
+"""The same by words, in names of a URDF: keys and switches are too many and too small."""
+
 SHELF_NAMES: tuple[str, ...] = ("shelf",)
 """Content of the body that becomes a fixed shelf."""
 

@@ -15,9 +15,8 @@ from jaxtyping import Float
 from artigen.datasets.categories import guess_category
 from artigen.datasets.mesh_files import PlacedMesh, load_shape
 from artigen.datasets.part_labels import (
-    SHELF_NAMES,
     SPLIT_LABELS,
-    choose_label,
+    SPLIT_WORDS,
     find_word,
     guess_label,
 )
@@ -171,11 +170,8 @@ def _load_placed(shape: UrdfShape, path: Path, scratch: Path) -> tuple[PlacedMes
 def _piece_name(shape: UrdfShape, *, leads: bool) -> str:
     """``handle``, ``knob``, ``shelf`` where the visual or its fixed link is called so."""
     for name in (shape.name,) if leads else (shape.name, shape.link):
-        word = find_word(name)
-        label = None if word is None else choose_label("hinge", (word,))
-        if word in SHELF_NAMES:
-            return SHELF_NAMES[0]
-        if label in SPLIT_LABELS:
+        label = SPLIT_WORDS.get(find_word(name) or "")
+        if label is not None:
             return label
     return OTHER
 

@@ -355,6 +355,7 @@ def test_names_say_the_category():
         ("chest_of_drawers", "StorageFurniture"),
         ("SpaceShip", "SpaceShip"),
         ("model_12", "Object"),
+        ("partnet_c75ebd7c34064", "Object"),
     ):
         assert guess_category([name])[0] == category
 
