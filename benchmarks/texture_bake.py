@@ -19,6 +19,7 @@ import tyro
 from PIL import Image
 
 from artigen.appearance.draw import generate_appearance, load_appearance_model
+from artigen.appearance.paint import paint_surface, repaint
 from artigen.kinematics import articulate_gaussians, displacements, qlimits
 from artigen.latent.draw import generate_structure, load_structure_model
 from artigen.models.conditions import describe_shape
@@ -31,7 +32,6 @@ from artigen.splats.render import RasterConfig
 from artigen.splats.render.picture import draw_gaussians
 from artigen.splats.surface import splat_surface
 from artigen.types import Asset
-from artigen.voxels.paint import paint_surface, repaint
 from artigen.weights import SHIPPED
 from sim_export.appearance.texture import BakedMesh, bake_mesh
 from sim_export.geometry.meshing import mesh_parts

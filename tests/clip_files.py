@@ -7,7 +7,7 @@ from pathlib import Path
 import torch
 from safetensors.torch import save_file
 
-from artigen.trellis.clip import ClipConfig, ClipText
+from artigen.models.clip import ClipConfig, ClipText
 
 SMALL = ClipConfig(vocabulary=536, length=24, width=32, blocks=2, heads=4)
 MERGES = [

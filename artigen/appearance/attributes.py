@@ -1,6 +1,6 @@
 """Attributes: what the flow of structured latents is told of every voxel.
 
-The kind of voxel, where its surface lies (`artigen.voxels.surface`), and its paint (`artigen.voxels.paint`).
+Kind of voxel, where surface lies in it (`artigen.voxels.surface`), its paint (`artigen.appearance.paint`).
 """
 
 import numpy as np
@@ -69,6 +69,6 @@ def describe_voxels(
     Args:
         kinds: Of the voxels (`describe_kinds`).
         places: Where their surface lies (`artigen.voxels.surface.describe_places`).
-        paint: Colours of both sides of each voxel, and how clear it is (`artigen.voxels.paint`).
+        paint: Colours of both sides of each voxel, and how clear it is (`artigen.appearance.paint`).
     """
     return np.concatenate([kinds, places, paint], axis=1).astype(np.float32)

@@ -10,6 +10,7 @@ from jaxtyping import Float
 from artigen.appearance.attributes import describe_voxels, read_kinds
 from artigen.appearance.color_pooling import even_sides
 from artigen.appearance.gaussian_decoder import GaussianDecoder, to_gaussians
+from artigen.appearance.paint import PaintedSurface, gather_paint
 from artigen.appearance.presets import APPEARANCE_PRESETS, AppearancePreset
 from artigen.appearance.slat_flow import SlatFlow, sample_slats
 from artigen.appearance.vae import APPEARANCE_FLOW, APPEARANCE_VAE
@@ -18,14 +19,13 @@ from artigen.models.conditions import StructureCondition, gather_conditions
 from artigen.models.description import DESCRIPTION, read_description
 from artigen.models.rectified_flow import SamplerConfig
 from artigen.models.store import load_model
+from artigen.models.tensors import load_strictly, read_tensors
 from artigen.splats.render.splats import Splats
 from artigen.splats.seams import SeamConfig, settle_seams
-from artigen.trellis.checkpoints import load_strictly, read_tensors
 from artigen.types import Asset
 from artigen.voxels.fields import tabulate_parts
 from artigen.voxels.frames import find_facings
 from artigen.voxels.layout import Canvas, lay_out
-from artigen.voxels.paint import PaintedSurface, gather_paint
 from artigen.voxels.regions import find_edges
 from artigen.voxels.surface import describe_places, measure_places
 from artigen.voxels.voxelize import voxelize_again
@@ -111,8 +111,8 @@ def draw_splats(
         asked: the condition.
         seed: of the noise.
         cfg: sampler.
-        paint: colours of both sides of each voxel, and how clear it is (`artigen.voxels.paint`); all models
-            but ``paper`` are told.
+        paint: colours of both sides of each voxel, and how clear it is (`artigen.appearance.paint`); all
+            models but ``paper`` are told.
 
     Raises:
         ValueError: If the model is to be told paint and where surface lies, and is not.
@@ -169,7 +169,7 @@ def generate_appearance(
         seed: of the noise.
         cfg: sampler and seams.
         surface: painted samples of the surface that the voxels stand for, of a drawn structure those of its
-            meshes (`sim_export.geometry.surface`, `artigen.voxels.paint.repaint`); needed but for ``paper``.
+            meshes (`sim_export.geometry.surface`, `artigen.appearance.paint.repaint`); ``paper`` needs none.
 
     Raises:
         ValueError: If the asset has no voxels, has them in another resolution, or samples are missing.
@@ -189,7 +189,7 @@ def generate_appearance(
         raise ValueError(
             f"asset {asset.name!r} came without painted samples of its surface, which say where in its "
             "voxels Gaussians belong and in which colours; take some of its meshes "
-            "(sim_export.geometry.surface) and paint them (artigen.voxels.paint.repaint)"
+            "(sim_export.geometry.surface) and paint them (artigen.appearance.paint.repaint)"
         )
     else:
         facings = find_facings(voxels.coords, voxels.part_ids, edge)

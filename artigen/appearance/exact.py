@@ -13,10 +13,14 @@ import numpy as np
 import torch
 from jaxtyping import Bool, Float, Int
 
+from artigen.appearance.curation import CurationConfig, curate
 from artigen.appearance.extractors import make_extractor
 from artigen.appearance.features import FeatureExtractor
 from artigen.appearance.gaussian_decoder import to_gaussians
+from artigen.appearance.inputs import FeatureInputs
+from artigen.appearance.paint import lay_painted
 from artigen.appearance.presets import APPEARANCE_PRESETS
+from artigen.appearance.sides import CLEAR
 from artigen.appearance.vae import APPEARANCE_VAE, SIDE_CHANNELS, AppearanceVae
 from artigen.errors import SourceError
 from artigen.latent.presets import PresetName
@@ -26,12 +30,8 @@ from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.rasterize import rasterize_shape
 from artigen.shapes.shape import Shape
 from artigen.splats.render.splats import Splats
-from artigen.train.appearance.curation import CurationConfig, curate
-from artigen.train.appearance.run import AppearanceRunConfig, run_curation, run_encoder, run_extractor
-from artigen.train.appearance.sides import CLEAR
 from artigen.types import Asset, SurfaceSamples, VoxelGrid
 from artigen.voxels.frames import SIDES, facing_frames
-from artigen.voxels.paint import lay_painted
 from artigen.voxels.surface import find_voxels
 from artigen.voxels.voxelize import assign_cells
 
@@ -84,18 +84,17 @@ def load_shape_appearance(folder: Path, device: torch.device | str = "cpu") -> S
             f"{folder}: {APPEARANCE_VAE} is of preset {said.get('preset')!r} and reads features "
             f"{said.get('features')!r}, expected one of {', '.join(SIDED)} and 'pyramid'"
         )
-    run = AppearanceRunConfig(
-        folder=folder,
+    inputs = FeatureInputs(
         preset=preset,
         articulated=bool(said["articulated"]),
         weighting="plain" if said["weighting"] == "plain" else "seen",
     )
-    vae = AppearanceVae(run_encoder(run), APPEARANCE_PRESETS[preset].decoder)
+    vae = AppearanceVae(inputs.encoder, APPEARANCE_PRESETS[preset].decoder)
     load_model(vae, folder, APPEARANCE_VAE)
     return ShapeAppearanceModel(
         vae=vae.to(device),
-        extractor=make_extractor(run_extractor(run)),
-        curation=replace(run_curation(run), kept=0),
+        extractor=make_extractor(inputs.extractor),
+        curation=replace(inputs.curation, kept=0),
     )
 
 

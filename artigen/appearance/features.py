@@ -1,6 +1,6 @@
 """What is read off a picture for the voxels it shows: feature extractors behind one interface.
 
-`PyramidFeatures` needs no weights and no training; `artigen.trellis.dinov2` has the paper's DINOv2.
+`PyramidFeatures` needs no weights and no training; `artigen.models.dinov2` has the paper's DINOv2.
 """
 
 from typing import Protocol, runtime_checkable

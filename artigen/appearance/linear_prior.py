@@ -12,9 +12,9 @@ import torch
 from jaxtyping import Float, Int
 from torch import Tensor, nn
 
+from artigen.appearance.paint import PAINT
 from artigen.types import PART_LABELS
 from artigen.voxels.frames import AROUND, FACINGS, SIDES
-from artigen.voxels.paint import PAINT
 from artigen.voxels.surface import PLACES
 
 KINDS = len(PART_LABELS) * 2**SIDES * FACINGS

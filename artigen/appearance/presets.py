@@ -7,11 +7,13 @@ weights the paper starts (section 4.2).
 
 from dataclasses import dataclass, field, replace
 
+from artigen.appearance.curation import CurationConfig
 from artigen.appearance.gaussian_decoder import GaussianConfig, GaussianDecoderConfig
 from artigen.appearance.slat_dit import SlatDitConfig
 from artigen.appearance.slat_patch_dit import SlatPatchDitConfig
 from artigen.appearance.slat_vae import SlatVaeConfig
 from artigen.appearance.vae import SIDE_LATENTS
+from artigen.appearance.views import ViewConfig
 from artigen.latent.presets import PresetName
 from artigen.models.conditions import ConditionConfig
 from artigen.models.rectified_flow import SamplerConfig
@@ -29,6 +31,8 @@ class AppearancePreset:
     """Flow on the latents."""
     conditions: ConditionConfig
     """What can be asked for."""
+    curation: CurationConfig
+    """Joint states, views and features that the encoder reads, in training and after."""
     sampler: SamplerConfig = field(default_factory=SamplerConfig)
     """How latents are drawn. One step gives the mean of what paint and places let one expect: of little
     training, cleaner than a draw."""
@@ -47,6 +51,7 @@ APPEARANCE_PRESETS: dict[PresetName, AppearancePreset] = {
         ),
         flow=SlatPatchDitConfig(channels=SIDE_LATENTS, resolution=32, stem=16, width=64, blocks=2, heads=2),
         conditions=ConditionConfig(width=64, image_size=32, image_patch=8, image_width=32, image_blocks=1),
+        curation=CurationConfig(states=3, views=ViewConfig(count=8, size=48), kept=4),
     ),
     "small": AppearancePreset(
         encoder=replace(SIDED, model_channels=64, num_blocks=1, num_heads=2, mlp_ratio=2.0),
@@ -56,6 +61,7 @@ APPEARANCE_PRESETS: dict[PresetName, AppearancePreset] = {
         ),
         flow=SlatPatchDitConfig(channels=SIDE_LATENTS, patch=8, stem=16, width=128, blocks=4, heads=2),
         conditions=ConditionConfig(width=192, image_width=96, image_blocks=2),
+        curation=CurationConfig(states=4, views=ViewConfig(count=6, sharpness=2), kept=3),
         sampler=SamplerConfig(steps=1, strength=0.0),
     ),
     "compact": AppearancePreset(
@@ -66,6 +72,7 @@ APPEARANCE_PRESETS: dict[PresetName, AppearancePreset] = {
         ),
         flow=SlatPatchDitConfig(channels=SIDE_LATENTS, width=192, heads=3),
         conditions=ConditionConfig(width=192, image_width=128, image_blocks=2),
+        curation=CurationConfig(views=ViewConfig(count=12, sharpness=2), kept=4),
         sampler=SamplerConfig(strength=0.0),
     ),
     "paper": AppearancePreset(
@@ -73,5 +80,8 @@ APPEARANCE_PRESETS: dict[PresetName, AppearancePreset] = {
         decoder=GaussianDecoderConfig(),
         flow=SlatDitConfig(),
         conditions=ConditionConfig(width=1024, image_size=0),
+        curation=CurationConfig(
+            staggered=False, views=ViewConfig(size=512, sharpness=2), kept=48, weighting="plain"
+        ),
     ),
 }

@@ -13,6 +13,7 @@ from jaxtyping import Float, Int
 from torch import Tensor, nn
 
 from artigen.appearance.attributes import KIND
+from artigen.appearance.paint import PAINT
 from artigen.appearance.sparse import (
     Neighbours,
     Padding,
@@ -25,7 +26,6 @@ from artigen.appearance.sparse_conv import SparseResBlock3d
 from artigen.latent.structure_dit import ModulatedBlock, StructureDitConfig, run_blocks
 from artigen.models.attention import plain_norm
 from artigen.models.embeddings import TimestepEmbedder, embed_positions
-from artigen.voxels.paint import PAINT
 from artigen.voxels.surface import PLACES
 
 

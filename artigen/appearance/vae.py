@@ -18,7 +18,7 @@ NARROW = -6.0
 
 SIDE_CHANNELS = 13
 """Last features of a voxel with two sides: how clear it is; colour and height of the outer side and of the
-inner one; middles and widths of surface across (`artigen.train.appearance.sides`)."""
+inner one; middles and widths of surface across (`artigen.appearance.sides`)."""
 SIDE_LATENTS = 13
 """Colours and heights of two sides, how clear the voxel is, middles and widths."""
 COLOR_MIDDLE, COLOR_SPREAD = 0.5, 0.25

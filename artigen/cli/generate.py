@@ -25,14 +25,14 @@ from artigen.weights import SHIPPED
 if TYPE_CHECKING:
     from artigen.appearance.draw import AppearanceModel
     from artigen.appearance.exact import ShapeAppearanceModel
-    from artigen.conditioning.request import Request, Understood
+    from artigen.appearance.paint import PaintedSurface
     from artigen.latent.draw import StructureModel
     from artigen.shapes.shape import Shape
     from artigen.sketch.model import Drawn
     from artigen.sketch.network import SketchNetwork
     from artigen.sketch.request import SketchRequest
+    from artigen.sketch.understand import Request, Understood
     from artigen.types import Asset
-    from artigen.voxels.paint import PaintedSurface
     from sim_export.package import SimPackage
 
 TIMEOUT = 300.0
@@ -104,16 +104,16 @@ class GenerateJob:
 
 def _understand(job: GenerateJob) -> "Understood":
     """A job's request in the words of its model's sketches."""
-    from artigen.conditioning.request import understand
     from artigen.sketch.request import list_learned
+    from artigen.sketch.understand import understand
 
     return understand(read_job(job), list_learned(job.model))
 
 
 def read_job(job: GenerateJob) -> "Request":
     """What a job asks for."""
-    from artigen.conditioning.request import Request
     from artigen.shapes.draw import Wish
+    from artigen.sketch.understand import Request
 
     cfg = job.cfg
     wish = Wish(
@@ -156,7 +156,7 @@ def _load_appearance(folder: Path) -> "ShapeAppearanceModel | None":
 @lru_cache(maxsize=1)
 def _load_structure(folder: Path, encoders: Path | None) -> "StructureModel":
     from artigen.latent.draw import load_structure_model
-    from artigen.trellis.public_encoders import attach_encoders
+    from artigen.models.public_encoders import attach_encoders
 
     structure = load_structure_model(folder)
     if encoders is not None:
@@ -291,13 +291,13 @@ def _make_latent(
     Raises:
         ArtigenError: If the parts are not those of the sketch, or its surface has no sample of one.
     """
+    from artigen.appearance.paint import paint_surface, repaint
     from artigen.cli.shape import SPACING
     from artigen.conditioning.image import read_picture
     from artigen.latent.draw import GenerateConfig, generate_structure
     from artigen.models.conditions import StructureCondition
     from artigen.models.rectified_flow import SamplerConfig
     from artigen.shapes.asset import shape_to_asset
-    from artigen.voxels.paint import paint_surface, repaint
     from sim_export.export import export_asset
     from sim_export.geometry.surface import sample_surface
 

@@ -12,9 +12,9 @@ from artigen.latent.latent_dit import LatentDitConfig
 from artigen.latent.outline import hint_channels
 from artigen.latent.patch_vae import PatchVaeConfig
 from artigen.latent.structure_dit import StructureDitConfig
+from artigen.models.clip import ClipConfig
 from artigen.models.conditions import ConditionConfig
-from artigen.trellis.clip import ClipConfig
-from artigen.trellis.dinov2 import DinoConfig
+from artigen.models.dinov2 import DinoConfig
 
 PresetName = Literal["tiny", "small", "compact", "paper"]
 

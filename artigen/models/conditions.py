@@ -13,10 +13,10 @@ from jaxtyping import Bool, Float, Int
 from torch import Tensor, nn
 
 from artigen.conditioning.image import MARGIN
+from artigen.models.clip import ClipConfig
+from artigen.models.dinov2 import DinoConfig
+from artigen.models.public_encoders import PublicPictures, PublicSentences
 from artigen.shapes.shape import Shape
-from artigen.trellis.clip import ClipConfig
-from artigen.trellis.dinov2 import DinoConfig
-from artigen.trellis.public_encoders import PublicPictures, PublicSentences
 from artigen.types import PAPER_CATEGORIES, PART_LABELS, PartLabel
 
 MAX_COUNT = 24

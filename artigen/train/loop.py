@@ -20,8 +20,8 @@ from torch import Tensor, nn
 from artigen.errors import SourceError
 from artigen.io import write_whole
 from artigen.models.precision import autocast_type
+from artigen.models.tensors import load_strictly
 from artigen.train.curves import METRICS, draw_curves, read_metrics
-from artigen.trellis.checkpoints import load_strictly
 
 CHECKPOINT = {"network", "optimizer", "average", "generator", "step", "elapsed"}
 """What a checkpoint holds."""

@@ -9,9 +9,9 @@ from artigen.latent.presets import PRESETS, PresetName
 from artigen.latent.structure_dit import StructureDitConfig
 from artigen.models.conditions import ConditionConfig
 from artigen.models.description import hash_model, read_description
+from artigen.models.public_encoders import find_encoders
 from artigen.runtime.run_config import claim_folder
 from artigen.train.real import list_split
-from artigen.trellis.public_encoders import find_encoders
 
 Stage = Literal[
     "structure",

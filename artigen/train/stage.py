@@ -10,9 +10,9 @@ from torch import nn
 
 from artigen.models.description import read_description
 from artigen.models.store import load_model
+from artigen.models.tensors import load_strictly, read_tensors
 from artigen.train.loop import LoopConfig, finished_steps
 from artigen.train.presets import StageConfig
-from artigen.trellis.checkpoints import load_strictly, read_tensors
 
 logger = logging.getLogger(__name__)
 Network = TypeVar("Network", bound=nn.Module)

@@ -1,1 +1,1 @@
-"""Public checkpoints (TRELLIS, DINOv2, CLIP), read from local folders."""
+"""Public TRELLIS checkpoints, read from local folders into our networks."""

@@ -5,11 +5,9 @@ Loading is strict: every tensor of the file must be there, have its shape and be
 
 import json
 from pathlib import Path
-from pickle import UnpicklingError
 from typing import Any
 
 import torch
-from jaxtyping import Float
 from torch import Tensor, nn
 
 from artigen.appearance.gaussian_decoder import GaussianDecoder
@@ -19,6 +17,7 @@ from artigen.appearance.sparse_conv import KernelWeights
 from artigen.errors import SourceError
 from artigen.latent.conv_vae import ConvDecoder, ConvEncoder
 from artigen.latent.structure_dit import StructureDit
+from artigen.models.tensors import load_strictly, read_tensors
 from artigen.trellis.arguments import (
     conv_config,
     gaussian_decoder_config,
@@ -26,8 +25,6 @@ from artigen.trellis.arguments import (
     slat_vae_config,
     structure_dit_config,
 )
-
-SHOWN_KEYS = 6
 
 
 def load_trellis(path: Path, *, dtype: torch.dtype = torch.float32) -> nn.Module:
@@ -78,63 +75,6 @@ def build_trellis(name: str, args: dict[str, Any]) -> nn.Module:
             )
 
 
-def read_tensors(path: Path) -> dict[str, Tensor]:
-    """All tensors of a safetensors file.
-
-    Raises:
-        SourceError: If the file is missing, truncated or no safetensors file.
-    """
-    from safetensors import SafetensorError
-    from safetensors.torch import load_file
-
-    if not path.is_file():
-        raise SourceError(f"{path}: there is no such checkpoint")
-    try:
-        return load_file(path)
-    except SafetensorError as error:
-        raise SourceError(f"{path}: is no whole safetensors file ({error}); download it again") from error
-
-
-def read_pickle(path: Path) -> dict[str, Tensor]:
-    """All tensors of a torch file that holds nothing else.
-
-    Raises:
-        SourceError: If the file is damaged, or holds other things.
-    """
-    try:
-        stored = torch.load(path, map_location="cpu", weights_only=True)
-    except (UnpicklingError, RuntimeError, EOFError) as error:
-        raise SourceError(f"{path}: is no whole torch file of plain tensors ({error})") from error
-    if not isinstance(stored, dict) or not all(isinstance(value, Tensor) for value in stored.values()):
-        raise SourceError(f"{path}: expected a state dict, tensors by name")
-    return stored
-
-
-def load_strictly(network: nn.Module, tensors: dict[str, Tensor], owner: str) -> None:
-    """Loads tensors that match a network exactly, in names and shapes.
-
-    Raises:
-        SourceError: Lists what is missing, unexpected, of another shape or not finite.
-    """
-    expected = network.state_dict()
-    shared = sorted(expected.keys() & tensors.keys())
-    shapes = [
-        f"{key} is {list(tensors[key].shape)}, expected {list(expected[key].shape)}"
-        for key in shared
-        if tensors[key].shape != expected[key].shape
-    ]
-    found = [
-        ("missing", sorted(expected.keys() - tensors.keys())),
-        ("unexpected", sorted(tensors.keys() - expected.keys())),
-        ("of another shape", shapes),
-        ("not finite", [key for key in shared if not torch.isfinite(tensors[key]).all()]),
-    ]
-    wrong = [f"{len(keys)} {what} ({_list(keys)})" for what, keys in found if keys]
-    if wrong:
-        raise SourceError(f"{owner}: does not fit {type(network).__name__}: {'; '.join(wrong)}")
-    network.load_state_dict(tensors)
-
-
 def orient_kernels(network: nn.Module, tensors: dict[str, Tensor]) -> dict[str, Tensor]:
     """Sparse kernels as (out, x, y, z, in), also where a file holds them as (out, in, x, y, z)."""
     out = dict(tensors)
@@ -147,11 +87,6 @@ def orient_kernels(network: nn.Module, tensors: dict[str, Tensor]) -> dict[str, 
     return out
 
 
-def normalise_features(features: Float[Tensor, "B L C"]) -> Float[Tensor, "B L C"]:
-    """What TRELLIS does to DINOv2's tokens before they condition a flow: layer norm without gain."""
-    return nn.functional.layer_norm(features, features.shape[-1:])
-
-
 def _read_description(path: Path) -> dict[str, Any]:
     try:
         described = json.loads(path.read_text())
@@ -162,8 +97,3 @@ def _read_description(path: Path) -> dict[str, Any]:
     if not isinstance(described, dict) or not {"name", "args"} <= described.keys():
         raise SourceError(f"{path}: expected an object with the keys name and args")
     return described
-
-
-def _list(keys: list[str]) -> str:
-    more = f" and {len(keys) - SHOWN_KEYS} more" if len(keys) > SHOWN_KEYS else ""
-    return ", ".join(keys[:SHOWN_KEYS]) + more

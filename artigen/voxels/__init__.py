@@ -1,1 +1,1 @@
-"""Voxels: grids, 35-channel fields, voxelisation, where surface lies in cells, clean-up of drawn cells."""
+"""Voxels: grids, 35-channel fields, voxelisation, segmentation, clean-up of drawn cells."""

@@ -9,17 +9,17 @@ import numpy as np
 from jaxtyping import Float, Int, UInt8
 
 from artigen.appearance.attributes import describe_voxels, read_kinds
+from artigen.appearance.curation import CurationConfig, curate
 from artigen.appearance.features import FeatureExtractor
+from artigen.appearance.paint import lay_painted
+from artigen.appearance.photographs import Pictures
+from artigen.appearance.sides import recall_places
 from artigen.shapes.asset import part_owners
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.sampling import sample_shape
 from artigen.shapes.shape import Shape
-from artigen.train.appearance.curation import CurationConfig, curate
-from artigen.train.appearance.photographs import Pictures
-from artigen.train.appearance.sides import recall_places
 from artigen.train.examples import draw_example_of
 from artigen.types import Asset, SurfaceSamples
-from artigen.voxels.paint import lay_painted
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -11,6 +11,7 @@ from jaxtyping import Float, Int
 from torch import Tensor, nn
 
 from artigen.appearance.linear_prior import Expectation, fit_expectation
+from artigen.appearance.paint import PAINT
 from artigen.appearance.slat_flow import SlatFlow
 from artigen.models.conditions import (
     ALONE,
@@ -29,7 +30,6 @@ from artigen.train.loop import LoopConfig, Report, process_seed, train
 from artigen.train.structure import DROPOUT
 from artigen.types import PART_LABELS
 from artigen.voxels.frames import FACINGS
-from artigen.voxels.paint import PAINT
 
 BLUR = 0.02
 """About the deviation of colours that are told in training from the true ones."""

@@ -1,1 +1,1 @@
-"""Drawn cells made whole, one stage per file; `artigen.voxels.cleanup.clean` runs them in order."""
+"""Clean-up of drawn cells, one stage per file; `artigen.voxels.cleanup.clean` runs them in order."""

@@ -1,1 +1,1 @@
-"""Voxel fields back to parts, joints and a tree."""
+"""Voxel fields to parts, joints and a tree."""

@@ -4,11 +4,11 @@ import numpy as np
 from drawer_chest import make_chest
 
 from artigen.appearance.attributes import KIND, describe_kinds, describe_voxels
+from artigen.appearance.paint import PAINT
 from artigen.shapes.asset import shape_to_asset
 from artigen.types import PART_LABELS
 from artigen.voxels.fields import tabulate_parts
 from artigen.voxels.frames import AROUND, FACINGS, SIDES
-from artigen.voxels.paint import PAINT
 from artigen.voxels.surface import PLACES
 
 

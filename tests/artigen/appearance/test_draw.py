@@ -15,6 +15,7 @@ from artigen.appearance.draw import (
     has_appearance,
     load_appearance_model,
 )
+from artigen.appearance.paint import PaintedSurface
 from artigen.appearance.presets import APPEARANCE_PRESETS
 from artigen.appearance.slat_flow import SlatFlow
 from artigen.appearance.vae import APPEARANCE_FLOW, APPEARANCE_VAE, AppearanceVae
@@ -29,7 +30,6 @@ from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.draw import draw_shape
 from artigen.splats.ply import read_ply
 from artigen.types import Asset, Gaussians
-from artigen.voxels.paint import PaintedSurface
 from artigen.voxels.voxelize import voxelize_again
 from sim_export.export import export_asset
 from sim_export.files.read import read_package

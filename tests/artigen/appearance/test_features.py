@@ -12,7 +12,7 @@ from torch.nn import functional
 from artigen.appearance.extractors import ExtractorConfig, make_extractor
 from artigen.appearance.features import BASE, FeatureExtractor, PyramidFeatures
 from artigen.errors import SourceError
-from artigen.trellis.dinov2 import MEAN, STD, DinoConfig, DinoV2, load_dinov2
+from artigen.models.dinov2 import MEAN, STD, DinoConfig, DinoV2, load_dinov2
 
 SMALL = DinoConfig(width=24, blocks=2, heads=2, patch=4, edge=3, registers=2)
 

@@ -18,6 +18,7 @@ from artigen.appearance.gaussian_decoder import (
     to_gaussians,
 )
 from artigen.appearance.linear_prior import KINDS, Expectation, find_kinds, fit_expectation
+from artigen.appearance.paint import PAINT
 from artigen.appearance.presets import APPEARANCE_PRESETS
 from artigen.appearance.slat_flow import SlatFlow, sample_slats
 from artigen.appearance.slat_vae import SlatEncoder
@@ -36,7 +37,6 @@ from artigen.splats.render.splats import Splats
 from artigen.transforms import matrix_from_quat
 from artigen.types import PART_LABELS
 from artigen.voxels.frames import AROUND, FACINGS, SIDES, facing_frames
-from artigen.voxels.paint import PAINT
 from artigen.voxels.surface import MIDDLE_SPREAD, PLACES
 
 TINY = APPEARANCE_PRESETS["tiny"]

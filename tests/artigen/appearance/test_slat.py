@@ -26,7 +26,8 @@ from artigen.models.rectified_flow import (
     sample_flow,
     target_velocity,
 )
-from artigen.trellis.checkpoints import build_trellis, load_strictly, load_trellis
+from artigen.models.tensors import load_strictly
+from artigen.trellis.checkpoints import build_trellis, load_trellis
 
 FULL_SIZE = ("slat_enc_swin8_B_64l8", "slat_dec_gs_swin8_B_64l8gs32", "slat_flow_img_dit_L_64l8p2")
 SMALL = SlatDitConfig(

@@ -30,6 +30,7 @@ from artigen.metrics.subjects import Subject
 from artigen.models.conditions import StructureCondition
 from artigen.models.rectified_flow import SamplerConfig
 from artigen.models.store import load_model, save_model
+from artigen.models.tensors import read_tensors
 from artigen.runtime.run_config import claim_folder
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.shape import Shape
@@ -38,7 +39,6 @@ from artigen.train.examples import draw_example
 from artigen.train.loop import finished_steps
 from artigen.train.real import RealJob, list_split, read_real
 from artigen.train.shards import HELD_OUT, read_shard, write_shard
-from artigen.trellis.checkpoints import read_tensors
 from artigen.types import Asset
 from artigen.weights import SHIPPED
 

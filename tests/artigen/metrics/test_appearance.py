@@ -8,9 +8,12 @@ import numpy as np
 import pytest
 import torch
 
+from artigen.appearance.curation import CurationConfig
 from artigen.appearance.features import PyramidFeatures
+from artigen.appearance.photographs import NOTHING
 from artigen.appearance.presets import APPEARANCE_PRESETS
 from artigen.appearance.slat_flow import SlatFlow
+from artigen.appearance.views import ViewConfig
 from artigen.cli.evaluate import AppearanceViews, EvaluateSettings, evaluate
 from artigen.cli.train import AppearanceSettings, TrainSettings, train
 from artigen.errors import ArtigenError, SourceError
@@ -26,12 +29,8 @@ from artigen.metrics.pictures import (
 from artigen.metrics.splat_distance import score_distances
 from artigen.models.store import load_model
 from artigen.splats.render.splats import Splats
-from artigen.train.appearance.curation import CurationConfig
 from artigen.train.appearance.examples import draw_appearance
-from artigen.train.appearance.photographs import NOTHING
-from artigen.train.appearance.presets import APPEARANCE_TRAINING
 from artigen.train.appearance.shards import write_appearance_shard
-from artigen.train.appearance.views import ViewConfig
 from artigen.train.loop import finished_steps
 from artigen.train.shards import HELD_OUT
 from artigen.types import SurfaceSamples
@@ -179,7 +178,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
         ] * 2
         write_appearance_shard(folder / "appearance" / name / "shard_00000.npz", drawn)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setitem(APPEARANCE_TRAINING, "tiny", replace(APPEARANCE_TRAINING["tiny"], curation=TINY))
+        patch.setitem(APPEARANCE_PRESETS, "tiny", replace(APPEARANCE_PRESETS["tiny"], curation=TINY))
         assert train("appearance", folder, SETTINGS, workers=1) == 0
     return folder
 
@@ -232,7 +231,7 @@ def test_what_cannot_be_trained_is_said_and_nothing_written(
 def test_an_evaluation_names_states_features_and_the_model(
     run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
-    monkeypatch.setitem(APPEARANCE_TRAINING, "tiny", replace(APPEARANCE_TRAINING["tiny"], curation=TINY))
+    monkeypatch.setitem(APPEARANCE_PRESETS, "tiny", replace(APPEARANCE_PRESETS["tiny"], curation=TINY))
     views = AppearanceViews(states=2, views=2)
     settings = EvaluateSettings(held_out=1, steps=2)
     assert evaluate("appearance", tmp_path, run / "model", settings, 1, views) == 0

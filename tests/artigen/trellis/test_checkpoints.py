@@ -22,7 +22,8 @@ from artigen.models.rectified_flow import (
     sample_flow,
     target_velocity,
 )
-from artigen.trellis.checkpoints import build_trellis, load_strictly, load_trellis
+from artigen.models.tensors import load_strictly
+from artigen.trellis.checkpoints import build_trellis, load_trellis
 
 FULL_SIZE = ("ss_enc_conv3d_16l8", "ss_dec_conv3d_16l8", "ss_flow_img_dit_L_16l8")
 TINY = {"resolution": 4, "in_channels": 2, "model_channels": 32, "cond_channels": 8, "num_blocks": 2}

@@ -10,11 +10,17 @@ import torch
 from drawer_chest import COLOR, INSIDE, LIGHT, make_cabinet, make_chest, make_example, small_curation
 
 import artigen.train.loop
+from artigen.appearance.exposure import find_exposed
 from artigen.appearance.features import PyramidFeatures
 from artigen.appearance.gaussian_decoder import GaussianConfig, GaussianDecoderConfig
+from artigen.appearance.inputs import close_curation
+from artigen.appearance.paint import PAINT, VoxelPaint
+from artigen.appearance.photographs import look_at_surface, photograph, take_pictures
+from artigen.appearance.sides import FEW, SURE, SideMean, see_alike
 from artigen.appearance.slat_flow import SlatFlow
 from artigen.appearance.slat_patch_dit import SlatPatchDitConfig
 from artigen.appearance.slat_vae import SlatVaeConfig
+from artigen.appearance.states import asset_coordinates, plan_fractions, shape_coordinates
 from artigen.appearance.vae import (
     COLOR_MIDDLE,
     COLOR_SPREAD,
@@ -22,6 +28,8 @@ from artigen.appearance.vae import (
     AppearanceVae,
     Encoded,
 )
+from artigen.appearance.views import ViewConfig, place_cameras, spread_directions
+from artigen.appearance.visibility import SeenVoxels
 from artigen.models.conditions import ConditionConfig
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.render import build_scene, render
@@ -29,7 +37,6 @@ from artigen.splats.render import rasterize
 from artigen.train.appearance.batches import PictureBatch, draw_picture_batches, picture_batch
 from artigen.train.appearance.drawn import roughen
 from artigen.train.appearance.examples import AppearanceExample
-from artigen.train.appearance.exposure import find_exposed
 from artigen.train.appearance.flow import measure_slats, train_appearance_flow
 from artigen.train.appearance.losses import (
     AppearanceLossConfig,
@@ -37,11 +44,7 @@ from artigen.train.appearance.losses import (
     draw_pictures,
     raster_config,
 )
-from artigen.train.appearance.photographs import look_at_surface, photograph, take_pictures
-from artigen.train.appearance.run import close_curation
 from artigen.train.appearance.shards import PER_VOXEL, read_appearance_shard, write_appearance_shard
-from artigen.train.appearance.sides import FEW, SURE, SideMean, see_alike
-from artigen.train.appearance.states import asset_coordinates, plan_fractions, shape_coordinates
 from artigen.train.appearance.vae import (
     HIDDEN,
     encode_appearance,
@@ -49,12 +52,9 @@ from artigen.train.appearance.vae import (
     measure_features,
     train_appearance_vae,
 )
-from artigen.train.appearance.views import ViewConfig, place_cameras, spread_directions
-from artigen.train.appearance.visibility import SeenVoxels
 from artigen.train.loop import LoopConfig
 from artigen.train.shards import PER_OBJECT
 from artigen.types import Asset, VoxelGrid
-from artigen.voxels.paint import PAINT, VoxelPaint
 from artigen.voxels.surface import HEIGHT_REACH
 
 TRUNK = SlatVaeConfig(resolution=16, in_channels=16, model_channels=16, num_blocks=2, num_heads=2)

@@ -12,11 +12,11 @@ from jaxtyping import Bool, Float, Int
 from scipy.spatial import KDTree
 from torch import Tensor
 
+from artigen.appearance.paint import VoxelPaint
 from artigen.appearance.vae import COLOR_MIDDLE, COLOR_SPREAD, SIDE_CHANNELS
-from artigen.train.appearance.visibility import SeenVoxels
+from artigen.appearance.visibility import SeenVoxels
 from artigen.types import VoxelGrid
 from artigen.voxels.frames import count_behind, facing_frames
-from artigen.voxels.paint import VoxelPaint
 from artigen.voxels.surface import PLACES, VoxelPlaces, describe_places
 
 SURE = 0.5

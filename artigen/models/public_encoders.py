@@ -14,9 +14,9 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 from artigen.errors import SourceError
-from artigen.trellis import clip, dinov2
-from artigen.trellis.clip import ClipConfig, ClipText, ClipTokenizer, load_clip
-from artigen.trellis.dinov2 import DinoConfig, DinoV2, load_dinov2
+from artigen.models import clip, dinov2
+from artigen.models.clip import ClipConfig, ClipText, ClipTokenizer, load_clip
+from artigen.models.dinov2 import DinoConfig, DinoV2, load_dinov2
 
 CLIP_FOLDER = "clip-vit-large-patch14"
 """Where CLIP's files lie in the folder of encoders, beside the file of DINOv2."""

@@ -8,14 +8,13 @@ import torch
 from jaxtyping import Bool, Float, Int, UInt8
 from torch import Tensor
 
+from artigen.appearance.exposure import find_exposed
+from artigen.appearance.states import asset_coordinates, shape_coordinates
+from artigen.appearance.views import ViewConfig, pick_cameras, place_cameras, scale_cameras
 from artigen.kinematics import displacements
 from artigen.shapes.asset import frame_shape, part_owners
 from artigen.shapes.render import Cameras, Images, RenderConfig, Scene, build_scene, render
 from artigen.shapes.shape import Shape
-from artigen.train.appearance.exposure import find_exposed
-from artigen.train.appearance.states import asset_coordinates, shape_coordinates
-from artigen.train.appearance.views import ViewConfig, pick_cameras, place_cameras, scale_cameras
-from artigen.train.photographs import NOTHING
 from artigen.types import Asset
 
 BACKGROUNDS = ((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
@@ -24,6 +23,8 @@ OPAQUE = 0.05
 """Least share of its own colour that a surface is taken to show."""
 PIXELS = 1 << 20
 """Rays cast at once."""
+NOTHING = 255
+"""Part of a pixel that shows the background."""
 TURN = 0.7548776662466927
 """Shift of the cameras from one state to the next."""
 

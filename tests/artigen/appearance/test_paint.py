@@ -6,12 +6,19 @@ import numpy as np
 import pytest
 from drawer_chest import COLOR, GLASS, INSIDE, make_chest
 
+from artigen.appearance.paint import (
+    PaintedSurface,
+    VoxelPaint,
+    gather_paint,
+    lay_painted,
+    paint_surface,
+    repaint,
+)
 from artigen.errors import ArtigenError
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.shape import Shape
 from artigen.types import Asset, SurfaceSamples
 from artigen.voxels.frames import find_facings
-from artigen.voxels.paint import PaintedSurface, VoxelPaint, gather_paint, lay_painted, paint_surface, repaint
 from artigen.voxels.surface import SAMPLES
 
 

@@ -11,11 +11,8 @@ import torch
 from jaxtyping import Int
 
 from artigen.appearance.features import FeatureExtractor
-from artigen.appearance.vae import SIDE_CHANNELS
-from artigen.shapes.asset import frame_shape
-from artigen.shapes.render import build_scene
-from artigen.shapes.shape import Shape
-from artigen.train.appearance.photographs import (
+from artigen.appearance.paint import VoxelPaint
+from artigen.appearance.photographs import (
     Pictures,
     join_pictures,
     keep_pictures,
@@ -24,12 +21,15 @@ from artigen.train.appearance.photographs import (
     premultiply,
     shown_parts,
 )
-from artigen.train.appearance.sides import SideMean, describe_sides
-from artigen.train.appearance.states import plan_fractions
-from artigen.train.appearance.views import ViewConfig, pick_cameras, scale_cameras
-from artigen.train.appearance.visibility import FeatureMean, StateViews, VoxelFeatures, Weighting
+from artigen.appearance.sides import SideMean, describe_sides
+from artigen.appearance.states import plan_fractions
+from artigen.appearance.vae import SIDE_CHANNELS
+from artigen.appearance.views import ViewConfig, pick_cameras, scale_cameras
+from artigen.appearance.visibility import FeatureMean, StateViews, VoxelFeatures, Weighting
+from artigen.shapes.asset import frame_shape
+from artigen.shapes.render import build_scene
+from artigen.shapes.shape import Shape
 from artigen.types import Asset
-from artigen.voxels.paint import VoxelPaint
 from artigen.voxels.surface import measure_places
 
 AT_ONCE = 16
@@ -53,7 +53,7 @@ class CurationConfig:
     tolerance: float = 1.5
     """Largest difference of depths, in voxels, at which a view shows a voxel."""
     sided: bool = False
-    """Whether features say what both sides of a voxel look like, too (`artigen.train.appearance.sides`)."""
+    """Whether features say what both sides of a voxel look like, too (`artigen.appearance.sides`)."""
     painted: bool = True
     """Whether sides that few views show take the colour of their surface; without, pictures alone tell."""
 

@@ -9,7 +9,7 @@ from torch import nn
 from torch.nn import functional
 
 from artigen.errors import SourceError
-from artigen.trellis.clip import ClipConfig, ClipText, load_clip, load_tokenizer
+from artigen.models.clip import ClipConfig, ClipText, load_clip, load_tokenizer
 
 RECORDED = {
     "A cabinet with three doors": [320, 529, 522, 520, 516],

@@ -14,6 +14,7 @@ from torch.nn import functional
 from artigen.errors import ArtigenError, SourceError
 from artigen.latent.presets import PRESETS, StructurePreset
 from artigen.latent.structure_dit import StructureDit, StructureDitConfig
+from artigen.models.clip import load_clip
 from artigen.models.conditions import (
     FIELDS,
     ConditionConfig,
@@ -23,12 +24,11 @@ from artigen.models.conditions import (
     gather_conditions,
     isolate_pictures,
 )
+from artigen.models.dinov2 import DinoConfig, DinoV2, load_dinov2
+from artigen.models.public_encoders import CLIP_FOLDER, attach_encoders, find_encoders
 from artigen.train.everything import train_everything
 from artigen.train.presets import TRAINING
 from artigen.train.run import RunConfig, run_conditions
-from artigen.trellis.clip import load_clip
-from artigen.trellis.dinov2 import DinoConfig, DinoV2, load_dinov2
-from artigen.trellis.public_encoders import CLIP_FOLDER, attach_encoders, find_encoders
 from artigen.types import PART_LABELS
 
 DINO = DinoConfig(width=48, blocks=1, heads=2, patch=4, edge=4)

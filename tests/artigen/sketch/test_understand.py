@@ -2,10 +2,10 @@
 
 import pytest
 
-from artigen.conditioning.request import Request, understand
 from artigen.errors import ArtigenError
 from artigen.shapes.draw import Wish
 from artigen.sketch.request import SketchRequest, ask
+from artigen.sketch.understand import Request, understand
 
 
 def test_words_ask_for_the_same_as_flags():
