@@ -67,13 +67,23 @@ def hull_islands(
         triangles: What is seen of it.
         reach: Farthest that a hull may be from the rest (m).
     """
-    if not hulls.hulls:
+    count = len(hulls.hulls)
+    if not count:
         return []
-    shapes, bounds, sizes = [*hulls.shapes], hulls.rest_bounds, [1] * len(hulls.hulls)
+    shown = cache(lambda: _surface_shape(triangles))
+
+    def distance(one: int, other: int) -> float:
+        if other < count:
+            return _distance(hulls.shapes[one], hulls.shapes[other])
+        low, high = hulls.rest_bounds[one, 0] - reach, hulls.rest_bounds[one, 1] + reach
+        near = (triangles.min(axis=1) <= high).all(axis=1) & (triangles.max(axis=1) >= low).all(axis=1)
+        found = _distance(hulls.shapes[one], _surface_shape(triangles[near])) if near.any() else np.inf
+        return found if found <= reach else _distance(hulls.shapes[one], shown())
+
+    bounds, sizes = hulls.rest_bounds, [1] * count
     if len(triangles):
-        shapes, sizes = [*shapes, _surface_shape(triangles)], [*sizes, len(sizes) + 1]
-        bounds = np.concatenate([bounds, _bounds(triangles)[None]])
-    return find_islands(bounds, lambda one, other: _distance(shapes[one], shapes[other]), sizes, reach)
+        bounds, sizes = np.concatenate([bounds, _bounds(triangles)[None]]), [*sizes, count + 1]
+    return find_islands(bounds, distance, sizes, reach)
 
 
 def _bounds(triangles: Float[np.ndarray, "F 3 3"]) -> Float[np.ndarray, "2 3"]:
