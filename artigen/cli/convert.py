@@ -100,6 +100,7 @@ def _convert(job: ConvertJob, scratch: Path) -> Made:
     from sim_export.appearance.splats import splat_package
     from sim_export.export import export_asset
     from sim_export.files.write import write_package
+    from sim_export.physics.followers import follow_parts
 
     watch = [("start", time.perf_counter())]
     source = job.read(scratch)
@@ -118,7 +119,7 @@ def _convert(job: ConvertJob, scratch: Path) -> Made:
         exported = export_asset(asset, provenance=provenance)
     else:
         exported = export_source(source, asset, provenance)
-    package = follow_source(exported.package, source)
+    package = follow_parts(exported.package, dict(source.follows))
     package = splat_package(package, asset, RANDOM) if job.cfg.splats else package
     written = time.perf_counter()
     write_package(package, job.out / job.key, "replace")
@@ -128,14 +129,6 @@ def _convert(job: ConvertJob, scratch: Path) -> Made:
         peak_mib=resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
         notes=package.records,
     )
-
-
-def follow_source(package: "SimPackage", source: "SourceObject") -> "SimPackage":
-    """The package with joints that follow others as the source says."""
-    from sim_export.physics.followers import couple_followers
-
-    joints, records = couple_followers(package.links, package.joints, dict(source.follows))
-    return replace(package, joints=joints, records=(*package.records, *records))
 
 
 def voxelize_object(asset: "Asset") -> "Asset":

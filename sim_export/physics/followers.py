@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
-from sim_export.package import Link, PackageJoint
+from sim_export.package import Link, PackageJoint, Requirement, SimPackage
 
 
 def couple_followers(
@@ -34,3 +34,26 @@ def couple_followers(
             )
         out.append(joint)
     return tuple(out), tuple(records)
+
+
+def follow_parts(package: SimPackage, follows: Mapping[str, str]) -> SimPackage:
+    """A package whose joints moved one by one so far, with those that follow others.
+
+    What a follower needs open, its leader needs, and where a follower must be open, its leader must.
+    """
+    joints, records = couple_followers(package.links, package.joints, follows)
+    leaders = {joint.name: joint.mimic for joint in joints if joint.mimic is not None and not joint.is_travel}
+    needs: dict[tuple[str, str], float] = {}
+    for need in package.requires_open:
+        key = leaders.get(need.joint, need.joint), leaders.get(need.needs, need.needs)
+        if key[0] != key[1]:
+            needs[key] = max(need.fraction, needs.get(key, 0.0))
+    return replace(
+        package,
+        joints=joints,
+        requires_open=tuple(
+            Requirement(joint=joint, needs=other, fraction=fraction)
+            for (joint, other), fraction in needs.items()
+        ),
+        records=(*package.records, *records),
+    )
