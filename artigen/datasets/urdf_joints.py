@@ -49,6 +49,7 @@ def build_tree(urdf: UrdfFile, path: Path) -> Tree:
     notes: list[str] = []
     joints = {joint.name: _check(joint, urdf, path, notes) for joint in urdf.joints}
     screws = _find_screws(joints, urdf)
+    joints |= _simplify_chains(joints, frozenset((*screws, *screws.values())), urdf, notes)
     carriers = {joints[turn].child for turn in screws.values()}
     couplings = {
         joint.name: _resolve(joint, joints, path)
@@ -91,8 +92,11 @@ def _check(joint: UrdfJoint, urdf: UrdfFile, path: Path, notes: list[str]) -> Ur
     """The joint with a type and limits that a part can have."""
     where = f"{path}: joint {joint.name!r}"
     shown = {shape.link for shape in (*urdf.visuals, *urdf.collisions)}
-    if joint.type == "floating" and joint.parent == urdf.root and joint.parent not in shown:
-        notes.append(f"joint {joint.name!r} lets the object float; it is fixed where it stands")
+    alone = sum(other.parent == urdf.root for other in urdf.joints) == 1
+    if joint.type != "fixed" and joint.parent == urdf.root and joint.parent not in shown and alone:
+        notes.append(
+            f"joint {joint.name!r} ({joint.type}) moves the whole object; it is fixed where it stands"
+        )
         return replace(joint, type="fixed")
     if joint.type in ("floating", "planar"):
         raise SourceError(
@@ -139,6 +143,32 @@ def _find_screws(joints: Mapping[str, UrdfJoint], urdf: UrdfFile) -> dict[str, s
         alone = sum(other.parent == turn.child for other in joints.values()) == 1
         if turn.child == joint.parent and turn.child not in shown and alone:
             found[joint.name] = turn.name
+    return found
+
+
+def _simplify_chains(
+    joints: Mapping[str, UrdfJoint], screws: frozenset[str], urdf: UrdfFile, notes: list[str]
+) -> dict[str, UrdfJoint]:
+    """One of two joints in a row through an empty link, made fixed: a part has one joint.
+
+    The one that turns without end stays, else the one that turns, else the second.
+    """
+    shown = {shape.link for shape in (*urdf.visuals, *urdf.collisions)}
+    rank = ("fixed", "prismatic", "revolute", "continuous")
+    found: dict[str, UrdfJoint] = {}
+    for first in joints.values():
+        after = [joint for joint in joints.values() if joint.parent == first.child]
+        if first.child in shown or len(after) != 1 or {first.name, after[0].name} & screws:
+            continue
+        second = after[0]
+        if "fixed" in (first.type, second.type):
+            continue
+        lost, kept = (second, first) if rank.index(first.type) > rank.index(second.type) else (first, second)
+        found[lost.name] = replace(lost, type="fixed", mimic=None)
+        notes.append(
+            f"joints {first.name!r} and {second.name!r} move one part through the empty link "
+            f"{first.child!r}; {kept.name!r} ({kept.type}) is kept"
+        )
     return found
 
 

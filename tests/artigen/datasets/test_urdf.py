@@ -190,12 +190,33 @@ def test_a_missing_mesh_is_noted_where_the_link_has_others(tmp_path):
     assert any("mesh 'gone.stl' is missing" in note for note in found.asset.notes)
 
 
-def test_an_object_without_joints_and_one_that_floats_are_bodies(tmp_path):
+@pytest.mark.parametrize("kind", ["floating", "planar", "prismatic"])
+def test_an_object_without_joints_and_one_that_moves_as_a_whole_are_bodies(tmp_path, kind):
     assert len(read(tmp_path, BODY).asset.parts) == 1
-    floats = joint("floating", "world", "body")
-    found = read(tmp_path, link("world"), BODY, floats)
+    found = read(tmp_path, link("world"), BODY, joint(kind, "world", "body", limits=(0, 1)))
     assert len(found.asset.parts) == 1
-    assert any("lets the object float" in note for note in found.asset.notes)
+    assert any("moves the whole object" in note for note in found.asset.notes)
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "kept"),
+    [
+        ("prismatic", "continuous", "continuous"),
+        ("revolute", "prismatic", "revolute"),
+        ("prismatic", "prismatic", "prismatic"),
+    ],
+)
+def test_of_two_joints_through_an_empty_link_one_is_kept_and_noted(tmp_path, first, second, kept):
+    cap = link("cap", box_visual((0.1, 0.1, 0.1)))
+    chain = (
+        joint(first, "body", "helper", xyz=(0, 0, 0.4), axis=(0, 0, 1), limits=(0, 0.5)),
+        joint(second, "helper", "cap", xyz=(0, 0, 0.05), axis=(0, 0, 1), limits=(0, 0.25)),
+    )
+    found = read(tmp_path, BODY, link("helper"), cap, *chain).asset
+    assert [part.joint.type for part in found.parts] == ["fixed", kept]
+    assert any("'to_helper' and 'to_cap' move one part" in note for note in found.notes)
+    if first == "revolute":
+        assert found.parts[1].joint.upper == pytest.approx(0.5)
 
 
 def test_a_turn_of_more_than_once_is_endless_and_none_is_fixed(tmp_path):
@@ -248,18 +269,20 @@ BAD = {
         "'http://a/b.stl', expected",
     ),
     "an empty body": (
-        (link("body"), FLAP, flap()),
-        "'body' is the body and has no geometry, but carries flap",
+        (link("body"), FLAP, link("b", box_visual((1, 1, 1))), flap(), joint("continuous", "body", "b")),
+        "'body' is the body and has no geometry, but carries flap, b",
     ),
-    "an empty link between": (
+    "an empty link that branches": (
         (
-            BODY,
-            link("flap"),
-            link("tip", box_visual((0.1, 0.1, 0.1))),
-            flap(),
-            joint("continuous", "flap", "tip"),
+            *(
+                BODY,
+                link("flap"),
+                link("a", box_visual((0.1, 0.1, 0.1))),
+                link("b", box_visual((0.1, 0.1, 0.1))),
+            ),
+            *(flap(), joint("continuous", "flap", "a"), joint("continuous", "flap", "b")),
         ),
-        "'flap' is a link between two joints and has no geometry, but carries tip",
+        "'flap' is a link between two joints and has no geometry, but carries a, b",
     ),
     "an unknown shape": (
         (BODY.replace("<box", "<capsule"),),
