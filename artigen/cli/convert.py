@@ -1,4 +1,4 @@
-"""`artigen convert`: real articulated objects to proven packages, many at once, resumable."""
+"""`artigen convert`: objects in the PartNet-Mobility layout to validated packages."""
 
 import resource
 import sys
@@ -33,28 +33,27 @@ COLLISION_CHECKS = ("V006", "V102", "V103", "V104", "V105", "V201", "V202")
 
 @dataclass(frozen=True, kw_only=True)
 class ConvertSettings:
-    """What decides how an object is converted; equal settings give equal packages."""
+    """How objects are converted; equal settings give equal packages."""
 
     visual: Literal["voxels", "source"] = "voxels"
-    """``voxels`` rebuilds the object from its 64^3 articulated voxels, as for a generated one;
-    ``source`` keeps the object's own textured meshes and adds collision, mass, friction and proof."""
+    """``voxels`` reconstructs the object from its 64^3 articulated voxels; ``source`` keeps its own textured
+    meshes and adds collision hulls, mass, friction and validation."""
     recipe: Literal["robust", "paper"] = "robust"
-    """How parts are found in the voxels: the robust recipe, or the paper's."""
+    """Segmentation of the voxels into parts: our robust recipe or that of the paper."""
     size: float | None = None
-    """Longest edge of the closed object in metres; None keeps the lengths of a URDF, and takes those of other
-    layouts from the category's usual size."""
+    """Longest edge of the closed object in metres; default: as in the URDF, else usual for its category."""
     category: str | None = None
-    """What the objects are; None takes it from their own files and names."""
+    """Category of the objects; default: from their files and names."""
     up: Direction | None = None
-    """Which way is up in a URDF or object.json; None is z in a URDF, y in object.json."""
+    """Up axis of a URDF or object.json; default: z of a URDF, y of object.json."""
     front: Direction | None = None
-    """Which way the front faces in a URDF or object.json; None is -x in a URDF, z in object.json."""
+    """Axis that the front faces in a URDF or object.json; default: -x of a URDF, z of object.json."""
     seed: int = 0
     """Seed of the surface samples."""
     splats: bool = False
-    """Whether packages also hold Gaussians: flat discs on the surface, one PLY per link."""
+    """Add 3D Gaussians to the package: flat discs on the surface, one PLY per link."""
     validation: Literal["full", "none"] = "full"
-    """Whether every package is tried (L0 to L3) as soon as it is written."""
+    """Run checks L0 to L3 on every package right after it is written."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -275,19 +274,18 @@ def convert(
     runner: RunnerChoice = "local",
     shard: Shard = None,
 ) -> int:
-    """Turns articulated objects into simulation packages and proves them.
+    """Convert URDFs, PartNet-Mobility folders and object.json files (ACD) into validated simulation packages.
 
-    Takes any URDF, folders in the PartNet-Mobility layout, and object.json files (ACD). A killed or failed
-    run is finished by running the same command again.
+    Running the same command again resumes an interrupted run and retries failed objects.
 
     Args:
-        sources: URDF files, object folders, or folders full of either.
-        out: Folder for the packages and the journal run.jsonl.
+        sources: URDF files, object folders, or folders that contain either.
+        out: Output folder for the packages and the journal run.jsonl.
         cfg: How objects are converted.
-        workers: Processes side by side, of one thread each; left out, one per core that may be used.
-        timeout: Seconds that one stage of one object may take.
-        runner: Where objects are made: processes here, or tasks of a Ray cluster.
-        shard: K/N converts the K-th of N parts of the objects.
+        workers: Single-threaded worker processes; default: one per available core.
+        timeout: Time limit in seconds for one stage of one object.
+        runner: Local processes or the tasks of a Ray cluster.
+        shard: Run only the K-th of N equal parts, such as 3/64.
     """
     from artigen.datasets.sources import find_sources
 

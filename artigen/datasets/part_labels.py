@@ -1,6 +1,6 @@
 """Many names for parts, mapped to our eight labels: a table of names, and one of joints for other names.
 
-`LABEL_TABLE` and `JOINT_TABLE` are the whole truth; ``docs/how_to_convert.md`` shows them, and a test keeps
+`LABEL_TABLE` and `JOINT_TABLE` are the whole truth; ``docs/how-to/convert.md`` shows them, and a test keeps
 them equal. PartNet's own names match whole; names of links and joints in a URDF are searched for the words.
 """
 

@@ -1,7 +1,7 @@
 """Reads any URDF into a `SourceObject`: no side files, labels from names and joints, lengths as they are.
 
 Links joined by fixed joints are one body; every joint that moves makes a part. What is guessed or left out is
-a sentence in ``asset.notes``; what cannot be an articulated object is refused. See docs/how_to_convert.md.
+a sentence in ``asset.notes``; what cannot be an articulated object is refused. See docs/how-to/convert.md.
 """
 
 import logging

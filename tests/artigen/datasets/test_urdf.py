@@ -432,5 +432,5 @@ def test_a_urdf_becomes_a_package_with_the_same_joints(tmp_path, visual):
 
 
 def test_the_documented_joint_table_is_the_one_in_force():
-    docs = Path(__file__).resolve().parents[3] / "docs" / "how_to_convert.md"
+    docs = Path(__file__).resolve().parents[3] / "docs" / "how-to" / "convert.md"
     assert joint_table_markdown() in docs.read_text()
