@@ -254,6 +254,12 @@ SHAPE_DEFECTS = (
     ),
 )
 
+ISLAND_DEFECTS = (
+    Defect(name="handle 3 cm off", check="V107", mutate=shift("visual/handle_link_0_0.obj", x=-0.03)),
+    Defect(name="shelf before the body", check="V107", mutate=shift("visual/shelf_link_4_0.obj", x=-0.6)),
+    Defect(name="loose hull", check="V107", mutate=shift("collision/link_0_6.obj", x=-0.04)),
+)
+
 MOTION_DEFECTS = (
     Defect(
         name="door turns through the side",
@@ -300,4 +306,4 @@ MOTION_DEFECTS = (
     ),
 )
 
-STATIC_DEFECTS = (*FILE_DEFECTS, *SHAPE_DEFECTS, *MOTION_DEFECTS)
+STATIC_DEFECTS = (*FILE_DEFECTS, *SHAPE_DEFECTS, *ISLAND_DEFECTS, *MOTION_DEFECTS)

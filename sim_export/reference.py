@@ -29,6 +29,7 @@ from sim_export.geometry.needles import find_needles, flip_needles
 from sim_export.geometry.solids import as_solid
 from sim_export.package import Hull, Inertial, Mesh, Requirement, SimPackage
 from sim_export.physics.annotations import annotate_handles
+from sim_export.physics.followers import couple_followers
 from sim_export.physics.inertia import combine, mesh_inertial
 from sim_export.physics.links import LinkTree, PartGeometry, build_links
 from sim_export.physics.masses import subtract
@@ -238,13 +239,9 @@ def _weigh(solids: Sequence[Hull], made_of: Sequence[MaterialName]) -> Inertial:
 
 
 def _couple(shape: Shape, tree: LinkTree) -> LinkTree:
-    """The tree with followers that mimic their leaders, and springs; one sentence for each.
-
-    A follower resists nothing: what moves it does.
-    """
+    """The tree with followers that mimic their leaders, and springs; one sentence for each."""
     motions = {part.name: part.motion for part in shape.parts if part.motion is not None}
     leading = {link.name: link.parts[0] for link in tree.links if link.parts}
-    by_part = {leading[joint.child]: joint for joint in tree.joints if joint.child in leading}
     joints, records = [], list(tree.records)
     for joint in tree.joints:
         motion = motions.get(leading.get(joint.child, ""))
@@ -254,17 +251,10 @@ def _couple(shape: Shape, tree: LinkTree) -> LinkTree:
                 f"{joint.name}: a spring closes it with {joint.spring:g}, at its upper limit with twice that "
                 f"(N or N m); URDF cannot say so"
             )
-        if motion is not None and motion.follows is not None:
-            leader = by_part[motion.follows]
-            ratio = joint.upper / leader.upper
-            joint = replace(
-                joint, mimic=leader.name, mimic_multiplier=ratio, friction=0.0, damping=0.0, spring=0.0
-            )
-            records.append(
-                f"{joint.name} follows {leader.name} times {ratio:.6g}; engines without <mimic> let it go"
-            )
         joints.append(joint)
-    return replace(tree, joints=tuple(joints), records=tuple(records))
+    follows = {name: motion.follows for name, motion in motions.items() if motion.follows is not None}
+    coupled, said = couple_followers(tree.links, joints, follows)
+    return replace(tree, joints=coupled, records=(*records, *said))
 
 
 def find_latched(shape: Shape) -> frozenset[str]:

@@ -1,7 +1,7 @@
 """Failed checks of a conversion that the source object fails as well.
 
-V203 and V204 are measured again on the source's own meshes and joints. For V201 and V202 points of one link's
-surface are looked for inside of closed surfaces of the other, at rest and along the joints.
+V107, V203 and V204 are measured again on the source's own meshes and joints. For V201 and V202 points of one
+link's surface are looked for inside of closed surfaces of the other, at rest and along the joints.
 """
 
 from collections.abc import Collection, Iterator, Mapping
@@ -14,6 +14,7 @@ from jaxtyping import Float
 
 from artigen.transforms import inverse, transform_points
 from sim_export.checks.config import CheckConfig
+from sim_export.checks.islands import visual_islands
 from sim_export.checks.suite import run_checks
 from sim_export.collision.free_space import FreeSpace, find_free_space, find_inside
 from sim_export.collision.hulls import convex_hull
@@ -54,9 +55,20 @@ def find_source_faults(
                 out[name] = f"as in the source, by its own meshes: {found[name].message}"
     if "V202" in failed:
         out |= _deepest("V202", _overlaps_at_rest(surfaces), cfg.max_rest_overlap_parent)
+    if "V107" in failed:
+        out |= _farthest_island(surfaces, cfg.max_island)
     if "V201" in failed:
         out |= _deepest("V201", _overlaps_on_the_way(package, surfaces), cfg.max_penetration)
     return out
+
+
+def _farthest_island(surfaces: Surfaces, reach: float) -> dict[str, str]:
+    """The visible piece that is farthest from the rest of its link, if one is too far."""
+    found = [(gap, name) for name, surface in surfaces.items() for gap, _ in visual_islands(surface, reach)]
+    gap, name = max(found, default=(0.0, ""))
+    if not found:
+        return {}
+    return {"V107": f"as in the source: a piece of {name} is {1000 * gap:.0f} mm from the rest of it"}
 
 
 def _wrap(triangles: Float[np.ndarray, "F 3 3"] | None) -> tuple[Hull, ...]:

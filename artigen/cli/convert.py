@@ -19,12 +19,14 @@ from artigen.cli.shard import read_shard
 from artigen.runtime.runner import choose_runner
 from artigen.runtime.workers import Worker
 
+Direction = Literal["x", "-x", "y", "-y", "z", "-z"]
+
 if TYPE_CHECKING:
+    from artigen.datasets.source_object import SourceObject
     from artigen.types import Asset
     from sim_export.export import Exported
     from sim_export.package import SimPackage
 
-SOURCE_FILE = "mobility_v2.json"
 COLLISION_CHECKS = ("V006", "V102", "V103", "V104", "V105", "V201", "V202")
 """Static checks that other hulls may pass."""
 
@@ -39,7 +41,13 @@ class ConvertSettings:
     recipe: Literal["robust", "paper"] = "robust"
     """Segmentation of the voxels into parts: our robust recipe or that of the paper."""
     size: float | None = None
-    """Longest edge of the closed object in metres; default: the usual size of its category."""
+    """Longest edge of the closed object in metres; default: as in the URDF, else usual for its category."""
+    category: str | None = None
+    """Category of the objects; default: from their files and names."""
+    up: Direction | None = None
+    """Up axis of a URDF or object.json; default: z of a URDF, y of object.json."""
+    front: Direction | None = None
+    """Axis that the front faces in a URDF or object.json; default: -x of a URDF, z of object.json."""
     seed: int = 0
     """Seed of the surface samples."""
     splats: bool = False
@@ -58,30 +66,47 @@ class ConvertJob:
 
     @property
     def key(self) -> str:
-        """Name of the package: that of the source folder."""
-        return self.source.resolve().name
+        """Name of the package: that of the source."""
+        from artigen.datasets.sources import name_source
+
+        return name_source(self.source)
 
     @property
     def settings(self) -> str:
         """Source and settings as text."""
         return f"{self.source.resolve()} {self.cfg}"
 
+    def read(self, scratch: Path) -> "SourceObject":
+        """Reads the source; meshes that cannot stay as they are go into ``scratch``."""
+        from artigen.datasets.source_object import ReaderConfig
+        from artigen.datasets.sources import read_source
+
+        cfg = self.cfg
+        reader = ReaderConfig(size=cfg.size, seed=cfg.seed, category=cfg.category, up=cfg.up, front=cfg.front)
+        return read_source(self.source, scratch, reader)
+
 
 def convert_object(job: ConvertJob) -> Made:
     """Reads one object, exports it and writes the package; runs in a worker process."""
+    with TemporaryDirectory() as scratch:
+        return _convert(job, Path(scratch))
+
+
+def _convert(job: ConvertJob, scratch: Path) -> Made:
     from artigen import __version__
-    from artigen.datasets.partnet_mobility import ReaderConfig, read_object
+    from artigen.datasets.sources import find_layout
     from artigen.splats.surface import RANDOM
     from sim_export.appearance.splats import splat_package
     from sim_export.export import export_asset
     from sim_export.files.write import write_package
+    from sim_export.physics.followers import follow_parts
 
     watch = [("start", time.perf_counter())]
-    source = read_object(job.source, ReaderConfig(size=job.cfg.size, seed=job.cfg.seed))
+    source = job.read(scratch)
     watch.append(("read", time.perf_counter()))
     provenance = {
         "generator": f"artigen {__version__} convert",
-        "source": f"{job.key} ({source.asset.category}), PartNet-Mobility layout",
+        "source": f"{job.key} ({source.asset.category}), {find_layout(job.source)} layout",
         "visual": job.cfg.visual,
         "seed": str(job.cfg.seed),
     }
@@ -93,7 +118,8 @@ def convert_object(job: ConvertJob) -> Made:
         exported = export_asset(asset, provenance=provenance)
     else:
         exported = export_source(source, asset, provenance)
-    package = splat_package(exported.package, asset, RANDOM) if job.cfg.splats else exported.package
+    package = follow_parts(exported.package, dict(source.follows))
+    package = splat_package(package, asset, RANDOM) if job.cfg.splats else package
     written = time.perf_counter()
     write_package(package, job.out / job.key, "replace")
     laps = [(name, now - before) for (_, before), (name, now) in pairwise(watch)]
@@ -115,15 +141,20 @@ def voxelize_object(asset: "Asset") -> "Asset":
 
 def rebuild_from_voxels(asset: "Asset", recipe: Literal["robust", "paper"] = "robust") -> "Asset":
     """Object to 35-channel field and back: all that is kept besides is the colour of the surface."""
-    from artigen.datasets.relabel import carry_surface
+    from artigen.datasets.relabel import carry_surface, restore_tree
     from artigen.voxels.fields import DEFAULT_LAYOUT, decode, encode
     from artigen.voxels.segmentation.segment import SegmentConfig, segment
 
     fields = decode(encode(asset, DEFAULT_LAYOUT), DEFAULT_LAYOUT)
     found = segment(
-        fields, SegmentConfig(recipe=recipe), name=asset.name, scale=asset.scale, category=asset.category
+        fields,
+        SegmentConfig(recipe=recipe, detached="note"),
+        name=asset.name,
+        scale=asset.scale,
+        category=asset.category,
     )
-    return carry_surface(asset, replace(found, notes=asset.notes + found.notes))
+    found = carry_surface(asset, replace(found, notes=asset.notes + found.notes))
+    return restore_tree(asset, found)
 
 
 def export_source(source, asset: "Asset", provenance: dict[str, str]) -> "Exported":
@@ -212,12 +243,15 @@ def convert_and_validate(worker: Worker, job: ConvertJob, timeout: float) -> Fin
 
 def explain_failures(job: tuple[ConvertJob, tuple[str, ...]]) -> tuple[str, ...]:
     """Check and evidence for each failed check that the source fails as well; runs in a worker process."""
-    from artigen.datasets.partnet_mobility import ReaderConfig, read_object
+    with TemporaryDirectory() as scratch:
+        return _explain(*job, Path(scratch))
+
+
+def _explain(job: ConvertJob, failed: tuple[str, ...], scratch: Path) -> tuple[str, ...]:
     from sim_export.export import export_asset
     from sim_export.source_faults import find_source_faults
 
-    (source_job, failed), cfg = job, job[0].cfg
-    source = read_object(source_job.source, ReaderConfig(size=cfg.size, seed=cfg.seed))
+    source = job.read(scratch)
     asset = voxelize_object(source.asset)
     package = export_asset(asset, source_meshes=place_source_meshes(source, asset)).package
     surfaces = dict(
@@ -231,15 +265,6 @@ def explain_failures(job: tuple[ConvertJob, tuple[str, ...]]) -> tuple[str, ...]
     return tuple(f"{check} {said}" for check, said in find_source_faults(package, shown, failed).items())
 
 
-def find_sources(paths: tuple[Path, ...]) -> list[Path]:
-    """The object folders among ``paths``, and those directly inside of any other folder."""
-    found = []
-    for path in paths:
-        inside = sorted(child for child in path.glob("*") if (child / SOURCE_FILE).is_file())
-        found += [path] if (path / SOURCE_FILE).is_file() or not inside else inside
-    return found
-
-
 def convert(
     sources: tyro.conf.Positional[tuple[Path, ...]],
     out: Out,
@@ -249,12 +274,12 @@ def convert(
     runner: RunnerChoice = "local",
     shard: Shard = None,
 ) -> int:
-    """Convert objects in the PartNet-Mobility layout into validated simulation packages.
+    """Convert URDFs, PartNet-Mobility folders and object.json files (ACD) into validated simulation packages.
 
     Running the same command again resumes an interrupted run and retries failed objects.
 
     Args:
-        sources: Object folders, or folders that contain object folders.
+        sources: URDF files, object folders, or folders that contain either.
         out: Output folder for the packages and the journal run.jsonl.
         cfg: How objects are converted.
         workers: Single-threaded worker processes; default: one per available core.
@@ -262,6 +287,8 @@ def convert(
         runner: Local processes or the tasks of a Ray cluster.
         shard: Run only the K-th of N equal parts, such as 3/64.
     """
+    from artigen.datasets.sources import find_sources
+
     jobs = [ConvertJob(source=source, out=out, cfg=cfg) for source in find_sources(sources)]
     handle, chosen = partial(convert_and_validate, timeout=timeout), choose_runner(runner, workers)
     results = run_shown(handle, jobs, out, runner=chosen, part=read_shard(shard))

@@ -101,22 +101,22 @@ def _parse_node(path: Path, index: int, item: object) -> SourceNode:
     if not isinstance(item, dict):
         raise SourceError(f"{where}: holds {type(item).__name__}, expected an object")
     where = f"{path}: node {item.get('id', index)}"
-    number, parent = _field(item, "id", int, where), _field(item, "parent", int, where)
-    joint, name = _field(item, "joint", str, where), _field(item, "name", str, where)
+    number, parent = read_field(item, "id", int, where), read_field(item, "parent", int, where)
+    joint, name = read_field(item, "joint", str, where), read_field(item, "name", str, where)
     allowed = (*ROOT_JOINTS, *MOVING_JOINTS, "junk")
     if joint not in allowed:
         raise SourceError(f"{where}: joint {joint!r} is not one of {', '.join(allowed)}")
     if joint in MOVING_JOINTS and parent == -1:
         raise SourceError(f"{where}: a {joint} has no parent (-1), expected a node id")
-    pieces = tuple(_parse_pieces(_field(item, "parts", list, where), where))
+    pieces = tuple(_parse_pieces(read_field(item, "parts", list, where), where))
     if joint not in MOVING_JOINTS:
         return SourceNode(id=number, parent=parent, joint=joint, name=name, pieces=pieces)
-    data = _field(item, "jointData", dict, where)
-    axis, limit = _field(data, "axis", dict, where), _field(data, "limit", dict, where)
+    data = read_field(item, "jointData", dict, where)
+    axis, limit = read_field(data, "axis", dict, where), read_field(data, "limit", dict, where)
     bound = MAX_ANGLE if joint == "hinge" else MAX_LENGTH
     unit = "degrees" if joint == "hinge" else "PartNet lengths"
-    a, b = (_number(limit, key, where, bound, unit) for key in ("a", "b"))
-    direction = _vector(axis, "direction", where)
+    a, b = (read_number(limit, key, where, bound, unit) for key in ("a", "b"))
+    direction = read_vector(axis, "direction", where)
     if np.linalg.norm(direction) < 1e-6:
         raise SourceError(f"{where}: axis direction {list(direction)} has no length")
     return SourceNode(
@@ -132,7 +132,7 @@ def _parse_node(path: Path, index: int, item: object) -> SourceNode:
         unlimited=bool(limit.get("noLimit", False)),
         rotates=bool(limit.get("rotates", False)),
         rotation_unlimited=bool(limit.get("noRotationLimit", False)),
-        rotation_limit=_number(limit, "rotationLimit", where, MAX_ANGLE, "degrees", default=0.0),
+        rotation_limit=read_number(limit, "rotationLimit", where, MAX_ANGLE, "degrees", default=0.0),
     )
 
 
@@ -140,17 +140,21 @@ def _origin(axis: dict, joint: str, where: str) -> tuple[float, float, float]:
     # A slider needs no origin, and some annotations hold nulls there.
     if joint == "slider" and axis.get("origin") in (None, [None, None, None]):
         return (0.0, 0.0, 0.0)
-    return _vector(axis, "origin", where)
+    return read_vector(axis, "origin", where)
 
 
-def _field(item: dict, key: str, kind: type[Kind], where: str) -> Kind:
+def read_field(item: dict, key: str, kind: type[Kind], where: str) -> Kind:
+    """The value of a key, of one kind; raises `SourceError` naming ``where`` it is not."""
     value = item.get(key)
     if not isinstance(value, kind) or isinstance(value, bool):
         raise SourceError(f"{where}: {key!r} holds {value!r}, expected {kind.__name__}")
     return value
 
 
-def _number(item: dict, key: str, where: str, bound: float, unit: str, default: float | None = None) -> float:
+def read_number(
+    item: dict, key: str, where: str, bound: float, unit: str, default: float | None = None
+) -> float:
+    """A finite number of at most ``bound``; raises `SourceError` for anything else."""
     value = item.get(key, default)
     if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
         raise SourceError(f"{where}: {key!r} holds {value!r}, expected a number")
@@ -161,11 +165,12 @@ def _number(item: dict, key: str, where: str, bound: float, unit: str, default: 
     return float(value)
 
 
-def _vector(item: dict, key: str, where: str) -> tuple[float, float, float]:
-    value = _field(item, key, list, where)
+def read_vector(item: dict, key: str, where: str) -> tuple[float, float, float]:
+    """Three finite lengths; raises `SourceError` for anything else."""
+    value = read_field(item, key, list, where)
     if len(value) != 3:
         raise SourceError(f"{where}: {key!r} holds {value!r}, expected three numbers")
-    x, y, z = (_number({key: entry}, key, where, MAX_LENGTH, "PartNet lengths") for entry in value)
+    x, y, z = (read_number({key: entry}, key, where, MAX_LENGTH, "PartNet lengths") for entry in value)
     return x, y, z
 
 
@@ -177,7 +182,9 @@ def _parse_pieces(value: list, where: str) -> list[SourcePiece]:
         children = item.get("children") or []
         if children:
             pieces += _parse_pieces(children, where)
-        pieces.append(SourcePiece(id=_field(item, "id", int, where), name=_field(item, "name", str, where)))
+        pieces.append(
+            SourcePiece(id=read_field(item, "id", int, where), name=read_field(item, "name", str, where))
+        )
     return pieces
 
 
@@ -191,7 +198,7 @@ def read_piece_files(path: Path) -> dict[int, tuple[str, ...]]:
         objs = [name for name in item.get("objs") or [] if isinstance(name, str)]
         for child in item.get("children") or []:
             objs += visit(child)
-        found[_field(item, "id", int, str(path))] = tuple(dict.fromkeys(objs))
+        found[read_field(item, "id", int, str(path))] = tuple(dict.fromkeys(objs))
         return objs
 
     value = read_json(path)

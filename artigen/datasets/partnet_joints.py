@@ -105,7 +105,7 @@ def closed_pose(
         if rest == node.b
         else max(node.a, node.b, key=lambda q: abs(q - rest))
     )
-    return RestPose(rest=rest, far=far, note=_describe(node, rest, far))
+    return RestPose(rest=rest, far=far, note=describe_rest(node, rest, far))
 
 
 def _swings_both_ways(node: SourceNode) -> bool:
@@ -122,7 +122,8 @@ def _protrusions(node: SourceNode, q: np.ndarray, points: np.ndarray, body: np.n
     return np.linalg.norm(outside, axis=-1).mean(axis=1)
 
 
-def _describe(node: SourceNode, rest: float, far: float) -> str:
+def describe_rest(node: SourceNode, rest: float, far: float) -> str:
+    """How the closed pose differs from the pose and the range in the files; empty where it does not."""
     unit = " degrees" if node.joint == "hinge" else ""
     where = f"node {node.id} ({node.name}): limits [{node.a:g}, {node.b:g}]{unit}"
     said = []

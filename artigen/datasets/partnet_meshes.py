@@ -6,11 +6,14 @@
 
 import re
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
+import numpy as np
+from jaxtyping import Float
+
 from artigen.datasets.partnet_annotation import SourceNode, SourcePiece
-from artigen.datasets.partnet_urdf import UrdfFile, UrdfVisual
+from artigen.datasets.urdf_file import UrdfFile, UrdfShape
 from artigen.datasets.wavefront import ObjMesh, inside, read_obj
 from artigen.errors import SourceError
 
@@ -19,12 +22,17 @@ MESH_FOLDER = "textured_objs"
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PieceMesh:
-    """One mesh file and the annotated piece that it draws."""
+    """One mesh file and the annotated piece that it draws; ``p_tree = T_tree_file * (scale * p_file)``.
+
+    ``mesh`` is placed already: its frame is that of the joints.
+    """
 
     node: int
     piece: SourcePiece
     path: Path
     mesh: ObjMesh
+    T_tree_file: Float[np.ndarray, "4 4"] = field(default_factory=lambda: np.eye(4))
+    scale: float = 1.0
 
     @property
     def visual_name(self) -> str:
@@ -101,7 +109,7 @@ def _collect(
     above = {joint.child: joint.parent for joint in urdf.joints}
     found: dict[Path, _Reference] = {}
     notes, homeless = [], []
-    for visual in urdf.visuals:
+    for visual in (visual for visual in urdf.visuals if visual.kind == "mesh"):
         path = inside(folder, folder, visual.file, str(folder / "mobility.urdf"))
         owner = (
             by_name.get(path.stem)
@@ -125,10 +133,9 @@ def _collect(
         )
     if unlisted:
         notes.append(f"{unlisted} mesh files that the URDF leaves out were added from result.json")
-    if urdf.primitives:
-        notes.append(
-            f"{len(urdf.primitives)} visuals without a mesh file were left out: {', '.join(urdf.primitives)}"
-        )
+    primitives = [visual.name or visual.link for visual in urdf.visuals if visual.kind != "mesh"]
+    if primitives:
+        notes.append(f"{len(primitives)} visuals without a mesh file were left out: {', '.join(primitives)}")
     return list(found.values()), notes
 
 
@@ -141,7 +148,7 @@ def _owner_by_name(
 
 
 def _owner_by_link(
-    visual: UrdfVisual, above: dict[str, str], known: dict[int, SourceNode]
+    visual: UrdfShape, above: dict[str, str], known: dict[int, SourceNode]
 ) -> tuple[SourceNode, SourcePiece] | None:
     """The node of the link, or of the nearest link above it that has one."""
     link: str | None = visual.link

@@ -6,23 +6,23 @@ a sentence in ``asset.notes``. See docs/reference/partnet_mobility.md.
 """
 
 import logging
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
-from jaxtyping import Float, Int
 
+from artigen.datasets.part_labels import label_nodes
 from artigen.datasets.partnet_annotation import SourceNode, read_json, read_nodes, read_piece_files
 from artigen.datasets.partnet_joints import RestPose, closed_pose, describe_joint, joint_kind
-from artigen.datasets.partnet_labels import label_nodes
 from artigen.datasets.partnet_meshes import MESH_FOLDER, PieceMesh, read_pieces
-from artigen.datasets.partnet_parts import build_parts, place_nodes
-from artigen.datasets.partnet_surface import FaceTable, make_face_table, sample_surface
-from artigen.datasets.partnet_urdf import UrdfFile, compare_urdf, read_urdf
+from artigen.datasets.partnet_parts import order_nodes
+from artigen.datasets.partnet_urdf import check_scales, compare_urdf
 from artigen.datasets.sizes import estimate_size
+from artigen.datasets.source_object import ReaderConfig, SourceObject, SourceTree, assemble, collect_corners
+from artigen.datasets.urdf_file import UrdfFile, read_urdf
 from artigen.errors import SourceError
 from artigen.transforms import T_ZUP_FROM_PARTNET
-from artigen.types import Asset, Part, PartLabel, SurfaceSamples, frozen_array
+from artigen.types import PartLabel
 
 logger = logging.getLogger(__name__)
 
@@ -30,68 +30,7 @@ POINTS_PER_NODE = 2000
 """Corners looked at when the closed pose is sought; more change nothing but the time."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class ReaderConfig:
-    """How an object is read."""
-
-    samples: int = 600_000
-    """Points drawn from the surface of the whole object; too few leave holes in 64^3 voxels."""
-    seed: int = 0
-    """Seed of the surface samples."""
-    size: float | None = None
-    """Longest edge of the closed object in metres; None takes it from the category table."""
-    piece_gap: float = 0.04
-    """Handles of one name that are farther apart become parts of their own (unit-cube lengths)."""
-
-    def __post_init__(self) -> None:
-        if self.samples < 1:
-            raise ValueError(f"samples is {self.samples}, expected at least 1")
-        if self.size is not None and not self.size > 0:
-            raise ValueError(f"size is {self.size} metres, expected > 0")
-        if not self.piece_gap > 0:
-            raise ValueError(f"piece_gap is {self.piece_gap}, expected > 0")
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class SourceVisual:
-    """A mesh file of the source and where it lies: ``p_unit = T_unit_file * (scale * p_file)``."""
-
-    part: int
-    name: str
-    path: Path
-    T_unit_file: Float[np.ndarray, "4 4"]
-    scale: float
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class TriangleMesh:
-    """The source's own triangles in the unit cube at rest, with the part of each."""
-
-    vertices: Float[np.ndarray, "V 3"]
-    faces: Int[np.ndarray, "F 3"]
-    part_ids: Int[np.ndarray, "F"]
-
-    def __post_init__(self) -> None:
-        faces = frozen_array(self.faces, np.int64, (None, 3), "triangle faces")
-        vertices = frozen_array(self.vertices, np.float64, (None, 3), "triangle vertices")
-        part_ids = frozen_array(self.part_ids, np.int64, (len(faces),), "triangle part ids")
-        object.__setattr__(self, "faces", faces)
-        object.__setattr__(self, "vertices", vertices)
-        object.__setattr__(self, "part_ids", part_ids)
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class PartNetObject:
-    """An object as read: the asset, its exact triangles, and the source's own mesh files."""
-
-    asset: Asset
-    visuals: tuple[SourceVisual, ...]
-    triangles: TriangleMesh
-    tables: tuple[FaceTable, ...]
-    """The same triangles file by file, with texture coordinates and materials."""
-
-
-def read_object(folder: Path, cfg: ReaderConfig | None = None) -> PartNetObject:
+def read_object(folder: Path, cfg: ReaderConfig | None = None) -> SourceObject:
     """Reads one PartNet-Mobility folder.
 
     Args:
@@ -102,48 +41,33 @@ def read_object(folder: Path, cfg: ReaderConfig | None = None) -> PartNetObject:
         SourceError: the folder cannot be read; one sentence names file, element and value.
     """
     cfg = cfg or ReaderConfig()
-    category = _read_category(folder / "meta.json")
+    category = cfg.category or _read_category(folder / "meta.json")
     all_nodes = read_nodes(folder / "mobility_v2.json")
     nodes, notes = _keep_live(all_nodes, folder)
     urdf = read_urdf(folder / "mobility.urdf")
+    check_scales(urdf, folder / "mobility.urdf")
     listing = folder / "result.json"
     files = read_piece_files(listing) if listing.exists() else {}
     pieces, mesh_notes = read_pieces(folder, all_nodes, frozenset(node.id for node in nodes), urdf, files)
     nodes, empty_notes = _keep_drawn(nodes, pieces, folder)
-    labels, label_notes = label_nodes(nodes)
-    poses = _find_rest_poses(nodes, labels, pieces)
     turn, turn_notes = _find_turn(nodes, urdf)
-    placement = place_nodes(nodes, poses, pieces, turn)
-    tables = tuple(
-        make_face_table(piece.mesh, placement.T_unit[piece.node], placement.scale) for piece in pieces
-    )
-    parts, owners = build_parts(nodes, labels, poses, pieces, tables, placement, cfg.piece_gap)
-    size, size_notes = _choose_size(category, placement.extents, cfg)
-    surface = sample_surface(tables, owners, cfg.samples, np.random.default_rng(cfg.seed))
+    corners = collect_corners(pieces)
+    labels, label_notes = label_nodes(order_nodes(nodes), corners, turn)
+    poses = find_rest_poses(nodes, labels, corners)
     joint_notes = [note for node in nodes for note in (poses[node.id].note, describe_joint(node)) if note]
-    asset = Asset(
+    found = assemble(
+        SourceTree(nodes=nodes, pieces=pieces, labels=labels, poses=poses, T_zup_file=turn),
+        cfg,
         name=folder.resolve().name,
         category=category,
-        scale=size,
-        parts=parts,
-        surface=surface,
+        choose_size=lambda extents: choose_size(category, extents, cfg),
         notes=(
             *(*notes, *mesh_notes, *empty_notes, *compare_urdf(nodes, urdf)),
-            *(*label_notes, *joint_notes, *turn_notes, *size_notes, *_find_unsampled(parts, surface)),
+            *(*label_notes, *joint_notes, *turn_notes),
         ),
     )
-    visuals = tuple(
-        SourceVisual(
-            part=int(owner[0]),
-            name=piece.visual_name,
-            path=piece.path,
-            T_unit_file=placement.T_unit[piece.node],
-            scale=placement.scale,
-        )
-        for piece, owner in zip(pieces, owners, strict=True)
-    )
-    logger.info("%s: %d parts, %d mesh files", asset.name, len(parts), len(visuals))
-    return PartNetObject(asset=asset, visuals=visuals, triangles=_join(tables, owners), tables=tables)
+    logger.info("%s: %d parts, %d mesh files", found.asset.name, len(found.asset.parts), len(found.visuals))
+    return found
 
 
 def _read_category(path: Path) -> str:
@@ -191,14 +115,10 @@ def _keep_drawn(
     return tuple(node for node in nodes if node.id in drawn), notes
 
 
-def _find_rest_poses(
-    nodes: tuple[SourceNode, ...], labels: dict[int, PartLabel], pieces: tuple[PieceMesh, ...]
+def find_rest_poses(
+    nodes: Sequence[SourceNode], labels: Mapping[int, PartLabel], corners: Mapping[int, np.ndarray]
 ) -> dict[int, RestPose]:
     """Closed pose of every node; zero where there is nothing to choose."""
-    corners: dict[int, np.ndarray] = {}
-    for node in nodes:
-        own = [piece.mesh for piece in pieces if piece.node == node.id]
-        corners[node.id] = np.concatenate([mesh.vertices[mesh.faces].reshape(-1, 3) for mesh in own])
     base = next(node.id for node in nodes if node.parent == -1)
     body = np.stack([corners[base].min(axis=0), corners[base].max(axis=0)])
     poses = {}
@@ -221,25 +141,11 @@ def _find_turn(nodes: tuple[SourceNode, ...], urdf: UrdfFile) -> tuple[np.ndarra
     return turn, ["the URDF turns the base otherwise than PartNet-Mobility does; its own turn was taken"]
 
 
-def _choose_size(category: str, extents: np.ndarray, cfg: ReaderConfig) -> tuple[float, list[str]]:
+def choose_size(category: str, extents: np.ndarray, cfg: ReaderConfig) -> tuple[float, tuple[str, ...]]:
+    """Longest edge in metres of an object whose files have no metres, and a note where it is a guess."""
     if cfg.size is not None:
-        return cfg.size, []
+        return cfg.size, ()
     size, known = estimate_size(category, extents)
     if known:
-        return size, []
-    return size, [f"category {category!r} has no known size, longest edge set to {size:g} m"]
-
-
-def _find_unsampled(parts: tuple[Part, ...], surface: SurfaceSamples) -> list[str]:
-    seen = np.bincount(surface.part_ids, minlength=len(parts))
-    missed = [part.name for part, count in zip(parts, seen, strict=True) if count == 0]
-    return [f"too small for a single surface sample: {', '.join(missed)}"] if missed else []
-
-
-def _join(tables: tuple[FaceTable, ...], owners: tuple[np.ndarray, ...]) -> TriangleMesh:
-    offsets = np.cumsum([0, *(len(table.vertices) for table in tables)])[:-1]
-    return TriangleMesh(
-        vertices=np.concatenate([table.vertices for table in tables]),
-        faces=np.concatenate([table.faces + offset for table, offset in zip(tables, offsets, strict=True)]),
-        part_ids=np.concatenate(owners),
-    )
+        return size, ()
+    return size, (f"category {category!r} has no known size, longest edge set to {size:g} m",)

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float, Int
 
+from artigen.datasets.part_labels import SHELF_NAMES, SPLIT_LABELS
 from artigen.datasets.partnet_annotation import MOVING_JOINTS, SourceNode
 from artigen.datasets.partnet_joints import RestPose, build_joint, motion
-from artigen.datasets.partnet_labels import SHELF_NAMES, SPLIT_LABELS
 from artigen.datasets.partnet_meshes import PieceMesh
 from artigen.datasets.partnet_surface import FaceTable, split_pieces
 from artigen.types import FIXED, Joint, Part, PartLabel

@@ -35,3 +35,44 @@ def carry_surface(source: Asset, found: Asset) -> Asset:
         part_ids=heirs[source.surface.part_ids[kept]],
     )
     return replace(found, surface=surface)
+
+
+def restore_tree(source: Asset, found: Asset) -> Asset:
+    """Gives the parts of ``found`` the names and parents that they have in ``source``.
+
+    A found part is a source part where each holds most of the other's cells. It hangs from what the source
+    part hangs from, or from the nearest ancestor of that which was found; other parts stay as they are.
+
+    Raises:
+        ValueError: If either has no voxels.
+    """
+    if source.voxels is None or found.voxels is None:
+        raise ValueError(f"asset {source.name!r}: voxels of both are needed")
+    grid = np.full((source.voxels.resolution,) * 3, -1)
+    grid[tuple(source.voxels.coords.T)] = source.voxels.part_ids
+    owners = grid[tuple(found.voxels.coords.T)]
+    shared = np.zeros((len(source.parts), len(found.parts)), dtype=np.int64)
+    known = owners >= 0
+    np.add.at(shared, (owners[known], found.voxels.part_ids[known]), 1)
+    best = shared.argmax(axis=1)
+    twins = {part: int(row) for part, row in enumerate(best) if shared[:, row].argmax() == part}
+    twins = {part: row for part, row in twins.items() if shared[part, row] and row != found.root}
+    twins[source.root] = found.root
+    parts, notes = list(found.parts), []
+    for part, row in twins.items():
+        above = source.parts[part].parent
+        while above != -1 and above not in twins:
+            above = source.parts[above].parent
+        parent, old = -1 if above == -1 else twins[above], found.parts[row].parent
+        parts[row] = replace(parts[row], name=source.parts[part].name, parent=parent)
+        if parent != old:
+            notes.append(
+                f"{parts[row].name} hangs from {source.parts[above].name} as in the source; its voxels hang "
+                f"from {found.parts[old].name}"
+            )
+    names = [part.name for part in parts]
+    for row in set(range(len(parts))) - set(twins.values()):
+        while names.count(names[row]) > 1:
+            names[row] += "_found"
+    parts = [replace(part, name=name) for part, name in zip(parts, names, strict=True)]
+    return replace(found, parts=tuple(parts), notes=(*found.notes, *notes))

@@ -124,6 +124,9 @@ class CheckConfig:
     max_floor_gap: float = 0.005
     """V105: height (m) between the lowest collision and the lowest visual point."""
 
+    max_island: float = 0.005
+    """V107: distance (m) of a piece of a link's visual, or of a hull, from the rest of the link."""
+
     min_texture_coverage: float = 0.99
     """V106: share of a textured mesh's area that has texture under it, and share that is not black."""
 

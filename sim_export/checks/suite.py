@@ -8,6 +8,7 @@ from sim_export.checks.config import CheckConfig
 from sim_export.checks.files import FILE_CHECKS
 from sim_export.checks.geometry import GEOMETRY_CHECKS
 from sim_export.checks.handles import HANDLE_CHECKS
+from sim_export.checks.islands import ISLAND_CHECKS
 from sim_export.checks.likeness import LIKENESS_CHECKS
 from sim_export.checks.opening import OPENING_CHECKS
 from sim_export.checks.physical import PHYSICAL_CHECKS
@@ -25,6 +26,7 @@ CHECKS: tuple[CheckSpec, ...] = tuple(
             *GEOMETRY_CHECKS,
             *LIKENESS_CHECKS,
             *APPEARANCE_CHECKS,
+            *ISLAND_CHECKS,
             *SWEEP_CHECKS,
             *OPENING_CHECKS,
             *HANDLE_CHECKS,

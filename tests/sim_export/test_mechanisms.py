@@ -15,7 +15,8 @@ from sim_export.collision.motion import link_displacements, moved_links
 from sim_export.errors import InvalidKinematics
 from sim_export.files.read import read_package
 from sim_export.files.write import write_package
-from sim_export.package import PackageJoint, SimPackage
+from sim_export.package import PackageJoint, Requirement, SimPackage
+from sim_export.physics.followers import follow_parts
 from sim_export.physics.links import check_kinematics
 from sim_export.reference import build_reference
 
@@ -44,6 +45,26 @@ def test_motions_without_ends_neither_follow_nor_have_springs():
             Motion(type="continuous", axis=UP, upper=6.0, **extra)
     with pytest.raises(ValueError, match="0 or more"):
         Motion(type="revolute", axis=UP, upper=1.0, spring=-0.1)
+
+
+def test_joints_that_moved_one_by_one_are_coupled_and_needs_go_to_the_leader(package):
+    pedal, lid = pedal_and_lid(package)
+    leading = {link.name: link.parts[0] for link in package.links if link.parts}
+    loose = replace(
+        package,
+        joints=tuple(replace(joint, mimic=None, mimic_multiplier=0.0) for joint in package.joints),
+        requires_open=(
+            Requirement(joint=lid.name, needs=pedal.name, fraction=0.5),
+            Requirement(joint="other", needs=lid.name, fraction=0.4),
+            Requirement(joint="other", needs=pedal.name, fraction=0.3),
+        ),
+    )
+    coupled = follow_parts(loose, {leading[lid.child]: leading[pedal.child], "lost": "nobody"})
+    assert [(j.name, j.mimic, j.mimic_multiplier) for j in coupled.joints] == [
+        (j.name, j.mimic, j.mimic_multiplier) for j in package.joints
+    ]
+    (need,) = coupled.requires_open
+    assert (need.joint, need.needs, need.fraction) == ("other", pedal.name, 0.4)
 
 
 def with_motion(shape: Shape, name: str, **changes) -> Shape:

@@ -36,6 +36,13 @@ def test_bodies_inside_each_other_at_rest_are_evidence(low, found):
     assert set(find_source_faults(make_package(), surfaces, {"V202"})) == found
 
 
+@pytest.mark.parametrize(("gap", "found"), [(0.0049, set()), (0.0051, {"V107"})])
+def test_a_piece_that_floats_in_the_source_is_evidence(gap, found):
+    pieces = [box((0, 0, 0), (0.4, 0.4, 0.4)), box((0, 0, 0.4 + gap), (0.4, 0.4, 0.5))]
+    surfaces = {"body": np.concatenate(pieces), "drawer": box((-0.3, 0, 0), (-0.1, 0.1, 0.1))}
+    assert set(find_source_faults(make_package(), surfaces, {"V107"})) == found
+
+
 def test_a_way_through_the_body_is_evidence_of_the_sweep_only():
     surfaces = {"body": box((0, 0, 0), (0.4, 0.4, 0.4)), "drawer": box((0.41, 0.1, 0.1), (0.6, 0.3, 0.3))}
     package = make_package(upper=0.2)  # it slides towards -x, into the body

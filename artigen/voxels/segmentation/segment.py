@@ -121,11 +121,11 @@ def _hang(
     lost = [part.name for part, parent in zip(parts, parents, strict=True) if parent is None]
     if lost and cfg.detached == "raise":
         raise SegmentationError(
-            f"no part within {cfg.tree.reach:g} voxels may carry {', '.join(lost)}; "
+            f"no part lies within {cfg.tree.reach:g} voxels of {', '.join(lost)}; "
             'allow more reach, or set detached="note" to hang them from the base'
         )
     root = divided.labels.index("base")
-    notes = [f"{called}: no parent within {cfg.tree.reach:g} voxels, hung from the base" for called in lost]
+    notes = [f"{called}: no part within {cfg.tree.reach:g} voxels, hung from the base" for called in lost]
     return [
         replace(part, parent=root if parent is None else parent)
         for part, parent in zip(parts, parents, strict=True)

@@ -3,8 +3,9 @@
 The paper is silent on the tree. The rule here is explicit: `ALLOWED_PARENTS` says which labels a
 part may hang from and how strongly it prefers them; of the parts that it touches, the one with the
 largest preference-weighted contact is the parent. What reaches far beyond a door does not hang from that:
-a shelf behind it rests in the body, a handle across its edge sits on the drawer below. There is one base;
-whatever finds no parent within reach is reported, never guessed.
+a shelf behind it rests in the body, a handle across its edge sits on the drawer below. A part that touches
+none of these hangs from what it touches, whatever that is: a lid from a lever, a lever from another one.
+There is one base; whatever touches nothing within reach is reported, never guessed.
 """
 
 from collections.abc import Mapping, Sequence
@@ -63,10 +64,11 @@ def find_parents(
     pairs: Int[np.ndarray, "2 E"],
     cfg: TreeConfig,
 ) -> list[int | None]:
-    """Parent of every part: -1 for the base, None where no allowed part is within reach.
+    """Parent of every part: -1 for the base, None where no part at all is within reach.
 
     Parts that touch compete by contact, panels that the part's middle does not lie on or in after all others;
-    only where none touches does the nearest within reach win.
+    only where none touches does the nearest within reach win. What has no allowed parent within reach hangs
+    from any part that hangs from the base itself, in the order of contact.
     """
     contact = contact_counts(part_ids, pairs, len(parts))
     parents: list[int | None] = []
@@ -87,7 +89,54 @@ def find_parents(
             parents.append(int(scores.argmax()))
         else:
             parents.append(_nearest_parent(index, np.flatnonzero(weights), coords, part_ids, cfg))
-    return parents
+    return _hang_rest(parents, contact, coords, part_ids, cfg)
+
+
+def _hang_rest(
+    parents: list[int | None], contact: np.ndarray, coords: np.ndarray, part_ids: np.ndarray, cfg: TreeConfig
+) -> list[int | None]:
+    """Hangs parts without a parent from parts of any label that hang from the base.
+
+    Of these the pair of the most contact comes first, then the nearest within reach. Where only a part that
+    hangs from a lost one meets the others (a lever with a lid), that part is hung anew and carries the other.
+    """
+    out = list(parents)
+
+    def is_held(index: int) -> bool:
+        at: int | None = index
+        while at is not None and at != -1:
+            at = out[at]
+        return at == -1
+
+    while None in out:
+        held = [index for index in range(len(out)) if is_held(index)]
+        lost = [index for index, parent in enumerate(out) if parent is None]
+        carried = [index for index in range(len(out)) if index not in held and index not in lost]
+        found = next(
+            filter(None, (_meet(some, held, contact, coords, part_ids, cfg) for some in (lost, carried))),
+            None,
+        )
+        if found is None:
+            break
+        out[found[0]] = found[1]
+    return out
+
+
+def _meet(
+    some: list[int],
+    held: list[int],
+    contact: np.ndarray,
+    coords: np.ndarray,
+    part_ids: np.ndarray,
+    cfg: TreeConfig,
+) -> tuple[int, int] | None:
+    """The part among ``some`` that meets one of ``held`` most, and that one; None where none is in reach."""
+    touches = contact[some][:, held]
+    if touches.max(initial=0) > 0:
+        row, column = divmod(int(touches.argmax()), len(held))
+        return some[row], held[column]
+    near = ((index, _nearest_parent(index, np.array(held), coords, part_ids, cfg)) for index in some)
+    return next(((index, parent) for index, parent in near if parent is not None), None)
 
 
 def _holds(panel: Part, part: Part) -> bool:

@@ -7,10 +7,11 @@ from pathlib import Path
 import pytest
 
 from artigen.cli.batch import Finished, read_journal
-from artigen.cli.convert import ConvertSettings, convert, find_sources
+from artigen.cli.convert import ConvertSettings, convert
 from artigen.cli.export import export
 from artigen.cli.validate import validate
 from artigen.datasets.sample_partnet import write_sample
+from artigen.datasets.sources import find_sources
 from artigen.errors import ArtigenError
 from artigen.io import write_asset
 

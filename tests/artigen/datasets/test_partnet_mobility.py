@@ -8,12 +8,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from cabinet_files import assert_same_parts
 from PIL import Image
 from project import ROOT
 
+from artigen.datasets.part_labels import LABEL_TABLE, label_table_markdown
 from artigen.datasets.partnet_annotation import read_nodes
 from artigen.datasets.partnet_joints import motion
-from artigen.datasets.partnet_labels import LABEL_TABLE, label_table_markdown
 from artigen.datasets.partnet_mobility import ReaderConfig, read_object
 from artigen.datasets.sample import SAMPLE_PARTS
 from artigen.datasets.sample_partnet import write_sample
@@ -45,21 +46,6 @@ def folder(pristine, tmp_path) -> Path:
 def source(pristine):
     """The sample's folder as read."""
     return read_object(pristine, FAST)
-
-
-def assert_same_parts(parts, expected, atol=1e-6) -> None:
-    """Equal tree, labels, joints and boxes; names may differ."""
-    assert [part.label for part in parts] == [part.label for part in expected]
-    assert [part.parent for part in parts] == [part.parent for part in expected]
-    for part, want in zip(parts, expected, strict=True):
-        assert part.joint.type == want.joint.type
-        np.testing.assert_allclose(part.box, want.box, atol=atol, err_msg=want.name)
-        if want.joint.type != "fixed":
-            np.testing.assert_allclose(part.joint.axis, want.joint.axis, atol=atol, err_msg=want.name)
-            off = np.cross(part.joint.origin - want.joint.origin, want.joint.axis)
-            np.testing.assert_allclose(off * (want.joint.type != "prismatic"), 0.0, atol=atol)
-            assert part.joint.lower == 0.0
-            assert part.joint.upper == pytest.approx(want.joint.upper, abs=atol)
 
 
 def edit_json(path: Path, change) -> None:

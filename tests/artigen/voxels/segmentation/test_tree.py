@@ -50,3 +50,25 @@ def test_a_handle_across_an_edge_sits_on_what_its_middle_lies_before(z: int, pan
 def test_a_handle_that_touches_one_panel_only_sits_on_that():
     """However far it reaches over: the nearest guess where there is no better one."""
     assert parents_of(("handle", (slice(3, 4), slice(12, 32), slice(20, 22)))) == [DOOR]
+
+
+LEVER = ("knob", (slice(22, 24), slice(30, 32), slice(2, 20)))
+LID = ("door", (slice(22, 26), slice(30, 32), slice(20, 22)))
+TIP = ("door", (slice(26, 30), slice(30, 32), slice(20, 22)))
+
+
+@pytest.mark.parametrize("order", [(0, 1, 2), (2, 1, 0), (1, 2, 0)])
+def test_what_no_allowed_part_can_carry_hangs_from_what_it_touches(order):
+    """A lid on a lever, and another lever on that lid; in whatever order they come."""
+    parts = [(LEVER, LID, TIP)[index] for index in order]
+    place = {name: len(CUPBOARD) + parts.index(part) for name, part in (("lever", LEVER), ("lid", LID))}
+    wanted = {0: BASE, 1: place["lever"], 2: place["lid"]}
+    assert parents_of(*parts) == [wanted[index] for index in order]
+
+
+def test_what_touches_nothing_hangs_from_the_nearest_within_reach_and_else_from_none():
+    def beside(gap: int):
+        return parents_of(LEVER, ("door", (slice(24 + gap, 26 + gap), slice(30, 32), slice(18, 20))))[1]
+
+    assert beside(0) == beside(1) == len(CUPBOARD)
+    assert beside(2) is None

@@ -1,0 +1,377 @@
+"""Many names for parts, mapped to our eight labels: a table of names, and one of joints for other names.
+
+`LABEL_TABLE` and `JOINT_TABLE` are the whole truth; ``docs/how-to/convert.md`` shows them, and a test keeps
+them equal. PartNet's own names match whole; names of links and joints in a URDF are searched for the words.
+"""
+
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Float
+
+from artigen.datasets.partnet_annotation import MOVING_JOINTS, SourceNode
+from artigen.types import PartLabel
+
+SourceJoint = Literal["hinge", "slider"]
+JointWord = Literal["hinge", "free hinge", "slider", "fixed"]
+
+SPLIT_LABELS: dict[str, PartLabel] = {"handle": "handle", "knob": "knob"}
+"""Content that becomes a part of its own, fixed to the part that carries it."""
+
+SPLIT_WORDS: dict[str, PartLabel] = {
+    **SPLIT_LABELS,
+    **dict.fromkeys(("grip", "pull", "bail"), "handle"),
+    "shelf": "shelf",
+}
+"""The same by words, in names of a URDF: keys and switches are too many and too small."""
+
+SHELF_NAMES: tuple[str, ...] = ("shelf",)
+"""Content of the body that becomes a fixed shelf."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class LabelRule:
+    """Names that decide the label of a movable part, by the kind of its joint (None: no decision)."""
+
+    names: tuple[str, ...]
+    hinge: PartLabel | None
+    slider: PartLabel | None
+    example: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class MovingPart:
+    """What a joint and the extent of what it moves say about a part.
+
+    Lengths are shares of the object's longest edge, heights of the object's height.
+    """
+
+    size: float
+    """Longest edge of the part's box."""
+    travel: float = 0.0
+    """Range of a slider."""
+    upright: bool = False
+    """Whether the axis is nearer to the vertical than to the floor."""
+    height: float = 0.5
+    """Middle of the part above the floor."""
+    parent: PartLabel = "base"
+    parent_size: float = 1.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class JointRule:
+    """A label for parts whose names say nothing, by joint, size and parent."""
+
+    joint: JointWord
+    label: PartLabel
+    when: str
+    holds: Callable[[MovingPart], bool]
+
+
+LABEL_TABLE: tuple[LabelRule, ...] = (
+    LabelRule(
+        names=("drawer_front", "drawer_box", "drawer_bottom", "drawer_side", "drawer", "drw", "crisper"),
+        hinge="door",
+        slider="drawer",
+        example="a drawer; on a hinge, a drop front",
+    ),
+    LabelRule(
+        names=("display_panel", "door_frame"),
+        hinge="door",
+        slider="drawer",
+        example="the front of a dishwasher or fridge; on a slider, a pull-out with a front",
+    ),
+    LabelRule(
+        names=(
+            "cabinet_door",
+            "cabinet_door_surface",
+            "door",
+            "surface_board",
+            "glass",
+            "translation",
+            "rotation",
+        ),
+        hinge="door",
+        slider="door",
+        example="doors of cabinets, rooms, windows",
+    ),
+    LabelRule(
+        names=("screen", "screen_side", "screen_frame", "board"),
+        hinge="door",
+        slider="door",
+        example="the lid of a laptop, the drop leaf of a table",
+    ),
+    LabelRule(
+        names=(
+            "lid",
+            "rotation_lid",
+            "cover",
+            "cap",
+            "hatch",
+            "flap",
+            "gate",
+            "shutter",
+            "sash",
+            "window",
+            "leaf",
+        ),
+        hinge="door",
+        slider="door",
+        example="lids of boxes, pots, bottles; whatever closes an opening",
+    ),
+    LabelRule(
+        names=("wheel", "caster", "castor", "caster_stem", "tire", "tyre"),
+        hinge="wheel",
+        slider="wheel",
+        example="wheels, caster stems",
+    ),
+    LabelRule(
+        names=(
+            "tray",
+            "shelf",
+            "rack",
+            "keyboard_tray_surface",
+            "body_interior",
+            "tray_support",
+            "turntable",
+            "platter",
+            "plate",
+            "basket",
+        ),
+        hinge="tray",
+        slider="tray",
+        example="racks, keyboard trays, turntables",
+    ),
+    LabelRule(
+        names=("seat_soft_surface", "back_soft_surface", "seat"),
+        hinge="tray",
+        slider="tray",
+        example="the seat of a chair",
+    ),
+    LabelRule(
+        names=(
+            "knob",
+            "button",
+            "control_button",
+            "door_button",
+            "toggle_button",
+            "switch",
+            "lock",
+            "spout",
+            "tube",
+            "btn",
+            "dial",
+            "key",
+            "toggle",
+            "lever",
+            "pedal",
+            "latch",
+            "valve",
+            "trigger",
+            "plunger",
+            "nozzle",
+        ),
+        hinge="knob",
+        slider="knob",
+        example="whatever a finger turns or presses; the spout of a faucet",
+    ),
+    LabelRule(
+        names=("handle", "fixed_part", "grip", "pull", "bail"),
+        hinge="handle",
+        slider="handle",
+        example="handles that move",
+    ),
+)
+"""Rules in order of precedence: the first rule that holds one of a part's names decides."""
+
+JOINT_TABLE: tuple[JointRule, ...] = (
+    JointRule(
+        joint="hinge",
+        label="handle",
+        when="on a door or drawer, at most half as large",
+        holds=lambda part: part.parent in ("door", "drawer") and part.size <= 0.5 * part.parent_size,
+    ),
+    JointRule(
+        joint="hinge",
+        label="knob",
+        when="at most a quarter of the object's longest edge",
+        holds=lambda part: part.size <= 0.25,
+    ),
+    JointRule(joint="hinge", label="door", when="any other", holds=lambda part: True),
+    JointRule(
+        joint="free hinge",
+        label="wheel",
+        when="level axis, middle in the lowest quarter of the object",
+        holds=lambda part: not part.upright and part.height <= 0.25,
+    ),
+    JointRule(
+        joint="free hinge",
+        label="tray",
+        when="upright axis, at least half of the object's longest edge",
+        holds=lambda part: part.upright and part.size >= 0.5,
+    ),
+    JointRule(joint="free hinge", label="knob", when="any other", holds=lambda part: True),
+    JointRule(
+        joint="slider",
+        label="knob",
+        when="travels at most 5 % of the object's longest edge, or is at most 15 % of it large",
+        holds=lambda part: part.travel <= 0.05 or part.size <= 0.15,
+    ),
+    JointRule(joint="slider", label="door", when="travels up and down", holds=lambda part: part.upright),
+    JointRule(joint="slider", label="drawer", when="any other", holds=lambda part: True),
+    JointRule(joint="fixed", label="base", when="any", holds=lambda part: True),
+)
+"""Rules in order of precedence for parts that `LABEL_TABLE` knows no name of."""
+
+
+def choose_label(joint: SourceJoint, names: Sequence[str]) -> PartLabel | None:
+    """Label of the first rule that holds one of a movable part's names, whole."""
+    for rule in LABEL_TABLE:
+        label = rule.hinge if joint == "hinge" else rule.slider
+        if label is not None and any(name in rule.names for name in names):
+            return label
+    return None
+
+
+def find_word(name: str) -> str | None:
+    """The name of the table that a free-form name holds: of several the last one, of these the longest.
+
+    ``leftDoorHandle_01`` holds ``handle``: the last word says what a thing is, those before it which one.
+    """
+    spaced = re.sub(r"(?<=[a-z])(?=[A-Z])|(?<=[A-Za-z])(?=\d)", " ", name)
+    words = [word for word in re.split(r"[^a-z]+", spaced.lower()) if word]
+    known = {word for rule in LABEL_TABLE for word in rule.names}
+    for end in range(len(words), 0, -1):
+        for start in range(end):
+            compound = "_".join(words[start:end])
+            for spelled in (compound, compound.removesuffix("s"), compound.removesuffix("es")):
+                if spelled in known:
+                    return spelled
+    return None
+
+
+def label_by_joint(joint: JointWord, part: MovingPart) -> tuple[PartLabel, str]:
+    """Label of a part whose names say nothing, and the condition that decided."""
+    rule = next(rule for rule in JOINT_TABLE if rule.joint == joint and rule.holds(part))
+    return rule.label, rule.when
+
+
+def joint_word(node: SourceNode) -> JointWord:
+    """How the tables call a node's joint."""
+    if node.joint not in MOVING_JOINTS:
+        return "fixed"
+    if node.joint == "hinge":
+        return "free hinge" if node.unlimited else "hinge"
+    return "slider"
+
+
+def measure_part(
+    node: SourceNode,
+    corners: Mapping[int, Float[np.ndarray, "N 3"]],
+    labels: Mapping[int, PartLabel],
+    T_zup_file: Float[np.ndarray, "4 4"],
+) -> MovingPart:
+    """What the joint table asks for about one node.
+
+    Args:
+        node: a node with a parent.
+        corners: corners of the triangles of every node, as its files hold them.
+        labels: labels of the nodes so far, the parent's among them.
+        T_zup_file: how files are turned to z up.
+    """
+    turn = T_zup_file[:3, :3]
+    turned = {number: points @ turn.T for number, points in corners.items()}
+    whole = np.concatenate(list(turned.values()))
+    low, longest = whole.min(axis=0), float(np.ptp(whole, axis=0).max())
+    own = turned[node.id]
+    middle = float(own[:, 2].min() + own[:, 2].max()) / 2
+    axis = turn @ np.array(node.direction)
+    return MovingPart(
+        size=float(np.ptp(own, axis=0).max()) / longest,
+        travel=abs(node.b - node.a) / longest if node.joint == "slider" else 0.0,
+        upright=bool(abs(axis[2]) > np.sqrt(0.5) * np.linalg.norm(axis)),
+        height=(middle - float(low[2])) / max(float(np.ptp(whole[:, 2])), 1e-9),
+        parent=labels[node.parent],
+        parent_size=float(np.ptp(turned[node.parent], axis=0).max()) / longest,
+    )
+
+
+def guess_label(
+    node: SourceNode,
+    names: Iterable[str],
+    corners: Mapping[int, Float[np.ndarray, "N 3"]],
+    labels: Mapping[int, PartLabel],
+    T_zup_file: Float[np.ndarray, "4 4"],
+) -> tuple[PartLabel, str]:
+    """Label of a movable part, and why: by the first telling name, else by its joint.
+
+    Args:
+        node: a node with a parent.
+        names: free-form names of the part, the best first.
+        corners: corners of the triangles of every node, as its files hold them.
+        labels: labels of the nodes so far, the parent's among them.
+        T_zup_file: how files are turned to z up.
+    """
+    joint = joint_word(node)
+    for name in names:
+        word = find_word(name)
+        label = None if word is None else choose_label("slider" if joint == "slider" else "hinge", (word,))
+        if label is not None:
+            return label, repr(name) if name == word else f"{word!r} in {name!r}"
+    label, when = label_by_joint(joint, measure_part(node, corners, labels, T_zup_file))
+    return label, f"{joint}, {when}"
+
+
+def label_nodes(
+    nodes: Sequence[SourceNode],
+    corners: Mapping[int, Float[np.ndarray, "N 3"]],
+    T_zup_file: Float[np.ndarray, "4 4"],
+) -> tuple[dict[int, PartLabel], list[str]]:
+    """Labels of all nodes by id, with a note for each that only its joint could label.
+
+    Args:
+        nodes: parents before children.
+        corners: corners of the triangles of every node, as its files hold them.
+        T_zup_file: how files are turned to z up.
+    """
+    labels: dict[int, PartLabel] = {}
+    notes = []
+    for node in nodes:
+        if node.parent == -1:
+            labels[node.id] = "base"
+            continue
+        names = (node.name, *(piece.name for piece in node.pieces))
+        joint = joint_word(node)
+        kind: SourceJoint = "slider" if joint == "slider" else "hinge"
+        known = None if joint == "fixed" else choose_label(kind, names)
+        if known is not None:
+            labels[node.id] = known
+            continue
+        labels[node.id], when = label_by_joint(joint, measure_part(node, corners, labels, T_zup_file))
+        notes.append(
+            f"node {node.id} ({node.name}): none of {', '.join(dict.fromkeys(names))} "
+            f"is in the label table, labelled {labels[node.id]} for its {joint} ({when})"
+        )
+    return labels, notes
+
+
+def label_table_markdown() -> str:
+    """The table of names as Markdown, for the documentation."""
+    rows = [
+        "| names, in order of precedence | on a hinge | on a slider | for instance |",
+        "|---|---|---|---|",
+    ]
+    for rule in LABEL_TABLE:
+        names = ", ".join(f"`{name}`" for name in rule.names)
+        rows.append(f"| {names} | {rule.hinge or ''} | {rule.slider or ''} | {rule.example} |")
+    return "\n".join(rows) + "\n"
+
+
+def joint_table_markdown() -> str:
+    """The table of joints as Markdown, for the documentation."""
+    rows = ["| joint | label | when, in order of precedence |", "|---|---|---|"]
+    rows += [f"| {rule.joint} | {rule.label} | {rule.when} |" for rule in JOINT_TABLE]
+    return "\n".join(rows) + "\n"

@@ -1,0 +1,195 @@
+"""An object as read from somebody's files: the asset, its exact triangles, and the mesh files that show it.
+
+Readers of every layout find nodes, joints and meshes; `assemble` turns these into a `SourceObject`.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from artigen.datasets.partnet_annotation import SourceNode
+from artigen.datasets.partnet_joints import RestPose
+from artigen.datasets.partnet_meshes import PieceMesh
+from artigen.datasets.partnet_parts import build_parts, place_nodes
+from artigen.datasets.partnet_surface import FaceTable, make_face_table, sample_surface
+from artigen.types import Asset, Part, PartLabel, SurfaceSamples, frozen_array
+
+Direction = Literal["x", "-x", "y", "-y", "z", "-z"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReaderConfig:
+    """How an object is read."""
+
+    samples: int = 600_000
+    """Points drawn from the surface of the whole object; too few leave holes in 64^3 voxels."""
+    seed: int = 0
+    """Seed of the surface samples."""
+    size: float | None = None
+    """Longest edge of the closed object in metres; None keeps the lengths of a URDF, and takes it from the
+    category table where a layout has no metres."""
+    piece_gap: float = 0.04
+    """Handles of one name that are farther apart become parts of their own (unit-cube lengths)."""
+    category: str | None = None
+    """What the object is; None takes it from the object's own files or name."""
+    up: Direction | None = None
+    """Which way is up in a URDF or object.json; None is z in a URDF, y in object.json."""
+    front: Direction | None = None
+    """Which way the front faces; None is -x in a URDF, z in object.json."""
+
+    def __post_init__(self) -> None:
+        if self.samples < 1:
+            raise ValueError(f"samples is {self.samples}, expected at least 1")
+        if self.size is not None and not self.size > 0:
+            raise ValueError(f"size is {self.size} metres, expected > 0")
+        if not self.piece_gap > 0:
+            raise ValueError(f"piece_gap is {self.piece_gap}, expected > 0")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SourceVisual:
+    """A mesh file of the source and where it lies: ``p_unit = T_unit_file * (scale * p_file)``."""
+
+    part: int
+    name: str
+    path: Path
+    T_unit_file: Float[np.ndarray, "4 4"]
+    scale: float
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class TriangleMesh:
+    """The source's own triangles in the unit cube at rest, with the part of each."""
+
+    vertices: Float[np.ndarray, "V 3"]
+    faces: Int[np.ndarray, "F 3"]
+    part_ids: Int[np.ndarray, "F"]
+
+    def __post_init__(self) -> None:
+        faces = frozen_array(self.faces, np.int64, (None, 3), "triangle faces")
+        vertices = frozen_array(self.vertices, np.float64, (None, 3), "triangle vertices")
+        part_ids = frozen_array(self.part_ids, np.int64, (len(faces),), "triangle part ids")
+        object.__setattr__(self, "faces", faces)
+        object.__setattr__(self, "vertices", vertices)
+        object.__setattr__(self, "part_ids", part_ids)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SourceObject:
+    """An object as read: the asset, its exact triangles, and the source's own mesh files."""
+
+    asset: Asset
+    visuals: tuple[SourceVisual, ...]
+    triangles: TriangleMesh
+    tables: tuple[FaceTable, ...]
+    """The same triangles file by file, with texture coordinates and materials."""
+    follows: tuple[tuple[str, str], ...] = ()
+    """Parts that another part moves along, each with that part; both close and open together."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SourceTree:
+    """What a reader found: nodes with their meshes, labels and rest poses; lengths as in the files."""
+
+    nodes: tuple[SourceNode, ...]
+    pieces: tuple[PieceMesh, ...]
+    labels: Mapping[int, PartLabel]
+    poses: Mapping[int, RestPose]
+    T_zup_file: Float[np.ndarray, "4 4"]
+    follows: tuple[tuple[int, int], ...] = ()
+    """Nodes that follow another node."""
+
+
+def assemble(
+    tree: SourceTree,
+    cfg: ReaderConfig,
+    *,
+    name: str,
+    category: str,
+    choose_size: Callable[[Float[np.ndarray, "3"]], tuple[float, tuple[str, ...]]],
+    notes: tuple[str, ...],
+) -> SourceObject:
+    """Places everything at rest in the unit cube, makes parts of the nodes, and samples the surface.
+
+    Args:
+        tree: what was found.
+        cfg: samples, seed and gap.
+        name: of the asset.
+        category: of the asset.
+        choose_size: longest edge in metres, and why, of an object with these extents in file lengths.
+        notes: what was decided so far.
+
+    Raises:
+        SourceError: the surface has no area, or an image cannot be decoded.
+    """
+    nodes, pieces = tree.nodes, tree.pieces
+    placement = place_nodes(nodes, dict(tree.poses), pieces, tree.T_zup_file)
+    tables = tuple(
+        make_face_table(piece.mesh, placement.T_unit[piece.node], placement.scale) for piece in pieces
+    )
+    parts, owners = build_parts(
+        nodes, dict(tree.labels), dict(tree.poses), pieces, tables, placement, cfg.piece_gap
+    )
+    size, size_notes = choose_size(placement.extents)
+    surface = sample_surface(tables, owners, cfg.samples, np.random.default_rng(cfg.seed))
+    main: dict[int, int] = {}  # splits come after the part that they are split from
+    for piece, owner in zip(pieces, owners, strict=True):
+        main[piece.node] = min(main.get(piece.node, len(parts)), int(owner.min()))
+    asset = Asset(
+        name=name,
+        category=category,
+        scale=size,
+        parts=parts,
+        surface=surface,
+        notes=(*notes, *size_notes, *_find_unsampled(parts, surface)),
+    )
+    visuals = tuple(
+        SourceVisual(
+            part=int(owner[0]),
+            name=piece.visual_name,
+            path=piece.path,
+            T_unit_file=placement.T_unit[piece.node] @ _scale_offset(piece.T_tree_file, placement.scale),
+            scale=placement.scale * piece.scale,
+        )
+        for piece, owner in zip(pieces, owners, strict=True)
+    )
+    return SourceObject(
+        asset=asset,
+        visuals=visuals,
+        triangles=_join(tables, owners),
+        tables=tables,
+        follows=tuple((parts[main[one]].name, parts[main[other]].name) for one, other in tree.follows),
+    )
+
+
+def collect_corners(pieces: Sequence[PieceMesh]) -> dict[int, Float[np.ndarray, "N 3"]]:
+    """Corners of all triangles of every node that has any."""
+    return {
+        node: np.concatenate([p.mesh.vertices[p.mesh.faces].reshape(-1, 3) for p in pieces if p.node == node])
+        for node in dict.fromkeys(piece.node for piece in pieces)
+    }
+
+
+def _scale_offset(T: np.ndarray, scale: float) -> np.ndarray:
+    scaled = np.array(T)
+    scaled[:3, 3] *= scale
+    return scaled
+
+
+def _find_unsampled(parts: tuple[Part, ...], surface: SurfaceSamples) -> list[str]:
+    seen = np.bincount(surface.part_ids, minlength=len(parts))
+    missed = [part.name for part, count in zip(parts, seen, strict=True) if count == 0]
+    return [f"too small for a single surface sample: {', '.join(missed)}"] if missed else []
+
+
+def _join(tables: tuple[FaceTable, ...], owners: tuple[np.ndarray, ...]) -> TriangleMesh:
+    offsets = np.cumsum([0, *(len(table.vertices) for table in tables)])[:-1]
+    return TriangleMesh(
+        vertices=np.concatenate([table.vertices for table in tables]),
+        faces=np.concatenate([table.faces + offset for table, offset in zip(tables, offsets, strict=True)]),
+        part_ids=np.concatenate(owners),
+    )

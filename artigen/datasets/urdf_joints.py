@@ -1,0 +1,234 @@
+"""From the joints of a URDF to nodes: one per joint that moves, links joined by fixed joints as one.
+
+Two joints in a row of which the second mimics the first along the same axis are a screw. Other mimics make
+followers, which go from end to end with what they follow.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from artigen.datasets.partnet_annotation import SourceNode
+from artigen.datasets.urdf_file import UrdfFile, UrdfJoint
+from artigen.errors import SourceError
+from artigen.types import FULL_TURN
+
+ROUND = 1e-3
+"""A revolute joint may turn farther than once by this (rad); beyond that it turns without end."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Tree:
+    """Nodes of a URDF; those of hinges hold degrees, their ids count joints, the body's is the largest."""
+
+    nodes: tuple[SourceNode, ...]
+    owners: Mapping[str, int]
+    """Node of every link that may show something."""
+    joint_names: Mapping[int, str]
+    follows: Mapping[int, int]
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Coupling:
+    """``q = ratio * q_leader + offset``."""
+
+    leader: str
+    ratio: float
+    offset: float
+
+
+def build_tree(urdf: UrdfFile, path: Path) -> Tree:
+    """The nodes of a URDF, in its own frame at zero joint values.
+
+    Raises:
+        SourceError: names the joint, what it holds and what is allowed.
+    """
+    notes: list[str] = []
+    joints = {joint.name: _check(joint, urdf, path, notes) for joint in urdf.joints}
+    screws = _find_screws(joints, urdf)
+    joints |= _simplify_chains(joints, frozenset((*screws, *screws.values())), urdf, notes)
+    carriers = {joints[turn].child for turn in screws.values()}
+    couplings = {
+        joint.name: _resolve(joint, joints, path)
+        for joint in joints.values()
+        if joint.mimic is not None and joint.name not in screws and joint.type != "fixed"
+    }
+    above = {joint.child: joint for joint in joints.values()}
+    ids = {name: number for number, name in enumerate(joints)}
+
+    def owner(link: str) -> int:
+        while link in above and (above[link].type == "fixed" or link in carriers):
+            link = above[link].parent
+        return ids[above[link].name] if link in above else len(ids)
+
+    nodes = []
+    for joint in joints.values():
+        if joint.type == "fixed" or joint.child in carriers:
+            continue
+        turn = joints[screws[joint.name]] if joint.name in screws else joint
+        coupling = couplings.get(joint.name)
+        if coupling is not None:
+            joint = _follow(joint, joints[coupling.leader], coupling, path)
+        nodes.append(
+            replace(
+                _build_node(joint, turn, ids[joint.name], urdf, path),
+                parent=owner(turn.parent),
+            )
+        )
+    nodes.append(SourceNode(id=len(ids), parent=-1, joint="heavy", name=urdf.root, pieces=()))
+    return Tree(
+        nodes=tuple(nodes),
+        owners={link: owner(link) for link in urdf.links if link not in carriers},
+        joint_names={ids[name]: name for name in joints},
+        follows={ids[name]: ids[coupling.leader] for name, coupling in couplings.items()},
+        notes=tuple(notes),
+    )
+
+
+def _check(joint: UrdfJoint, urdf: UrdfFile, path: Path, notes: list[str]) -> UrdfJoint:
+    """The joint with a type and limits that a part can have."""
+    where = f"{path}: joint {joint.name!r}"
+    shown = {shape.link for shape in (*urdf.visuals, *urdf.collisions)}
+    alone = sum(other.parent == urdf.root for other in urdf.joints) == 1
+    if joint.type != "fixed" and joint.parent == urdf.root and joint.parent not in shown and alone:
+        notes.append(
+            f"joint {joint.name!r} ({joint.type}) moves the whole object; it is fixed where it stands"
+        )
+        return replace(joint, type="fixed")
+    if joint.type in ("floating", "planar"):
+        raise SourceError(
+            f"{where}: type {joint.type!r} cannot be kept, "
+            "allowed are fixed, revolute, continuous and prismatic"
+        )
+    if joint.type == "fixed":
+        return joint
+    if not np.linalg.norm(joint.axis) > 1e-6:
+        raise SourceError(f"{where}: axis {list(joint.axis)} has no length, expected a direction")
+    if joint.type == "continuous":
+        return joint
+    lower, upper = joint.lower, joint.upper
+    if lower is None or upper is None:
+        if joint.mimic is not None:  # what it follows limits it
+            return joint
+        raise SourceError(
+            f"{where}: a {joint.type} joint with limits [{lower}, {upper}], expected <limit lower= upper=>, "
+            "or type continuous where it turns without end"
+        )
+    if lower > upper:
+        raise SourceError(f"{where}: lower {lower:g} is above upper {upper:g}")
+    if joint.type == "revolute" and upper - lower > FULL_TURN + ROUND:
+        notes.append(
+            f"joint {joint.name!r} turns by {upper - lower:.3g} rad, more than once: made continuous"
+        )
+        return replace(joint, type="continuous")
+    if not np.isfinite([lower, upper]).all():
+        raise SourceError(f"{where}: limits [{lower:g}, {upper:g}] of a slider, expected finite numbers")
+    if lower == upper and joint.mimic is None:
+        notes.append(f"joint {joint.name!r}: limits [{lower:g}, {upper:g}] leave no motion, made fixed")
+        return replace(joint, type="fixed")
+    return joint
+
+
+def _find_screws(joints: Mapping[str, UrdfJoint], urdf: UrdfFile) -> dict[str, str]:
+    """The travelling joint of every screw, with the turning one that it mimics."""
+    shown = {shape.link for shape in urdf.visuals}
+    found = {}
+    for joint in joints.values():
+        turn = joints.get(joint.mimic or "")
+        if joint.type != "prismatic" or turn is None or turn.type not in ("revolute", "continuous"):
+            continue
+        alone = sum(other.parent == turn.child for other in joints.values()) == 1
+        if turn.child == joint.parent and turn.child not in shown and alone:
+            found[joint.name] = turn.name
+    return found
+
+
+def _simplify_chains(
+    joints: Mapping[str, UrdfJoint], screws: frozenset[str], urdf: UrdfFile, notes: list[str]
+) -> dict[str, UrdfJoint]:
+    """One of two joints in a row through an empty link, made fixed: a part has one joint.
+
+    The one that turns without end stays, else the one that turns, else the second.
+    """
+    shown = {shape.link for shape in (*urdf.visuals, *urdf.collisions)}
+    rank = ("fixed", "prismatic", "revolute", "continuous")
+    found: dict[str, UrdfJoint] = {}
+    for first in joints.values():
+        after = [joint for joint in joints.values() if joint.parent == first.child]
+        if first.child in shown or len(after) != 1 or {first.name, after[0].name} & screws:
+            continue
+        second = after[0]
+        if "fixed" in (first.type, second.type):
+            continue
+        lost, kept = (second, first) if rank.index(first.type) > rank.index(second.type) else (first, second)
+        found[lost.name] = replace(lost, type="fixed", mimic=None)
+        notes.append(
+            f"joints {first.name!r} and {second.name!r} move one part through the empty link "
+            f"{first.child!r}; {kept.name!r} ({kept.type}) is kept"
+        )
+    return found
+
+
+def _resolve(joint: UrdfJoint, joints: Mapping[str, UrdfJoint], path: Path) -> _Coupling:
+    """What a joint follows in the end, through others that follow as well."""
+    ratio, offset, at, seen = 1.0, 0.0, joint, {joint.name}
+    while at.mimic is not None:
+        offset += ratio * at.offset
+        ratio *= at.multiplier
+        if at.mimic in seen:
+            raise SourceError(f"{path}: joint {joint.name!r}: mimics {', '.join(sorted(seen))} form a cycle")
+        seen.add(at.mimic)
+        at = joints[at.mimic]
+    if at.type not in ("revolute", "prismatic"):
+        raise SourceError(
+            f"{path}: joint {joint.name!r} mimics {at.name!r}, which is {at.type}; a part can only follow "
+            "what moves between two limits: give that joint limits, or take <mimic> away"
+        )
+    return _Coupling(leader=at.name, ratio=ratio, offset=offset)
+
+
+def _follow(joint: UrdfJoint, leader: UrdfJoint, coupling: _Coupling, path: Path) -> UrdfJoint:
+    """The joint with the ends that its leader takes it to: lower where the leader is at its lower limit."""
+    if coupling.ratio == 0.0:
+        raise SourceError(f"{path}: joint {joint.name!r} mimics {leader.name!r} times 0, which moves nothing")
+    ends = [coupling.ratio * (value or 0.0) + coupling.offset for value in (leader.lower, leader.upper)]
+    kind = "revolute" if joint.type == "continuous" else joint.type
+    return replace(joint, type=kind, lower=ends[0], upper=ends[1])
+
+
+def _build_node(joint: UrdfJoint, turn: UrdfJoint, number: int, urdf: UrdfFile, path: Path) -> SourceNode:
+    """A node without its parent; ``turn`` is the joint itself, or the one that turns a screw."""
+    T = urdf.T_base_link[joint.child]
+    direction = T[:3, :3] @ np.array(joint.axis)
+    x, y, z = (direction / np.linalg.norm(direction)).tolist()
+    a, b = T[:3, 3].tolist(), joint.type == "prismatic"
+    lower, upper = joint.lower or 0.0, joint.upper or 0.0
+    unit = 1.0 if b else 180.0 / np.pi
+    node = SourceNode(
+        id=number,
+        parent=-1,
+        joint="slider" if b else "hinge",
+        name=joint.child,
+        pieces=(),
+        origin=(a[0], a[1], a[2]),
+        direction=(x, y, z),
+        a=unit * lower,
+        b=unit * upper,
+        unlimited=joint.type == "continuous",
+    )
+    if turn is joint or turn.name == joint.name:
+        return node
+    axis = urdf.T_base_link[turn.child][:3, :3] @ np.array(turn.axis)
+    pitch = joint.multiplier * float(np.sign(axis @ direction))
+    if pitch <= 0.0:
+        raise SourceError(
+            f"{path}: joint {joint.name!r} follows {turn.name!r} as a left-handed screw, "
+            "allowed are right-handed ones"
+        )
+    if turn.type == "revolute":
+        lower, upper = (abs(joint.multiplier) * (value or 0.0) for value in (turn.lower, turn.upper))
+    degrees = float(np.degrees((upper - lower) / abs(joint.multiplier)))
+    return replace(node, a=lower, b=upper, rotates=True, rotation_limit=degrees)

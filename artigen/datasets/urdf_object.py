@@ -1,0 +1,291 @@
+"""Reads any URDF into a `SourceObject`: no side files, labels from names and joints, lengths as they are.
+
+Links joined by fixed joints are one body; every joint that moves makes a part. What is guessed or left out is
+a sentence in ``asset.notes``; what cannot be an articulated object is refused. See docs/how-to/convert.md.
+"""
+
+import logging
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float
+
+from artigen.datasets.categories import guess_category
+from artigen.datasets.mesh_files import PlacedMesh, load_shape
+from artigen.datasets.part_labels import (
+    SPLIT_LABELS,
+    SPLIT_WORDS,
+    find_word,
+    guess_label,
+)
+from artigen.datasets.partnet_annotation import SourceNode, SourcePiece, read_json
+from artigen.datasets.partnet_joints import RestPose, closed_pose, describe_rest, joint_kind
+from artigen.datasets.partnet_meshes import PieceMesh
+from artigen.datasets.partnet_parts import order_nodes
+from artigen.datasets.source_object import (
+    Direction,
+    ReaderConfig,
+    SourceObject,
+    SourceTree,
+    assemble,
+    collect_corners,
+)
+from artigen.datasets.urdf_file import UrdfFile, UrdfShape, read_urdf
+from artigen.datasets.urdf_joints import Tree, build_tree
+from artigen.errors import SourceError
+from artigen.types import PartLabel
+
+logger = logging.getLogger(__name__)
+
+CLOSED_SHARE = 0.02
+"""A limit within this share of the range from 0 is the closed end: URDFs are modelled closed."""
+POINTS_PER_NODE = 2000
+PACKAGE_FILE = "package.xml"
+ANCESTORS = 4
+"""Folders above a URDF in which ``package://`` paths are looked for, its own included."""
+OTHER = "other"
+
+
+def read_urdf_object(
+    path: Path, scratch: Path, cfg: ReaderConfig | None = None, *, name: str = ""
+) -> SourceObject:
+    """Reads one URDF and the meshes that it names.
+
+    Args:
+        path: the URDF.
+        scratch: folder for meshes that cannot stay as they are; needed until the package is written.
+        cfg: samples, size, category, and which way is up and front.
+        name: of the object; that of the file where it is not given.
+
+    Raises:
+        SourceError: names the file, the element, its value and what is allowed.
+    """
+    cfg = cfg or ReaderConfig()
+    urdf = read_urdf(path)
+    tree = build_tree(urdf, path)
+    pieces, notes = read_shapes(urdf, tree, path, scratch)
+    tree, empty_notes = _keep_drawn(tree, {piece.node for piece in pieces}, path)
+    nodes = tuple(order_nodes(tree.nodes))
+    turn = turn_upright(cfg.up or "z", cfg.front or "-x")
+    corners = collect_corners(pieces)
+    labels, label_notes = label_links(tree, nodes, urdf, corners, turn)
+    poses = rest_nodes(tree, nodes, labels, corners)
+    category, category_note = _find_category(urdf, path, name, cfg)
+    said = f"up is {cfg.up or 'z'} and the front faces {cfg.front or '-x'} in the URDF"
+    found = assemble(
+        SourceTree(
+            nodes=nodes,
+            pieces=pieces,
+            labels=labels,
+            poses=poses,
+            T_zup_file=turn,
+            follows=tuple((one, other) for one, other in tree.follows.items()),
+        ),
+        cfg,
+        name=name or path.stem,
+        category=category,
+        choose_size=lambda extents: (cfg.size or float(extents.max()), ()),
+        notes=(
+            *(note for note in (said, category_note) if note),
+            *tree.notes,
+            *notes,
+            *empty_notes,
+            *label_notes,
+            *(pose.note for pose in poses.values() if pose.note),
+        ),
+    )
+    logger.info("%s: %d parts, %d shapes", found.asset.name, len(found.asset.parts), len(found.visuals))
+    return found
+
+
+def _find_category(urdf: UrdfFile, path: Path, name: str, cfg: ReaderConfig) -> tuple[str, str]:
+    """What was asked for, what a ``meta.json`` beside the URDF says, or a guess by names; and a note."""
+    meta = path.parent / "meta.json"
+    value = read_json(meta) if meta.is_file() else None
+    said = value.get("model_cat") if isinstance(value, dict) else None
+    if cfg.category or (isinstance(said, str) and said):
+        return cfg.category or str(said), ""
+    return guess_category([name, path.stem, urdf.name, path.resolve().parent.name])
+
+
+def turn_upright(up: Direction, front: Direction) -> Float[np.ndarray, "4 4"]:
+    """The rotation that turns ``up`` to z and ``front`` to -x.
+
+    Raises:
+        SourceError: both lie along one axis.
+    """
+    if up[-1] == front[-1]:
+        raise SourceError(f"up is {up} and the front faces {front}: they lie along one axis, expected two")
+    above, ahead = _axis(up), _axis(front)
+    T = np.eye(4)
+    T[:3, :3] = np.stack([-ahead, np.cross(above, -ahead), above])
+    return T
+
+
+def _axis(direction: Direction) -> np.ndarray:
+    return (-1.0 if direction[0] == "-" else 1.0) * np.eye(3)["xyz".index(direction[-1])]
+
+
+def read_shapes(
+    urdf: UrdfFile, tree: Tree, path: Path, scratch: Path
+) -> tuple[tuple[PieceMesh, ...], list[str]]:
+    """The geometry of every node: what it shows, or what it touches with where it shows nothing."""
+    pieces: list[PieceMesh] = []
+    notes, touched = [], []
+    numbers: dict[tuple[int, str], int] = {}
+    for node in tree.nodes:
+        own = [shape for shape in urdf.visuals if tree.owners.get(shape.link) == node.id]
+        if not own:
+            own = [shape for shape in urdf.collisions if tree.owners.get(shape.link) == node.id]
+            touched += [node.name] if own else []
+        lost = []
+        for shape in own:
+            placed, why = _load_placed(shape, path, scratch)
+            if placed is None:
+                lost.append(f"link {shape.link!r}: mesh {shape.file!r} {why}")
+                continue
+            name = _piece_name(shape, leads=shape.link == node.name)
+            number = numbers.setdefault((node.id, name), len(numbers))
+            pieces.append(_place(shape, placed, node.id, SourcePiece(id=number, name=name)))
+        if lost and len(lost) == len(own):
+            raise SourceError(f"{path}: {lost[0]}, and node {node.name!r} has no other geometry")
+        notes += [f"{sentence}, and is left out" for sentence in lost]
+    if touched:
+        notes.append(f"links without visuals show their collision shapes: {', '.join(touched)}")
+    return tuple(pieces), notes
+
+
+def _load_placed(shape: UrdfShape, path: Path, scratch: Path) -> tuple[PlacedMesh | None, str]:
+    """The triangles of a shape, or None and why there are none."""
+    if shape.kind != "mesh":
+        return load_shape(shape, None, path.parent, scratch), ""
+    file = find_mesh(shape.file, path)
+    if not file.is_file():
+        return None, f"is missing, looked for at {file}"
+    return load_shape(shape, file, _common_root(path, file), scratch), "holds no triangles"
+
+
+def _piece_name(shape: UrdfShape, *, leads: bool) -> str:
+    """``handle``, ``knob``, ``shelf`` where the visual or its fixed link is called so."""
+    for name in (shape.name,) if leads else (shape.name, shape.link):
+        label = SPLIT_WORDS.get(find_word(name) or "")
+        if label is not None:
+            return label
+    return OTHER
+
+
+def _place(shape: UrdfShape, placed: PlacedMesh, node: int, piece: SourcePiece) -> PieceMesh:
+    T = shape.T_base_shape
+    mesh = replace(placed.mesh, vertices=placed.mesh.vertices @ T[:3, :3].T + T[:3, 3])
+    return PieceMesh(node=node, piece=piece, path=placed.path, mesh=mesh, T_tree_file=T, scale=placed.scale)
+
+
+def find_mesh(name: str, urdf: Path) -> Path:
+    """Where a mesh that a URDF names should lie: the first file there is, else the first place looked at.
+
+    ``package://`` and ``model://`` paths are looked for in the folders above the URDF, with and without the
+    package's name. No path may leave the package: the folder with ``package.xml``, else the one above the
+    URDF's own.
+
+    Raises:
+        SourceError: the path leaves the package.
+    """
+    above = [urdf.resolve().parent, *urdf.resolve().parent.parents][:ANCESTORS]
+    scheme, _, rest = name.rpartition("://")
+    if scheme in ("package", "model"):
+        package, _, inner = rest.partition("/")
+        named = [folder / inner for folder in above if folder.name == package]
+        places = [*named, *(folder / rest for folder in above), *(folder / inner for folder in above)]
+        root = above[-1]
+    else:
+        places = [above[0] / rest]
+        nearby = above[min(1, len(above) - 1)]
+        root = next((folder for folder in above if (folder / PACKAGE_FILE).is_file()), nearby)
+    found = next((place for place in places if place.is_file()), places[0])
+    if scheme not in ("", "file", "package", "model") or not found.resolve().is_relative_to(root):
+        raise SourceError(
+            f"{urdf}: names mesh {name!r}, expected a path inside of {root}, relative or with package://"
+        )
+    return found
+
+
+def _common_root(urdf: Path, file: Path) -> Path:
+    """The folder that holds both a URDF and a mesh; materials and images lie in it."""
+    mesh = file.resolve()
+    return next(folder for folder in urdf.resolve().parents if mesh.is_relative_to(folder))
+
+
+def _keep_drawn(tree: Tree, drawn: set[int], path: Path) -> tuple[Tree, list[str]]:
+    """Leaves out links without any geometry that carry nothing; refuses others."""
+    notes = []
+    nodes = list(tree.nodes)
+    while empty := [node for node in nodes if node.id not in drawn]:
+        leaves = [node for node in empty if not any(other.parent == node.id for other in nodes)]
+        if not leaves or leaves[0].parent == -1:
+            node = (leaves or empty)[0]
+            carried = [other.name for other in nodes if other.parent == node.id]
+            what = "the body" if node.parent == -1 else "a link between two joints"
+            raise SourceError(
+                f"{path}: link {node.name!r} is {what} and has no geometry, but carries "
+                f"{', '.join(carried) or 'nothing'}; every part needs a visual or collision shape"
+            )
+        notes.append(f"link {leaves[0].name!r} has no geometry and is left out")
+        nodes.remove(leaves[0])
+    kept = {node.id for node in nodes}
+    follows = {one: other for one, other in tree.follows.items() if {one, other} <= kept}
+    return replace(tree, nodes=tuple(nodes), follows=follows), notes
+
+
+def label_links(
+    tree: Tree,
+    nodes: Sequence[SourceNode],
+    urdf: UrdfFile,
+    corners: Mapping[int, np.ndarray],
+    T_zup_file: np.ndarray,
+) -> tuple[dict[int, PartLabel], list[str]]:
+    """Labels of all nodes by id: by the words in the names of link, joint and visuals, else by the joint."""
+    labels: dict[int, PartLabel] = {}
+    said = []
+    for node in nodes:
+        if node.parent == -1:
+            labels[node.id] = "base"
+            continue
+        visuals = [shape for shape in urdf.visuals if tree.owners.get(shape.link) == node.id]
+        plain = [shape.name for shape in visuals if _piece_name(shape, leads=True) not in SPLIT_LABELS]
+        names = (node.name, tree.joint_names[node.id], *plain, *(shape.name for shape in visuals))
+        labels[node.id], why = guess_label(node, names, corners, labels, T_zup_file)
+        said.append(f"{node.name} is a {labels[node.id]} ({why})")
+    return labels, [f"labels: {'; '.join(said)}"] if said else []
+
+
+def rest_nodes(
+    tree: Tree,
+    nodes: Sequence[SourceNode],
+    labels: Mapping[int, PartLabel],
+    corners: Mapping[int, np.ndarray],
+) -> dict[int, RestPose]:
+    """Closed pose of every node: the limit at 0, else as for PartNet; followers close with their leaders."""
+    base = next(node.id for node in nodes if node.parent == -1)
+    body = np.stack([corners[base].min(axis=0), corners[base].max(axis=0)])
+    poses = {node.id: RestPose(rest=0.0, far=0.0) for node in nodes}
+    for node in nodes:
+        if joint_kind(node) in ("revolute", "prismatic", "screw") and node.id not in tree.follows:
+            stride = max(1, len(corners[node.id]) // POINTS_PER_NODE)
+            poses[node.id] = _find_rest(node, labels[node.id], corners[node.id][::stride], body)
+    for one, other in tree.follows.items():
+        node, leader = (next(n for n in nodes if n.id == number) for number in (one, other))
+        share = (poses[other].rest - leader.a) / (leader.b - leader.a)
+        rest = node.a + share * (node.b - node.a)
+        share = (poses[other].far - leader.a) / (leader.b - leader.a)
+        far = node.a + share * (node.b - node.a)
+        poses[one] = RestPose(rest=rest, far=far, note=f"link {node.name!r} follows {leader.name!r}")
+    return poses
+
+
+def _find_rest(node: SourceNode, label: PartLabel, points: np.ndarray, body: np.ndarray) -> RestPose:
+    near, far = sorted((node.a, node.b), key=abs)
+    if abs(near) <= CLOSED_SHARE * abs(node.b - node.a):
+        return RestPose(rest=near, far=far, note=describe_rest(node, near, far))
+    return closed_pose(node, label, points, body)

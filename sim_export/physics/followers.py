@@ -1,0 +1,59 @@
+"""Parts that another part moves along, as a pedal does a lid: their joints mimic that part's joint."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+from sim_export.package import Link, PackageJoint, Requirement, SimPackage
+
+
+def couple_followers(
+    links: Sequence[Link], joints: Sequence[PackageJoint], follows: Mapping[str, str]
+) -> tuple[tuple[PackageJoint, ...], tuple[str, ...]]:
+    """Joints of which some follow others, and one sentence for each of these.
+
+    Both are closed and both are open at the same time. A follower resists nothing: what moves it does.
+
+    Args:
+        links: The links, each led by its first part.
+        joints: Their joints.
+        follows: For each part that follows another one, that part. Pairs of which a part leads no link any
+            more, being merged into another one, are left as they are.
+    """
+    leading = {link.name: link.parts[0] for link in links if link.parts}
+    by_part = {leading[joint.child]: joint for joint in joints if joint.child in leading}
+    out, records = [], []
+    for joint in joints:
+        leader = by_part.get(follows.get(leading.get(joint.child, ""), ""))
+        if leader is not None:
+            ratio = joint.upper / leader.upper
+            joint = replace(
+                joint, mimic=leader.name, mimic_multiplier=ratio, friction=0.0, damping=0.0, spring=0.0
+            )
+            records.append(
+                f"{joint.name} follows {leader.name} times {ratio:.6g}; engines without <mimic> let it go"
+            )
+        out.append(joint)
+    return tuple(out), tuple(records)
+
+
+def follow_parts(package: SimPackage, follows: Mapping[str, str]) -> SimPackage:
+    """A package whose joints moved one by one so far, with those that follow others.
+
+    What a follower needs open, its leader needs, and where a follower must be open, its leader must.
+    """
+    joints, records = couple_followers(package.links, package.joints, follows)
+    leaders = {joint.name: joint.mimic for joint in joints if joint.mimic is not None and not joint.is_travel}
+    needs: dict[tuple[str, str], float] = {}
+    for need in package.requires_open:
+        key = leaders.get(need.joint, need.joint), leaders.get(need.needs, need.needs)
+        if key[0] != key[1]:
+            needs[key] = max(need.fraction, needs.get(key, 0.0))
+    return replace(
+        package,
+        joints=joints,
+        requires_open=tuple(
+            Requirement(joint=joint, needs=other, fraction=fraction)
+            for (joint, other), fraction in needs.items()
+        ),
+        records=(*package.records, *records),
+    )

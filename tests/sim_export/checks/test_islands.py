@@ -1,0 +1,96 @@
+"""Laws of the islands check: single linkage with exact distances, whatever the pose; a cut leg floats."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from artigen.shapes.draw import draw_shape
+from artigen.shapes.primitives import Primitive, box, place_vertices
+from artigen.transforms import matrix_from_rpy
+from sim_export.checks.islands import hull_islands, visual_islands
+from sim_export.checks.suite import run_checks
+from sim_export.collision.contacts import HullSet
+from sim_export.collision.hulls import box_hull
+from sim_export.files.write import write_package
+from sim_export.reference import ReferenceConfig, build_reference
+
+REACH = 0.005
+TURN = matrix_from_rpy(np.array([0.3, -0.8, 1.9]))
+
+
+def row(*starts: float, edge: float = 0.02):
+    """Cubes along x that begin at these places, turned."""
+    hulls = [box_hull(np.array([x, 0.0, 0.0]), np.array([x + edge, edge, edge])) for x in starts]
+    return [replace(hull, vertices=hull.vertices @ TURN.T + [0.4, -0.2, 1.0]) for hull in hulls]
+
+
+def islands(hulls):
+    seen = visual_islands(np.concatenate([hull.vertices[hull.faces] for hull in hulls]), REACH)
+    felt = hull_islands(HullSet(hulls=tuple(hulls)), np.zeros((0, 3, 3)), REACH)
+    assert [gap for gap, _ in seen] == pytest.approx([gap for gap, _ in felt], abs=1e-6)
+    return [gap for gap, _ in felt]
+
+
+@pytest.mark.parametrize(("gap", "found"), [(0.0, []), (0.00499, []), (0.00501, [0.00501]), (0.3, [0.3])])
+def test_what_is_within_reach_holds_and_what_is_not_is_measured_exactly(gap, found):
+    assert islands(row(0.0, 0.02 + gap)) == pytest.approx(found, abs=1e-6)
+
+
+def test_pieces_hold_together_in_a_chain_and_islands_are_measured_to_the_nearest_piece():
+    assert islands(row(0.0, 0.024, 0.048, 0.072)) == []
+    # Two cubes that hold to each other float 28 mm beside three that do.
+    assert islands(row(0.0, 0.024, 0.048, 0.096, 0.12)) == pytest.approx([0.028])
+    # An island behind an island is measured from that one, not from the mainland.
+    assert islands(row(0.0, 0.02, 0.05, 0.09)) == pytest.approx([0.01, 0.02])
+
+
+def test_a_hull_at_what_is_seen_does_not_float_and_one_beside_it_does():
+    """However far the next hull is."""
+    board = row(0.0, edge=0.3)[0]
+    seen = board.vertices[board.faces]
+    ends = HullSet(hulls=tuple(row(0.0, 0.28)))
+    assert [gap for gap, _ in hull_islands(ends, np.zeros((0, 3, 3)), REACH)] == pytest.approx([0.26])
+    assert hull_islands(ends, seen, REACH) == []
+    for gap, found in ((0.00499, []), (0.00501, [0.00501])):
+        beside = HullSet(hulls=tuple(row(0.0, 0.3 + gap)))
+        assert [island for island, _ in hull_islands(beside, seen, REACH)] == pytest.approx(found, abs=1e-6)
+
+
+def test_corners_that_many_pieces_share_make_one_surface():
+    cube = row(0.0)[0]
+    loose = cube.vertices[cube.faces]
+    assert visual_islands(loose, REACH) == []
+    assert visual_islands(np.concatenate([loose, loose + 1e-9]), 0.0) == []
+
+
+def cut_legs(shape, gap: float):
+    """The table with every leg cut through its middle."""
+
+    def cut(primitive: Primitive) -> tuple[Primitive, ...]:
+        corners = place_vertices(primitive)
+        low, high = corners.min(axis=0), corners.max(axis=0)
+        x, y, z = high - low
+        if not z > 6 * max(x, y):
+            return (primitive,)
+        middle = (low[2] + high[2]) / 2
+        return (
+            box(tuple(low), (high[0], high[1], middle - gap / 2), primitive.finish),
+            box((low[0], low[1], middle + gap / 2), tuple(high), primitive.finish),
+        )
+
+    parts = [
+        replace(part, primitives=tuple(piece for primitive in part.primitives for piece in cut(primitive)))
+        for part in shape.parts
+    ]
+    assert sum(len(part.primitives) for part in parts) > sum(len(part.primitives) for part in shape.parts)
+    return replace(shape, parts=tuple(parts))
+
+
+def test_a_table_with_legs_cut_in_two_fails_this_check_alone(tmp_path):
+    table = draw_shape("Table", 0)
+    for name, shape in (("whole", table), ("cut", cut_legs(table, 0.03))):
+        package = build_reference(shape, ReferenceConfig(textures="shared"))
+        results = run_checks(write_package(package, tmp_path / name), ("L1", "L2"))
+        failed = [result.id for result in results if result.verdict == "fail"]
+        assert failed == ([] if name == "whole" else ["V107"])
