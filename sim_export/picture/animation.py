@@ -41,7 +41,7 @@ class AnimationConfig:
         if self.states < 2 or not 0 <= 2 * self.rest < self.seconds:
             raise ValueError(
                 f"{self.states} states in {self.seconds:g} s with rests of {self.rest:g} s: expected at "
-                "least 2 states, and rests shorter than half of the duration"
+                "least 2 states, and rests that leave time to move"
             )
 
 

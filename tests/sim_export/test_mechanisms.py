@@ -61,7 +61,7 @@ def test_a_leader_exists_moves_and_follows_nothing():
     with pytest.raises(ValueError, match="nobody"):
         with_motion(shape, "lid", follows="nobody")
     for leader in ("body", "lid"):
-        with pytest.raises(ValueError, match="has to move between two ends"):
+        with pytest.raises(ValueError, match="must have two limits"):
             with_motion(shape, "lid", follows=leader)
     needing = next(part for part in shape.parts if part.needs)
     with pytest.raises(ValueError, match="let it need"):
