@@ -43,7 +43,7 @@ def demo(out: Out = Path("out/demo"), workers: Workers = None) -> int:
         for category, seed in GENERATED
     ]
     results = run_batch(generate_and_validate, drawn, out / "generated", runner=runner, on_done=_say)
-    if any(finished.error for finished in results):  # failed checks are reported, not errors
+    if any(finished.error for finished in results):  # a failed check is only reported
         good = False
     else:
         write_preview(tuple(job.out / job.key for job in drawn), out / "generated.png")

@@ -37,7 +37,7 @@ def make_generated_package(
         appearance: Decoder of Gaussians; without it the package has none.
         provenance: Origin of the object, for ``provenance.json``.
         notes: Repairs and open issues of earlier stages, prepended to the package's records.
-        textures: ``own`` for one image per part, ``shared`` for one image per finish.
+        textures: ``own`` for one image per part, ``shared`` for one image per set of finishes.
 
     Raises:
         ExportError: If a part cannot become a link or has no mass; the message names the part.

@@ -47,7 +47,7 @@ class TextureConfig:
     discs: SurfaceSplatConfig = field(
         default_factory=lambda: SurfaceSplatConfig(spread=0.6, edge=1.0, neighbours=4, widest=2.0, apart=0.0)
     )
-    """Discs for surface samples; round, because anisotropic ones would extend beyond the edges of a mesh."""
+    """Discs for surface samples; round also at edges, where their overhang lies beside the mesh."""
 
     def __post_init__(self) -> None:
         if not self.texels_per_voxel > 0:

@@ -30,7 +30,7 @@ LEAST_STEPS = 4
 TURNING = 0.15
 """Smallest travel (m) that a radian counts as, for a knob that turns in place."""
 UNLATCHED = 0.1
-"""Share of a leaf's range (at most 0.1 rad or 5 cm) beyond which its latch no longer holds it."""
+"""Share of a leaf's range (at most 0.1 rad or 10 cm) beyond which its latch no longer holds it."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
