@@ -40,7 +40,7 @@ def pedal_and_lid(package: SimPackage) -> tuple[PackageJoint, PackageJoint]:
 
 def test_motions_without_ends_neither_follow_nor_have_springs():
     for extra in ({"follows": "pedal"}, {"spring": 1.0}):
-        with pytest.raises(ValueError, match="has no ends"):
+        with pytest.raises(ValueError, match="has no limits"):
             Motion(type="continuous", axis=UP, upper=6.0, **extra)
     with pytest.raises(ValueError, match="0 or more"):
         Motion(type="revolute", axis=UP, upper=1.0, spring=-0.1)
