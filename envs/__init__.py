@@ -1,7 +1,7 @@
 """Packages in physics engines: loading, gymnasium environments, dynamic checks, validation.
 
-Importing registers the environments, so that ``gym.make("envs:ArtiGen/Actuate-v0", package=folder)``
-works; everything heavy is imported by what needs it.
+Importing registers the environments, so that ``gym.make("envs:ArtiGen/Actuate-v0", package=folder)`` works.
+Heavy dependencies are imported only where they are used.
 """
 
 from envs.registration import ENVIRONMENT_IDS, register_environments

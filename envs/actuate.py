@@ -18,43 +18,43 @@ from .plan import plan_trials
 from .trials import reset
 
 ON_AXIS = 0.01
-"""Metres from the axis below which a handle is turned, not pulled."""
+"""Distance (m) from the axis below which a handle is turned instead of pulled."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class ActuateConfig:
-    """Which joint is opened, and how hard the hand may pull."""
+    """Target joint and hand limits."""
 
     joint: str | None = None
-    """Name of the joint; ``None`` draws one at every reset."""
+    """Name of the joint; ``None`` samples one at every reset."""
 
     hand: HandConfig = field(default_factory=HandConfig)
-    """Largest forces and torques; a full action is the largest for the joint."""
+    """Largest forces and torques; a full action is the largest one for the joint."""
 
     success_fraction: float = 0.9
-    """Part of the range (of a full turn where there are no limits) that counts as open."""
+    """Share of the range (of a full turn without limits) that counts as open."""
 
 
 class ActuateEnv(PackageEnv):
-    """The object is bolted down and stands at rest; whatever the joint requires to be open is open.
+    """The object has a fixed base and starts at rest; joints that the target requires to be open are open.
 
-    **Action** ``[1]`` in [-1, 1]: force at the handle along the direction in which it moves as the joint
-    opens, as part of the hand's largest (30 N on a drawer, 10 N m on a door and at most 30 N at its
-    handle, 10 N on a button, 1 N m on a knob; the weight of what is lifted comes on top). A handle
-    that sits on the joint's axis, such as a knob, is turned by a torque instead.
+    **Action** ``[1]`` in [-1, 1]: force at the handle in its direction of motion as the joint opens, as a
+    share of the hand's largest force (30 N on a drawer, 10 N m on a door and at most 30 N at its handle, 10 N
+    on a button, 1 N m on a knob; the weight of what is lifted is added). A handle on the joint's axis, such
+    as a knob, is turned by a torque instead.
 
     **Observation** ``open_fraction [J]``, ``joint_velocity [J]`` in ranges per second, ``target [J]``
-    one-hot, and of the target's handle ``handle_position [3]`` (m) and ``opening_direction [3]`` (unit),
-    both in the world; for a handle on the axis the direction is the axis. Where the package names no
-    handle it is the point farthest from the axis, and for sliding parts their centre of mass.
+    one-hot, and for the target's handle ``handle_position [3]`` (m) and ``opening_direction [3]`` (unit),
+    both in the world; for a handle on the axis the direction is the axis. If the package has no handle
+    annotation, the point farthest from the axis is used, and for sliding parts their centre of mass.
 
-    **Reward** the change of the target's open fraction in this step: the return of an episode is how far
-    the joint was opened.
+    **Reward** the change of the target's open fraction in this step: the return of an episode is the fraction
+    by which the joint was opened.
 
     **Success** (``info["success"]``, ends the episode): the target is open to ``cfg.success_fraction``.
 
-    **Reset** all joints at rest, the target at its lower limit, what it requires at the upper limit;
-    without ``cfg.joint`` the target is drawn at random.
+    **Reset** all joints at rest, the target at its lower limit, the joints it requires at their upper limits;
+    without ``cfg.joint`` the target is random.
 
     Version history: v0 first version.
     """
@@ -87,7 +87,7 @@ class ActuateEnv(PackageEnv):
         self._travel = 0.0
 
     def reset(self, *, seed: int | None = None, options: dict | None = None):
-        """Closes everything, opens what the target requires, and takes hold of the handle."""
+        """Closes all joints, opens those that the target requires, and grasps the handle."""
         self._rebuild(seed)
         names = [joint.spec.name for joint in self.loaded.joints]
         drawn = int(self.np_random.integers(len(names)))
@@ -124,18 +124,18 @@ class ActuateEnv(PackageEnv):
         return self.loaded.joints[self._target]
 
     def _opened(self) -> float:
-        """Open fraction of the target; a joint without limits counts the angle it has turned."""
+        """Open fraction of the target; for a joint without limits the accumulated angle counts."""
         joint = self._joint
         if joint.limited:
             return float(open_fractions(self.loaded)[self._target])
         return self._travel / joint.span
 
     def _grasp_point(self) -> Float[np.ndarray, "3"]:
-        """Where the hand takes hold, in the world at the pose of the reset."""
+        """Grasp point in the world at the pose of the reset."""
         joint = self._joint
         moved = measure_moved(self.loaded, joint)
         if joint.handle is not None:
-            # Annotations are given in the object frame at rest; the link may have been moved since.
+            # Annotations are in the object frame at rest; the link may have moved since.
             T = pose_matrix(joint.engine.child_link.entity_pose)
             center = joint.handle.corners.mean(axis=0)
             T_rest_link = np.eye(4)
@@ -147,8 +147,8 @@ class ActuateEnv(PackageEnv):
         return moved.vertices[int(np.argmax(np.linalg.norm(arms, axis=1)))]
 
     def _handle(self) -> tuple[np.ndarray, np.ndarray, float]:
-        """Position and direction of motion of the handle now, and metres per unit of the joint; 0 metres,
-        and the axis for a direction, where the handle sits on the axis."""
+        """Current position and direction of motion of the handle, and metres per unit of the joint; for a
+        handle on the axis 0 metres and the axis as direction."""
         joint = self._joint
         frame = pose_matrix(joint.engine.global_pose)
         axis, origin = frame[:3, 0], frame[:3, 3]

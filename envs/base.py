@@ -22,8 +22,8 @@ IMAGE_SIZE = 256
 class PackageEnv(gym.Env):
     """A gymnasium environment around one package: 100 Hz physics, 20 Hz control, CPU only.
 
-    Every reset builds the scene again (about 20 ms), so that an episode depends on the seed and the
-    actions and on nothing that happened before. ``rgb_array`` rendering needs a Vulkan device.
+    Every reset rebuilds the scene (about 20 ms), so that an episode depends only on the seed and the actions.
+    ``rgb_array`` rendering needs a Vulkan device.
     """
 
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": CONTROL_FREQUENCY}  # noqa: RUF012
@@ -47,7 +47,7 @@ class PackageEnv(gym.Env):
         return scene, loaded
 
     def _rebuild(self, seed: int | None) -> None:
-        """Seeds the generator and starts from a fresh scene at rest."""
+        """Seeds the generator and builds a fresh scene at rest."""
         super().reset(seed=seed)
         self.scene, self.loaded = self._build()
 
@@ -73,13 +73,13 @@ class PackageEnv(gym.Env):
         return (np.clip(self._camera.get_picture("Color")[..., :3], 0.0, 1.0) * 255).astype(np.uint8)
 
     def close(self) -> None:
-        """Lets go of the scene."""
+        """Releases the scene."""
         self._camera = None
 
 
 def open_fractions(loaded: LoadedPackage) -> Float[np.ndarray, "J"]:
-    """How far each joint is open, 0 at the lower limit and 1 at the upper; a joint without limits
-    gives its angle as part of a full turn, in [-0.5, 0.5)."""
+    """Open fraction of each joint, 0 at the lower limit and 1 at the upper; for a joint without limits its
+    angle as a share of a full turn, in [-0.5, 0.5)."""
     qpos = np.asarray(loaded.articulation.qpos, dtype=np.float64)
     values = [
         (qpos[joint.index] - joint.spec.lower) / max(joint.span, 1e-9)

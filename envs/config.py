@@ -1,4 +1,4 @@
-"""Settings of the physical trials and of validation; light, so that a parent process can hold them."""
+"""Settings of the physical trials and of validation; importing them loads no engine."""
 
 from dataclasses import dataclass, field
 from typing import Literal
@@ -8,10 +8,10 @@ from sim_export.checks import CheckConfig
 
 @dataclass(frozen=True, kw_only=True)
 class HandConfig:
-    """Limits of the hand that opens and closes things, in newtons and newton metres."""
+    """Limits of the hand that opens and closes joints, in newtons and newton metres."""
 
     pull: float = 30.0
-    """Largest force on a drawer, or at the handle of anything that turns."""
+    """Largest force on a drawer, or at the handle of a turning part."""
 
     turn: float = 10.0
     """Largest torque on a door, lid or wheel."""
@@ -28,28 +28,28 @@ class TrialConfig:
     """Durations and tolerances of the trials."""
 
     hand: HandConfig = field(default_factory=HandConfig)
-    """How hard joints are pulled and pushed."""
+    """Hand limits for pulling and pushing joints."""
 
     rest_seconds: float = 5.0
-    """How long the fixed object stands under gravity (V302)."""
+    """Duration (seconds) for which the fixed object rests under gravity (V302)."""
 
     stand_seconds: float = 3.0
-    """How long the free object stands on the ground (V303)."""
+    """Duration (seconds) for which the free object stands on the ground (V303)."""
 
     pull_seconds: float = 5.0
-    """How long a hand may take to open or close a joint (V304)."""
+    """Time limit (seconds) for opening or closing a joint by hand (V304)."""
 
     lean_seconds: float = 2.0
-    """How long the tilted object is watched (V305)."""
+    """Duration (seconds) of the observation of the tilted object (V305)."""
 
     lean_degrees: float = 5.0
-    """How far the object is tilted (V305)."""
+    """Tilt of the object in degrees (V305)."""
 
     limit_fraction: float = 0.01
-    """A limit counts as reached within this part of the range ..."""
+    """Distance from a limit, as a share of the range, within which it counts as reached ..."""
 
     limit_degrees: float = 0.5
-    """... or, for turning joints, within this angle if that is more."""
+    """... or, for turning joints, this angle if it is larger."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,21 +60,21 @@ class DynamicsConfig:
     """Durations, hand forces and tolerances."""
 
     timestep: float = 1.0 / 100.0
-    """Seconds per step of checks V302 to V307: ManiSkill's default."""
+    """Time step (seconds) of checks V302 to V307: ManiSkill's default."""
 
     other_timesteps: tuple[float, ...] = (1.0 / 60.0, 1.0 / 240.0)
-    """Where V309 repeats V302 to V306."""
+    """Time steps (seconds) at which V309 repeats V302 to V306."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class EngineChoice:
-    """An engine that is asked for its opinion, by its name in `envs.engines.witness.WITNESSES`."""
+    """An engine for checks L5, by its name in `envs.engines.witness.WITNESSES`."""
 
     name: str
-    """``mujoco``, ``pybullet``, ``newton``, ...; the list says which file each reads."""
+    """``mujoco``, ``pybullet``, ``newton``, ...; the list gives the file that each reads."""
 
     python: str | None = None
-    """The interpreter of an environment that has the engine; without one the present interpreter."""
+    """Python interpreter of an environment that has the engine; default: the current one."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -88,19 +88,20 @@ class ValidateConfig:
     """Settings of L3."""
 
     tasks: Literal["none", "run"] = "none"
-    """``run`` also makes the checks L4, in ManiSkill: 5 to 60 seconds more, by the number of parts."""
+    """``run`` also performs the L4 checks in ManiSkill: 5 to 60 seconds more, depending on the number of
+    parts."""
 
     task_timeout: float = 600.0
-    """Seconds that the checks L4 may take, before they count as failed."""
+    """Time limit (seconds) for the L4 checks."""
 
     engines: tuple[EngineChoice, ...] = ()
-    """Engines that also try the package (checks L5), each in a process of its own."""
+    """Engines that also test the package (checks L5), each in its own process."""
 
     engine_timeout: float = 600.0
-    """Seconds that one engine may take, before its checks count as failed."""
+    """Time limit (seconds) for one engine."""
 
     timeout: float = 120.0
-    """Seconds that the static and the dynamic half may take each, before they count as failed."""
+    """Time limit (seconds) for the static and for the dynamic checks."""
 
     output: Literal["package", "none"] = "package"
-    """``package`` leaves ``validation.json`` in the folder, ``none`` only returns the report."""
+    """``package`` writes ``validation.json`` into the folder, ``none`` only returns the report."""

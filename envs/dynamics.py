@@ -1,7 +1,7 @@
 """Checks V301 to V309: load, rest, stability, opening, closing and holding in a physics engine.
 
-Everything here runs in the present process, which SAPIEN may abort: `envs.validate` calls it in a
-supervised child. Each function states what it measures, what is allowed, and where it applies.
+These functions run in the current process, which SAPIEN may abort; `envs.validate` calls them in a supervised
+child. Each function documents its measurement, limit and scope.
 """
 
 import time
@@ -34,7 +34,7 @@ MUJOCO_FORCE = 1e-3
 
 
 def check_dynamics(folder: Path, package: SimPackage, cfg: DynamicsConfig) -> tuple[CheckResult, ...]:
-    """All L3 checks of a package, in order of their ids; ``seconds`` tells what each cost."""
+    """All L3 checks of a package, in order of their ids; ``seconds`` is the duration of each."""
     clock = time.perf_counter()
     try:
         main = run_trials(folder, package, cfg.timestep, cfg.trials)
@@ -54,7 +54,7 @@ def check_dynamics(folder: Path, package: SimPackage, cfg: DynamicsConfig) -> tu
 
 
 def _single_checks(package: SimPackage, run: TrialResults, cfg: TrialConfig) -> tuple[CheckResult, ...]:
-    """V301 to V306 out of the trials at one time step."""
+    """V301 to V306 from the trials at one time step."""
     return (
         check_loads(run),
         check_rest(run),
@@ -66,11 +66,11 @@ def _single_checks(package: SimPackage, run: TrialResults, cfg: TrialConfig) -> 
 
 
 def check_loads(run: TrialResults) -> CheckResult:
-    """V301: no collision shape is lost, and every link has the mass that the URDF gives it.
+    """V301: no collision shape is lost, and every link has the mass given in the URDF.
 
-    Each ``<collision>`` must give at least one shape (exactly one where it holds one hull; older
-    packages keep several in one file). A link without ``<inertial>`` has no mass to compare: SAPIEN
-    then assumes 1000 kg/m^3, which is reported and left to V007. Masses agree within 1e-4.
+    Each ``<collision>`` must yield at least one shape (exactly one if it contains one hull; older packages
+    store several in one file). A link without ``<inertial>`` has no mass to compare: SAPIEN then assumes 1000
+    kg/m^3, which is reported here and judged by V007. Masses must agree within 1e-4.
     """
     for load in run.loads:
         if load.lost or load.shapes < load.hulls:
@@ -88,7 +88,7 @@ def check_loads(run: TrialResults) -> CheckResult:
     unweighed = [load.name for load in run.loads if load.mass is None and load.shapes]
     message = f"{sum(load.shapes for load in run.loads)} shapes in {len(run.loads)} links"
     if unweighed:
-        message += f"; SAPIEN invents the mass of {', '.join(unweighed)} (no inertial, 1000 kg/m^3)"
+        message += f"; SAPIEN assumes the mass of {', '.join(unweighed)} (no inertial, 1000 kg/m^3)"
     if worst > MASS_TOLERANCE:
         message = f"{where}: SAPIEN's mass differs from the URDF's: its inertia is zero or not positive"
     return _result(
@@ -98,8 +98,8 @@ def check_loads(run: TrialResults) -> CheckResult:
 
 
 def check_rest(run: TrialResults) -> CheckResult:
-    """V302: bolted down and left alone for 5 s, no joint moves by more than 1 % of its range (a full
-    turn where there is none) or is still moving faster than 1e-3 m/s or rad/s."""
+    """V302: with a fixed base and under gravity for 5 s, no joint moves by more than 1 % of its range (of a
+    full turn without limits) or still moves faster than 1e-3 m/s or rad/s at the end."""
     joints = run.joints
     if not joints:
         return _not_applicable("V302", "nothing moves")
@@ -121,9 +121,9 @@ def check_rest(run: TrialResults) -> CheckResult:
 def check_stand(package: SimPackage, run: TrialResults) -> CheckResult:
     """V303: on the ground with a free base for 3 s, tilt < 2 degrees, drift < 5 mm, penetration < 5 mm.
 
-    Not applicable to what nobody expects to stand (`envs.support`: faucets, switches, doors, windows,
-    and things held in a hand) when its centre of mass is not above what touches the floor; they are
-    checked when it is. For everything else such an overhang is what the failure reports.
+    Not applicable to categories that need not stand (`envs.support`: faucets, switches, doors, windows, and
+    hand-held objects) if the centre of mass is outside of the support polygon; otherwise they are checked
+    too. For other categories, the failure reports the overhang.
     """
     stand = run.stand
     if stand.overhang > 0.0 and not must_stand(package.category):
@@ -146,13 +146,12 @@ def check_stand(package: SimPackage, run: TrialResults) -> CheckResult:
 
 
 def check_opens(run: TrialResults, cfg: TrialConfig) -> CheckResult:
-    """V304: a constant pull opens every joint to 90 % of its range and on to its limit within 5 s, and
-    a constant push closes it again, with what it requires standing open and all else at rest.
+    """V304: a constant pull opens every joint to 90 % of its range and on to its limit within 5 s, and a
+    constant push closes it again, with the joints it requires open and all others at rest.
 
-    The hand gives 30 N on drawers, 10 N m on doors (never more than 30 N at the handle), 10 N on
-    buttons, 1 N m on knobs, and carries the weight that it lifts (`envs.hand`). Limits count as
-    reached within 1 % of the range, or 0.5 degrees where that is more. A joint without limits has to
-    turn once around and back.
+    The hand applies 30 N to drawers, 10 N m to doors (at most 30 N at the handle), 10 N to buttons and 1 N m
+    to knobs, and additionally carries the weight that it lifts (`envs.hand`). Limits count as reached within
+    1 % of the range, or 0.5 degrees if that is more. A joint without limits must turn once around and back.
     """
     joints = run.joints
     if not joints:
@@ -176,8 +175,8 @@ def check_opens(run: TrialResults, cfg: TrialConfig) -> CheckResult:
 
 
 def check_stays_closed(run: TrialResults) -> CheckResult:
-    """V305: leaned 5 degrees towards the way it opens, no joint opens by more than 1 % of its range in
-    2 s. Joints without limits (wheels, knobs) have no closed state and are left out."""
+    """V305: tilted by 5 degrees in its opening direction, no joint opens by more than 1 % of its range in 2
+    s. Joints without limits (wheels, knobs) have no closed state and are skipped."""
     joints = run.joints
     limited = [index for index, joint in enumerate(joints) if joint.type != "continuous"]
     if not limited:
@@ -195,8 +194,8 @@ def check_stays_closed(run: TrialResults) -> CheckResult:
 
 
 def check_energy(run: TrialResults) -> CheckResult:
-    """V306: while opened and closed no joint moves faster than 1.5 times what all work of hand and
-    weight could give it, and the object's bounding box never grows beyond 10 times its size."""
+    """V306: while opened and closed no joint moves faster than 1.5 times the speed that the work of hand and
+    gravity allows, and the object's bounding box never grows beyond 10 times its size."""
     joints = run.joints
     if not joints:
         return _not_applicable("V306", "nothing moves")
@@ -217,7 +216,7 @@ def check_energy(run: TrialResults) -> CheckResult:
 
 
 def check_repeat(folder: Path, package: SimPackage, first: TrialResults, cfg: DynamicsConfig) -> CheckResult:
-    """V307: all trials again in new scenes; every recorded coordinate agrees within 1e-6."""
+    """V307: all trials repeated in new scenes; every recorded coordinate agrees within 1e-6."""
     second = run_trials(folder, package, cfg.timestep, cfg.trials, hulls="known")
     if first.trace.shape != second.trace.shape:
         return _result(
@@ -234,8 +233,8 @@ def check_repeat(folder: Path, package: SimPackage, first: TrialResults, cfg: Dy
 
 
 def check_mujoco(folder: Path) -> CheckResult:
-    """V308: MuJoCo compiles the URDF and the MJCF, and at rest, weight left out, no constraint pushes
-    (sum of absolute generalised constraint forces < 1e-3)."""
+    """V308: MuJoCo compiles the URDF and the MJCF, and without gravity no constraint is active at rest (sum
+    of absolute generalised constraint forces < 1e-3)."""
     results = compile_package(folder)
     for result in results:
         if result.error is not None:
@@ -252,7 +251,7 @@ def check_mujoco(folder: Path) -> CheckResult:
 
 
 def check_timesteps(folder: Path, package: SimPackage, cfg: DynamicsConfig) -> CheckResult:
-    """V309: checks V302 to V306 give no failure at 1/60 s and 1/240 s (1/100 s is what they use)."""
+    """V309: checks V302 to V306 pass at 1/60 s and 1/240 s too (they use 1/100 s)."""
     failures = []
     for timestep in cfg.other_timesteps:
         run = run_trials(folder, package, timestep, cfg.trials, hulls="known")

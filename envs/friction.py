@@ -1,10 +1,10 @@
-"""Sets joint friction, damping and top speed in SI units, which the loader ignores.
+"""Sets joint friction, damping and maximum speed in SI units, which SAPIEN's loader ignores.
 
-SAPIEN ignores a URDF's ``<dynamics friction>`` and ``<limit velocity>``, and PhysX's own joint friction
-is a unitless coefficient whose holding force depends on the time step and on the number of solver
-iterations (``benchmarks/friction_calibration.py`` measures by how much). Two other constraints do
-exactly what is meant, at any step size: a velocity drive at rest with a force limit is Coulomb
-friction, and a fixed tendon over one joint is a viscous damper beside it.
+SAPIEN ignores a URDF's ``<dynamics friction>`` and ``<limit velocity>``. PhysX's own joint friction is a
+unitless coefficient whose holding force depends on the time step and on the number of solver iterations
+(``benchmarks/friction_calibration.py`` measures this). Two other constraints are exact at any step size: a
+velocity drive at rest with a force limit is Coulomb friction, and a fixed tendon over one joint is a viscous
+damper beside it.
 """
 
 from typing import TYPE_CHECKING
@@ -13,8 +13,8 @@ if TYPE_CHECKING:
     from sapien.physx import PhysxArticulation, PhysxArticulationJoint
 
 CREEP = 1e-5
-"""Speed (m/s or rad/s) at which the drive reaches its friction force: a joint that is loaded just
-below its friction creeps this slowly, and one that moves faster feels the whole force."""
+"""Speed (m/s or rad/s) at which the drive reaches its friction force: a joint loaded just below its friction
+creeps at this speed, and a faster joint feels the whole force."""
 
 
 def apply_friction(joint: "PhysxArticulationJoint", friction: float) -> None:
@@ -35,7 +35,7 @@ def apply_friction(joint: "PhysxArticulationJoint", friction: float) -> None:
 
 
 def apply_damping(articulation: "PhysxArticulation", joint: "PhysxArticulationJoint", damping: float) -> None:
-    """Adds viscous damping (N s/m or N m s/rad) beside whatever the joint's drive does."""
+    """Adds viscous damping (N s/m or N m s/rad), independent of the joint's drive."""
     if not damping >= 0.0:
         raise ValueError(f"joint {joint.name!r}: damping {damping}, expected >= 0")
     if damping > 0.0:
@@ -45,10 +45,10 @@ def apply_damping(articulation: "PhysxArticulation", joint: "PhysxArticulationJo
 
 
 def apply_velocity(joint: "PhysxArticulationJoint", velocity: float) -> None:
-    """Keeps a joint below ``velocity`` (m/s or rad/s).
+    """Limits the speed of a joint to ``velocity`` (m/s or rad/s).
 
-    Fingers can give a knob more than a thousand rad/s^2. Without this it soon turns by more than a radian
-    per step, and contacts that PhysX foresees with its neighbours throw it back and forth.
+    Fingers can accelerate a knob by more than a thousand rad/s^2. Without a limit it soon turns by more than
+    a radian per step, and PhysX's predicted contacts with its neighbours throw it back and forth.
     """
     if not velocity > 0.0:
         raise ValueError(f"joint {joint.name!r}: velocity {velocity}, expected > 0")

@@ -1,9 +1,9 @@
 """Forces that a hand applies to a joint: magnitude, place and direction.
 
-A person pulls a drawer with at most 30 N and turns a door with at most 10 N m, and never with more
-than 30 N at its handle, which is what limits a small lid. Fingers push a button with 10 N and turn a
-knob with 10 N at its rim and at most 1 N m. The hand also carries the weight of what it lifts:
-appliances have springs and counterweights that packages do not model.
+A person pulls a drawer with at most 30 N and turns a door with at most 10 N m, and never with more than 30 N
+at its handle, which limits the torque on small lids. Fingers push a button with 10 N and turn a knob with 10
+N at its rim and at most 1 N m. The hand also carries the weight of what it lifts, because packages do not
+model the springs and counterweights of appliances.
 """
 
 from dataclasses import dataclass
@@ -27,7 +27,7 @@ FINGER_LABELS = ("knob",)
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Moved:
-    """Everything that a joint moves, in the world at the present pose: mass, centre, hull vertices.
+    """Everything that a joint moves, in the world at the current pose: mass, centre, hull vertices.
 
     ``inertia`` is about the joint's axis (kg m^2); ``axis`` and ``origin`` are the joint's.
     """
@@ -56,9 +56,9 @@ def shape_vertices(shape: "PhysxCollisionShape") -> Float[np.ndarray, "V 3"]:
 
 
 def measure_moved(loaded: LoadedPackage, joint: LoadedJoint) -> Moved:
-    """Mass properties of what ``joint`` moves in the present pose."""
+    """Mass properties of everything that ``joint`` moves at the current pose."""
     frame = pose_matrix(joint.engine.global_pose)
-    axis, origin = frame[:3, 0], frame[:3, 3]  # SAPIEN puts the axis on the joint frame's x
+    axis, origin = frame[:3, 0], frame[:3, 3]  # the axis of a SAPIEN joint is the x axis of its frame
     masses, centers, inertias, vertices = [], [], [], [np.zeros((0, 3))]
     for link in moving_links(loaded, joint):
         T = pose_matrix(link.entity_pose)
@@ -82,7 +82,7 @@ def measure_moved(loaded: LoadedPackage, joint: LoadedJoint) -> Moved:
 
 
 def hand_effort(joint: LoadedJoint, moved: Moved, cfg: HandConfig) -> float:
-    """The largest effort of a hand on a joint: N for sliding joints, N m for turning ones."""
+    """Largest effort of a hand on a joint: N for sliding joints, N m for turning ones."""
     fingers = joint.label in FINGER_LABELS
     if joint.spec.type == "prismatic":
         return cfg.push if fingers else cfg.pull
@@ -91,7 +91,7 @@ def hand_effort(joint: LoadedJoint, moved: Moved, cfg: HandConfig) -> float:
 
 
 def weight_effort(joint: LoadedJoint, moved: Moved, q: Float[np.ndarray, "N"]) -> Float[np.ndarray, "N"]:
-    """How the moved weight pushes the joint at coordinates ``q`` from the present pose: > 0 opens."""
+    """Effort of gravity on the joint at coordinates ``q`` from the current pose: > 0 opens."""
     weight = np.array([0.0, 0.0, -GRAVITY * moved.mass])
     if joint.spec.type == "prismatic":
         return np.full(len(q), float(weight @ moved.axis))
@@ -100,9 +100,9 @@ def weight_effort(joint: LoadedJoint, moved: Moved, q: Float[np.ndarray, "N"]) -
 
 
 def push_wrench(joint: LoadedJoint, axis: Float[np.ndarray, "3"], effort: float) -> tuple:
-    """Force and torque on the child link, as SAPIEN takes them, that act on the joint with ``effort``.
+    """Force and torque on the child link, in SAPIEN's convention, that act on the joint with ``effort``.
 
-    A force at the handle and this wrench differ only in what the joint's own bearing takes up.
+    A force at the handle differs from this wrench only in the reaction of the joint's bearing.
     """
     vector = (effort * axis).astype(np.float32)
     zero = np.zeros(3, dtype=np.float32)
@@ -110,7 +110,7 @@ def push_wrench(joint: LoadedJoint, axis: Float[np.ndarray, "3"], effort: float)
 
 
 def _lever(joint: LoadedJoint, moved: Moved) -> float:
-    """Distance from the axis at which a hand takes hold: the handle's, else the farthest point's."""
+    """Distance from the axis at which a hand grasps: that of the handle, else of the farthest point."""
     points = moved.vertices
     if joint.handle is not None:
         points = joint.handle.corners.mean(axis=0, keepdims=True)
@@ -118,7 +118,7 @@ def _lever(joint: LoadedJoint, moved: Moved) -> float:
     axis = joint.spec.axis if joint.handle is not None else moved.axis
     distance = np.linalg.norm(np.cross(axis, arms), axis=1).max(initial=0.0)
     if joint.handle is not None and joint.label in FINGER_LABELS:
-        # Fingers hold a knob at its rim, not at its middle.
+        # Fingers hold a knob at its rim, not at its centre.
         arms = joint.handle.corners - joint.spec.origin
         distance = np.linalg.norm(np.cross(axis, arms), axis=1).max()
     return float(distance)
@@ -136,7 +136,7 @@ def _shape_points(shape) -> np.ndarray:
             return signs * np.asarray(shape.half_size)
         case physx.PhysxCollisionShapeSphere():
             return signs * shape.radius
-        case physx.PhysxCollisionShapeCylinder():  # SAPIEN's is a prism of 32 sides along x
+        case physx.PhysxCollisionShapeCylinder():  # SAPIEN's cylinder is a prism of 32 sides along x
             turns = np.linspace(0.0, 2 * np.pi, 32, endpoint=False)
             rim = shape.radius * np.column_stack([np.cos(turns), np.sin(turns)])
             ends = [np.column_stack([np.full(32, side * shape.half_length), rim]) for side in (-1, 1)]

@@ -21,13 +21,13 @@ class JointSweepConfig:
     """Thresholds of a sweep."""
 
     step: float = 0.1
-    """Part of its range that a full action moves a joint by."""
+    """Share of its range by which a full action moves a joint."""
 
     bins: int = 10
-    """Equal pieces that each range is divided into; a sweep has been in all of them."""
+    """Equal intervals that each range is divided into; a sweep visits all of them."""
 
     tolerance: float = 0.002
-    """Penetration (m), beyond what overlaps at rest, that still counts as clean."""
+    """Penetration (m) beyond the overlap at rest that is tolerated."""
 
     def __post_init__(self) -> None:
         if not (0.0 < self.step <= 1.0 and self.bins >= 2 and self.tolerance >= 0.0):
@@ -37,22 +37,22 @@ class JointSweepConfig:
 
 
 class JointSweepEnv(PackageEnv):
-    """Joints are posed, not driven: this environment knows geometry and no forces.
+    """Joints are posed, not driven: the environment is kinematic.
 
-    **Action** ``[J]`` in [-1, 1]: moves joint j by ``cfg.step`` of its range, opening if positive;
-    positions stop at the limits, joints without limits stop at 0 and at one full turn.
+    **Action** ``[J]`` in [-1, 1]: moves joint j by ``cfg.step`` of its range, opening if positive; positions
+    stop at the limits, joints without limits stop at 0 and at one full turn.
 
-    **Observation** ``open_fraction [J]`` in [0, 1], and ``penetration [1]``: the deepest overlap (m) of
-    any two links at this pose beyond the overlap that they have at rest, parents and children included,
-    exact for the hulls that the engine uses.
+    **Observation** ``open_fraction [J]`` in [0, 1], and ``penetration [1]``: the deepest overlap (m) of any
+    two links at this pose beyond their overlap at rest, parents and children included, exact for the hulls
+    that the engine uses.
 
-    **Reward** the part of all bins but the starting ones, of all joints, that this step entered for the
+    **Reward** the share of all bins of all joints, except the starting ones, that this step visits for the
     first time, and -1 for a pose that penetrates by more than ``cfg.tolerance``. A perfect sweep returns 1.
 
-    **Success** (``info["success"]``, ends the episode): every bin of every joint has been entered and no
-    pose of the episode penetrated. What needs another joint open has to wait for it.
+    **Success** (``info["success"]``, ends the episode): every bin of every joint has been visited and no pose
+    of the episode penetrated. Joints that require another one to be open must wait for it.
 
-    **Reset** all joints at their lower limits; nothing is random.
+    **Reset** all joints at their lower limits; deterministic.
 
     Version history: v0 first version.
     """
@@ -83,7 +83,7 @@ class JointSweepEnv(PackageEnv):
         self._rest = self._overlaps()
 
     def reset(self, *, seed: int | None = None, options: dict | None = None):
-        """Closes every joint and forgets what was visited."""
+        """Closes every joint and resets the visited bins."""
         self._rebuild(seed)
         self._fractions = np.zeros(len(self._fractions))
         self._visited = np.zeros_like(self._visited)
@@ -106,7 +106,7 @@ class JointSweepEnv(PackageEnv):
         return self._observe(depth), reward, info["success"], False, info
 
     def _visit(self) -> int:
-        """Marks the bins of the present pose; returns how many are new."""
+        """Marks the bins of the current pose; returns the number of new ones."""
         columns = np.minimum((self._fractions * self.cfg.bins + 1e-9).astype(int), self.cfg.bins - 1)
         rows = np.arange(len(columns))
         new = int((~self._visited[rows, columns]).sum())
@@ -140,5 +140,5 @@ def _hull_set(link) -> HullSet:
         try:
             hulls.append(convex_hull(shape_vertices(shape)))
         except DegeneratePart:
-            continue  # a flat shape of a foreign package has no inside to penetrate
+            continue  # a flat shape of a foreign package has no volume to penetrate
     return HullSet(hulls=tuple(hulls))

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class LinkLoad:
-    """What the URDF says about a link and what the engine made of it; ``None`` mass: none authored."""
+    """A link's properties in the URDF and in the engine; a ``None`` mass means that none was given."""
 
     name: str
     hulls: int
@@ -31,7 +31,7 @@ class LinkLoad:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class LoadedJoint:
-    """A joint with its engine counterpart; ``index`` is its place in the articulation's ``qpos``."""
+    """A joint with its engine counterpart; ``index`` is its position in the articulation's ``qpos``."""
 
     spec: PackageJoint
     index: int
@@ -41,22 +41,22 @@ class LoadedJoint:
 
     @property
     def limited(self) -> bool:
-        """False for wheels and other joints that turn for ever."""
+        """False for wheels and other joints that turn without limits."""
         return self.spec.type != "continuous"
 
     @property
     def span(self) -> float:
-        """Length of the range (m or rad); a full turn where there are no limits."""
+        """Length of the range (m or rad); a full turn without limits."""
         return self.spec.upper - self.spec.lower if self.limited else 2.0 * np.pi
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Follower:
-    """A joint that follows another one by ``multiplier``: the travel of a screw its turn, a lid its pedal.
+    """A joint that follows another one by ``multiplier``: a screw's travel its turn, a lid its pedal.
 
-    SAPIEN's own coupling, a stiff tendon, pushes energy into multipliers as small as a thread's, so the
-    follower has a position drive instead, and `advance` sets its target. The reaction on the leader is left
-    out; on screws, thread friction hides it.
+    SAPIEN's own coupling, a stiff tendon, adds energy with multipliers as small as a thread's. The follower
+    therefore has a position drive, whose target `advance` sets. The reaction on the leader is neglected; on
+    screws, thread friction exceeds it.
     """
 
     leader: int
@@ -66,8 +66,8 @@ class Follower:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class LoadedPackage:
-    """A package in a scene. ``joints`` are those that move on their own, screw followers left out, in
-    the order of the package. It holds the scene, without which SAPIEN forgets the articulation."""
+    """A package in a scene. ``joints`` are the independent ones, without followers, in the order of the
+    package. It holds a reference to the scene, without which SAPIEN frees the articulation."""
 
     package: SimPackage
     folder: Path
@@ -78,7 +78,7 @@ class LoadedPackage:
     followers: tuple[Follower, ...] = ()
 
     def joint(self, name: str) -> LoadedJoint:
-        """The joint of that name; raises `ValueError` naming those that exist."""
+        """The joint with that name; raises `ValueError` with the existing names."""
         for joint in self.joints:
             if joint.spec.name == name:
                 return joint
@@ -87,7 +87,8 @@ class LoadedPackage:
 
 
 def advance(loaded: LoadedPackage) -> None:
-    """Makes one physics step with followers and springs; objects without them need only ``scene.step()``."""
+    """Performs one physics step with followers and springs; objects without them need only
+    ``scene.step()``."""
     if loaded.followers:
         qpos = loaded.articulation.qpos
         for each in loaded.followers:
@@ -104,9 +105,9 @@ def set_open_fraction(
     """Poses every joint at a fraction of its range, at rest; returns the articulation's ``qpos``.
 
     Args:
-        loaded: the object.
-        fraction: 0 is the lower limit and 1 the upper; one number for all joints or one per joint
-            of ``loaded.joints``. A joint without limits takes it as part of a full turn.
+        loaded: The object.
+        fraction: 0 is the lower limit and 1 the upper; one number for all joints or one per joint of
+            ``loaded.joints``. For a joint without limits it is a share of a full turn.
     """
     count = len(loaded.joints)
     values = np.broadcast_to(np.asarray(fraction, dtype=np.float64), (count,))
@@ -123,7 +124,7 @@ def set_open_fraction(
 
 
 def qpos_of(loaded: LoadedPackage, coordinates: dict[str, float]) -> Float[np.ndarray, "Q"]:
-    """The articulation's ``qpos`` for joint coordinates by name; the others are 0, followers follow."""
+    """The articulation's ``qpos`` for joint coordinates by name; other joints are at 0, followers follow."""
     qpos = np.zeros(loaded.articulation.dof)
     specs = {joint.name: joint for joint in loaded.package.joints}
     for index, joint in enumerate(loaded.articulation.active_joints):
@@ -136,7 +137,7 @@ def qpos_of(loaded: LoadedPackage, coordinates: dict[str, float]) -> Float[np.nd
 
 
 def moving_links(loaded: LoadedPackage, joint: LoadedJoint) -> list["PhysxArticulationLinkComponent"]:
-    """The joint's child link and everything that hangs from it."""
+    """The joint's child link and its descendants."""
     out, waiting = [], [joint.engine.child_link]
     while waiting:
         link = waiting.pop()

@@ -1,4 +1,4 @@
-"""MuJoCo compiles the URDF and MJCF of a package and finds no forces at rest."""
+"""Compiles the URDF and MJCF of a package with MuJoCo and measures forces at rest."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,14 +9,14 @@ from sim_export.errors import PackageError
 
 from .urdf_text import physics_urdf
 
-# mujoco is a compiled module whose stubs name nothing.
+# mujoco is a compiled module with empty stubs.
 # pyright: reportAttributeAccessIssue=false
 
 
 @dataclass(frozen=True, kw_only=True)
 class MujocoResult:
     """``force`` is the sum of absolute constraint forces at rest without gravity (N and N m together);
-    ``error`` is the compiler's sentence where there is no model, ``warnings`` what it said besides."""
+    ``error`` is the compiler's message if there is no model, ``warnings`` are its warnings."""
 
     file: str
     force: float = 0.0
@@ -25,7 +25,7 @@ class MujocoResult:
 
 
 def compile_package(folder: Path) -> tuple[MujocoResult, ...]:
-    """Compiles ``mobility.urdf`` and, where there is one, ``mobility.mjcf.xml``."""
+    """Compiles ``mobility.urdf`` and, if it exists, ``mobility.mjcf.xml``."""
     results = [_compile(folder / "mobility.urdf")]
     if (folder / "mobility.mjcf.xml").is_file():
         results.append(_compile(folder / "mobility.mjcf.xml"))
@@ -36,7 +36,7 @@ def _compile(path: Path) -> MujocoResult:
     import mujoco
 
     warnings: list[str] = []
-    # Without a handler of ours MuJoCo appends its warnings to a file in the working directory.
+    # Without a custom handler MuJoCo appends its warnings to a file in the working directory.
     before = mujoco.get_mju_user_warning()
     mujoco.set_mju_user_warning(warnings.append)
     try:
@@ -48,7 +48,7 @@ def _compile(path: Path) -> MujocoResult:
         return MujocoResult(file=path.name, error=" ".join(str(error).split()), warnings=tuple(warnings))
     finally:
         mujoco.set_mju_user_warning(before)
-    # Weight and springs are off: what is left are forces of overlap and of limits that rest violates.
+    # Gravity and springs are off; the remaining forces come from overlaps and violated limits.
     model.opt.gravity[:] = 0.0
     model.jnt_stiffness[:] = 0.0
     data = mujoco.MjData(model)

@@ -1,8 +1,8 @@
 """Loads a package into SAPIEN strictly, with friction and damping in SI units.
 
-SAPIEN's own loader drops collision shapes that it cannot read, invents masses where a URDF has none,
-ignores joint friction, and needs (or aborts without) a render device as soon as there is a visual.
-`load_package` counts and compares everything, and leaves the visuals out unless asked for them.
+SAPIEN's own loader drops collision shapes that it cannot read, assumes masses that a URDF lacks, ignores
+joint friction, and needs a render device (or aborts) as soon as there is a visual. `load_package` compares
+everything with the package, and skips the visuals unless they are requested.
 """
 
 import tempfile
@@ -25,37 +25,37 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True)
 class LoadConfig:
-    """How a package is put into a scene."""
+    """Options for loading a package into a scene."""
 
     base: Literal["fixed", "free"] = "fixed"
-    """``fixed`` bolts the object to the world, ``free`` lets it stand (or fall) on its own."""
+    """``fixed`` fixes the object to the world, ``free`` lets it stand (or fall) freely."""
 
     visuals: Literal["none", "all"] = "none"
     """``all`` needs a scene with a render system; physics never needs visuals."""
 
     joint_resistance: Literal["package", "engine"] = "package"
-    """``package`` applies the package's friction and damping exactly; ``engine`` leaves what SAPIEN
-    makes of the URDF, which is how other loaders will see it. Joints that carry neither value in
-    the package are left to the engine in both."""
+    """``package`` applies the package's friction and damping exactly; ``engine`` keeps SAPIEN's
+    interpretation of the URDF, as other loaders do. Joints with neither value in the package are left to the
+    engine in both cases."""
 
     hulls: Literal["read", "known"] = "read"
-    """``known`` takes those that SAPIEN has of the same files, which may not have changed since: reading
-    and preparing them is most of the cost of loading."""
+    """``known`` reuses SAPIEN's cached hulls of the same files, which must not have changed: reading and
+    preparing them is most of the cost of loading."""
 
 
 def load_package(
     scene: "sapien.Scene", folder: Path, cfg: LoadConfig, package: SimPackage | None = None
 ) -> LoadedPackage:
-    """Loads ``mobility.urdf`` of a package folder into ``scene``, at rest, its frame on the world's.
+    """Loads ``mobility.urdf`` of a package folder into ``scene``, at rest, with its frame at the world's.
 
     Args:
-        scene: where the articulation is built, with any time step.
-        folder: the package; an original PartNet-Mobility folder will do.
-        cfg: base, visuals and joint resistance.
-        package: the folder's content where it has been read already.
+        scene: Scene for the articulation, with any time step.
+        folder: A package, or an original PartNet-Mobility folder.
+        cfg: Base, visuals and joint resistance.
+        package: Content of the folder if already read.
 
     Raises:
-        PackageError: if the folder cannot be read or the engine refuses it.
+        PackageError: If the folder cannot be read or the engine rejects it.
     """
     import sapien.physx
 
@@ -64,7 +64,7 @@ def load_package(
     if package is None:
         package = read_package(folder)
     if cfg.hulls == "read":
-        # SAPIEN keeps hulls by their path, also those of a package that stood there before.
+        # SAPIEN caches hulls by path, including those of a package previously at that path.
         sapien.physx.clear_cache()
     loader = scene.create_urdf_loader()
     loader.fix_root_link = cfg.base == "fixed"
@@ -100,7 +100,7 @@ def load_package(
 
 
 def _parse(loader, folder: Path, visuals: str):
-    """One articulation builder out of SAPIEN's URDF loader."""
+    """One articulation builder from SAPIEN's URDF loader."""
     urdf = folder / "mobility.urdf"
     srdf = str(folder / "mobility.srdf")
     try:
@@ -114,7 +114,7 @@ def _parse(loader, folder: Path, visuals: str):
                 articulations, actors, _ = loader.parse(str(stripped), srdf)
     except PackageError:
         raise
-    except Exception as error:  # SAPIEN's loader raises the bare class, besides four others
+    except Exception as error:  # SAPIEN's loader raises plain Exception, besides four other types
         raise PackageError(f"{urdf}: SAPIEN cannot parse it: {type(error).__name__}: {error}") from error
     if len(articulations) != 1 or actors:
         raise PackageError(
@@ -125,7 +125,7 @@ def _parse(loader, folder: Path, visuals: str):
 
 
 def _limit_screws(package: SimPackage) -> SimPackage:
-    """The package with every screw's turn limited by the ends of its thread."""
+    """Limits every screw's turn to the ends of its thread."""
     followers = {joint.mimic: joint for joint in package.joints if joint.mimic is not None}
 
     def limit(joint: PackageJoint) -> PackageJoint:
@@ -141,7 +141,7 @@ def _limit_screws(package: SimPackage) -> SimPackage:
 
 
 def _uncouple(builder, package: SimPackage) -> None:
-    """Takes SAPIEN's tendons out of a builder and gives the turning joints of screws their limits."""
+    """Removes SAPIEN's tendons from a builder and sets the limits of the turning joints of screws."""
     builder.mimic_joint_records.clear()
     leaders = {joint.mimic for joint in package.joints if joint.mimic is not None}
     limits = {joint.name: [[joint.lower, joint.upper]] for joint in package.joints if joint.name in leaders}
@@ -152,7 +152,7 @@ def _uncouple(builder, package: SimPackage) -> None:
 
 
 def _drive_follower(joint: LoadedJoint, joints: tuple[LoadedJoint, ...], package: SimPackage) -> Follower:
-    """Couples a following joint to its leader by a critically damped position drive."""
+    """Couples a follower to its leader with a critically damped position drive."""
     leader = next((other for other in joints if other.spec.name == joint.spec.mimic), None)
     if leader is None:
         raise PackageError(f"joint {joint.spec.name!r} follows {joint.spec.mimic!r}, which does not move")
@@ -161,7 +161,7 @@ def _drive_follower(joint: LoadedJoint, joints: tuple[LoadedJoint, ...], package
 
 
 def _compare(link, record, mass: float | None) -> LinkLoad:
-    """What became of a link; SAPIEN orders links otherwise than their builders, so they meet by name."""
+    """Compares a link with its record; links are matched by name, because SAPIEN reorders them."""
     hulls, shapes = len(record.collision_records), len(link.collision_shapes)
     lost: tuple[str, ...] = ()
     if shapes < hulls or any(not Path(entry.filename).is_file() for entry in _mesh_records(record)):
@@ -176,7 +176,7 @@ def _mesh_records(record) -> list:
 
 
 def _is_lost(entry) -> bool:
-    """Whether a collision mesh gives no shape at all; asked only where shapes are missing."""
+    """Whether a collision mesh yields no shape at all; called only if shapes are missing."""
     from sapien.physx import PhysxCollisionShapeConvexMesh
 
     if not Path(entry.filename).is_file():
@@ -196,14 +196,12 @@ def _match_joints(articulation: "PhysxArticulation", package: SimPackage) -> tup
     handles: dict[str, HandleAnnotation] = {}
     for handle in package.handles:
         handles.setdefault(handle.link, handle)
-    # What a screw turns is the carrier; the part with a meaning and a handle is what follows it.
+    # A screw's turning joint moves the intermediate link; the labelled part with its handle follows.
     held = {spec.name: spec.child for spec in package.joints}
     held |= {spec.mimic: spec.child for spec in package.joints if spec.mimic is not None and spec.is_travel}
     strangers = [joint.name for joint in articulation.active_joints if joint.name not in specs]
     if strangers:
-        raise PackageError(
-            f"package {package.name!r}: SAPIEN has joints {strangers} that the package has not"
-        )
+        raise PackageError(f"package {package.name!r}: SAPIEN has joints {strangers} that the package lacks")
     return tuple(
         LoadedJoint(
             spec=specs[joint.name],
@@ -217,8 +215,8 @@ def _match_joints(articulation: "PhysxArticulation", package: SimPackage) -> tup
 
 
 def _apply_resistance(articulation: "PhysxArticulation", joint: LoadedJoint) -> None:
-    """Friction, damping and top speed of the package; a joint that has neither friction nor damping is
-    left to the engine, and the follower of a screw to its drive."""
+    """Applies the package's friction, damping and maximum speed. A joint with neither friction nor damping is
+    left to the engine, and a follower to its drive."""
     spec = joint.spec
     if spec.mimic is not None or (spec.friction == 0.0 and spec.damping == 0.0):
         return

@@ -1,7 +1,7 @@
-"""Joints that can be tested at the same time, and effort, requirements and direction of each.
+"""Trial plans of joints: efforts, requirements, directions, and groups that can be tested at the same time.
 
-Trying every joint alone is exact but slow. Joints whose swept volumes stay apart cannot help or
-hinder one another, so they move together; everything else keeps to separate runs.
+Testing every joint alone is exact but slow. Joints whose swept volumes are disjoint cannot affect each other,
+so they move together; the others have separate runs.
 """
 
 from dataclasses import dataclass
@@ -21,12 +21,12 @@ SPEED_MARGIN = 1.5
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class JointPlan:
-    """How one joint is tried.
+    """Trial of one joint.
 
-    ``opening`` and ``closing`` are efforts (N or N m) including the weight that the hand carries,
-    ``hand`` is the effort without it. ``needs`` are joints that stand open meanwhile.
-    ``speed_limit`` bounds the joint's speed (m/s or rad/s) by the work that is put in;
-    ``lean`` is the horizontal direction in which a tilt would open the joint, zero if there is none.
+    ``opening`` and ``closing`` are efforts (N or N m) including the weight that the hand carries, ``hand`` is
+    the effort without it. ``needs`` are joints that are open during the trial. ``speed_limit`` bounds the
+    joint's speed (m/s or rad/s) by the applied work; ``lean`` is the horizontal direction in which a tilt
+    would open the joint, zero if there is none.
     """
 
     index: int
@@ -64,7 +64,7 @@ def plan_trials(loaded: LoadedPackage, cfg: HandConfig) -> TrialPlan:
 
 
 def rest_qpos(loaded: LoadedPackage) -> Float[np.ndarray, "Q"]:
-    """Rest: 0 for every joint, or the nearest value within its limits."""
+    """Rest coordinates: 0 for every joint, or the nearest value within its limits."""
     q = {joint.spec.name: _rest(joint) for joint in loaded.joints}
     return qpos_of(loaded, q).astype(np.float32)
 
@@ -74,7 +74,7 @@ def _rest(joint: LoadedJoint) -> float:
 
 
 def _start(joint: LoadedJoint) -> float:
-    """Where opening starts: the lower limit."""
+    """Coordinate at which opening starts: the lower limit."""
     return joint.spec.lower if joint.limited else 0.0
 
 
@@ -84,7 +84,7 @@ def _plan(index: int, joint: LoadedJoint, moved: Moved, needs: tuple[str, ...], 
     weight = weight_effort(joint, moved, travel) - joint.spec.spring - joint.spec.stiffness * travel
     opening = hand + max(0.0, float(-weight.min()))
     closing = hand + max(0.0, float(weight.max()))
-    # Work of the largest effort plus the most that the weight can add, all of it turned into speed.
+    # Work of the largest effort plus the largest work of gravity, converted completely to speed.
     work = (max(opening, closing) + float(np.abs(weight).max())) * joint.span
     load = moved.mass if joint.spec.type == "prismatic" else moved.inertia
     if joint.spec.type == "prismatic":
@@ -106,7 +106,7 @@ def _plan(index: int, joint: LoadedJoint, moved: Moved, needs: tuple[str, ...], 
 
 
 def _all_needs(loaded: LoadedPackage, name: str) -> tuple[str, ...]:
-    """Everything that has to stand open before ``name`` moves, needs of needs included."""
+    """Joints that must be open before ``name`` moves, recursively."""
     direct = {pair.joint: [] for pair in loaded.package.requires_open}
     for pair in loaded.package.requires_open:
         direct[pair.joint].append(pair.needs)
@@ -121,7 +121,7 @@ def _all_needs(loaded: LoadedPackage, name: str) -> tuple[str, ...]:
 
 
 def _swept_box(joint: LoadedJoint, moved: Moved) -> np.ndarray:
-    """Bounds of everything the joint moves, over its whole range and not only at the samples of it."""
+    """Bounds of everything the joint moves, over its whole range and not only at the sampled poses."""
     if not len(moved.vertices):
         return np.stack([moved.origin, moved.origin])
     travel = np.linspace(0.0, joint.span, SWEEP_SAMPLES)
@@ -140,7 +140,7 @@ def _swept_box(joint: LoadedJoint, moved: Moved) -> np.ndarray:
 
 
 def _group(loaded: LoadedPackage, plans: list[JointPlan], swept: np.ndarray) -> tuple[tuple[int, ...], ...]:
-    """Greedy colouring: equal needs, and swept boxes that stay apart."""
+    """Greedy colouring: equal requirements, and disjoint swept boxes."""
     groups: list[list[int]] = []
     for index, plan in enumerate(plans):
         for group in groups:

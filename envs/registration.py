@@ -1,4 +1,4 @@
-"""The environments' ids. Entry points are small factories: the physics engine is imported when one runs."""
+"""Registers the environments. Entry points are small factories that import the physics engine when called."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -18,16 +18,16 @@ TASKS = {
     "ArtiGen-OpenCabinetDrawer-v1": ("envs.maniskill.stock:PackageDrawerEnv", 100),
     "ArtiGen-OpenCabinetDoor-v1": ("envs.maniskill.stock:PackageDoorEnv", 100),
 }
-"""ManiSkill tasks: id, entry point, steps of an episode. ManiSkill is imported when one is made."""
+"""ManiSkill tasks: id, entry point, steps per episode. ManiSkill is imported when one is created."""
 VERB_TASKS = {
     "ArtiGen-TurnPart-v1": "turn",
     "ArtiGen-PressPart-v1": "press",
     "ArtiGen-LiftPart-v1": "lift",
     "ArtiGen-SlidePart-v1": "slide",
 }
-"""``ArtiGen-OpenPart-v1`` with another verb."""
+"""Variants of ``ArtiGen-OpenPart-v1`` with another verb."""
 ROOM_ID = "ArtiGen-Room-v1"
-"""A furnished room in ManiSkill; needs ``scenes`` instead of packages."""
+"""A furnished room in ManiSkill; takes ``scenes`` instead of packages."""
 ENVIRONMENT_IDS = ("ArtiGen/Actuate-v0", "ArtiGen/JointSweep-v0", "ArtiGen/Settle-v0")
 
 
@@ -76,7 +76,8 @@ def _register(name: str, factory: Callable[..., gym.Env], *, steps: int) -> None
 
 
 def _register_task(name: str, entry_point: str, steps: int, **kwargs: str) -> None:
-    """A task whose class takes ``kwargs``, with ManiSkill's batched time limit in place of gymnasium's."""
+    """Registers a task whose class takes ``kwargs``, with ManiSkill's batched time limit instead of
+    gymnasium's."""
     if name not in gym.registry:
         limit = WrapperSpec(
             "MSTimeLimit",

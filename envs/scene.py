@@ -1,4 +1,4 @@
-"""Physics scenes on the CPU, and whether this machine can draw at all."""
+"""Physics scenes on the CPU, and detection of a render device."""
 
 import functools
 import subprocess
@@ -13,16 +13,16 @@ if TYPE_CHECKING:
 PROBE = "import sapien; sapien.Scene([sapien.physx.PhysxCpuSystem(), sapien.render.RenderSystem()])"
 PROBE_SECONDS = 60.0
 DEFAULT_MATERIAL = (0.3, 0.3, 0.1)
-"""Static and dynamic friction and restitution of surfaces without a material, as SAPIEN starts with."""
+"""SAPIEN's default static and dynamic friction and restitution of surfaces without a material."""
 
 
 class NoRenderDevice(ArtigenError):
-    """Pictures were asked for on a machine without a usable Vulkan device."""
+    """Rendering was requested on a machine without a usable Vulkan device."""
 
 
 @functools.cache
 def has_render_device() -> bool:
-    """Whether SAPIEN can render here; asked in a child process, since it may abort instead of raising."""
+    """Whether SAPIEN can render here; tested in a child process, because it may abort instead of raising."""
     try:
         done = subprocess.run([sys.executable, "-c", PROBE], capture_output=True, timeout=PROBE_SECONDS)
     except subprocess.TimeoutExpired:
@@ -31,7 +31,7 @@ def has_render_device() -> bool:
 
 
 def reset_physx() -> None:
-    """Sets the global settings of PhysX to those that SAPIEN starts with."""
+    """Resets the global PhysX settings to SAPIEN's defaults."""
     from sapien import physx
 
     physx.set_scene_config()
@@ -44,15 +44,15 @@ def create_scene(timestep: float, *, ground: bool = False, render: bool = False)
     """An empty scene with gravity (0, 0, -9.81) m/s^2.
 
     PhysX settings are global to the process, and ManiSkill changes them. SAPIEN's defaults are therefore
-    restored, so that results do not depend on what ran before.
+    restored, so that results do not depend on earlier code.
 
     Args:
-        timestep: seconds per step.
-        ground: adds the plane z = 0.
-        render: adds a render system and lights.
+        timestep: Seconds per step.
+        ground: Adds the plane z = 0.
+        render: Adds a render system and lights.
 
     Raises:
-        NoRenderDevice: if ``render`` is asked for and there is no device.
+        NoRenderDevice: If ``render`` is requested and there is no device.
     """
     import sapien
 
@@ -62,7 +62,7 @@ def create_scene(timestep: float, *, ground: bool = False, render: bool = False)
     systems: list = [sapien.physx.PhysxCpuSystem()]
     if render:
         if not has_render_device():
-            raise NoRenderDevice("SAPIEN finds no Vulkan device here; leave render_mode at None")
+            raise NoRenderDevice("SAPIEN finds no Vulkan device here; keep render_mode=None")
         systems.append(sapien.render.RenderSystem())
     scene = sapien.Scene(systems)
     scene.set_timestep(timestep)

@@ -1,4 +1,4 @@
-"""``ArtiGen/Settle-v0``: a free-standing object falls a little and has to come to rest upright."""
+"""``ArtiGen/Settle-v0``: a free-standing object drops a little and must come to rest upright."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,47 +18,47 @@ from .trials import local_vertices, reset, world_vertices
 
 @dataclass(frozen=True, kw_only=True)
 class SettleConfig:
-    """How the object is put down, and what counts as settled."""
+    """Initial state of the object, and criteria of being settled."""
 
     drop_height: float = 0.02
-    """Metres between the floor and the object's lowest point at the start."""
+    """Initial distance (m) between the floor and the object's lowest point."""
 
     lean_degrees: float = 1.0
-    """The object starts leaned by up to this angle in a random direction."""
+    """Largest initial tilt (degrees), in a random direction."""
 
     push_ratio: float = 0.2
-    """Force of a full action as part of the object's weight."""
+    """Force of a full action as a share of the object's weight."""
 
     upright_degrees: float = 2.0
-    """Tilt up to which the object stands upright."""
+    """Largest tilt (degrees) at which the object counts as upright."""
 
     fallen_degrees: float = 45.0
-    """Tilt from which it has fallen over, which ends the episode."""
+    """Tilt (degrees) from which the object has fallen over, which ends the episode."""
 
     rest_speed: float = 0.01
     """Speed (m/s, and rad/s) below which it is at rest."""
 
     rest_steps: int = 10
-    """Control steps at rest, upright, that make a success."""
+    """Consecutive control steps at rest and upright that count as success."""
 
 
 class SettleEnv(PackageEnv):
-    """The object stands free on the ground; joints have the friction and damping of the package.
+    """The object stands freely on the ground; joints have the friction and damping of the package.
 
-    **Action** ``[3]`` in [-1, 1]: a force on the body (the root) through the object's centre of mass, as
-    part of ``cfg.push_ratio`` times its weight; zero leaves the object alone.
+    **Action** ``[3]`` in [-1, 1]: a force on the body (the root) through the object's centre of mass, as a
+    share of ``cfg.push_ratio`` times its weight; zero applies no force.
 
-    **Observation** ``height [1]`` of the lowest point above the ground (m), ``up [3]`` the object's z axis
-    in the world, ``linear_velocity [3]`` (m/s) and ``angular_velocity [3]`` (rad/s) of the body, and
+    **Observation** ``height [1]`` of the lowest point above the ground (m), ``up [3]`` the object's z axis in
+    the world, ``linear_velocity [3]`` (m/s) and ``angular_velocity [3]`` (rad/s) of the body, and
     ``open_fraction [J]``.
 
     **Reward** 1 for every step that ends upright and at rest, else 0.
 
-    **Success** (``info["success"]``, ends the episode): upright and at rest for ``cfg.rest_steps`` steps
-    in a row. The episode also ends, without success, when the object has fallen over.
+    **Success** (``info["success"]``, ends the episode): upright and at rest for ``cfg.rest_steps``
+    consecutive steps. The episode also ends, without success, when the object has fallen over.
 
-    **Reset** joints at rest, the lowest point ``cfg.drop_height`` above the ground, leaned by a random
-    angle up to ``cfg.lean_degrees`` in a random direction.
+    **Reset** joints at rest, the lowest point ``cfg.drop_height`` above the ground, tilted by a random angle
+    up to ``cfg.lean_degrees`` in a random direction.
 
     Version history: v0 first version.
     """
@@ -83,7 +83,7 @@ class SettleEnv(PackageEnv):
         self._resting = 0
 
     def reset(self, *, seed: int | None = None, options: dict | None = None):
-        """Lifts the object, leans it a little, and lets go."""
+        """Lifts and tilts the object, and releases it."""
         self._rebuild(seed)
         self._resting = 0
         reset(self.loaded, rest_qpos(self.loaded))
@@ -99,7 +99,7 @@ class SettleEnv(PackageEnv):
         return self._observe(), self._info()
 
     def step(self, action: np.ndarray):
-        """Five physics steps under the same force."""
+        """Five physics steps with a constant force."""
         push = np.clip(np.asarray(action, dtype=np.float64), -1.0, 1.0)
         force = self.cfg.push_ratio * self._weight * push
         root = self.loaded.articulation.links[0]

@@ -1,4 +1,4 @@
-"""Static stability: is the centre of mass above the support polygon?"""
+"""Static stability: whether the centre of mass is above the support polygon."""
 
 import numpy as np
 from jaxtyping import Float
@@ -8,29 +8,29 @@ from .hand import pose_matrix
 from .loaded import LoadedPackage
 
 FLOOR_BAND = 0.005
-"""Metres above the lowest point within which a vertex counts as touching the floor."""
+"""Height (m) above the lowest point within which a vertex counts as touching the floor."""
 
 MOUNTED_CATEGORIES = frozenset({"Door", "Faucet", "Switch", "Window"})
 HELD_CATEGORIES = frozenset(
     {"Eyeglasses", "Knife", "Lighter", "Pen", "Phone", "Pliers", "Remote", "Scissors", "Stapler", "USB"}
 )
-"""PartNet-Mobility categories that are fixed to a building or held in a hand: nobody expects them to
-stand. Every other object, and one of unknown category, is expected to."""
+"""PartNet-Mobility categories that are fixed to a building or hand-held and need not stand. All others,
+including unknown categories, must stand."""
 
 
 def overhang_of(loaded: LoadedPackage, vertices: Float[np.ndarray, "V 3"]) -> float:
-    """How far (m) the centre of mass lies outside the support polygon; negative inside.
+    """Distance (m) of the centre of mass outside of the support polygon; negative inside.
 
     Args:
-        loaded: the object at its present pose.
-        vertices: its collision vertices in the world.
+        loaded: The object at its current pose.
+        vertices: Its collision vertices in the world.
     """
     feet = vertices[vertices[:, 2] < vertices[:, 2].min() + FLOOR_BAND][:, :2]
     center = center_of_mass(loaded)[:2]
     try:
         hull = ConvexHull(feet)
     except (QhullError, ValueError):
-        # A point or a line carries nothing: any sideways push topples what stands on it.
+        # A point or a line gives no support: any sideways push tips the object over.
         return float(np.linalg.norm(feet - center, axis=1).min())
     return float((hull.equations[:, :2] @ center + hull.equations[:, 2]).max())
 
@@ -50,5 +50,5 @@ def center_of_mass(loaded: LoadedPackage) -> Float[np.ndarray, "3"]:
 
 
 def must_stand(category: str) -> bool:
-    """Whether objects of this category stand on their own."""
+    """Whether objects of this category must stand on their own."""
     return category not in MOUNTED_CATEGORIES | HELD_CATEGORIES

@@ -1,4 +1,4 @@
-"""Ids and titles of the L3 and L4 checks, and the verdict on one that could not be made."""
+"""Ids and titles of the L3 and L4 checks, and results of checks that were not run."""
 
 from sim_export.report import CheckResult
 
@@ -21,6 +21,6 @@ TASK_TITLES = {
 
 
 def not_run(check: str, reason: str) -> CheckResult:
-    """A check that could not be made: a failure that says why."""
+    """A failed result for a check that could not be run, with the reason."""
     title, level = (TITLES[check], "L3") if check in TITLES else (TASK_TITLES[check], "L4")
     return CheckResult(id=check, level=level, title=title, verdict="fail", message=f"not run: {reason}")

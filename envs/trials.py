@@ -1,7 +1,7 @@
-"""The simulated trials behind checks V302 to V307: rest, lean, pull open, push closed, stand free.
+"""The simulated trials of checks V302 to V307: rest, lean, pull open, push closed, stand free.
 
-`run_trials` plays all of them at one time step and returns plain measurements; `envs.dynamics`
-compares those with thresholds. Everything is CPU PhysX, and nothing is random.
+`run_trials` runs all of them at one time step and returns plain measurements; `envs.dynamics` compares those
+with thresholds. Everything uses CPU PhysX and is deterministic.
 """
 
 from collections.abc import Sequence
@@ -30,7 +30,8 @@ STALL_SECONDS = 0.25
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PullResult:
-    """One joint's trial; distances to the limits and speeds in m or rad, ``opened`` as part of the range."""
+    """Trial of one joint; distances to the limits and speeds in m or rad, ``opened`` as a share of the
+    range."""
 
     opened: float
     open_gap: float
@@ -40,7 +41,7 @@ class PullResult:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class StandResult:
-    """Free base on the ground: degrees, metres; ``overhang`` is how far the centre of mass lies outside
+    """Free base on the ground: degrees, metres; ``overhang`` is the distance of the centre of mass outside of
     the support polygon (m, negative inside)."""
 
     tilt: float
@@ -51,7 +52,7 @@ class StandResult:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class TrialResults:
-    """Everything measured at one time step. Arrays follow ``LoadedPackage.joints``."""
+    """All measurements at one time step. Arrays follow ``LoadedPackage.joints``."""
 
     timestep: float
     joints: tuple[PackageJoint, ...]
@@ -73,14 +74,14 @@ def run_trials(
     cfg: TrialConfig,
     hulls: Literal["read", "known"] = "read",
 ) -> TrialResults:
-    """All trials of one package at one time step, in a scene of their own.
+    """All trials of one package at one time step, in new scenes.
 
     Args:
-        folder: The package.
+        folder: The package folder.
         package: Its content.
         timestep: Seconds per step.
         cfg: Durations, hand forces and tolerances.
-        hulls: ``known`` where the same folder was tried before, unchanged (`LoadConfig.hulls`).
+        hulls: ``known`` if the same folder was loaded before, unchanged (`LoadConfig.hulls`).
     """
     scene = create_scene(timestep)
     loaded = load_package(scene, folder, LoadConfig(base="fixed", hulls=hulls), package)
@@ -112,7 +113,7 @@ def run_trials(
 
 
 def reset(loaded: LoadedPackage, qpos: Float[np.ndarray, "Q"]) -> None:
-    """Poses the articulation at rest with no efforts left over."""
+    """Poses the articulation at rest and clears all efforts."""
     still = np.zeros(len(qpos), dtype=np.float32)
     loaded.articulation.set_qpos(qpos.astype(np.float32))
     loaded.articulation.set_qvel(still)
@@ -129,7 +130,7 @@ def _of_joints(loaded: LoadedPackage, values: np.ndarray) -> np.ndarray:
 
 
 def _run_free(scene, loaded: LoadedPackage, seconds: float, trace: list) -> np.ndarray:
-    """Steps without touching anything; returns the largest displacement of each joint from the start."""
+    """Steps without actions; returns the largest displacement of each joint from the start."""
     start = np.array(loaded.articulation.qpos, dtype=np.float64)
     worst = np.zeros(len(start))
     for step in range(_steps(scene, seconds)):
@@ -150,7 +151,7 @@ def _rest(scene, loaded: LoadedPackage, cfg: TrialConfig, trace: list) -> tuple[
     sprung = np.array([joint.spec.spring > 0.0 for joint in loaded.joints], dtype=bool)
     if (
         sprung.any()
-    ):  # PhysX states a speed for what a spring presses against its limit, though it stands still
+    ):  # PhysX reports a speed for a joint that a spring presses against its limit, although it is at rest
         before = _of_joints(loaded, loaded.articulation.qpos)
         advance(loaded)
         moved = np.abs(_of_joints(loaded, loaded.articulation.qpos) - before)
@@ -159,12 +160,12 @@ def _rest(scene, loaded: LoadedPackage, cfg: TrialConfig, trace: list) -> tuple[
 
 
 def _lean(scene, loaded: LoadedPackage, plan: TrialPlan, cfg: TrialConfig, trace: list) -> np.ndarray:
-    """Tilts the fixed object so that each joint in turn would like to open; largest movement of each."""
+    """Tilts the fixed object in the opening direction of each joint in turn; largest motion of each."""
     worst = np.zeros(len(loaded.joints))
     angle = np.radians(cfg.lean_degrees)
     leans = {tuple(np.round(joint.lean, 2)): joint.lean for joint in plan.joints if joint.lean.any()}
     for _, lean in sorted(leans.items()):
-        axis = np.cross([0.0, 0.0, 1.0], lean)  # turning about it lowers what lies towards `lean`
+        axis = np.cross([0.0, 0.0, 1.0], lean)  # rotation about this axis lowers the side of `lean`
         half = angle / 2.0
         quat = [float(value) for value in (np.cos(half), *(np.sin(half) * axis))]
         loaded.articulation.set_root_pose(sapien.Pose(q=quat))
@@ -178,7 +179,7 @@ def _pull_group(
     scene, loaded: LoadedPackage, plan: TrialPlan, members: list[tuple[int, JointPlan]], cfg: TrialConfig,
     trace: list,
 ) -> dict[int, PullResult]:  # fmt: skip
-    """Opens joints together from their lower limits, then closes them; everything else is at rest."""
+    """Opens joints together from their lower limits, then closes them; all others are at rest."""
     start = {joint.spec.name: float(rest_qpos(loaded)[joint.index]) for joint in loaded.joints}
     start |= {name: loaded.joint(name).spec.upper for name in members[0][1].needs}
     start |= {
@@ -202,7 +203,7 @@ def _pull_group(
 
 
 def _kept_open(loaded: LoadedPackage, plan: TrialPlan, member: JointPlan) -> list[tuple]:
-    """Pushes on needed joints that a spring would close meanwhile: links with forces and torques."""
+    """Links with forces and torques that hold required joints open against their springs."""
     return [
         (joint.engine.child_link, push_wrench(joint, own.axis, own.opening))
         for joint, own in zip(loaded.joints, plan.joints, strict=True)
@@ -214,9 +215,9 @@ def _drive(
     scene, loaded: LoadedPackage, members: list[tuple[int, JointPlan]], cfg: TrialConfig, trace: list, *,
     direction: float, kept: list[tuple],
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:  # fmt: skip
-    """Pushes joints one way until all have arrived, all have stalled, or the time is over.
+    """Pushes joints in one direction until all have arrived, all have stalled, or the time is over.
 
-    Returns the covered part of the range, the remaining distance to the limit, and the peak speed.
+    Returns the covered share of the range, the remaining distance to the limit, and the peak speed.
     """
     joints = [loaded.joints[index] for index, _ in members]
     columns = np.array([joint.index for joint in joints])
@@ -234,7 +235,7 @@ def _drive(
     for _ in range(_steps(scene, cfg.pull_seconds)):
         gap = np.where(limited, np.abs(target - q), np.maximum(span - travelled, 0.0))
         for k, (link, wrench) in enumerate(pushes):
-            # A joint without limits is let go once it has turned far enough.
+            # Release a joint without limits once it has turned far enough.
             if limited[k] or gap[k] > 0.0:
                 link.add_force_torque(*wrench)
         for link, wrench in kept:
@@ -261,7 +262,8 @@ def effort(plan: JointPlan, direction: float) -> float:
 
 
 def limit_tolerance(joint_type: str, span: float, cfg: TrialConfig) -> float:
-    """How near to a limit counts as reached: 1 % of the range, or 0.5 degrees if that is more."""
+    """Distance from a limit within which it counts as reached: 1 % of the range, or 0.5 degrees if that is
+    more."""
     by_range = cfg.limit_fraction * span
     return by_range if joint_type == "prismatic" else max(by_range, float(np.radians(cfg.limit_degrees)))
 
@@ -284,7 +286,7 @@ def local_vertices(loaded: LoadedPackage) -> tuple[Float[np.ndarray, "V 3"], ...
 def world_vertices(
     loaded: LoadedPackage, local: Sequence[Float[np.ndarray, "V 3"]]
 ) -> Float[np.ndarray, "W 3"]:
-    """All vertices of `local_vertices` at the present poses of the links."""
+    """All vertices of `local_vertices` at the current poses of the links."""
     pairs = zip(loaded.articulation.links, local, strict=True)
     chunks = [transform_points(pose_matrix(link.entity_pose), points) for link, points in pairs]
     return np.concatenate([np.zeros((0, 3)), *chunks])

@@ -1,4 +1,4 @@
-"""A package's URDF reduced to mechanics: nothing to draw, absolute mesh paths."""
+"""A package's URDF without visuals and with absolute mesh paths."""
 
 from pathlib import Path
 from xml.etree.ElementTree import Element, ParseError, tostring
@@ -12,14 +12,14 @@ MUJOCO_SETTINGS = {"strippath": "false", "discardvisual": "true", "fusestatic": 
 
 
 def physics_urdf(path: Path, *, mujoco: bool = False) -> str:
-    """The URDF's text without visuals and materials, its mesh paths absolute.
+    """URDF text without visuals and materials, with absolute mesh paths.
 
     Args:
         path: ``mobility.urdf`` of a package.
-        mujoco: also sets MuJoCo's own options, whose defaults strip folders from mesh paths.
+        mujoco: Also sets MuJoCo options, whose defaults strip folders from mesh paths.
 
     Raises:
-        PackageError: if the file is missing or is not plain, well-formed XML.
+        PackageError: If the file is missing or is not plain, well-formed XML.
     """
     robot = _root(path)
     for material in robot.findall("material"):
@@ -40,7 +40,7 @@ def _root(path: Path) -> Element:
     except (OSError, ParseError, DefusedXmlException) as error:
         raise PackageError(f"{path}: cannot be read: {error}") from error
     if root is None:
-        raise PackageError(f"{path}: holds no element")
+        raise PackageError(f"{path}: contains no element")
     return root
 
 

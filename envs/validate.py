@@ -1,4 +1,4 @@
-"""Validates a package folder: checks L0 to L3, and L4 and L5 on request, as one report."""
+"""Validates a package folder: checks L0 to L3, and optionally L4 and L5, in one report."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -26,22 +26,22 @@ from .worker import (
 REPORT_FILE = "validation.json"
 ENGINES = ("artigen", "coal", "mujoco", "numpy", "sapien", "scipy", "trimesh", "yourdfpy")
 SEED = 0
-"""No check draws random numbers of its own; poses come from a fixed Sobol sequence."""
+"""Recorded seed: checks draw no random numbers, and poses come from a fixed Sobol sequence."""
 
 
 def validate(folder: Path, cfg: ValidateConfig | None = None, worker: Worker | None = None) -> Report:
     """Runs every check on a package folder in a supervised child process.
 
-    A crash of the child becomes a failed check. The report holds the time of each check; the file does
-    not, so that validating twice gives the same bytes.
+    A crash of the child becomes a failed check. The report contains the time of each check; the file does
+    not, so that repeated validation gives the same bytes.
 
     Args:
-        folder: a package, or any folder in PartNet-Mobility's layout.
-        cfg: thresholds, time limit, and whether ``validation.json`` is written.
-        worker: a process to reuse for package after package; without one a process is started and ended.
+        folder: A package, or any folder in PartNet-Mobility's layout.
+        cfg: Thresholds, time limits, and whether ``validation.json`` is written.
+        worker: Process to reuse across packages; by default a new one is started and stopped.
 
     Raises:
-        PackageError: if there is no such folder; problems inside it are reported by the checks.
+        PackageError: If the folder does not exist; problems inside it are reported by the checks.
     """
     cfg = ValidateConfig() if cfg is None else cfg
     job = _job(folder, cfg)
@@ -59,7 +59,8 @@ def validate(folder: Path, cfg: ValidateConfig | None = None, worker: Worker | N
 
 
 def validate_here(folder: Path, cfg: ValidateConfig | None = None) -> Report:
-    """`validate` in the present process, for callers that already run supervised: an engine may end it."""
+    """`validate` in the current process, for supervised callers, because an engine may terminate the
+    process."""
     cfg = ValidateConfig() if cfg is None else cfg
     job = _job(folder, cfg)
     static = run_static(job)
@@ -69,12 +70,12 @@ def validate_here(folder: Path, cfg: ValidateConfig | None = None) -> Report:
 
 
 def without_seconds(report: Report) -> Report:
-    """The report as it is written: equal packages give equal reports."""
+    """The report without durations, as it is written: equal packages give equal reports."""
     return replace(report, checks=tuple(replace(check, seconds=0.0) for check in report.checks))
 
 
 def engine_versions() -> tuple[tuple[str, str], ...]:
-    """Versions of everything whose behaviour the verdict rests on, by name."""
+    """Versions of all libraries that affect the results, by name."""
     return tuple((name, _version(name)) for name in ENGINES)
 
 
@@ -91,14 +92,14 @@ def _unreadable(static: tuple[CheckResult, ...]) -> bool:
 def _tasks(
     run: Callable[[], tuple[CheckResult, ...]], static: tuple[CheckResult, ...], cfg: ValidateConfig
 ) -> tuple[CheckResult, ...]:
-    """Checks L4 where they are asked for."""
+    """L4 checks, if requested."""
     if cfg.tasks == "none":
         return ()
     return failed_tasks("V001 failed") if _unreadable(static) else run()
 
 
 def _engines(job: CheckJob, static: tuple[CheckResult, ...], cfg: ValidateConfig) -> tuple[CheckResult, ...]:
-    """Checks L5 of the engines that are asked."""
+    """L5 checks of the requested engines."""
     if not cfg.engines:
         return ()
     from .engines.witness import ask_engines, not_asked

@@ -1,8 +1,8 @@
-"""Validation in a supervised child process, because a physics engine may abort the one it runs in.
+"""Validation in a supervised child process, because a physics engine may abort its process.
 
-The worker is spawned once, pays for importing SAPIEN and MuJoCo once, takes package after package,
-and is replaced after a crash or a time-out. What happens in it becomes a failed check that names the
-signal, the exit code or the limit.
+The worker is spawned once, imports SAPIEN and MuJoCo once, processes one package after the other, and is
+replaced after a crash or a timeout. Either becomes a failed check that names the signal, the exit code or the
+limit.
 """
 
 import os
@@ -21,7 +21,7 @@ from .config import DynamicsConfig
 
 @dataclass(frozen=True, kw_only=True)
 class CheckJob:
-    """One half of the validation of one package, as it travels to the child."""
+    """Arguments of the checks of one package, for transfer to the child."""
 
     folder: Path
     checks: CheckConfig
@@ -58,7 +58,7 @@ def run_tasks(job: CheckJob) -> tuple[CheckResult, ...]:
 
 
 def call_static(worker: Worker, job: CheckJob, timeout: float) -> tuple[CheckResult, ...]:
-    """Checks L0 to L2 in the child; its death is a failed V001, the first check that was not made."""
+    """Checks L0 to L2 in the child; a crash fails V001, the first check."""
     outcome = worker.call(run_static, job, timeout)
     if outcome.value is not None:
         return outcome.value
@@ -71,7 +71,7 @@ def call_static(worker: Worker, job: CheckJob, timeout: float) -> tuple[CheckRes
 
 
 def call_dynamics(worker: Worker, job: CheckJob, timeout: float) -> tuple[CheckResult, ...]:
-    """Checks L3 in the child; its death is a failed V301, and the others count as not run."""
+    """Checks L3 in the child; a crash fails V301, and the others count as not run."""
     outcome = worker.call(run_dynamics, job, timeout)
     if outcome.value is not None:
         return outcome.value
@@ -79,20 +79,20 @@ def call_dynamics(worker: Worker, job: CheckJob, timeout: float) -> tuple[CheckR
 
 
 def call_tasks(worker: Worker, job: CheckJob, timeout: float) -> tuple[CheckResult, ...]:
-    """Checks L4 in the child; its death is a failed V401, and the others count as not run."""
+    """Checks L4 in the child; a crash fails V401, and the others count as not run."""
     outcome = worker.call(run_tasks, job, timeout)
     return failed_tasks(f"{outcome.error}") if outcome.value is None else outcome.value
 
 
 def failed_tasks(reason: str) -> tuple[CheckResult, ...]:
-    """All L4 checks as failures for one reason."""
+    """All L4 checks as failures with one reason."""
     from .titles import TASK_TITLES, not_run
 
     return tuple(not_run(check, reason) for check in TASK_TITLES)
 
 
 def failed_dynamics(reason: str, *, first: str | None = None) -> tuple[CheckResult, ...]:
-    """All L3 checks as failures: ``first`` for the ``reason`` itself, the others because of it."""
+    """All L3 checks as failures: ``first`` with the ``reason``, the others as not run because of it."""
     from .titles import TITLES, not_run
 
     return tuple(
@@ -103,9 +103,9 @@ def failed_dynamics(reason: str, *, first: str | None = None) -> tuple[CheckResu
 
 @contextmanager
 def quiet_libraries() -> Iterator[None]:
-    """Keeps what C++ libraries write straight to the standard error out of the user's terminal.
+    """Suppresses output that C++ libraries write directly to the standard error.
 
-    Everything worth knowing comes back as a value; qhull alone prints fifty lines for a flat mesh.
+    All relevant information is returned as values; qhull alone prints fifty lines for a flat mesh.
     """
     kept, sink = os.dup(2), os.open(os.devnull, os.O_WRONLY)
     os.dup2(sink, 2)

@@ -1,1 +1,1 @@
-"""From an `Asset` to a simulation package: meshes, collision, mass, URDF, and checks on all of it."""
+"""Converts an `Asset` to a simulation package: meshes, collision, mass, URDF, and static checks."""

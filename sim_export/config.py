@@ -1,4 +1,4 @@
-"""The export's settings, one nested config per stage."""
+"""Settings of the export, one nested config per stage."""
 
 from dataclasses import dataclass, field, replace
 
@@ -20,49 +20,49 @@ from sim_export.geometry.wheels import WheelConfig
 from sim_export.physics.annotations import HandleConfig
 
 MOST_OF_LINK = 96
-"""Hulls of a link that is made from a source's surface, at most."""
+"""Largest number of hulls of a link that is made from a source's surface."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class ExportConfig:
-    """How an asset becomes a package."""
+    """Settings of all stages from an asset to a package."""
 
     meshing: MeshingConfig = field(default_factory=MeshingConfig)
-    """Voxels to closed part meshes."""
+    """Closed part meshes from voxels."""
     wheels: WheelConfig = field(default_factory=WheelConfig)
-    """Wheels to cylinders."""
+    """Cylinders for wheels."""
     texture: TextureConfig = field(default_factory=TextureConfig)
-    """Source colours to textures."""
+    """Textures from source colours."""
     decompose: DecomposeConfig = field(default_factory=DecomposeConfig)
-    """Part meshes to convex collision hulls."""
+    """Convex collision hulls from part meshes."""
     surface: SurfaceConfig = field(default_factory=SurfaceConfig)
-    """Surfaces of a source to convex collision hulls."""
+    """Convex collision hulls from source surfaces."""
     requirements: RequirementConfig = field(default_factory=RequirementConfig)
-    """Which joint needs which other open."""
+    """Joints that require another joint to be open."""
     retention: RetentionConfig = field(default_factory=RetentionConfig)
-    """Drawers that must not fall out."""
+    """Travel of drawers that must stay in their carrier."""
     clearance: ClearanceConfig = field(default_factory=ClearanceConfig)
-    """Room for moving parts."""
+    """Clearance of moving parts."""
     recovery: RecoveryConfig = field(default_factory=RecoveryConfig)
-    """Surface that no hull stands for."""
+    """Surface without collision."""
     facets: FacetConfig = field(default_factory=FacetConfig)
     """Facets that engines would merge."""
     feet: FeetConfig = field(default_factory=FeetConfig)
-    """What the object stands on."""
+    """Support on the floor."""
     attachment: AttachmentConfig = field(default_factory=AttachmentConfig)
-    """Gaps between a link and the one that carries it."""
+    """Gaps between a link and its carrier."""
     levelling: LevellingConfig = field(default_factory=LevellingConfig)
-    """Feet for what would topple."""
+    """Feet for objects that would tip over."""
     filling: FillingConfig = field(default_factory=FillingConfig)
-    """What meshes take in where hulls fill gaps thinner than voxels."""
+    """Visual volume where hulls fill gaps thinner than a voxel."""
     trimming: TrimmingConfig = field(default_factory=TrimmingConfig)
-    """Surface for which no hull stands."""
+    """Visual surface without collision."""
     handles: HandleConfig = field(default_factory=HandleConfig)
-    """How handles are measured."""
+    """Measurement of handles."""
 
 
 def for_surfaces(cfg: ExportConfig) -> ExportConfig:
-    """The same settings for hulls made from a source's own surface: sheets, and more hulls of a link."""
+    """Settings for hulls made from a source's own surface: sheets, and more hulls per link."""
     addition = replace(cfg.attachment.addition, max_hulls=MOST_OF_LINK)
     return replace(
         cfg,

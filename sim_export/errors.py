@@ -1,14 +1,14 @@
-"""Errors of the export; messages carry part, measured and allowed values."""
+"""Errors of the export; messages state the part, the measured and the allowed value."""
 
 from artigen.errors import ArtigenError
 
 
 class ExportError(ArtigenError):
-    """Base of the export's own errors."""
+    """Base class of export errors."""
 
 
 class OpenMesh(ExportError):
-    """A mesh that must enclose a volume does not."""
+    """A mesh is not closed although it must enclose a volume."""
 
 
 class DegeneratePart(ExportError):
@@ -20,12 +20,12 @@ class InvalidInertia(ExportError):
 
 
 class InvalidKinematics(ExportError):
-    """Joints, limits or the tree cannot be written as URDF."""
+    """Joints, limits or the tree cannot be expressed in URDF."""
 
 
 class DecompositionFailed(ExportError):
-    """Convex decomposition crashed, ran out of time or gave no hull."""
+    """Convex decomposition crashed, timed out or returned no hull."""
 
 
 class PackageError(ExportError):
-    """A package on disk cannot be read: names the file, the element and the value."""
+    """A package on disk cannot be read; the message names the file, the element and the value."""

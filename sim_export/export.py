@@ -1,4 +1,4 @@
-"""`export_asset`: the stages from an `Asset` to a `SimPackage`, in order, nothing else."""
+"""`export_asset`: the sequence of stages from an `Asset` to a `SimPackage`."""
 
 import time
 from collections.abc import Mapping, Sequence
@@ -39,7 +39,7 @@ from sim_export.physics.materials import part_material
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Exported:
-    """A package, and what making it took: seconds per stage."""
+    """A package, and the seconds that each stage took."""
 
     package: SimPackage
     decompositions: tuple[Decomposition, ...]
@@ -47,7 +47,7 @@ class Exported:
 
 
 class _Stopwatch:
-    """Collects the seconds between laps."""
+    """Records the time of each stage."""
 
     def __init__(self) -> None:
         self.laps: list[tuple[str, float]] = []
@@ -68,21 +68,21 @@ def export_asset(
     provenance: Mapping[str, str] | None = None,
     cache: Path | None = None,
 ) -> Exported:
-    """Turns an articulated object into a simulation package.
+    """Converts an articulated object to a simulation package.
 
     Args:
-        asset: parts, joints and voxels; its Gaussians, or else its surface samples, colour the textures,
-            and Gaussians go into the package link by link.
-        cfg: settings of all stages.
-        source_meshes: visual meshes by part, in place of those made from the voxels; a part without
-            any is invisible. Mass and annotations still come from the voxels.
-        surfaces: the triangles of these meshes by part (metres), from which collision is made; without
-            them it is made from the voxels.
-        provenance: where the object comes from, for ``provenance.json``.
-        cache: folder for results of slow convex decompositions.
+        asset: Parts, joints and voxels. Its Gaussians, or else its surface samples, colour the textures;
+            Gaussians are also added to the package per link.
+        cfg: Settings of all stages.
+        source_meshes: Visual meshes by part, used instead of those made from the voxels; a part without any
+            is invisible. Mass and annotations still come from the voxels.
+        surfaces: The triangles of these meshes by part (metres), from which collision is made; by default it
+            is made from the voxels.
+        provenance: Origin of the object, for ``provenance.json``.
+        cache: Folder for results of slow convex decompositions.
 
     Raises:
-        ExportError: names the part, what was measured and what is allowed.
+        ExportError: If a stage fails; the message names the part, the measured and the allowed value.
     """
     cfg = cfg or ExportConfig()
     cfg = cfg if surfaces is None else for_surfaces(cfg)
@@ -194,7 +194,7 @@ def _cover_parts(
     inertials: Sequence[Inertial],
     cfg: ExportConfig,
 ) -> tuple[Decomposition, ...]:
-    """Hulls of all parts from their own triangles, which keep out of where other links pass."""
+    """Hulls of all parts from their own triangles, kept out of the space that other links sweep."""
     tree = build_links(asset, [PartGeometry(inertial=inertial) for inertial in inertials])
     owners, leaders = link_owners(asset), {name: part for part, name in link_names(asset).items()}
     shown = {
@@ -210,7 +210,8 @@ def _cover_parts(
 def _paint(
     asset: Asset, links: Sequence[Link], meshes: Mapping[str, Mesh], cfg: TextureConfig
 ) -> tuple[tuple[Link, ...], tuple[str, ...]]:
-    """Links that show these meshes, in the colours of the asset where it has any, and what was covered."""
+    """Adds meshes to links, coloured like the asset if it has colours, and returns records of the
+    coverage."""
     plain = [meshes[part.name] for part in asset.parts]
     if asset.surface is None and asset.gaussians is None:
         baked = BakedParts(meshes=tuple(plain), records=())

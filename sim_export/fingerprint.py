@@ -1,10 +1,10 @@
 """Fingerprints of package geometry: an exact hash, and a descriptor with a meaningful distance.
 
-The descriptor is where the surface is: the share of its area in each cell of a grid over the closed object's
-box, counted apart for what is fixed and what moves. Areas go to the eight nearest cells with linear weights,
-so that a small move changes little. Half the sum of absolute differences of two descriptors, their total
-variation, is the share of the surface that one would have to move to get from one object to the other, as far
-as the grid sees it.
+The descriptor is a histogram of surface area over a grid in the closed object's box, with separate channels
+for static and moving links. Areas are distributed to the eight nearest cells with linear weights, so that
+small changes have small effects. Half the sum of absolute differences of two descriptors, their total
+variation, is the share of the surface that would have to move to turn one object into the other, at the
+resolution of the grid.
 """
 
 import hashlib
@@ -18,16 +18,16 @@ from sim_export.package import Link, SimPackage, SourceMesh
 CELLS = 8
 """Cells along each axis of the box."""
 PIECE = 0.5
-"""Longest edge, in cells, of the pieces that triangles are cut into."""
+"""Longest edge, in cells, of the pieces that triangles are subdivided into."""
 STEP = 1e-4
-"""Metres to which geometry is rounded in the hash."""
+"""Rounding of geometry in the hash (metres)."""
 LEVELS = 65535
-"""Steps of a share in a stored descriptor."""
+"""Quantisation levels of a share in a stored descriptor."""
 
 
 def hash_geometry(package: SimPackage) -> str:
-    """SHA-256 of links, joints, visual triangles and collision hulls, rounded to `STEP`; names, colours,
-    materials and the order of triangles do not matter.
+    """SHA-256 of links, joints, visual triangles and collision hulls, rounded to `STEP`; independent of
+    names, colours, materials and the order of triangles.
 
     Raises:
         ValueError: If a visual is a source mesh, whose triangles are in a file.
@@ -48,10 +48,10 @@ def hash_geometry(package: SimPackage) -> str:
 
 
 def describe_surface(package: SimPackage) -> Float[np.ndarray, "2 C C C"]:
-    """Share of the closed object's visual area in each cell, of what is fixed and what moves; sums to 1.
+    """Share of the closed object's visual area in each cell, for static and moving links; sums to 1.
 
     Raises:
-        ValueError: If there is no visual surface, or it is in source meshes.
+        ValueError: If there is no visual surface, or it consists of source meshes.
     """
     moving = {joint.child for joint in package.joints if joint.type != "fixed"}
     by_child = {joint.child: joint.parent for joint in package.joints}
@@ -72,7 +72,7 @@ def describe_surface(package: SimPackage) -> Float[np.ndarray, "2 C C C"]:
         raise ValueError(f"package {package.name!r} has no visual triangles")
     low = points.min(axis=0)
     size = np.maximum(points.max(axis=0) - low, 1e-9)
-    # Areas in metres, places in cells: shares must not depend on the proportions of the box.
+    # Areas in metres, positions in cells: shares must not depend on the proportions of the box.
     shares = np.stack([_spread_areas(triangles, low, CELLS / size) for triangles in kinds])
     return shares / shares.sum()
 
@@ -96,7 +96,7 @@ def _round(values: np.ndarray) -> np.ndarray:
 
 
 def _sorted_triangles(triangles: np.ndarray) -> bytes:
-    """Rounded triangles, each from its smallest corner on, in ascending order."""
+    """Rounded triangles, each rotated to start at its smallest corner, in ascending order."""
     corners = _round(triangles)
     low = corners.min(axis=(0, 1)) if len(corners) else np.zeros(3, np.int64)
     span = (corners.max(axis=(0, 1)) - low + 1) if len(corners) else np.ones(3, np.int64)
@@ -110,7 +110,7 @@ def _sorted_triangles(triangles: np.ndarray) -> bytes:
 def _spread_areas(
     triangles: Float[np.ndarray, "F 3 3"], low: np.ndarray, scale: np.ndarray
 ) -> Float[np.ndarray, "C C C"]:
-    """Area (m^2) near the centre of each cell; `low` and `scale` take points to cells."""
+    """Area (m^2) near the centre of each cell; `low` and `scale` map points to cells."""
     grid = np.zeros((CELLS,) * 3)
     placed = (triangles - low) * scale
     edges = np.linalg.norm(placed - np.roll(placed, 1, axis=1), axis=2).max(axis=1, initial=0.0)
@@ -136,7 +136,7 @@ def _piece_centers(count: int) -> Float[np.ndarray, "P 3"]:
 
 
 def _add(grid: np.ndarray, points: Float[np.ndarray, "N 3"], areas: Float[np.ndarray, "N"]) -> None:
-    """Adds areas to the eight cells whose centres are around each point."""
+    """Distributes areas to the eight cells whose centres surround each point."""
     at = np.clip(points - 0.5, 0.0, CELLS - 1.0)
     base = np.minimum(at.astype(int), CELLS - 2)
     share = at - base

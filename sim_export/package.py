@@ -1,8 +1,8 @@
-"""The simulation package as a value: what `write_package` writes and `read_package` reads.
+"""The simulation package as a value, which `write_package` writes and `read_package` reads.
 
-Metres, kilograms, seconds, radians. Geometry, joint origins and inertia are all given in the
-*object frame* at rest (z up, front -x); only the writers shift them into link frames, whose
-origin is the joint's and whose axes are the object's.
+Units are metres, kilograms, seconds and radians. Geometry, joint origins and inertia are given in the *object
+frame* at rest (z up, front -x). Only the writers convert them to link frames, whose origin is the joint's and
+whose axes are the object's.
 """
 
 from dataclasses import dataclass
@@ -23,8 +23,8 @@ URDF_JOINT_TYPES: tuple[UrdfJointType, ...] = ("fixed", "revolute", "prismatic",
 class Mesh:
     """Triangles with shared vertices, optionally textured by per-corner coordinates.
 
-    ``uv`` has its origin at the lower left of ``texture``, whose rows run top to bottom; a fourth channel
-    says how opaque the surface is. ``color`` is the plain RGB in [0, 1] used where there is no texture.
+    ``uv`` has its origin at the lower left of ``texture``, whose rows run top to bottom; an optional fourth
+    channel is the opacity. ``color`` is the RGB in [0, 1] of a mesh without a texture.
     """
 
     vertices: Float[np.ndarray, "V 3"]
@@ -43,18 +43,18 @@ class Mesh:
         object.__setattr__(self, "vertices", vertices)
         object.__setattr__(self, "faces", faces)
         if (self.uv is None) != (self.texture is None):
-            raise ValueError("a mesh has texture coordinates and a texture, or neither")
+            raise ValueError("a mesh needs both texture coordinates and a texture, or neither")
         if self.uv is not None:
             object.__setattr__(self, "uv", frozen_array(self.uv, np.float64, (len(faces), 3, 2), "mesh uv"))
             texture = frozen_array(self.texture, np.uint8, (None, None, None), "texture")
             if texture.shape[2] not in (3, 4):
-                raise ValueError(f"a texture of {texture.shape[2]} channels, expected RGB or RGBA")
+                raise ValueError(f"a texture with {texture.shape[2]} channels, expected RGB or RGBA")
             object.__setattr__(self, "texture", texture)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SourceMesh:
-    """A mesh file kept as it is: OBJ with its MTL and images, copied into the package.
+    """A mesh file that is copied into the package unchanged: OBJ with its MTL and images.
 
     ``T_object_file`` is the rigid placement and ``scale`` the uniform factor to metres.
     """
@@ -66,7 +66,7 @@ class SourceMesh:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Visual:
-    """One drawable piece of a link, with the part it came from."""
+    """One visual element of a link, with the part it belongs to."""
 
     name: str
     part: str
@@ -101,9 +101,9 @@ class Inertial:
 class Link:
     """A rigid body: a movable part together with everything fixed to it.
 
-    ``label`` and ``parts`` (names, the movable part first) come from the asset; a package that
-    somebody else wrote has label ``None`` where its semantics say nothing we know. ``splats`` are the
-    Gaussians that show the link, if there are any; their part ids count the package's links.
+    ``label`` and ``parts`` (names, the movable part first) come from the asset. In a foreign package,
+    ``label`` is None if its semantics name no known label. ``splats`` are the optional Gaussians of the link;
+    their part ids are indices of the package's links.
     """
 
     name: str
@@ -119,11 +119,11 @@ class Link:
 class PackageJoint:
     """A URDF joint, in the object frame at rest.
 
-    ``friction`` is a force (N) or torque (N m), ``damping`` N s/m or N m s/rad. ``kind`` keeps the
-    asset's joint type; a screw is two joints in a row, the second a prismatic one that mimics the
-    first by ``mimic_multiplier`` (metres per radian). A part that follows another one (a lid its pedal)
-    mimics that one's joint in the same way. ``spring`` is a force (N) or torque (N m) that closes the joint,
-    twice as large at the upper limit as at 0.
+    ``friction`` is a force (N) or torque (N m), ``damping`` is in N s/m or N m s/rad. ``kind`` is the asset's
+    joint type. A screw consists of two joints in a row: the second one is prismatic and mimics the first with
+    ``mimic_multiplier`` (metres per radian). A part that follows another one (a lid and its pedal) mimics
+    that part's joint in the same way. ``spring`` is a force (N) or torque (N m) that closes the joint, twice
+    as large at the upper limit as at 0.
     """
 
     name: str
@@ -150,18 +150,18 @@ class PackageJoint:
 
     @property
     def stiffness(self) -> float:
-        """Of the spring, N/m or N m/rad; it is relaxed at minus the upper limit."""
+        """Stiffness of the spring, N/m or N m/rad; it is relaxed at minus the upper limit."""
         return self.spring / self.upper if self.spring > 0.0 else 0.0
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class HandleAnnotation:
-    """Where and how a hand or gripper takes hold of a link; object frame at rest, metres.
+    """Grasp of a link for a hand or gripper; object frame at rest, metres.
 
-    ``corners`` are the eight corners of the handle's box, ``normal`` points away from the panel
-    that carries it, ``grasp_line`` is the segment that closing fingers should straddle, ``width``
-    the extent between the fingers, ``clearance`` the free depth behind the handle (0 for a knob on
-    a plate), ``opening_direction`` the handle's velocity as the joint starts to open.
+    ``corners`` are the eight corners of the handle's box, ``normal`` points away from the panel that carries
+    it, ``grasp_line`` is the segment that closing fingers straddle, ``width`` is the extent between the
+    fingers, ``clearance`` is the free depth behind the handle (0 for a knob on a plate), and
+    ``opening_direction`` is the handle's velocity as the joint starts to open.
     """
 
     link: str
@@ -177,7 +177,7 @@ class HandleAnnotation:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Requirement:
-    """``joint`` moves freely only once ``needs`` has been opened to at least ``fraction`` of its range."""
+    """``joint`` moves freely only after ``needs`` has been opened to at least ``fraction`` of its range."""
 
     joint: str
     needs: str
@@ -188,8 +188,8 @@ class Requirement:
 class SimPackage:
     """An object ready for simulation: links, joints, handles, opening order, materials, provenance.
 
-    The root of the ``links`` is the body; ``joints`` are in the order of their child links.
-    ``records`` lists what each stage repaired or omitted, one sentence each.
+    The first of the ``links`` is the root; ``joints`` are in the order of their child links. ``records``
+    lists what each stage repaired or omitted, one sentence each.
     """
 
     name: str

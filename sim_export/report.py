@@ -12,8 +12,8 @@ Level = Literal["L0", "L1", "L2", "L3", "L4", "L5"]
 
 @dataclass(frozen=True, kw_only=True)
 class CheckResult:
-    """Result of one check. ``value`` and ``threshold`` share ``unit``; ``where`` names the worst
-    link, joint or file; ``message`` is one sentence, also for a check that does not apply."""
+    """Result of one check. ``value`` and ``threshold`` share ``unit``; ``where`` names the worst link, joint
+    or file; ``message`` is one sentence, also if the check does not apply."""
 
     id: str
     level: Level
@@ -28,7 +28,7 @@ class CheckResult:
 
 
 def round_measured(value: float | None) -> float | None:
-    """Six significant digits; infinity and NaN, which JSON cannot say, become a very large number."""
+    """Rounds to six significant digits; infinity and NaN, which JSON lacks, become a very large number."""
     if value is None:
         return None
     return float(f"{value:.6g}") if math.isfinite(value) else 1e300
@@ -36,7 +36,7 @@ def round_measured(value: float | None) -> float | None:
 
 @dataclass(frozen=True, kw_only=True)
 class Report:
-    """All checks of one package, in order of their ids, with the versions that produced them."""
+    """All checks of one package, ordered by id, with the versions that produced them."""
 
     package: str
     checks: tuple[CheckResult, ...]
@@ -61,7 +61,7 @@ def report_to_json(report: Report) -> str:
 
 
 def report_from_json(text: str) -> Report:
-    """Reads what `report_to_json` wrote; raises `ValueError` on anything else."""
+    """Parses the output of `report_to_json`; raises `ValueError` for anything else."""
     value = json.loads(text)
     value.pop("passed")
     checks = tuple(CheckResult(**check) for check in value.pop("checks"))
@@ -69,7 +69,7 @@ def report_from_json(text: str) -> Report:
 
 
 def write_report(report: Report, path: Path) -> None:
-    """Writes the report next to its final name and moves it there in one step."""
+    """Writes the report atomically."""
     scratch = path.with_name(path.name + ".partial")
     scratch.write_text(report_to_json(report))
     scratch.replace(path)

@@ -1,4 +1,4 @@
-"""Descendants of links, and the transitive closure of what must be open first."""
+"""Descendants of links, and the transitive closure of opening requirements."""
 
 from collections.abc import Sequence
 
@@ -6,7 +6,7 @@ from sim_export.package import PackageJoint, Requirement
 
 
 def hanging_links(joints: Sequence[PackageJoint], link: str) -> frozenset[str]:
-    """A link and everything that hangs from it, by name."""
+    """Names of a link and all its descendants."""
     found: set[str] = set()
     front = {link}
     while front:
@@ -16,10 +16,10 @@ def hanging_links(joints: Sequence[PackageJoint], link: str) -> frozenset[str]:
 
 
 def needed_fractions(joint: str, requirements: Sequence[Requirement]) -> dict[str, float]:
-    """How far (share of its range) every joint must be open before ``joint`` moves, by name in their order.
+    """Share of its range to which every joint must be open before ``joint`` moves, by name in their order.
 
-    Needs of needs are included, and where several name a joint the largest share counts. ``joint`` itself
-    is never among them, even where a foreign file has it need itself.
+    Requirements are followed recursively; the largest share of a joint counts. ``joint`` itself is never
+    included, even if a foreign file makes it require itself.
     """
     fractions: dict[str, float] = {}
     waiting = [joint]

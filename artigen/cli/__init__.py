@@ -1,4 +1,4 @@
-"""The command line: the one place that knows all three packages."""
+"""The command line: the only package that imports artigen, sim_export and envs together."""
 
 from artigen.cli.main import main
 

@@ -1,8 +1,8 @@
 """Runs over many objects: workers or machines, a progress bar, journals to resume from.
 
-A journal in the output folder holds one line per finished object, written as it finishes: ``run.jsonl``,
-or ``run.03-of-64.jsonl`` for the part of a run. All journals of the folder count, so a rerun with the same
-settings, in other parts or as a whole, does only what is missing or failed before.
+A journal in the output folder has one line per finished object, appended as it finishes: ``run.jsonl``, or
+``run.03-of-64.jsonl`` for one part of a run. All journals of the folder count. A rerun with the same
+settings, in other parts or as a whole, processes only objects that are missing or failed.
 """
 
 import hashlib
@@ -37,7 +37,7 @@ class Job(Protocol):
 
     @property
     def settings(self) -> str:
-        """Everything besides the source that decides the result, as text."""
+        """Everything besides the source that determines the result, as text."""
         ...
 
     @property
@@ -51,7 +51,7 @@ JobType = TypeVar("JobType", bound=Job)
 
 @dataclass(frozen=True, kw_only=True)
 class Finished:
-    """A line of the journal: what became of one object."""
+    """A line of the journal: the outcome for one object."""
 
     key: str
     settings: str
@@ -64,17 +64,17 @@ class Finished:
     as_in_source: tuple[str, ...] = ()
     """Failed checks that the source fails as well, each with its evidence."""
     at: float = 0.0
-    """Unix time when it was finished; of two lines of one object, the later one holds."""
+    """Unix time of completion; the latest line of an object is valid."""
 
     @property
     def good(self) -> bool:
-        """Written, and not failed by validation."""
+        """Whether the package was written and did not fail validation."""
         return self.error is None and self.passed is not False
 
 
 @dataclass(frozen=True, kw_only=True)
 class Made:
-    """Time, memory and notes of making one package."""
+    """Time, memory and notes of one export."""
 
     seconds: tuple[tuple[str, float], ...]
     peak_mib: float
@@ -82,14 +82,14 @@ class Made:
 
 
 def digest_settings(text: str) -> str:
-    """A short name for settings; equal settings have equal names."""
+    """Short hash of settings; equal settings have equal hashes."""
     return hashlib.sha256(text.encode()).hexdigest()[:16]
 
 
 def read_journal(out: Path) -> dict[str, Finished]:
-    """The last line of every object in the journals of ``out``, those of parts included.
+    """The latest line of every object in the journals of ``out``, those of parts included.
 
-    A line cut short by a killed run is left out, so its object is done again.
+    A line truncated by a killed run is skipped, so its object is processed again.
     """
     name = Path(JOURNAL)
     done: dict[str, Finished] = {}
@@ -108,7 +108,7 @@ def read_journal(out: Path) -> dict[str, Finished]:
 def make_and_validate(
     worker: Worker, job: JobType, make: Callable[[JobType], Made], *, timeout: float, validation: bool
 ) -> Finished:
-    """Makes one package and tries it (L0 to L3), both in a supervised process."""
+    """Makes one package and validates it (L0 to L3), both in a supervised process."""
     from envs.config import ValidateConfig
     from envs.validate import validate
 
@@ -144,18 +144,18 @@ def run_batch(
     on_done: Callable[[Finished], None],
     part: Part | None = None,
 ) -> list[Finished]:
-    """Runs every job that no journal knows as good; returns all, in the order of ``jobs``.
+    """Runs every job without a successful journal entry; returns all results in the order of ``jobs``.
 
     Args:
         handle: See `artigen.runtime.runner.run_jobs`.
         jobs: All jobs of the run.
         out: Folder of all packages and of the journals.
-        runner: Where jobs are done.
-        on_done: Called for every job of the part, with those that were done before first.
-        part: Of the jobs, the part to do; None for all.
+        runner: Where jobs are run.
+        on_done: Called for every job of the part, first for those that were finished before.
+        part: Part of the jobs to run; None for all.
 
     Raises:
-        ArtigenError: Two jobs of one name, or an output folder that cannot be written.
+        ArtigenError: If two jobs have the same name, or the output folder cannot be written.
     """
     twice = sorted(key for key, count in Counter(job.key for job in jobs).items() if count > 1)
     if twice:
@@ -190,7 +190,7 @@ def run_batch(
 
 
 def remove_leftovers(out: Path, keys: Iterable[str]) -> None:
-    """Removes what killed runs have left of packages of ``keys``: ``.KEY.partial-*`` and ``.KEY.old-*``."""
+    """Removes leftovers of killed runs for the packages ``keys``: ``.KEY.partial-*`` and ``.KEY.old-*``."""
     wanted = set(keys)
     for path in out.glob(".*"):
         name, _, rest = path.name[1:].rpartition(".")

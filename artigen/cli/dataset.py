@@ -37,9 +37,9 @@ from artigen.runtime.runner import Runner, choose_runner
 from artigen.weights import SHIPPED
 
 WORK = "work"
-"""Folder, in the data set's, of what is not finished; it is removed at the end."""
+"""Subfolder of a data set for unfinished work; it is removed at the end."""
 SPARE = 10
-"""Objects that may be drawn beyond twice those that are wanted, before an entry is given up."""
+"""Objects drawn beyond twice the requested number before an entry is given up."""
 
 
 def dataset(
@@ -85,7 +85,7 @@ def dataset(
 
 @dataclass(frozen=True, kw_only=True)
 class _Pool:
-    """Objects of an entry that are drawn in one way."""
+    """Objects of an entry that are drawn in the same way."""
 
     entry: Entry
     by_model: bool
@@ -168,7 +168,7 @@ def _is_complete(recipe: Recipe, out: Path) -> bool:
         return False
     if not (out / INDEX).is_file():
         if any(out.iterdir()):
-            raise ArtigenError(f"{out}: is not empty and no data set; choose another folder with -o")
+            raise ArtigenError(f"{out}: is not empty and holds no data set; choose another folder with -o")
         return False
     made = open_shards(out).index
     if made["recipe"] != digest_recipe(recipe):
@@ -181,10 +181,10 @@ def _is_complete(recipe: Recipe, out: Path) -> bool:
 
 
 def _check_wishes(recipe: Recipe, path: Path) -> None:
-    """Says at once what cannot be drawn.
+    """Rejects entries that cannot be drawn before any work starts.
 
     Raises:
-        RecipeError: Names the line of the entry.
+        RecipeError: If an entry cannot be drawn; the message names its line.
     """
     from artigen.shapes.draw import draw_shape
 
@@ -233,7 +233,7 @@ def _choose(
     work: Path,
     near: float,
 ) -> _Chosen:
-    """The first objects of every pool that are good and no duplicates."""
+    """The first valid objects of every pool that are not duplicates."""
     kept = Duplicates(near)
     ids: list[str] = []
     full: set[str] = set()
@@ -270,7 +270,7 @@ def _choose(
 
 
 def _give_up(pool: _Pool, tries: int, chosen: _Chosen, path: Path) -> None:
-    """Raises `RecipeError` where far more objects were drawn than are wanted."""
+    """Raises `RecipeError` if far more objects were drawn than requested."""
     entry = pool.entry
     if tries <= 2 * pool.count + SPARE:
         return
@@ -280,7 +280,7 @@ def _give_up(pool: _Pool, tries: int, chosen: _Chosen, path: Path) -> None:
     why = f"; {failed[-1].id}: {failed[-1].reason}" if failed else ""
     raise RecipeError(
         f"{path} line {entry.line}: {entry.name}: of the objects drawn for {pool.count}, {len(failed)} "
-        f"failed and {len(same)} were duplicates{why}; wish for less, or lower options.near"
+        f"failed and {len(same)} were duplicates{why}; request fewer, or lower options.near"
     )
 
 
@@ -315,7 +315,7 @@ def _write(recipe: Recipe, text: str, path: Path, out: Path, chosen: _Chosen) ->
 
 
 class _progress:  # noqa: N801
-    """A bar on stderr, as a function of what is done and what there is."""
+    """Progress bar on stderr, as a function of done and total."""
 
     def __init__(self, what: str, total: int) -> None:
         self._bar = tqdm(total=total, unit="object", desc=what, disable=not sys.stderr.isatty())
@@ -345,7 +345,7 @@ def _verify(folders: list[Path], prove: int) -> int:
 
 
 def _prove(shards: Shards, count: int) -> list[str]:
-    """Tries objects again, evenly spread over the data set."""
+    """Validates objects again, evenly spread over the data set."""
     if count == 0:
         return []
     from artigen.runtime.workers import Worker

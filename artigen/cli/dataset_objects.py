@@ -1,4 +1,4 @@
-"""Objects of a data set: made, validated, described and packed, one folder each."""
+"""Generation, validation, description and packing of the objects of a data set, one folder each."""
 
 import json
 import os
@@ -41,10 +41,11 @@ if TYPE_CHECKING:
     from sim_export.report import Report
 
 PACKAGES = ".packages"
-"""Folder, in that of the work, of packages that are not packed yet."""
+"""Subfolder of the work folder for packages that are not packed yet."""
 SHARED = "shared"
 LARGE_MIB = 1200.0
-"""Memory from which a worker process is replaced; a fresh one has 300 MiB, 700 with the model."""
+"""Resident memory above which a worker process is replaced; a fresh one has 300 MiB, or 700 MiB with the
+model."""
 SAMPLE, ARCHIVE, THUMBNAIL, DESCRIPTOR = "sample.json", "files.tar.zst", "thumbnail.webp", "descriptor.bin"
 
 
@@ -53,25 +54,25 @@ class ObjectJob:
     """One object of a data set."""
 
     inner: ShapeJob | GenerateJob
-    """What makes its package."""
+    """Job that makes the package."""
     out: Path
-    """Folder of the work."""
+    """Work folder."""
     validation: bool
     thumbnail: int
 
     @property
     def key(self) -> str:
-        """Its id."""
+        """Id of the object."""
         return self.inner.key
 
     @property
     def settings(self) -> str:
-        """Everything that decides it, as text."""
+        """Everything that determines the object, as text."""
         return f"{self.inner.settings} validation {self.validation} thumbnail {self.thumbnail}"
 
 
 def make_job(entry: Entry, options: Options, work: Path, seed: int, *, by_model: bool) -> ObjectJob:
-    """The job of an object of an entry."""
+    """The job of one object of an entry."""
     wish, packages = entry.wish, work / PACKAGES
     counts = tuple(f"{label}={count}" for label, count in wish.counts)
     inner: ShapeJob | GenerateJob
@@ -99,7 +100,8 @@ def make_job(entry: Entry, options: Options, work: Path, seed: int, *, by_model:
 
 
 def make_and_pack(worker: Worker, job: ObjectJob) -> Finished:
-    """One object the whole way, in a supervised process; what fails leaves nothing behind."""
+    """Makes, validates and packs one object in a supervised process; a failed object leaves no files
+    behind."""
     inner = job.inner
     if isinstance(inner, ShapeJob):
         finished = export_and_validate(worker, inner)
@@ -120,17 +122,17 @@ def make_and_pack(worker: Worker, job: ObjectJob) -> Finished:
 
 
 def restart_large(worker: Worker, resident_mib: float) -> None:
-    """Ends a process that has grown beyond `LARGE_MIB`; the next object starts another.
+    """Ends a worker process above `LARGE_MIB`; the next object starts a new one.
 
-    Trying an object leaves about a megabyte behind in the process.
+    Validating an object leaks about one megabyte in the process.
     """
     if resident_mib > LARGE_MIB:
         worker.close()
 
 
 def pack_object(job: ObjectJob) -> tuple[float, float]:
-    """Describes a package, takes it apart and removes it; returns the seconds that took, and the memory (MiB)
-    that the process holds."""
+    """Describes a package, splits it into shared and own files and removes it. Returns the time (seconds) and
+    the resident memory (MiB) of the process."""
 
     from sim_export.files.read import read_package
     from sim_export.fingerprint import describe_surface, quantise
@@ -155,7 +157,8 @@ def pack_object(job: ObjectJob) -> tuple[float, float]:
 
 
 def _resident_mib() -> float:
-    """Memory that this process holds; the most that it has held where the system does not say (not Linux)."""
+    """Resident memory of this process; its peak where the system does not report the current value (not
+    Linux)."""
     statm = Path("/proc/self/statm")
     if not statm.is_file():
         return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
@@ -187,7 +190,7 @@ def read_fingerprint(work: Path, name: str) -> tuple[Sample, Fingerprint]:
 
 
 def _keep_shared(path: Path, data: bytes) -> None:
-    """Writes a shared file unless it is there; whole, however many processes write it."""
+    """Writes a shared file unless it exists; atomic across processes."""
     if path.is_file():
         return
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -197,7 +200,7 @@ def _keep_shared(path: Path, data: bytes) -> None:
 
 
 def _settle_report(folder: Path) -> "Report":
-    """The report of a package, rewritten without the seconds that checks took, which differ by run."""
+    """The report of a package, rewritten without check durations, which differ between runs."""
     from sim_export.report import report_from_json, write_report
 
     path = folder / "validation.json"

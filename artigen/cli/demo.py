@@ -10,9 +10,9 @@ from artigen.runtime.runner import choose_runner
 from artigen.weights import SHIPPED
 
 OBJECTS = (("StorageFurniture", 3), ("Oven", 2), ("Refrigerator", 1), ("Table", 4))
-"""Category and seed of what the demo shows."""
+"""Category and seed of the procedural objects."""
 GENERATED = (("StorageFurniture", 20), ("Oven", 20))
-"""Category and seed of what the demo generates."""
+"""Category and seed of the generated objects."""
 
 
 def demo(out: Out = Path("out/demo"), workers: Workers = None) -> int:
@@ -43,7 +43,7 @@ def demo(out: Out = Path("out/demo"), workers: Workers = None) -> int:
         for category, seed in GENERATED
     ]
     results = run_batch(generate_and_validate, drawn, out / "generated", runner=runner, on_done=_say)
-    if any(finished.error for finished in results):  # a generated object may fail a check, and says so
+    if any(finished.error for finished in results):  # a failed check is only reported
         good = False
     else:
         write_preview(tuple(job.out / job.key for job in drawn), out / "generated.png")
@@ -51,7 +51,7 @@ def demo(out: Out = Path("out/demo"), workers: Workers = None) -> int:
         f"\npackages   {out}/reference (exact)  {out}/voxels (rebuilt from 64^3 voxels)  {out}/generated\n"
         f"reports    validation.json in each package\n"
         f"pictures   {out}/shapes.png  {out}/reference.png  {out}/voxels.png  {out}/generated.png\n"
-        f"look at it artigen view {out}/reference/{shapes[0].name}\n"
+        f"view       artigen view {out}/reference/{shapes[0].name}\n"
     )
     return 0 if good else 1
 

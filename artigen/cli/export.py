@@ -1,4 +1,4 @@
-"""`artigen export`: an asset folder to a simulation package."""
+"""`artigen export`: converts an asset folder to a simulation package."""
 
 import sys
 from pathlib import Path

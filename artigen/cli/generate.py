@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from sim_export.package import SimPackage
 
 TIMEOUT = 300.0
-"""Seconds that drawing and exporting one object may take."""
+"""Time limit in seconds for drawing and exporting one object."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,7 +76,7 @@ class GenerateSettings:
 
 @dataclass(frozen=True, kw_only=True)
 class GenerateJob:
-    """One object on its way to its package folder; ``draws`` says what became of earlier draws of it."""
+    """Generation of one object; ``draws`` records why earlier draws were rejected."""
 
     model: Path
     category: str | None
@@ -85,7 +85,7 @@ class GenerateJob:
     cfg: GenerateSettings = field(default_factory=GenerateSettings)
     draws: tuple[str, ...] = ()
     name: str | None = None
-    """Name of the package; without one, category and seed."""
+    """Name of the package; by default category and seed."""
 
     @property
     def key(self) -> str:
@@ -94,12 +94,12 @@ class GenerateJob:
 
     @property
     def settings(self) -> str:
-        """Object, weights and settings as text: packages of other weights are made again."""
+        """Object, weights and settings as text; packages of other weights are made again."""
         return f"{self.key} {hash_weights(self.model)} {self.cfg}"
 
 
 def _understand(job: GenerateJob) -> "Understood":
-    """A job's request in the words of its model's sketches."""
+    """Parses the request of a job in the vocabulary of its model."""
     from artigen.sketch.request import list_learned
     from artigen.sketch.understand import understand
 
@@ -120,7 +120,7 @@ def read_job(job: GenerateJob) -> "Request":
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Asked:
-    """A request with everything that words say, and its picture."""
+    """A request completed from its words, and its picture."""
 
     request: "SketchRequest"
     picture: np.ndarray | None
@@ -128,7 +128,7 @@ class _Asked:
 
 
 def _ask(job: GenerateJob, understood: "Understood") -> _Asked:
-    """Reads the picture of a request, and completes it by the extents that adjectives change."""
+    """Reads the picture of a request and resolves adjectives such as "tall" to extents."""
     from artigen.sketch.model import draw_header, look_at, read_object_picture
 
     request = understood.request
@@ -146,10 +146,10 @@ def _ask(job: GenerateJob, understood: "Understood") -> _Asked:
 
 
 def check_job(job: GenerateJob) -> None:
-    """Loads the model and the picture of a job, and completes its request.
+    """Checks a job: loads its model and picture, and completes its request.
 
     Raises:
-        ArtigenError: If one of them cannot be read, or no object can be as requested.
+        ArtigenError: If the model or the picture cannot be read, or the request cannot be met.
     """
     from artigen.sketch.request import ask
 
@@ -157,7 +157,7 @@ def check_job(job: GenerateJob) -> None:
 
 
 def draw_generated(job: GenerateJob) -> "tuple[Drawn, _Asked]":
-    """Draws the object of a job, in the colours of its picture if it has one."""
+    """Draws the object of a job, coloured as in its picture if it has one."""
     from artigen.sketch.draw import DrawConfig
     from artigen.sketch.model import SketchConfig, draw_alike, draw_object
 
@@ -217,7 +217,7 @@ def generate_object(job: GenerateJob) -> Made:
 def _make_exact(
     job: GenerateJob, shape: "Shape", provenance: dict[str, str], notes: tuple[str, ...]
 ) -> "SimPackage":
-    """The package of the sketch's own primitives."""
+    """Package of the sketch's own primitives."""
     from artigen.cli.generated import make_generated_package
 
     appearance = load_appearance(job.model) if job.cfg.gaussians else None
@@ -229,13 +229,13 @@ def _make_exact(
 def _make_latent(
     job: GenerateJob, shape: "Shape", provenance: dict[str, str], notes: tuple[str, ...]
 ) -> "SimPackage":
-    """The package of voxels that the paper's latents show within the sketch's boxes.
+    """Package of voxels that the paper's latents generate within the boxes of the sketch.
 
-    Their meshes take the paint of the sketch's surface, part by part: it colours the textures, and the sparse
-    flow is told it.
+    Their meshes are painted like the sketch's surface, part by part. The paint colours the textures and
+    conditions the sparse flow.
 
     Raises:
-        ArtigenError: If the parts are not those of the sketch, or its surface has no sample of one.
+        ArtigenError: If the parts differ from those of the sketch, or its surface has no sample of a part.
     """
     from artigen.appearance.paint import paint_surface, repaint
     from artigen.cli.shape import SPACING
@@ -278,7 +278,7 @@ def _attach_drawn(
     surface: "PaintedSurface",
     seed: int,
 ) -> "SimPackage":
-    """The package with Gaussians that the sparse flow draws on the painted surface of an asset's meshes."""
+    """Adds Gaussians that the sparse flow generates on the painted surface of an asset's meshes."""
     from artigen.appearance.draw import generate_appearance
     from artigen.models.conditions import describe_shape
     from sim_export.appearance.splats import attach_splats
@@ -291,9 +291,9 @@ def _attach_drawn(
 
 
 def generate_and_validate(worker: Worker, job: GenerateJob) -> Finished:
-    """Draws an object until it passes every check, at most ``redraws`` times again.
+    """Draws an object until it passes every check, with at most ``redraws`` new draws.
 
-    What fails last stays where it is, with its report; every draw is in its provenance.
+    If all draws fail, the last package is kept with its report. The provenance lists every draw.
     """
     finished = make_and_validate(worker, job, generate_object, timeout=TIMEOUT, validation=True)
     while not finished.good and len(job.draws) < job.cfg.redraws:
@@ -338,7 +338,7 @@ def generate(
         )
     if cfg.textures != "own" and cfg.structure != "sketch":
         raise ArtigenError(
-            f"textures {cfg.textures} with structure {cfg.structure}: only a sketch's are shared"
+            f"textures {cfg.textures} with structure {cfg.structure}: only sketches can share textures"
         )
     part, chosen = read_shard(shard), choose_runner(runner, workers)
     if cfg.steps < 1 or not 0 <= cfg.strength < math.inf or not 0 < cfg.temperature < math.inf:
@@ -350,7 +350,7 @@ def generate(
         GenerateJob(model=model, category=category, seed=number, out=out, cfg=cfg)
         for number in range(seed, seed + count)
     ]
-    # Refuses at once what cannot be: sentences and numbers here, models and pictures where they are loaded.
+    # Reject bad requests early: sentences and numbers here, models and pictures when they are loaded.
     ask(_understand(jobs[0]).request)
     worker = Worker()
     try:

@@ -1,4 +1,4 @@
-"""The package of a generated shape: exact meshes, hulls and joints, and Gaussians that a network decodes."""
+"""Packages of generated shapes: exact meshes, hulls and joints, and Gaussians decoded by a network."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -13,13 +13,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Generated:
-    """A generated object in both of its forms."""
+    """A generated object as a package and as an asset."""
 
     package: "SimPackage"
-    """What simulators read."""
+    """Package for simulators."""
     asset: "Asset"
-    """Parts, joints, exact articulated voxels (64^3) and, where there is a decoder, Gaussians;
-    `artigen.voxels.fields.encode` makes the 35 channels of it."""
+    """Parts, joints, exact articulated voxels (64^3) and, with a decoder, Gaussians.
+    `artigen.voxels.fields.encode` converts it to 35 channels."""
 
 
 def make_generated_package(
@@ -30,17 +30,17 @@ def make_generated_package(
     notes: Sequence[str] = (),
     textures: Literal["own", "shared"] = "own",
 ) -> Generated:
-    """The exact package of a shape, with the Gaussians of its parts link by link.
+    """Makes the exact package of a shape, with Gaussians per link.
 
     Args:
         shape: The object.
-        appearance: Decodes Gaussians; without, packages have none.
-        provenance: Where the object comes from, for ``provenance.json``.
-        notes: What was repaired or left open before; they come first among the records.
-        textures: Whether every part has an image of its own, or shares one with parts of its finishes.
+        appearance: Decoder of Gaussians; without it the package has none.
+        provenance: Origin of the object, for ``provenance.json``.
+        notes: Repairs and open issues of earlier stages, prepended to the package's records.
+        textures: ``own`` for one image per part, ``shared`` for one image per set of finishes.
 
     Raises:
-        ExportError: If parts cannot be links or have no mass; names the part.
+        ExportError: If a part cannot become a link or has no mass; the message names the part.
     """
     from artigen.appearance.exact import decode_gaussians, voxelize_shape
     from sim_export.appearance.splats import attach_splats

@@ -1,4 +1,4 @@
-"""The `artigen` command: subcommands built from typed functions that are imported when they are called."""
+"""The `artigen` command: subcommands from typed functions, imported only when they are called."""
 
 import logging
 import os
@@ -25,18 +25,18 @@ COMMANDS = {
     "eval": "evaluate",
     "demo": "demo",
 }
-"""Subcommands, and for each the module of `artigen.cli` that holds a function of the module's name."""
+"""Module of `artigen.cli` for each subcommand; the function has the name of the module."""
 DESCRIPTION = (
     "Articulated objects for robot simulation, as validated packages. `artigen COMMAND --help` lists options."
 )
 THREADED = ("train", "eval")
-"""Subcommands that use all cores in this process; the others use them by worker processes."""
+"""Subcommands that use all cores in this process; the others use worker processes."""
 
 
 def main() -> None:
-    """Runs the subcommand and exits with its code: 0 done, 1 something failed, 2 wrong usage."""
+    """Runs the subcommand and exits with its code: 0 success, 1 failure, 2 wrong usage."""
     if not set(THREADED) & set(sys.argv[1:2]):
-        os.environ.update(thread_environment(os.environ))  # before anything loads a library that reads it
+        os.environ.update(thread_environment(os.environ))  # before libraries read them
 
     import tyro
 
@@ -55,6 +55,6 @@ def main() -> None:
 
 
 def load_command(name: str) -> Callable[..., int]:
-    """The function of a subcommand; only what is asked for is imported, since that takes time."""
+    """Imports the function of one subcommand; importing all of them is slow."""
     module = COMMANDS[name]
     return getattr(import_module(f"artigen.cli.{module}"), module)

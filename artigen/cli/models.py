@@ -1,4 +1,4 @@
-"""Models of a folder, each loaded once in a process."""
+"""Models from folders, each loaded once per process."""
 
 from functools import lru_cache
 from pathlib import Path
@@ -29,7 +29,7 @@ def load_sketch(folder: Path) -> "SketchNetwork":
 
 @lru_cache(maxsize=1)
 def load_appearance(folder: Path) -> "ShapeAppearanceModel | None":
-    """The VAE that decodes exact surfaces; None where the folder has no weights of appearance."""
+    """The VAE that decodes Gaussians from exact surfaces; None if the folder has no appearance weights."""
     from artigen.appearance.exact import load_shape_appearance
     from artigen.appearance.vae import APPEARANCE_VAE
     from artigen.models.description import read_description
@@ -51,7 +51,7 @@ def load_structure(folder: Path, encoders: Path | None) -> "StructureModel":
 
 @lru_cache(maxsize=1)
 def load_drawer(folder: Path) -> "AppearanceModel | None":
-    """The sparse flow on drawn voxels; None where the folder has no weights of appearance."""
+    """The sparse flow for generated voxels; None if the folder has no appearance weights."""
     from artigen.appearance.draw import has_appearance, load_appearance_model
 
     return load_appearance_model(folder) if has_appearance(folder) else None

@@ -31,7 +31,7 @@ def preview(packages: Packages, out: Out = Path("preview.png")) -> int:
         from sim_export.files.read import read_package
 
         if len(packages) != 1:
-            raise ArtigenError(f"{out}: a GLB holds one package, {len(packages)} are given")
+            raise ArtigenError(f"{out}: a GLB holds one package, got {len(packages)}")
         write_glb(read_package(packages[0]), out)
         return 0
     if out.suffix == ".gif":
@@ -46,7 +46,7 @@ def preview(packages: Packages, out: Out = Path("preview.png")) -> int:
 
 
 def draw_splats(gaussians: "Gaussians", camera: "Camera", background: tuple[int, int, int]) -> "np.ndarray":
-    """Gaussians (metres) as a camera of the previews sees them."""
+    """Renders Gaussians (metres) with a preview camera."""
     from artigen.splats.render.picture import draw_gaussians
 
     return draw_gaussians(

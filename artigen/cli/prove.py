@@ -15,12 +15,12 @@ if TYPE_CHECKING:
     from artigen.metrics.packages import Proof
 
 TIMEOUT = 300.0
-"""Seconds that exporting one object may take."""
+"""Time limit in seconds for exporting one object."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class ProveJob:
-    """An asset folder on its way to its package."""
+    """Export of one asset folder to a package."""
 
     source: Path
     out: Path
@@ -32,12 +32,12 @@ class ProveJob:
 
     @property
     def settings(self) -> str:
-        """Nothing but the asset decides the result."""
+        """Empty settings: the asset alone determines the result."""
         return self.key
 
 
 def prove_assets(folders: Sequence[Path], *, out: Path, workers: int) -> "Iterator[Proof]":
-    """Makes and checks the package of every asset folder; packages stay in ``out``, with their reports."""
+    """Makes and checks the package of every asset folder; packages stay in ``out`` with their reports."""
     from artigen.metrics.packages import Proof, name_cause
 
     jobs = [ProveJob(source=folder, out=out) for folder in folders]

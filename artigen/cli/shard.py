@@ -1,4 +1,4 @@
-"""Independent parts of a run: ``--shard 3/64``."""
+"""Parts of a run that machines process independently: ``--shard 3/64``."""
 
 import re
 from collections.abc import Sequence
@@ -20,10 +20,10 @@ class Part:
 
 
 def read_shard(text: str | None) -> Part | None:
-    """The part that ``3/64`` names; None for the whole.
+    """Parses a part such as ``3/64``; None for the whole run.
 
     Raises:
-        ArtigenError: If the text is not of that form, or there is no such part.
+        ArtigenError: If the text is not of the form K/N with K from 1 to N.
     """
     if text is None:
         return None
@@ -35,12 +35,12 @@ def read_shard(text: str | None) -> Part | None:
 
 
 def take_part(items: Sequence[Item], part: Part | None) -> Sequence[Item]:
-    """Every ``total``-th item; the parts have no item in common and together are the whole."""
+    """Every ``total``-th item; the parts are disjoint and together contain all items."""
     return items if part is None else items[part.number - 1 :: part.total]
 
 
 def name_part(path: Path, part: Part | None) -> Path:
-    """The file of a part beside the file of the whole: ``run.jsonl`` becomes ``run.03-of-64.jsonl``."""
+    """File name of a part: ``run.jsonl`` becomes ``run.03-of-64.jsonl``."""
     if part is None:
         return path
     width = len(str(part.total))

@@ -93,7 +93,7 @@ def train(
     """
     begin = _prepare(what, run, cfg, choose_workers(workers), appearance)
     logging.getLogger("artigen.train").setLevel(logging.INFO)
-    shown = sys.stderr.isatty()  # elsewhere, every line of metrics is a line of the log
+    shown = sys.stderr.isatty()  # otherwise metrics are written as log lines
     with (
         tqdm(total=100, bar_format="{desc} {percentage:3.0f} %|{bar}| {postfix}", disable=not shown) as bar,
         logging_redirect_tqdm(),
@@ -118,7 +118,7 @@ def train(
 def _prepare(
     what: What, run: Path, cfg: TrainSettings, workers: int, appearance: AppearanceSettings
 ) -> Callable[..., dict[str, float]]:
-    """The training that was asked for, ready to begin."""
+    """Builds the training function for the arguments."""
     given = {name: value for name, value in vars(cfg).items() if value is not None}
     if what == "sketch":
         return _prepare_sketch(run, cfg, workers)
@@ -128,9 +128,9 @@ def _prepare(
         from sim_export.geometry.surface import sample_surface
 
         if cfg.partnet is not None:
-            raise ArtigenError("real objects cannot be photographed for appearance yet: leave --partnet out")
+            raise ArtigenError("appearance cannot be trained on real objects yet: omit --partnet")
         if cfg.trellis is not None or cfg.encoders is not None:
-            raise ArtigenError("--trellis and --encoders are of structure: appearance has --dinov2")
+            raise ArtigenError("--trellis and --encoders apply to structure only; appearance has --dinov2")
         shared = {
             name: given[name]
             for name in ("preset", "minutes", "shards", "held_out", "objects", "start")
@@ -149,12 +149,13 @@ def _prepare(
 
 
 def _prepare_sketch(run: Path, cfg: TrainSettings, workers: int) -> Callable[..., dict[str, float]]:
-    """The training of the sketch network; it knows shards, minutes and where to begin, and nothing else."""
+    """Builds the training function of the sketch network, which supports fewer options than the other
+    models."""
     from artigen.train.sketch import SketchRunConfig, train_sketch
 
     for name in ("partnet", "trellis", "encoders", "objects"):
         if getattr(cfg, name) is not None:
-            raise ArtigenError(f"the sketch learns from the grammar alone: leave --{name} out")
+            raise ArtigenError(f"the sketch network is trained on the grammar only: omit --{name}")
     settings = SketchRunConfig(
         folder=run,
         preset=cfg.preset,

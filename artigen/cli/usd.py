@@ -1,4 +1,4 @@
-"""`artigen usd`: packages to OpenUSD assets."""
+"""`artigen usd`: converts packages to OpenUSD assets."""
 
 import sys
 from typing import Literal

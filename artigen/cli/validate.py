@@ -26,7 +26,7 @@ def validate_folder(
     tasks: Literal["none", "run"] = "none",
     engines: "tuple[EngineChoice, ...]" = (),
 ) -> "Report":
-    """The report on one folder, run in the worker."""
+    """Validates one folder in the worker."""
     from envs.config import ValidateConfig
     from envs.validate import validate as run
 
@@ -34,10 +34,11 @@ def validate_folder(
 
 
 def choose_engines(names: str, pythons: tuple[str, ...]) -> "tuple[EngineChoice, ...]":
-    """Engines by their names (with commas between) and interpreters as ``NAME=PATH``.
+    """Parses comma-separated engine names, and interpreters given as ``NAME=PATH``.
 
     Raises:
-        ArtigenError: if an engine is unknown, or an interpreter is for none that is asked, or not there.
+        ArtigenError: If an engine is unknown, or an interpreter does not exist or belongs to no requested
+            engine.
     """
     from envs.config import EngineChoice
     from envs.engines.witness import WITNESSES
@@ -45,12 +46,12 @@ def choose_engines(names: str, pythons: tuple[str, ...]) -> "tuple[EngineChoice,
     asked = [name.strip() for name in names.split(",") if name.strip()]
     unknown = [name for name in asked if name not in WITNESSES]
     if unknown:
-        raise ArtigenError(f"no engine {', '.join(unknown)}; there are {', '.join(WITNESSES)}")
+        raise ArtigenError(f"unknown engine {', '.join(unknown)}: expected {', '.join(WITNESSES)}")
     paths: dict[str, str] = {}
     for entry in pythons:
         name, _, path = entry.partition("=")
         if name not in asked:
-            raise ArtigenError(f"--engine-python {entry}: say NAME=PATH, with a NAME of --engines")
+            raise ArtigenError(f"--engine-python {entry}: expected NAME=PATH with NAME in --engines")
         if not Path(path).is_file():
             raise ArtigenError(f"--engine-python {entry}: no such file")
         paths[name] = path
@@ -58,7 +59,7 @@ def choose_engines(names: str, pythons: tuple[str, ...]) -> "tuple[EngineChoice,
 
 
 def describe(report: "Report") -> str:
-    """A line for the package, one for every check that failed and for every engine that is missing."""
+    """Summary line of a package, then one line per failed check and per missing engine."""
     skipped = [check for check in report.checks if check.message.startswith("skipped: ")]
     counts = dict.fromkeys(("pass", "fail", "not_applicable"), 0)
     for check in report.checks:

@@ -1,4 +1,4 @@
-"""`artigen view`: a package in the browser."""
+"""`artigen view`: shows a package in the browser."""
 
 import sys
 import time
@@ -17,7 +17,7 @@ def view(package: tyro.conf.Positional[Path], port: int = 8080) -> int:
     from sim_export.picture.view import view_package
 
     page = view_package(package, port=port)
-    sys.stderr.write(f"{package}: http://localhost:{page.server.get_port()} (Ctrl-C ends it)\n")
+    sys.stderr.write(f"{package}: http://localhost:{page.server.get_port()} (stop with Ctrl-C)\n")
     try:
         while True:
             time.sleep(3600.0)

@@ -1,1 +1,1 @@
-"""Words and pictures as they come in, and whether an object delivers what was asked."""
+"""User input: parses words and pictures, and compares objects with requests."""

@@ -1,4 +1,4 @@
-"""Photos as conditions: any picture file to a small premultiplied RGBA square filled by the object."""
+"""Photos as conditions: converts an image file to a premultiplied RGBA square filled by the object."""
 
 import warnings
 from dataclasses import dataclass
@@ -18,14 +18,14 @@ MARGIN = 0.06
 """Free border on each side of the object, as a share of the edge."""
 MAX_PIXELS = 64_000_000
 MAX_EDGE = 2048
-"""Larger pictures are scaled down first: their background is told from the object as well, in less memory."""
+"""Longest edge (pixels); larger pictures are scaled down first to limit the memory of background removal."""
 BACKGROUND_TOLERANCE = 0.12
-"""How far (in RGB, 0 to 1) a colour may be from the border's to count as background."""
+"""Largest distance (RGB, 0 to 1) of a background colour from the colour of the border."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Picture:
-    """RGB and alpha in [0, 1], premultiplied on black; ``notes`` says what was done to get there."""
+    """RGB and alpha in [0, 1], premultiplied on black; ``notes`` lists the processing steps."""
 
     rgba: Float[np.ndarray, "4 S S"]
     notes: tuple[str, ...]
@@ -34,16 +34,16 @@ class Picture:
 def read_picture(path: Path, size: int, *, margin: float = MARGIN) -> Picture:
     """Reads a picture, cuts out its object and scales it into a square.
 
-    With an alpha channel, that is the object. Without, what differs from a plain background along the
-    border is; a picture without a plain background is used whole, and a note says so.
+    An alpha channel defines the object. Without one, the object is what differs from a plain background along
+    the border. A picture without a plain background is used whole, and a note says so.
 
     Args:
-        path: PNG, JPEG or anything that Pillow reads: grey, palette, 16 bit and CMYK too.
-        size: edge of the result in pixels.
-        margin: free border on each side, as a share of the edge.
+        path: PNG, JPEG or any format that Pillow reads, including grey, palette, 16 bit and CMYK images.
+        size: Edge of the result in pixels.
+        margin: Free border on each side, as a share of the edge.
 
     Raises:
-        SourceError: If the file is missing, no picture, truncated, too small or too large, or its object is
+        SourceError: If the file is missing, not an image, truncated, too small or too large, or its object is
             empty.
     """
     from PIL import Image, UnidentifiedImageError
@@ -56,7 +56,7 @@ def read_picture(path: Path, size: int, *, margin: float = MARGIN) -> Picture:
             _check_extent(path, opened.size)
             image = _to_rgba(opened)
     except FileNotFoundError as error:
-        raise SourceError(f"{path}: there is no such picture") from error
+        raise SourceError(f"{path}: no such picture") from error
     except IsADirectoryError as error:
         raise SourceError(f"{path}: is a folder, expected a picture") from error
     except Image.DecompressionBombError as error:
@@ -84,14 +84,14 @@ def read_picture(path: Path, size: int, *, margin: float = MARGIN) -> Picture:
 
 
 def resize_picture(rgba: Float[np.ndarray, "4 S S"], size: int) -> Float[np.ndarray, "4 s s"]:
-    """A picture of ``size`` pixels, each the mean of what it covers."""
+    """A picture of ``size`` pixels by area averaging."""
     if rgba.shape[1] == size:
         return rgba
     return np.stack([_resize(channel, (size, size)) for channel in rgba])
 
 
 def find_object(rgb: Float[np.ndarray, "H W 3"]) -> tuple[Bool[np.ndarray, "H W"], str]:
-    """Mask of what differs from a plain background, with a note; everything if there is none."""
+    """Mask of the object in front of a plain background, with a note; the whole picture if none is found."""
     border = np.concatenate([rgb[0], rgb[-1], rgb[:, 0], rgb[:, -1]])
     background = np.median(border, axis=0)
     plain = np.abs(border - background).max(axis=1) < BACKGROUND_TOLERANCE
@@ -105,7 +105,7 @@ def find_object(rgb: Float[np.ndarray, "H W 3"]) -> tuple[Bool[np.ndarray, "H W"
     filled = np.asarray(binary_fill_holes(differs))
     pieces, count = label(filled)  # type: ignore[misc]
     largest = np.bincount(pieces.ravel())[1:].argmax() + 1 if count else 0
-    return pieces == largest, "the object was told from its plain background"
+    return pieces == largest, "the object was separated from its plain background"
 
 
 def _check_extent(path: Path, extent: tuple[int, int]) -> None:
@@ -120,7 +120,7 @@ def _check_extent(path: Path, extent: tuple[int, int]) -> None:
 
 
 def _to_rgba(image: "Image.Image") -> "Image.Image":
-    """Any mode to 8-bit RGBA; 16-bit grey is scaled, not cut off."""
+    """Converts any mode to 8-bit RGBA; 16-bit grey is scaled, not clipped."""
     if image.mode.startswith("I") or image.mode == "F":
         from PIL import Image as PillowImage
 
@@ -134,7 +134,7 @@ def _to_rgba(image: "Image.Image") -> "Image.Image":
 def _fit(
     values: Float[np.ndarray, "H W 4"], mask: Bool[np.ndarray, "H W"], size: int, margin: float
 ) -> Float[np.ndarray, "4 S S"]:
-    """The mask's box in the middle of a square, background black."""
+    """Centres the mask's box in a square on black."""
 
     rows, columns = np.flatnonzero(mask.any(axis=1)), np.flatnonzero(mask.any(axis=0))
     box = (slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1))

@@ -1,8 +1,8 @@
-"""Parses English into a condition: category, part counts, sizes, colours; rule-based, no model.
+"""Parses English into a condition: category, part counts, sizes and colours; rule-based, no model.
 
-"A tall white cabinet with three drawers and two black handles, 80 cm wide" says category StorageFurniture,
-three drawers, two handles, a width of 0.8 m, that it is tall, and which colours it has. Words that say
-nothing of these ("a", "with") are listed as unused; a sentence that names nothing we know is an error.
+"A tall white cabinet with three drawers and two black handles, 80 cm wide" gives category StorageFurniture,
+three drawers, two handles, a width of 0.8 m, a larger height than usual, and colours. Words without such a
+meaning ("a", "with") are listed as unused. A sentence without any known word is an error.
 """
 
 import re
@@ -76,7 +76,7 @@ CATEGORY_WORDS: dict[str, str] = {
     "light switch": "Switch",
     "toaster": "Toaster",
 }
-"""Singular nouns, and the category each one names; the model knows dressers as StorageFurniture."""
+"""Category of each singular noun."""
 
 PART_WORDS: dict[str, PartLabel] = {
     "drawer": "drawer",
@@ -144,7 +144,7 @@ ADJECTIVES: dict[str, tuple[str, float]] = {
     "deep": ("depth", 1.25),
     "shallow": ("depth", 0.75),
 }
-"""Without a number these stretch the category's usual extent along one axis."""
+"""Adjectives that scale the category's usual extent along one axis when no length is given."""
 
 
 Color = tuple[float, float, float]
@@ -172,18 +172,18 @@ COLORS: dict[str, Color] = {
     "navy": (0.16, 0.21, 0.35),
     "pink": (0.86, 0.63, 0.66),
 }
-"""Colours that paint and wood of that name have."""
+"""sRGB colours of paints and woods."""
 BETWEEN = 3
-"""At most so many words stand between a colour and its noun."""
+"""Largest number of words between a colour and its noun."""
 
 
 class TextError(ArtigenError):
-    """A sentence names nothing that can be generated, or contradicts itself."""
+    """A sentence that names nothing known, or contradicts itself."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class ParsedText:
-    """What a sentence asks for. Metres; ``stretch`` is relative to what is usual."""
+    """Content of a sentence. Lengths in metres; ``stretch`` is relative to the usual extent."""
 
     category: str | None = None
     counts: tuple[tuple[PartLabel, int], ...] = ()
@@ -192,15 +192,16 @@ class ParsedText:
     height: float | None = None
     stretch: tuple[tuple[str, float], ...] = ()
     colors: tuple[tuple[PartLabel, str], ...] = ()
-    """Colour words by part; that of the object stands at its base."""
+    """Colour words by part label; ``base`` stands for the whole object."""
     unused: tuple[str, ...] = ()
 
 
 def parse_text(text: str) -> ParsedText:
-    """Reads a sentence.
+    """Parses a sentence.
 
     Raises:
-        TextError: If no word is understood, or category, a count or a length is given twice and differs.
+        TextError: If no word is understood, or the sentence gives two categories, or two values of a count or
+            length.
     """
     words = [_singular(word) for word in re.findall(r"\d+(?:\.\d+)?|[a-z]+", text.lower().replace("-", " "))]
     found = ParsedText()
@@ -223,11 +224,11 @@ def parse_text(text: str) -> ParsedText:
 
 
 def write_text(category: str, counts: Mapping[PartLabel, int]) -> str:
-    """A sentence that says category and parts; `parse_text` reads the same out of it.
+    """A sentence with a category and part counts; the inverse of `parse_text`.
 
     Args:
-        category: One that a word names.
-        counts: Parts by label; the base and labels of which there are none are not named.
+        category: A category that has a noun.
+        counts: Parts by label; the base and labels with a count of 0 are not named.
     """
     nouns = {named: noun for noun, named in reversed(CATEGORY_WORDS.items())}
     names = {label: noun for noun, label in reversed(PART_WORDS.items())}
@@ -247,7 +248,7 @@ def write_text(category: str, counts: Mapping[PartLabel, int]) -> str:
 
 
 def _read_length(words: list[str], found: ParsedText) -> tuple[ParsedText, int]:
-    """A number, a unit, and what it measures: "80 cm wide"."""
+    """Parses a number, a unit and an axis: "80 cm wide"."""
     if len(words) < 3 or not _is_number(words[0]) or words[1] not in LENGTHS:
         return found, 0
     used = 4 if words[2] == "in" and len(words) > 3 else 3
@@ -264,20 +265,20 @@ def _read_length(words: list[str], found: ParsedText) -> tuple[ParsedText, int]:
 
 
 def _read_category(words: list[str], found: ParsedText) -> tuple[ParsedText, int]:
-    """The longest noun phrase that names a category."""
+    """Parses the longest noun phrase that names a category."""
     phrases = {tuple(map(_singular, phrase.split())): named for phrase, named in CATEGORY_WORDS.items()}
     for size in (3, 2, 1):
         category = phrases.get(tuple(words[:size])) if len(words) >= size else None
         if category is None:
             continue
         if found.category not in (None, category):
-            raise TextError(f"{found.category} and {category} are asked for at once; name one category")
+            raise TextError(f"both {found.category} and {category} are named; give one category")
         return replace(found, category=category), size
     return found, 0
 
 
 def _read_count(words: list[str], found: ParsedText) -> tuple[ParsedText, int]:
-    """A number and a part, with at most two words between: "three wide oak drawers"."""
+    """Parses a number and a part, with at most two words between them: "three wide oak drawers"."""
     number = int(float(words[0])) if _is_number(words[0]) else NUMBERS.get(words[0])
     if number is None:
         return found, 0
@@ -308,7 +309,7 @@ def _read_adjective(words: list[str], found: ParsedText) -> tuple[ParsedText, in
 
 
 def _read_color(words: list[str], found: ParsedText) -> tuple[ParsedText, int]:
-    """A colour and, soon after it, the noun it belongs to: a part, or the object."""
+    """Parses a colour and the noun soon after it, a part or the object."""
     if words[0] not in COLORS:
         return found, 0
     for at in range(1, min(BETWEEN + 2, len(words))):

@@ -1,1 +1,2 @@
-"""Procedural articulated objects with exact truth: shapes drawn from a grammar, made of convex primitives."""
+"""Procedural articulated objects with exact ground truth, sampled from a grammar and built of convex
+primitives."""

@@ -11,7 +11,7 @@ from artigen.voxels.voxelize import assign_cells, drop_unresolved, find_heirs
 
 
 def shape_parts(shape: Shape, center: Float[np.ndarray, "3"], scale: float) -> tuple[Part, ...]:
-    """The parts with joints and boxes, about ``center`` (m) and in lengths of ``scale`` metres."""
+    """Parts with joints and boxes, relative to ``center`` (m) and in units of ``scale`` metres."""
     names = [part.name for part in shape.parts]
     out = []
     for part in shape.parts:
@@ -29,7 +29,7 @@ def shape_parts(shape: Shape, center: Float[np.ndarray, "3"], scale: float) -> t
 
 
 def frame_shape(shape: Shape) -> tuple[Float[np.ndarray, "3"], float]:
-    """Centre of the closed object (m) and its longest edge (m): the unit cube's origin and scale."""
+    """Centre (m) and longest edge (m) of the closed object: origin and scale of the unit cube."""
     low, high = shape.bounds()
     return (low + high) / 2, float((high - low).max())
 
@@ -59,7 +59,7 @@ def shape_to_asset(shape: Shape, resolution: int | None = 64, spacing: float | N
 
 
 def part_owners(shape: Shape, asset: Asset) -> Int[np.ndarray, "P"]:
-    """The asset's part that each part of the shape is: itself, or the ancestor that it was merged into."""
+    """Asset part of each part of the shape: itself, or the ancestor that it was merged into."""
     return find_heirs({part.name: part.parent for part in shape.parts}, asset)
 
 

@@ -4,21 +4,21 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 TINY = 1e-6
-"""Cells: what is shorter than this is nothing, and what lies this close to a plane lies on it."""
+"""Smallest length (cells) that is kept, and tolerance for lying on a plane."""
 
 
 WIDTHS = (6, 16)
-"""Polygons with at most so many corners are cut together: padding costs time."""
+"""Groups of polygons by number of corners that are cut together, to limit the cost of padding."""
 Cut = tuple[Int[np.ndarray, "P"], Float[np.ndarray, "P W 3"], Int[np.ndarray, "P"]]
-"""Which polygon each piece is of, its corners (padded as given), and how many they are."""
+"""Index of the source polygon of each piece, its corners (padded as given), and their number."""
 
 
 def cut_polygons(corners: Float[np.ndarray, "N M 3"], counts: Int[np.ndarray, "N"]) -> list[Cut]:
-    """Cuts polygons until each piece lies in one cell; pieces of like width come together.
+    """Cuts polygons until each piece lies in one cell; pieces are grouped by width.
 
     Args:
-        corners: Corners in order; those beyond a polygon's count repeat its last one.
-        counts: Corners of each polygon.
+        corners: Corners in order, padded with the last corner of each polygon.
+        counts: Number of corners of each polygon.
     """
     groups = _sort_by_width((np.arange(len(corners)), corners, counts))
     for axis in range(3):
@@ -37,7 +37,7 @@ def _sort_by_width(cut: Cut) -> list[Cut]:
 
 
 def _cut_along(cut: Cut, axis: int) -> Cut:
-    """Cuts at every plane between cells that is upright to an axis."""
+    """Cuts at every plane between cells that is perpendicular to an axis."""
     rows, corners, counts = cut
     height = corners[:, :, axis]
     first = np.floor(height.min(axis=1) + TINY).astype(np.int64)
@@ -56,7 +56,7 @@ def _cut_along(cut: Cut, axis: int) -> Cut:
 
 
 def polygon_areas(corners: Float[np.ndarray, "N M 3"]) -> Float[np.ndarray, "N 3"]:
-    """Area vectors: as long as the area, along the normal that sees the corners counterclockwise."""
+    """Area vectors: their length is the area, their direction the normal for counterclockwise corners."""
     spokes = corners[:, 1:] - corners[:, :1]
     return np.cross(spokes[:, :-1], spokes[:, 1:]).sum(axis=1) / 2
 
@@ -64,7 +64,7 @@ def polygon_areas(corners: Float[np.ndarray, "N M 3"]) -> Float[np.ndarray, "N 3
 def polygon_middles(
     corners: Float[np.ndarray, "N M 3"], counts: Int[np.ndarray, "N"]
 ) -> Float[np.ndarray, "N 3"]:
-    """Means of the corners: points inside."""
+    """Means of the corners, which lie inside."""
     padding = corners.shape[1] - counts
     return (corners.sum(axis=1) - padding[:, None] * corners[:, -1]) / counts[:, None]
 
@@ -76,7 +76,7 @@ def _cut_off(
     axis: int,
     at: tuple[Int[np.ndarray, "N"], int],
 ) -> tuple[Float[np.ndarray, "N W 3"], Int[np.ndarray, "N"]]:
-    """The chosen polygons without what is beyond their planes; ``at`` says where they are and which way."""
+    """Clips the chosen polygons at their planes; ``at`` gives positions and side."""
     if not chosen.any():
         return corners, counts
     planes, side = at
@@ -93,7 +93,7 @@ def _cut_off(
 def _keep_side(
     corners: Float[np.ndarray, "N M 3"], height: Float[np.ndarray, "N M"]
 ) -> tuple[Float[np.ndarray, "N W 3"], Int[np.ndarray, "N"]]:
-    """What is left of polygons where their height is not negative, and how many corners each has."""
+    """Clips polygons to non-negative height; returns the corners and their number."""
     after, next_height = np.roll(corners, -1, axis=1), np.roll(height, -1, axis=1)
     inside = height >= 0
     crosses = inside != (next_height >= 0)
@@ -109,6 +109,6 @@ def _keep_side(
 
 
 def _pad(corners: Float[np.ndarray, "N M 3"], width: int) -> Float[np.ndarray, "N W 3"]:
-    """The corners in so many columns: the last one again and again, or without such repetitions."""
+    """Pads the corners to ``width`` columns with the last one, or removes such padding."""
     column = np.minimum(np.arange(width), corners.shape[1] - 1)
     return corners[:, column]

@@ -1,4 +1,4 @@
-"""Where the parts of a shape are at given joint coordinates, in metres and radians."""
+"""Poses of the parts of a shape for joint coordinates, in metres and radians."""
 
 from collections.abc import Sequence
 
@@ -15,16 +15,16 @@ def pose_parts(shape: Shape, qpos: Float[np.ndarray, "*B P"]) -> Float[np.ndarra
 
     Args:
         shape: The object.
-        qpos: One coordinate per part, in metres for prismatic joints, in radians else; those of fixed
-            parts have no effect.
+        qpos: One coordinate per part, in metres for prismatic joints, else in radians; those of fixed parts
+            are ignored.
 
     Raises:
-        ValueError: If there is another number of coordinates than of parts.
+        ValueError: If the number of coordinates differs from the number of parts.
     """
     qpos = np.asarray(qpos, dtype=np.float64)
     if qpos.shape[-1] != len(shape.parts):
         raise ValueError(
-            f"{shape.name}: qpos has {qpos.shape[-1]} entries, {len(shape.parts)} parts want one each"
+            f"{shape.name}: qpos has {qpos.shape[-1]} entries, expected one per part, {len(shape.parts)}"
         )
     out = np.zeros((*qpos.shape, 4, 4))
     row = {part.name: index for index, part in enumerate(shape.parts)}
@@ -42,7 +42,7 @@ def pose_parts(shape: Shape, qpos: Float[np.ndarray, "*B P"]) -> Float[np.ndarra
 
 
 def lead_followers(shape: Shape, qpos: Float[np.ndarray, "P"]) -> Float[np.ndarray, "P"]:
-    """Coordinates with every follower as far open as the part that it follows."""
+    """Coordinates with every follower open in proportion to its leader."""
     share = {
         part.name: q / part.motion.upper
         for part, q in zip(shape.parts, qpos, strict=True)
@@ -59,7 +59,7 @@ def lead_followers(shape: Shape, qpos: Float[np.ndarray, "P"]) -> Float[np.ndarr
 
 
 def open_parts(shape: Shape, fraction: float) -> Float[np.ndarray, "P"]:
-    """Coordinates with every limited joint at the same share of its range, others closed."""
+    """Coordinates with every limited joint at the same share of its range and the others closed."""
     return np.array(
         [
             0.0 if part.motion is None or part.motion.type == "continuous" else fraction * part.motion.upper

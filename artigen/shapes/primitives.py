@@ -1,8 +1,8 @@
-"""Convex primitives in metres: what every part of a procedural object is made of.
+"""Convex primitives in metres, of which every part of a procedural object consists.
 
-A primitive is a convex solid in its own frame, placed rigidly in the object frame at rest (z up, front
--x). Its solid is exact: a polytope given by planes, or a cylinder. `primitive_mesh` gives its closed
-surface; for a cylinder that is the inscribed prism of `SEGMENTS` sides.
+A primitive is a convex solid in its own frame, placed rigidly in the object frame at rest (z up, front -x).
+The solid is exact: a polytope given by planes, or a cylinder. Its vertices describe the closed surface; for a
+cylinder that of the inscribed prism of `SEGMENTS` sides.
 """
 
 from dataclasses import dataclass, replace
@@ -16,7 +16,7 @@ from artigen.types import frozen_array
 
 PrimitiveKind = Literal["polytope", "cylinder"]
 SEGMENTS = 16
-"""Sides of the prism that stands for a cylinder in meshes and hulls."""
+"""Sides of the prism that represents a cylinder in meshes and hulls."""
 Vector = tuple[float, float, float]
 
 _ARRAYS: dict[str, tuple[type, tuple[int | None, ...]]] = {
@@ -34,11 +34,11 @@ _ARRAYS: dict[str, tuple[type, tuple[int | None, ...]]] = {
 class Primitive:
     """A convex solid of one finish, possibly lined on one side.
 
-    ``rotation`` has the own axes as columns, in object axes. A cylinder stands along its own z with
-    ``size`` (diameter, diameter, length); a polytope is ``{p : planes @ (p, 1) <= 0}`` in the own
-    frame, rows (unit normal, offset), and ``size`` its extent there. ``finish`` names an entry of
-    `Shape.finishes`. Where the outward normal lies within 60 degrees of ``lined_side`` (object axes
-    at rest) the surface has ``lining`` instead: the white inside of a wooden carcass.
+    ``rotation`` has the own axes as columns, in object axes. A cylinder stands along its own z with ``size``
+    (diameter, diameter, length). A polytope is ``{p : planes @ (p, 1) <= 0}`` in its own frame, with rows
+    (unit normal, offset) and its extent ``size``. ``finish`` names an entry of `Shape.finishes`. Where the
+    outward normal lies within 60 degrees of ``lined_side`` (object axes at rest), the surface has ``lining``
+    instead: the white inside of a wooden carcass.
     """
 
     kind: PrimitiveKind
@@ -49,7 +49,8 @@ class Primitive:
     vertices: Float[np.ndarray, "V 3"]
     faces: Int[np.ndarray, "F 3"]
     rings: Int[np.ndarray, "K M"]
-    """Vertices around the face on each plane, counterclockwise from outside; short ones repeat their last."""
+    """Vertices around the face on each plane, counterclockwise from outside; short rings repeat their last
+    vertex."""
     finish: str
     lining: str | None = None
     lined_side: Vector | None = None
@@ -57,12 +58,12 @@ class Primitive:
     def __post_init__(self) -> None:
         for name, (dtype, shape) in _ARRAYS.items():
             value = getattr(self, name)
-            if not _is_frozen(value, dtype):  # what another primitive holds was checked there
+            if not _is_frozen(value, dtype):  # fields of another primitive were checked there
                 object.__setattr__(self, name, frozen_array(value, dtype, shape, f"primitive {name}"))
         if not (self.size > 0).all():
             raise ValueError(f"a {self.kind} has size {self.size.tolist()}, expected positive edges")
         if (self.lining is None) != (self.lined_side is None):
-            raise ValueError("a primitive has a lining and the side it lines, or neither")
+            raise ValueError("a primitive needs both a lining and a lined side, or neither")
 
 
 def box(low: Vector, high: Vector, finish: str) -> Primitive:
@@ -71,7 +72,7 @@ def box(low: Vector, high: Vector, finish: str) -> Primitive:
 
 
 def rounded_box(low: Vector, high: Vector, bevel: float, finish: str) -> Primitive:
-    """A box whose twelve edges and eight corners are taken off by planes, ``bevel`` (m) wide on each face."""
+    """A box whose twelve edges and eight corners are cut off by planes, ``bevel`` (m) wide on each face."""
     bottom, top = np.array(low, dtype=float), np.array(high, dtype=float)
     half = (top - bottom) / 2
     if not (half > bevel).all() or bevel < 0:
@@ -93,10 +94,10 @@ def cylinder(start: Vector, end: Vector, radius: float, finish: str) -> Primitiv
 def prism(
     profile: Float[np.ndarray, "K 2"], start: Vector, end: Vector, finish: str, *, taper: float = 1.0
 ) -> Primitive:
-    """A convex polygon swept from ``start`` to ``end`` (m), scaled to ``taper`` of its size on the way.
+    """A convex polygon swept from ``start`` to ``end`` (m) and scaled linearly to ``taper`` of its size.
 
-    The polygon's plane is upright to the sweep: for a vertical sweep its axes are the object's x and y, for
-    one along x they are y and z, for one along y they are z and x.
+    The polygon's plane is perpendicular to the sweep: for a vertical sweep its axes are the object's x and y,
+    for one along x they are y and z, for one along y they are z and x.
     """
     ends = np.array([start, end], dtype=float)
     length = float(np.linalg.norm(ends[1] - ends[0]))
@@ -117,7 +118,7 @@ def prism(
 def polytope(
     corners: Float[np.ndarray, "N 3"], finish: str, *, center: Vector = (0.0, 0.0, 0.0)
 ) -> Primitive:
-    """The convex hull of points that are given about ``center`` (m); the own frame is centred on its box.
+    """Convex hull of points given relative to ``center`` (m); its own frame is centred on its box.
 
     Raises:
         ValueError: If the points span no volume.
@@ -137,7 +138,7 @@ def polytope(
     a, b, c = (points[faces[:, k]] for k in range(3))
     inward = np.einsum("fi,fi->f", np.cross(b - a, c - a), hull.equations[:, :3]) < 0
     faces[inward] = faces[inward][:, ::-1]
-    used, faces = np.unique(faces, return_inverse=True)  # drops points inside, keeps the order
+    used, faces = np.unique(faces, return_inverse=True)  # drops interior points, keeps the order
     planes, rings = _find_rings(points[used], hull.equations)
     return Primitive(
         kind="polytope",
@@ -153,7 +154,7 @@ def polytope(
 
 
 def line(primitive: Primitive, lining: str, side: Vector) -> Primitive:
-    """The same solid with another finish on the side that faces ``side`` (object axes at rest)."""
+    """Adds a lining to the side that faces ``side`` (object axes at rest)."""
     return replace(primitive, lining=lining, lined_side=side)
 
 
@@ -164,7 +165,8 @@ def move(
     turn: float = 0.0,
     about: Vector = (0.0, 0.0, 1.0),
 ) -> Primitive:
-    """The solid turned by ``turn`` radians about an axis through the object's origin, then shifted (m)."""
+    """Rotates a solid by ``turn`` radians about an axis through the object's origin, then translates it
+    (m)."""
     from scipy.spatial.transform import Rotation
 
     axis = np.array(about, dtype=float)
@@ -190,7 +192,7 @@ def place_vertices(primitive: Primitive) -> Float[np.ndarray, "V 3"]:
 def contains(
     primitive: Primitive, points: Float[np.ndarray, "N 3"], margin: float = 0.0
 ) -> Bool[np.ndarray, "N"]:
-    """Which points (m, object frame) lie inside the exact solid by more than ``margin``."""
+    """Whether points (m, object frame) lie inside the exact solid by more than ``margin``."""
     own = (points - primitive.center) @ primitive.rotation
     if primitive.kind == "cylinder":
         radius, half = primitive.size[0] / 2, primitive.size[2] / 2
@@ -210,7 +212,7 @@ def _is_frozen(value: object, dtype: type) -> bool:
 def _find_rings(
     vertices: Float[np.ndarray, "V 3"], equations: Float[np.ndarray, "F 4"]
 ) -> tuple[Float[np.ndarray, "K 4"], Int[np.ndarray, "K M"]]:
-    """The different planes of a hull, and the vertices around the face on each."""
+    """The distinct planes of a hull, and the vertices around the face on each."""
     reach = 1e-9 * float(np.ptp(vertices, axis=0).max())
     on = np.abs(equations[:, :3] @ vertices.T + equations[:, 3:]) < reach
     first = {row.tobytes(): index for index, row in reversed(list(enumerate(on)))}
@@ -248,7 +250,7 @@ def _unit_cylinder() -> Primitive:
 def _alike(
     like: Primitive, vertices: Float[np.ndarray, "V 3"], finish: str, center: Float[np.ndarray, "3"]
 ) -> Primitive:
-    """A polytope with the faces and plane normals of another one: hulls are slow to find."""
+    """A polytope that reuses the faces and plane normals of another one, because computing hulls is slow."""
     normals = like.planes[:, :3]
     planes = np.column_stack([normals, -(vertices @ normals.T).max(axis=0)])
     size = np.ptp(vertices, axis=0)

@@ -1,8 +1,9 @@
-"""The cells of a grid that the surface of a shape crosses, and how much area each part has in each.
+"""Cells of a grid that the surface of a shape crosses, with the area of each part in each cell.
 
-No samples: faces are cut along the planes between cells, so that a cell is found if and only if surface
-passes through it. Parallelograms with an edge along an axis (nearly all) are cut in closed form, other faces
-as polygons. Cylinders are prisms of so many sides that the difference is a small part of a cell.
+The result is exact, not sampled: faces are cut along the planes between cells, so that a cell is found if and
+only if surface passes through it. Parallelograms with an edge along an axis (nearly all faces) are cut in
+closed form, other faces as polygons. Cylinders are prisms with enough sides that the error is a small
+fraction of a cell.
 """
 
 from collections.abc import Callable
@@ -17,14 +18,14 @@ from artigen.shapes.shape import Shape
 from artigen.shapes.solids import Solids, cover_boxes, list_solids, see_points
 
 _LOOKS = np.array([[0.02, 0.02], [0.02, 0.98], [0.98, 0.02], [0.98, 0.98], [0.5, 0.5]])
-"""Where a parallelogram that another primitive may cover is looked at."""
+"""Sample points on a parallelogram that another primitive may cover."""
 _SHRINK = 0.96
-"""Other polygons are looked at in their middle and so far from it towards each corner."""
+"""Position of sample points on other polygons, as a share of the way from the middle to each corner."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class CellAreas:
-    """Area (in faces of a cell) that a part has in a cell, one row for every piece of surface."""
+    """Area of a part in a cell (in units of a cell face), one row per piece of surface."""
 
     cells: Int[np.ndarray, "N 3"]
     part_ids: Int[np.ndarray, "N"]
@@ -39,13 +40,13 @@ class _Sheets:
     first: Float[np.ndarray, "N 3"]
     second: Float[np.ndarray, "N 3"]
     axis: Int[np.ndarray, "N"]
-    """``first`` runs along it, ``second`` is upright to it."""
+    """Axis along which ``first`` runs; ``second`` is perpendicular to it."""
     owners: Int[np.ndarray, "N"]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Polygons:
-    """Faces, in cells, counterclockwise from outside; the last corner is repeated beyond the count."""
+    """Faces, in cells, counterclockwise from outside; padded with the last corner."""
 
     corners: Float[np.ndarray, "N M 3"]
     counts: Int[np.ndarray, "N"]
@@ -54,20 +55,20 @@ class _Polygons:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Pieces:
-    """Flat pieces, each in one cell."""
+    """Planar pieces, each in one cell."""
 
     middles: Float[np.ndarray, "N 3"]
     areas: Float[np.ndarray, "N 3"]
-    """As long as the area, along the outward normal."""
+    """Area vectors along the outward normal."""
     low: Float[np.ndarray, "N 3"]
     high: Float[np.ndarray, "N 3"]
     looks: Callable[[Int[np.ndarray, "K"]], Float[np.ndarray, "K L 3"]]
-    """Points on some of them, to see how much others cover."""
+    """Sample points on selected pieces, for estimating how much others cover."""
     owners: Int[np.ndarray, "N"]
 
 
 def rasterize_shape(shape: Shape, resolution: int = 64) -> CellAreas:
-    """Cuts the surfaces of all parts into cells of the unit cube that the closed object fills."""
+    """Cuts the surfaces of all parts into cells of the unit cube around the closed object."""
     low, high = shape.bounds()
     cell = float((high - low).max()) / resolution
     corner = (low + high) / 2 - cell * resolution / 2
@@ -92,7 +93,7 @@ def rasterize_shape(shape: Shape, resolution: int = 64) -> CellAreas:
 def _list_faces(
     solids: Solids, corner: Float[np.ndarray, "3"], cell: float
 ) -> tuple[_Sheets, list[_Polygons]]:
-    """Parallelograms along the axes and all other faces, in cells; polygons of like width together."""
+    """Axis-aligned parallelograms and all other faces, in cells; polygons are grouped by width."""
     found: dict[int, list[tuple[np.ndarray, int]]] = {}  # by width
     for index, primitive in enumerate(solids.primitives):
         if primitive.kind == "cylinder":
@@ -116,12 +117,13 @@ def _list_faces(
 def _find_sheets(
     corners: Float[np.ndarray, "N M 3"], counts: Int[np.ndarray, "N"], owners: Int[np.ndarray, "N"]
 ) -> tuple[Bool[np.ndarray, "N"], _Sheets]:
-    """Which faces are parallelograms with an edge along an axis and another upright to it."""
+    """Mask and sheets of the faces that are parallelograms with an edge along an axis and another
+    perpendicular to it."""
     if corners.shape[1] < 4:
         corners = np.concatenate([corners, corners[:, -1:]], axis=1)
     a, b, c, d = (corners[:, k] for k in range(4))
     whole = (counts == 4) & (np.abs(a + c - b - d).max(axis=1) < TINY)
-    ways = np.stack([b - a, c - b])  # the face as given, and turned so that its second edge is the first
+    ways = np.stack([b - a, c - b])  # the face as given, and rotated so that its second edge is the first
     short = np.abs(ways) < TINY
     along = short.sum(axis=2) == 2
     axis = np.argmax(np.abs(ways), axis=2)
@@ -140,7 +142,7 @@ def _find_sheets(
 
 
 def _cylinder_faces(primitive: Primitive, cell: float) -> list[Float[np.ndarray, "N M 3"]]:
-    """Strips of the side, and the two ends; enough of them to err by a fiftieth of a cell."""
+    """Strips of the side, and the two ends, with an error of at most a fiftieth of a cell."""
     radius, half = primitive.size[0] / 2, primitive.rotation[:, 2] * primitive.size[2] / 2
     sides = 16 if radius < cell else 32 if radius < 4 * cell else 64
     turn = (np.arange(sides) + 0.5) * 2 * np.pi / sides
@@ -154,7 +156,7 @@ def _cylinder_faces(primitive: Primitive, cell: float) -> list[Float[np.ndarray,
 
 
 def _cut_sheets(sheets: _Sheets) -> _Pieces:
-    """Cuts along the axis in steps of a cell, and across it at every plane that the edge meets."""
+    """Cuts along the axis in steps of a cell, and across it at every plane that the edge crosses."""
     axis = sheets.axis
     face, start, end = _cut_segments(sheets.origin, sheets.second)
     at = sheets.origin[face, axis[face]]
@@ -196,7 +198,7 @@ def _cut_faces(faces: _Polygons) -> list[_Pieces]:
 def _list_pieces(
     corners: Float[np.ndarray, "N M 3"], counts: Int[np.ndarray, "N"], owners: Int[np.ndarray, "N"]
 ) -> _Pieces:
-    """Pieces from the corners of polygons that have an area."""
+    """Pieces from the corners of polygons with positive area."""
     areas = polygon_areas(corners)
     proper = (areas**2).sum(axis=1) > TINY**4
     corners, counts = corners[proper], counts[proper]
@@ -220,7 +222,7 @@ def _list_pieces(
 def _cut_segments(
     origin: Float[np.ndarray, "N 3"], edge: Float[np.ndarray, "N 3"]
 ) -> tuple[Int[np.ndarray, "M"], Float[np.ndarray, "M"], Float[np.ndarray, "M"]]:
-    """Which segment, and from where to where on it in [0, 1], between planes at whole numbers."""
+    """Index of the segment, start and end in [0, 1] of each part between planes at integers."""
     rows, cuts = [np.repeat(np.arange(len(origin)), 2)], [np.tile([0.0, 1.0], len(origin))]
     for axis in range(3):
         start, end = origin[:, axis], origin[:, axis] + edge[:, axis]
@@ -245,7 +247,7 @@ def _find_shares(
     corner: Float[np.ndarray, "3"],
     cell: float,
 ) -> Float[np.ndarray, "N"]:
-    """How much of every piece is surface of its part, judged at a few points where others cut it."""
+    """Share of every piece that is surface of its part, estimated at a few points where others cut it."""
     owners = np.concatenate([some.owners for some in pieces])
     order = np.argsort(owners, kind="stable")
     low = np.concatenate([some.low for some in pieces])[order] * cell + corner

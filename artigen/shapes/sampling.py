@@ -1,4 +1,4 @@
-"""Points spread evenly over the surface of a procedural object, with normal, part and colour.
+"""Evenly spread points on the surface of a procedural object, with normal, part and colour.
 
 Surfaces are exact: faces of polytopes, and the round side and flat ends of cylinders.
 """
@@ -34,7 +34,7 @@ class _Patches:
 
     owners: Int[np.ndarray, "F"]
     kinds: Int[np.ndarray, "F"]
-    """0 triangle, 1 side of a cylinder, 2 end of one."""
+    """0 triangle, 1 side of a cylinder, 2 end of a cylinder."""
     origin: Float[np.ndarray, "F 3"]
     frame: Float[np.ndarray, "F 3 3"]
     """Rows: two edges and the normal; or two radii and the axis from end to end."""
@@ -42,9 +42,9 @@ class _Patches:
 
 
 def place_points(shape: Shape, spacing: float) -> SurfacePoints:
-    """Points on the surface of every part, each standing for ``spacing`` squared (m) of it.
+    """Points on the surface of every part, one per ``spacing`` squared (m).
 
-    The same points on every call. A part's surface is that of the union of its primitives.
+    Deterministic. A part's surface is that of the union of its primitives.
     """
     if not spacing > 0:
         raise ValueError(f"spacing of {spacing} m, expected above 0")
@@ -70,9 +70,9 @@ def sample_shape(shape: Shape, spacing: float) -> SurfaceSamples:
 
 
 def paint_points(shape: Shape, found: SurfacePoints, *, footprint: float) -> SurfaceSamples:
-    """Points on an object with their colours, in the unit cube.
+    """Colours points on an object; in the unit cube.
 
-    Patterns finer than ``footprint`` (m) are left out.
+    Patterns finer than ``footprint`` (m) are omitted.
     """
     from artigen.shapes.surfaces.textures import paint_primitives
 
@@ -81,7 +81,7 @@ def paint_points(shape: Shape, found: SurfacePoints, *, footprint: float) -> Sur
 
 
 def _to_samples(shape: Shape, found: SurfacePoints, colors: UInt8[np.ndarray, "N 3"]) -> SurfaceSamples:
-    """Points in the unit cube."""
+    """Converts points to the unit cube."""
     low, high = shape.bounds()
     return SurfaceSamples(
         points=(found.points - (low + high) / 2) / float((high - low).max()),
@@ -92,7 +92,7 @@ def _to_samples(shape: Shape, found: SurfacePoints, colors: UInt8[np.ndarray, "N
 
 
 def read_clear(shape: Shape, found: SurfacePoints) -> Float[np.ndarray, "N"]:
-    """Share of what is behind that the surface lets through at points on an object."""
+    """Transparency of the surface at points on an object, 1 - opacity."""
     from artigen.shapes.surfaces.textures import find_rows, make_paint
 
     table = make_paint(shape)
@@ -145,7 +145,7 @@ def _cylinder_patches(
 def _map_points(
     patches: _Patches, chosen: Int[np.ndarray, "N"], u: Float[np.ndarray, "N"], v: Float[np.ndarray, "N"]
 ) -> tuple[Float[np.ndarray, "N 3"], Float[np.ndarray, "N 3"]]:
-    """Points and outward normals of patches at (u, v) in the unit square, even by area."""
+    """Points and outward normals of patches at (u, v) in the unit square, with uniform area density."""
     kind, frame = patches.kinds[chosen], patches.frame[chosen]
     over = u + v > 1.0
     weights = np.column_stack([np.where(over, 1.0 - u, u), np.where(over, 1.0 - v, v), np.zeros(len(u))])

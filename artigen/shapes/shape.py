@@ -1,7 +1,7 @@
 """`Shape`: a procedural articulated object as a value, in metres.
 
 Frame: z up, front -x, the floor at z = 0. Joint coordinates follow CONVENTIONS.md: 0 is closed, positive
-opens; a prismatic joint is stated in metres here.
+opens; here, prismatic joints are in metres.
 """
 
 from collections import Counter
@@ -19,11 +19,11 @@ ENDLESS: tuple[JointType, ...] = ("continuous", "screw")
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Motion:
-    """How a part moves on its parent: a joint in metres and radians, in the object frame at rest.
+    """A part's joint to its parent, in metres and radians, in the object frame at rest.
 
-    ``follows`` names a part that moves this one along, as a pedal does a lid: both are closed and both are
-    open at the same time, in proportion between. ``spring`` is a force (N) or torque (N m) that closes the
-    joint: as large as stated where it is closed, twice that where it is open, linear between.
+    ``follows`` names a part that drives this one, as a pedal does a lid: both are closed and both are open at
+    the same time, with proportional motion between. ``spring`` is a force (N) or torque (N m) that closes the
+    joint: the stated value when closed, twice that when open, linear between.
     """
 
     type: JointType
@@ -42,16 +42,16 @@ class Motion:
         if (self.pitch != 0.0) != (self.type == "screw"):
             raise ValueError(f"a {self.type} motion has pitch {self.pitch}; screws and only screws have one")
         if self.type in ENDLESS and (self.follows is not None or self.spring != 0.0):
-            raise ValueError(f"a {self.type} motion follows nothing and has no spring: it has no ends")
+            raise ValueError(f"a {self.type} motion has no limits: it cannot follow another or have a spring")
         if not self.spring >= 0.0:
             raise ValueError(
-                f"a spring of {self.spring} N or N m; it is to be 0 or more, and closes the joint"
+                f"a spring of {self.spring} N or N m; expected 0 or more; a spring closes the joint"
             )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Need:
-    """Another part that must be open before this one moves, and how far (share of its range)."""
+    """Another part that must be open before this one moves, and the required share of its range."""
 
     part: str
     fraction: float = 0.95
@@ -59,7 +59,7 @@ class Need:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ShapePart:
-    """A rigid piece with a meaning, as a union of convex primitives; ``motion`` None is a fixed joint."""
+    """A rigid part with a label, as a union of convex primitives; ``motion`` None is a fixed joint."""
 
     name: str
     label: PartLabel
@@ -84,7 +84,7 @@ class ShapePart:
 
 @dataclass(frozen=True, kw_only=True)
 class Condition:
-    """The condition that a person would state to get this object."""
+    """The condition that a user would state to get this object."""
 
     category: str
     counts: tuple[tuple[PartLabel, int], ...]
@@ -95,7 +95,7 @@ class Condition:
 
 
 def _check_followers(name: str, parts: tuple[ShapePart, ...]) -> None:
-    """Raises `ValueError` unless what is followed moves between ends, and follows nothing itself."""
+    """Raises `ValueError` unless every leader has limits and follows nothing itself."""
     motions = {part.name: part.motion for part in parts}
     for part in parts:
         if part.motion is None or part.motion.follows is None:
@@ -103,11 +103,14 @@ def _check_followers(name: str, parts: tuple[ShapePart, ...]) -> None:
         leader = motions[part.motion.follows]
         if leader is None or leader.type in ENDLESS or leader.follows is not None:
             raise ValueError(
-                f"{name}: part {part.name!r} follows {part.motion.follows!r}, which has to move between two "
-                f"ends and to follow nothing itself"
+                f"{name}: part {part.name!r} follows {part.motion.follows!r}, which must have two limits "
+                f"and follow nothing itself"
             )
         if any(need.part == part.name for other in parts for need in other.needs):
-            raise ValueError(f"{name}: part {part.name!r} follows another; let parts need the other one open")
+            raise ValueError(
+                f"{name}: a part needs {part.name!r}, which follows {part.motion.follows!r}, to be open; "
+                f"let it need {part.motion.follows!r}"
+            )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -126,7 +129,7 @@ class Shape:
         unknown |= {need.part for part in self.parts for need in part.needs} - set(names)
         unknown |= {part.motion.follows for part in self.parts if part.motion is not None} - {None, *names}
         if unknown:
-            raise ValueError(f"{self.name}: parts {sorted(map(str, unknown))} are named and do not exist")
+            raise ValueError(f"{self.name}: parts {sorted(map(str, unknown))} are referenced but missing")
         parents = [-1 if part.parent is None else names.index(part.parent) for part in self.parts]
         check_tree(self.name, names, parents)
         _check_followers(self.name, self.parts)
@@ -134,7 +137,7 @@ class Shape:
         used = {p.finish for part in self.parts for p in part.primitives}
         used |= {p.lining for part in self.parts for p in part.primitives if p.lining is not None}
         if used - finishes:
-            raise ValueError(f"{self.name}: finishes {sorted(used - finishes)} are used and not given")
+            raise ValueError(f"{self.name}: finishes {sorted(used - finishes)} are used but not defined")
 
     @property
     def name(self) -> str:

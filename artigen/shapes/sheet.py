@@ -1,4 +1,4 @@
-"""Contact sheets: pictures of shapes side by side, as a catalogue shows them."""
+"""Contact sheets: pictures of shapes side by side, as in a catalogue."""
 
 from collections.abc import Sequence
 from math import ceil, hypot, sqrt
@@ -13,21 +13,21 @@ from artigen.shapes.shape import Shape
 EYES = 1.5
 """Height (m) of the camera above the floor on which the object stands."""
 AWAY = 3.2
-"""Distance (m) from which an object is looked at, for the slope of the view."""
+"""Distance (m) of the viewer, which determines the slope of the view."""
 ASIDE = 0.52
-"""How far the camera stands to the left of the object, per distance in front of it."""
+"""Offset of the camera to the left of the object, relative to the distance in front of it."""
 
 
 def draw_sheet(
     shapes: Sequence[Shape], opened: float, size: int = 320, *, columns: int | None = None
 ) -> UInt8[np.ndarray, "H W 3"]:
-    """Shapes in rows, each seen from the front left by someone who stands there.
+    """Shapes in rows, each seen from the front left at eye level.
 
     Args:
-        shapes: At least one.
+        shapes: At least one shape.
         opened: Share of its range by which every limited joint is open, 0 to 1.
-        size: Pixels of a picture's edge.
-        columns: Pictures per row; without it the sheet is about square.
+        size: Edge of a picture in pixels.
+        columns: Pictures per row; by default the sheet is about square.
 
     Raises:
         ValueError: If there is no shape.
@@ -43,7 +43,7 @@ def draw_sheet(
 
 
 def draw_picture(shape: Shape, qpos: Float[np.ndarray, "Q"], size: int) -> UInt8[np.ndarray, "H W 3"]:
-    """One object at joint coordinates (one per part), on a bright floor in soft light."""
+    """Renders one object at joint coordinates (one per part), on a bright floor in soft light."""
     from artigen.shapes.render import RenderConfig, build_scene, frame_points, render
 
     points = _posed_vertices(shape, qpos)
@@ -65,8 +65,9 @@ def _posed_vertices(shape: Shape, qpos: Float[np.ndarray, "Q"]) -> Float[np.ndar
 
 
 def _view_of(points: Float[np.ndarray, "N 3"]) -> Vector:
-    """From the object to eyes that look down on its middle, and at least a little on its top."""
+    """Direction from the object to a viewer who looks down on its middle, and at least slightly on its
+    top."""
     low, high = points[:, 2].min(), points[:, 2].max()
-    table = low if high - low > 0.6 else low - 0.75  # small things stand on something
+    table = low if high - low > 0.6 else low - 0.75  # small objects stand on a table
     drop = max(EYES - ((low + high) / 2 - table), 0.25)
     return (-AWAY / hypot(1.0, ASIDE), AWAY * ASIDE / hypot(1.0, ASIDE), float(drop))

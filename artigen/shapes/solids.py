@@ -1,7 +1,7 @@
-"""All primitives of a shape in one table, and which points of their surfaces can be seen from outside.
+"""All primitives of a shape in one table, and visibility of points on their surfaces.
 
-A part is the union of its primitives: what lies inside another primitive of the same part, or between
-two that touch, is no surface of it. Parts are separate things: they hide nothing of each other.
+A part is the union of its primitives: points inside another primitive of the same part, or on a shared face,
+are not on its surface. Parts are separate objects and do not hide each other.
 """
 
 from collections.abc import Iterator
@@ -19,14 +19,14 @@ EPSILON = 1e-7
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Solids:
-    """The primitives of a shape, part by part: bounds, owners, and which are boxes along the axes."""
+    """The primitives of a shape, part by part: bounds, owners, and which are axis-aligned boxes."""
 
     primitives: tuple[Primitive, ...]
     part_ids: Int[np.ndarray, "P"]
     low: Float[np.ndarray, "P 3"]
     high: Float[np.ndarray, "P 3"]
     upright: Bool[np.ndarray, "P"]
-    """The solid is its bounding box."""
+    """Whether the solid equals its bounding box."""
 
 
 def list_solids(shape: Shape) -> Solids:
@@ -53,7 +53,7 @@ def list_solids(shape: Shape) -> Solids:
 
 
 def primitive_bounds(primitive: Primitive) -> Float[np.ndarray, "2 3"]:
-    """Lowest and highest corner (m) of the exact solid: a round cylinder, not the prism for it."""
+    """Lowest and highest corner (m) of the exact solid: of the round cylinder, not of its prism."""
     if primitive.kind == "cylinder":
         along = primitive.rotation[:, 2]
         across = np.sqrt(np.clip(1.0 - along**2, 0.0, None))
@@ -69,15 +69,15 @@ def see_points(
     normals: Float[np.ndarray, "N 3"],
     owners: Int[np.ndarray, "N"],
 ) -> Bool[np.ndarray, "N"]:
-    """Which points (m, on the surface of their owner) lie on the surface of their part.
+    """Whether points (m, on the surface of their owner) lie on the surface of their part.
 
-    Where two primitives have a face in common that looks the same way, the point of the first one counts.
+    If two primitives share a face with the same orientation, the point of the first one counts.
 
     Args:
         solids: The primitives.
         points: Points on them, in ascending order of owner.
         normals: Outward unit normals.
-        owners: Index of the primitive that each point lies on.
+        owners: Index of the primitive of each point.
     """
     seen = np.ones(len(points), dtype=bool)
     columns = np.ascontiguousarray(points.T)
@@ -98,14 +98,14 @@ def cover_boxes(
     normals: Float[np.ndarray, "N 3"],
     owners: Int[np.ndarray, "N"],
 ) -> tuple[Bool[np.ndarray, "N"], Bool[np.ndarray, "N"]]:
-    """Which pieces of surface others of their part hide for certain, and of which only points can tell.
+    """Pieces of surface that others of their part certainly hide, and pieces that need a test by points.
 
     Args:
         solids: The primitives.
         low: Lowest corners of the pieces' bounds (m), in ascending order of owner.
         high: Highest corners.
         normals: Outward unit normals.
-        owners: Index of the primitive that each piece lies on.
+        owners: Index of the primitive of each piece.
     """
     hidden, unsure = np.zeros(len(low), dtype=bool), np.zeros(len(low), dtype=bool)
     for index, close in _close_rows(
@@ -130,7 +130,7 @@ def cover_boxes(
 def _judge_boxes(
     solids: Solids, index: int, middle: Float[np.ndarray, "N 3"], half: Float[np.ndarray, "N 3"]
 ) -> tuple[Bool[np.ndarray, "N"], Bool[np.ndarray, "N"]]:
-    """Which boxes lie within a primitive, and which surely apart from it."""
+    """Masks of boxes that lie within a primitive, and of boxes that are certainly disjoint from it."""
     if solids.upright[index]:
         center, size = (
             (solids.low[index] + solids.high[index]) / 2,
@@ -158,7 +158,7 @@ def _close_rows(
     high: Float[np.ndarray, "3 N"],
     owners: Int[np.ndarray, "N"],
 ) -> Iterator[tuple[int, Int[np.ndarray, "M"]]]:
-    """For every primitive the rows of others of its part that touch its bounds."""
+    """For every primitive, the rows of others of its part that touch its bounds."""
     starts = np.searchsorted(owners, np.arange(len(solids.primitives) + 1))
     bottom, top = solids.low - EPSILON, solids.high + EPSILON
     for index, others in enumerate(_neighbours(solids)):
@@ -171,7 +171,7 @@ def _close_rows(
 
 
 def _neighbours(solids: Solids) -> Bool[np.ndarray, "P P"]:
-    """Which other primitives of its part each one may touch, by their bounds."""
+    """Mask of primitives of the same part that may touch, by their bounds."""
     low, high = solids.low - EPSILON, solids.high + EPSILON
     meet = np.all((low[:, None] <= high[None]) & (high[:, None] >= low[None]), axis=-1)
     meet &= solids.part_ids[:, None] == solids.part_ids[None]

@@ -1,1 +1,2 @@
-"""The learned generator of exact shapes: objects as rows of primitives, network, rules, faults."""
+"""Learned generator of exact shapes: objects as rows of primitives, the network, its rules and fault
+checks."""

@@ -1,9 +1,9 @@
-"""Fits the camera under which a shape agrees best with a picture.
+"""Fits the camera that aligns a shape with a picture.
 
-A picture of one object, cut out, says where its silhouette and the edges between its parts are. A camera is
-fitted that makes the closed shape's agree. It begins with a view that is given, such as the one that
-`artigen.sketch.picture` reads, or with all directions, compared coarsely by the hull of the silhouette; it is
-refined on buffers that say which face each pixel sees.
+The picture shows one object, cut out from its background. The fit matches the silhouette of the closed shape
+and the edges between its parts to those of the picture. It starts from a given view, such as the one that
+`artigen.sketch.picture` predicts, or from a grid of directions compared coarsely by the convex hull of the
+silhouette. It is then refined on buffers that store the visible face of each pixel.
 """
 
 from collections.abc import Callable
@@ -26,7 +26,7 @@ from artigen.sketch.overlay import (
 )
 
 EDGE = 80
-"""Edge (pixels) of the picture that cameras are looked for on."""
+"""Edge length (pixels) of the picture used for the search."""
 BOUNDS = {
     "yaw": (-np.radians(66.0), np.radians(66.0)),
     "pitch": (-np.radians(12.0), np.radians(48.0)),
@@ -35,80 +35,79 @@ BOUNDS = {
     "aside": (-0.1, 0.1),
     "down": (-0.1, 0.1),
 }
-"""How far aside, up, near and off cameras are looked for."""
+"""Search range of each camera parameter."""
 STEPS = {"yaw": 0.06, "pitch": 0.05, "closeness": 0.06, "zoom": 0.008, "aside": 0.004, "down": 0.004}
-"""First steps of the refinement."""
+"""Initial step sizes of the refinement."""
 YAWS = np.radians(np.linspace(-60.0, 60.0, 21))
 PITCHES = np.radians([-10.0, -5.0, -1.0, 3.0, 7.0, 12.0, 18.0, 25.0, 34.0, 44.0])
 CLOSENESSES = np.array([0.13, 0.22, 0.36])
-"""Views that silhouettes are first compared from; closeness is half the diagonal over the distance."""
+"""Grid of views for the first comparison of silhouettes; closeness is half the diagonal over the distance."""
 NEAR_YAWS, NEAR_PITCHES, NEAR_CLOSENESSES = np.radians([-3, 0, 3]), np.radians([-2, 0, 2]), (0.8, 1.0, 1.25)
-"""Views around the best of these: added, and multiplied."""
+"""Views around the best of these: offsets of yaw and pitch, factors of closeness."""
 USUAL_CLOSENESS, CLOSENESS_WEIGHT = 0.22, 0.012
-"""What most pictures are taken from, and what the square of a factor e from there costs."""
+"""Prior on closeness: the usual value, and the penalty for the square of the log ratio to it."""
 DIRECTIONS = 20
-"""In which the hulls of silhouettes are compared."""
+"""Number of directions in which the hulls of silhouettes are compared."""
 STARTS, ROUNDS = 16, 2
-"""Views that are looked at after the comparison of hulls, and those of them that are refined."""
+"""Number of views kept after the comparison of hulls, and number of those that are refined."""
 ALIKE = np.array([np.radians(4.0), np.radians(3.0), 1.0])
-"""Views that differ by less, in yaw, pitch and closeness, are one start."""
+"""Differences in yaw, pitch and closeness below which two views count as one start."""
 COARSE_TRIES, TRIES = 24, 56
-"""Views that each refinement may look at, coarsely and at last."""
+"""Evaluations per refinement: coarse and final."""
 SURE = 0.96
-"""Overlap below which a camera is refined once more, on the whole picture."""
+"""Overlap below which the camera is refined once more, at full resolution."""
 WEIGHTS = ((0.2, 0.0), (0.2, 0.2), (0.1, 0.1))
-"""Weights of even colours and of edges beside the overlap of silhouettes: to tell directions apart, when
-one is chosen, and at last. Were they larger, a shape that is not quite the pictured one would be turned until
-some of its edges agree."""
+"""Weights of colour evenness and of edges relative to silhouette overlap: for the coarse search, the choice
+of a direction and the final refinement. Larger weights would rotate a shape that differs from the pictured
+one until some of its edges agree."""
 EVENNESS, EDGES = 0.12, 0.3
-"""The same where shapes are compared."""
+"""The same weights for comparing shapes."""
 
 
 @dataclass(frozen=True)
 class View:
-    """A camera about the object: angles in radians, the rest without unit."""
+    """A camera orbiting the object: angles in radians, other values dimensionless."""
 
     yaw: float
-    """Turn aside from the front, positive towards +y."""
+    """Rotation from the front, positive towards +y."""
     pitch: float
-    """Lift above the horizon."""
+    """Elevation above the horizon."""
     closeness: float
-    """Half the object's diagonal over the distance of the camera from its middle; 0 is infinitely far."""
+    """Half the object's diagonal over the distance of the camera from its centre; 0 is infinitely far."""
     zoom: float = 0.0
-    """Logarithm by which the object is larger than its box in the picture."""
+    """Logarithm of the object's scale relative to its box in the picture."""
     aside: float = 0.0
-    """Shift to the right, as a share of the picture's edge."""
+    """Shift to the right, as a fraction of the picture's edge."""
     down: float = 0.0
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Fit:
-    """The camera under which a shape covers a picture best."""
+    """The camera under which a shape matches a picture best."""
 
     view: View
     camera: Pinhole
-    """For the picture as it was given; rows of ``axes`` are sheared by where the crop lies."""
+    """For the picture at its given size; rows of ``axes`` are sheared by the position of the crop."""
     overlap: float
     """Intersection over union of the silhouettes."""
     evenness: float
-    """Share of the picture's variance that one colour for each finish on each side explains."""
+    """Share of the picture's variance that is explained by one colour for each finish on each side."""
     edges: float
-    """Correlation of the edges between parts with the picture's, -1 to 1."""
+    """Correlation of the shape's part edges with the picture's edges, -1 to 1."""
 
     @property
     def likeness(self) -> float:
-        """How alike shape and picture are: higher is more alike, comparable within one picture."""
+        """Similarity of shape and picture; higher is better, comparable within one picture only."""
         return self.overlap + EVENNESS * self.evenness + EDGES * self.edges
 
 
 def fit_camera(shape: Shape, picture: Float[np.ndarray, "4 S S"], near: View | None = None) -> Fit:
-    """Finds the camera under which the closed shape covers a picture best.
+    """Finds the camera under which the closed shape matches a picture best.
 
     Args:
         shape: The object, at rest.
         picture: RGBA in [0, 1], premultiplied on black (`artigen.conditioning.image.read_picture`).
-        near: About where the camera is; what is beyond `BOUNDS` is taken to be at their edge. None looks for
-            it everywhere in front.
+        near: Approximate view, clamped to `BOUNDS`. None searches all directions in front.
 
     Raises:
         PictureError: If the picture shows no object.
@@ -139,7 +138,7 @@ def fit_camera(shape: Shape, picture: Float[np.ndarray, "4 S S"], near: View | N
 def _scorer(
     faces: Faces, hull: Float[np.ndarray, "H 3"], target: Target, *, weights: tuple[float, float]
 ) -> Callable[[View], float]:
-    """How well views agree with a picture; ``weights`` are those of even colours and of edges."""
+    """Objective of the search for views; ``weights`` are those of colour evenness and of edges."""
     evenness, edges = weights
 
     def score(view: View) -> float:
@@ -153,7 +152,7 @@ def _scorer(
 
 
 def keep_shown(faces: Faces, hull: Float[np.ndarray, "H 3"], target: Target) -> Faces:
-    """Only the faces that are seen from somewhere in front: most are inside of the object."""
+    """Keeps the faces that are visible from the front; most faces lie inside the object."""
     shown = np.zeros(len(faces.corners), dtype=bool)
     for yaw in np.radians([-60.0, -30.0, 0.0, 30.0, 60.0]):
         for pitch in np.radians([-8.0, 25.0]):
@@ -166,14 +165,14 @@ def keep_shown(faces: Faces, hull: Float[np.ndarray, "H 3"], target: Target) -> 
 
 
 def find_hull(points: Float[np.ndarray, "N 3"]) -> Float[np.ndarray, "H 3"]:
-    """The points that bound all views of a set."""
+    """Vertices of the convex hull of a point set."""
     from scipy.spatial import ConvexHull
 
     return points[ConvexHull(points).vertices]
 
 
 def place_camera(view: View, hull: Float[np.ndarray, "H 3"], target: Target) -> Pinhole:
-    """The camera of a view, scaled and sheared so that the object's box comes to lie on the picture's."""
+    """Camera of a view, scaled and sheared so that the object's box coincides with the picture's."""
     edge = len(target.alpha)
     axes, position = _stand(hull, *(np.array([v]) for v in (view.yaw, view.pitch, view.closeness)))
     axes, position = axes[0], position[0]
@@ -193,7 +192,7 @@ def place_camera(view: View, hull: Float[np.ndarray, "H 3"], target: Target) -> 
 
 
 def find_starts(hull: Float[np.ndarray, "H 3"], target: Target) -> list[View]:
-    """Views whose silhouettes have about the hull that the picture's has, no two of them alike."""
+    """Distinct views whose silhouette hulls are closest to the picture's."""
     grid = _cross(YAWS, PITCHES, CLOSENESSES)
     best = _spread(grid[np.argsort(_measure_hulls(hull, target, grid), kind="stable")], STARTS)
     steps = _cross(NEAR_YAWS, NEAR_PITCHES, np.array(NEAR_CLOSENESSES))
@@ -207,7 +206,8 @@ def find_starts(hull: Float[np.ndarray, "H 3"], target: Target) -> list[View]:
 def _measure_hulls(
     hull: Float[np.ndarray, "H 3"], target: Target, views: Float[np.ndarray, "N 3"]
 ) -> Float[np.ndarray, "N"]:
-    """How far the hull of each view's silhouette is from the picture's, as a share of the object's size."""
+    """Mean distance between the silhouette hull of each view and the picture's, relative to the object's
+    size."""
     angles = np.arange(DIRECTIONS) * 2 * np.pi / DIRECTIONS
     ways = np.stack([np.cos(angles), np.sin(angles)])
     rows, columns = np.nonzero(target.alpha > 0.5)
@@ -224,7 +224,7 @@ def _measure_hulls(
 
 
 def refine(score: Callable[[View], float], start: View, count: int, tries: int) -> View:
-    """The best view near ``start``: a simplex walks uphill in the first ``count`` of a view's numbers."""
+    """Maximises ``score`` near ``start`` with Nelder-Mead over the first ``count`` parameters of `BOUNDS`."""
     from scipy.optimize import minimize
 
     names = list(BOUNDS)[:count]
@@ -254,7 +254,7 @@ def refine(score: Callable[[View], float], start: View, count: int, tries: int) 
 
 
 def _bound(view: View) -> View:
-    """The nearest view within `BOUNDS`."""
+    """Clamps a view to `BOUNDS`."""
     return View(**{name: min(max(getattr(view, name), low), high) for name, (low, high) in BOUNDS.items()})
 
 
@@ -264,7 +264,7 @@ def _stand(
     pitch: Float[np.ndarray, "N"],
     closeness: Float[np.ndarray, "N"],
 ) -> tuple[Float[np.ndarray, "N 3 3"], Float[np.ndarray, "N 3"]]:
-    """Axes (right, down, forward) and positions (m) of cameras that look at the middle of an object."""
+    """Axes (right, down, forward) and positions (m) of cameras that look at the object's centre."""
     low, high = hull.min(axis=0), hull.max(axis=0)
     level, zero = np.cos(pitch), np.zeros_like(yaw)
     forward = np.stack([np.cos(yaw) * level, -np.sin(yaw) * level, -np.sin(pitch)], axis=1)
@@ -275,12 +275,12 @@ def _stand(
 
 
 def _cross(*values: Float[np.ndarray, "K"]) -> Float[np.ndarray, "N D"]:
-    """Every combination of values."""
+    """Cartesian product of values."""
     return np.stack([one.ravel() for one in np.meshgrid(*values, indexing="ij")], axis=1)
 
 
 def _spread(ranked: Float[np.ndarray, "N 3"], count: int) -> Float[np.ndarray, "K 3"]:
-    """The first rows (yaw, pitch, closeness) of which no two are alike."""
+    """The first ``count`` rows (yaw, pitch, closeness) that differ by more than `ALIKE` from each other."""
     chosen: list[np.ndarray] = []
     for row in ranked:
         if all((np.abs(row - other) > ALIKE).any() for other in chosen):

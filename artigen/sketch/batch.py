@@ -14,21 +14,21 @@ from artigen.sketch.rows import FIELDS, ROW_KINDS, WIDTH, column, find_said, num
 from artigen.sketch.sketch import lowest_corner
 
 PARTS, PLACES = 64, 32
-"""Numbers of parts, and of places within a part, that are told apart; the last stands for all beyond."""
+"""Number of embeddings for parts and for positions within a part; larger indices share the last one."""
 _PIECES = [ROW_KINDS.index(kind) for kind in PIECE_KINDS]
 _FIRST = np.array([column(kind, "x0") if kind in PIECE_KINDS else 0 for kind in ROW_KINDS])
 _OBJECT, _PART, _JOINT = (ROW_KINDS.index(kind) for kind in ("object", "part", "joint"))
 _SLIDING = 2
-"""Index of the prismatic joint, which has no origin."""
+"""Index of the prismatic joint type, whose joints have no origin."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class RowBatch:
-    """Rows of several objects, padded on the right; those of the request come first.
+    """Rows of several objects, padded on the right; the rows of the request come first.
 
-    ``known`` says which cells are given (unknown ones only in requests), ``said`` which the network must
-    say. ``axes`` are those of `artigen.sketch.rows.number_axis`; ``part`` and ``piece`` number the parts,
-    and the rows within a part, up to each row.
+    ``known`` marks given cells (only requests have unknown ones); ``said`` marks the cells that the network
+    predicts. ``axes`` follow `artigen.sketch.rows.number_axis`. ``part`` and ``piece`` number the parts, and
+    the rows within a part, up to each row.
     """
 
     rows: Int[Tensor, "B T W"]
@@ -39,26 +39,27 @@ class RowBatch:
     part: Int[Tensor, "B T"]
     piece: Int[Tensor, "B T"]
     low: Int[Tensor, "B T 4"]
-    """Lowest corner of what a row describes; last the range of a joint, which later joints may repeat."""
+    """Lowest corner of the row's solid; the last column is the range of a joint, which later joints may
+    repeat."""
     high: Int[Tensor, "B T 4"]
     named: Bool[Tensor, "B T"]
-    """Whether a row names planes."""
+    """Whether the row names planes."""
     ranged: Bool[Tensor, "B T"]
-    """Whether it names the range of a joint."""
+    """Whether the row names the range of a joint."""
     anchor: Int[Tensor, "B T 4"]
     """Lowest corner of the first piece of the row's part."""
     anchored: Bool[Tensor, "B T"]
     """Whether that piece comes before the row."""
 
     def to(self, device: torch.device | str) -> "RowBatch":
-        """The batch on another device."""
+        """Copies the batch to another device."""
         return RowBatch(**{name: value.to(device) for name, value in vars(self).items()})
 
 
 def make_batch(
     tables: Sequence[Int[np.ndarray, "T W"]], requests: Sequence[Asked], *, length: int | None = None
 ) -> RowBatch:
-    """Pads objects, each behind its request, to the longest or to ``length`` rows."""
+    """Prepends its request to each object and pads to the longest or to ``length`` rows."""
     pairs = list(zip(requests, tables, strict=True))
     longest = length or max(len(asked.rows) + len(rows) for asked, rows in pairs)
     shape = (len(pairs), longest)
@@ -97,8 +98,8 @@ def make_batch(
 def number_rows(
     rows: Int[np.ndarray, "B T W"], asked: Bool[np.ndarray, "B T"]
 ) -> tuple[Int[np.ndarray, "B T"], Int[np.ndarray, "B T"]]:
-    """The part that each row belongs to, from 1 (0 before the first), and its place within the part; the
-    network tells no more of them apart than `PARTS` and `PLACES`."""
+    """Part index of each row, from 1 (0 before the first part), and its position within the part, both
+    clipped to the `PARTS` and `PLACES` that the network distinguishes."""
     starts = (rows[:, :, 0] == _PART) & ~asked
     part = np.minimum(np.cumsum(starts, axis=1), PARTS - 1)
     at = np.arange(rows.shape[1])[None]
@@ -109,10 +110,10 @@ def number_rows(
 def find_anchors(
     low: Int[np.ndarray, "B T 4"], part: Int[np.ndarray, "B T"]
 ) -> tuple[Int[np.ndarray, "B T 4"], Bool[np.ndarray, "B T"]]:
-    """Lowest corner of the first piece of each row's part, and whether that piece comes before the row."""
+    """Lowest corner of the first piece of each row's part, and whether that piece precedes the row."""
     at = np.arange(part.shape[1])[None]
     begins = np.diff(part, axis=1, prepend=0) > 0
-    first = np.maximum.accumulate(np.where(begins, at, 0), axis=1) + 1  # after the row that names the part
+    first = np.maximum.accumulate(np.where(begins, at, 0), axis=1) + 1  # the row after the part row
     anchored = (part > 0) & (at > first)
     anchor = np.take_along_axis(low, np.minimum(first, part.shape[1] - 1)[..., None], axis=1)
     return np.where(anchored[..., None] | (at == first)[..., None], anchor, 0), anchored
@@ -120,7 +121,7 @@ def find_anchors(
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Planes:
-    """Planes named by rows: corners, and the range of joints in the last column."""
+    """Planes named by rows: corners, with the range of joints in the last column."""
 
     low: Int[np.ndarray, "N 4"]
     high: Int[np.ndarray, "N 4"]
@@ -154,7 +155,7 @@ def row_planes(rows: Int[np.ndarray, "N W"]) -> Planes:
 
 
 def ask_for(rows: Int[np.ndarray, "T W"], rng: np.random.Generator) -> Asked:
-    """A request that an object meets, as vague or exact as chance has it."""
+    """Samples a request that the object satisfies; the number of specified fields is random."""
     finishes = rows[rows[:, 0] == ROW_KINDS.index("finish")]
     if rng.random() < 0.5:
         finishes = finishes[:0]
@@ -179,6 +180,6 @@ def ask_for(rows: Int[np.ndarray, "T W"], rng: np.random.Generator) -> Asked:
 
 
 def _some(rng: np.random.Generator, count: int) -> Bool[np.ndarray, "N"]:
-    """All, none or some."""
+    """Random mask that is empty, full or partial."""
     share = rng.choice([0.0, 0.5, 1.0], p=[0.3, 0.3, 0.4])
     return rng.random(count) < share

@@ -18,7 +18,7 @@ class Sight:
     values: tuple[Float[Tensor, "B H N E"], ...]
 
     def take(self, objects: Sequence[int]) -> "Sight":
-        """Picture memory of some of the objects, in this order."""
+        """Picture memory of selected objects, in the given order."""
         rows = list(objects)
         return Sight(
             keys=tuple(one[rows] for one in self.keys), values=tuple(one[rows] for one in self.values)
@@ -26,7 +26,7 @@ class Sight:
 
 
 def join_sights(sights: Sequence[Sight]) -> Sight | None:
-    """Joins the picture memory of several objects; None for none."""
+    """Concatenates picture memories along the batch; None for an empty sequence."""
     if not sights:
         return None
     keys, values = ([getattr(one, name) for one in sights] for name in ("keys", "values"))
@@ -38,18 +38,18 @@ def join_sights(sights: Sequence[Sight]) -> Sight | None:
 
 @dataclass(eq=False)
 class Cache:
-    """Keys and values of the rows read so far by one block."""
+    """Keys and values of the rows that one block has read."""
 
     keys: Float[Tensor, "B H T E"] | None = None
     values: Float[Tensor, "B H T E"] | None = None
 
     @property
     def length(self) -> int:
-        """Rows that were read."""
+        """Number of rows read."""
         return 0 if self.keys is None else self.keys.shape[2]
 
     def extend(self, keys: Tensor, values: Tensor) -> tuple[Tensor, Tensor]:
-        """Appends, and returns all."""
+        """Appends keys and values, and returns all of them."""
         if self.keys is not None and self.values is not None:
             keys, values = torch.cat([self.keys, keys], dim=2), torch.cat([self.values, values], dim=2)
         self.keys, self.values = keys, values
@@ -98,7 +98,7 @@ class Block(nn.Module):
 
 
 class Look(nn.Module):
-    """Attention to a picture."""
+    """Cross-attention to picture tokens."""
 
     def __init__(self, width: int, heads: int) -> None:
         super().__init__()
@@ -127,7 +127,8 @@ class Look(nn.Module):
 def find_turns(
     x: Float[Tensor, "B T D"], start: int, width: int
 ) -> tuple[Float[Tensor, "T H"], Float[Tensor, "T H"]]:
-    """Cosines and sines of the turns of positions from ``start`` on, for heads of a width."""
+    """Cosines and sines for rotary position embedding, from position ``start`` on, for heads of a given
+    width."""
     half = width // 2
     speed = torch.exp(torch.arange(half, device=x.device) * (-log(10000.0) / half))
     angle = torch.arange(start, start + x.shape[1], device=x.device)[:, None] * speed

@@ -1,8 +1,8 @@
-"""Exact penetration depths and distances between convex primitives, many pairs at once.
+"""Exact penetration depths and distances between convex primitives, vectorised over pairs.
 
-All that is measured is the closed surface of a primitive, which for a cylinder is the prism that stands for
-it in collision. Distances are those of separating axes: normals of faces, and of pairs of edges where two
-solids overlap. For boxes along the axes they are closed formulas.
+A primitive is represented by its closed surface; a cylinder by the prism that approximates it in collision.
+Distances use the separating axis theorem: face normals, and edge pairs where two solids overlap. Axis-aligned
+boxes have closed-form distances.
 """
 
 from dataclasses import dataclass, replace
@@ -14,24 +14,24 @@ from artigen.shapes.primitives import Primitive, place_vertices
 from artigen.shapes.shape import Shape
 
 SMALL = (8, 6)
-"""Vertices and faces of a box: pairs of boxes are most, and measured by themselves."""
+"""Vertices and faces of a box: box pairs are the majority and are measured separately."""
 _ALONG = 1.0 - 1e-9
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Bodies:
-    """All primitives of a shape in padded arrays (metres, object frame); what is short repeats its first row.
+    """All primitives of a shape in padded arrays (metres, object frame); padding repeats the first row.
 
     Attributes:
         primitives: The primitives, part by part.
         vertices: Their corners.
         planes: Outward unit normals and offsets: ``normal @ point + offset <= 0`` inside.
-        low: Lowest corner of each one's bounds.
+        low: Lowest corner of each primitive's bounds.
         high: Highest corner.
-        upright: Which are their bounds: boxes along the axes.
-        large: Which have more vertices or faces than a box.
-        parts: Part that each one belongs to.
-        links: Rigid body that each one belongs to: the part that leads it.
+        upright: Primitives that are axis-aligned boxes and so equal their bounds.
+        large: Primitives with more vertices or faces than a box.
+        parts: Part of each primitive.
+        links: Rigid body of each primitive, identified by its leading part.
     """
 
     primitives: tuple[Primitive, ...]
@@ -47,12 +47,12 @@ class Bodies:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Near:
-    """Pairs of primitives that are near each other at rest, ``first`` before ``second``."""
+    """Pairs of primitives that are close at rest, ``first`` before ``second``."""
 
     first: Int[np.ndarray, "C"]
     second: Int[np.ndarray, "C"]
     distance: Float[np.ndarray, "C"]
-    """Metres; negative where they overlap: how far one must be moved to free it of the other."""
+    """Metres; negative for penetration depth, the shortest translation that separates the pair."""
 
 
 def list_bodies(shape: Shape, leaders: Int[np.ndarray, "P"]) -> Bodies:
@@ -60,7 +60,7 @@ def list_bodies(shape: Shape, leaders: Int[np.ndarray, "P"]) -> Bodies:
 
     Args:
         shape: The object.
-        leaders: For every part the part that leads its rigid body.
+        leaders: For every part the leading part of its rigid body.
     """
     primitives = tuple(primitive for part in shape.parts for primitive in part.primitives)
     parts = np.repeat(np.arange(len(shape.parts)), [len(part.primitives) for part in shape.parts])
@@ -83,11 +83,11 @@ def list_bodies(shape: Shape, leaders: Int[np.ndarray, "P"]) -> Bodies:
 
 
 def displace(bodies: Bodies, rows: Int[np.ndarray, "M"], T: Float[np.ndarray, "M 4 4"]) -> Bodies:
-    """The same primitives, some of them moved rigidly.
+    """Applies rigid displacements to some primitives.
 
     Args:
         bodies: All primitives.
-        rows: Which are moved.
+        rows: Primitives to displace.
         T: Displacement of each.
     """
     vertices, planes = bodies.vertices.copy(), bodies.planes.copy()
@@ -103,7 +103,7 @@ def displace(bodies: Bodies, rows: Int[np.ndarray, "M"], T: Float[np.ndarray, "M
 
 
 def find_near(bodies: Bodies, reach: float) -> Near:
-    """All pairs that are nearer than ``reach`` (m) by their bounds, with their distances."""
+    """Pairs whose bounds are closer than ``reach`` (m), with their distances."""
     gaps = np.maximum(bodies.low[:, None] - bodies.high[None], bodies.low[None] - bodies.high[:, None])
     first, second = np.nonzero(np.triu(gaps.max(axis=2) <= reach, k=1))
     return Near(first=first, second=second, distance=measure_pairs(bodies, first, second))
@@ -112,7 +112,7 @@ def find_near(bodies: Bodies, reach: float) -> Near:
 def measure_pairs(
     bodies: Bodies, first: Int[np.ndarray, "C"], second: Int[np.ndarray, "C"]
 ) -> Float[np.ndarray, "C"]:
-    """Signed distances (m) of pairs; depths of solids that are no upright boxes are bounds from above.
+    """Signed distances (m) of pairs; penetration depths are upper bounds except for axis-aligned boxes.
 
     Args:
         bodies: All primitives.
@@ -135,13 +135,13 @@ def separate(
     second: Int[np.ndarray, "C"],
     T: Float[np.ndarray, "C 4 4"] | None = None,
 ) -> Float[np.ndarray, "C"]:
-    """The most that a face of either solid of each pair separates the two (m); negative where none does.
+    """Largest face separation of each pair (m); negative where no face plane separates the two.
 
     Args:
         bodies: All primitives.
         first: One primitive of each pair.
         second: The other.
-        T: How the first one of each pair is displaced; by default not at all.
+        T: Displacement of the first primitive of each pair; by default none.
     """
     out = np.empty(len(first))
     kinds = 2 * bodies.large[first] + bodies.large[second]
@@ -160,7 +160,8 @@ def separate(
 def separate_edges(
     bodies: Bodies, first: int, second: int, T: Float[np.ndarray, "P 4 4"]
 ) -> Float[np.ndarray, "P"]:
-    """The most that a pair of edges separates two solids (m) at each of some displacements of the first."""
+    """Largest separation of two solids (m) along cross products of edges, for each displacement of the
+    first."""
     turn, offset = T[:, :3, :3], T[:, :3, 3]
     ours = _edge_directions(bodies, first) @ np.swapaxes(turn, 1, 2)
     axes = np.cross(ours[:, :, None], _edge_directions(bodies, second)[None, None]).reshape(len(T), -1, 3)
@@ -174,7 +175,7 @@ def separate_edges(
 
 
 def penetrate(bodies: Bodies, first: int, second: int, T: Float[np.ndarray, "P 4 4"]) -> float:
-    """How deep (m) two solids overlap at most over displacements of the first; exact, 0 if they never do."""
+    """Greatest penetration depth (m) of two solids over displacements of the first; exact, 0 if disjoint."""
     pair = np.full(len(T), first), np.full(len(T), second)
     depth = -separate(bodies, *pair, T)
     deep = np.flatnonzero(depth > 0)
@@ -184,17 +185,17 @@ def penetrate(bodies: Bodies, first: int, second: int, T: Float[np.ndarray, "P 4
 
 
 def measure_thickness(bodies: Bodies) -> Float[np.ndarray, "N"]:
-    """Least distance (m) between a face and the corner farthest from it."""
+    """Thickness of each solid: smallest distance (m) between a face plane and its farthest corner."""
     heights = bodies.planes[:, :, :3] @ np.swapaxes(bodies.vertices, 1, 2) + bodies.planes[:, :, 3:]
     return -heights.min(axis=2).max(axis=1)
 
 
 def measure_overhang(bodies: Bodies, band: float) -> float:
-    """How far (m) the middle of all volume lies outside of what stands on the floor; negative within.
+    """Distance (m) of the centre of volume from the support polygon in plan; negative inside.
 
     Args:
         bodies: All primitives.
-        band: Height (m) above the lowest point up to which a corner stands on the floor.
+        band: Height (m) above the lowest point within which corners count as support.
     """
     from scipy.spatial import ConvexHull, QhullError
 
@@ -204,7 +205,7 @@ def measure_overhang(bodies: Bodies, band: float) -> float:
     middle = volumes @ middles[:, :2] / volumes.sum()
     try:
         hull = ConvexHull(feet)
-    except QhullError:  # a point or a line carries nothing
+    except QhullError:  # collinear points span no polygon
         return float(np.linalg.norm(feet - middle, axis=1).min())
     return float((hull.equations[:, :2] @ middle + hull.equations[:, 2]).max())
 
@@ -227,7 +228,7 @@ def _place_planes(primitive: Primitive) -> Float[np.ndarray, "K 4"]:
 
 
 def _pad(rows: list[np.ndarray]) -> Float[np.ndarray, "N M D"]:
-    """Arrays of different lengths as one; short ones repeat their first row."""
+    """Stacks arrays of different lengths; short ones repeat their first row."""
     lengths = np.array([len(row) for row in rows])
     starts = np.cumsum(lengths) - lengths
     column = np.arange(lengths.max())
@@ -246,13 +247,13 @@ def _move(
 def _stand_off(
     sides: Float[np.ndarray, "C K 4"], corners: Float[np.ndarray, "C V 3"]
 ) -> Float[np.ndarray, "C"]:
-    """How far all corners stand in front of one of the planes, at most over the planes."""
+    """Smallest signed distance of the corners from a plane, maximised over the planes."""
     heights = sides[:, :, :3] @ np.swapaxes(corners, 1, 2)
     return (heights.min(axis=2) + sides[:, :, 3]).max(axis=1)
 
 
 def _edge_directions(bodies: Bodies, row: int) -> Float[np.ndarray, "E 3"]:
-    """Different directions of the edges of a solid, either way counted once."""
+    """Unique edge directions of a solid, ignoring sign."""
     rings = bodies.primitives[row].rings
     corners = bodies.vertices[row]
     edges = (corners[np.roll(rings, -1, axis=1)] - corners[rings]).reshape(-1, 3)

@@ -19,53 +19,53 @@ from artigen.sketch.rules import Writer
 from artigen.sketch.slots import slots
 
 DIGITS = 24
-"""Coarse digits that a number said anew may have: the likeliest within its span."""
+"""Coarse digits considered for a number that refers to no plane: the most likely ones within its span."""
 LIKELIEST = 64
-"""Values among which the likeliest part is looked for before all are put in order."""
+"""Values sorted first; all are sorted only if these do not cover `DrawConfig.top_p`."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class DrawConfig:
-    """How tables are drawn."""
+    """Sampling parameters."""
 
     temperature: float = 0.6
-    """Below 1 the likely becomes likelier."""
+    """Softmax temperature; lower values favour likely choices."""
     top_p: float = 0.98
-    """Share of chance that is drawn from; the unlikeliest rest is left out."""
+    """Nucleus sampling: probability mass that is kept."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Draft:
-    """A table as far as it is written, with all that the network remembers of it."""
+    """A partially written table with the network's state."""
 
     writer: Writer
     state: Float[Tensor, "D"]
-    """After the last row."""
+    """Network state after the last row."""
     keys: Float[Tensor, "T K"]
-    """Of the planes of every row."""
+    """Keys of the planes of every row."""
     said: RowBatch
     cache: tuple[tuple[Float[Tensor, "1 H T E"], Float[Tensor, "1 H T E"]], ...]
     """Keys and values of every block."""
     sight: Sight | None = None
-    """What is seen of the object's picture, if there is one."""
+    """Picture memory of the object, if there is a picture."""
 
 
 @torch.inference_mode()
 def begin_drafts(
     network: SketchNetwork, requests: Sequence[Asked], sight: Sight | None = None
 ) -> list[Draft]:
-    """Empty tables for requests that all have as many rows.
+    """Empty tables for requests with the same number of rows.
 
     Args:
-        network: trained.
-        requests: what is asked for.
-        sight: what is seen of the objects' pictures; None where there are none.
+        network: A trained network.
+        requests: The requests.
+        sight: Picture memory of the objects; None without pictures.
 
     Raises:
         ValueError: If requests differ in length.
     """
     if len({len(asked.rows) for asked in requests}) != 1:
-        raise ValueError(f"requests of {sorted({len(a.rows) for a in requests})} rows, expected all alike")
+        raise ValueError(f"requests of {sorted({len(a.rows) for a in requests})} rows, expected one length")
     empty = np.zeros((0, requests[0].rows.shape[1]), dtype=int)
     batch = make_batch([empty] * len(requests), requests)
     cache = [Cache() for _ in network.blocks]
@@ -92,16 +92,16 @@ def continue_drafts(
     rngs: Sequence[np.random.Generator],
     cfg: DrawConfig | None = None,
 ) -> list[Draft | None]:
-    """Writes on, side by side, until each table is as far as was asked; None where it grows too long.
+    """Extends tables in parallel until ``until`` holds for each; None for a table that grows too long.
 
-    What becomes of a table does not depend on those beside it.
+    The result for a table does not depend on the other tables.
 
     Args:
-        network: trained.
-        drafts: all of as many rows; they stay as they are.
-        until: whether a table is as far, looked at after every row.
-        rngs: the chance of each draft.
-        cfg: temperature.
+        network: A trained network.
+        drafts: Tables with the same number of rows; they are not modified.
+        until: Stopping condition, evaluated after every row.
+        rngs: Random generator of each draft.
+        cfg: Sampling parameters.
     """
     pen = _Pen(network, drafts, rngs, cfg or DrawConfig())
     while pen.writers:
@@ -111,7 +111,7 @@ def continue_drafts(
 
 
 class _Pen:
-    """Tables that are written side by side, row after row."""
+    """Tables that are extended in parallel, row by row."""
 
     def __init__(
         self,
@@ -139,7 +139,7 @@ class _Pen:
         self.sight = join_sights([draft.sight for draft in drafts if draft.sight is not None])
 
     def write_row(self) -> None:
-        """Writes one row of every table and reads it."""
+        """Samples one row of every table and feeds it to the network."""
         network = self.network
         before = torch.zeros_like(self.state)
         self.planes = network.plane_keys(self.keys)
@@ -149,13 +149,13 @@ class _Pen:
                 break
             self._write_fields(open_rows, before)
         last = _describe(self.writers, np.array([writer.close() for writer in self.writers]))
-        # The sum of the cells is what was gathered field by field.
+        # The embedding of a row is the sum of its cells, accumulated field by field.
         self.state = network.read_rows(before[:, None, None], last, self.cache, self.sight)[:, -1]
         self.said = _join(self.said, last)
         self.keys = torch.cat([self.keys, network.keys(self.state)[:, None]], 1)
 
     def put_aside(self, until: Callable[[Writer], bool]) -> None:
-        """Takes leave of tables that are as far as they should be, and of those that grew too long."""
+        """Removes finished tables and those that grew too long."""
         going = []
         for k, writer in enumerate(self.writers):
             if until(writer) or writer.done:
@@ -183,7 +183,7 @@ class _Pen:
             cache.keys, cache.values = cache.keys[going], cache.values[going]
 
     def _write_fields(self, some: list[int], before: Float[Tensor, "B D"]) -> None:
-        """The next field of every row that is not complete; ``before`` gathers what is said."""
+        """Samples the next field of every incomplete row and adds its embedding to ``before``."""
         table, writers = slots(), [self.writers[k] for k in some]
         slot = np.array([table.of_cell[w.row[0], len(w.row)] if w.row else 0 for w in writers])
         values = [writer.follows() for writer in writers]
@@ -222,14 +222,14 @@ class _Pen:
         chances += self._anew(parts, x, spans, low, high)
         values = torch.arange(low, high + 1)
         inside = (values >= spans[:, :1]) & (values <= spans[:, 1:])
-        # What lies far from everything the network deems possible is drawn evenly.
+        # A small uniform floor lets every value in the span be drawn.
         chances = chances * inside + 1e-20 * inside
         return (self._draw(which, chances) + low).tolist()
 
     def _anew(
         self, parts: NumberParts, x: Float[Tensor, "N D"], spans: Int[Tensor, "N 2"], low: int, high: int
     ) -> Float[Tensor, "N V"]:
-        """Chances of values said as two digits, of which only the likeliest coarse ones are looked at."""
+        """Probabilities of values coded as two digits, evaluated for the most likely coarse digits only."""
         digits = torch.arange(COARSE)
         possible = (digits >= (spans[:, :1] + REACH) // FINE) & (digits <= (spans[:, 1:] + REACH) // FINE)
         coarse = parts.coarse[:, 0].masked_fill(~possible, -1e9)
@@ -242,12 +242,12 @@ class _Pen:
         return out.scatter_add_(1, value.clamp(0, high - low), chance * inside)
 
     def _draw(self, which: list[int], chances: Float[Tensor, "N V"]) -> Int[Tensor, "N"]:
-        """One of each row, after temperature, from its likeliest part."""
+        """Samples one column per row after temperature and nucleus truncation."""
         cfg = self.cfg
         sharp = (chances / chances.amax(dim=-1, keepdim=True)) ** (1.0 / cfg.temperature)
         sharp = sharp / sharp.sum(dim=-1, keepdim=True)
         ordered, order = sharp.topk(min(LIKELIEST, sharp.shape[1]), dim=-1)
-        if float(ordered.sum(dim=-1).min()) < cfg.top_p:  # the likeliest part is larger
+        if float(ordered.sum(dim=-1).min()) < cfg.top_p:  # the nucleus exceeds the sorted values
             ordered, order = sharp.sort(dim=-1, descending=True)
         upto = ordered.cumsum(dim=-1)
         kept = (upto - ordered < cfg.top_p).sum(dim=-1, keepdim=True)
@@ -258,7 +258,7 @@ class _Pen:
 
 
 def _describe(writers: Sequence[Writer], rows: Int[np.ndarray, "B W"]) -> RowBatch:
-    """The row of every table that was just closed, with its place among those before."""
+    """Batch of the rows that were just closed, with their position in their tables."""
     planes, axes = row_planes(rows), number_axis(rows)
     part, piece, anchor, anchored = (np.array(column) for column in zip(*map(_place, writers), strict=True))
     values = {
@@ -277,7 +277,8 @@ def _describe(writers: Sequence[Writer], rows: Int[np.ndarray, "B W"]) -> RowBat
 
 
 def _place(writer: Writer) -> tuple[int, int, list[int], bool]:
-    """Where the row that was just closed stands: part, place in it, what begins it and whether before."""
+    """Part index, position in the part, anchor, and whether the anchor precedes the row that was just
+    closed."""
     if not writer.labels:
         return 0, min(len(writer.rows) - 1 + len(writer.asked.rows), PLACES - 1), [0] * 4, False
     place, anchor = writer.length(), writer.anchor()
@@ -290,7 +291,7 @@ def _place(writer: Writer) -> tuple[int, int, list[int], bool]:
 
 
 def _list_places(writers: Sequence[Writer]) -> Places:
-    """Where the numbers that come next stand."""
+    """Positions of the numbers that come next."""
     found = [writer.place() for writer in writers]
     return Places(**{name: torch.tensor([[place[name]] for place in found]) for name in found[0]})
 
@@ -324,12 +325,12 @@ def _spread_planes(
     low: int,
     high: int,
 ) -> Float[Tensor, "N V"]:
-    """Chances of values from ``low`` to ``high`` said by planes, with and without an offset."""
+    """Probabilities of the values ``low`` to ``high`` coded by planes, with and without an offset."""
     out = torch.zeros(len(planes), high - low + 1)
     reachable = planes[free & (planes >= low - OFFSET) & (planes <= high + OFFSET)]
     if not len(reachable):
         return out
-    first, last = int(reachable.min()), int(reachable.max())  # only there is something to spread
+    first, last = int(reachable.min()), int(reachable.max())  # restrict the arrays to the reachable planes
     at = (planes - first).clamp(0, last - first)
     same, near = (
         torch.zeros(len(planes), last - first + 1).scatter_add_(

@@ -1,23 +1,23 @@
-"""`Fault`: something about a shape that would make the exported package fail a check.
+"""`Fault`: a defect of a shape that would make the exported package fail a check.
 
-Each id stands for what one check measures:
+Each id corresponds to one measurement of a check:
 
 overlap    V202  two rigid bodies overlap at rest
-blocked    V201  a body runs into another one along its joint's range
-grazing    V201  it enters another one just a little, but with much of its volume
-floating   V104  a body, or a part fixed to one, is away from what carries it
-loose            pieces of a part are away from the rest; no check notices, a person does
+blocked    V201  a body collides with another one along its joint's range
+grazing    V201  a body enters another one by a small depth, but with much of its volume
+floating   V104  a gap separates a body, or a fixed part, from its carrier
+loose            pieces of a part are detached from the rest; visible, but no check measures it
 inward     V203  a drawer or door opens into the body, or away from its handle
-hinge      V203  a door turns about a line that is not its edge
-handle     V204  no hand can take hold of a handle
-released   V206  a drawer leaves what holds it
-range      V005  a slide is longer than the object, a hinge turns more than once round
+hinge      V203  a door rotates about a line that is not its edge
+handle     V204  a handle cannot be grasped
+released   V206  a drawer leaves its carrier when it is open
+range      V005  a slide is longer than the object, or a hinge turns more than one revolution
 thin       V102  a primitive is too thin to be a hull
 crowded    V006  a body has more hulls than engines handle well
-tipping    V303  the middle of the object is not above what it stands on
-unmet            a part needs another one open that does not move; exporters refuse it
-adrift           the part that carries all others moves; exporters refuse it
-extent           the object is not as large as was asked (`artigen.sketch.model`)
+tipping    V303  the centre of volume lies outside of the support polygon
+unmet            a part requires a static part to be open; exporters refuse it
+adrift           the root part has a joint; exporters refuse it
+extent           the object misses the requested size (`artigen.sketch.model`)
 """
 
 from dataclasses import dataclass
@@ -33,10 +33,10 @@ _METRES = {"overlap", "blocked", "floating", "loose", "hinge", "handle", "thin",
 
 @dataclass(frozen=True, kw_only=True)
 class Fault:
-    """Something that cannot stay: which kind, where, how far off, and what is allowed.
+    """A defect: its id, the parts involved, the measured value and the limit.
 
-    ``value`` and ``allowed`` are metres; shares for ``grazing``, ``inward`` and ``released``; numbers for
-    ``crowded``; for ``range`` and ``adrift`` metres of a slide and radians of a hinge; nothing for ``unmet``.
+    ``value`` and ``allowed`` are metres; shares for ``grazing``, ``inward`` and ``released``; counts for
+    ``crowded``; metres of a slide or radians of a hinge for ``range`` and ``adrift``; unused for ``unmet``.
     """
 
     id: FaultId
@@ -47,7 +47,7 @@ class Fault:
 
     @property
     def text(self) -> str:
-        """One sentence: what was found, where, and what is allowed."""
+        """One sentence with the measured value, the parts and the limit."""
         unit, factor = ("mm", 1e3) if self.id in _METRES else ("%", 1e2)
         if self.id in ("range", "adrift", "crowded"):
             unit, factor = "", 1.0
@@ -57,20 +57,21 @@ class Fault:
 
 _SENTENCES: dict[FaultId, str] = {
     "overlap": "{part} and {other} overlap by {value} at rest, allowed is {allowed}",
-    "blocked": "{part} runs into {other} by {value} on its way, allowed is {allowed}",
-    "grazing": "{part} enters {other} with {value} of its volume on its way, allowed is {allowed}",
+    "blocked": "{part} runs into {other} by {value} along its range, allowed is {allowed}",
+    "grazing": "{part} enters {other} with {value} of its volume along its range, allowed is {allowed}",
     "floating": "{part} is {value} away from {other}, allowed is {allowed}",
     "loose": "pieces of {part} are {value} away from the rest, allowed is {allowed}",
-    "inward": "{part} opens into {other} or away from its handle: {value} more is blocked ahead than behind, "
-    "allowed is {allowed}",
-    "hinge": "{part} turns about a line {value} from its edge, allowed is {allowed}",
-    "handle": "{part} cannot be taken hold of: {value} is missing, allowed is {allowed}",
-    "released": "{part} is held by {value} of its depth when it is open, at least {allowed} is needed",
+    "inward": "{part} opens into {other} or away from its handle: {value} more sight lines are blocked ahead "
+    "than behind, allowed is {allowed}",
+    "hinge": "{part} rotates about a line {value} from its edge, allowed is {allowed}",
+    "handle": "{part} cannot be grasped: {value} of clearance is missing, allowed is {allowed}",
+    "released": "{part} keeps {value} of its depth in its carrier when open, at least {allowed} is needed",
     "range": "{part} moves by {value} (m or rad), allowed is {allowed}",
     "thin": "{part} has a piece {value} thin, at least {allowed} is needed",
     "crowded": "the body of {part} has {value} hulls or links, allowed is {allowed}",
-    "tipping": "the middle of the object lies {value} outside of what {part} stands on, allowed is {allowed}",
-    "unmet": "{part} needs {other} open, which does not move",
-    "extent": "the {part} is {value} off what was asked, allowed is {allowed}",
+    "tipping": "the centre of volume lies {value} outside of the support polygon at {part}, "
+    "allowed is {allowed}",
+    "unmet": "{part} requires {other} to be open, which does not move",
+    "extent": "the {part} differs by {value} from the request, allowed is {allowed}",
     "adrift": "{part} carries all others and moves by {value} (m or rad), it must be fixed",
 }

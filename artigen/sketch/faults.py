@@ -1,8 +1,8 @@
-"""Faults of shapes that would make the package fail its checks, found on the primitives.
+"""Finds defects of shapes, on their primitives, that would make the package fail its checks.
 
-A shape is written in a moment, exported and checked in a second or more. `find_faults` says in milliseconds
-whether it is worth it; procedural shapes have no fault. `artigen.sketch.fault` lists
-the kinds.
+Drawing a shape takes a moment; exporting and checking it takes a second or more. `find_faults` decides within
+milliseconds whether export is worthwhile. Procedural shapes have no faults. `artigen.sketch.fault` lists the
+ids.
 """
 
 from collections.abc import Iterator
@@ -51,34 +51,34 @@ from artigen.sketch.tree import Tree, read_tree
 from artigen.types import FULL_TURN
 
 MAX_OVERLAP = 0.001
-"""Depth (m) at rest between bodies of which neither carries the other."""
+"""Penetration (m) at rest between bodies of which neither carries the other."""
 MAX_OVERLAP_CARRIED = 0.002
-"""Depth (m) at rest between a body and what carries it."""
+"""Penetration (m) at rest between a body and its carrier."""
 MAX_ENTRY = 0.002
-"""Depth (m) on the way beyond that at rest."""
+"""Penetration (m) along a motion beyond that at rest."""
 MAX_SHARE = 0.01
-"""Share of a body's volume that may enter another one on its way."""
+"""Share of a body's volume that may enter another one along its motion."""
 MAX_GAP = 0.005
-"""Distance (m) of a body from what carries it."""
+"""Distance (m) of a body from its carrier."""
 MAX_SLIT = 0.002
 """Distance (m) between pieces of one body; those of procedural shapes touch."""
 MIN_THICKNESS = 0.001
-"""Thinnest a hull may be (m)."""
+"""Smallest thickness of a hull (m)."""
 MAX_ASPECT = 60.0
-"""Length over thickness beyond which an exporter cuts a hull that is no box."""
+"""Ratio of length to thickness beyond which an exporter splits a hull that is not a box."""
 MAX_HULLS, MAX_HULLS_IN_ALL, MAX_LINKS = 32, 256, 64
-"""Hulls on a body and in all, and bodies."""
+"""Hulls per body, hulls in total, and bodies."""
 HOPELESS = 4
-"""Faults at rest beyond which the way of parts is not looked at."""
+"""Number of faults at rest beyond which motions are not checked."""
 FLOOR_BAND = 0.005
-"""Height (m) above the lowest point up to which a corner stands on the floor."""
+"""Height (m) above the lowest point within which corners count as support."""
 TURN_TOLERANCE = 1e-3
 """Radians by which a hinge's range may exceed a full turn."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Course:
-    """One part's way, with all that it needs open: what is where, and what meets."""
+    """Motion of one part with the parts it requires opened: placed bodies, path and contacts."""
 
     index: int
     placed: Bodies
@@ -88,7 +88,7 @@ class _Course:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Subject:
-    """A shape and what the finders need of it."""
+    """A shape and the data that the finders share."""
 
     shape: Shape
     tree: Tree
@@ -97,7 +97,7 @@ class _Subject:
     courses: tuple[_Course, ...]
     openers: tuple[Opener, ...]
     rest: dict[tuple[int, int], tuple[float, int, int]]
-    """For pairs of bodies that overlap, lower leader first: how deep (m), and which primitives."""
+    """Overlapping bodies, lower leader first: depth (m) and the two primitives."""
 
     def name(self, row: int) -> str:
         """Name of the part that a primitive belongs to."""
@@ -107,14 +107,15 @@ class _Subject:
 def find_faults(shape: Shape) -> tuple[Fault, ...]:
     """Finds faults that would make the package of a shape fail its checks.
 
-    Stricter than they are in one thing: a screw is followed through all of its turns, not through one. Parts
-    of a shape with more than `HOPELESS` faults at rest are not moved: that takes long where all overlaps.
+    Stricter than the checks in one respect: a screw is followed through all of its turns, not only one.
+    Motions of a shape with more than `HOPELESS` faults at rest are skipped, because they are slow to check
+    where everything overlaps.
     """
     return tuple(search_faults(shape))
 
 
 def search_faults(shape: Shape) -> Iterator[Fault]:
-    """The faults of `find_faults` one by one: who takes the first only does not wait for the others."""
+    """Yields the faults of `find_faults` lazily, so that a caller may stop at the first."""
     tree = read_tree(shape)
     bodies = list_bodies(shape, tree.leaders)
     near = find_near(bodies, 2 * MAX_GAP)
@@ -219,14 +220,14 @@ def _floating(subject: _Subject) -> Iterator[Fault]:
 
 
 def _widest_gap(bodies: Bodies, one: int, other: int) -> float:
-    """Distance (m) of two bodies that are not near each other, by the bounds of their primitives."""
+    """Distance (m) between two bodies that are not close, from the bounds of their primitives."""
     first, second = np.flatnonzero(bodies.links == one), np.flatnonzero(bodies.links == other)
     pairs = np.stack(np.meshgrid(first, second, indexing="ij")).reshape(2, -1)
     return float(measure_pairs(bodies, pairs[0], pairs[1]).min())
 
 
 def _loose(subject: _Subject) -> Iterator[Fault]:
-    """Pieces of bodies that touch nothing of the largest piece of theirs."""
+    """Pieces of a body that are detached from its largest connected piece."""
     bodies, near = subject.bodies, subject.near
     same = bodies.links[near.first] == bodies.links[near.second]
     joined = same & (near.distance <= MAX_SLIT)
@@ -248,7 +249,7 @@ def _loose(subject: _Subject) -> Iterator[Fault]:
 
 
 def _connect(count: int, first: Int[np.ndarray, "C"], second: Int[np.ndarray, "C"]) -> Int[np.ndarray, "N"]:
-    """For each of some things the lowest that it hangs together with."""
+    """Connected components: the lowest index that each element is connected to."""
     group = np.arange(count)
     while True:
         lowest = group.copy()
@@ -261,7 +262,7 @@ def _connect(count: int, first: Int[np.ndarray, "C"], second: Int[np.ndarray, "C
 
 
 def _inward(subject: _Subject) -> Iterator[Fault]:
-    """Drawers and doors for which the way back is freer than the way out, or is it for their handles."""
+    """Drawers and doors whose way back is clearer than the way out, or whose handles trail the motion."""
     met = {course.index for course in subject.courses if len(course.found.first)}
     for opener in subject.openers:
         label = subject.shape.parts[opener.index].label
@@ -280,7 +281,7 @@ def _inward(subject: _Subject) -> Iterator[Fault]:
 
 
 def _openings(subject: _Subject) -> Iterator[Fault]:
-    """Hinges beside the edge, handles out of reach, slides that come out."""
+    """Hinges away from the edge, handles that cannot be grasped, slides that leave their carriers."""
     shape, bodies = subject.shape, subject.bodies
     for opener in subject.openers:
         part = shape.parts[opener.index]
@@ -314,7 +315,7 @@ def _ranges(subject: _Subject) -> Iterator[Fault]:
 
 
 def _trees(subject: _Subject) -> Iterator[Fault]:
-    """Faults of the tree: a root that moves, a part that needs one that cannot move."""
+    """Faults of the tree: a root with a joint, or a part that requires a static part to be open."""
     moving = {part.name for part in subject.shape.parts if part.motion is not None}
     for part in subject.shape.parts:
         if part.parent is None and part.motion is not None:
@@ -325,7 +326,7 @@ def _trees(subject: _Subject) -> Iterator[Fault]:
 
 
 def _hulls(subject: _Subject) -> Iterator[Fault]:
-    """Primitives too thin, and more pieces than are allowed once long ones are cut."""
+    """Primitives that are too thin, and too many hulls after long ones are split."""
     bodies, shape = subject.bodies, subject.shape
     thickness = measure_thickness(bodies)
     for row in np.flatnonzero(thickness < MIN_THICKNESS):
@@ -345,7 +346,7 @@ def _hulls(subject: _Subject) -> Iterator[Fault]:
 
 
 def _is_box(primitive: Primitive) -> bool:
-    """Whether every corner is one of the box around the primitive in its own frame."""
+    """Whether the corners are those of the primitive's box in its own frame."""
     corners = np.abs(primitive.vertices)
     return len(corners) == 8 and bool(np.abs(corners - primitive.size / 2).max() < 1e-9)
 

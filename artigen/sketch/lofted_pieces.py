@@ -1,4 +1,4 @@
-"""Pieces with rounded edges and bends: shells and elbows, made and found."""
+"""Builds and fits pieces with rounded edges and bends: shells and elbows."""
 
 from collections.abc import Sequence
 
@@ -21,9 +21,9 @@ from artigen.sketch.piece import (
 from artigen.sketch.solid_pieces import find_surface, is_same, measure_cuts
 
 LEAST_WALLS = 8
-"""Walls that a hollow shell has at least: those of fewer are boxes and prisms."""
+"""Smallest number of walls of a hollow shell; with fewer, the walls are boxes and prisms."""
 _FACE = 4
-"""Corners that walls of a shell have in common with the next one."""
+"""Corners that adjacent walls of a shell share."""
 
 
 def build_shell(piece: Piece) -> tuple[Primitive, ...]:
@@ -32,7 +32,9 @@ def build_shell(piece: Piece) -> tuple[Primitive, ...]:
     cut0, cut1, inset, wall = piece.rest
     room = min((high - low)[[u, v]]) / 2
     if abs(inset) + wall >= room:
-        raise ValueError(f"a shell with an inset of {inset} and a wall of {wall}: together less than {room}")
+        raise ValueError(
+            f"a shell with an inset of {inset} and a wall of {wall}: expected a sum below {room}"
+        )
     outline = Outline(
         a=(low[u], high[u]),
         b=(low[v], high[v]),
@@ -45,12 +47,12 @@ def build_shell(piece: Piece) -> tuple[Primitive, ...]:
 
 
 def build_elbow(piece: Piece) -> tuple[Primitive, ...]:
-    """A quarter of a bent tube."""
+    """A quarter turn of a bent tube."""
     low, high, (u, v) = piece.low, piece.high, across(piece.axis)
     size, radius = high - low, (high - low)[piece.axis] / 2
     reach = (size[u] + size[v]) / 2
     if not reach > 2 * radius - TOLERANCE or radius <= 0:
-        raise ValueError(f"an elbow of {reach} from a tube of {2 * radius}: expected at least as much")
+        raise ValueError(f"an elbow of {reach} from a tube of {2 * radius}: expected at least the diameter")
     center, eye = (low + high) / 2, np.eye(3)
     far = ((0, 0), (1, 0), (1, 1), (0, 1))[piece.corners]
     for axis, end in zip((u, v), far, strict=True):
@@ -62,7 +64,7 @@ def build_elbow(piece: Piece) -> tuple[Primitive, ...]:
 
 
 def fit_walls(primitives: Sequence[Primitive]) -> tuple[Piece, int] | None:
-    """The hollow shell that the first primitives are, and how many of them it takes."""
+    """Fits a hollow shell to the first primitives; the second value is the number of primitives used."""
     count = _count_walls(primitives)
     if count < LEAST_WALLS:
         return None
@@ -76,7 +78,8 @@ def fit_walls(primitives: Sequence[Primitive]) -> tuple[Piece, int] | None:
 
 
 def fit_solid_shell(primitive: Primitive) -> tuple[Piece, int] | None:
-    """The solid with rounded edges that a primitive is, and 1: how many it takes."""
+    """Fits a solid with rounded edges to one primitive; the second value is 1, the number of primitives
+    used."""
     points = place_vertices(primitive)
     for axis in range(3):
         for piece in _guess_shells(points, axis, primitive, hollow=False):
@@ -86,7 +89,8 @@ def fit_solid_shell(primitive: Primitive) -> tuple[Piece, int] | None:
 
 
 def _count_walls(primitives: Sequence[Primitive]) -> int:
-    """How many of the first primitives go around a hollow, each with a face in common with the next; or 0."""
+    """Number of leading primitives that form a ring, each sharing a face with the next; 0 if they form
+    none."""
     first = place_vertices(primitives[0])
     if len(first) > 8 or primitives[0].kind != "polytope":
         return 0
@@ -108,7 +112,7 @@ def _count_shared(these: Float[np.ndarray, "V 3"], those: Float[np.ndarray, "W 3
 def _guess_shells(
     points: Float[np.ndarray, "V 3"], axis: int, first: Primitive, *, hollow: bool
 ) -> list[Piece]:
-    """The shells along an axis that solids with these corners may be: they differ in the pieces of arcs."""
+    """Candidate shells along an axis for solids with these corners; they differ in the segments per arc."""
     low, high, axes = points.min(axis=0), points.max(axis=0), list(across(axis))
     depth = np.minimum(points[:, axis] - low[axis], high[axis] - points[:, axis])
     if depth.max() > TOLERANCE:
@@ -136,7 +140,7 @@ def _guess_shells(
 
 
 def _measure_wall(flat: Float[np.ndarray, "N 2"]) -> float:
-    """How far the inner outline lies within the outer one, where both are those of walls."""
+    """Thickness of the wall between the outer and inner outlines, if the points form two outlines."""
     from scipy.spatial import ConvexHull
 
     inner = np.delete(flat, ConvexHull(flat.round(9)).vertices, axis=0)
@@ -146,7 +150,7 @@ def _measure_wall(flat: Float[np.ndarray, "N 2"]) -> float:
 
 
 def fit_elbow(primitives: Sequence[Primitive]) -> tuple[Piece, int] | None:
-    """The elbow that the first primitives are, and how many of them it takes."""
+    """Fits an elbow to the first primitives; the second value is the number of primitives used."""
     points: list[Float[np.ndarray, "V 3"]] = []
     for count, primitive in enumerate(primitives[:MAX_PIECES_OF_ARC], start=1):
         points.append(place_vertices(primitive))
@@ -168,7 +172,7 @@ def _guess_elbows(points: Float[np.ndarray, "V 3"], first: Primitive, sides: int
         if abs(size[u] - size[v]) > TOLERANCE or size[u] < size[axis]:
             continue
         radius = size[axis] / 2 / np.cos(np.pi / SEGMENTS)
-        spare = radius - size[axis] / 2  # corners of a tube do not lie on the sides of its bounds
+        spare = radius - size[axis] / 2  # corners of a tube do not reach the sides of its bounds
         for corners in range(CORNERS):
             bottom, top = low.copy(), high.copy()
             bottom[axis], top[axis] = low[axis] - spare, high[axis] + spare

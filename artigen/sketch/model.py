@@ -1,4 +1,4 @@
-"""The sketch network with its weights, and objects drawn from it until one has no fault."""
+"""The sketch network with its weights, and sampling of objects until one has no fault."""
 
 from collections import Counter
 from collections.abc import Iterator
@@ -30,29 +30,29 @@ from artigen.sketch.vocabulary import carry_weights, describe_vocabulary, find_n
 from artigen.sketch.words import CATEGORIES, STYLES
 
 PICTURE_EDGE = 256
-"""Pixels of a picture's edge when cameras are fitted and colours are read."""
+"""Edge length (pixels) of the picture for camera fitting and colours."""
 LIKELIEST = DrawConfig(temperature=0.2)
-"""How headers are drawn where a picture shows what they say."""
+"""Sampling of headers when a picture shows their content."""
 WITHIN = 0.01
-"""Share by which an extent may differ from what was asked."""
+"""Relative tolerance of requested extents."""
 UNREADABLE = "unreadable"
-"""Id of what cannot be read as an object."""
+"""Id for tables that do not describe an object."""
 DEFERRED = frozenset(("tipping", "extent"))
-"""Faults that only a whole object can have."""
+"""Faults that only a complete object can have."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class SketchConfig:
-    """How an object is drawn."""
+    """Sampling of an object."""
 
     draw: DrawConfig = field(default_factory=DrawConfig)
-    """Temperature."""
+    """Temperature and nucleus of the parts."""
     header: DrawConfig = field(default_factory=lambda: DrawConfig(temperature=0.8))
-    """That of the header: category, style, counts and extents."""
+    """The same for the header: category, style, counts and extents."""
     candidates: int = 8
-    """Continuations of an object in a batch: one is drawn, the others side by side if it has a fault."""
+    """Continuations per batch: one is drawn first, the others in parallel if it has a fault."""
     batches: int = 80
-    """Batches in all."""
+    """Largest number of batches."""
 
     def __post_init__(self) -> None:
         if min(self.candidates, self.batches) < 1:
@@ -63,19 +63,19 @@ class SketchConfig:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Drawn:
-    """An object, what is wrong with it, and how it came about."""
+    """An object, its faults and statistics of the search."""
 
     shape: Shape
     faults: tuple[Fault, ...]
     notes: tuple[str, ...]
     seen: Counter[str]
-    """What was drawn and left out, by the fault that was found in it first."""
+    """Rejected continuations and objects, counted by fault id (continuations by their first fault)."""
     batches: int = 1
-    """Batches that were drawn."""
+    """Number of batches drawn."""
 
 
 def save_sketch_network(network: SketchNetwork, folder: Path, described: dict[str, object]) -> None:
-    """Writes the weights, and the vocabulary that they belong to, into a model folder."""
+    """Writes the weights and their vocabulary into a model folder."""
     said = {
         "sizes": asdict(network.cfg),
         "categories": list(network.categories),
@@ -85,15 +85,15 @@ def save_sketch_network(network: SketchNetwork, folder: Path, described: dict[st
 
 
 def load_sketch_network(folder: Path, like: SketchNetwork | None = None) -> SketchNetwork:
-    """Loads a sketch network; it draws only categories and words that it has learned.
+    """Loads a sketch network; it draws only the categories and words that it has learned.
 
     Args:
         folder: Model folder.
-        like: Network that provides weights for words not learned; without it they are initialised anew.
+        like: Network that provides the weights of new words; by default they are freshly initialised.
 
     Raises:
-        SourceError: If the folder holds none.
-        VocabularyError: If it was trained with words or fields that this version lacks.
+        SourceError: If the folder holds no sketch network.
+        VocabularyError: If the network was trained with words or fields that this version lacks.
     """
     said = read_description(folder).get(NETWORK)
     if said is None:
@@ -118,7 +118,7 @@ def load_sketch_network(folder: Path, like: SketchNetwork | None = None) -> Sket
 
 
 def _read_sizes(said: Any) -> SketchNetworkConfig:
-    """Sizes as a description has them; networks from before pictures do not name these."""
+    """Sizes from a description; models older than the picture encoder have no entry for it."""
     picture = said.get("picture")
     if picture is not None:
         picture = PictureConfig(
@@ -134,20 +134,21 @@ def draw_object(
     cfg: SketchConfig | None = None,
     sight: Sight | None = None,
 ) -> Drawn:
-    """Draws an object that meets a request; the same arguments give the same object on one machine.
+    """Samples an object that meets a request; deterministic for equal arguments on one machine.
 
     The header is drawn first; then the object grows part by part. Several continuations are drawn for every
     part, and the first without a new fault is kept. If all have one, the object is cut back to before the
     part that most of these faults involve (conflict-directed backjumping, Prosser 1993); repeated dead ends
-    at the same number of parts cut back further. When the budget is used up, the object is finished with the
-    fewest faults of a batch, which are returned with it.
+    at the same number of parts cut back further. When the budget is exhausted without a complete object, the
+    last draft is finished with the continuation of fewest faults in each batch, and its faults are returned
+    with it.
 
     Args:
         network: A trained network.
         request: The condition.
         seed: Seed of all sampling.
-        cfg: Temperature and budget.
-        sight: Tokens of the picture (`SketchNetwork.look`), if there is one.
+        cfg: Sampling parameters and budget.
+        sight: Picture memory (`SketchNetwork.look`), if there is a picture.
 
     Raises:
         SketchError: If sketches cannot express the request, the network does not draw its category, or no
@@ -187,10 +188,10 @@ def draw_object(
 
 
 def read_object_picture(network: SketchNetwork, path: Path) -> Picture:
-    """Reads a picture as the network takes it.
+    """Reads a picture at the size that the sketch model uses.
 
     Raises:
-        SourceError: If the network reads no pictures, or the file holds none.
+        SourceError: If the network reads no pictures, or the file is not an image.
     """
     if network.cfg.picture is None:
         raise SourceError(
@@ -215,25 +216,25 @@ def draw_alike(
     *,
     objects: int = 2,
 ) -> Drawn:
-    """Draws several objects by a picture and returns the one that looks most like it, in its colours.
+    """Samples several objects from a picture and returns the most similar one, coloured as in the picture.
 
-    Of objects with faults, only those with the fewest are compared. No further one is begun when the budget
-    of one object is used up.
+    Among objects with faults, only those with the fewest are compared. Sampling stops early once the objects
+    together have used the budget of one.
 
     Args:
-        network: trained, one that reads pictures.
-        request: what is asked for besides; it goes before what the picture shows.
-        seed: of all chance.
+        network: A trained network that reads pictures.
+        request: Explicit conditions, which override the picture.
+        seed: Seed of all sampling.
         picture: RGBA in [0, 1], premultiplied on black.
-        cfg: temperature and budget of each.
-        objects: how many, at most.
+        cfg: Sampling parameters and budget of each object.
+        objects: Largest number of objects.
 
     Raises:
-        SketchError: As `draw_object` does.
+        SketchError: As for `draw_object`.
         PictureError: If the picture shows no object.
     """
     cfg = cfg or SketchConfig()
-    cfg = replace(cfg, header=LIKELIEST)  # a picture is to be read, not to be added to
+    cfg = replace(cfg, header=LIKELIEST)  # follow the picture instead of sampling freely
     seen, sight = look_at(network, picture)
     view = View(*seen.view[0].tolist())
     drawn: list[Drawn] = []
@@ -250,7 +251,7 @@ def draw_alike(
 
 @dataclass(kw_only=True, eq=False)
 class _Hand:
-    """Adds parts to drafts, and counts what it leaves out by its first fault."""
+    """Extends drafts by parts and counts the rejected ones by their first fault."""
 
     network: SketchNetwork
     rng: np.random.Generator
@@ -259,13 +260,14 @@ class _Hand:
     batches: int = 0
 
     def head(self, draft: Draft) -> Draft:
-        """An empty table with its header."""
+        """Adds a header to an empty table."""
         return _draw_header(self.network, draft, self.rng, self.cfg.header)
 
     def grow(self, draft: Draft) -> tuple[Draft | None, int]:
-        """The first continuation of a batch by one part that has no fault, if any.
+        """First continuation by one part without a fault, or None.
 
-        Also the number of the earlier part that most of the faults involve; that of the part before, if none.
+        The second value is the earlier part that most of the faults involve, or the last part if they involve
+        none.
         """
         before = len(draft.writer.moving)
         blamed: Counter[int] = Counter()
@@ -278,10 +280,10 @@ class _Hand:
         return None, max(blamed, key=lambda part: (blamed[part], part), default=before - 1)
 
     def finish(self, draft: Draft) -> Draft:
-        """Adds the parts that are missing, of every batch the one with the fewest faults.
+        """Adds the missing parts, choosing the continuation with the fewest faults in every batch.
 
         Raises:
-            SketchError: If no continuation could be read.
+            SketchError: If no continuation describes an object.
         """
         while not draft.writer.delivered:
             drawn = [(one, {fault.id for fault in _search_lasting(one)}) for one in self._batch(draft)]
@@ -295,11 +297,11 @@ class _Hand:
         return draft
 
     def _batch(self, draft: Draft) -> Iterator[Draft]:
-        """Continuations by one part; those that grew too long are left out."""
+        """Yields continuations by one part, except those that grew too long."""
         self.batches += 1
         parts = len(draft.writer.moving)
         rngs = self.rng.spawn(self.cfg.candidates)
-        # Mostly the first one is sound, and the others are not needed.
+        # The first one is usually valid, and the others are then not drawn.
         for some in filter(None, (rngs[:1], rngs[1:])):
             drawn = continue_drafts(
                 self.network,
@@ -313,14 +315,14 @@ class _Hand:
 
 @dataclass(frozen=True, kw_only=True)
 class _Found:
-    """The id of a fault, and the numbers of the parts that it involves."""
+    """A fault's id and the indices of the parts that it involves."""
 
     id: str
     parts: tuple[int, ...] = ()
 
 
 def _search_lasting(draft: Draft) -> Iterator[_Found]:
-    """Faults of an unfinished object that further parts cannot remove."""
+    """Faults of an incomplete object that further parts cannot remove."""
     try:
         shape = read_sketch(rows_to_sketch(draft.writer.table))
     except SketchError:
@@ -342,17 +344,17 @@ def draw_header(
     cfg: DrawConfig | None = None,
     sight: Sight | None = None,
 ) -> SketchRequest:
-    """Category, style, counts of every label and extents of an object that meets a request.
+    """Samples category, style, counts of every label and extents for a request.
 
     Args:
-        network: trained.
-        request: what is asked for.
-        seed: of all chance.
-        cfg: temperature; a low one gives the likeliest.
-        sight: what is seen of its picture, if it has one.
+        network: A trained network.
+        request: The condition.
+        seed: Seed of all sampling.
+        cfg: Sampling parameters; a low temperature gives the most likely header.
+        sight: Picture memory, if there is a picture.
 
     Raises:
-        SketchError: If the request is none that sketches can say.
+        SketchError: If sketches cannot express the request.
     """
     rng = np.random.default_rng(seed)
     (empty,) = begin_drafts(network, [ask(request)], sight)
@@ -379,7 +381,7 @@ def _draw_header(
 
 
 def _judge(table: np.ndarray, seed: int, request: SketchRequest) -> tuple[Shape, tuple[Fault, ...]]:
-    """The shape of a table, and its faults."""
+    """The shape of a table and its faults."""
     shape = read_sketch(rows_to_sketch(table), seed)
     return shape, (*find_faults(shape), *find_extent_faults(shape, request))
 
@@ -387,7 +389,8 @@ def _judge(table: np.ndarray, seed: int, request: SketchRequest) -> tuple[Shape,
 def find_extent_faults(shape: Shape, request: SketchRequest) -> tuple[Fault, ...]:
     """A fault for every requested extent that the object misses by more than `WITHIN`.
 
-    Extents that were not requested are those that the object has, whatever its header announced.
+    The object's measured extents are compared, not those in its header. Extents that were not requested are
+    ignored.
     """
     from artigen.shapes.solids import list_solids
 

@@ -1,11 +1,11 @@
 """`SketchNetwork`: a transformer that reads rows and predicts the next one, field by field.
 
-There is one position per row. Its state and the fields of the next row said so far give the following field:
-a symbol of its slot's vocabulary, or a number. A coordinate has three ways to be said, whose probabilities
-add up: a plane that an earlier row named, such a plane with an offset of at most `OFFSET` steps, or two
-digits. So boards that are flush are exactly flush, and the thickness of a board is one symbol.
+The sequence has one position per row. The state of a row and the fields of the next row predicted so far give
+the following field: a symbol of its slot's vocabulary, or a number. A coordinate has three encodings, whose
+probabilities add up: a plane that an earlier row named, such a plane with an offset of at most `OFFSET`
+steps, or two digits. Flush boards are therefore exactly flush, and the thickness of a board is one symbol.
 
-Where the object's picture is given, every second block also attends to what `PictureEncoder` sees in it.
+With a picture of the object, every second block also attends to the tokens of `PictureEncoder`.
 """
 
 from dataclasses import dataclass, field
@@ -36,20 +36,20 @@ from artigen.sketch.slots import slots
 from artigen.sketch.words import CATEGORIES
 
 FREQUENCIES = 15
-"""Sines and cosines that a number is read by: periods from 2 to 2**15 steps."""
+"""Frequencies of the sinusoidal embedding of numbers: periods from 2 to 2**15 steps."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class SketchNetworkConfig:
-    """Sizes."""
+    """Layer sizes."""
 
     width: int = 256
     layers: int = 6
     heads: int = 8
     pointer: int = 64
-    """Width of keys and queries of planes."""
+    """Width of the keys and queries of planes."""
     picture: PictureConfig | None = field(default_factory=PictureConfig)
-    """How pictures are read; None for a network that sees none."""
+    """Picture encoder; None for a network without pictures."""
 
 
 class SketchNetwork(nn.Module):
@@ -65,7 +65,7 @@ class SketchNetwork(nn.Module):
         super().__init__()
         self.cfg = cfg
         self.categories: tuple[str, ...] = CATEGORIES
-        """Those that it draws."""
+        """Categories that the network draws."""
         table, width = slots(), cfg.width
         count = len(table.base)
         self.symbols = nn.Embedding(table.total, width)
@@ -124,13 +124,13 @@ class SketchNetwork(nn.Module):
             assert isinstance(block, Block)
             for last in (block.out, block.feed.down):
                 nn.init.normal_(last.weight, std=0.5 / (cfg.width * 2 * cfg.layers) ** 0.5)
-            if block.look is not None:  # a network that has seen none begins as if there were none
+            if block.look is not None:  # a freshly added picture input changes nothing
                 nn.init.zeros_(block.look.out.weight)
 
     def embed_cells(
         self, rows: Int[Tensor, "*N W"], known: Bool[Tensor, "*N W"], axes: Int[Tensor, "*N W"]
     ) -> Float[Tensor, "*N W D"]:
-        """Embeds every cell; zero where a row has no such field."""
+        """Embeds every cell; zero where a row lacks the field."""
         slot = self.of_cell[rows[..., 0]]
         exists, number = slot >= 0, axes >= 0
         slot = slot.clamp(min=0)
@@ -145,14 +145,14 @@ class SketchNetwork(nn.Module):
     def embed_values(
         self, slot: Int[Tensor, "N"], value: Int[Tensor, "N"], number: Bool[Tensor, "N"]
     ) -> Float[Tensor, "N D"]:
-        """Embeds single cells, as `embed_cells` does, for known values."""
+        """Embeds single known cells, as `embed_cells` does."""
         said = self.symbols(self.base[slot] + torch.where(number, 0, value))
         if not number.any():
             return said
         return torch.where(number[:, None], self._embed_numbers(slot, value), said)
 
     def _embed_numbers(self, slot: Int[Tensor, "N"], value: Int[Tensor, "N"]) -> Float[Tensor, "N D"]:
-        """Sines and cosines of numbers, weighed by what they are."""
+        """Sinusoidal embedding of numbers, gated by their slot."""
         angle = value[:, None] * self.turns
         return self.numbers(torch.cat([angle.sin(), angle.cos()], dim=-1)) * self.gates(slot)
 
@@ -160,10 +160,10 @@ class SketchNetwork(nn.Module):
         """Encodes pictures: predictions, and the memory that blocks attend to.
 
         Args:
-            image: RGB and alpha in [0, 1], premultiplied on black; scaled to the encoder's edge.
+            image: RGB and alpha in [0, 1], premultiplied on black; resized to the encoder's edge.
 
         Raises:
-            ValueError: If the network reads no pictures.
+            ValueError: If the network has no picture encoder.
         """
         if self.picture is None:
             raise ValueError("this network reads no pictures")
@@ -185,7 +185,7 @@ class SketchNetwork(nn.Module):
         cache: "list[Cache] | None" = None,
         sight: Sight | None = None,
     ) -> Float[Tensor, "B T D"]:
-        """States after each row; with a cache, rows go on from those read before."""
+        """States after each row; with a cache, rows continue those read before."""
         x = (
             cells.sum(dim=2)
             + self.part(batch.part)
@@ -208,21 +208,22 @@ class SketchNetwork(nn.Module):
         before: Float[Tensor, "N D"],
         slot: Int[Tensor, "N"],
     ) -> Float[Tensor, "N D"]:
-        """Predicts a slot from the state before the row and the cells so far."""
+        """Hidden vector for predicting a slot, from the state before the row and the row's cells so far."""
         x = self.state(states) + before + self.slots(slot)
         for feed in self.inner:
             x = feed(x)
         return self.inner_norm(x)
 
     def symbol_logits(self, x: Float[Tensor, "N D"], slot: Int[Tensor, "N"]) -> Float[Tensor, "N V"]:
-        """Over the whole vocabulary; far below zero outside of the slot."""
+        """Logits over the whole vocabulary; `FAR` outside of the slot."""
         logits = functional.linear(x, self.symbols.weight).float() + self.biases.weight[:, 0].float()
         return logits.masked_fill(~self.inside[slot], FAR)
 
     def slot_logits(self, x: Float[Tensor, "N D"], slot: Int[Tensor, "N"], size: int) -> Float[Tensor, "N V"]:
-        """Over ``size`` symbols from the first of the slot on, some of which may be those of others.
+        """Logits over ``size`` symbols from the first of the slot on; a smaller slot is followed by other
+        symbols.
 
-        Far below zero where a symbol was not learned.
+        `FAR` for symbols that were not learned.
         """
         symbols = (self.base[slot][:, None] + torch.arange(size)).clamp(max=len(self.symbols.weight) - 1)
         logits = (self.symbols.weight[symbols] @ x[:, :, None])[..., 0]
@@ -235,12 +236,12 @@ class SketchNetwork(nn.Module):
         keys: Float[Tensor, "B C P"],
         open_planes: Bool[Tensor, "B N C"],
     ) -> "NumberParts":
-        """The three ways to say a number, as logarithms of chances.
+        """Log probabilities of the three encodings of a number.
 
         Args:
-            x: thoughts.
-            keys: of the planes; the last `OWN` are the row's own.
-            open_planes: which planes may be pointed at; without any, a number is said anew.
+            x: Hidden vectors of `think`.
+            keys: Keys of the planes; the last `OWN` are the row's own.
+            open_planes: Planes that may be referenced; without any, a number is coded as digits.
         """
         queries = self.queries(x).float().unflatten(-1, (2, -1))
         scores = torch.einsum("bnqp,bcp->qbnc", queries, keys.float()) * keys.shape[-1] ** -0.5
@@ -258,11 +259,11 @@ class SketchNetwork(nn.Module):
         )
 
     def fine_logits(self, x: Float[Tensor, "... D"], coarse: Int[Tensor, "..."]) -> Float[Tensor, "... F"]:
-        """The finer digit, given the coarse one."""
+        """Logits of the fine digit given the coarse one."""
         return self.fine(x + self.coarse_in(coarse)).float().log_softmax(dim=-1)
 
     def plane_keys(self, keys: Float[Tensor, "B T K"]) -> Float[Tensor, "B C P"]:
-        """Keys of the planes of all rows (``keys`` of their states), then the row's own."""
+        """Keys of the planes of all rows (``keys`` of their states), then of the row's own."""
         keys = keys.unflatten(-1, (SIDES, -1)).flatten(1, 2)
         own = self.own_keys.to(keys.dtype).expand(len(keys), -1, -1)
         return torch.cat([keys, own], dim=1)
@@ -270,7 +271,7 @@ class SketchNetwork(nn.Module):
     def forward(
         self, batch: RowBatch, sight: Sight | None = None
     ) -> tuple[Float[Tensor, "M"], Float[Tensor, "N"]]:
-        """Negative log likelihood of every symbol and of every number that the batch says (nats)."""
+        """Negative log likelihood (nats) of every symbol and every number that the batch predicts."""
         cells = self.embed_cells(batch.rows, batch.known, batch.axes)
         states = self.read_rows(cells, batch, sight=sight)
         before = cells.cumsum(dim=2) - cells

@@ -1,4 +1,4 @@
-"""How drawers and doors open: out of the body, about an edge, by a handle in front, and held when open."""
+"""Opening of drawers and doors: direction, hinge line, reachable handle, and support when open."""
 
 from dataclasses import dataclass
 
@@ -11,31 +11,31 @@ from artigen.sketch.tree import Tree
 from artigen.types import PartLabel
 
 SIGHT_LINES = 200
-"""Points of a part that are followed straight ahead, to see which way is free."""
+"""Sample points per part; each casts a ray along the motion to measure which direction is free."""
 FREE_MARGIN = 0.02
-"""Share of sight lines by which two ways must differ to be called different."""
+"""Smallest difference in the share of blocked sight lines that counts as a difference."""
 FIRST_TURN = 1.0
-"""Radians; corners of a door are followed along the tangent for at most this turn."""
+"""Largest rotation (radians) for which the tangent stands for the motion of a door's points."""
 EDGE_RATIO = 0.05
-"""Distance of a hinge from the edge of its door, as a share of the door's width."""
+"""Largest distance of a hinge from the edge of its door, as a share of the door's width."""
 MIN_HELD = 0.1
-"""Share of a drawer's depth that stays inside what carries it."""
+"""Smallest share of a drawer's depth that stays inside its carrier."""
 HOOK_DEPTH = 0.025
-"""Free depth (m) behind a bar, for fingers."""
+"""Free depth (m) that fingers need behind a bar."""
 GRASP_WIDTH = 0.08
-"""Width (m) that a gripper spans."""
+"""Opening width (m) of a gripper."""
 PROTRUSION = 0.005
-"""How far (m) a handle stands out of its panel to be pinched."""
+"""Distance (m) by which a handle must protrude from its panel to be pinched."""
 _PARALLEL = 0.5
-"""Cosine above which an axis stands upright on a panel: such a lid spins, it has no edge."""
+"""Cosine between axis and panel normal above which a lid spins in its plane and has no hinge edge."""
 _COLUMNS = 24
 _GOLDEN = np.array([0.7548776662466927, 0.5698402909980532])
-"""Steps of an even sequence in the unit square."""
+"""Steps of a low-discrepancy sequence in the unit square."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Opener:
-    """A part that moves, and the primitives of its rigid body: all, and those that are no handle."""
+    """A moving part and the primitives of its rigid body: all of them, and those that are not handles."""
 
     index: int
     label: PartLabel
@@ -44,14 +44,14 @@ class Opener:
     panel: Int[np.ndarray, "Q"]
 
     def velocity(self, points: Float[np.ndarray, "N 3"]) -> Float[np.ndarray, "N 3"]:
-        """Velocity of points at rest per unit of the joint's (m per rad or per m)."""
+        """Velocity of points at rest per unit of joint velocity (m per rad or per m)."""
         if self.motion.type == "prismatic":
             return np.broadcast_to(np.array(self.motion.axis), points.shape)
         return np.cross(self.motion.axis, points - np.array(self.motion.origin))
 
 
 def list_openers(shape: Shape, bodies: Bodies) -> list[Opener]:
-    """Drawers, trays and doors that slide or turn between limits."""
+    """Drawers, trays and doors with a limited range of motion."""
     handles = np.array([part.label == "handle" for part in shape.parts])[bodies.parts]
     openers = []
     for index, part in enumerate(shape.parts):
@@ -72,7 +72,7 @@ def list_openers(shape: Shape, bodies: Bodies) -> list[Opener]:
 
 
 def measure_blocked(bodies: Bodies, opener: Opener, obstacles: Int[np.ndarray, "O"]) -> tuple[float, float]:
-    """Shares of sight lines that run into obstacles: ahead and behind."""
+    """Shares of sight lines that hit an obstacle: ahead and behind."""
     points = _spread_points(bodies, opener.body, SIGHT_LINES)
     upper = opener.motion.upper
     reach = upper if opener.motion.type == "prismatic" else min(upper, FIRST_TURN)
@@ -82,7 +82,7 @@ def measure_blocked(bodies: Bodies, opener: Opener, obstacles: Int[np.ndarray, "
 
 
 def leans_back(bodies: Bodies, opener: Opener) -> bool:
-    """Whether the handles of a part go last as it begins to open."""
+    """Whether the handles are on the trailing side of a part as it begins to open."""
     handles = np.setdiff1d(opener.body, opener.panel)
     if not len(handles):
         return False
@@ -92,7 +92,7 @@ def leans_back(bodies: Bodies, opener: Opener) -> bool:
 
 
 def measure_hinge(bodies: Bodies, opener: Opener) -> tuple[float, float]:
-    """How far (m) a hinge is from the nearer edge of its door, and how far it may be."""
+    """Distance (m) of a hinge from the nearer edge of its door, and the largest allowed distance."""
     axis, origin = np.array(opener.motion.axis), np.array(opener.motion.origin)
     points = bodies.vertices[opener.panel if len(opener.panel) else opener.body].reshape(-1, 3)
     normal = _thin_direction(points - (points.min(axis=0) + points.max(axis=0)) / 2)
@@ -107,7 +107,7 @@ def measure_hinge(bodies: Bodies, opener: Opener) -> tuple[float, float]:
 
 
 def measure_held(bodies: Bodies, opener: Opener, carriers: Int[np.ndarray, "C"]) -> float:
-    """Share of a slide's depth that is within its carriers' extent when it is fully open."""
+    """Share of a fully open slide's depth that overlaps the extent of its carriers."""
     axis = np.array(opener.motion.axis)
     own = bodies.vertices[opener.panel if len(opener.panel) else opener.body] @ axis + opener.motion.upper
     held = bodies.vertices[carriers] @ axis
@@ -116,10 +116,10 @@ def measure_held(bodies: Bodies, opener: Opener, carriers: Int[np.ndarray, "C"])
 
 
 def measure_handle(bodies: Bodies, opener: Opener, handle: Int[np.ndarray, "H"]) -> float:
-    """How much (m) is missing until a hand can take hold of a handle; 0 where it can.
+    """Clearance (m) that is missing to grasp a handle; 0 if it can be grasped.
 
-    A hand needs the handle in front of the middle of its panel, and free depth behind it or, if it is
-    narrow, some of it in front of the panel.
+    The middle of the handle must lie in front of the middle of its panel, with free depth for fingers behind
+    it. A handle that is narrow enough for a gripper may be pinched instead if it protrudes from its panel.
     """
     corners = bodies.vertices[handle].reshape(-1, 3)
     middle = (corners.min(axis=0) + corners.max(axis=0)) / 2
@@ -142,7 +142,8 @@ def measure_handle(bodies: Bodies, opener: Opener, handle: Int[np.ndarray, "H"])
 
 
 def _way_out(bodies: Bodies, opener: Opener, grip: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3"]:
-    """Out of the panel at a handle: along its first motion, or upright to a door that slides in its plane."""
+    """Outward direction at a handle: its first motion, or the panel normal for a door that slides in its
+    plane."""
     way = opener.velocity(grip[None])[0]
     if opener.motion.type != "prismatic" or opener.label != "door" or not len(opener.panel):
         return way
@@ -155,12 +156,12 @@ def _way_out(bodies: Bodies, opener: Opener, grip: Float[np.ndarray, "3"]) -> Fl
 
 
 def find_obstacles(bodies: Bodies, tree: Tree, index: int) -> Int[np.ndarray, "O"]:
-    """Primitives of what carries a part, the body included."""
+    """Primitives of all bodies that carry a part."""
     return np.flatnonzero(np.isin(bodies.links, tree.ancestors[index]))
 
 
 def _spread_points(bodies: Bodies, rows: Int[np.ndarray, "M"], count: int) -> Float[np.ndarray, "N 3"]:
-    """Points spread evenly over the surfaces of primitives, always the same ones."""
+    """Evenly spread points on the surfaces of primitives; deterministic."""
     corners = np.concatenate([bodies.vertices[row][bodies.primitives[row].faces] for row in rows])
     sides = corners[:, 1:] - corners[:, :1]
     areas = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1).cumsum()
@@ -178,7 +179,7 @@ def _hit(
     ways: Float[np.ndarray, "N 3"],
     obstacles: Int[np.ndarray, "O"],
 ) -> Bool[np.ndarray, "N"]:
-    """Which straight ways enter an obstacle from outside."""
+    """Whether each straight path enters an obstacle from outside."""
     low = np.minimum(points, points + ways).min(axis=0)
     high = np.maximum(points, points + ways).max(axis=0)
     near = (bodies.low[obstacles] <= high).all(axis=1) & (bodies.high[obstacles] >= low).all(axis=1)
@@ -192,7 +193,7 @@ def _pass_through(
     points: Float[np.ndarray, "N 3"],
     ways: Float[np.ndarray, "N 3"],
 ) -> tuple[Float[np.ndarray, "R N"], Float[np.ndarray, "R N"]]:
-    """Where lines enter and leave solids, in lengths of the ways; they miss those where enter >= leave."""
+    """Parameters at which lines enter and leave solids, in units of ``ways``; a miss has enter >= leave."""
     planes = bodies.planes[rows]
     height = planes[:, :, :3] @ points.T + planes[:, :, 3:]
     slope = planes[:, :, :3] @ ways.T
@@ -205,7 +206,7 @@ def _pass_through(
 
 
 def _thin_direction(points: Float[np.ndarray, "N 3"]) -> Float[np.ndarray, "3"]:
-    """The axis along which points extend least; principal directions where none is clearly thin."""
+    """Axis of least extent of centred points; a principal direction if no axis is clearly the thinnest."""
     extents = np.ptp(points, axis=0)
     if extents.min() < 0.5 * np.sort(extents)[1]:
         return np.eye(3)[int(extents.argmin())]
@@ -226,7 +227,7 @@ def _measure_gaps(
     frame: Float[np.ndarray, "3 3"],
     grip: Float[np.ndarray, "N 3"],
 ) -> tuple[float, float]:
-    """Free depth (m) behind the middle of a handle, and how far (m) it stands out of its panel."""
+    """Free depth (m) behind the middle of a handle, and its protrusion (m) from its panel."""
     low, size = grip[:, :2].min(axis=0), np.ptp(grip[:, :2], axis=0)
     counts = np.maximum(np.ceil(size / size.max() * _COLUMNS), 1).astype(int)
     places = (np.indices(counts).reshape(2, -1).T + 0.5) / counts

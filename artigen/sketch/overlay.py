@@ -1,7 +1,7 @@
-"""A shape laid over a picture: the face that each pixel sees, and how well both agree.
+"""A shape rendered over a picture: the visible face of each pixel, and measures of agreement.
 
-Agreement has three sides: silhouettes that cover each other, colours that are even where the shape has one
-finish on one side, and edges where the shape has them.
+Agreement has three terms: overlap of the silhouettes, colours that are even where the shape shows one finish
+on one side, and edges where the shape has edges.
 """
 
 from dataclasses import dataclass
@@ -18,13 +18,13 @@ from artigen.shapes.surfaces.textures import LINED
 SIDES = 6
 """Sides of an object: +x, -x, +y, -y, +z, -z."""
 NOISE = 0.02
-"""Colours (sRGB) that differ by less are even."""
+"""Colour differences (sRGB) below which colours count as even."""
 STEP = 0.003
-"""Faces of a part that face the same way and lie further apart (m) show an edge between them."""
+"""Offset (m) between parallel faces of a part beyond which they show an edge between them."""
 
 
 class PictureError(ArtigenError):
-    """A picture on which nothing can be aligned."""
+    """A picture that shows nothing to align."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -39,29 +39,30 @@ class Faces:
     """Index into the shape's finishes."""
     parts: Int[np.ndarray, "F"]
     primitives: Int[np.ndarray, "F"]
-    """Counted through all parts."""
+    """Index counted through all parts."""
     sides: Int[np.ndarray, "F"]
-    """Where the normal points to: 0 to 5 for +x, -x, +y, -y, +z, -z by the largest component."""
+    """Direction of the normal by its largest component: 0 to 5 for +x, -x, +y, -y, +z, -z."""
     regions: Int[np.ndarray, "F"]
-    """Faces between which no edge is seen share one: of one part, finish and plane, or side where curved."""
+    """Faces with no visible edge between them share a region: same part, finish and plane, or side if
+    curved."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Target:
-    """A target picture at one size; the box is that of the object (pixels)."""
+    """A target picture at one resolution, with the bounding box of the object (pixels)."""
 
     rgb: Float[np.ndarray, "S S 3"]
     alpha: Float[np.ndarray, "S S"]
     inside: Bool[np.ndarray, "S S"]
-    """Covered, and so is everything around."""
+    """Pixels that are covered together with their whole neighbourhood."""
     slopes: Float[np.ndarray, "S S"]
-    """How much colours change inside, 0 to 1, blurred."""
+    """Blurred colour gradient inside the object, 0 to 1."""
     low: Float[np.ndarray, "2"]
     high: Float[np.ndarray, "2"]
 
 
 def list_faces(shape: Shape) -> Faces:
-    """The triangles of a closed shape with what they belong to."""
+    """The triangles of a closed shape with their part, finish, side and region."""
     numbers = {role: index for index, (role, _) in enumerate(shape.finishes)}
     columns: dict[str, list[np.ndarray]] = {
         name: [] for name in ("vertices", "corners", "normals", "roles", "parts", "primitives")
@@ -125,7 +126,7 @@ def read_target(picture: Float[np.ndarray, "4 S S"], edge: int) -> Target:
 
 
 def look(faces: Faces, camera: Pinhole) -> Int[np.ndarray, "S S"]:
-    """The face that each pixel sees, -1 where there is none."""
+    """Index of the visible face at each pixel, -1 for background."""
     ahead = np.einsum("fk,fk->f", faces.normals, camera.position - faces.vertices[faces.corners[:, 0]])
     rows = np.flatnonzero(ahead > 0)
     seen = rasterize_mesh(faces.vertices, faces.corners[rows], camera)
@@ -135,7 +136,7 @@ def look(faces: Faces, camera: Pinhole) -> Int[np.ndarray, "S S"]:
 
 
 def measure_overlap(seen: Int[np.ndarray, "S S"], target: Target) -> float:
-    """Intersection over union of the silhouettes, blurred a little so that thin parts find each other."""
+    """Intersection over union of the silhouettes, slightly blurred so that thin parts overlap."""
     from scipy.ndimage import uniform_filter
 
     mask, alpha = uniform_filter((seen >= 0).astype(np.float32), 3), uniform_filter(target.alpha, 3)
@@ -158,7 +159,7 @@ def measure_evenness(faces: Faces, seen: Int[np.ndarray, "S S"], target: Target)
 
 
 def measure_edges(faces: Faces, seen: Int[np.ndarray, "S S"], target: Target) -> float:
-    """Correlation of the edges between parts with those of the picture, -1 to 1."""
+    """Correlation of the shape's part edges with the picture's edges, -1 to 1."""
     from scipy.ndimage import uniform_filter
 
     lines = uniform_filter(find_lines(faces, seen), 3)[target.inside]

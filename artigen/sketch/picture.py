@@ -1,9 +1,9 @@
-"""`PictureEncoder`: a picture as tokens for the network.
+"""`PictureEncoder`: encodes a picture as tokens for the network.
 
-A convolutional pyramid sees the picture at a quarter, an eighth and a sixteenth of its resolution. How many
-drawers a cabinet has is seen where the drawers are, so counting is learnt there: a map for each label whose
-sum is the number of parts in view, as crowds are counted (Lempitsky and Zisserman 2010). From these sums and
-the whole picture it is guessed how many there are, those out of view too.
+A convolutional pyramid processes the picture at 1/4, 1/8 and 1/16 of its resolution. Visible parts are
+counted with density maps: one map per label whose sum is the number of parts in view, as in crowd counting
+(Lempitsky and Zisserman 2010). From these sums and a global feature the encoder predicts the total counts,
+hidden parts included.
 """
 
 from dataclasses import dataclass
@@ -18,37 +18,37 @@ from artigen.sketch.words import CATEGORIES
 from artigen.types import PART_LABELS
 
 CELL = 4
-"""Edge of a cell of the maps, in pixels."""
+"""Edge length (pixels) of a cell of the maps."""
 TOKEN = 16
-"""Edge of what a token stands for, in pixels."""
+"""Edge length (pixels) of the square that a token covers."""
 GROUPS = 8
-"""Groups of channels that are normalised together."""
+"""Groups of the group normalisation."""
 EMPTY = -5.0
-"""What an untrained map says everywhere, before it is made positive: nothing is here."""
+"""Initial bias of the density maps before softplus: empty everywhere."""
 MAX_COUNT = 24
-"""Numbers of parts are told apart up to here."""
+"""Largest count that is distinguished."""
 WAVES = 6
-"""Sines and cosines by which a token's place is told, on each axis."""
+"""Frequencies of the positional encoding of tokens, per axis."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class PictureConfig:
-    """Sizes of the picture encoder."""
+    """Layer sizes of the picture encoder."""
 
     edge: int = 192
-    """Pixels of the picture's edge."""
+    """Edge length of the picture in pixels."""
     widths: tuple[int, int, int] = (64, 128, 192)
-    """Channels at a quarter, an eighth and a sixteenth of the picture's resolution."""
+    """Channels at 1/4, 1/8 and 1/16 of the picture's resolution."""
     blocks: tuple[int, int, int] = (1, 2, 2)
     """Residual blocks of each level."""
     stem: int = 32
     """Channels at half the resolution."""
     whole: int = 128
-    """Width of what is said of the whole picture."""
+    """Width of the global feature."""
 
     def __post_init__(self) -> None:
         if self.edge % TOKEN or self.edge < TOKEN:
-            raise ValueError(f"pictures of {self.edge} pixels, expected a multiple of {TOKEN}")
+            raise ValueError(f"picture edge of {self.edge} pixels: expected a multiple of {TOKEN}")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -56,21 +56,22 @@ class Seen:
     """Predictions from pictures."""
 
     tokens: Float[Tensor, "B N D"]
-    """One for every square of the picture, and two for all of it: what it looks like, and what is guessed."""
+    """One per square of the picture, then two global ones: the appearance, and the predicted counts and
+    category."""
     density: Float[Tensor, "B L h w"]
-    """Parts of each label per cell: the sum is how many are in view."""
+    """Parts of each label per cell; the sum is the number of parts in view."""
     labels: Float[Tensor, "B L+1 h w"]
-    """Logits of the label that a cell shows; the last one: none."""
+    """Logits of the label that a cell shows; the last entry is background."""
     counts: Float[Tensor, "B L K"]
-    """Logits of how many parts of each label there are."""
+    """Logits of the number of parts of each label."""
     category: Float[Tensor, "B G"]
-    """Logits."""
+    """Logits of the category."""
     view: Float[Tensor, "B 3"]
     """Yaw and pitch of the camera (radians), and half the object's diagonal over its distance."""
 
 
 class PictureEncoder(nn.Module):
-    """The pyramid, its maps, and the tokens."""
+    """The pyramid, its maps and the tokens."""
 
     places: Tensor
 
@@ -106,7 +107,7 @@ class PictureEncoder(nn.Module):
         self.register_buffer("places", _place_waves(side), persistent=False)
 
     def forward(self, image: Float[Tensor, "B 4 S S"]) -> Seen:
-        """Reads pictures: RGB and alpha in [0, 1], premultiplied on black."""
+        """Encodes pictures: RGB and alpha in [0, 1], premultiplied on black."""
         x, levels = self.stem((2.0 * image - 1.0).contiguous(memory_format=torch.channels_last)), []
         for level in self.levels:
             x = level(x)
@@ -162,12 +163,12 @@ def _block(before: int, width: int, stride: int = 1) -> nn.Sequential:
 
 
 def _soft_one_hot(numbers: Float[Tensor, "B L"]) -> Float[Tensor, "B L K"]:
-    """Bumps around every whole number up to `MAX_COUNT`, at which a linear layer can tell numbers apart."""
+    """Soft one-hot encoding over the integers up to `MAX_COUNT`."""
     return torch.exp(-2.0 * (numbers[..., None] - torch.arange(MAX_COUNT + 1, device=numbers.device)) ** 2)
 
 
 def _place_waves(side: int) -> Float[Tensor, "N W"]:
-    """Where each square of the picture is: sines and cosines of its row and its column."""
+    """Sinusoidal encoding of the row and column of each square."""
     at = (np.arange(side) + 0.5) / side
     waves = at[:, None] * np.pi * 2.0 ** np.arange(WAVES)
     line = np.concatenate([np.sin(waves), np.cos(waves)], axis=1)

@@ -1,9 +1,9 @@
-"""Reads colours of finishes off a picture over an aligned shape.
+"""Estimates the colours of finishes from a picture and an aligned shape.
 
-A pixel shows its finish's colour under some light. The light is taken to be that of a bright room, in which
-shapes are drawn too; how bright each side of the object is in this picture follows from the finishes that
-are seen on several sides. What remains is a median for each finish. A finish that the picture does not show
-keeps its colour, or follows one that it was equal to.
+A pixel shows its finish's colour under some illumination. The illumination is modelled as the bright room in
+which shapes are rendered; the brightness of each side of the object is corrected with finishes that are
+visible on several sides. The colour of a finish is the median of its corrected pixels. A finish that is not
+visible keeps its colour, or takes that of a visible finish with the same original colour.
 """
 
 from collections.abc import Collection, Mapping
@@ -21,51 +21,53 @@ from artigen.sketch.alignment import Fit
 from artigen.sketch.overlay import SIDES, Faces, list_faces, look, read_target
 
 Lighting = Literal["room", "even"]
-"""What the picture was taken in: a bright room, or light that leaves every colour as it is."""
+"""Illumination of the picture: the bright room of the renderer, or uniform light that leaves colours
+unchanged."""
 MIN_PIXELS = 12
-"""Pixels away from edges that a finish needs; with fewer, those at edges count too."""
+"""Pixels away from edges that a finish needs; with fewer, pixels at edges count too."""
 FEW_PIXELS = 5
-"""Pixels, at edges or not, that a finish needs at least."""
+"""Smallest number of pixels of a finish, at edges or not."""
 OPAQUE = 0.99
-"""Finishes through which more is seen keep their colour."""
+"""Opacity below which a finish keeps its colour."""
 KNOWN = 0.1
-"""Share of the object's pixels that count as much as what is known about the room, side by side."""
+"""Weight of the prior that sides are as bright as in the room, as a share of the object's pixels."""
 LARGE = 0.02
-"""Share of the object's pixels that a finish needs on a side to tell how bright the side is."""
+"""Share of the object's pixels that a finish on one side needs to contribute to the brightness of that
+side."""
 AROUND = tuple(
     (step * y, step * x) for step in (2, 4) for y in (-1, 0, 1) for x in (-1, 0, 1) if (y, x) != (0, 0)
 )
-"""Steps (pixels) to where something may throw a shadow from."""
+"""Pixel offsets at which a shadow caster is looked for."""
 RECESS = 0.006
-"""Height (m) above a surface from which what is near it counts as standing in its light."""
+"""Height (m) above a surface from which neighbouring geometry counts as blocking its light."""
 LEAST = 0.15
-"""Share of a pixel's light that its finish has sent at least; the rest may be mirrored."""
+"""Smallest share of a pixel's light that is attributed to its finish; the rest may be mirrored."""
 THIN = ("handle", "accent", "steel", "plastic")
-"""Roles of small things that stand before others: a shape hardly ever has them where the picture shows them,
-to the pixel, so their colours are not read."""
+"""Roles of small parts in front of others. A fitted shape rarely has them at the exact pixels where the
+picture shows them, so their colours are not estimated."""
 EQUAL = 0.02
-"""Colours (sRGB) of two finishes that differ by less are equal."""
+"""Difference (sRGB) below which the colours of two finishes count as equal."""
 LIGHT_EDGE, GREY, DARK = 96, 0.5, 0.03
-"""Pictures in which the room's light is looked up: edge in pixels, grey (sRGB), least share scattered."""
+"""Renderings of the room's light: edge in pixels, grey (sRGB), and lowest scattered share."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Spots:
-    """Pixels that show the object, and what the room and the finish's pattern would make of them."""
+    """Pixels that show the object, with the expected illumination and pattern."""
 
     light: Float[np.ndarray, "N 3"]
-    """Linear, as pictured."""
+    """Linear light in the picture."""
     roles: Int[np.ndarray, "N"]
     """Index into the shape's finishes."""
     sides: Int[np.ndarray, "N"]
     clear: Bool[np.ndarray, "N"]
-    """Whether all pixels around show the same finish on the same side of a part."""
+    """Whether the whole neighbourhood shows the same finish on the same side of the same part."""
     bright: Float[np.ndarray, "N"]
-    """Share of its linear colour that the surface scatters."""
+    """Diffusely reflected light as a factor of the linear colour."""
     mirrored: Float[np.ndarray, "N"]
-    """Linear light that it mirrors whatever its colour."""
+    """Linear light reflected independently of the colour."""
     pattern: Float[np.ndarray, "N 3"]
-    """Drawn colour over the finish's main colour (sRGB)."""
+    """Rendered colour over the finish's main colour (sRGB)."""
 
 
 def read_colors(
@@ -76,14 +78,14 @@ def read_colors(
     keep: Collection[str] = (),
     lighting: Lighting = "room",
 ) -> Shape:
-    """The shape in the colours that a picture shows.
+    """Colours a shape as in a picture.
 
     Args:
-        shape: The object that was fitted, at rest.
+        shape: The fitted object, at rest.
         picture: RGBA in [0, 1], premultiplied on black.
-        fit: How it was fitted to this picture.
-        keep: Roles of finishes that stay as they are.
-        lighting: What light to undo.
+        fit: The shape's alignment with this picture.
+        keep: Roles of finishes whose colour is kept.
+        lighting: Illumination to remove.
 
     Raises:
         PictureError: If the picture shows no object.
@@ -109,7 +111,7 @@ def read_colors(
 def find_spots(
     shape: Shape, picture: Float[np.ndarray, "4 S S"], camera: Pinhole, lighting: Lighting = "room"
 ) -> Spots:
-    """All pixels that are wholly on the picture's object and on the shape.
+    """Pixels that lie on both the picture's object and the shape, away from likely shadows.
 
     Raises:
         PictureError: If the picture shows no object.
@@ -142,10 +144,10 @@ def find_spots(
 
 
 def find_brightness(spots: Spots, roles: int) -> Float[np.ndarray, "6"]:
-    """How much brighter than in the room each side is (logarithm), from finishes seen on several of them.
+    """Log brightness of each side relative to the room, from finishes that are visible on several sides.
 
-    Least squares: what each finish sends from each side is its own brightness plus that of the side, which
-    is known to be about zero.
+    Least squares: the log light of a finish on a side is the brightness of the finish plus that of the side,
+    with a prior of zero on the sides.
     """
     sent = np.log(_undo_light(spots).mean(axis=1))
     cells = spots.roles * SIDES + spots.sides
@@ -163,20 +165,20 @@ def find_brightness(spots: Spots, roles: int) -> Float[np.ndarray, "6"]:
 
 
 def _choose(spots: Spots, role: int) -> Int[np.ndarray, "K"]:
-    """The pixels that tell a finish's colour: those away from edges, where there are enough."""
+    """Pixels for estimating a finish's colour: those away from edges, if there are enough."""
     every = spots.roles == role
     clear = every & spots.clear
     return np.flatnonzero(clear if clear.sum() >= MIN_PIXELS else every)
 
 
 def _undo_light(spots: Spots) -> Float[np.ndarray, "N 3"]:
-    """Linear colours."""
+    """Linear colours with the room's illumination removed."""
     scattered = np.maximum(spots.light - spots.mirrored[:, None], LEAST * spots.light)
     return np.maximum(scattered / spots.bright[:, None], 1e-5)
 
 
 def _recolor(role: str, finish: Finish, shape: Shape, found: Mapping[str, Color]) -> Finish:
-    """The finish in the colour found for it, or for one that it is equal to; its accent in proportion."""
+    """Recolours a finish as found for it, or for an equal finish; its accent changes in proportion."""
     color = found.get(role)
     if color is None:
         color = next((found[o] for o, other in shape.finishes if o in found and _equal(finish, other)), None)
@@ -195,7 +197,7 @@ def _equal(one: Finish, other: Finish) -> bool:
 
 
 def _find_clear(faces: Faces, seen: Int[np.ndarray, "S S"]) -> Bool[np.ndarray, "S S"]:
-    """Pixels around which everything is the same finish on the same side of the same part."""
+    """Pixels whose neighbourhood shows the same finish on the same side of the same part."""
     from scipy.ndimage import maximum_filter, minimum_filter
 
     label = (faces.parts * 64 + faces.roles) * SIDES + faces.sides
@@ -206,9 +208,8 @@ def _find_clear(faces: Faces, seen: Int[np.ndarray, "S S"]) -> Bool[np.ndarray, 
 def _find_open(
     faces: Faces, seen: Int[np.ndarray, "S S"], clear: Bool[np.ndarray, "S S"], camera: Pinhole
 ) -> Bool[np.ndarray, "S S"]:
-    """Pixels that are in no gap and not beside what stands out, where shadows are, and of which one is never
-    sure; of finishes that have no other, those are taken that are away from edges.
-    """
+    """Pixels without neighbouring geometry that could shade them. A finish with no such pixel uses those away
+    from edges."""
     rows, columns = np.nonzero(seen >= 0)
     face = seen[rows, columns]
     points = np.full((*seen.shape, 3), np.nan)
@@ -229,7 +230,7 @@ def _find_open(
 def _trace(
     faces: Faces, face: Int[np.ndarray, "N"], spots: Float[np.ndarray, "N 2"], camera: Pinhole
 ) -> Float[np.ndarray, "N 3"]:
-    """Points (m) on faces that places in a picture show."""
+    """Surface points (m) that image positions show on the given faces."""
     plane = (spots - np.array([camera.width, camera.height]) / 2) * camera.pixel
     ray = np.column_stack([plane, np.ones(len(plane))]) @ np.linalg.inv(camera.axes).T
     normal, corner = faces.normals[face], faces.vertices[faces.corners[face, 0]]
@@ -241,9 +242,10 @@ def _trace(
 def _light(
     shape: Shape, points: Float[np.ndarray, "N 3"], camera: Pinhole
 ) -> tuple[Float[np.ndarray, "N"], Float[np.ndarray, "N"]]:
-    """Illumination of visible points (m): diffuse shares and mirrored light.
+    """Illumination of visible points (m): diffuse factor and mirrored light.
 
-    The shape is drawn twice, all black and all grey: black shows what is mirrored, shadows and all.
+    The shape is rendered twice, all black and all grey; the black rendering isolates the mirrored light, with
+    shadows included in both.
     """
     import torch
 
@@ -269,7 +271,7 @@ def _light(
 
 
 def _flatten(shape: Shape, level: float) -> Shape:
-    """The shape with every finish in one grey (sRGB) without a pattern, and nothing to see through."""
+    """The shape with every finish opaque, without pattern and in one grey (sRGB)."""
     color = (level, level, level)
     return replace(
         shape,
@@ -280,7 +282,7 @@ def _flatten(shape: Shape, level: float) -> Shape:
 
 
 def _straighten(axes: Float[np.ndarray, "3 3"]) -> Float[np.ndarray, "3 3"]:
-    """Axes without the shear that a crop gave them."""
+    """Orthogonal axes, without the shear that a crop adds."""
     forward = axes[2]
     return np.stack([axis - (axis @ forward) * forward for axis in axes[:2]] + [forward])
 

@@ -1,8 +1,9 @@
-"""`Piece`: one solid of a sketch, as a person would name it: a box, a rod, a tapered leg, a ring.
+"""`Piece`: one solid of a sketch at the level at which people name solids: a box, a rod, a tapered leg, a
+ring.
 
-Numbers are lengths and coordinates in metres, in the order of `NUMBERS`: six that bound the solid (lowest,
-then highest corner) and up to four more, by kind. ``u`` and ``v`` are the axes after the piece's own axis,
-in cyclic order.
+Numbers are lengths and coordinates in metres, in the order of `NUMBERS`: six for the bounds of the solid
+(lowest, then highest corner) and up to four more, by kind. ``u`` and ``v`` are the axes after the piece's own
+axis, in cyclic order.
 """
 
 from dataclasses import dataclass
@@ -33,34 +34,35 @@ NUMBERS: dict[PieceKind, tuple[str, ...]] = {
 """The numbers of each kind (m).
 
 box       bounds; width of the bevel on each face, 0 for sharp edges
-cylinder  bounds of the round solid, square across its axis
+cylinder  bounds, square across the axis
 frustum   bounds of the end at the top of its axis (span along the axis), then the rectangle of the other end;
           with more than four sides both rectangles are squares around a circle through the corners
-prism     span along the axis; of its four corners (u, v) the first in the low corner, the third in the high
-          one, then the second and the fourth
+prism     span along the axis; its four corners (u, v): the first in the low corner, the third in the high
+          corner, then the second and the fourth
 ring      span along the axis and the square around the outer circle of its far end; inner radii at both ends,
           outer radius of the near end
-spokes    as ring, of boxes: inner radius and half their width
+spokes    as ring, but boxes: inner radius and half their width
 plate     bounds; centre and radius of a round hole along x
-slab      bounds of a box of which some edges along its axis are cut off by an arc of `sides` straight pieces
-          (one for a chamfer); length of the arc along u and v, at most half an edge that two corners share
-shell     bounds; how far all four edges along the axis are rounded, along u at its low and at its high end
-          (along v as far, at most to the middle); by how much one end is narrower on every side, the low one
-          for positive, the high one for negative numbers; thickness of the wall around the hollow, which is
-          open at both ends, 0 for a solid
+slab      bounds of a box with some edges along its axis cut by an arc of `sides` straight segments (one for a
+          chamfer); length of the arc along u and v, at most half an edge that two cut corners share
+shell     bounds; rounding of all four edges along the axis, along u at its low and at its high end (equal
+along
+          v, at most to the middle); inset of one end on every side, positive for the low end and negative for
+          the high end; thickness of the wall around the hollow, which is open at both ends, 0 for a solid
 elbow     bounds of a quarter of a bent round tube, square across its axis; the tube's diameter is the span
           along the axis
 """
 SQUARE_KINDS: tuple[PieceKind, ...] = ("cylinder", "ring", "spokes", "elbow")
-"""Kinds that are as wide as high across their axis."""
+"""Kinds with equal extents along both axes across their own."""
 ROUND_SIDES = (10, 16)
-"""Corners of a frustum's ends that stand for circles."""
+"""Numbers of corners with which a frustum's ends represent circles."""
 MIN_WEDGES = 8
-"""Wedges that a ring has at least."""
+"""Smallest number of wedges of a ring."""
 MAX_PIECES_OF_ARC = 8
-"""Straight pieces of the arc of a slab's, shell's or elbow's quarter turn."""
+"""Largest number of straight segments in a quarter arc of a slab, shell or elbow."""
 CORNERS = 4
-"""Corners across an axis, counterclockwise from the lowest (u, v); those of a slab are bits of one number."""
+"""Corners across an axis, counterclockwise from the lowest (u, v); the cut corners of a slab are bits of one
+number."""
 LINED: tuple[Vector, ...] = (
     (1.0, 0.0, 0.0),
     (-1.0, 0.0, 0.0),
@@ -69,19 +71,19 @@ LINED: tuple[Vector, ...] = (
     (0.0, 0.0, 1.0),
     (0.0, 0.0, -1.0),
 )
-"""Sides that can be lined; one more stands for the inside of a ring, hole or shell."""
+"""Sides that can carry a lining; one further index stands for the inside of a ring, hole or shell."""
 INWARD = len(LINED)
 TOLERANCE = 1e-6
-"""Distance (m) within which a fitted piece must repeat the corners of its primitives."""
+"""Distance (m) within which a fitted piece must reproduce the corners of its primitives."""
 
 
 class UnknownSolid(ValueError):
-    """A primitive that is none of the pieces."""
+    """A primitive that no kind of piece represents."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Piece:
-    """One solid; numbers in metres where it describes a shape, in grid steps where it is part of a sketch."""
+    """One solid; numbers in metres for a shape, in grid steps for a sketch."""
 
     kind: PieceKind
     finish: str
@@ -90,22 +92,22 @@ class Piece:
     lined: int | None = None
     """Index into `LINED`, or `INWARD`."""
     axis: int = 0
-    """Of all but boxes and plates: 0 to 2 for x to z."""
+    """Own axis of all kinds but boxes and plates: 0 to 2 for x to z."""
     sides: int = 0
-    """Corners of a frustum's ends, wedges of a ring, number of spokes, pieces of the arcs of a slab, shell or
-    elbow."""
+    """Corners of a frustum's ends, wedges of a ring, number of spokes, or segments of the arcs of a slab,
+    shell or elbow."""
     phase: int = 0
-    """Spokes: in half steps from the first axis across, 0 or 1."""
+    """Spokes: rotation in half steps from the first axis across, 0 or 1."""
     corners: int = 0
-    """Slab: its cut corners, corner k as bit k. Elbow: the corner of its bounds about which it bends."""
+    """Slab: cut corners, corner k as bit k. Elbow: the corner of the bounds about which it bends."""
 
     def __post_init__(self) -> None:
         if len(self.numbers) != len(NUMBERS[self.kind]):
             raise ValueError(
-                f"a {self.kind} of {len(self.numbers)} numbers, expected {len(NUMBERS[self.kind])}"
+                f"a {self.kind} with {len(self.numbers)} numbers, expected {len(NUMBERS[self.kind])}"
             )
         if (self.lining is None) != (self.lined is None):
-            raise ValueError("a piece has a lining and the side it lines, or neither")
+            raise ValueError("a piece needs both a lining and a lined side, or neither")
 
     @property
     def low(self) -> Float[np.ndarray, "3"]:
@@ -124,7 +126,7 @@ class Piece:
 
 
 def across(axis: int) -> tuple[int, int]:
-    """The axes after ``axis``, in cyclic order."""
+    """The two axes after ``axis``, in cyclic order."""
     return (axis + 1) % 3, (axis + 2) % 3
 
 
@@ -141,7 +143,7 @@ def number_axes(kind: PieceKind, axis: int) -> tuple[int | None, ...]:
 
 
 class Surface(TypedDict):
-    """Finish of a piece."""
+    """Finish and lining of a piece."""
 
     finish: str
     lining: str | None
@@ -149,11 +151,11 @@ class Surface(TypedDict):
 
 
 def as_vector(values: Float[np.ndarray, "3"]) -> Vector:
-    """A point as plain numbers."""
+    """A point as a tuple of floats."""
     return float(values[0]), float(values[1]), float(values[2])
 
 
 def lined_inward(primitive: Primitive) -> Surface:
-    """The surface of solids around a hollow that is lined, or is not."""
+    """Surface of a piece around a hollow, lined inwards if its primitives are lined."""
     lined = None if primitive.lining is None else INWARD
     return Surface(finish=primitive.finish, lining=primitive.lining, lined=lined)

@@ -1,8 +1,7 @@
-"""The pieces that a part's primitives are, and the convex primitives that each piece stands for.
+"""Conversion between pieces and the convex primitives of a part.
 
 Most pieces are one primitive; a ring, spokes around an axle, a plate with a round hole, a hollow shell and an
-elbow are several. `fit_pieces` finds the pieces of a part's primitives and `build_piece` makes the primitives
-again.
+elbow are several. `fit_pieces` converts primitives to pieces; `build_piece` is the inverse.
 """
 
 from collections.abc import Sequence
@@ -31,10 +30,10 @@ from artigen.sketch.solid_pieces import (
 
 
 def fit_pieces(primitives: Sequence[Primitive]) -> tuple[Piece, ...]:
-    """The pieces that a part's primitives are, in their order; numbers in metres.
+    """Fits pieces to a part's primitives, in their order; numbers in metres.
 
     Raises:
-        UnknownSolid: If a primitive is none of the known solids.
+        UnknownSolid: If no piece represents a primitive.
     """
     found, at = [], 0
     while at < len(primitives):
@@ -78,7 +77,7 @@ def build_piece(piece: Piece) -> tuple[Primitive, ...]:
 
 
 def _fit_group(primitives: Sequence[Primitive]) -> tuple[Piece, int]:
-    """The piece that the first primitives are, and how many of them it takes."""
+    """Fits a piece to the first primitives; the second value is the number of primitives used."""
     first = primitives[0]
     if first.kind == "cylinder":
         return fit_cylinder(first), 1

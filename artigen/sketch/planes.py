@@ -1,7 +1,7 @@
-"""Planes: coordinates named by earlier rows, by which the network states later ones.
+"""Planes: coordinates named by earlier rows, which the network refers to when it writes later ones.
 
-A number is said as one of these planes, as a plane and an offset, or by two digits; the chances of the three
-ways add up (`NumberParts`).
+A number is coded as one of these planes, as a plane and an offset, or by two digits; the probabilities of the
+three encodings add up (`NumberParts`).
 """
 
 from dataclasses import dataclass
@@ -14,27 +14,28 @@ from artigen.sketch.batch import RowBatch
 from artigen.sketch.rows import LENGTH, REACH, ROW_KINDS, WIDTH, column
 
 OFFSET = 96
-"""Steps from a known plane within which a coordinate may be said by its distance."""
+"""Largest distance (steps) from a known plane at which a coordinate may be coded as an offset."""
 FINE = 32
-"""Steps in the finer of the two digits of a number."""
+"""Values of the fine digit of a number."""
 COARSE = 2 * REACH // FINE
 SIDES = 8
 """Planes that a row names on each axis.
 
-In this order: its low side; its high side; both mirrored at the middle plane of the object; the own low side
-plus its size; its middle; one step further than from the row before it to this row; and its low side moved
-from its part into the part that is being written.
+In this order: its low side; its high side; both mirrored at the middle plane of the object; the current low
+side plus the row's size; its middle; its low side advanced by the step from the row before it; and its low
+side moved from its part into the current part.
 """
 OWN = 2
-"""Planes that the row in question has named itself: its low and its high side."""
+"""Planes that the current row has named itself: its low and its high side."""
 MIRROR_AXIS = 1
 FAR = -1e9
-"""Logarithm of a chance of nothing."""
+"""Log probability of impossible choices."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class NumberParts:
-    """Log chances of the three ways, of planes for each of the first two, of offsets and coarse digits."""
+    """Log probabilities of the three encodings, of planes for the first two, of offsets and of coarse
+    digits."""
 
     ways: Float[Tensor, "B N 3"]
     same: Float[Tensor, "B N C"]
@@ -49,7 +50,7 @@ class NumberParts:
         coarse: Int[Tensor, "B N"],
         fine: Float[Tensor, "B N"],
     ) -> Float[Tensor, "B N"]:
-        """Log likelihood of values, over all ways to say them."""
+        """Log likelihood of values, summed over all encodings."""
         apart = target[..., None] - planes
         same = self.same.masked_fill(apart != 0, FAR).logsumexp(dim=-1)
         inside = apart.abs() <= OFFSET
@@ -61,7 +62,7 @@ class NumberParts:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Places:
-    """Where numbers stand in their rows, and what these have named before them."""
+    """Positions of numbers in their rows, and the earlier numbers of those rows."""
 
     axis: Int[Tensor, "B N"]
     """0 to 2 for coordinates, `LENGTH` for lengths."""
@@ -69,29 +70,29 @@ class Places:
     """The low side of the row's piece on that axis."""
     high: Int[Tensor, "B N"]
     has_low: Bool[Tensor, "B N"]
-    """Whether the low side is said before."""
+    """Whether the low side precedes the number."""
     has_high: Bool[Tensor, "B N"]
     starts: Bool[Tensor, "B N"]
     """Whether the number is that low side."""
     ends: Bool[Tensor, "B N"]
-    """Whether it is the high side."""
+    """Whether the number is the high side."""
     ranges: Bool[Tensor, "B N"]
-    """Whether it is the range of a joint."""
+    """Whether the number is the range of a joint."""
     anchor: Int[Tensor, "B N"]
     """Lowest side of the first piece of the row's part."""
     anchored: Bool[Tensor, "B N"]
-    """Whether that piece comes before the row."""
+    """Whether that piece precedes the row."""
 
 
 def list_planes(
     batch: RowBatch, places: Places, earlier: Bool[Tensor, "#B #N T"]
 ) -> tuple[Int[Tensor, "B N C"], Bool[Tensor, "B N C"]]:
-    """Coordinates of the planes that numbers may be said by, and which of them are to be had.
+    """Coordinates of the planes that each number may refer to, and a mask of those that are available.
 
     Args:
-        batch: the rows that may have named planes.
-        places: of the numbers.
-        earlier: which of the rows come before each number's own.
+        batch: The rows that may have named planes.
+        places: Positions of the numbers.
+        earlier: Rows that precede each number's own.
     """
     axis = places.axis
     low, high, anchor = (
@@ -120,9 +121,9 @@ def list_planes(
 def find_places(
     batch: RowBatch, b: Int[Tensor, "B N"], t: Int[Tensor, "B N"], c: Int[Tensor, "B N"]
 ) -> Places:
-    """Where numbers stand: of object ``b``, in row ``t`` and column ``c``.
+    """Positions of numbers in object ``b``, row ``t`` and column ``c``.
 
-    Six columns from the first number of a piece on hold its low and its high corner.
+    The six columns from the first number of a piece on hold its low and its high corner.
     """
     axes = batch.axes[b, t]
     axis = batch.axes[b, t, c].clamp(min=0)
@@ -147,7 +148,8 @@ def find_places(
 
 
 def gather_numbers(said: Bool[Tensor, "B T W"]) -> tuple[Int[Tensor, "B N 2"], Bool[Tensor, "B N"]]:
-    """Row and column of the numbers of each object, padded, and which are no padding."""
+    """Row and column of each object's predicted numbers, padded, and a mask of the entries that are not
+    padding."""
     counts = said.flatten(1).sum(dim=1)
     order = said.flatten(1).int().argsort(dim=1, descending=True, stable=True)[:, : int(counts.max())]
     given = torch.arange(order.shape[1], device=said.device) < counts[:, None]

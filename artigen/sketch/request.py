@@ -1,4 +1,4 @@
-"""`SketchRequest`: what is asked of a sketch, and `Asked`, the rows that say it to the network."""
+"""`SketchRequest`: conditions on a sketch, and `Asked`, the rows that encode them for the network."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -28,20 +28,21 @@ ROLES_OF: Mapping[PartLabel, tuple[str, ...]] = {
     "wheel": ("rubber",),
     "tray": ("steel",),
 }
-"""The finishes that a colour asked of parts of a label means."""
+"""Finishes that a colour requested for a label applies to."""
 ALSO_OF: Mapping[str, tuple[str, ...]] = {
     "StorageFurniture": ("top",),
     "Table": ("top", "leg"),
     "WashingMachine": ("top",),
 }
-"""Further finishes, by category, that the colour of a whole object means: a blue table has a blue top."""
+"""Further finishes, by category, that the colour of a whole object applies to: a blue table has a blue
+top."""
 MATERIAL_OF: Mapping[str, FinishKind] = {"oak": "wood", "walnut": "wood", "steel": "steel", "silver": "steel"}
-"""Colour words that name a material too."""
+"""Colour words that also imply a material."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class AskedFinish:
-    """A finish that is asked for by its role; what is None is left open."""
+    """A requested finish, by its role; None leaves a property open."""
 
     role: str
     color: Color | None = None
@@ -51,7 +52,7 @@ class AskedFinish:
 
 @dataclass(frozen=True, kw_only=True)
 class SketchRequest:
-    """A condition: any subset of category, style, counts, extents (m) and finishes."""
+    """Conditions: any subset of category, style, counts, extents (m) and finishes."""
 
     category: str | None = None
     style: str | None = None
@@ -66,21 +67,22 @@ class SketchRequest:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Asked:
-    """A request as rows: one ``object`` and any number of ``finish`` rows, of which some cells are known."""
+    """A request as rows: one ``object`` and any number of ``finish`` rows, with some cells known."""
 
     rows: Int[np.ndarray, "A W"]
     known: Bool[np.ndarray, "A W"]
     some: tuple[PartLabel, ...] = ()
-    """Labels whose count is not 0; the network is not told, the rules see to it."""
+    """Labels whose count is not 0; enforced by the rules, not an input of the network."""
 
 
 def nothing_asked() -> Asked:
-    """The request that leaves all to chance."""
+    """The unconditional request."""
     return ask(SketchRequest())
 
 
 def list_learned(model: Path) -> tuple[str, ...]:
-    """The categories that the sketch network of a model folder draws, read without PyTorch; none without one.
+    """Categories of the sketch network in a model folder, read without PyTorch; empty if it has no such
+    network.
 
     Raises:
         SourceError: If the folder has no readable description.
@@ -90,10 +92,11 @@ def list_learned(model: Path) -> tuple[str, ...]:
 
 
 def check_category(category: str, learned: Sequence[str] = CATEGORIES) -> None:
-    """Refuses a category that a sketch network has not learned.
+    """Checks that a sketch network has learned a category.
 
     Raises:
-        SketchError: Naming the categories it has learned, and `artigen shape` where the grammar draws it.
+        SketchError: If it has not; the message lists the learned categories, and `artigen shape` where the
+            grammar supports the category.
     """
     if category in learned:
         return
@@ -104,10 +107,10 @@ def check_category(category: str, learned: Sequence[str] = CATEGORIES) -> None:
 
 
 def ask(request: SketchRequest) -> Asked:
-    """The rows of a request.
+    """Encodes a request as rows.
 
     Raises:
-        SketchError: If a category, style, role, count or length is none that sketches can say.
+        SketchError: If sketches cannot express a category, style, role, count or length.
     """
     header, known = [ROW_KINDS.index("object")] + [0] * (WIDTH - 1), [True] + [False] * (WIDTH - 1)
 

@@ -1,4 +1,4 @@
-"""Round pieces of several primitives each: rings, spokes and plates with a round hole, made and found."""
+"""Builds and fits round pieces of several primitives: rings, spokes and plates with a round hole."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from artigen.sketch.piece import INWARD, MIN_WEDGES, TOLERANCE, Piece, across, a
 from artigen.sketch.solid_pieces import find_bevel, is_same
 
 PLATE_SIDES = 12
-"""Primitives of a plate with a hole."""
+"""Number of primitives of a plate with a hole."""
 
 
 def build_ring(piece: Piece) -> tuple[Primitive, ...]:
@@ -56,7 +56,7 @@ def build_spokes(piece: Piece) -> tuple[Primitive, ...]:
 
 
 def _spoke_axes(axis: int) -> tuple[int, int]:
-    """Along the first spoke, and across it: as wedges of rings lie."""
+    """Axes along the first spoke and across it, oriented as for the wedges of a ring."""
     return (1, 2) if axis == 0 else (0, 1) if axis == 2 else (2, 0)
 
 
@@ -69,7 +69,7 @@ def build_plate(piece: Piece) -> tuple[Primitive, ...]:
 
 
 def fit_turned(primitives: Sequence[Primitive]) -> Piece | None:
-    """A ring or spokes: copies of one solid, turned about an axis by equal steps of a full turn."""
+    """Fits a ring or spokes: copies of one solid at equal angles over a full turn about an axis."""
     first = primitives[0]
     count = 1
     while count < len(primitives) and np.array_equal(primitives[count].vertices, first.vertices):
@@ -102,14 +102,14 @@ def fit_turned(primitives: Sequence[Primitive]) -> Piece | None:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Copy:
-    """The first of solids that are copies turned about one axis, moved to the origin and turned back."""
+    """First of several copies rotated about one axis, moved to the origin and rotated back."""
 
     points: Float[np.ndarray, "V 3"]
     center: Float[np.ndarray, "3"]
     axis: int
     sides: int
     phase: int
-    """1 where the first is turned by half a step."""
+    """1 if the first copy is rotated by half a step."""
     first: Primitive
 
 
@@ -159,7 +159,7 @@ def _square(
 
 
 def fit_plate(primitives: Sequence[Primitive]) -> Piece | None:
-    """The plate that a plate's primitives are."""
+    """Fits a plate with a hole to its primitives."""
     points = np.concatenate([place_vertices(primitive) for primitive in primitives])
     low, high = points.min(axis=0), points.max(axis=0)
     depth = np.minimum(points - low, high - points)[:, 1:].min(axis=1)

@@ -1,4 +1,4 @@
-"""Values of single rows of a table: what finishes, pieces and joints say, field by field, and back."""
+"""Values of single rows of a table: converts finishes, pieces and joints to fields and back."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -14,10 +14,10 @@ MATERIALS: tuple[FinishKind, ...] = get_args(FinishKind)
 
 
 def find_word(known: Sequence[str], name: str, what: str) -> int:
-    """The index of a word in a list of the vocabulary.
+    """Index of a word in a vocabulary list.
 
     Raises:
-        SketchError: If it is none of them.
+        SketchError: If the list does not contain it.
     """
     if name not in known:
         raise SketchError(f"{what} {name!r}, expected one of {', '.join(known)}")
@@ -38,7 +38,7 @@ def list_finish(finish: SketchFinish) -> list[int]:
 
 
 def list_piece(piece: Piece, said: Sequence[str]) -> list[int]:
-    """The values of a piece, in the order of the names of its fields."""
+    """The values of a piece, in the order of its field names."""
     values: dict[str, int] = {
         "finish": find_word(ROLES, piece.finish, "role"),
         "lined": 0 if piece.lined is None else piece.lined + 1,
@@ -53,12 +53,12 @@ def list_piece(piece: Piece, said: Sequence[str]) -> list[int]:
 
 
 def list_joint(sketch: Sketch, index: int) -> list[int]:
-    """The values of a part's joint, none where it has none.
+    """The values of a part's joint; empty without a joint.
 
-    Of two parts of which one needs the other open, the later one says so.
+    If one of two parts requires the other to be open, the later part's row states it.
 
     Raises:
-        SketchError: If several parts need it open that come before it.
+        SketchError: If more than one earlier part requires it to be open.
     """
     joint = sketch.parts[index].joint
     if joint is None:
@@ -84,10 +84,10 @@ def list_joint(sketch: Sketch, index: int) -> list[int]:
 
 
 def hold_part(part: SketchPart, holder: int, fraction: int) -> SketchPart:
-    """A part that a later one holds: it needs that one open.
+    """Adds a requirement to a part: a later part must be open before it moves.
 
     Raises:
-        SketchError: If the part does not move, or is held by too many.
+        SketchError: If the part does not move, or already has `MAX_NEEDS` requirements.
     """
     if part.joint is None or len(part.joint.needs) >= MAX_NEEDS:
         raise SketchError(f"part {holder} holds a {part.label} that does not move or is held by {MAX_NEEDS}")
@@ -95,7 +95,7 @@ def hold_part(part: SketchPart, holder: int, fraction: int) -> SketchPart:
 
 
 def read_finish(row: Sequence[int]) -> SketchFinish:
-    """The finish of a row's values."""
+    """Decodes a finish."""
     return SketchFinish(
         role=ROLES[row[0]],
         kind=MATERIALS[row[1]],
@@ -108,7 +108,7 @@ def read_finish(row: Sequence[int]) -> SketchFinish:
 
 
 def read_piece(kind: PieceKind, said: Sequence[str], row: Sequence[int]) -> Piece:
-    """The piece of a row's values, whose fields have these names."""
+    """Decodes a piece, given the names of its fields."""
     values = dict(zip(said, row, strict=False))
     lined = values["lined"]
     return Piece(
@@ -125,7 +125,7 @@ def read_piece(kind: PieceKind, said: Sequence[str], row: Sequence[int]) -> Piec
 
 
 def read_joint(row: Sequence[int]) -> SketchJoint | None:
-    """The joint of a row's values; what it holds is not part of it."""
+    """Decodes a joint; its ``holds`` field is not part of it."""
     if row[0] == 0:
         return None
     kind = JOINT_TYPES[row[0]]

@@ -1,8 +1,8 @@
-"""A sketch as a table of whole numbers: one row per thing that is said, in the order in which it is said.
+"""A sketch as a table of integers, one row per statement in a fixed order.
 
 ``object`` (category, style, counts, extents), one ``finish`` for every role, then part after part: ``part``,
 its pieces, and its ``joint``; ``end`` closes. A network reads and writes rows, field by field from the left.
-What follows from the fields before it (the second edge of a square) is held in the row but not said.
+Fields implied by earlier ones (the second edge of a square) are stored but not predicted.
 """
 
 from collections.abc import Sequence
@@ -52,9 +52,9 @@ MAX_COUNT = 31
 MAX_PARTS = 62
 MAX_SIDES = 31
 REACH = 8192
-"""Coordinates and lengths lie within so many steps: 4.096 m from the middle."""
+"""Largest magnitude (steps) of coordinates and lengths: 4.096 m from the middle."""
 LENGTH = 3
-"""Stands for the axis of a number that is a length."""
+"""Pseudo-axis of numbers that are lengths."""
 SQUARE = 4
 """Sides of a frustum whose edges may differ; with more it is round."""
 
@@ -110,10 +110,10 @@ WIDTH = 1 + max(len(fields) for fields in FIELDS.values())
 
 
 def sketch_to_rows(sketch: Sketch) -> Int[np.ndarray, "T W"]:
-    """The table of a sketch; columns that a row does not have are 0.
+    """The table of a sketch; columns that a row lacks are 0.
 
     Raises:
-        SketchError: If a count, a part or a length is beyond what rows can say.
+        SketchError: If a count, a part or a length exceeds the range of rows.
     """
     counts = sketch.counts
     rows = [
@@ -136,7 +136,7 @@ def sketch_to_rows(sketch: Sketch) -> Int[np.ndarray, "T W"]:
 
 
 def rows_to_sketch(rows: Int[np.ndarray, "T W"]) -> Sketch:
-    """The sketch that a table says; what is implied may be missing.
+    """Decodes a table; implied fields may be missing.
 
     Raises:
         SketchError: If rows are missing or out of order.
@@ -185,7 +185,7 @@ def rows_to_sketch(rows: Int[np.ndarray, "T W"]) -> Sketch:
 
 @cache
 def said_fields(kind: str) -> tuple[str, ...]:
-    """Names of a row's fields, in order."""
+    """Field names of a row, in order."""
     return tuple(field.name for field in FIELDS[kind])
 
 
@@ -196,19 +196,19 @@ def column(kind: str, name: str) -> int:
 
 
 def find_said(rows: Int[np.ndarray, "T W"]) -> Bool[np.ndarray, "T W"]:
-    """Which cells of a table are said: not those that follow from fields before them."""
+    """Cells of a table that are predicted, not implied by earlier fields."""
     if not len(rows):
         return np.zeros(rows.shape, dtype=bool)
     return np.stack([_said_cells(ROW_KINDS[row[0]], _read_key(row)) for row in rows.tolist()])
 
 
 def find_implied(row: Sequence[int]) -> frozenset[str]:
-    """Names of the fields of a row (kind first) that follow from fields before them."""
+    """Names of the fields of a row (kind first) that are implied by earlier ones."""
     return _implied(ROW_KINDS[row[0]], _read_key(row))
 
 
 def fill_implied(row: list[int]) -> None:
-    """Writes the ends of edges that are as long as another into a row (kind first), in place."""
+    """Fills in implied edge ends of a row (kind first), in place."""
     kind, follows = ROW_KINDS[row[0]], find_implied(row)
     if "v1" in follows:
         u0, v0, u1, v1 = (column(kind, name) for name in ("u0", "v0", "u1", "v1"))
@@ -230,7 +230,7 @@ def number_axis(rows: Int[np.ndarray, "*T W"]) -> Int[np.ndarray, "*T W"]:
 
 @cache
 def number_axes_by_kind() -> tuple[Int[np.ndarray, "K 3 W"], Int[np.ndarray, "K"]]:
-    """The axes of the cells of every kind of row by its own axis, and the column of that one (0 for none)."""
+    """Axes of the cells by kind of row and own axis, and the column of the own axis (0 for none)."""
     table = np.full((len(ROW_KINDS), 3, WIDTH), -1)
     own = np.zeros(len(ROW_KINDS), dtype=int)
     for index, kind in enumerate(ROW_KINDS):
@@ -254,11 +254,11 @@ MAY_FOLLOW = frozenset(
         *("travel", "holds", "released"),
     )
 )
-"""Names of all fields that may follow from others."""
+"""Names of all fields that may be implied."""
 
 
 def _read_key(row: Sequence[int]) -> tuple[int, ...]:
-    """Key that decides which fields of a row follow from others."""
+    """Key that determines the implied fields of a row."""
     kind = ROW_KINDS[row[0]]
     if kind == "joint":
         return (row[column(kind, "type")], *(min(row[column(kind, name)], 1) for name in ("need0", "holds")))
@@ -270,7 +270,7 @@ def _read_key(row: Sequence[int]) -> tuple[int, ...]:
 
 @cache
 def _implied(kind: str, key: tuple[int, ...]) -> frozenset[str]:
-    """The fields that follow from others in rows with a key."""
+    """Implied fields of rows with a key."""
     if kind == "joint":
         joint, need, hold = JOINT_TYPES[key[0]], key[1], key[2]
         names: tuple[str, ...] = ("need1", "fraction") if joint == "fixed" or not need else ()
@@ -284,7 +284,7 @@ def _implied(kind: str, key: tuple[int, ...]) -> frozenset[str]:
     lined, axis, sides = key
     follows = set() if lined else {"lining"}
     if kind in SQUARE_KINDS or (kind == "frustum" and sides > SQUARE):
-        # Of the two edges across, the one whose end is said later follows.
+        # Of the two edges across the axis, the one that ends later is implied.
         follows.add(("x1", "y1", "z1")[max((axis + 1) % 3, (axis + 2) % 3)])
         follows |= {"v1"} if kind == "frustum" else set()
     return frozenset(follows)
@@ -292,7 +292,7 @@ def _implied(kind: str, key: tuple[int, ...]) -> frozenset[str]:
 
 @cache
 def _said_cells(kind: str, key: tuple[int, ...]) -> Bool[np.ndarray, "W"]:
-    """Which cells of rows with a key are said."""
+    """Predicted cells of rows with a key."""
     said = np.zeros(WIDTH, dtype=bool)
     said[: 1 + len(FIELDS[kind])] = True
     for name in _implied(kind, key):

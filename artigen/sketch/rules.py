@@ -1,7 +1,7 @@
 """`Writer`: masks the next symbol so that every finished table is valid.
 
-The header is a contract: every label comes as often as it was counted, every coordinate lies within the
-extents, parts hang on parts that exist, pieces have finishes of the table and edges longer than nothing.
+The header is a contract: every label occurs as often as it states, and every coordinate lies within its
+extents. Parents precede their children, pieces use finishes of the table, and edges have positive length.
 """
 
 from collections.abc import Mapping
@@ -44,7 +44,7 @@ from artigen.types import JOINT_TYPES, PART_LABELS
 
 MAX_ROWS = 220
 MAX_PIECES = 32
-"""Of a part: so many hulls of one body engines handle well."""
+"""Largest number of pieces of a part, which keeps the hulls of a body within what engines handle well."""
 ACCENTS: Mapping[FinishKind, float] = {
     "wood": 0.78,
     "lacquer": 0.96,
@@ -54,9 +54,9 @@ ACCENTS: Mapping[FinishKind, float] = {
     "rubber": 1.3,
     "stone": 0.8,
 }
-"""Brightness of the accent over that of a colour that is asked for, as `artigen.shapes.surfaces` has them."""
+"""Brightness of the accent relative to a requested colour, as in `artigen.shapes.surfaces`."""
 LEAST_EXTENT = 20
-"""Steps (1 cm): shorter objects are not drawn."""
+"""Smallest extent in steps (1 cm)."""
 _ARCS = (*range(1, MAX_PIECES_OF_ARC + 1),)
 SIDES: Mapping[str, tuple[int, ...]] = {
     "frustum": (4, *ROUND_SIDES),
@@ -66,7 +66,7 @@ SIDES: Mapping[str, tuple[int, ...]] = {
     "shell": _ARCS,
     "elbow": _ARCS,
 }
-"""What `Piece.sides` may be, by kind."""
+"""Allowed values of `Piece.sides`, by kind."""
 LINED_SIDES: Mapping[str, tuple[int, ...]] = {
     "ring": (0, INWARD + 1),
     "plate": (0, INWARD + 1),
@@ -74,25 +74,26 @@ LINED_SIDES: Mapping[str, tuple[int, ...]] = {
     "shell": (*range(INWARD + 2),),
     "elbow": (0,),
 }
-"""What may be lined, by kind; others on any side."""
+"""Allowed lined sides, by kind; kinds that are not listed allow any side."""
 _KIND = {kind: index for index, kind in enumerate(ROW_KINDS)}
 _PIECE_IDS = [_KIND[kind] for kind in PIECE_KINDS]
 
 
 @dataclass(kw_only=True, eq=False)
 class Writer:
-    """One table as it is written: `allowed` before every symbol, `span` before every number, then `put`."""
+    """State of a table being written: call `allowed` before a symbol or `span` before a number, then
+    `put`."""
 
     asked: Asked
     rows: list[list[int]] = field(default_factory=list)
     row: list[int] = field(default_factory=list)
-    """The row that is being written, up to the field that comes next."""
+    """The current row, up to its next field."""
     labels: list[int] = field(default_factory=list)
     moving: list[bool] = field(default_factory=list)
     """Whether each finished part has a joint that moves."""
 
     def copy(self) -> "Writer":
-        """The same table, to go on from."""
+        """An independent copy."""
         return replace(self, rows=[*self.rows], row=[*self.row], labels=[*self.labels], moving=[*self.moving])
 
     @property
@@ -102,32 +103,32 @@ class Writer:
 
     @property
     def stuck(self) -> bool:
-        """Whether the table has grown too long to be finished."""
+        """Whether the table has reached `MAX_ROWS` without being closed."""
         return len(self.rows) >= MAX_ROWS and not self.done
 
     @property
     def delivered(self) -> bool:
-        """Whether all parts that the header counts are there."""
+        """Whether all parts that the header counts are present."""
         return bool(self.moving) and len(self.moving) == len(self.labels) and not any(self._left().values())
 
     @property
     def table(self) -> Int[np.ndarray, "T W"]:
-        """The rows so far as a whole table, closed if it is not."""
+        """The rows so far, with an end row if the table is open."""
         end = [_KIND["end"]] + [0] * (WIDTH - 1)
         return np.array(self.rows if self.done else [*self.rows, end])
 
     @property
     def kind(self) -> str:
-        """Kind of the row that is being written."""
+        """Kind of the current row."""
         return ROW_KINDS[self.row[0]]
 
     @property
     def name(self) -> str:
-        """Name of the field that comes next."""
+        """Name of the next field."""
         return "kind" if not self.row else FIELDS[self.kind][len(self.row) - 1].name
 
     def value(self, name: str) -> int:
-        """A field of the row that is being written."""
+        """Value of a field of the current row."""
         return self.row[column(self.kind, name)]
 
     def complete(self) -> bool:
@@ -135,11 +136,11 @@ class Writer:
         return bool(self.row) and len(self.row) == 1 + len(FIELDS[self.kind])
 
     def put(self, value: int) -> None:
-        """Says the next field."""
+        """Appends the value of the next field."""
         self.row.append(value)
 
     def follows(self) -> int | None:
-        """The value of the next field where it follows from others, else None."""
+        """Value of the next field if earlier fields imply it, else None."""
         if self.name not in MAY_FOLLOW:
             return None
         padded = self.padded()
@@ -149,13 +150,13 @@ class Writer:
         return padded[len(self.row)]
 
     def axis(self) -> int:
-        """The axis of the next field, as `artigen.sketch.rows.number_axis` has it."""
+        """Axis of the next field, as in `artigen.sketch.rows.number_axis`."""
         table, own = number_axes_by_kind()
         at = int(own[self.row[0]])
         return int(table[self.row[0], self.row[at] if 0 < at < len(self.row) else 0, len(self.row)])
 
     def place(self) -> dict[str, int]:
-        """Where the number that comes next stands, as `artigen.sketch.planes.Places` has it."""
+        """Position of the next number, as in `artigen.sketch.planes.Places`."""
         kind, at, axis, anchor = self.kind, len(self.row), self.axis(), self.anchor()
         piece = kind in PIECE_KINDS
         first = column(kind, "x0") if piece else 0
@@ -174,7 +175,7 @@ class Writer:
         }
 
     def anchor(self) -> list[int] | None:
-        """Lowest corner of the first piece of the part that was begun last; None where there is none."""
+        """Lowest corner of the current part's first piece; None before it."""
         count = self.length() if self.labels else 0
         if not count:
             return None
@@ -182,7 +183,7 @@ class Writer:
         return self.rows[-count][first : first + 3]
 
     def close(self) -> list[int]:
-        """Ends the row and returns it, padded."""
+        """Closes the row and returns it, padded."""
         row = self.padded()
         kind = self.kind
         self.rows.append(row)
@@ -194,7 +195,7 @@ class Writer:
         return row
 
     def allowed(self, size: int) -> Bool[np.ndarray, "N"]:
-        """Which symbols may come next, of the ``size`` of the slot."""
+        """Mask of allowed symbols among the ``size`` of the slot."""
         kind = "" if not self.row else self.kind
         forced = self._forced()
         can = np.zeros(size, dtype=bool)
@@ -219,7 +220,7 @@ class Writer:
         return can
 
     def span(self) -> tuple[int, int]:
-        """Least and greatest value of the number that comes next."""
+        """Smallest and largest value of the next number."""
         name, kind, axis = self.name, self.kind, self.axis()
         forced = self._forced()
         if forced is not None:
@@ -249,11 +250,11 @@ class Writer:
         return np.stack([low, low + extents])
 
     def padded(self) -> list[int]:
-        """The row that is being written, with 0 for what is not said yet."""
+        """The current row, with 0 for missing fields."""
         return self.row + [0] * (WIDTH - len(self.row))
 
     def _forced(self) -> int | None:
-        """Value of the next field that the request forces, if any."""
+        """Value of the next field if the request fixes it."""
         if not self.row:
             return None
         asked, at = self.asked, len(self.row)
@@ -271,14 +272,14 @@ class Writer:
         return None
 
     def _left(self) -> dict[int, int]:
-        """How many parts of each label are still to come."""
+        """Number of missing parts of each label."""
         counted = self.rows[0][column("object", COUNTED[0]) :][: len(COUNTED)]
         return {label: count - self.labels.count(label) for label, count in enumerate(counted, start=1)} | {
             0: 1 - self.labels.count(0)
         }
 
     def length(self) -> int:
-        """Rows of the part that was begun last after the one that names it."""
+        """Number of rows of the current part after its ``part`` row."""
         return next(count for count, row in enumerate(reversed(self.rows)) if row[0] == _KIND["part"])
 
     def _next_kinds(self) -> list[int]:
@@ -299,12 +300,12 @@ class Writer:
         return [_KIND["part"], *([_KIND["finish"]] if wanted else [])]
 
     def _asked_roles(self) -> list[int]:
-        """Roles of the request that are still to come."""
+        """Requested roles that are still missing."""
         said = [row[1] for row in self.rows if row[0] == _KIND["finish"]]
         return sorted({int(row[1]) for row in self.asked.rows[1:]} - set(said))
 
     def _next_roles(self) -> list[int]:
-        """Roles come in their order; one that is asked for is not passed over."""
+        """Next finish roles in order; a requested role is not skipped."""
         last = max((row[1] for row in self.rows if row[0] == _KIND["finish"]), default=-1)
         asked = self._asked_roles()
         return list(range(last + 1, (asked[0] if asked else len(ROLES) - 1) + 1))
@@ -322,7 +323,7 @@ class Writer:
         if self.name == "axis":
             return [0, 2] if kind == "ring" else [0, 1, 2]
         if self.name == "corners":
-            return [*range(kind == "slab", size)]  # some corner of a slab is cut
+            return [*range(kind == "slab", size)]  # a slab has at least one cut corner
         if self.name == "sides":
             return [*SIDES[kind]]
         return [*LINED_SIDES.get(kind, range(INWARD + 1))]
@@ -338,7 +339,7 @@ class Writer:
         return [0, *(index for index in movable if index != taken)]
 
     def _elbow_span(self, start: str, high: int) -> tuple[int, int]:
-        """Range of an elbow's high side, at least as far as its tube is thick."""
+        """Range of an elbow's high side, at least the tube's thickness from its low side."""
         own, axis, first = self.value("axis"), self.axis(), column("elbow", "x0")
         sizes = {side: self.row[first + 3 + side] - self.row[first + side] for side in range(axis)}
         low = self.value(start)
@@ -348,7 +349,7 @@ class Writer:
         return least, max(high, least)
 
     def _needs(self) -> list[set[int]]:
-        """For every finished part, and the one whose joint is being written, the parts that it needs open."""
+        """Required open parts of every finished part and of the part whose joint is being written."""
         found: list[set[int]] = [set() for _ in self.labels]
         joints = [row for row in self.rows if row[0] == _KIND["joint"]]
         for part, row in enumerate([*joints, self.padded()]):
@@ -358,7 +359,7 @@ class Writer:
         return found
 
     def _may_hold(self, held: int) -> bool:
-        """Whether one more part may hold another, for which it does not wait itself."""
+        """Whether a new part may hold another without a cyclic or surplus requirement."""
         needs = self._needs()
         waits, open_ = {len(self.labels) - 1}, [len(self.labels) - 1]
         while open_:
@@ -386,11 +387,11 @@ class Writer:
         flat = np.cos(np.pi / max(self.value("sides"), 3))
         if name == "outer0":
             return int(self.value("inner0") / flat) + 2, 2 * max(radius, self.value("inner0")) + 2
-        # A ring's near end may be wider than the far one, which its bounds are those of.
+        # The bounds are those of a ring's far end; the near end may be wider.
         return 1, max(int((3 if name == "inner0" else 1) * radius * flat) - 1, 1)
 
     def _shell_span(self, name: str, length: int, room: int) -> tuple[int, int]:
-        """Range of a shell of this length along u, with this room within each of its sides."""
+        """Range of a shell's number for its length along u and the room within each of its sides."""
         if name == "cut0":
             return 1, max(length - 1, 1)
         if name == "cut1":

@@ -1,8 +1,8 @@
-"""`Sketch`: an articulated object as whole numbers, and the way from and to a `Shape`.
+"""`Sketch`: an articulated object in integers, with conversion from and to a `Shape`.
 
-Lengths are steps of `STEP` metres, angles half degrees, colours levels of 0 to 63. x and y are centred on the
-closed object, the floor is z = 0: a sketch that was written from a shape and read back is the shape to within
-half a step, and writing it again gives the same sketch.
+Lengths are steps of `STEP` metres, angles are half degrees, colours are levels of 0 to 63. x and y are
+centred on the closed object, and the floor is z = 0. A shape survives conversion to within half a step;
+converting the result again gives the same sketch.
 """
 
 from collections import Counter
@@ -26,16 +26,16 @@ LEVELS = 63
 """Highest level of a colour or gloss."""
 OPACITIES = (1.0, 0.45, 0.22)
 PERIODS = (0.4, 0.045, 0.012, 0.3, 0.05, 0.5, 0.006, 0.016)
-"""Lengths (m) after which the patterns of finishes repeat."""
+"""Periods (m) of the patterns of finishes."""
 FRACTIONS = (0.95, 1.0, 0.9)
-"""Shares of its range by which a part that must open first is open."""
+"""Shares of its range by which a required part must be open."""
 MAX_NEEDS = 2
 ROUND_TURN = 720
 """A full turn, in half degrees."""
 
 
 class SketchError(ArtigenError):
-    """A shape that cannot be written as a sketch, or a sketch that describes no shape."""
+    """A shape that sketches cannot express, or a sketch that describes no shape."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -55,7 +55,7 @@ class SketchFinish:
 
 @dataclass(frozen=True, kw_only=True)
 class SketchJoint:
-    """How a part moves; ``upper`` in steps for a prismatic joint, else in half degrees."""
+    """Joint of a part; ``upper`` in steps for a prismatic joint, else in half degrees."""
 
     type: JointType
     axis: int
@@ -63,16 +63,16 @@ class SketchJoint:
     origin: tuple[int, int, int] = (0, 0, 0)
     upper: int = ROUND_TURN
     travel: int = 0
-    """Steps that a screw rises over its whole range."""
+    """Steps that a screw advances over its whole range."""
     needs: tuple[int, ...] = ()
-    """Parts, by index, that must be open first."""
+    """Indices of the parts that must be open first."""
     fraction: int = 0
     """Index into `FRACTIONS`."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class SketchPart:
-    """A rigid piece with a meaning; ``parent`` is an index, -1 for the base."""
+    """A rigid part with a label; ``parent`` is an index, -1 for the base."""
 
     label: PartLabel
     parent: int
@@ -82,18 +82,18 @@ class SketchPart:
 
 @dataclass(frozen=True, kw_only=True)
 class Sketch:
-    """An articulated object in whole numbers."""
+    """An articulated object in integers."""
 
     category: str
     style: str
     extents: tuple[int, int, int]
-    """Depth, width, height of the closed object, in steps."""
+    """Depth, width and height of the closed object, in steps."""
     finishes: tuple[SketchFinish, ...]
     parts: tuple[SketchPart, ...]
 
     @property
     def counts(self) -> dict[str, int]:
-        """Parts by label."""
+        """Number of parts by label."""
         return dict(Counter(part.label for part in self.parts))
 
 
@@ -103,15 +103,15 @@ def lowest_corner(extents: Int[np.ndarray, "*N 3"]) -> Int[np.ndarray, "*N 3"]:
 
 
 def write_sketch(shape: Shape) -> Sketch:
-    """The sketch of a shape.
+    """Converts a shape to a sketch.
 
     Raises:
-        SketchError: If the shape has a solid, joint or finish that sketches have no word for; names it.
+        SketchError: If sketches cannot express a solid, joint or finish, which the message names.
     """
     shape = _free_followers(shape)
     fitted = [_fit_part(part, shape.name) for part in shape.parts]
     low = _lowest_numbers(fitted)
-    # The lowest corner of the closed object comes to lie on the grid; then whole steps centre the object.
+    # Align the lowest corner of the closed object with the grid, then centre it by whole steps.
     snapped = [[snap_piece(move_piece(piece, -low)) for piece in pieces] for pieces in fitted]
     start, end = _bound_pieces(snapped)
     start, end = np.floor(start).astype(int), np.ceil(end).astype(int)
@@ -143,8 +143,8 @@ def write_sketch(shape: Shape) -> Sketch:
 
 
 def _free_followers(shape: Shape) -> Shape:
-    """The shape as sketches can say it: without springs, and with parts that move by themselves instead of
-    following others. What needs the leader open needs its followers."""
+    """Removes what sketches cannot express: springs, and followers, which become independent joints. A part
+    that requires the leader to be open requires its follower instead."""
     followers = {part.motion.follows: part.name for part in shape.parts if part.motion is not None}
     return replace(
         shape,
@@ -160,14 +160,14 @@ def _free_followers(shape: Shape) -> Shape:
 
 
 def read_sketch(sketch: Sketch, seed: int = 0) -> Shape:
-    """The shape that a sketch describes.
+    """Converts a sketch to a shape.
 
     Args:
-        sketch: What was drawn or written.
-        seed: Of the shape's name and of the patterns of its finishes.
+        sketch: The sketch.
+        seed: Seed of the shape's name and of the patterns of its finishes.
 
     Raises:
-        SketchError: If the sketch describes no shape; says which part.
+        SketchError: If the sketch describes no shape; the message names the part.
     """
     names = _name_parts(sketch.parts)
     try:
@@ -223,7 +223,8 @@ def _bound_pieces(
 
 
 def _lowest_numbers(parts: Sequence[Sequence[Piece]]) -> Float[np.ndarray, "3"]:
-    """The lowest coordinate that pieces name on each axis: on the grid in what was read from a sketch."""
+    """The lowest coordinate among the numbers of pieces on each axis; on the grid for pieces read from a
+    sketch."""
     out = np.full(3, np.inf)
     for piece in (piece for pieces in parts for piece in pieces):
         for number, axis in zip(piece.numbers, number_axes(piece.kind, piece.axis), strict=True):
@@ -316,7 +317,7 @@ def _read_finish(finish: SketchFinish, seed: int, index: int) -> Finish:
 
 
 def _name_parts(parts: Sequence[SketchPart]) -> tuple[str, ...]:
-    """The base is the body; others are numbered by label."""
+    """Part names: the base is ``body``; others are numbered by label."""
     held: Counter[str] = Counter()
     names = []
     for part in parts:

@@ -16,10 +16,10 @@ class Slots:
     of_cell: Int[np.ndarray, "K W"]
     """Slot of each column by kind of row, -1 for none."""
     base: Int[np.ndarray, "S"]
-    """Where the symbols of a slot begin in the vocabulary; -1 for numbers."""
+    """First symbol of each slot in the vocabulary; -1 for numbers."""
     size: Int[np.ndarray, "S"]
     total: int
-    """Symbols in all."""
+    """Total number of symbols."""
 
 
 @cache

@@ -1,4 +1,4 @@
-"""Pieces in metres as pieces in whole steps."""
+"""Rounds pieces in metres to whole grid steps."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -14,7 +14,7 @@ _EPSILON = 1e-6
 
 
 def snap_piece(piece: Piece) -> Piece:
-    """A piece in metres as one in steps: no edge vanishes, and what is square stays square."""
+    """Rounds a piece in metres to steps; edges keep a positive length and squares stay square."""
     numbers = [round(number / STEP) for number in piece.numbers]
     kind, (u, v) = piece.kind, across(piece.axis)
     for axis in range(3):
@@ -42,7 +42,7 @@ def snap_piece(piece: Piece) -> Piece:
 
 
 def _find_frustum(prism: Piece) -> Piece:
-    """A prism in steps, or the frustum that it is where two of its sides are upright to an axis."""
+    """A prism in steps, or the equivalent frustum if it has two parallel sides perpendicular to an axis."""
     u, v = across(prism.axis)
     u1, v1, u3, v3 = prism.rest
     ends = prism.numbers[u], u1, prism.numbers[3 + u], u3
@@ -51,19 +51,19 @@ def _find_frustum(prism: Piece) -> Piece:
         return prism
     try:
         found = fit_polytope(build_prism(replace(prism, numbers=tuple(n * STEP for n in prism.numbers))))
-    except ValueError:  # no solid is left on the grid, as reading the prism will say
+    except ValueError:  # the rounded prism is degenerate; reading the sketch reports it
         return prism
     numbers = tuple(round(number / STEP) for number in found.numbers)
     return replace(found, numbers=numbers, lining=prism.lining, lined=prism.lined)
 
 
 def _snap_slab(piece: Piece, sizes: Sequence[int], measured: Sequence[float]) -> list[int]:
-    """Lengths of arcs in steps: those that take all there is go on doing so.
+    """Lengths of arcs in steps; arcs that use all of an edge still do.
 
     Args:
-        piece: In metres.
+        piece: Piece in metres.
         sizes: Its edges along u and v, in steps.
-        measured: The same in metres.
+        measured: The same edges in metres.
     """
     out = []
     for cut, share, size, length in zip(piece.rest, room_to_cut(piece.corners), sizes, measured, strict=True):
@@ -73,7 +73,7 @@ def _snap_slab(piece: Piece, sizes: Sequence[int], measured: Sequence[float]) ->
 
 
 def _snap_shell(piece: Piece, sizes: Sequence[int], measured: Sequence[float]) -> list[int]:
-    """As `_snap_slab`, and a wall that does not vanish."""
+    """As `_snap_slab`; the wall keeps a positive thickness."""
     low, high, inset, wall = (round(number / STEP) for number in piece.rest)
     low = min(max(low, 1), sizes[0] - 1)
     meet = piece.rest[0] + piece.rest[1] > measured[0] - _EPSILON
@@ -85,5 +85,5 @@ def _snap_shell(piece: Piece, sizes: Sequence[int], measured: Sequence[float]) -
 
 
 def is_square(piece: Piece) -> bool:
-    """Whether the solid is as wide as high across its axis by its kind."""
+    """Whether the kind of solid has equal extents across its axis."""
     return piece.kind in SQUARE_KINDS or (piece.kind == "frustum" and piece.sides > 4)

@@ -1,4 +1,4 @@
-"""Pieces that are one primitive each: boxes, cylinders, frusta, prisms and slabs, made and found."""
+"""Builds and fits pieces of one primitive: boxes, cylinders, frusta, prisms and slabs."""
 
 from collections.abc import Sequence
 
@@ -57,7 +57,8 @@ def build_frustum(piece: Piece) -> Primitive:
 
 
 def _rim(sides: int, u: int, v: int) -> Float[np.ndarray, "N 2"]:
-    """Corners (u, v) of a polygon in [-1, 1]^2; of many sides, one has corners along y if it can."""
+    """Corners (u, v) of a regular polygon in [-1, 1]^2; a polygon of many sides has corners along y if
+    possible."""
     if sides == 4:
         return np.array([(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)])
     turns = (np.arange(sides) + 0.5) * 2 * np.pi / sides
@@ -77,12 +78,12 @@ def build_prism(piece: Piece) -> Primitive:
 
 
 def build_slab(piece: Piece) -> Primitive:
-    """A box with cut corners; what is cut off beyond what there is counts as all there is."""
+    """A box with cut corners; longer cuts are clamped to the edge."""
     return polytope(_extrude(_trace_slab(piece), piece), piece.finish)
 
 
 def room_to_cut(corners: int) -> tuple[float, float]:
-    """The share of an edge along u and of one along v that slabs with these corners may lose to one arc."""
+    """Largest share of an edge along u and along v that one arc of a slab with these corners may use."""
     cut = [bool(corners >> k & 1) for k in range(CORNERS)]
     opposite = (cut[0] and cut[2]) or (cut[1] and cut[3])
     along_u = opposite or (cut[0] and cut[1]) or (cut[2] and cut[3])
@@ -107,14 +108,16 @@ def _extrude(profile: Float[np.ndarray, "N 2"], piece: Piece) -> Points:
 
 
 def fit_cylinder(primitive: Primitive) -> Piece:
-    """The cylinder that a primitive is.
+    """Fits a cylinder to a primitive.
 
     Raises:
-        UnknownSolid: If it does not stand along an axis.
+        UnknownSolid: If its axis is not a coordinate axis.
     """
     axis = int(np.abs(primitive.rotation[:, 2]).argmax())
     if abs(primitive.rotation[axis, 2]) < 1 - 1e-9:
-        raise UnknownSolid(f"a cylinder along {primitive.rotation[:, 2].tolist()}, expected along an axis")
+        raise UnknownSolid(
+            f"a cylinder along {primitive.rotation[:, 2].tolist()}, expected a coordinate axis"
+        )
     half = np.full(3, primitive.size[0] / 2)
     half[axis] = primitive.size[2] / 2
     numbers = (*(primitive.center - half).tolist(), *(primitive.center + half).tolist())
@@ -125,21 +128,21 @@ def find_surface(primitive: Primitive) -> Surface:
     """The finish and lining of a primitive.
 
     Raises:
-        UnknownSolid: If the side that is lined is none of `LINED`.
+        UnknownSolid: If the lined side is not in `LINED`.
     """
     if primitive.lined_side is None:
         return Surface(finish=primitive.finish, lining=None, lined=None)
     near = np.array(LINED) @ np.array(primitive.lined_side)
     if near.max() < 1 - 1e-9:
-        raise UnknownSolid(f"a lining on the side {primitive.lined_side}, expected along an axis")
+        raise UnknownSolid(f"a lining on the side {primitive.lined_side}, expected along a coordinate axis")
     return Surface(finish=primitive.finish, lining=primitive.lining, lined=int(near.argmax()))
 
 
 def fit_polytope(primitive: Primitive) -> Piece:
-    """The box, sharp or bevelled, the frustum, prism or slab that a primitive is.
+    """Fits a sharp or bevelled box, a frustum, a prism or a slab to a primitive.
 
     Raises:
-        UnknownSolid: If it is none of them.
+        UnknownSolid: If none of them fits.
     """
     points = place_vertices(primitive)
     low, high = points.min(axis=0), points.max(axis=0)
@@ -168,7 +171,7 @@ def fit_polytope(primitive: Primitive) -> Piece:
 
 
 def find_bevel(points: Points, low: Corner, high: Corner) -> float | None:
-    """Width of a box's bevel, 0 for a sharp one; None for other solids."""
+    """Width of a box's bevel, 0 for a sharp box; None for other solids."""
     depth = np.minimum(points - low, high - points)
     if len(points) == 8:
         return 0.0 if depth.max() < TOLERANCE else None
@@ -181,7 +184,7 @@ def find_bevel(points: Points, low: Corner, high: Corner) -> float | None:
 
 
 def _fit_frustum(points: Points, axis: int, low: Corner, high: Corner) -> tuple[int, tuple[float, ...]]:
-    """Sides and numbers of a frustum; no sides where there is none."""
+    """Sides and numbers of a frustum; 0 sides if none fits."""
     layers = split_layers(points, axis, low, high)
     if layers is None or len(layers[0]) not in (4, *ROUND_SIDES):
         return 0, ()
@@ -201,7 +204,7 @@ def _fit_frustum(points: Points, axis: int, low: Corner, high: Corner) -> tuple[
 
 
 def _fit_prism(points: Points, axis: int, low: Corner, high: Corner) -> tuple[float, ...]:
-    """Numbers of a prism; none where there is none."""
+    """Numbers of a prism; empty if none fits."""
     layers = split_layers(points, axis, low, high)
     if layers is None or len(layers[0]) != 4:
         return ()
@@ -234,7 +237,8 @@ def _fit_slab(points: Points, axis: int, low: Corner, high: Corner, surface: Sur
 
 
 def measure_cuts(flat: Float[np.ndarray, "N 2"]) -> Float[np.ndarray, "4 2"]:
-    """How far each corner of a convex polygon's bounds is cut off, along its edges; 0 where it is not."""
+    """Lengths cut off each corner of a convex polygon's bounds, along its edges; 0 for corners that are
+    kept."""
     low, high = flat.min(axis=0), flat.max(axis=0)
     out = np.empty((CORNERS, 2))
     for k, ends in enumerate(((0, 0), (1, 0), (1, 1), (0, 1))):
@@ -245,13 +249,13 @@ def measure_cuts(flat: Float[np.ndarray, "N 2"]) -> Float[np.ndarray, "4 2"]:
 
 
 def _covers(these: Points, those: Points) -> bool:
-    """Whether two sets have the same points, some perhaps more than once."""
+    """Whether two sets contain the same points, regardless of repetition."""
     apart = np.abs(these[:, None] - those[None]).max(axis=2)
     return bool(max(apart.min(axis=0).max(), apart.min(axis=1).max()) < TOLERANCE)
 
 
 def split_layers(points: Points, axis: int, low: Corner, high: Corner) -> tuple[Points, Points] | None:
-    """The corners at both ends of an axis, if that is all of them and as many at each."""
+    """The corners at both ends of an axis, if these are all corners and equally many; else None."""
     bottom = points[:, axis] - low[axis] < TOLERANCE
     top = high[axis] - points[:, axis] < TOLERANCE
     if not (bottom ^ top).all() or bottom.sum() != top.sum():
@@ -260,7 +264,7 @@ def split_layers(points: Points, axis: int, low: Corner, high: Corner) -> tuple[
 
 
 def is_same(these: Sequence[Primitive], those: Sequence[Primitive]) -> bool:
-    """Whether two groups have the same corners, one by one."""
+    """Whether two groups of primitives have the same corners, pairwise."""
     if len(these) != len(those):
         return False
     for a, b in zip(these, those, strict=True):

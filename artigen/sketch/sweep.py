@@ -1,8 +1,8 @@
-"""Obstacles of a moving part along the range of its joint.
+"""Collisions of a moving part along the range of its joint.
 
-Few pairs of primitives can ever meet. Slides of upright boxes are judged by closed formulas; for what turns,
-pairs are left out whose heights along the axis, distances from it or angles about it never coincide. The rest
-is measured pose by pose.
+Few pairs of primitives can ever collide. Axis-aligned boxes on slides have closed formulas. For rotations,
+pairs are pruned whose heights along the axis, distances from it or angles about it never overlap. The
+remaining pairs are tested pose by pose.
 """
 
 from dataclasses import dataclass
@@ -17,21 +17,22 @@ from artigen.transforms import screw_motion, transform_points
 from artigen.types import FULL_TURN
 
 TOUCH = 1e-4
-"""Overlaps shallower than this (m) are none."""
+"""Penetration (m) below which solids count as disjoint."""
 STEP = 0.005
-"""Farthest (m) that a point moves from one pose to the next."""
+"""Largest displacement (m) of a point between consecutive poses."""
 POSES = (21, 401)
-"""Fewest and most poses of a range."""
+"""Smallest and largest number of poses over a range."""
 RUN = 16
-"""Poses of a range that are judged together first."""
+"""Consecutive poses that are pruned together."""
 SHARE_POINTS, SHARE_POSES = 16_000, 60
-"""Points in a body's bounds, and about how many poses against each solid, by which volume is measured."""
+"""Sample points in a body's bounds, and approximate number of poses against each solid, for measuring
+volume."""
 _ON_AXIS = 1e-6
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Path:
-    """The way of a part: a screw motion about a line, in the object frame with all that is needed open."""
+    """Screw motion of a part about a line, in the object frame with all required parts open."""
 
     axis: Float[np.ndarray, "3"]
     origin: Float[np.ndarray, "3"]
@@ -43,7 +44,8 @@ class Path:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Meetings:
-    """Overlaps along a path that are deeper than `TOUCH`: primitives, pose, depth (m, at most so deep)."""
+    """Penetrations along a path deeper than `TOUCH`: primitives, pose and depth (m, upper bound unless
+    exact)."""
 
     first: Int[np.ndarray, "C"]
     second: Int[np.ndarray, "C"]
@@ -53,7 +55,7 @@ class Meetings:
 
 
 def read_path(motion: Motion, T_parent: Float[np.ndarray, "4 4"]) -> Path:
-    """The way of a part whose parent is displaced from rest."""
+    """Path of a part whose parent is displaced from rest."""
     slides = motion.type == "prismatic"
     upper = FULL_TURN if motion.type == "continuous" else motion.upper
     return Path(
@@ -65,7 +67,7 @@ def read_path(motion: Motion, T_parent: Float[np.ndarray, "4 4"]) -> Path:
 
 
 def open_needed(shape: Shape, index: int) -> Float[np.ndarray, "P 4 4"]:
-    """Displacement of every part with all open that a part needs open, and what that needs in turn."""
+    """Displacement of every part with the requirements of one part open, recursively."""
     rows = {part.name: row for row, part in enumerate(shape.parts)}
     qpos, waiting, seen = np.zeros(len(shape.parts)), [index], set()
     while waiting:
@@ -81,18 +83,18 @@ def open_needed(shape: Shape, index: int) -> Float[np.ndarray, "P 4 4"]:
 
 
 def place_opened(bodies: Bodies, T: Float[np.ndarray, "P 4 4"]) -> Bodies:
-    """The primitives where displaced parts are."""
+    """The primitives of displaced parts."""
     moved = np.flatnonzero(np.any(np.eye(4) != T, axis=(1, 2))[bodies.parts])
     return displace(bodies, moved, T[bodies.parts[moved]]) if len(moved) else bodies
 
 
 def find_meetings(bodies: Bodies, path: Path, carried: Bool[np.ndarray, "N"]) -> Meetings:
-    """Where primitives that are moved along a path reach into others.
+    """Penetrations of primitives that move along a path.
 
     Args:
-        bodies: All primitives, where the path begins.
-        path: The way.
-        carried: Which primitives are moved.
+        bodies: All primitives, at the start of the path.
+        path: The motion.
+        carried: Primitives that move.
     """
     ours, others = np.flatnonzero(carried), np.flatnonzero(~carried)
     if path.turn == 0.0 and np.abs(path.axis).max() > 1.0 - 1e-9:
@@ -113,7 +115,7 @@ def find_meetings(bodies: Bodies, path: Path, carried: Bool[np.ndarray, "N"]) ->
 
 
 def deepest(bodies: Bodies, found: Meetings, rows: Int[np.ndarray, "M"]) -> tuple[float, int]:
-    """The exact depth (m) of the deepest of some meetings, and its row; 0 and -1 where none is deep."""
+    """Exact depth (m) of the deepest of some penetrations, and its row; 0 and -1 if none is deep."""
     best, at = 0.0, -1
     order = rows[np.argsort(-found.depth[rows], kind="stable")]
     pairs = found.first[order] * len(bodies.parts) + found.second[order]
@@ -134,11 +136,11 @@ def deepest(bodies: Bodies, found: Meetings, rows: Int[np.ndarray, "M"]) -> tupl
 def _sliding_pairs(
     bodies: Bodies, path: Path, ours: Int[np.ndarray, "M"], others: Int[np.ndarray, "O"]
 ) -> tuple[Int[np.ndarray, "C"], Int[np.ndarray, "C"], Float[np.ndarray, "C"]]:
-    """Pairs whose bounds overlap somewhere along a slide, and how deep (m): exact for upright boxes."""
+    """Pairs whose bounds overlap along a slide, and their depth (m); exact for axis-aligned boxes."""
     ahead = bodies.high[ours][:, None] - bodies.low[others][None]
     behind = bodies.high[others][None] - bodies.low[ours][:, None]
     way = path.axis * path.travel
-    level = (ahead + behind) / 2  # where their middles are level, either way out is as long
+    level = (ahead + behind) / 2  # where the centres align, both ways out are equally long
     shared = np.minimum(level, np.minimum(ahead + way.clip(min=0), behind - way.clip(max=0)))
     depth = shared.min(axis=2)
     i, j = np.nonzero(depth > TOUCH)
@@ -148,7 +150,7 @@ def _sliding_pairs(
 def _slide_deepest(
     bodies: Bodies, path: Path, first: Int[np.ndarray, "C"], second: Int[np.ndarray, "C"]
 ) -> Float[np.ndarray, "C 4 4"]:
-    """Displacements at which pairs of upright boxes overlap most along a slide."""
+    """Displacements of deepest overlap of pairs of axis-aligned boxes along a slide."""
     middle = (bodies.low + bodies.high) / 2
     ways = np.clip((middle[second] - middle[first]) @ path.axis, 0.0, path.travel)
     return screw_motion(path.axis, path.origin, np.zeros_like(ways), ways)
@@ -157,7 +159,7 @@ def _slide_deepest(
 def _turning_pairs(
     bodies: Bodies, path: Path, ours: Int[np.ndarray, "M"], others: Int[np.ndarray, "O"]
 ) -> tuple[Int[np.ndarray, "C"], Int[np.ndarray, "C"]]:
-    """Pairs that may meet: whose heights along the axis, distances from it and angles about it coincide."""
+    """Pairs that may collide: heights along the axis, distances from it and angles about it overlap."""
     frame = _frame_about(path.axis)
     local = (bodies.vertices - path.origin) @ frame
     low, high = local.min(axis=1), local.max(axis=1)
@@ -184,9 +186,9 @@ def _turning_pairs(
 def _see_from_axis(
     corners: Float[np.ndarray, "R V 2"], normals: Float[np.ndarray, "R K 2"]
 ) -> tuple[Float[np.ndarray, "R"], Float[np.ndarray, "R"], Float[np.ndarray, "R"]]:
-    """How near convex solids come to an axis (m), the angle where each begins, and how far it reaches.
+    """Distance of convex solids from an axis (m), their start angle and their angular extent.
 
-    A solid around the axis begins at 0 and reaches all round.
+    A solid that contains the axis starts at 0 and spans the full turn.
     """
     ways = np.concatenate([corners, -normals], axis=1)
     lengths = np.linalg.norm(ways, axis=2, keepdims=True)
@@ -211,7 +213,8 @@ def _measure(
     first: Int[np.ndarray, "C"],
     second: Int[np.ndarray, "C"],
 ) -> tuple[Int[np.ndarray, "R"], Float[np.ndarray, "R 4 4"], Float[np.ndarray, "R"]]:
-    """Overlaps of pairs pose by pose: row of the pair, displacement of its first, depth (m) at most."""
+    """Penetrations of pairs, pose by pose: row of the pair, displacement of its first, depth (m, upper
+    bound)."""
     if not len(first):
         return first, np.zeros((0, 4, 4)), np.zeros(0)
     arms = np.linalg.norm(np.cross(path.axis, bodies.vertices - path.origin), axis=2).max(axis=1)
@@ -229,7 +232,7 @@ def _measure(
 
 
 def _sample_poses(path: Path, way: float) -> Float[np.ndarray, "P 4 4"]:
-    """Displacements along a path on which the farthest point goes ``way`` (m)."""
+    """Displacements along a path on which the farthest point travels ``way`` (m)."""
     share = np.linspace(0.0, 1.0, int(np.clip(np.ceil(way / STEP) + 1, *POSES)))
     return screw_motion(path.axis, path.origin, path.turn * share, path.travel * share)
 
@@ -242,9 +245,9 @@ def _close_poses(
     arms: Float[np.ndarray, "C"],
     count: int,
 ) -> tuple[Int[np.ndarray, "R"], Int[np.ndarray, "R"]]:
-    """Pairs and poses worth measuring: of every run of `RUN` poses at whose middle the bounds nearly meet.
+    """Pairs and poses to test: every run of `RUN` poses whose bounds nearly overlap at its middle pose.
 
-    What meets is no farther from the axis than ``arms`` (m), so it is not far from its place at the middle.
+    Colliding points lie within ``arms`` (m) of the axis, which limits their distance from the middle pose.
     """
     starts = np.arange(0, count, RUN)
     ends = np.minimum(starts + RUN, count) - 1
@@ -262,9 +265,9 @@ def _close_poses(
 def _shared_depth(
     bodies: Bodies, T: Float[np.ndarray, "R 4 4"], first: Int[np.ndarray, "R"], second: Int[np.ndarray, "R"]
 ) -> Float[np.ndarray, "R"]:
-    """How deep (m) the bounds of displaced solids overlap those of others at most, seen from either one.
+    """Penetration (m) of the bounds of displaced solids with those of others, the smaller over both frames.
 
-    For upright boxes that is how deep they overlap unless two edges separate them.
+    For axis-aligned boxes this is the exact depth unless two edges separate them.
     """
     middle, half = (bodies.low + bodies.high) / 2, (bodies.high - bodies.low) / 2
     turn = T[:, :3, :3]
@@ -286,12 +289,12 @@ def _frame_about(axis: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 3"]:
 
 
 def measure_share(bodies: Bodies, path: Path, found: Meetings, rows: Int[np.ndarray, "M"]) -> float:
-    """Share of a moving body's volume that enters another one somewhere on its way, and is outside at first.
+    """Share of a moving body's volume that enters another body along its path and is outside at the start.
 
     Args:
-        bodies: All primitives, where the path begins.
-        path: The way.
-        found: Meetings along the path.
+        bodies: All primitives, at the start of the path.
+        path: The motion.
+        found: Penetrations along the path.
         rows: Those between the two bodies.
     """
     link, other = (bodies.links[ids[rows[0]]] for ids in (found.first, found.second))
@@ -302,7 +305,7 @@ def measure_share(bodies: Bodies, path: Path, found: Meetings, rows: Int[np.ndar
     outside, entered = points[~at_first], np.zeros(int((~at_first).sum()), dtype=bool)
     for obstacle in np.unique(found.second[rows]):
         met = rows[found.second[rows] == obstacle]
-        slid = found.exact[met].any()  # what slides was measured at one place only
+        slid = found.exact[met].any()  # slides are recorded at their deepest pose only
         poses = _sample_poses(path, path.travel) if slid else found.T[met]
         for T in poses[:: max(1, len(poses) // SHARE_POSES)]:
             left = np.flatnonzero(~entered)
@@ -311,7 +314,7 @@ def measure_share(bodies: Bodies, path: Path, found: Meetings, rows: Int[np.ndar
 
 
 def _fill_body(bodies: Bodies, rows: Int[np.ndarray, "M"]) -> Float[np.ndarray, "S 3"]:
-    """Points drawn from the union of primitives, always the same ones."""
+    """Points sampled in the union of primitives; deterministic."""
     low, high = bodies.low[rows].min(axis=0), bodies.high[rows].max(axis=0)
     for count in (SHARE_POINTS, 8 * SHARE_POINTS):
         points = np.random.default_rng(0).uniform(low, high, size=(count, 3))

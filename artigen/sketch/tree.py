@@ -10,10 +10,10 @@ from artigen.shapes.shape import Shape
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Tree:
-    """Parts by index. A rigid body is named by the part that leads it: one that moves, or the root.
+    """Parts by index. A rigid body is identified by its leading part: one that moves, or the root.
 
     Attributes:
-        leaders: For every part the part that leads its rigid body.
+        leaders: For every part the leading part of its rigid body.
         ancestors: For every part the leaders of the bodies that carry its own, nearest first.
     """
 
@@ -21,7 +21,7 @@ class Tree:
     ancestors: tuple[tuple[int, ...], ...]
 
     def carried(self, index: int) -> list[int]:
-        """The leaders of all bodies that move with the one that a part leads, its own included."""
+        """Leaders of all bodies that move with the body of a part, its own included."""
         return [
             leader
             for leader in np.unique(self.leaders).tolist()
@@ -34,7 +34,7 @@ class Tree:
 
 
 def read_tree(shape: Shape) -> Tree:
-    """Welds fixed parts to what carries them, as an exporter does."""
+    """Merges fixed parts with their parents, as an exporter does."""
     rows = {part.name: row for row, part in enumerate(shape.parts)}
     parents = [None if part.parent is None else rows[part.parent] for part in shape.parts]
     leaders = [_lead(shape, parents, row) for row in range(len(parents))]

@@ -1,4 +1,4 @@
-"""What a person asks for (category, words, counts, lengths, a picture), checked and brought together."""
+"""Merges and checks a user's request: category, words, counts, lengths and a picture."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -17,7 +17,7 @@ Value = TypeVar("Value")
 
 @dataclass(frozen=True, kw_only=True)
 class Request:
-    """What is asked for; everything but one of category, text and picture may be left open. Metres."""
+    """A user's request; at least one of category, text and picture is needed. Lengths in metres."""
 
     category: str | None = None
     text: str | None = None
@@ -27,29 +27,29 @@ class Request:
 
 @dataclass(frozen=True, kw_only=True)
 class Understood:
-    """A request in the words of the sketch, and what it says besides."""
+    """A request for the sketch network with further information from its words."""
 
     request: SketchRequest
     stretch: tuple[tuple[str, float], ...] = ()
-    """Factors by which extents that are left open differ from usual ones: a tall cabinet."""
+    """Factors relative to usual sizes for extents that are not given: a tall cabinet."""
     notes: tuple[str, ...] = ()
 
 
 def understand(request: Request, learned: Sequence[str] = CATEGORIES) -> Understood:
-    """Reads the words of a request and joins them with what is asked for otherwise.
+    """Parses the words of a request and merges them with its explicit fields.
 
     Args:
-        request: What a person asks for.
+        request: The user's request.
         learned: Categories that can be drawn.
 
     Raises:
-        ArtigenError: If nothing, an unknown category or twice different things are asked for, or the text
-            cannot be read.
+        ArtigenError: If the request is empty, names an unknown category or contradicts itself, or its text
+            cannot be parsed.
     """
     text = ParsedText() if request.text is None else parse_text(request.text)
     category = _agree("category", request.category, text.category)
     if category is None and request.image is None:
-        raise ArtigenError("no category is asked for: name one, in words if you like, or give a picture")
+        raise ArtigenError("no category is given: name one, describe the object in words, or give a picture")
     if category is not None:
         check_category(category, learned)
     wish = request.wish
@@ -76,7 +76,7 @@ def understand(request: Request, learned: Sequence[str] = CATEGORIES) -> Underst
     )
     open_axes = tuple(
         (axis, factor) for axis, factor in text.stretch if getattr(asked, axis) is None
-    )  # "tall" says nothing where a height is given
+    )  # "tall" is ignored if a height is given
     notes = (f"no meaning was found in: {', '.join(text.unused)}",) if text.unused else ()
     return Understood(request=said, stretch=open_axes, notes=notes)
 
@@ -84,11 +84,11 @@ def understand(request: Request, learned: Sequence[str] = CATEGORIES) -> Underst
 def find_finishes(
     colors: tuple[tuple[PartLabel, str], ...], category: str | None = None
 ) -> tuple[AskedFinish, ...]:
-    """The finishes that colour words ask for; a word for a part goes before that for the whole object.
+    """The finishes that colour words request; a word for a part overrides that for the whole object.
 
     Args:
-        colors: Colour words by what they are said of; ``base`` is the whole object.
-        category: Of the object, if it is known.
+        colors: Colour words by the label they refer to; ``base`` is the whole object.
+        category: Category of the object, if known.
     """
     also = ALSO_OF.get(category or "", ())
     found: dict[str, AskedFinish] = {}
@@ -99,7 +99,7 @@ def find_finishes(
 
 
 def _agree(what: str, first: Value | None, second: Value | None) -> Value | None:
-    """The one that is given, or either if both are the same."""
+    """The value that is given; both must agree if two are given."""
     if first is not None and second is not None and first != second:
-        raise ArtigenError(f"{what}: both {first} and {second} are asked for")
+        raise ArtigenError(f"{what}: both {first} and {second} are given")
     return second if first is None else first

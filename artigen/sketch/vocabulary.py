@@ -1,7 +1,7 @@
-"""The vocabulary of sketches by name, so that the weights of a network stay valid when words are added.
+"""The vocabulary of sketches by name, which keeps network weights valid when words are added.
 
 Every symbol has a name, such as ``object.category=Table``, and so has every slot (``object.category``). A
-model folder records its vocabulary; weights that belong to a symbol or slot are found again by its name.
+model folder records its vocabulary; weights are matched to symbols and slots by name.
 """
 
 from collections.abc import Mapping, Sequence
@@ -27,22 +27,22 @@ WORDS = {
     "label": "labels",
     "type": "joints",
 }
-"""The list of words that the symbols of a field stand for; those of other fields are numbered."""
+"""Lists of words that the symbols of a field stand for; symbols of other fields are numbered."""
 BY_SYMBOL = ("symbols.weight", "biases.weight")
 BY_SLOT = ("unknown.weight", "gates.weight", "slots.weight")
 GUESSED = ("picture.weigh.2.weight", "picture.weigh.2.bias", "picture.guess_token.weight")
-"""Weights whose last rows (of the last one: columns) belong to the categories."""
+"""Weights whose last rows (last columns for the last one) belong to the categories."""
 
 
 class VocabularyError(ArtigenError):
-    """A vocabulary that lost words or fields that a network has learned."""
+    """A vocabulary that lacks words or fields that a network has learned."""
 
 
 def describe_vocabulary() -> dict[str, Any]:
     """The vocabulary of this version as JSON values: lists of words, and the rows.
 
-    A row is its kind and its fields, such as ``part label:9 parent:63``: each with the number of its symbols,
-    0 for a number.
+    A row is its kind and its fields, such as ``part label:9 parent:63``: each field with its number of
+    symbols, 0 for a number.
     """
     fields = {kind: [f"{field.name}:{field.size}" for field in FIELDS[kind]] for kind in ROW_KINDS}
     return {
@@ -75,16 +75,16 @@ def name_symbols(vocabulary: Vocabulary) -> list[str]:
 def carry_weights(
     weights: Mapping[str, Tensor], before: Vocabulary, fresh: Mapping[str, Tensor]
 ) -> dict[str, Tensor]:
-    """The weights of a network of this version's vocabulary, with what another one has learned.
+    """Transfers the weights of a trained network to the vocabulary of this version.
 
     Args:
-        weights: Of the network that was trained, by name.
+        weights: Weights of the trained network, by name.
         before: Its vocabulary.
-        fresh: Of a network of this version; they stay where a word or field is new. Symbols of new fields of
-            known rows begin as zeros: rows read as before.
+        fresh: Initial weights of a network of this version, kept for new words and fields. Symbols of new
+            fields of known rows are set to zero, so that rows embed as before.
 
     Raises:
-        VocabularyError: If a symbol or slot that was learned no longer exists; names it.
+        VocabularyError: If a learned symbol or slot no longer exists; the message names it.
     """
     now = describe_vocabulary()
     tables = [
@@ -105,7 +105,7 @@ def carry_weights(
 def find_new_symbols(before: Vocabulary, categories: Sequence[str]) -> list[int]:
     """Indices of the symbols that a network has not learned: new words, and categories it never drew.
 
-    The first symbol of a new field stays: it says that there is none of what the field is for.
+    The first symbol of a new field is excluded, because it means that the field does not apply.
     """
     known = set(name_symbols(before)) - {f"object.category={name}" for name in before["categories"]}
     known |= {f"object.category={name}" for name in categories}
@@ -115,7 +115,7 @@ def find_new_symbols(before: Vocabulary, categories: Sequence[str]) -> list[int]
 
 
 def _list_added(before: Vocabulary) -> set[str]:
-    """Symbols of the fields that a vocabulary lacks in rows that it has."""
+    """Symbols of new fields in rows that a vocabulary already has."""
     kinds = {kind for kind, _ in _read_rows(before)}
     slots = {slot for slot in name_slots(describe_vocabulary()) if slot.partition(".")[0] in kinds}
     slots -= set(name_slots(before))
@@ -123,7 +123,7 @@ def _list_added(before: Vocabulary) -> set[str]:
 
 
 def _read_rows(vocabulary: Vocabulary) -> list[tuple[str, list[tuple[str, int]]]]:
-    """Kind of every row, and names and sizes of its fields."""
+    """Kind of every row, with names and sizes of its fields."""
     rows = []
     for row in vocabulary["rows"]:
         kind, *fields = row.split()
@@ -133,13 +133,13 @@ def _read_rows(vocabulary: Vocabulary) -> list[tuple[str, list[tuple[str, int]]]
 
 
 def _carry(weight: Tensor, old: Sequence[str], fresh: Tensor, new: Sequence[str], axis: int) -> Tensor:
-    """Moves the entries that belong to names to where these are now; entries before them stay in front.
+    """Moves entries to the positions of their names in the new vocabulary; entries before them stay in front.
 
-    Weights of another width are left as they are: loading them says what does not fit.
+    Weights of another width are returned unchanged; loading them reports the mismatch.
     """
     if lost := set(old) - set(new):
         raise VocabularyError(
-            f"a network of a vocabulary with {', '.join(sorted(lost))}, which this version lacks: words and "
+            f"the network's vocabulary has {', '.join(sorted(lost))}, which this version lacks: words and "
             "fields can be added, not removed"
         )
     ahead = fresh.shape[axis] - len(new)

@@ -1,6 +1,6 @@
-"""The words of headers: categories and styles, known to weights by name.
+"""The words of headers, categories and styles, which weights refer to by name.
 
-Words may be added anywhere, but not taken out.
+Words may be added anywhere but not removed.
 """
 
 CATEGORIES = (
@@ -9,7 +9,7 @@ CATEGORIES = (
     "FilingCabinet", "Laptop", "Mailbox", "Pot", "Printer", "Suitcase", "Switch", "Toaster", "Toilet",
     "ToolBox", "TrashCan", "Wardrobe", "Window",
 )  # fmt: skip
-"""Those of the grammar."""
+"""Categories of the grammar."""
 STYLES = (
     "flat", "shaker", "framed_glass", "handleless", "classic", "industrial", "country", "louvre",
     "steel", "white", "black", "retro", "kitchen", "service", "tool", "dial", "handwheel", "keypad",
@@ -21,6 +21,6 @@ STYLES = (
     "buttons", "wall_hung", "close_coupled", "skirted", "metal", "rolling", "flap", "pedal", "wheeled",
     "flip", "sorting", "mirrored", "sliding", "casement", "sash",
 )  # fmt: skip
-"""Those of all categories."""
+"""Styles of all categories."""
 OTHER_STYLE = STYLES.index("other")
-"""Stands for styles that have no word."""
+"""Placeholder for styles without a word."""

@@ -1,4 +1,4 @@
-"""Compares an engine's answer with the package: checks V501 to V506."""
+"""Compares an engine's measurements with the package: checks V501 to V506."""
 
 from collections.abc import Callable
 
@@ -17,15 +17,16 @@ TITLES = {
     "V506": "friction",
 }
 NUMBER_TOLERANCE = 1e-4
-"""Relative; engines compute in single precision."""
+"""Relative tolerance; engines compute in single precision."""
 REST_DRIFT = 0.01
-"""Of its range, by which a joint may move at rest; at least `REST_LENGTH` (m) or `LIMIT_ANGLE` (rad)."""
+"""Largest motion of a joint at rest, as a share of its range; at least `REST_LENGTH` (m) or `LIMIT_ANGLE`
+(rad)."""
 REST_LENGTH = 2e-4
-"""Gravity moves a sliding joint by as much in one time step, before its limit pushes back."""
+"""Motion (m) of a sliding joint under gravity in one time step, before its limit pushes back."""
 HELD = 0.2
-"""Of the motion expected above its friction, that a joint may make below it."""
+"""Largest motion below the friction, as a share of the motion expected above it."""
 SLIPPED = 0.5
-"""Of that motion, that it must make above its friction."""
+"""Smallest motion above the friction, as a share of the expected motion."""
 
 
 def judge(engine: str, plan: EnginePlan, answer: dict) -> tuple[CheckResult, ...]:
@@ -42,8 +43,8 @@ def judge(engine: str, plan: EnginePlan, answer: dict) -> tuple[CheckResult, ...
 
 
 def check_loads(engine: str, plan: EnginePlan, answer: dict) -> CheckResult:
-    """V501: every link, joint, limit and collision shape of the package is in the engine, and friction
-    and damping where it says what it has; numbers agree within 1e-4."""
+    """V501: every link, joint, limit and collision shape of the package exists in the engine, and so do
+    friction and damping if it reports them; numbers agree within 1e-4."""
     problems = [*_link_problems(plan, answer), *_joint_problems(plan, answer)]
     lost = "".join(f"; {why}" for why in answer["lost"].values())
     where, message = "", f"{len(plan.links)} links and {len(plan.joints)} joints in {answer['version']}{lost}"
@@ -91,12 +92,13 @@ def _joint_problems(plan: EnginePlan, answer: dict) -> list[tuple[str, str]]:
             value is not None and _close(value, end) for value, end in zip(given, thread, strict=False)
         )
         if not limited and given != (None, None) and not (thread and locked):
-            problems.append((joint.name, f"{joint.name} turns for ever, but not in the engine"))
+            problems.append((joint.name, f"{joint.name} has no limits, but the engine gives it some"))
     return problems
 
 
 def _thread_ends(plan: EnginePlan, joint: JointTask) -> tuple[float, ...]:
-    """Where the follower of an endless joint (a screw) stops it, lower and upper; empty without one."""
+    """Coordinates at which the follower of an endless joint (a screw) stops it, lower and upper; empty
+    without one."""
     for other in plan.joints:
         if other.mimic == joint.name and other.multiplier:
             return (other.lower / other.multiplier, other.upper / other.multiplier)
@@ -108,7 +110,7 @@ def _close(value: float, wanted: float) -> bool:
 
 
 def check_masses(engine: str, plan: EnginePlan, answer: dict) -> CheckResult:
-    """V502: every link has the mass that the URDF says, within 1e-4; a root without one is left out."""
+    """V502: every link has the mass given in the URDF, within 1e-4; a root without mass is skipped."""
     worst, where, count = 0.0, "", 0
     for link in plan.links:
         found = answer["links"].get(link.name, {}).get("mass")
@@ -128,7 +130,7 @@ def check_masses(engine: str, plan: EnginePlan, answer: dict) -> CheckResult:
 
 
 def check_finite(engine: str, plan: EnginePlan, answer: dict) -> CheckResult:
-    """V503: all steps under gravity leave every coordinate finite."""
+    """V503: all coordinates stay finite over all steps under gravity."""
     steps = answer["rest"]["steps"]
     return make_check(
         "V503", engine, _verdict(steps >= plan.steps), f"finite for {steps} of {plan.steps} steps",
@@ -137,8 +139,8 @@ def check_finite(engine: str, plan: EnginePlan, answer: dict) -> CheckResult:
 
 
 def check_rest(engine: str, plan: EnginePlan, answer: dict) -> CheckResult:
-    """V504: meanwhile no joint gets away from where it was by more than 1 % of its range (0.2 mm or 0.5
-    degrees where that is more)."""
+    """V504: under gravity no joint moves by more than 1 % of its range (0.2 mm or 0.5 degrees if that is
+    more)."""
     drift = answer["rest"]["drift"]
     shares = {
         joint.name: drift[joint.name] / _stillness(joint) for joint in plan.joints if joint.name in drift
@@ -153,14 +155,14 @@ def check_rest(engine: str, plan: EnginePlan, answer: dict) -> CheckResult:
 
 
 def _stillness(joint: JointTask) -> float:
-    """How far (m or rad) a joint may move at rest."""
+    """Largest allowed motion (m or rad) of a joint at rest."""
     return max(REST_DRIFT * _span(joint), REST_LENGTH if joint.type == "prismatic" else LIMIT_ANGLE)
 
 
 def check_range(engine: str, plan: EnginePlan, answer: dict) -> CheckResult:
-    """V505: pushed open and closed again, weight off, every joint arrives at both ends within 1 % of its
-    range (0.1 mm, 0.5 degrees where that is more) and stays there under the push; what follows a joint
-    follows it as closely."""
+    """V505: pushed open and closed again without gravity, every joint reaches both ends within 1 % of its
+    range (0.1 mm, 0.5 degrees if that is more) and stays there under the push; followers follow within the
+    same tolerance."""
     tolerances = {joint.name: joint.tolerance for joint in plan.joints}
     gaps: dict[str, float] = {}
     for name, found in answer["range"].items():
@@ -172,7 +174,7 @@ def check_range(engine: str, plan: EnginePlan, answer: dict) -> CheckResult:
     where = _worst({name: gap / tolerances[name] for name, gap in gaps.items()})
     message = f"{where} stays farthest from an end of its range"
     if "mimic" in answer["lost"]:
-        message += "; what follows a joint was not judged"
+        message += "; followers were not tested"
     joint = next(joint for joint in plan.joints if joint.name == where)
     return make_check(
         "V505", engine, _verdict(gaps[where] <= joint.tolerance), message,
@@ -182,9 +184,9 @@ def check_range(engine: str, plan: EnginePlan, answer: dict) -> CheckResult:
 
 
 def check_friction(engine: str, plan: EnginePlan, answer: dict) -> CheckResult:
-    """V506: in the middle of its range, weight off, 0.9 times its friction moves a joint by less than a
-    fifth of what 1.1 times must move it against exact friction and damping, and 1.1 times by at least
-    half of that."""
+    """V506: in the middle of its range without gravity, 0.9 times its friction moves a joint by less than a
+    fifth of the motion expected from 1.1 times with exact friction and damping, and 1.1 times moves it by at
+    least half of that."""
     trials = answer["friction"]
     if not trials:
         return make_check("V506", engine, "not_applicable", "no joint has friction")
@@ -211,7 +213,7 @@ def make_check(
     check: str, engine: str, verdict: Verdict, message: str, *, value: float | None = None,
     threshold: float | None = None, unit: str = "", where: str = "",
 ) -> CheckResult:  # fmt: skip
-    """A result whose id names the engine too."""
+    """A result whose id includes the engine."""
     return CheckResult(
         id=f"{check}-{engine}",
         level="L5",
@@ -234,7 +236,7 @@ def _span(joint: JointTask) -> float:
 
 
 def _badness(value: float) -> float:
-    """Larger is worse, and NaN the worst."""
+    """Sort key: larger is worse, and NaN is the worst."""
     return value if np.isfinite(value) else float("inf")
 
 

@@ -1,7 +1,7 @@
-"""What an engine is asked to do with a package, as plain JSON.
+"""Trials of a package for an engine, as plain JSON.
 
-Runners know nothing of this project: everything that they need, efforts and durations included, is
-computed here from the package and written down once for all engines.
+Runners do not depend on this project. Everything they need, including efforts and durations, is computed here
+from the package and written once for all engines.
 """
 
 from dataclasses import asdict, dataclass, replace
@@ -16,30 +16,31 @@ from sim_export.physics.inertia import combine, inertia_about
 
 TIMESTEP = 1.0 / 240.0
 STEPS = 2000
-"""At rest, under gravity."""
+"""Number of steps at rest, under gravity."""
 DRIVE_SECONDS = 4.0
-"""Most that a joint is pushed one way."""
+"""Largest duration (seconds) of a push in one direction."""
 TRAVEL_SECONDS = 1.0
-"""In which a joint may cross its range while it is pushed."""
+"""Duration (seconds) in which a pushed joint may cross its range."""
 PUSH_RATIO = 1.5
-"""Of its friction, in the effort that pushes a joint."""
+"""Multiple of the friction in the effort of a push."""
 HOLD, SLIP = 0.9, 1.1
-"""Of its friction: must not move a joint, must move it."""
+"""Efforts relative to the friction that must not and must move a joint."""
 TRIAL_SECONDS = 1.0
-"""Longest friction trial."""
+"""Largest duration (seconds) of a friction trial."""
 TRIAL_SHARE = 0.25
-"""Of its range, after which a joint's friction trial ends."""
+"""Share of the range after which a friction trial ends."""
 LIMIT_SHARE = 0.01
-"""Of its range, by which a joint may miss an end; at least `LIMIT_LENGTH` (m) or `LIMIT_ANGLE` (rad)."""
+"""Largest distance from an end of the range, as a share of the range; at least `LIMIT_LENGTH` (m) or
+`LIMIT_ANGLE` (rad)."""
 LIMIT_LENGTH = 1e-4
 LIMIT_ANGLE = float(np.radians(0.5))
 
 
 @dataclass(frozen=True, kw_only=True)
 class FrictionTrial:
-    """From ``start``, weight off: ``held`` (N or N m) must not move the joint, ``slipped`` must.
+    """Trial from ``start`` without gravity: ``held`` (N or N m) must not move the joint, ``slipped`` must.
 
-    ``expected`` is how far ``slipped`` gets in ``seconds`` against exact friction and damping.
+    ``expected`` is the motion under ``slipped`` in ``seconds`` with exact friction and damping.
     """
 
     start: float
@@ -51,11 +52,11 @@ class FrictionTrial:
 
 @dataclass(frozen=True, kw_only=True)
 class JointTask:
-    """A joint as the URDF says it, and how it is tried.
+    """A joint of the URDF, and its trial.
 
-    ``open`` are the coordinates of joints that stand open meanwhile; ``effort`` pushes it through its
-    range while it is slower than ``speed``; ``tolerance`` is how near to an end counts as there. A
-    joint without limits has a range of one turn. A follower (``mimic``) is not tried by itself.
+    ``open`` are the coordinates of joints that are open during the trial; ``effort`` pushes the joint through
+    its range while it is slower than ``speed``; ``tolerance`` is the distance from an end that counts as
+    reached. A joint without limits has a range of one turn. A follower (``mimic``) is not tested by itself.
     """
 
     name: str
@@ -76,7 +77,7 @@ class JointTask:
 
 @dataclass(frozen=True, kw_only=True)
 class LinkTask:
-    """A link as the URDF says it; ``None`` where no mass is stated."""
+    """A link of the URDF; ``None`` if it has no mass."""
 
     name: str
     mass: float | None
@@ -85,7 +86,7 @@ class LinkTask:
 
 @dataclass(frozen=True, kw_only=True)
 class EnginePlan:
-    """One package, one plan, for all engines. ``root`` is the link that is bolted to the world."""
+    """One plan for a package and all engines. ``root`` is the link that is fixed to the world."""
 
     folder: str
     timestep: float
@@ -146,12 +147,13 @@ def _task(package: SimPackage, joint: PackageJoint) -> JointTask:
 
 
 def ends(joint: PackageJoint) -> tuple[float, float]:
-    """Limits of a joint; one turn from 0 where there are none."""
+    """Limits of a joint; 0 and one turn without limits."""
     return (0.0, 2.0 * np.pi) if joint.type == "continuous" else (joint.lower, joint.upper)
 
 
 def open_coordinates(package: SimPackage, joint: PackageJoint) -> dict[str, float]:
-    """Coordinates of the joints that must be open before ``joint`` moves; needs of no joint are left out."""
+    """Coordinates of the joints that must be open before ``joint`` moves; requirements of unknown joints are
+    ignored."""
     joints = []
     for other in package.joints:
         lower, upper = ends(other)
@@ -173,7 +175,8 @@ def moved_load(package: SimPackage, joint: PackageJoint) -> float:
 
 
 def _trial(joint: PackageJoint, load: float) -> FrictionTrial | None:
-    """The middle of the range, and as long as it takes to cross a part of it; at most a second."""
+    """A trial in the middle of the range, for the time in which the joint crosses `TRIAL_SHARE`, at most a
+    second."""
     if joint.friction <= 0.0 or load <= 0.0 or joint.mimic is not None:
         return None
     lower, upper = ends(joint)
@@ -192,7 +195,7 @@ def _trial(joint: PackageJoint, load: float) -> FrictionTrial | None:
 
 
 def travelled(net: float, load: float, damping: float, times: np.ndarray) -> np.ndarray:
-    """How far a net effort moves a load against damping, from rest: m x'' + d x' = f."""
+    """Distance that a net effort moves a load against damping, from rest: m x'' + d x' = f."""
     if damping * times[-1] < 1e-6 * load:
         return 0.5 * net / load * times**2
     slowing = load / damping

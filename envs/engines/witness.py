@@ -1,4 +1,4 @@
-"""Runs trials in other engines, each in its own process, in whatever environment has it."""
+"""Runs trials in other engines, each in its own process and in any Python environment that has it."""
 
 import json
 import os
@@ -24,7 +24,7 @@ FILES = {"urdf": "mobility.urdf", "mjcf": "mobility.mjcf.xml"}
 
 @dataclass(frozen=True, kw_only=True)
 class Witness:
-    """How an engine is asked: the runner, the file of the package that it reads, and what to install."""
+    """An engine: its runner, the file of the package that it reads, and the package to install."""
 
     runner: str
     file: Literal["urdf", "mjcf"]
@@ -42,12 +42,12 @@ WITNESSES = {
 
 
 def ask_engines(folder: Path, engines: tuple[EngineChoice, ...], timeout: float) -> tuple[CheckResult, ...]:
-    """Checks V501 to V506 of every engine; one that is missing is skipped with a sentence.
+    """Checks V501 to V506 of every engine; a missing engine is skipped with a message.
 
     Args:
-        folder: a package.
-        engines: whom to ask; names as in `WITNESSES`.
-        timeout: seconds that each may take.
+        folder: A package.
+        engines: Engines, named as in `WITNESSES`.
+        timeout: Time limit (seconds) of each.
     """
     from sim_export.files.read import read_package
 
@@ -59,7 +59,7 @@ def ask_engines(folder: Path, engines: tuple[EngineChoice, ...], timeout: float)
 
 
 def not_asked(engines: tuple[EngineChoice, ...], reason: str) -> tuple[CheckResult, ...]:
-    """All checks of all engines as failures for one reason."""
+    """All checks of all engines as failures with one reason."""
     return tuple(check for engine in engines for check in _failed(engine.name, reason))
 
 
@@ -82,14 +82,14 @@ def _ask(plan: EnginePlan, engine: EngineChoice, timeout: float) -> tuple[CheckR
 def run_engine(
     plan: EnginePlan, engine: EngineChoice, timeout: float, extra: dict[str, object] | None = None
 ) -> dict:
-    """The engine's answer to a plan; ``missing`` or ``error`` where there is none.
+    """The engine's measurements for a plan; ``missing`` or ``error`` if there are none.
 
-    ``extra`` adds to the plan: ``as_loaded`` leaves out what runners restore after loading, ``bisect``
-    also measures at which effort each joint gives way.
+    ``extra`` adds to the plan: ``as_loaded`` skips what runners restore after loading, ``bisect`` also
+    measures the effort at which each joint starts to move.
     """
     witness = WITNESSES[engine.name]
     asked = plan.as_json() | {"file": witness.file} | (extra or {})
-    # Runners see their own environment only; SAPIEN's is this one, and needs this project.
+    # Runners import from their own environment only; SAPIEN's is this one and also needs this project.
     environment = dict(os.environ)
     if engine.name == "sapien":
         paths = [str(PROJECT), *filter(None, [environment.get("PYTHONPATH")])]
@@ -110,7 +110,7 @@ def run_engine(
     try:
         return json.loads(done.stdout)
     except json.JSONDecodeError:
-        last = done.stderr.strip().splitlines()[-1:] or ["nothing was said"]
+        last = done.stderr.strip().splitlines()[-1:] or ["no output"]
         return {"error": f"the process ended with {_code(done.returncode)}: {last[0]}"}
 
 

@@ -1,5 +1,5 @@
-"""ManiSkill on packages: tasks for any folder of them, ManiSkill's own cabinet tasks, populated rooms.
+"""Packages in ManiSkill: tasks for any folder of packages, ManiSkill's own cabinet tasks, furnished rooms.
 
-Importing this registers the tasks by way of `envs.registration`; ManiSkill itself is imported when one
-is made.
+Importing this registers the tasks through `envs.registration`; ManiSkill itself is imported when a task is
+created.
 """

@@ -1,7 +1,7 @@
-"""Checks L4: a package at work in ManiSkill tasks (V401 opening, V402 the stock task, V404 a cube inside).
+"""Checks L4: a package in ManiSkill tasks (V401 opening, V402 the stock task, V404 a cube inside).
 
-The robot is a Panda and the solver a plain one, so V401 asks for one part that it can open, and names the
-others: a handle out of its reach is no fault of the object.
+The robot is a Panda with a simple scripted solver. V401 therefore requires one part that it can open and
+lists the others: a handle out of its reach is no fault of the object.
 """
 
 from collections.abc import Callable
@@ -134,7 +134,7 @@ def _check_inside(folder: Path, entry: TaskObject) -> CheckResult:
 
 
 def _stays(folder: Path, part: TaskPart) -> bool:
-    """Whether a cube that is let go above the aim lies still inside after a second and a half."""
+    """Whether a cube released above the aim lies still inside after a second and a half."""
     env = gym.make(
         "ArtiGen-PutInside-v1", packages=str(folder), joint=part.joint.name, initial_open=OPENED, **CPU
     )

@@ -1,6 +1,6 @@
-"""Room for an object: inside of an open drawer, or a floor of the compartment behind an open door.
+"""Free space for an object: inside an open drawer, or on a floor of the compartment behind an open door.
 
-Found in the collision hulls, column by column: what a physics engine will let an object rest on.
+Found in the collision hulls, column by column, so that it agrees with the physics engine.
 """
 
 import functools
@@ -19,25 +19,25 @@ from .placement import outward, part_motion
 
 CELL = 0.01
 LEVEL = 0.004
-"""How much a floor may rise or fall, metres."""
+"""Largest height variation of a floor, metres."""
 DEPTH_OF_REACH = 0.30
-"""How far behind the front a compartment's floor is used, metres."""
+"""Depth behind the front to which a compartment's floor is used, metres."""
 HEADROOM = 0.16
 """Free height that a gripper needs above a compartment's floor, metres."""
 LEAST_OPEN = 0.7
-"""How much of what was asked for a part has to open before it meets the ground."""
+"""Smallest share of the requested opening that a part must reach before it meets the ground."""
 RIM = 0.025
-"""Least depth of a drawer's tray, metres."""
+"""Smallest depth of a drawer's tray, metres."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Container:
-    """Where a cube may come to rest.
+    """Space in which a cube may come to rest.
 
     ``region`` is a box [low, high] in the object frame at rest, its lower face the floor; it moves with
-    ``link``. ``aim`` is the middle of what can be reached of the floor with the part open, in the same
-    frame; ``inwards`` is the horizontal direction into the room, and ``down`` says that a hand comes from
-    above, into a drawer.
+    ``link``. ``aim`` is the middle of the reachable part of the floor with the part open, in the same frame;
+    ``inwards`` is the horizontal direction into the space, and ``down`` is true if a hand enters from above,
+    into a drawer.
     """
 
     link: str
@@ -49,16 +49,16 @@ class Container:
 
 @functools.lru_cache(maxsize=1024)
 def find_container(entry: TaskObject, part: TaskPart, opened: float, size: float) -> Container | None:
-    """The room in a drawer, or behind a door, that a cube of edge ``size`` (m) fits into with some to spare.
+    """Space in a drawer, or behind a door, for a cube of edge ``size`` (m) with some clearance.
 
     Args:
-        entry: the object.
-        part: its drawer or door.
-        opened: the fraction of its range at which the part stands.
-        size: the cube's edge.
+        entry: The object.
+        part: Its drawer or door.
+        opened: Fraction of its range at which the part stands.
+        size: Edge of the cube.
 
     Returns:
-        ``None`` where there is no such room: a drawer front without a tray, a compartment full of shelves.
+        ``None`` if there is no such space: a drawer front without a tray, a compartment full of shelves.
     """
     if part.joint.type == "prismatic" and part.kind == "drawer":
         return _in_drawer(entry, part, opened, size)
@@ -66,8 +66,8 @@ def find_container(entry: TaskObject, part: TaskPart, opened: float, size: float
 
 
 def room_when_open(entry: TaskObject, part: TaskPart, wanted: float, size: float) -> Container | None:
-    """The room with the part open as far as ``wanted``, or as far as it gets before it meets the ground; none
-    if that is much less."""
+    """Space with the part open to ``wanted``, or as far as it opens before it meets the ground; None if that
+    is much less."""
     opened = open_above_ground(entry, part, wanted)
     return None if opened < LEAST_OPEN * wanted else find_container(entry, part, opened, size)
 
@@ -75,7 +75,7 @@ def room_when_open(entry: TaskObject, part: TaskPart, wanted: float, size: float
 def column_spans(
     hulls: tuple[Hull, ...], xy: Float[np.ndarray, "M 2"]
 ) -> tuple[Float[np.ndarray, "H M"], Float[np.ndarray, "H M"]]:
-    """Where vertical lines enter and leave each hull: lowest and highest z, +inf and -inf for a miss."""
+    """Lowest and highest z of vertical lines in each hull; +inf and -inf for a miss."""
     low, high = np.full((len(hulls), len(xy)), np.inf), np.full((len(hulls), len(xy)), -np.inf)
     for index, hull in enumerate(hulls):
         a, b, c = (hull.vertices[hull.faces[:, k]] for k in range(3))
@@ -116,7 +116,7 @@ def _in_drawer(entry: TaskObject, part: TaskPart, opened: float, size: float) ->
     xs, ys, xy = _grid(part.moved.min(axis=0), part.moved.max(axis=0))
     top = column_spans(hulls, xy)[1].max(axis=0, initial=-np.inf)
     solid = np.isfinite(top)
-    # The rim is the tray's, not the front's: half of the walls reach it.
+    # The rim is that of the tray, not of the front: half of the walls reach it.
     levels = np.round(top[solid] / LEVEL).astype(int)
     if not len(levels):
         return None
@@ -173,7 +173,7 @@ def _fit(
     link: str, xs: np.ndarray, ys: np.ndarray, flat: np.ndarray, reachable: np.ndarray, floor: float,
     top: float, size: float, inwards: np.ndarray, *, down: bool,
 ) -> Container | None:  # fmt: skip
-    """The largest flat rectangle as a region, and the middle of what is reachable of it."""
+    """The largest flat rectangle as a region, and the middle of its reachable part."""
     shape = (len(xs), len(ys))
     x0, x1, y0, y1 = largest_rectangle(flat.reshape(shape))
     a0, a1, b0, b1 = largest_rectangle(reachable.reshape(shape))

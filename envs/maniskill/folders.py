@@ -12,14 +12,14 @@ REPORT_FILE = "validation.json"
 
 
 class TaskError(ArtigenError):
-    """A task cannot be built from these packages: names what was found and what was needed."""
+    """A task cannot be built from these packages; the message states what was found and what is needed."""
 
 
 def find_packages(packages: str | Path | Sequence[str | Path]) -> tuple[Path, ...]:
-    """Package folders out of folders that are packages or hold some at any depth, or a list of these.
+    """Package folders among the given folders or at any depth below them.
 
     Raises:
-        TaskError: if one of them holds no package.
+        TaskError: If a folder contains no package.
     """
     given = [packages] if isinstance(packages, str | Path) else list(packages)
     if not given:
@@ -31,7 +31,7 @@ def find_packages(packages: str | Path | Sequence[str | Path]) -> tuple[Path, ..
 
 
 def demand_validation(folders: Sequence[Path]) -> None:
-    """Raises `TaskError` unless every package holds a ``validation.json`` that says it passed."""
+    """Raises `TaskError` unless every package has a ``validation.json`` with a passed report."""
     missing = [folder for folder in folders if not (folder / REPORT_FILE).is_file()]
     if missing:
         raise TaskError(

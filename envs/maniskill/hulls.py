@@ -17,19 +17,18 @@ from .placement import part_motion
 CLEAR_OF_GROUND = 0.001
 FRACTIONS = 41
 GROUND = 0.02
-"""Thickness of the slab that stands for the ground, metres."""
+"""Thickness of the slab that represents the ground, metres."""
 
 
 def hulls_at(
     entry: TaskObject, part: TaskPart, qpos: Mapping[str, float]
 ) -> tuple[tuple[Hull, ...], tuple[Hull, ...]]:
-    """Every hull in the object frame: those that the part carries along, and all others.
+    """All hulls in the object frame: those that move with the part, and the others.
 
     Args:
-        entry: the object.
-        part: one of its parts.
-        qpos: joint coordinates by name, m or rad; joints that are not named are at 0, and those that follow
-            others are where these lead them.
+        entry: The object.
+        part: One of its parts.
+        qpos: Joint coordinates by name, m or rad; joints that are not named are at 0, and followers follow.
     """
     links = entry.package.links
     driven = {joint.name for joint in driven_joints(entry.package.joints)}
@@ -46,15 +45,15 @@ def hulls_at(
 
 
 def opened_qpos(entry: TaskObject, part: TaskPart, opened: float) -> dict[str, float]:
-    """Joint coordinates with the part at a fraction of its range, what it needs open wide open, and all else
-    closed."""
+    """Joint coordinates with the part at a fraction of its range, its required joints fully open, and all
+    others closed."""
     out = {joint.name: joint.upper for joint in entry.package.joints if joint.name in part.needs}
     return out | {part.joint.name: part.joint.lower + opened * part.span}
 
 
 def open_above_ground(entry: TaskObject, part: TaskPart, wanted: float) -> float:
-    """How far the part may stand open, ``wanted`` at most, without reaching below the object's lowest point:
-    the handle of a leaf that folds down may."""
+    """Largest opening of the part, at most ``wanted``, at which it stays above the object's lowest point; the
+    handle of a leaf that folds down may reach below it."""
     fractions = np.linspace(0.0, wanted, FRACTIONS)
     heights = transform_points(part_motion(part, fractions), part.moved[None])[..., 2].min(axis=1)
     below = np.flatnonzero(heights < min(entry.floor, float(heights[0])) - CLEAR_OF_GROUND)
@@ -62,7 +61,7 @@ def open_above_ground(entry: TaskObject, part: TaskPart, wanted: float) -> float
 
 
 def ground_under(entry: TaskObject, hulls: Sequence[Hull]) -> Hull:
-    """A slab of the ground that an object stands on, below its hulls, in the object frame."""
+    """A slab of ground below an object's hulls, in the object frame."""
     corners = np.concatenate([hull.vertices for hull in hulls])
     low, high = corners.min(axis=0), corners.max(axis=0)
     low[2], high[2] = entry.floor - GROUND, entry.floor
@@ -76,5 +75,5 @@ def plinth_under(entry: TaskObject) -> Hull:
 
 
 def move_hull(hull: Hull, T: Float[np.ndarray, "4 4"]) -> Hull:
-    """A hull after a rigid motion."""
+    """Applies a rigid motion to a hull."""
     return Hull(vertices=transform_points(T, hull.vertices), faces=hull.faces)

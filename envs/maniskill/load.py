@@ -1,6 +1,7 @@
-"""A package in a ManiSkill scene: friction and damping in SI units, no visuals where nothing can draw.
+"""Loads a package into a ManiSkill scene: friction and damping in SI units, no visuals without a render
+device.
 
-Screws are held at rest: SAPIEN couples their two joints by a tendon that gains energy, and no task here
+Screws are fixed at rest: SAPIEN couples their two joints by a tendon that gains energy, and no task here
 turns one.
 """
 
@@ -35,7 +36,7 @@ SURFACE = {"static_friction": 1.0, "dynamic_friction": 1.0, "restitution": 0.0}
 
 
 class LoadError(ArtigenError):
-    """The engine lost something of a package: names the link and what is missing."""
+    """The engine lost part of a package; the message names the link and what is missing."""
 
 
 def load_object(
@@ -46,20 +47,20 @@ def load_object(
     *,
     endless: Literal["turn", "hold"] = "turn",
 ) -> tuple["Articulation", dict[str, Float[np.ndarray, "4 4"]]]:
-    """Builds an object at the origin, on the floor, bolted to the world, in one of the parallel scenes.
+    """Builds an object at the origin, on the floor, fixed to the world, in one of the parallel scenes.
 
     Args:
-        scene: ManiSkill's scene; visuals are built only if it can render.
-        entry: the object.
-        name: unique in the scene.
-        scene_index: which parallel scene.
-        endless: whether wheels and other joints without limits turn or are held at rest.
+        scene: ManiSkill scene; visuals are built only if it can render.
+        entry: The object.
+        name: Unique name in the scene.
+        scene_index: Index of the parallel scene.
+        endless: Whether wheels and other joints without limits turn or are fixed at rest.
 
     Returns:
         The articulation, and ``T_object_link`` at rest of every link by name.
 
     Raises:
-        LoadError: if a collision shape was lost on the way.
+        LoadError: If a collision shape was lost.
     """
     builder = _parse(scene, entry.folder)
     _hold(builder, entry.package, endless=endless)
@@ -71,15 +72,15 @@ def load_object(
 def load_placed(
     scene: "ManiSkillScene", folder: Path, package: SimPackage, name: str, scene_index: int, pose: Pose
 ) -> "Articulation":
-    """Builds a package bolted where ``pose`` says, all joints at 0; else as `load_object`."""
+    """Builds a package fixed at ``pose``, all joints at 0; otherwise as `load_object`."""
     builder = _parse(scene, folder)
     _hold(builder, package, endless="turn")
     return _build(builder, folder, package, name, scene_index, pose)
 
 
 def without_visuals(agent: "type[BaseAgent]", scratch: Path) -> "type[BaseAgent]":
-    """The same robot with nothing to draw, for a scene that cannot: SAPIEN would look for a render device
-    as soon as it reads a material. ``scratch`` must live until the robot is built."""
+    """The same robot without visuals, for a scene that cannot render: SAPIEN would look for a render device
+    as soon as it reads a material. ``scratch`` must exist until the robot is built."""
     urdf = Path(str(agent.urdf_path))
     stripped = scratch / urdf.name
     stripped.write_text(physics_urdf(urdf))
@@ -89,7 +90,7 @@ def without_visuals(agent: "type[BaseAgent]", scratch: Path) -> "type[BaseAgent]
 
 
 def _parse(scene: "ManiSkillScene", folder: Path) -> "ArticulationBuilder":
-    """The builder of a package's articulation, root fixed."""
+    """The builder of a package's articulation, with a fixed root."""
     loader = scene.create_urdf_loader()
     loader.fix_root_link = True
     loader.load_multiple_collisions_from_file = True
@@ -104,7 +105,7 @@ def _parse(scene: "ManiSkillScene", folder: Path) -> "ArticulationBuilder":
 
 
 def _hold(builder: "ArticulationBuilder", package: SimPackage, *, endless: str) -> None:
-    """Turns the joints of screws, and endless ones if asked, into fixed ones at rest."""
+    """Replaces the joints of screws, and endless ones if requested, with fixed ones at rest."""
     held = {joint.name for joint in package.joints if joint.kind == "screw"}
     if endless == "hold":
         held |= {joint.name for joint in package.joints if joint.type == "continuous"}
@@ -131,7 +132,7 @@ def _build(
 
 
 def _apply_resistance(articulation: "Articulation", package: SimPackage, prefix: str) -> None:
-    """The package's friction (N, N m), damping and top speed on every joint that states either."""
+    """Sets the package's friction (N, N m), damping and maximum speed on every joint that states either."""
     specs = {joint.name: joint for joint in package.joints}
     for engine in articulation._objs:
         for joint in engine.active_joints:
@@ -148,9 +149,9 @@ def _apply_resistance(articulation: "Articulation", package: SimPackage, prefix:
 
 
 def play_mechanisms(articulation: "Articulation", package: SimPackage) -> None:
-    """Lets followers follow and springs pull; to be called before every physics step.
+    """Updates followers and applies springs; call it before every physics step.
 
-    On the GPU followers follow, and springs are left out.
+    On the GPU springs are skipped.
     """
     joints = {joint.name: index for index, joint in enumerate(articulation.active_joints)}
     pairs = [spec for spec in package.joints if spec.mimic in joints and spec.name in joints]
@@ -170,7 +171,7 @@ def play_mechanisms(articulation: "Articulation", package: SimPackage) -> None:
 
 
 def _link_frames(builder: "ArticulationBuilder") -> dict[str, Float[np.ndarray, "4 4"]]:
-    """``T_object_link`` at rest of every link, by name, from the builder of an articulation."""
+    """``T_object_link`` at rest of every link, by name, from an articulation builder."""
     frames: dict[str, np.ndarray] = {}
     for link in builder.link_builders:
         parent = np.eye(4) if link.parent is None else frames[link.parent.name]

@@ -1,7 +1,7 @@
-"""Parts of a package that a task may use, and where to grasp them, found without a simulator.
+"""Usable parts of a package and their grasp points, found without a simulator.
 
-A part is usable if one joint moves it and nothing else follows. Everything else that moves is left out by
-name, with the reason, instead of turning into a NaN later.
+A part is usable if one joint moves it and nothing follows it. All other moving parts are listed by name with
+the reason, instead of causing a NaN later.
 """
 
 import functools
@@ -25,27 +25,29 @@ PartKind = Literal["drawer", "door", "handle", "knob", "tray", "shelf", "any"]
 Validation = Literal["passed", "any"]
 HandleNeed = Literal["required", "optional"]
 HANDLE_SLACK = 0.005
-"""How far hulls of a handle may reach out of its box, metres."""
+"""Distance by which hulls of a handle may extend beyond its box, metres."""
 QUARTER = float(np.pi / 2.0)
-"""How far something without limits is turned, rad."""
+"""Rotation of joints without limits in tasks, rad."""
 HOLLOW = 0.015
-"""A handle whose middle is farther than this (m) from its hulls is taken at its end: a suitcase's rods."""
+"""Distance (m) of a handle's middle from its hulls beyond which the handle is grasped at its end: a
+suitcase's rods."""
 LOW, PLINTH = 0.75, 0.5
-"""Objects lower than the first stand on a plinth as high as the second, metres: an arm needs room below."""
+"""Height below which objects stand on a plinth, and height of the plinth, metres: an arm needs room below."""
 LATCH_LABELS = ("knob", "handle")
-"""What a leaf needs moved first and carries such a label is its latch: the robot works it."""
+"""Labels of latches: a part with such a label that a leaf requires to be moved first. The robot operates
+it."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class TaskPart:
     """A part that a task may move.
 
-    ``kind`` is the part's label and ``verb`` what is done to it. ``grip`` is where a gripper takes hold
-    (object frame at rest, metres): the middle of ``handle``, or of the free edge of the part where no handle
-    is annotated. ``moved`` are the part's hull vertices in the same frame, with those of all it carries;
-    ``own`` are the hulls of the part itself and ``held`` those that make up the handle; ``needs`` are joints
-    that must stand open first, and ``latches`` those of them that a hand works, in their order. A joint
-    without limits has those of a quarter turn here.
+    ``kind`` is the part's label and ``verb`` the action on it. ``grip`` is the grasp point (object frame at
+    rest, metres): the middle of ``handle``, or of the free edge of the part if no handle is annotated.
+    ``moved`` are the hull vertices of the part and all it carries, in the same frame; ``own`` are the hulls
+    of the part itself and ``held`` those of the handle. ``needs`` are joints that must be open first, and
+    ``latches`` those of them that a hand operates, in order. A joint without limits has a range of a quarter
+    turn here.
     """
 
     kind: PartLabel
@@ -66,7 +68,7 @@ class TaskPart:
 
     @property
     def grip_latch(self) -> "Latching | None":
-        """The latch that is at the same time this part's handle: a door's lever."""
+        """The latch that is also this part's handle: a door's lever."""
         if self.handle is None:
             return None
         return next((x for x in self.latches if x.part.joint.child == self.handle.link), None)
@@ -74,7 +76,7 @@ class TaskPart:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Latching:
-    """A latch, and how far (share of its range) it has to be open before what it holds moves."""
+    """A latch, and the share of its range to which it must be open before the part it holds moves."""
 
     part: TaskPart
     fraction: float
@@ -83,7 +85,7 @@ class Latching:
 @dataclass(frozen=True, kw_only=True, eq=False)
 class TaskObject:
     """A package with its usable parts. ``left_out`` are (joint, reason), ``bounds`` is the box of all hulls
-    at rest, and ``raised`` the height of the plinth that the object stands on, metres."""
+    at rest, and ``raised`` is the height of the plinth below the object, metres."""
 
     folder: Path
     package: SimPackage
@@ -99,7 +101,7 @@ class TaskObject:
 
 
 def on_plinth(entry: TaskObject) -> TaskObject:
-    """The object on a plinth if it is one that would stand on a counter or hang on a wall."""
+    """Places the object on a plinth if it is low, as on a counter or a wall."""
     height = float(entry.bounds[1, 2] - entry.bounds[0, 2])
     return replace(entry, raised=PLINTH if height < LOW else 0.0)
 
@@ -113,20 +115,20 @@ def read_objects(
     validation: Validation = "passed",
     verb: Verb = "open",
 ) -> tuple[TaskObject, ...]:
-    """Every package that has a part of the kind asked for.
+    """All packages that have a part of the requested kind.
 
     Args:
-        packages: as for `find_packages`.
-        kind: ``drawer``, ``door`` or another label; ``any`` is every one that the verb is for.
-        joint: only parts on a joint of that name.
-        handles: whether parts without an annotated handle are left out.
-        validation: ``passed`` wants a passed ``validation.json`` in every package.
-        verb: ``open`` takes drawers and doors of every motion; another takes the parts that move in that way.
+        packages: As for `find_packages`.
+        kind: ``drawer``, ``door`` or another label; ``any`` is every part that the verb applies to.
+        joint: Only parts on a joint with this name.
+        handles: Whether parts without an annotated handle are excluded.
+        validation: ``passed`` requires a passed ``validation.json`` in every package.
+        verb: ``open`` selects drawers and doors with any motion; other verbs select parts by their motion.
 
     Raises:
-        ValueError: if the verb is unknown.
-        TaskError: if there is no package, one of them failed its validation or never had one, or none
-            has a part of the kind.
+        ValueError: If the verb is unknown.
+        TaskError: If there is no package, one of them failed validation or was not validated, or none has a
+            part of the kind.
     """
     if verb not in VERBS:
         raise ValueError(f"verb {verb!r}, expected one of {', '.join(VERBS)}")
@@ -155,7 +157,7 @@ def read_objects(
 def read_object(
     folder: Path, kind: PartKind, handles: HandleNeed = "optional", verb: Verb = "open"
 ) -> TaskObject:
-    """One package with its usable parts, of which there may be none."""
+    """One package with its usable parts, possibly none."""
     package = read_package(folder, appearance=False)
     labels: dict[str, PartLabel | None] = {link.name: link.label for link in package.links}
     parts: list[TaskPart] = []
@@ -184,7 +186,7 @@ def read_object(
 
 
 def _only(entry: TaskObject, joint: str) -> TaskObject:
-    """The object with the parts on other joints left out."""
+    """The object with only the parts on one joint."""
     others = tuple((x.joint.name, "was not asked for") for x in entry.parts if x.joint.name != joint)
     parts = tuple(part for part in entry.parts if part.joint.name == joint)
     return replace(entry, parts=parts, left_out=entry.left_out + others)
@@ -195,12 +197,12 @@ def _describe(entry: TaskObject) -> str:
 
 
 def _label_of(joint: PackageJoint, label: PartLabel | None) -> PartLabel:
-    """A part's label; what has none is a drawer or a door, by its joint."""
+    """A part's label; an unlabelled part is a drawer or a door, depending on its joint."""
     return label or ("drawer" if joint.type == "prismatic" else "door")
 
 
 def _unusable(joint: PackageJoint, label: PartLabel) -> str:
-    """Why nothing can be done with a joint, "" if something can."""
+    """Reason why a joint cannot be used, "" if it can."""
     if joint.kind == "screw":
         return "is part of a screw"
     if joint.mimic is not None:
@@ -213,7 +215,7 @@ def _unusable(joint: PackageJoint, label: PartLabel) -> str:
 
 
 def _unwanted(part: TaskPart, kind: PartKind, handles: HandleNeed, verb: Verb) -> str:
-    """Why a part is none that was asked for, "" if it is one."""
+    """Reason why a part does not match the request, "" if it does."""
     if kind not in ("any", part.kind) or (verb == "open" and part.kind not in ("drawer", "door")):
         return f"moves a {part.kind}"
     if verb not in ("open", part.verb):
@@ -224,11 +226,11 @@ def _unwanted(part: TaskPart, kind: PartKind, handles: HandleNeed, verb: Verb) -
 
 
 def _handle_of(package: SimPackage, link: str, held: dict[str, HandleAnnotation]) -> HandleAnnotation | None:
-    """The handle on a link, or else the one on something the link carries: the knob of a safe's door."""
+    """The handle on a link, or else on a link that it carries: the knob of a safe's door."""
     if link in held:
         return held[link]
     carried = [joint for joint in package.joints if joint.parent == link]
-    for joint in sorted(carried, key=lambda joint: joint.type == "prismatic"):  # a lever rather than a bolt
+    for joint in sorted(carried, key=lambda joint: joint.type == "prismatic"):  # prefer a lever over a bolt
         if (found := _handle_of(package, joint.child, held)) is not None:
             return found
     return None
@@ -267,9 +269,9 @@ def _read_part(package: SimPackage, joint: PackageJoint, label: PartLabel) -> Ta
 
 
 def _read_latches(package: SimPackage, needs: dict[str, float]) -> tuple[Latching, ...]:
-    """Needed joints that move knobs and handles, each after what it needs itself.
+    """Required joints that move knobs and handles, each after its own requirements.
 
-    What hangs from another leaf that stands open has nothing to hold any more.
+    Latches on another leaf that stands open hold nothing and are skipped.
     """
     labels = {link.name: link.label for link in package.links}
     leaves = [x for x in package.joints if x.name in needs and labels[x.child] not in LATCH_LABELS]
@@ -283,13 +285,13 @@ def _read_latches(package: SimPackage, needs: dict[str, float]) -> tuple[Latchin
 
 
 def _is_hollow(hulls: tuple[Hull, ...], handle: HandleAnnotation) -> bool:
-    """Whether the middle of a handle's box is far from everything solid."""
+    """Whether the middle of a handle's box is far from all hulls."""
     middle = handle.corners.mean(axis=0)
     return all(_gap(hull, middle) > HOLLOW for hull in hulls)
 
 
 def _gap(hull: Hull, point: Float[np.ndarray, "3"]) -> float:
-    """How far a point is outside of the planes of a hull's faces, metres; at most its distance."""
+    """Distance of a point outside of the face planes of a hull, metres; a lower bound of its distance."""
     a, b, c = (hull.vertices[hull.faces[:, k]] for k in range(3))
     normals = np.cross(b - a, c - a)
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-15)
@@ -297,7 +299,7 @@ def _gap(hull: Hull, point: Float[np.ndarray, "3"]) -> float:
 
 
 def _hulls_of_handle(hulls: tuple[Hull, ...], handle: HandleAnnotation) -> tuple[Hull, ...]:
-    """The hulls that lie in the handle's box."""
+    """The hulls inside the handle's box."""
     low, high = handle.corners.min(axis=0) - HANDLE_SLACK, handle.corners.max(axis=0) + HANDLE_SLACK
     return tuple(x for x in hulls if (x.vertices >= low).all() and (x.vertices <= high).all())
 

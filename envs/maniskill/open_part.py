@@ -16,34 +16,35 @@ FULL_REWARD = 5.0
 
 
 class OpenPartEnv(PackageTask):
-    """A robot opens, or closes, one drawer or door of an object, or turns, presses, lifts or slides a part.
+    """A robot opens or closes one drawer or door of an object, or turns, presses, lifts or slides a part.
 
     A latched leaf takes two motions: its handle or bolt first. Low objects stand on a plinth.
 
-    **Randomizations:** the object, the part, the robot's base (2 cm, 3 degrees around a place from which
-    the part is in reach) and its joints (0.02 rad).
+    **Randomizations:** the object, the part, the robot's base (2 cm, 3 degrees around a place from which the
+    part is in reach) and its joints (0.02 rad).
 
-    **Success:** the part is open to ``fraction`` of its range or more (to close: to ``fraction`` or less)
-    and moves by at most 0.1 m/s or 1 rad/s.
+    **Success:** the part is open to at least ``fraction`` of its range (to close: at most ``fraction``) and
+    moves by at most 0.1 m/s or 1 rad/s.
 
     **Observations:** robot state, ``tcp_pose``; with states also ``open_fraction``, ``goal_fraction``,
     ``grip_position``, ``tcp_to_grip`` and ``pull_direction``.
 
     Args:
-        packages: a folder of packages, one package, or a list of either.
-        part: ``drawer``, ``door`` or another label, or ``any`` that the verb is for.
-        verb: ``open`` takes drawers and doors, ``turn``, ``press``, ``lift`` and ``slide`` what moves so.
-        joint: only parts on a joint of that name.
+        packages: A folder of packages, one package, or a list of either.
+        part: ``drawer``, ``door``, another label, or ``any`` part that the verb applies to.
+        verb: ``open`` selects drawers and doors; ``turn``, ``press``, ``lift`` and ``slide`` select parts by
+            motion.
+        joint: Only parts on a joint with this name.
         goal: ``open`` or ``close``.
-        fraction: of the range; 0.75 to open and 0.05 to close unless given.
-        initial_open: how far the part is open at first; 0 to open and 0.75 to close unless given.
-        handles: ``required`` leaves out parts without an annotated handle.
-        latches: ``closed`` (only where the part is closed at first) or ``open``.
-        validation: ``any`` takes packages without a passed ``validation.json``.
-        kwargs: everything that ManiSkill's environments take.
+        fraction: Goal fraction of the range; default: 0.75 to open and 0.05 to close.
+        initial_open: Initial open fraction; default: 0 to open and 0.75 to close.
+        handles: ``required`` excludes parts without an annotated handle.
+        latches: ``closed`` (only if the part is initially closed) or ``open``.
+        validation: ``any`` accepts packages without a passed ``validation.json``.
+        kwargs: Arguments of ManiSkill's environments.
 
     Raises:
-        TaskError: if no package is there, one failed its validation, or none has the part.
+        TaskError: If there is no package, one failed validation, or none has the part.
     """
 
     def __init__(

@@ -1,7 +1,7 @@
-"""Places a robot within reach of a handle's whole path and clear of what it sweeps.
+"""Places a robot within reach of a handle's whole path and clear of the space that the part sweeps.
 
-A search over positions in front of the part; every candidate is judged by the distances and heights of the
-handle along its path, and by how near the moving part and the object come to its base.
+Searches positions in front of the part. A candidate's cost depends on the distances and heights of the handle
+along its path, and on the clearance of the base from the moving part and the object.
 """
 
 from dataclasses import dataclass
@@ -18,12 +18,12 @@ PATH_SAMPLES = 9
 AHEAD = np.arange(0.40, 1.31, 0.1)
 ASIDE = np.arange(-0.8, 0.81, 0.1)
 BLOCKED = 50.0
-"""Cost of a metre that the base stands too near to what moves; reaching badly costs about 1 per metre."""
+"""Cost per metre of missing clearance around the base; poor reach costs about 1 per metre."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Stand:
-    """A robot's base in the world: metres and radians; ``lift`` is how far its torso is up."""
+    """A robot's base in the world: metres and radians; ``lift`` is the extension of its torso."""
 
     x: float
     y: float
@@ -33,7 +33,7 @@ class Stand:
 
 
 def part_motion(part: TaskPart, fractions: Float[np.ndarray, "N"]) -> Float[np.ndarray, "N 4 4"]:
-    """How the part is displaced from rest at fractions of its range, in the object frame."""
+    """Displacement of the part from rest at fractions of its range, in the object frame."""
     q = part.joint.lower + np.asarray(fractions, dtype=np.float64) * part.span
     still = np.zeros_like(q)
     sliding = part.joint.type == "prismatic"
@@ -44,13 +44,13 @@ def part_motion(part: TaskPart, fractions: Float[np.ndarray, "N"]) -> Float[np.n
 def grip_path(
     entry: TaskObject, part: TaskPart, fractions: Float[np.ndarray, "N"]
 ) -> Float[np.ndarray, "N 3"]:
-    """The grip in the world at fractions of the range, for an object that stands at the origin."""
+    """The grip in the world at fractions of the range, for an object at the origin."""
     points = transform_points(part_motion(part, fractions), part.grip[None, None, :])[:, 0]
     return points - [0.0, 0.0, entry.floor]
 
 
 def outward(part: TaskPart) -> Float[np.ndarray, "3"]:
-    """The horizontal direction in which one stands in front of the part; -x where it faces up or down."""
+    """Horizontal direction in front of the part; -x if the part faces up or down."""
     if part.handle is not None:
         normal = part.handle.normal
     elif part.joint.type == "prismatic":
@@ -70,17 +70,17 @@ def find_stand(
     path: Float[np.ndarray, "N 3"],
     reach: Reach,
 ) -> Stand:
-    """The best of a grid of positions for bringing the gripper to every point of ``path``.
+    """The best of a grid of base positions for reaching every point of ``path`` with the gripper.
 
-    The search always finds one; where nothing is both near and clear it prefers being clear.
+    The search always returns a position; if none is both near and clear, it prefers clearance.
 
     Args:
-        entry: an object that stands at the origin.
-        part: what it stands in front of.
-        robot: what is to stand.
-        fractions: how far the part is open on the way, to stay clear of it.
-        path: points in the world.
-        reach: the robot's, for the way in which the gripper will point.
+        entry: An object at the origin.
+        part: The part in front of which the robot stands.
+        robot: The robot.
+        fractions: Open fractions of the part along the way, for clearance.
+        path: Points in the world.
+        reach: The robot's reach for the direction of the gripper.
     """
     out = outward(part)
     side = np.array([-out[1], out[0], 0.0])
@@ -112,14 +112,14 @@ def free_radius(
     column: float,
     fractions: Float[np.ndarray, "N"],
 ) -> Float[np.ndarray, "C"]:
-    """Distance of upright columns to the object's box and to the moving part's, at every fraction.
+    """Distance of vertical columns from the boxes of the object and of the moving part, at every fraction.
 
     Args:
-        entry: an object that stands at the origin.
-        part: what moves.
-        base: feet of the columns in the world; each begins on the floor.
-        column: their height above ``base``, metres.
-        fractions: where the part is, of its range.
+        entry: An object at the origin.
+        part: The moving part.
+        base: Feet of the columns in the world, on the floor.
+        column: Height of the columns above ``base``, metres.
+        fractions: Fractions of the part's range.
     """
     heights = np.linspace(0.0, 1.0, 4)
     columns = np.repeat(base[:, None, :], len(heights), axis=1)
@@ -134,7 +134,7 @@ def free_radius(
 
 
 def _outside(values: np.ndarray, low: float, high: float) -> np.ndarray:
-    """How far values lie outside of an interval."""
+    """Distance of values outside of an interval."""
     return np.maximum(np.maximum(low - values, values - high), 0.0)
 
 

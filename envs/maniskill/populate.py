@@ -1,8 +1,8 @@
-"""Furnishes rooms: from a kind, a seed and proven packages to a `Room` in which everything opens.
+"""Furnishes rooms: from a room kind, a seed and validated packages to a `Room` in which everything opens.
 
-The planner works with boxes and soft wishes; what it returns has been checked on the real hulls
-(`envs.maniskill.rooms.check`). An arrangement that does not hold is thrown away and the next one is drawn,
-so a room either keeps every promise or is not returned.
+The planner uses boxes and soft preferences; its result is verified on the actual hulls
+(`envs.maniskill.rooms.check`). An arrangement that fails is rejected and the next one is drawn, so that a
+returned room keeps every guarantee.
 """
 
 import hashlib
@@ -31,28 +31,28 @@ from .rooms.runs import Chooser, draw_shortlists
 
 @dataclass(frozen=True, kw_only=True)
 class PopulateConfig:
-    """How rooms are furnished; lengths in metres, None leaves one to the seed."""
+    """Room parameters; lengths in metres, None samples a value from the seed."""
 
     width: float | None = None
-    """Along the wall with the entrance, inside."""
+    """Inner length of the wall with the entrance."""
     depth: float | None = None
-    """From that wall to the opposite one, inside."""
+    """Inner distance from that wall to the opposite one."""
     height: float = 2.6
-    """From floor to ceiling."""
+    """Height from floor to ceiling."""
     least: int = 10
-    """Objects in a room at least; fewer is an error."""
+    """Smallest number of objects in a room; fewer is an error."""
     most: int = 30
-    """Objects in a room at most."""
+    """Largest number of objects in a room."""
     sweeps: Literal["free", "any"] = "free"
-    """``free`` keeps what doors and drawers pass through free; ``any`` only avoids overlaps at rest."""
+    """``free`` keeps the swept space of doors and drawers free; ``any`` only avoids overlaps at rest."""
     standing_radius: float = 0.3
-    """Of the robot's disc that stays free in front of every door and drawer; 0 asks for none."""
+    """Radius of the robot's disc that stays free in front of every door and drawer; 0 disables it."""
     variety: int = 5
-    """Packages that a role is chosen from; fewer make a room more of a piece."""
+    """Number of packages per role; fewer make a room more uniform."""
     attempts: int = 12
-    """Arrangements tried before a room is given up."""
+    """Arrangements tried before giving up."""
     choose: ChooseConfig = field(default_factory=ChooseConfig)
-    """What a good run of cabinets is."""
+    """Preferences for runs of cabinets."""
 
     def __post_init__(self) -> None:
         if not 1 <= self.least <= self.most:
@@ -69,11 +69,11 @@ class PopulateConfig:
 
 
 def populate(kind: RoomKind, seed: int, catalogue: Catalogue, cfg: PopulateConfig | None = None) -> Room:
-    """A furnished room; the same arguments give the same room.
+    """Furnishes a room; deterministic.
 
     Raises:
-        PopulateError: If there is no package for something the room needs, or it cannot be furnished in
-            the space there is.
+        PopulateError: If a required role has no package, or the room cannot be furnished in the available
+            space.
     """
     cfg = cfg or PopulateConfig()
     recipe = RECIPES[kind]
@@ -121,7 +121,7 @@ def _text(asked: float | None, drawn: tuple[float, float]) -> str:
 def _draw_room(
     recipe: Recipe, rng: np.random.Generator, cfg: PopulateConfig
 ) -> tuple[tuple[float, float, float], Entrance]:
-    """Size of the room and its entrance, which is in the front wall."""
+    """Size of the room, and its entrance in the front wall."""
     width, depth = round(float(rng.uniform(*recipe.width)), 2), round(float(rng.uniform(*recipe.depth)), 2)
     size = (cfg.width or width, cfg.depth or depth, cfg.height)
     opening = min(0.95, size[0] - 0.2)
@@ -135,7 +135,7 @@ def _draw_room(
 def _room(
     kind: RoomKind, seed: int, attempt: int, plan: Plan, catalogue: Catalogue, cfg: PopulateConfig
 ) -> Room:
-    """The plan as a room with stable ids: a role and a number, in the order of placing."""
+    """Converts a plan to a room with stable ids: a role and a number, in the order of placement."""
     radius = cfg.standing_radius if cfg.sweeps == "free" else 0.0
     counts: Counter[str] = Counter()
     placements: list[Placement] = []

@@ -1,8 +1,7 @@
-"""Finds the base from which a robot can best put something down, from many arm postures.
+"""Finds the base position from which a robot can best place an object, from many sampled arm postures.
 
-Every sampled posture fixes a base once its hand is to be at a given place and to point in a given
-direction. Those in which the arm touches nothing, with the base clear of everything, are compared by how much
-room they have.
+Every sampled posture determines a base position for a given place and direction of the hand. Collision-free
+postures with a clear base are compared by clearance.
 """
 
 from dataclasses import dataclass
@@ -21,34 +20,34 @@ SAMPLES = 40_000
 SEED = 0
 IN_SLOPES = (-0.1, 0.85)
 DOWN_SLOPES = (0.9, 1.58)
-"""How far below the horizontal the hand may point into a compartment and into a drawer, rad."""
+"""Range of the hand's slope below the horizontal, into a compartment and into a drawer, rad."""
 DISTANCES = (0.40, 0.80)
-"""Of the hand from the base, metres: not so near that the arm is folded, not so far that it is straight."""
+"""Range of the hand's distance from the base, metres: neither folded nor fully stretched."""
 HEIGHTS = (-0.45, 0.85)
-"""Of the hand above the base, metres."""
+"""Range of the hand's height above the base, metres."""
 MIDDLE = 0.92
-"""Part of each joint's range that is used: the base stands a little off its place, and the hand moves on."""
+"""Share of each joint's range that is used, because the base position is noisy and the hand moves on."""
 IN_TURNS = np.radians([0.0, 20.0, -20.0, 40.0, -40.0])
 DOWN_TURNS = np.radians(np.arange(-75.0, 76.0, 15.0))
-"""Turns of the hand about the vertical, from where the room faces."""
+"""Rotations of the hand about the vertical, relative to the direction into the space."""
 COLUMN = (0.12, 0.45)
-"""Radius and height of the robot's own base, which its forearm and hand keep off, metres."""
+"""Radius and height of the robot's base, which its forearm and hand must avoid, metres."""
 ENOUGH = 0.06
-"""More room than this is not better, metres."""
+"""Clearance above which more is no better, metres."""
 TURNED = 8
-"""How often each posture is tried, with a turn and a place drawn at random."""
+"""Random rotations and places per posture."""
 ASKEW = 0.01
-"""Metres of room that a radian is worth by which the hand works askew, or the robot faces away from it."""
+"""Clearance (m) that a radian of misalignment of the hand, or of the robot, costs."""
 MOST = 4000
-"""Bases that are compared by the room around the arm."""
+"""Largest number of bases whose clearance around the arm is compared."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Postures:
-    """Arm postures with the first joint at 0 and fingers that close horizontally, by what matters of them.
+    """Arm postures with the first joint at 0 and fingers that close horizontally.
 
-    ``tool`` is the hand's place in the root's frame, ``heading`` and ``slope`` where it points (rad),
-    ``points`` the arm's surface and ``gap`` what each point keeps away from everything.
+    ``tool`` is the hand's position in the root's frame, ``heading`` and ``slope`` its direction (rad),
+    ``points`` the arm's surface and ``gap`` the clearance that each point needs.
     """
 
     tool: Float[np.ndarray, "N 3"]
@@ -59,7 +58,7 @@ class Postures:
 
 
 def sample_postures(chain: Chain, body: Body, robot: RobotSpec) -> Postures:
-    """Random postures within the limits, those with the hand at a useful place and slope."""
+    """Random postures within the limits with the hand at a useful position and slope."""
     rng = np.random.default_rng(SEED)
     low, high = np.maximum(chain.lower, -np.pi), np.minimum(chain.upper, np.pi)
     middle, half = (low + high) / 2.0, MIDDLE * (high - low) / 2.0
@@ -68,7 +67,7 @@ def sample_postures(chain: Chain, body: Body, robot: RobotSpec) -> Postures:
     T = tool_pose(chain, q)
     point, close = (T[:, :3, :3] @ robot.tool_axes[:, k] for k in (0, 1))
     third = np.cross(point, close)
-    # The last joint turns about the direction in which the hand points: level the fingers.
+    # The last joint turns about the direction of the hand and levels the fingers.
     roll = np.arctan2(-close[:, 2], third[:, 2])
     q[:, -1] = (roll + np.pi / 2.0) % np.pi - np.pi / 2.0
     T = tool_pose(chain, q)
@@ -93,8 +92,8 @@ def sample_postures(chain: Chain, body: Body, robot: RobotSpec) -> Postures:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Goal:
-    """Where a hand is to be (world, metres), one of several places, and the horizontal direction in which it
-    works; ``down`` if it comes from above, into a drawer."""
+    """Goal of a hand: alternative positions (world, metres), and the horizontal working direction; ``down``
+    if it enters from above, into a drawer."""
 
     places: Float[np.ndarray, "A 3"]
     inwards: Float[np.ndarray, "3"]
@@ -105,19 +104,19 @@ def find_putting_stand(
     entry: TaskObject, part: TaskPart, robot: RobotSpec, *, postures: Postures, field: Field,
     opened: float, goal: Goal,
 ) -> Stand | None:  # fmt: skip
-    """The base from which a hand comes to its place with the most room around the arm.
+    """The base from which a hand reaches its goal with the most clearance around the arm.
 
     Args:
-        entry: an object that stands at the origin.
-        part: its open part.
-        robot: what is to stand.
-        postures: of its arm.
-        field: everything solid, in the object frame.
-        opened: how far the part is open.
-        goal: of the hand.
+        entry: An object at the origin.
+        part: Its open part.
+        robot: The robot.
+        postures: Postures of its arm.
+        field: Distances to all solids, in the object frame.
+        opened: Open fraction of the part.
+        goal: Goal of the hand.
 
     Returns:
-        ``None`` if no sampled posture is free of everything.
+        ``None`` if every sampled posture collides.
     """
     low, high = DOWN_SLOPES if goal.down else IN_SLOPES
     mine = np.flatnonzero((postures.slope >= low) & (postures.slope <= high))
@@ -154,7 +153,7 @@ def find_putting_stand(
 
 
 def _turned(points: Float[np.ndarray, "N *P 3"], yaw: Float[np.ndarray, "N"]) -> np.ndarray:
-    """Points after a turn about the vertical, each row by its own."""
+    """Rotates points about the vertical, each row by its own angle."""
     extra = (1,) * (points.ndim - 2)
     cosine, sine = np.cos(yaw).reshape(-1, *extra), np.sin(yaw).reshape(-1, *extra)
     x, y, z = points[..., 0], points[..., 1], points[..., 2]

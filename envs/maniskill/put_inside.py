@@ -1,4 +1,4 @@
-"""``ArtiGen-PutInside-v1``: a cube from a stand into an open drawer or compartment, where it stays."""
+"""``ArtiGen-PutInside-v1``: put a cube from a stand into an open drawer or compartment."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -26,24 +26,24 @@ from .solver.field import Field, build_field
 from .task import PackageTask
 
 REST_STEPS = 10
-"""Control steps (20 per second) that the cube has to lie still inside."""
+"""Control steps (20 per second) for which the cube must lie still inside."""
 LET_GO = 0.06
-"""Distance of the gripper from the cube's middle that counts as released, metres."""
+"""Distance of the gripper from the cube's centre that counts as released, metres."""
 STILL = 0.02
 SPARE = 0.01
 SIDE = {"panda": (np.radians(100.0), 0.45, 0.42), "fetch": (np.radians(75.0), 0.65, 0.50)}
-"""Where the cube waits: angle from straight ahead, distance, and height above the robot's base."""
+"""Position of the cube: angle from straight ahead, distance, and height above the robot's base."""
 CUBE_NOISE = 0.02
 PLACES = (
     (0.0, 0.0), (0.4, 0.0), (0.7, 0.0), (0.0, 0.5), (0.0, -0.5),
     (0.4, 0.5), (0.4, -0.5), (0.7, 0.5), (0.7, -0.5),
 )  # fmt: skip
-"""Where on a floor a cube may lie, beside its middle: parts of the way to the front and to the sides."""
+"""Alternative positions of the cube on a floor: shares of the way to the front and to the sides."""
 HOLD_IN, HOLD_DOWN = (0.04,), (0.04, 0.10, 0.15)
-"""Height of the hand above the floor where the arm is to have room, metres; it may let go into a deep drawer
-from above."""
+"""Height of the hand above the floor at which the arm needs clearance, metres; the cube may be dropped into a
+deep drawer."""
 COARSE = 0.06
-"""Distance of the points that stand for the arm where its base is looked for, metres."""
+"""Spacing of the points that represent the arm in the search for a base, metres."""
 STAND_HALF = (0.025, 0.025, 1.0)
 FULL_REWARD = 6.0
 
@@ -53,23 +53,23 @@ class PutInsideEnv(PackageTask):
 
     **Randomizations:** those of ``ArtiGen-OpenPart-v1``, and the cube's place (2 cm) and yaw on its stand.
 
-    **Success:** the cube lies inside for half a second, at less than 2 cm/s, and the gripper is at least 6 cm
-    away from its middle.
+    **Success:** the cube lies inside for half a second, slower than 2 cm/s, and the gripper is at least 6 cm
+    away from its centre.
 
     **Observations:** robot state, ``tcp_pose``; with states also the part's, ``cube_pose``, ``cube_to_aim``
     and ``tcp_to_cube``.
 
     Args:
-        packages: a folder of packages, one package, or a list of either.
+        packages: A folder of packages, one package, or a list of either.
         part: ``drawer``, ``door`` (the compartment behind it) or ``any``.
-        joint: only parts on a joint of that name.
-        initial_open: how far the part stands open; less where it would reach below the ground.
-        cube_size: edge of the cube, metres.
-        validation: ``any`` takes packages without a passed ``validation.json``.
-        kwargs: everything that ManiSkill's environments take.
+        joint: Only parts on a joint with this name.
+        initial_open: Open fraction of the part; less if it would reach below the ground.
+        cube_size: Edge of the cube, metres.
+        validation: ``any`` accepts packages without a passed ``validation.json``.
+        kwargs: Arguments of ManiSkill's environments.
 
     Raises:
-        TaskError: if no package is there, one failed its validation, none has the part, or no part has room.
+        TaskError: If there is no package, one failed validation, none has the part, or no part has room.
     """
 
     def __init__(
@@ -84,7 +84,7 @@ class PutInsideEnv(PackageTask):
         **kwargs: Any,
     ) -> None:
         if not 0.01 <= cube_size <= 0.06:
-            raise ValueError(f"cube_size {cube_size} m, expected 0.01 to 0.06, what the grippers can hold")
+            raise ValueError(f"cube_size {cube_size} m, expected 0.01 to 0.06, the range of the grippers")
         self.cube_size = cube_size
         self._known_stands: dict[tuple[Path, str], Stand] = {}
         self._known_fields: dict[tuple[Path, str], Field] = {}
@@ -106,15 +106,14 @@ class PutInsideEnv(PackageTask):
         )
 
     def container_of(self, entry: TaskObject, part: TaskPart) -> Container | None:
-        """The room that belongs to a part, as the task sees it."""
+        """The space of a part for this task."""
         return room_when_open(entry, part, self.initial_open, self.cube_size)
 
     def _opened(self, entry: TaskObject, part: TaskPart) -> float:
         return open_above_ground(entry, part, self.initial_open)
 
     def _stand(self, entry: TaskObject, part: TaskPart) -> Stand:
-        """Where the arm can hold the cube inside with the most room around it; equal parts are looked at
-        once."""
+        """Base position with the most clearance for holding the cube inside; cached for equal parts."""
         key = (entry.folder, part.joint.name)
         if key not in self._known_stands:
             self._known_stands[key] = self._look_for_stand(entry, part)
@@ -140,7 +139,8 @@ class PutInsideEnv(PackageTask):
         return find_stand(entry, part, self.robot_spec, np.array([opened]), path, reach)
 
     def solid_at_start(self, index: int) -> Field:
-        """Distances to one scene's object as an episode finds it, and to the ground, in the object frame."""
+        """Distances to one scene's object and to the ground at the start of an episode, in the object
+        frame."""
         return self._field(*self.drawn[index])
 
     def _field(self, entry: TaskObject, part: TaskPart) -> Field:
@@ -197,12 +197,12 @@ class PutInsideEnv(PackageTask):
         self._rest_steps = torch.zeros(self.num_envs, dtype=torch.int32, device=self.device)
 
     def resting_places(self, index: int) -> Float[np.ndarray, "A 3"]:
-        """Places in the world where the cube of one scene may come to rest, the favourite first."""
+        """Positions in the world where the cube of one scene may come to rest, the preferred one first."""
         entry, part = self.drawn[index]
         return resting_places(entry, part, self.containers[index], self._opened(entry, part))
 
     def _cube_spot(self, entry: TaskObject, part: TaskPart, place: Stand) -> np.ndarray:
-        """Top of the cube's stand: on that side of the robot where there is more room."""
+        """Top of the cube's stand, on the side of the robot with more free space."""
         angle, distance, height = SIDE[self.robot_spec.name]
         yaws = place.yaw + np.array([angle, -angle])
         spots = np.stack([place.x + distance * np.cos(yaws), place.y + distance * np.sin(yaws)], axis=1)
@@ -229,7 +229,7 @@ class PutInsideEnv(PackageTask):
         self._rest_steps = torch.where(rests, self._rest_steps + 1, torch.zeros_like(self._rest_steps))
 
     def _inside(self) -> torch.Tensor:
-        """Whether the cube's middle is in the region, its lower half a little below at most."""
+        """Whether the cube's centre is in the region; its lower half may be slightly below."""
         position, part = self.cube.pose.p, self.target.pose
         in_part = quaternion_apply(quaternion_invert(part.q), position - part.p)
         local = torch.where(self._moves, in_part, position)
@@ -275,15 +275,15 @@ class PutInsideEnv(PackageTask):
 
 
 def aim_in_world(entry: TaskObject, part: TaskPart, container: Container, opened: float) -> np.ndarray:
-    """The place on the floor of the container, for an object at the origin with the part open."""
+    """The aim on the container's floor, for an object at the origin with the part open."""
     return resting_places(entry, part, container, opened)[0]
 
 
 def resting_places(
     entry: TaskObject, part: TaskPart, container: Container, opened: float
 ) -> Float[np.ndarray, "A 3"]:
-    """Places on the floor of the container where a cube may lie, the aim first, then some that are nearer to
-    the front or to the sides; in the world, for an object at the origin with the part open."""
+    """Positions on the container's floor where a cube may lie, the aim first, then some nearer to the front
+    or the sides; in the world, for an object at the origin with the part open."""
     inwards = container.inwards
     side = np.array([-inwards[1], inwards[0], 0.0])
     spare = np.minimum(container.aim - container.region[0], container.region[1] - container.aim)

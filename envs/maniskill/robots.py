@@ -1,4 +1,4 @@
-"""The two robots as the tasks see them: where they may stand, how far they reach, how they start."""
+"""The two supported robots: placement, reach and initial posture."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -11,9 +11,9 @@ RobotName = Literal["panda", "fetch"]
 
 @dataclass(frozen=True, kw_only=True)
 class Reach:
-    """Where a gripper works with ease: horizontal distances from the base and heights above it, metres.
+    """Comfortable workspace of a gripper: horizontal distances from the base and heights above it, metres.
 
-    Read off tables of solved poses; ``bands`` are several intervals of heights.
+    Derived from tables of solved poses; ``bands`` are intervals of heights.
     """
 
     near: float
@@ -25,12 +25,12 @@ class Reach:
 class RobotSpec:
     """Data for placing and driving a robot, in metres and radians.
 
-    ``forward`` and ``down`` are the reach of a gripper that points there.
-    ``clearance`` is the free radius around the base and ``column`` the height over which it is needed.
-    ``ready`` are the angles of ``arm`` at an episode's start, the gripper open; ``heights`` are stands that
-    the robot may be put on, and ``lift`` the travel of a torso. The columns of ``tool_axes`` are, in the
-    frame of the link ``tool``, where the gripper points, where its fingers close, and the third direction;
-    ``opening`` is the width between open fingers; the names of the links of the hand end in ``hand``.
+    ``forward`` and ``down`` are the reach of a gripper that points in that direction. ``clearance`` is the
+    free radius around the base and ``column`` the height over which it is needed. ``ready`` are the angles of
+    ``arm`` at the start of an episode, with the gripper open; ``heights`` are stands that the robot may be
+    put on, and ``lift`` is the travel of a torso. The columns of ``tool_axes`` are, in the frame of the link
+    ``tool``, the pointing direction of the gripper, the closing direction of its fingers, and the third
+    direction; ``opening`` is the width between open fingers; the names of the hand's links end in ``hand``.
     """
 
     name: RobotName

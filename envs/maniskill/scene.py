@@ -1,6 +1,6 @@
-"""``ArtiGen-Room-v1``: a furnished room from scene.json in ManiSkill, and the builder that puts it there.
+"""``ArtiGen-Room-v1``: a furnished room from scene.json in ManiSkill, and its scene builder.
 
-The builder is registered as ``ArtiGenRoom``. Without a render device nothing that could be drawn is made.
+The builder is registered as ``ArtiGenRoom``. Without a render device no visuals are created.
 """
 
 import tempfile
@@ -29,14 +29,14 @@ from .rooms.room import Fixture, Placement, Room
 
 Rooms = str | Path | Sequence[str | Path]
 AWAY = sapien.Pose(p=[0.0, -4.0, 0.0])
-"""Where the robot is built, outside of every room."""
+"""Initial position of the robot, outside of every room."""
 
 
 def room_builder(scenes: Rooms) -> "type[RoomSceneBuilder]":
-    """A scene builder for some rooms, for environments that take a class, as ManiSkill's own do.
+    """A scene builder class for some rooms, for environments that take a class, such as ManiSkill's own.
 
     Args:
-        scenes: one scene.json (or its folder), or several to draw from.
+        scenes: One scene.json (or its folder), or several to sample from.
     """
     given = [scenes] if isinstance(scenes, str | Path) else list(scenes)
     if not given:
@@ -48,14 +48,14 @@ def room_builder(scenes: Rooms) -> "type[RoomSceneBuilder]":
 class RoomSceneBuilder(SceneBuilder):
     """Builds one of ``build_configs``, which are rooms, in every parallel scene.
 
-    After building, ``rooms`` are those chosen, ``placed`` the articulations of each by their ids,
-    ``starts`` where a robot can stand in each, and ``scene_objects`` walls, floor and other fixtures.
+    After building, ``rooms`` are the chosen ones, ``placed`` the articulations of each by id, ``starts`` the
+    robot's start in each, and ``scene_objects`` the walls, floor and other fixtures.
     """
 
     build_configs: list[Room] | None = None
 
     def build(self, build_config_idxs: list[int] | None = None) -> None:
-        """Makes fixtures and objects; raises `LoadError` where the engine loses something."""
+        """Builds fixtures and objects; raises `LoadError` if the engine loses a shape."""
         if not self.build_configs:
             raise ValueError("ArtiGenRoom has no rooms; make the builder with room_builder(scenes)")
         chosen = self.sample_build_config_idxs() if build_config_idxs is None else build_config_idxs
@@ -73,7 +73,7 @@ class RoomSceneBuilder(SceneBuilder):
         self.starts = [start_place(room) for room in self.rooms]
 
     def initialize(self, env_idx: torch.Tensor, init_config_idxs: list[int] | None = None) -> None:
-        """Puts all joints where the rooms have them, at rest."""
+        """Sets all joints to their coordinates in the rooms, at rest."""
         for index in env_idx.tolist():
             for placement in self.rooms[index].placements:
                 articulation = self.placed[index][placement.id]
@@ -102,7 +102,7 @@ class RoomSceneBuilder(SceneBuilder):
 
     def _build_object(self, placement: Placement, index: int) -> Articulation:
         articulation = load_placement(self.scene, placement, f"{placement.id}-{index}", index)
-        if self.env.num_envs > 1:  # a state has one row per scene, and this object is in one of them
+        if self.env.num_envs > 1:  # a state has one row per scene, and this object exists in one of them
             self.env.remove_from_state_dict_registry(articulation)
         return articulation
 
@@ -113,11 +113,11 @@ register_scene_builder("ArtiGenRoom")(RoomSceneBuilder)
 class RoomEnv(BaseEnv):
     """``ArtiGen-Room-v1``: a robot in the entrance of a furnished room; no task, no reward.
 
-    The state observation has, besides the robot's, ``room_qpos [J]``: the joints of all objects in the order
-    of scene.json (padded with 0 to the room with most). ``furnished.placed`` gives the articulations.
+    Besides the robot's state, the state observation has ``room_qpos [J]``: the joints of all objects in the
+    order of scene.json (padded with 0 to the largest room). ``furnished.placed`` gives the articulations.
 
     Args:
-        scenes: one scene.json (or its folder), or several; each parallel scene draws one of them.
+        scenes: One scene.json (or its folder), or several; each parallel scene samples one of them.
         robot_uids: ``fetch`` or ``panda``.
     """
 
@@ -193,7 +193,7 @@ class RoomEnv(BaseEnv):
         self.agent.robot.set_pose(pose)  # type: ignore[arg-type]
 
     def evaluate(self) -> dict:
-        """Nothing to succeed in."""
+        """Empty: there is no success condition."""
         return {}
 
     def _get_obs_extra(self, info: dict) -> dict[str, torch.Tensor]:

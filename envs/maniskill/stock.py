@@ -4,9 +4,10 @@
     env = gymnasium.make("ArtiGen-OpenCabinetDrawer-v1", packages="out/packages", robot_uids="fetch")
     env.reset(seed=0)
 
-Start positions, observations, success and rewards are ManiSkill's. Only the loading differs: cabinets come
-from packages, handles from their annotations instead of from render shapes, so that neither a download nor
-a render device is needed. Joints without limits are held: their -inf would become the cabinet's pose.
+Initial positions, observations, success and rewards are ManiSkill's. Only the loading differs: cabinets come
+from packages and handles from their annotations instead of from render shapes, so that neither a download nor
+a render device is needed. Joints without limits are fixed, because their limit -inf would become the
+cabinet's pose.
 """
 
 import tempfile
@@ -34,7 +35,7 @@ from .task import AWAY
 
 
 class _FromPackages:
-    """Replaces how ManiSkill's cabinet tasks come by their cabinets and their robot."""
+    """Replaces the loading of cabinets and of the robot in ManiSkill's cabinet tasks."""
 
     def __init__(
         self,
@@ -99,7 +100,7 @@ class PackageDoorEnv(_FromPackages, OpenCabinetDoorEnv):
 
 
 def _build_goal(scene: Any) -> Any:
-    """The sphere that ManiSkill shows at the handle; without a render device it has nothing to show."""
+    """ManiSkill's marker sphere at the handle; without a render device an empty actor."""
     builder = scene.create_actor_builder()
     if scene.can_render():
         material = sapien.render.RenderMaterial(base_color=[0, 1, 0, 1])

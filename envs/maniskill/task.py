@@ -1,7 +1,7 @@
-"""What the tasks share: objects from packages, a robot in front of one part, and that part's state.
+"""Common base of the tasks: objects from packages, a robot in front of one part, and that part's state.
 
 Lengths in metres, angles in radians, everything batched over parallel scenes in the first dimension. All
-random draws come from the episode's own generators, so that a seed decides everything.
+random draws use the episode's own generators, so that a seed determines everything.
 """
 
 import tempfile
@@ -35,16 +35,16 @@ NOISE_POSITION = 0.02
 NOISE_YAW = 0.05
 NOISE_JOINT = 0.02
 AWAY = sapien.Pose(p=[-4.0, 0.0, 0.0])
-"""Where the robot is built, far from every object."""
+"""Initial position of the robot, far from every object."""
 
 
 class PackageTask(BaseEnv):
-    """A robot in front of one part of an object. Subclasses say what is to be done with it.
+    """A robot in front of one part of an object. Subclasses define the task.
 
-    Objects stand at the origin, on the floor, front towards -x. Each scene draws one of the objects and one
-    of its usable parts; joints that the part needs open stand open, everything else is closed. With
-    ``latched``, the part's latches are closed, too: the robot has to work them. With ``plinths``, low objects
-    are raised.
+    Objects stand at the origin, on the floor, front towards -x. Each scene samples one of the objects and one
+    of its usable parts. Joints that the part requires to be open are open, all others are closed. With
+    ``latched``, the part's latches are closed too, and the robot must operate them. With ``plinths``, low
+    objects are raised.
     """
 
     SUPPORTED_ROBOTS = ["panda", "fetch"]  # noqa: RUF012
@@ -110,7 +110,7 @@ class PackageTask(BaseEnv):
     def _load_agent(self, options: dict) -> None:  # type: ignore[override]
         agent = {"panda": Panda, "fetch": Fetch}[self.robot_spec.name]
         with tempfile.TemporaryDirectory() as scratch:
-            # Only Fetch has materials; Panda's own file is also what its end-effector controllers read.
+            # Only Fetch has materials; Panda's end-effector controllers also read its own file.
             if self.robot_spec.name == "fetch" and not self.scene.can_render():
                 agent = without_visuals(agent, Path(scratch))
             self.agent = agent(self.scene, self._control_freq, self._control_mode, initial_pose=AWAY)
@@ -153,16 +153,16 @@ class PackageTask(BaseEnv):
         builder.build_static(name=f"plinth-{index}")
 
     def _draw(self, rng: np.random.RandomState) -> tuple[TaskObject, TaskPart]:
-        """An object and one of its parts, from one scene's generator."""
+        """Samples an object and one of its parts with one scene's generator."""
         entry = self.objects[rng.randint(len(self.objects))]
         return entry, entry.parts[rng.randint(len(entry.parts))]
 
     def _opened(self, entry: TaskObject, part: TaskPart) -> float:
-        """How far the part stands open when an episode begins, fraction of its range."""
+        """Initial open fraction of the part."""
         return self.initial_open
 
     def _start(self, entry: TaskObject, part: TaskPart, articulation: Articulation) -> Float[np.ndarray, "Q"]:
-        """Joint vector of an episode's start, padded to the widest object of the batch."""
+        """Initial joint vector, padded to the object with the most joints in the batch."""
         specs = {joint.name: joint for joint in entry.package.joints}
         shut = {latch.part.joint.name for latch in part.latches} if self.latched else set()
         qpos = np.zeros(self.object.max_dof)
@@ -177,7 +177,7 @@ class PackageTask(BaseEnv):
         return qpos
 
     def _stand(self, entry: TaskObject, part: TaskPart) -> Stand:
-        """Where the robot works from: all of the grip's path is in reach."""
+        """Base position from which all of the grip's path is in reach."""
         fractions = np.linspace(self.initial_open, self.goal_open, PATH_SAMPLES)
         path = grip_path(entry, part, fractions)
         if self.latched:
@@ -187,7 +187,8 @@ class PackageTask(BaseEnv):
     def _adopt(
         self, built: list[Articulation], targets: list[Link], grips: np.ndarray, pulls: np.ndarray
     ) -> None:
-        """Batched views of what was built, and tensors of what never changes until the next scene."""
+        """Creates batched views of the built objects, and tensors of values that are constant until the next
+        build."""
         self.built = built
         self.object = Articulation.merge(built, name="object")
         self.add_to_state_dict_registry(self.object)
@@ -224,7 +225,7 @@ class PackageTask(BaseEnv):
         self._place_robot(stands, noise * scale)
 
     def _place_robot(self, stands: list[Stand], noise: Float[np.ndarray, "B 3+A"]) -> None:
-        """Base on its stand and arm at its ready pose, both a little off."""
+        """Places the base on its stand and the arm at its ready pose, both with noise."""
         spec = self.robot_spec
         base = np.array([[s.x, s.y, s.yaw] for s in stands]) + noise[:, :3]
         names = [joint.name for joint in self.agent.robot.active_joints]
@@ -245,12 +246,12 @@ class PackageTask(BaseEnv):
 
     @property
     def open_fraction(self) -> Float[torch.Tensor, "B"]:
-        """How far the part is open, 0 at the lower limit and 1 at the upper."""
+        """Open fraction of the part, 0 at the lower limit and 1 at the upper."""
         return (self.object.get_qpos()[self._rows, self._columns] - self._lower) / self._span
 
     @property
     def grip_position(self) -> Float[torch.Tensor, "B 3"]:
-        """Where to hold the part, in the world."""
+        """Grasp point of the part, in the world."""
         pose = self.target.pose
         return quaternion_apply(pose.q, self._grips) + pose.p
 

@@ -1,4 +1,4 @@
-"""Verbs for moving parts, from the motion of the place that is held or touched."""
+"""Verbs for moving parts, derived from the motion of the grasped or touched point."""
 
 from typing import Literal
 
@@ -10,14 +10,14 @@ from sim_export.package import PackageJoint
 Verb = Literal["open", "turn", "press", "lift", "slide"]
 VERBS: tuple[Verb, ...] = ("open", "turn", "press", "lift", "slide")
 ALONG = 0.7
-"""Cosine from which on a direction counts as along another one."""
+"""Cosine from which two directions count as parallel."""
 MIDDLE = 0.25
-"""A part whose axis passes its middle by less than this share of its length rocks."""
+"""Distance of a part's axis from its middle, as a share of its length, below which it rocks."""
 UP = np.array([0.0, 0.0, 1.0])
 
 
 def grip_direction(joint: PackageJoint, grip: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3"]:
-    """Unit direction in which a point starts to move as the joint opens; zeros on the axis itself."""
+    """Unit direction in which a point starts to move as the joint opens; zero on the axis itself."""
     if joint.type == "prismatic":
         return np.asarray(joint.axis)
     direction = np.cross(joint.axis, grip - joint.origin)
@@ -34,16 +34,16 @@ def verb_of(
     """The verb of a part.
 
     Args:
-        joint: moves the part.
-        label: the part's.
-        grip: where it is taken or touched, object frame.
-        normal: unit direction away from what carries it, there.
-        corners: of a box around what is taken or touched.
+        joint: Joint of the part.
+        label: Label of the part.
+        grip: Grasped or touched point, object frame.
+        normal: Unit direction away from its carrier at that point.
+        corners: Corners of a box around the grasped or touched geometry.
 
     Returns:
-        ``turn`` for what turns about an axis that stands out of its carrier, or along its surface;
-        ``press`` for knobs that go down, into their carrier, or rock about their middle; ``lift`` for what
-        goes up; ``open`` for other hinged doors; ``slide`` for everything else that slides.
+        ``turn`` for parts that rotate about an axis along the normal or the surface of their carrier;
+        ``press`` for knobs that move down, into their carrier, or rock about their middle; ``lift`` for parts
+        that move up; ``open`` for other hinged doors; ``slide`` for all other sliding parts.
     """
     direction = grip_direction(joint, grip)
     knob = label in ("knob", "handle")

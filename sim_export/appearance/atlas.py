@@ -1,8 +1,9 @@
-"""Texture atlases for part meshes: charts by facing axis, packed on shelves, and what each texel shows.
+"""Texture atlases for part meshes: charts by facing axis, packed on shelves, and the surface point of each
+texel.
 
-Parts of furniture mostly face the axes, so every connected set of faces that share their dominant
-axis is flattened by dropping that coordinate: exact for panels, at most a factor 1.7 of stretch on
-round surfaces, and every chart is a picture taken along one axis.
+Most faces of furniture are perpendicular to an axis. Every connected set of faces with the same dominant axis
+therefore becomes one chart, flattened by dropping that coordinate. This is exact for panels, stretches round
+surfaces by at most a factor of 1.7, and makes every chart an orthographic view along one axis.
 """
 
 from dataclasses import dataclass
@@ -17,15 +18,15 @@ from sim_export.package import Mesh
 PADDING = 1
 """Texels of border around every chart."""
 _EDGE = 1e-4
-"""Texels; a texel centre this close to a triangle counts as covered by it."""
+"""Distance (texels) from a triangle within which a texel centre counts as covered."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Atlas:
-    """Where every face corner lies in the image, and the surface points of the covered texels.
+    """Texel coordinates of every face corner, and the surface points of the covered texels.
 
-    ``corners`` are (column, row) texel coordinates with texel centres at integers, rows from the
-    top. ``texels`` are (row, column) of the covered texels, ``points`` their places on the mesh and
+    ``corners`` are (column, row) texel coordinates with texel centres at integers, rows from the top.
+    ``texels`` are the (row, column) of the covered texels, ``points`` their positions on the mesh and
     ``faces`` the face of each.
     """
 
@@ -39,8 +40,8 @@ class Atlas:
 def make_atlas(mesh: Mesh, texel_size: float, max_size: int) -> Atlas:
     """Charts of a mesh in one image of at most ``max_size`` texels a side.
 
-    ``texel_size`` in the mesh's unit; it grows as far as needed to fit. Equal meshes give equal
-    atlases. Raises `ValueError` when even one texel per chart does not fit.
+    ``texel_size`` is in the mesh's unit and grows as needed to fit. Equal meshes give equal atlases. Raises
+    `ValueError` if not even one texel per chart fits.
     """
     triangles = mesh.vertices[mesh.faces]
     normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
@@ -65,7 +66,7 @@ def make_atlas(mesh: Mesh, texel_size: float, max_size: int) -> Atlas:
         if (cells <= 2).all():
             raise ValueError(f"texture: {count} charts do not fit into {max_size} x {max_size} texels")
         texel_size *= max(1.05, np.sqrt(max(shape) / max_size))
-    # The border of a chart runs through texel centres, so that thin charts are covered too.
+    # The border of a chart passes through texel centres, so that thin charts are covered too.
     scale = (np.maximum(cells, 2) - 1) / np.maximum(size, 1e-12)
     local = flat - low[chart][:, None]
     local = np.where(tall[chart][:, None, None], local[:, :, ::-1], local)
@@ -75,7 +76,7 @@ def make_atlas(mesh: Mesh, texel_size: float, max_size: int) -> Atlas:
 
 
 def _charts(faces: np.ndarray, facing: np.ndarray) -> np.ndarray:
-    """Numbers the connected sets of faces with equal facing."""
+    """Labels the connected sets of faces with equal facing."""
     edges = np.sort(np.concatenate([faces[:, [n, (n + 1) % 3]] for n in range(3)]), axis=1)
     owner = np.tile(np.arange(len(faces)), 3)
     code = edges[:, 0] * (int(faces.max()) + 1) + edges[:, 1]

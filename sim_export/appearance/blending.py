@@ -1,9 +1,8 @@
-"""Blends Gaussians into texels, each seen along its surface normal.
+"""Blends Gaussians into texels, each viewed along its surface normal.
 
-Every place is a pixel of an orthographic picture taken along the axis that the surface faces most: the
-Gaussians nearby are projected, filtered as the rasteriser filters them, and blended front to back. So a
-texture shows between samples what a picture shows, edges of materials are smooth, and of two sheets the
-outer one is seen.
+Every place is a pixel of an orthographic view along the dominant axis of its normal. Nearby Gaussians are
+projected, filtered as in the rasteriser, and blended front to back. Textures therefore interpolate between
+samples as renderings do, material edges are antialiased, and the outer of two sheets is visible.
 """
 
 from collections.abc import Iterator
@@ -18,43 +17,44 @@ from artigen.transforms import matrix_from_quat
 from artigen.types import Gaussians
 
 MAX_ALPHA = 0.99
-"""One Gaussian covers a place by at most this share, as in the rasteriser."""
+"""Largest alpha of one Gaussian, as in the rasteriser."""
 EDGE = 0.1
-"""Less than this share of a place is not enough of a Gaussian to tell the height of its sheet."""
+"""Smallest alpha at which a Gaussian counts for the height of the top sheet."""
 PRESENT = 0.1
-"""Heights of Gaussians over a place that add up to less say nothing of it."""
+"""Summed unnormalised density below which the mean opacity at a place is undefined."""
 CLOSED = 1.3
-"""Shares that add up to this are a sheet without gaps."""
+"""Summed alpha from which a sheet counts as closed."""
 CELLS = 64
-"""Cells along each axis, at most, by which Gaussians far from all places are left out."""
+"""Largest number of cells along each axis for discarding Gaussians far from all places."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class BlendConfig:
-    """Which Gaussians count at a place."""
+    """Selection and filtering of Gaussians at a place."""
 
     neighbours: int = 16
-    """Nearest Gaussians looked at per place; fewer leave out what is behind or wide, more take time."""
+    """Nearest Gaussians considered per place; fewer miss hidden or wide ones, more take time."""
     near: float = 0.8
-    """Voxels above or below the surface within which Gaussians count fully."""
+    """Distance (voxels) from the surface within which Gaussians count fully."""
     far: float = 1.6
-    """Voxels beyond which they do not count; in between they fade."""
+    """Distance (voxels) beyond which they do not count; the weight falls linearly in between."""
     filter_variance: float = 0.1
-    """Square texels added to every footprint, opacities falling so that its sum stays."""
+    """Variance (square texels) added to every footprint; opacity is reduced so that the integral is
+    unchanged."""
     flattening: float = 0.5
-    """Weight of the distance across the surface in what is nearest, over that along it."""
+    """Scale of the distance along the viewing axis in the search for nearest Gaussians."""
     rim: float = 0.35
-    """Voxels to which Gaussians are widened, all round, at places that none covers: those on the rim of a
-    mesh that reaches beyond them."""
+    """Smallest radius (voxels) of Gaussians at places that none covers: at the rim of a mesh that extends
+    beyond its Gaussians."""
     least_cover: float = 0.2
-    """Share of a place that Gaussians must hide for it to count as covered."""
+    """Smallest share of a place that Gaussians must hide for it to count as covered."""
     solid: float = 0.5
-    """Mean opacity of the Gaussians at a place below which it is a pane: those of boards have 0.8."""
+    """Mean opacity of the Gaussians at a place below which it is transparent; those of boards have 0.8."""
     sheet: float = 0.04
-    """Voxels; where normals are known, Gaussians of one side further below each other are different sheets,
-    of which the highest is seen."""
+    """Height difference (voxels) beyond which Gaussians with normals belong to different sheets; the highest
+    sheet is visible."""
     least_facing: float = 0.2
-    """Where normals are known: least cosine between a Gaussian's normal and the axis the place faces."""
+    """Smallest cosine between a Gaussian's normal and the viewing axis, if normals are known."""
 
     def __post_init__(self) -> None:
         if not (self.neighbours >= 1 and 0 < self.near < self.far and self.filter_variance >= 0):
@@ -66,7 +66,7 @@ class BlendConfig:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Places:
-    """Points of a surface with its unit normals, in the unit of the Gaussians."""
+    """Surface points with unit normals, in the unit of the Gaussians."""
 
     points: Float[np.ndarray, "T 3"]
     normals: Float[np.ndarray, "T 3"]
@@ -74,21 +74,21 @@ class Places:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Blended:
-    """Colours (sRGB in [0, 1]) at places, how much of each place Gaussians hide, and the mean opacity of
-    those that do (0 where there are none)."""
+    """Colours (sRGB in [0, 1]) at places, the share of each place that Gaussians hide, and their mean opacity
+    (0 if there are none)."""
 
     colors: Float[np.ndarray, "T 3"]
     cover: Float[np.ndarray, "T"]
     opacity: Float[np.ndarray, "T"]
 
     def find_panes(self, solid: float) -> Bool[np.ndarray, "T"]:
-        """Places whose Gaussians are less opaque than that, on the mean."""
+        """Places whose Gaussians have a mean opacity below ``solid``."""
         return (self.opacity > 0) & (self.opacity < solid)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Sheet:
-    """Gaussians that are looked at along one axis, and the places that are looked at."""
+    """Gaussians and places of one viewing axis."""
 
     places: Places
     means: Float[np.ndarray, "N 3"]
@@ -99,7 +99,7 @@ class _Sheet:
     normals: Float[np.ndarray, "N 3"] | None
     axis: int
     variance: float
-    """What the filter adds to every footprint."""
+    """Variance that the filter adds to every footprint."""
 
 
 def blend_places(
@@ -111,16 +111,16 @@ def blend_places(
     normals: Float[np.ndarray, "N 3"] | None = None,
     cfg: BlendConfig | None = None,
 ) -> Blended:
-    """Colours at places of a surface, sRGB values being blended as in pictures of splats.
+    """Colours at surface points; blending happens in sRGB, as when rendering splats.
 
     Args:
-        places: Where to look.
-        gaussians: What may be seen there.
-        voxel: Edge of a voxel; how far the surface may be from the Gaussians.
-        texel: Distance between places; the filter's width.
-        normals: Outward directions of the Gaussians, where they have a front: only those that face the way
-            of a place are seen there, so that sheets of two colours may lie in one place.
-        cfg: What counts.
+        places: Points to colour.
+        gaussians: Gaussians that may be visible there.
+        voxel: Edge of a voxel; scales the largest distance between surface and Gaussians.
+        texel: Distance between places; the width of the filter.
+        normals: Outward directions of one-sided Gaussians. A place sees only those that face its way, so that
+            sheets of two colours may coincide.
+        cfg: Selection and filtering.
     """
     cfg = cfg or BlendConfig()
     colors, (cover, opacity) = np.zeros((len(places.points), 3)), np.zeros((2, len(places.points)))
@@ -154,10 +154,10 @@ def blend_places(
 def find_near(
     points: Float[np.ndarray, "N 3"], places: Float[np.ndarray, "T 3"], reach: float
 ) -> Bool[np.ndarray, "N"]:
-    """Points that may lie within ``reach`` of some place: all that do, and few others.
+    """Points that may lie within ``reach`` of a place: a superset with few others.
 
-    Those are the points in the cells of places and in the cells beside these; a cell is no smaller than
-    ``reach``, and there are at most ``CELLS`` along each axis.
+    These are the points in the cells of places and in adjacent cells. A cell is no smaller than ``reach``,
+    and there are at most ``CELLS`` along each axis.
     """
     if not len(places):
         return np.zeros(len(points), dtype=bool)
@@ -185,7 +185,8 @@ def _pair_sides(
     ahead: Float[np.ndarray, "N"],
     least: float,
 ) -> Iterator[tuple[Int[np.ndarray, "M"], Int[np.ndarray, "K"]]]:
-    """Places that face along an axis, and the Gaussians they may see: those that face their way, or all."""
+    """Places that face along an axis, paired with the Gaussians on their side, or with all if these have no
+    normals."""
     if np.isnan(ahead).all():
         yield np.flatnonzero(facing), np.arange(len(ahead))
         return
@@ -194,7 +195,7 @@ def _pair_sides(
 
 
 def _project(sheet: _Sheet, rows: Int[np.ndarray, "M"], least: float = 0.0) -> Float[np.ndarray, "M 4"]:
-    """Footprints of some Gaussians of a sheet, made no thinner than ``least``.
+    """Footprints of some Gaussians of a sheet, with radii of at least ``least``.
 
     Conics ``a, b, c`` of their projections along its axis, and opacities, both after the filter.
     """
@@ -241,7 +242,7 @@ def _blend_rows(
     footprints: Float[np.ndarray, "N 4"],
     reach: tuple[float, BlendConfig],
 ) -> Blended:
-    """What some places look like by the Gaussians listed for each, front to back."""
+    """Blends the Gaussians listed for each place, front to back."""
     voxel, cfg = reach
     there: Bool[np.ndarray, "M K"] = index < len(sheet.means)
     index = np.where(there, index, 0)
@@ -271,14 +272,14 @@ def _blend_rows(
 
 
 def _columns(values: Float[np.ndarray, "N D"]) -> Float[np.ndarray, "D N"]:
-    """The columns, each contiguous, since picking from them is several times faster than picking rows."""
+    """The columns as contiguous rows; gathering from them is several times faster."""
     return np.ascontiguousarray(values.T)
 
 
 def _weigh_in_order(
     alpha: Float[np.ndarray, "M K"], heights: Float[np.ndarray, "M K"]
 ) -> Float[np.ndarray, "M K"]:
-    """How much of each Gaussian is seen when they are blended from the highest down."""
+    """Contribution of each Gaussian when blended from the highest down."""
     order = np.argsort(-heights, axis=1)
     weight = np.take_along_axis(alpha, order, axis=1)
     left = np.cumprod(1.0 - weight, axis=1)
@@ -291,10 +292,10 @@ def _weigh_in_order(
 def _weigh_sheets(
     alpha: Float[np.ndarray, "M K"], heights: Float[np.ndarray, "M K"], sheet: float
 ) -> Float[np.ndarray, "M K"]:
-    """The same where Gaussians are parts of opaque sheets: gaps between those of one sheet are closed.
+    """Contribution of each Gaussian when they form opaque sheets; gaps within one sheet are closed.
 
-    Heights above the place along their own normals are equal within a sheet, slanted or not. Those of the
-    highest sheet share what it covers; the others show where it ends.
+    Heights above the place along the Gaussians' own normals are equal within a sheet, even if it is slanted.
+    Gaussians of the highest sheet share the area that it covers; lower ones are visible in the rest.
     """
     highest = np.where(alpha > EDGE, heights, -np.inf).max(axis=1, keepdims=True)
     top = np.where(heights >= highest - sheet, alpha, 0.0)

@@ -1,8 +1,8 @@
 """Shared textures: one image per set of finishes, mapped by coordinates in metres.
 
-`make_sheet` stacks a band per finish; a band is as large as furniture gets and shows the finish as it looks
-from board to board, whatever the object. A part's faces are laid flat into the bands along their grain, so
-that parts with the same finishes have the same image, byte for byte, however many objects there are.
+`make_sheet` stacks one band per finish. A band is as large as the largest furniture part and does not depend
+on the object. The faces of a part are laid into the bands along their grain. Parts with the same finishes
+therefore share an image, byte for byte, across objects.
 """
 
 from dataclasses import dataclass, replace
@@ -19,26 +19,26 @@ from sim_export.package import Mesh
 WIDTH = 256
 """Texels of a sheet along the grain."""
 LENGTH = 2.56
-"""Metres that the width of a sheet stands for."""
+"""Length (metres) of the width of a sheet."""
 COLORS = 256
-"""Colours of a sheet at most, so that its file holds one byte per texel."""
+"""Largest number of colours of a sheet, so that its file uses one byte per texel."""
 EVEN_ROWS = 4
-"""Rows of a band that is one colour."""
+"""Rows of a band of one colour."""
 MARGIN = 1.0
-"""Texels between what is laid into a band and the next band."""
+"""Distance (texels) of mapped faces from the edge of a band."""
 PATTERNS: dict[int, FinishKind] = {1: "wood", 2: "steel", 3: "stone"}
 ROWS = {1: (320, 0.004), 2: (128, 0.010), 3: (128, 0.010)}
-"""Rows of a band with a pattern, and metres across the grain that each stands for."""
+"""For patterned bands: the number of rows, and the size (metres) of a row across the grain."""
 DARKEST = 1
-"""What is black in a texture has none (V106)."""
+"""Darkest level of a texel; V106 treats black as missing."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Look:
-    """What decides the band of a finish: its pattern and colours, not the boards cut from it."""
+    """Properties of a finish that determine its band: pattern and colours, but not the boards cut from it."""
 
     pattern: int
-    """As in `artigen.shapes.surfaces.textures.PATTERN_OF`; 0 and 4 are one colour."""
+    """As in `artigen.shapes.surfaces.textures.PATTERN_OF`; 0 and 4 have one colour."""
     color: Color
     accent: Color
     period: float
@@ -51,7 +51,7 @@ class Look:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Sheet:
-    """An image with a band per look, from top to bottom."""
+    """An image with one band per look, from top to bottom."""
 
     image: UInt8[np.ndarray, "H W 3"]
     starts: tuple[int, ...]
@@ -59,7 +59,7 @@ class Sheet:
 
 
 def even_color(look: Look) -> Color:
-    """The mean of what a finish without a pattern shows."""
+    """Mean visible colour of a finish without a pattern."""
     share = 0.5 if look.pattern else 0.0
     red, green, blue = (
         float(np.clip(a + share * (b - a), 0.0, 1.0)) for a, b in zip(look.color, look.accent, strict=True)
@@ -68,13 +68,13 @@ def even_color(look: Look) -> Color:
 
 
 def lay_shared(mesh: Mesh, rows: Int[np.ndarray, "F"], table: PaintTable, offset: np.ndarray) -> Mesh:
-    """The mesh with the image that its finishes share, or in its plain colour where it has but one.
+    """Maps a mesh to the image that its finishes share, or gives it one colour if its finish has no pattern.
 
     Args:
         mesh: A part, metres.
         rows: Row of ``table`` that each face shows.
         table: The paint of the object, see `artigen.shapes.surfaces.textures.make_paint`.
-        offset: From the mesh's frame to that of the table (m).
+        offset: Translation from the mesh's frame to that of the table (m).
     """
     looks = {int(row): _look(table, int(row)) for row in np.unique(rows)}
     ordered = tuple(sorted(set(looks.values()), key=lambda look: (look.pattern, look.color, look.accent)))
@@ -94,7 +94,7 @@ def lay_shared(mesh: Mesh, rows: Int[np.ndarray, "F"], table: PaintTable, offset
 
 
 def _boards(rows: np.ndarray, facing: np.ndarray) -> list[tuple[np.ndarray, int, int]]:
-    """Faces of one row that are laid flat along one axis."""
+    """Groups faces by paint row and facing axis."""
     code, where = np.unique(3 * rows + facing, return_inverse=True)
     return [
         (np.flatnonzero(where == index), int(value) // 3, int(value) % 3) for index, value in enumerate(code)
@@ -104,9 +104,9 @@ def _boards(rows: np.ndarray, facing: np.ndarray) -> list[tuple[np.ndarray, int,
 def _place(
     flat: Float[np.ndarray, "G 3 2"], look: Look, sheet: Sheet, band: int, *, seed: int
 ) -> Float[np.ndarray, "G 3 2"]:
-    """Texture coordinates of the faces of one board; what is larger than the band shrinks to fit.
+    """Texture coordinates of the faces of one board, scaled down if it exceeds the band.
 
-    Where in the band a board is cut out follows from its seed.
+    The seed determines the position of the board in the band.
     """
     height = sheet.image.shape[0]
     rows, across = ROWS.get(look.pattern, (EVEN_ROWS, LENGTH / EVEN_ROWS))
@@ -137,7 +137,7 @@ def _look(table: PaintTable, row: int) -> Look:
 
 @lru_cache(maxsize=256)
 def make_sheet(looks: tuple[Look, ...]) -> Sheet:
-    """The image of a set of finishes; equal sets give equal bytes, at most `COLORS` colours each."""
+    """The image of a set of finishes; equal sets give equal bytes, with at most `COLORS` colours each."""
     bands = [_band(look) for look in looks]
     starts = np.cumsum([0, *(len(band) for band in bands)])
     image = _reduce(np.concatenate(bands, axis=0), COLORS)
@@ -163,7 +163,7 @@ def _band(look: Look) -> UInt8[np.ndarray, "R W 3"]:
 
 
 def _reduce(image: UInt8[np.ndarray, "H W 3"], colors: int) -> UInt8[np.ndarray, "H W 3"]:
-    """The image in at most so many colours, without dithering."""
+    """Quantises the image to at most ``colors`` colours, without dithering."""
     from PIL import Image
 
     reduced = Image.fromarray(image).quantize(colors, Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)

@@ -13,14 +13,14 @@ from sim_export.package import Link, SimPackage
 from sim_export.physics.links import link_names, link_owners
 
 MOST_DISCS = 200_000
-"""Surface samples that become Gaussians of a package; as many take 14 MB."""
+"""Largest number of surface samples converted to Gaussians; this many take 14 MB."""
 
 
 def splat_package(package: SimPackage, asset: Asset, cfg: SurfaceSplatConfig | None = None) -> SimPackage:
-    """The package with discs on the asset's sampled surface as its Gaussians, on record.
+    """Adds one disc per surface sample of the asset as Gaussians of the package, and a record.
 
     Raises:
-        ValueError: If the asset has no surface samples, or too few to tell how far apart they are.
+        ValueError: If the asset has no surface samples, or too few to estimate their spacing.
     """
     if asset.surface is None:
         raise ValueError(f"asset {asset.name!r} has no surface samples to make Gaussians of")
@@ -37,7 +37,7 @@ def attach_splats(links: Sequence[Link], asset: Asset) -> tuple[Link, ...]:
         ValueError: If the asset has no Gaussians.
     """
     if asset.gaussians is None:
-        raise ValueError(f"asset {asset.name!r} has no Gaussians to show")
+        raise ValueError(f"asset {asset.name!r} has no Gaussians")
     metres = scale_gaussians(asset.gaussians, asset.scale)
     names = link_names(asset)
     owner = np.array([names[leader] for leader in link_owners(asset)])[metres.part_ids]

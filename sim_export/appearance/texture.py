@@ -1,9 +1,9 @@
 """Bakes the colours of Gaussians or surface samples into textures of part meshes.
 
-Vertex colours are ignored by the engines we write for, so every mesh gets an image. Each texel shows the
-Gaussians of its own part as they are seen from straight outside (`sim_export.appearance.blending`), inside
-of drawers and cabinets too; panes are as clear as their Gaussians. Surface samples become discs first. Texels
-that nothing covers take the colour of the nearest covered one of the part, and are counted.
+The supported engines ignore vertex colours, so every mesh gets an image. Each texel shows the Gaussians of
+its own part as seen along the surface normal (`sim_export.appearance.blending`), also inside drawers and
+cabinets. Panes are as transparent as their Gaussians. Surface samples are converted to discs first. Uncovered
+texels take the colour of the nearest covered texel of the part, and are counted.
 """
 
 from collections.abc import Sequence
@@ -25,29 +25,29 @@ from sim_export.appearance.blending import BlendConfig, Places, blend_places
 from sim_export.package import Mesh
 
 DARKEST = 4
-"""Darkest level of a texel: pure black means that nobody coloured it."""
+"""Darkest level of a texel; pure black marks texels that were not painted."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class TextureConfig:
-    """Resolution of textures, and what a texel shows."""
+    """Resolution and colouring of textures."""
 
     texels_per_voxel: float = 2.5
-    """Texels along the edge of a voxel; samples are seldom dense enough for more than three."""
+    """Texels along the edge of a voxel; samples are rarely dense enough for more than three."""
     max_size: int = 512
-    """Longest side of an image, texels; larger parts get larger texels."""
+    """Longest side of an image in texels; larger parts get larger texels."""
     uniform_range: int = 3
-    """A part whose colours span at most this many of 255 levels gets a plain colour, no image."""
+    """Colour range (of 255 levels) up to which a part gets one colour instead of an image."""
     max_samples: int = 300_000
-    """Surface samples used per object; more cost time and are finer than the texels."""
+    """Surface samples used per object; more take time without adding detail at texel size."""
     speck: int = 24
-    """Levels by which a texel may differ from those around it before it counts as a speck."""
+    """Difference (levels) from the surrounding texels above which a texel counts as a speck."""
     blend: BlendConfig = field(default_factory=BlendConfig)
-    """Which Gaussians count at a texel."""
+    """Selection of Gaussians at a texel."""
     discs: SurfaceSplatConfig = field(
         default_factory=lambda: SurfaceSplatConfig(spread=0.6, edge=1.0, neighbours=4, widest=2.0, apart=0.0)
     )
-    """Discs made of surface samples: round ones, since what stands over an edge lies beside the mesh."""
+    """Discs for surface samples; round also at edges, where their overhang lies beside the mesh."""
 
     def __post_init__(self) -> None:
         if not self.texels_per_voxel > 0:
@@ -58,7 +58,7 @@ class TextureConfig:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class BakedMesh:
-    """A mesh with its colours, and how many texels there are and how many Gaussians covered."""
+    """A coloured mesh, with the number of texels and of those covered by Gaussians."""
 
     mesh: Mesh
     texels: int = 0
@@ -67,7 +67,7 @@ class BakedMesh:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class BakedParts:
-    """The meshes of all parts with their colours; ``records`` says what was covered and what was not."""
+    """The coloured meshes of all parts; ``records`` states the coverage."""
 
     meshes: tuple[Mesh, ...]
     records: tuple[str, ...]
@@ -81,16 +81,16 @@ def bake_mesh(
     normals: Float[np.ndarray, "N 3"] | None = None,
     cfg: TextureConfig | None = None,
 ) -> BakedMesh:
-    """The mesh with texture coordinates and an image, or with a plain colour if that is all there is.
+    """Textures a mesh with an image, or gives it one colour if its Gaussians have only one.
 
     Every texel of the image is filled, also between charts.
 
     Args:
         mesh: The surface of a part.
-        gaussians: Those of the part, in the mesh's frame and unit.
-        voxel: Edge of a voxel, in the same unit; texels and reach follow from it.
-        normals: Outward directions of the Gaussians, if they have a front.
-        cfg: Resolution, and which Gaussians count.
+        gaussians: Gaussians of the part, in the mesh's frame and unit.
+        voxel: Edge of a voxel, in the same unit; determines the texel size and the search radius.
+        normals: Outward directions of the Gaussians, if they are one-sided.
+        cfg: Resolution and selection of Gaussians.
 
     Raises:
         ValueError: If there are no Gaussians, or the charts of the mesh do not fit into an image.
@@ -110,14 +110,14 @@ def bake_mesh(
     pane = seen.find_panes(cfg.blend.solid)
     colors, covered = seen.colors.copy(), (seen.cover >= cfg.blend.least_cover) | pane
     if normals is not None and not covered.all():
-        # A lone sheet colours both sides of its wall.
+        # A single sheet colours both sides of its wall.
         rest = Places(points=places.points[~covered], normals=places.normals[~covered])
         behind = blend_places(rest, gaussians, voxel=voxel, texel=texel, cfg=cfg.blend)
         colors[~covered], covered[~covered] = behind.colors, behind.cover >= cfg.blend.least_cover
     if not covered.any():
         return BakedMesh(mesh=plain, texels=len(covered))
     filled = _fill(colors, covered, places.points)
-    if pane.any():  # one looks through two sides of a pane: each hides a share of what both do
+    if pane.any():  # light passes two sides of a pane, so each side gets half of the optical depth
         cover = np.where(pane, 1.0 - np.sqrt(1.0 - seen.cover.clip(0.0, 1.0)), 1.0)
         filled = np.concatenate([filled, cover[:, None]], axis=1)
     image = np.rint(255.0 * np.clip(filled, 0.0, 1.0)).astype(np.uint8)
@@ -130,8 +130,8 @@ def bake_mesh(
 def bake_parts(asset: Asset, meshes: Sequence[Mesh], cfg: TextureConfig | None = None) -> BakedParts:
     """Textures for the meshes of all parts (metres), from the asset's Gaussians or else its surface samples.
 
-    A part without any of its own keeps its mesh's plain colour, on record. Raises `ValueError` when the
-    asset has neither.
+    A part without either keeps its mesh's colour, and a record says so. Raises `ValueError` if the asset has
+    neither.
     """
     cfg = cfg or TextureConfig()
     gaussians, normals = _find_gaussians(asset, cfg)
@@ -141,7 +141,7 @@ def bake_parts(asset: Asset, meshes: Sequence[Mesh], cfg: TextureConfig | None =
     for index, (part, mesh) in enumerate(zip(asset.parts, meshes, strict=True)):
         rows = np.flatnonzero(gaussians.part_ids == index)
         if not len(rows):
-            records.append(f"{part.name}: nothing says its colour, which stays plain")
+            records.append(f"{part.name}: no colour samples; its default colour is kept")
             baked.append(BakedMesh(mesh=mesh))
             continue
         facing = None if normals is None else normals[rows]
@@ -152,15 +152,15 @@ def bake_parts(asset: Asset, meshes: Sequence[Mesh], cfg: TextureConfig | None =
         source = "surface samples" if asset.gaussians is None else "Gaussians"
         records.append(
             f"textures: {source} of the own part cover {100.0 * covered / texels:.2f} % of {texels} texels; "
-            "the others have the colour of the nearest"
+            "the others take the colour of the nearest"
         )
     return BakedParts(meshes=tuple(one.mesh for one in baked), records=tuple(records))
 
 
 def color_atlas(mesh: Mesh, atlas: Atlas, colors: UInt8[np.ndarray, "T C"]) -> Mesh:
-    """The mesh with an image in which every covered texel has its colour, and others that of the nearest.
+    """Adds an image with the colours of the covered texels; the others take the colour of the nearest.
 
-    A fourth channel says how opaque texels are; single ones that differ from all around them do not stay.
+    An optional fourth channel is the opacity; a median filter removes isolated values.
     """
     image = np.zeros((*atlas.shape, colors.shape[1]), dtype=np.uint8)
     image[tuple(atlas.texels.T)] = np.maximum(colors, DARKEST)
@@ -177,9 +177,9 @@ def color_atlas(mesh: Mesh, atlas: Atlas, colors: UInt8[np.ndarray, "T C"]) -> M
 
 
 def _without_specks(image: UInt8[np.ndarray, "H W 3"], least: int) -> UInt8[np.ndarray, "H W 3"]:
-    """Texels that differ from the median of the nine around them by more than ``least`` levels get that.
+    """Replaces texels that differ from their 3x3 median by more than ``least`` levels with the median.
 
-    Where sheets of different colours lie close together, the odd texel has no sample of the outer one.
+    Where sheets of different colours lie close together, some texels have no sample of the outer one.
     """
     median = ndimage.median_filter(image, size=(3, 3, 1), mode="nearest")
     odd = np.abs(image.astype(np.int16) - median).max(axis=2) > least
@@ -187,7 +187,7 @@ def _without_specks(image: UInt8[np.ndarray, "H W 3"], least: int) -> UInt8[np.n
 
 
 def _find_gaussians(asset: Asset, cfg: TextureConfig) -> tuple[Gaussians, Float[np.ndarray, "N 3"] | None]:
-    """Gaussians in metres, and their outward directions where they have a front."""
+    """Gaussians in metres, and their outward directions if they are one-sided."""
     if asset.gaussians is not None:
         return scale_gaussians(asset.gaussians, asset.scale), None
     if asset.surface is None:
@@ -199,7 +199,7 @@ def _find_gaussians(asset: Asset, cfg: TextureConfig) -> tuple[Gaussians, Float[
 
 
 def _texel_places(mesh: Mesh, atlas: Atlas) -> Places:
-    """Where the texels lie on the mesh, and the normals of their faces."""
+    """Positions of the texels on the mesh, and the normals of their faces."""
     triangles = mesh.vertices[mesh.faces]
     normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
@@ -209,7 +209,7 @@ def _texel_places(mesh: Mesh, atlas: Atlas) -> Places:
 def _fill(
     colors: Float[np.ndarray, "T 3"], covered: Bool[np.ndarray, "T"], points: Float[np.ndarray, "T 3"]
 ) -> Float[np.ndarray, "T 3"]:
-    """Colours where texels that nothing covers have that of the nearest covered one."""
+    """Fills uncovered texels with the colour of the nearest covered one."""
     if covered.all():
         return colors
     filled = colors.copy()

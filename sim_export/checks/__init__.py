@@ -1,8 +1,8 @@
 """Static checks of a package folder: files (L0), geometry (L1) and motion (L2), without a simulator.
 
-docs/reference/checks.md lists every check with its threshold, where it applies and why. `run_checks` and
-`CHECKS` are in `sim_export.checks.suite`; they are not imported here, so that readers of packages can use the
-URDF parser, and other processes the settings, without loading the checks or SciPy.
+docs/reference/checks.md lists every check with its threshold, scope and rationale. `run_checks` and `CHECKS`
+are in `sim_export.checks.suite`. They are not imported here, so that package readers can use the URDF parser,
+and other processes the settings, without loading the checks or SciPy.
 """
 
 from importlib import import_module

@@ -12,11 +12,11 @@ from sim_export.files.obj import parse_mtl, read_image
 from sim_export.geometry.sampling import triangle_areas
 
 _SPOTS = np.array([[1, 1, 1], [4, 1, 1], [1, 4, 1], [1, 1, 4]]) / np.array([[3], [6], [6], [6]])
-"""Where each face is looked at: its centre and half-way to the corners (barycentric)."""
+"""Sample points on each face: its centre, and halfway to the corners (barycentric)."""
 
 
 def has_texture(subject: Subject) -> str:
-    """Applies where our own meshes have a texture."""
+    """Applies if a mesh that we made has a texture."""
     reason = own_visuals(subject)
     if reason or any(_image_of(subject, shape) for shape in subject.visuals):
         return reason
@@ -24,7 +24,7 @@ def has_texture(subject: Subject) -> str:
 
 
 def check_texture(subject: Subject, cfg: CheckConfig) -> Finding:
-    """V106: every face has its place on the texture, and what is there is not black, outside and inside."""
+    """V106: every face is mapped to an area of the texture that is not black, outside and inside."""
     shares = {}
     images: dict[str, np.ndarray] = {}
     for shape in subject.visuals:
@@ -56,7 +56,7 @@ def _image_of(subject: Subject, shape: Shape) -> str:
 
 
 def _shown(shape: Shape, image: np.ndarray) -> float:
-    """Share of the surface that has texture coordinates with an extent and a color that is not black."""
+    """Share of the surface with non-degenerate texture coordinates and a colour that is not black."""
     faces = np.concatenate([group.uv_faces for group in shape.obj.groups])
     area = triangle_areas(shape.triangles)
     placed = (faces >= 0).all(axis=1)

@@ -17,7 +17,7 @@ from sim_export.files.write import MANIFEST, manifest_problems
 from sim_export.package import URDF_JOINT_TYPES
 
 LATER = ("validation.json",)
-"""Written by validation itself, hence in no manifest and used by no file."""
+"""Files that validation writes, which are in no manifest and referenced by no file."""
 
 SIDECARS = (
     "annotations.json",
@@ -50,11 +50,11 @@ def check_tree(subject: Subject, cfg: CheckConfig) -> Finding:
 
 
 def check_schema(subject: Subject, cfg: CheckConfig) -> Finding:
-    """V002: yourdfpy, a reader that is not ours, finds the URDF complete and every mesh file present."""
+    """V002: yourdfpy, an independent reader, parses the URDF completely and finds every mesh file."""
     from lxml.etree import LxmlError
     from yourdfpy import URDF
 
-    assert subject.urdf.path.name == MAIN_URDF  # read safely before: yourdfpy would expand entities
+    assert subject.urdf.path.name == MAIN_URDF  # parsed safely before; yourdfpy would expand entities
     try:
         robot = URDF.load(
             str(subject.folder / MAIN_URDF),
@@ -73,7 +73,7 @@ def check_schema(subject: Subject, cfg: CheckConfig) -> Finding:
 
 
 def check_paths(subject: Subject, cfg: CheckConfig) -> Finding:
-    """V003: every path is relative, inside the folder and there; every file is used by something."""
+    """V003: every path is relative, inside the folder and exists; every file is referenced."""
     problems: Problems = []
     used = {MAIN_URDF}
     for name, urdf in subject.urdfs.items():
@@ -94,7 +94,7 @@ def check_paths(subject: Subject, cfg: CheckConfig) -> Finding:
 
 
 def _follow(subject: Subject, owner: str, reference: str, problems: Problems) -> set[str]:
-    """The file a reference means, and what that file refers to; problems are appended."""
+    """Resolves a reference and, recursively, the references of its file; appends problems."""
     file = _resolve(subject, owner, reference, problems)
     if not file:
         return set()
@@ -109,7 +109,7 @@ def _follow(subject: Subject, owner: str, reference: str, problems: Problems) ->
 
 
 def _resolve(subject: Subject, owner: str, reference: str, problems: Problems) -> str:
-    """The referenced file relative to the folder, or "" with a problem."""
+    """Path of the referenced file relative to the folder; "" after reporting a problem."""
     fault = ""
     path = posixpath.normpath(posixpath.join(posixpath.dirname(owner), reference))
     if not reference:
@@ -151,7 +151,7 @@ def _mjcf_files(subject: Subject, name: str, problems: Problems) -> set[str]:
 
 
 def check_joint_types(subject: Subject, cfg: CheckConfig) -> Finding:
-    """V004: only joint types that every engine knows."""
+    """V004: only joint types that every engine supports."""
     problems = [
         (
             joint.name,
@@ -168,12 +168,12 @@ def _moving(subject: Subject) -> list[UrdfJoint]:
 
 
 def has_moving_joints(subject: Subject) -> str:
-    """Applies where something can move."""
+    """Applies if the package has a moving joint."""
     return "" if _moving(subject) else "no joint moves"
 
 
 def check_limits(subject: Subject, cfg: CheckConfig) -> Finding:
-    """V005: finite limits with 0 the lower one, unit axes, ranges that fit the object."""
+    """V005: finite limits with lower limit 0, unit axes, and ranges that fit the object."""
     problems: Problems = []
     for joint in _moving(subject):
         length = float(np.linalg.norm(joint.axis))
@@ -208,7 +208,7 @@ def _range_faults(subject: Subject, joint: UrdfJoint, cfg: CheckConfig) -> list[
 
 
 def check_counts(subject: Subject, cfg: CheckConfig) -> Finding:
-    """V006: few enough links and hulls for PhysX."""
+    """V006: the numbers of links and hulls stay within what PhysX handles."""
     links = subject.urdf.links
     if not links:
         return count_problems([(MAIN_URDF, f"{MAIN_URDF}: has no links")], "")
@@ -230,7 +230,7 @@ def check_counts(subject: Subject, cfg: CheckConfig) -> Finding:
 
 
 def is_package(subject: Subject) -> str:
-    """Applies to our packages, also to those that have lost a file."""
+    """Applies to our packages, even if files are missing."""
     return "" if subject.is_package else "the folder is not a package of ours and has no manifest"
 
 

@@ -13,18 +13,18 @@ from sim_export.geometry.sampling import triangle_areas
 from sim_export.package import Hull
 
 _FILE_PRECISION = 2e-6
-"""Coordinates are written in micrometres."""
+"""Precision of coordinates in files (m), which are written in micrometres."""
 
 
 def own_visuals(subject: Subject) -> str:
-    """Applies to visual meshes that we made; artwork kept from a source is shown as it is."""
+    """Applies to visual meshes that we made, not to those copied from a source."""
     if subject.visual_source == "voxels":
         return ""
     return "the visual meshes are the source's own and serve only to be looked at"
 
 
 def check_visuals(subject: Subject, cfg: CheckConfig) -> Finding:
-    """V101: visual meshes are closed, wound outwards, free of slivers and of moderate size."""
+    """V101: visual meshes are closed, oriented outwards, free of slivers and of moderate size."""
     problems = []
     for shape in subject.visuals:
         problems += [(shape.file, f"{shape.file}: {fault}") for fault in mesh_faults(shape, cfg)]
@@ -34,7 +34,7 @@ def check_visuals(subject: Subject, cfg: CheckConfig) -> Finding:
 
 
 def mesh_faults(shape: Shape, cfg: CheckConfig) -> list[str]:
-    """What is wrong with one visual mesh, one sentence each."""
+    """Faults of one visual mesh, one sentence each."""
     faces = shape.faces
     if not len(faces):
         return ["has no faces"]
@@ -42,7 +42,7 @@ def mesh_faults(shape: Shape, cfg: CheckConfig) -> list[str]:
     if len(faces) > cfg.max_faces:
         faults.append(f"has {len(faces)} faces, allowed are {cfg.max_faces}")
     open_edges = count_open_edges(faces)
-    if open_edges:  # a writer may split vertices along texture seams; the surface is still closed
+    if open_edges:  # a writer may split vertices along texture seams of a closed surface
         faces = _merge_vertices(shape.vertices, faces)
         open_edges = count_open_edges(faces)
     if open_edges:
@@ -68,7 +68,8 @@ def _topology_faults(shape: Shape, faces: np.ndarray) -> list[str]:
 
 
 def count_open_edges(faces: np.ndarray) -> int:
-    """Edges not passed equally often in both directions: 0 for a closed, consistently wound surface."""
+    """Edges with unequal numbers of traversals per direction: 0 for a closed, consistently oriented
+    surface."""
     start, end = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
     low, high = np.minimum(start, end), np.maximum(start, end)
     _, edge = np.unique(low * (faces.max() + 1) + high, return_inverse=True)
@@ -108,12 +109,12 @@ def _sliver_mask(triangles: np.ndarray, ratio: float) -> np.ndarray:
 
 
 def has_collision(subject: Subject) -> str:
-    """Applies where there is collision geometry."""
+    """Applies if the package has collision geometry."""
     return "" if any(link.collisions for link in subject.links.values()) else "no link has collision geometry"
 
 
 def check_hulls(subject: Subject, cfg: CheckConfig) -> Finding:
-    """V102: every collision shape is one convex hull that PhysX takes as it is, on a GPU too."""
+    """V102: every collision shape is one convex hull that PhysX accepts unchanged, also on a GPU."""
     problems = []
     for shape, hull in zip(subject.collisions, subject.hulls, strict=True):
         where = f"{shape.link}: {shape.file}"
@@ -125,7 +126,7 @@ def check_hulls(subject: Subject, cfg: CheckConfig) -> Finding:
 
 
 def hull_faults(shape: Shape, hull: Hull | None, cfg: CheckConfig) -> list[str]:
-    """What is wrong with one collision mesh, one sentence each."""
+    """Faults of one collision mesh, one sentence each."""
     if hull is None:
         return [f"has {len(shape.vertices)} vertices without volume"]
     faults = []
@@ -154,19 +155,19 @@ def _volume(vertices: np.ndarray, faces: np.ndarray) -> float:
 
 
 def carrier(subject: Subject, link: str) -> str | None:
-    """The nearest ancestor that can be touched; a screw's carrier cannot."""
+    """The nearest ancestor with collision geometry, skipping the intermediate link of a screw."""
     return next((name for name in subject.ancestors(link) if subject.hull_sets[name].hulls), None)
 
 
 def has_carried_links(subject: Subject) -> str:
-    """Applies where a link with geometry hangs from another one."""
+    """Applies if a link with geometry is attached to another one."""
     if any(carrier(subject, name) for name in subject.links if subject.hull_sets[name].hulls):
         return ""
     return "no link with collision geometry hangs from another one"
 
 
 def check_attached(subject: Subject, cfg: CheckConfig) -> Finding:
-    """V104: at rest every link is within reach of the link that carries it."""
+    """V104: at rest every link is within a small distance of its carrier."""
     gaps = {}
     for name, hulls in subject.hull_sets.items():
         parent = carrier(subject, name)
@@ -195,7 +196,7 @@ def rest_gap(first: HullSet, second: HullSet, near: float, far: float) -> float:
 
 
 def check_floor(subject: Subject, cfg: CheckConfig) -> Finding:
-    """V105: collision geometry reaches as far down as what is seen."""
+    """V105: collision geometry and visual geometry reach down equally far."""
     if not subject.visuals:
         raise PackageError("no link has a visual mesh to compare the collision geometry with")
     seen = min((float(s.vertices[:, 2].min()), s.link) for s in subject.visuals if len(s.vertices))

@@ -1,8 +1,8 @@
-"""Cells that a triangle surface crosses, encloses, or leaves as cavities.
+"""Voxelises triangle surfaces: cells that a surface crosses or encloses, and cavities.
 
-A column is the line through the centres of cells along one axis. Where it crosses a triangle, the
-direction of the crossing says whether it enters or leaves a solid, so the winding number of every
-cell centre follows from one pass over all triangles, overlapping and nested shells included.
+A column is the line through the centres of cells along one axis. The direction of each crossing with a
+triangle tells whether the column enters or leaves a solid. One pass over all triangles thus gives the winding
+number of every cell centre, for overlapping and nested shells too.
 """
 
 from dataclasses import dataclass
@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 _SHIFT = np.array([1.37e-4, 2.71e-4, 3.19e-4])
-"""Columns pass this far (in cells) beside the centres, so that they miss edges that lie on them."""
+"""Offset (in cells) of columns from the cell centres, so that they miss axis-aligned edges."""
 _CHUNK = 2_000_000
 
 
@@ -24,7 +24,7 @@ class Grid:
     shape: tuple[int, int, int]
 
     def cells_of(self, points: Float[np.ndarray, "N 3"]) -> Int[np.ndarray, "N 3"]:
-        """The cell each point lies in; points outside get indices outside."""
+        """Indices of the cells that contain the points; points outside get indices out of range."""
         return np.floor((points - self.low) / self.cell).astype(np.int64)
 
 
@@ -37,7 +37,7 @@ def make_grid(bounds: Float[np.ndarray, "2 3"], resolution: int) -> Grid:
 
 
 def fill_solid(triangles: Float[np.ndarray, "F 3 3"], grid: Grid) -> Bool[np.ndarray, "X Y Z"]:
-    """Cells whose centre lies inside closed surfaces oriented outwards; shells may overlap."""
+    """Cells whose centre lies inside closed, outward oriented surfaces; shells may overlap."""
     column, height, sign = column_crossings(triangles, grid, 2)
     nx, ny, nz = grid.shape
     first = np.clip(np.ceil(height - 0.5), 0, nz).astype(np.int64)
@@ -47,7 +47,8 @@ def fill_solid(triangles: Float[np.ndarray, "F 3 3"], grid: Grid) -> Bool[np.nda
 
 
 def mark_surface(triangles: Float[np.ndarray, "F 3 3"], grid: Grid) -> Bool[np.ndarray, "X Y Z"]:
-    """Cells in which a surface crosses a line between neighbouring centres: no step gets through."""
+    """Cells in which a surface crosses a line between neighbouring centres, which leaves no gaps between face
+    neighbours."""
     out = np.zeros(grid.shape, dtype=bool)
     for axis in range(3):
         column, height, _ = column_crossings(triangles, grid, axis)
@@ -62,12 +63,12 @@ def mark_surface(triangles: Float[np.ndarray, "F 3 3"], grid: Grid) -> Bool[np.n
 
 
 def find_cavity(wall: Bool[np.ndarray, "X Y Z"], side: int) -> Bool[np.ndarray, "X Y Z"]:
-    """Free cells that something could be put in: walled in, reachable from outside, and wide enough.
+    """Free cells in which an object could be placed: enclosed, reachable from outside, and wide enough.
 
-    A cell is walled in where ``wall`` cells lie on both sides of it along at least two of the three
-    axes: a drawer has four walls, an open compartment as many or more, the space under a table none.
-    Of these cells those count that a free cube of ``side`` cells can cover. The outermost cells of
-    the grid must be free.
+    A cell is enclosed if ``wall`` cells lie on both sides of it along at least two of the three axes. A
+    drawer has four walls, an open compartment at least four, the space under a table none. Of the enclosed
+    cells, those that a free cube of ``side`` cells can cover are returned. The outermost cells of the grid
+    must be free.
     """
     from scipy.ndimage import label
 
@@ -81,7 +82,7 @@ def find_cavity(wall: Bool[np.ndarray, "X Y Z"], side: int) -> Bool[np.ndarray, 
 
 
 def open_with_cube(cells: Bool[np.ndarray, "X Y Z"], side: int) -> Bool[np.ndarray, "X Y Z"]:
-    """The union of all cubes of ``side`` cells that fit into ``cells``."""
+    """Morphological opening: the union of all cubes of ``side`` cells that fit into ``cells``."""
     corners = cells
     for axis in range(3):
         corners = _combine_shifted(corners, side, axis, np.logical_and)
@@ -92,7 +93,7 @@ def open_with_cube(cells: Bool[np.ndarray, "X Y Z"], side: int) -> Bool[np.ndarr
 
 
 def _combine_shifted(cells: np.ndarray, side: int, axis: int, combine: np.ufunc) -> np.ndarray:
-    """Each cell combined with the next ``side - 1`` ones along an axis; free cells are outside the grid."""
+    """Combines each cell with the next ``side - 1`` cells along an axis; cells outside the grid are free."""
     out = cells.copy()
     done = 1
     while done < side:
@@ -116,7 +117,7 @@ def column_crossings(
     """Column, height in cells above the grid's lowest face, and sign (+1 upward normal) of each crossing."""
     scaled = (triangles - grid.low) / grid.cell
     u, v = _plane(axis)
-    # Axis y makes (x, z, y) left-handed, which turns every sign.
+    # Axis y makes (x, z, y) left-handed, which flips every sign.
     flip = -1.0 if axis == 1 else 1.0
     corners = np.stack(
         [scaled[..., u] - 0.5 - _SHIFT[u], scaled[..., v] - 0.5 - _SHIFT[v], scaled[..., axis]], -1
@@ -136,7 +137,7 @@ def column_crossings(
 
 
 def _chunks(count: np.ndarray) -> list[np.ndarray]:
-    """Triangle numbers, each repeated once per column of its box, a bounded number at a time."""
+    """Triangle indices in chunks of bounded size, each repeated once per column of its box."""
     rows = np.flatnonzero(count)
     total = np.cumsum(count[rows])
     groups = np.split(rows, np.flatnonzero(np.diff(total // _CHUNK)) + 1)

@@ -1,8 +1,8 @@
 """L2: handles can be grasped (V204).
 
-A handle is a visual whose name contains ``handle`` inside the link it opens: the rule by which
-ManiSkill finds it. It is measured as seen, along the direction in which it starts to move; on a door that
-slides in its own plane, upright to the panel.
+A handle is a visual whose name contains ``handle``, in the link that it opens; ManiSkill uses the same rule.
+Its visual mesh is measured along the direction in which it starts to move; for a door that slides in its own
+plane, along the panel normal.
 """
 
 from dataclasses import dataclass
@@ -29,7 +29,7 @@ _DIRECTIONS = np.radians(np.arange(0.0, 180.0, 5.0))
 
 @dataclass(frozen=True, kw_only=True)
 class Grip:
-    """What a hand finds at one handle, in metres; ``clearance`` is infinite where nothing is behind."""
+    """Clearances around one handle, in metres; ``clearance`` is infinite if there is nothing behind it."""
 
     front: float
     clearance: float
@@ -38,7 +38,7 @@ class Grip:
 
 
 def handle_joints(subject: Subject) -> list[PackageJoint]:
-    """Joints of doors and drawers; wheels, knobs and buttons are handles themselves, trays are lifted."""
+    """Joints of doors and drawers; wheels, knobs and buttons are themselves grasped, and trays are lifted."""
     return opening_joints(subject, ("drawer", "door"), ("prismatic", "revolute"))
 
 
@@ -48,14 +48,14 @@ def handle_shapes(subject: Subject, link: str) -> list[Shape]:
 
 
 def annotated_links(subject: Subject) -> dict[str, int]:
-    """Number of handles that ``annotations.json`` states for each link."""
+    """Number of handles of each link in ``annotations.json``."""
     rows = subject.annotations.get("handles", [])
     names = [row.get("link") for row in rows if isinstance(row, dict)]
     return {name: names.count(name) for name in sorted({str(name) for name in names})}
 
 
 def has_handles(subject: Subject) -> str:
-    """Applies to doors and drawers that have a handle, or are said to have one."""
+    """Applies to doors and drawers that have a handle or an annotated one."""
     joints = handle_joints(subject)
     if not joints:
         return "there is no door or drawer"
@@ -67,7 +67,7 @@ def has_handles(subject: Subject) -> str:
 
 
 def check_handles(subject: Subject, cfg: CheckConfig) -> Finding:
-    """V204: each handle is there, in front of its panel, and can be hooked from behind or pinched."""
+    """V204: each handle exists, lies in front of its panel, and can be hooked from behind or pinched."""
     annotated = annotated_links(subject)
     ratios: dict[str, tuple[float, str]] = {}
     for joint in handle_joints(subject):
@@ -91,7 +91,7 @@ def check_handles(subject: Subject, cfg: CheckConfig) -> Finding:
 
 
 def judge_grip(grip: Grip, name: str, cfg: CheckConfig) -> tuple[float, str]:
-    """The better of the two ways to hold a handle, as a share of the allowed (above 1 fails)."""
+    """Ratio to the allowed value for the better of the two grasps (above 1 fails), and a message."""
     if grip.front <= 0.0:
         return (
             np.inf,
@@ -107,7 +107,7 @@ def judge_grip(grip: Grip, name: str, cfg: CheckConfig) -> tuple[float, str]:
 
 
 def measure_grip(subject: Subject, joint: PackageJoint, handle: Shape) -> Grip:
-    """Measures a handle against the rest of its link, looking at the panel from where the hand comes."""
+    """Measures a handle against the rest of its link, along the approach direction of the hand."""
     center = (handle.vertices.min(axis=0) + handle.vertices.max(axis=0)) / 2.0
     out = _way_out(subject, joint, center)
     frame = _frame_along(out / np.linalg.norm(out))
@@ -123,7 +123,8 @@ def measure_grip(subject: Subject, joint: PackageJoint, handle: Shape) -> Grip:
 
 
 def _way_out(subject: Subject, joint: PackageJoint, center: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3"]:
-    """Out of the panel at a handle: along its first motion, or upright to a door that slides in its plane."""
+    """Outward direction at a handle: its first motion, or the panel normal for a door that slides in its
+    plane."""
     way = velocity_at(joint, center[None])[0]
     panel = panel_points(subject, joint.child)
     if joint.type != "prismatic" or subject.labels.get(joint.child) != "door" or not len(panel):
@@ -143,13 +144,13 @@ def _frame_along(direction: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 3"]:
 
 
 def _least_width(points: np.ndarray) -> float:
-    """Smallest extent seen from the front: what the fingers of a gripper must span."""
+    """Smallest extent in the panel plane, which a gripper must span."""
     across = np.stack([np.cos(_DIRECTIONS), np.sin(_DIRECTIONS)])
     return float(np.ptp(points[:, :2] @ across, axis=0).min())
 
 
 def _gaps(grip: np.ndarray, panel: np.ndarray) -> tuple[float, float]:
-    """Free depth behind the middle of the handle, and how far it stands out of its panel."""
+    """Free depth behind the middle of the handle, and its protrusion from the panel (m)."""
     low, high = grip.min(axis=(0, 1)), grip.max(axis=(0, 1))
     cell = float((high - low)[:2].max()) / _COLUMNS
     shape = np.maximum(np.ceil((high - low)[:2] / cell), 1).astype(int)
@@ -170,7 +171,7 @@ def _gaps(grip: np.ndarray, panel: np.ndarray) -> tuple[float, float]:
 
 
 def _extreme(triangles: np.ndarray, grid: Grid, better: np.ufunc, none: float) -> np.ndarray:
-    """Lowest or highest height at which each column meets triangles (m)."""
+    """Lowest or highest intersection of each column with triangles (m)."""
     column, height, _ = column_crossings(triangles, grid, 2)
     out = np.full(grid.shape[0] * grid.shape[1], none)
     better.at(out, column, height * grid.cell)

@@ -15,15 +15,15 @@ from sim_export.package import Hull, PackageJoint
 
 _SIGHT_LINES = 400
 _FIRST_TURN = 1.0
-"""Rad; a door's corners are followed along the tangent for at most this turn."""
+"""Largest rotation (radians) for which the tangent stands for the motion of a door's points."""
 PARALLEL = 0.5
-"""Cosine above which an axis stands upright on a panel: such a lid screws or spins, it has no edge."""
+"""Cosine between axis and panel normal above which a lid screws or spins and has no hinge edge."""
 _TWIN_SIZE = 0.05
 _TWIN_AXIS_DEGREES = 5.0
 
 
 def opening_joints(subject: Subject, labels: tuple[str, ...], types: tuple[str, ...]) -> list[PackageJoint]:
-    """Joints of some types that move links with one of some labels and with collision geometry."""
+    """Joints of given types whose child link has one of the labels and collision geometry."""
     return [
         joint
         for joint in subject.driven
@@ -34,14 +34,14 @@ def opening_joints(subject: Subject, labels: tuple[str, ...], types: tuple[str, 
 
 
 def panel_joints(subject: Subject) -> list[PackageJoint]:
-    """Drawers that slide and doors that turn between limits; sliding doors go sideways, caps spin."""
+    """Sliding drawers and hinged doors with limits; sliding doors and spinning caps are excluded."""
     return opening_joints(subject, ("drawer",), ("prismatic",)) + opening_joints(
         subject, ("door",), ("revolute",)
     )
 
 
 def has_panels(subject: Subject) -> str:
-    """Applies to drawers that slide and doors that turn."""
+    """Applies to sliding drawers and hinged doors."""
     return "" if panel_joints(subject) else "no drawer slides and no door turns between limits"
 
 
@@ -53,7 +53,7 @@ def velocity_at(joint: PackageJoint, points: Float[np.ndarray, "N 3"]) -> Float[
 
 
 def check_opening(subject: Subject, cfg: CheckConfig) -> Finding:
-    """V203: opening leads out of the body, and a hinge sits at the edge of its door."""
+    """V203: opening leads out of the body, and a hinge lies at the edge of its door."""
     problems = []
     for joint in panel_joints(subject):
         problems += [
@@ -69,9 +69,9 @@ def check_opening(subject: Subject, cfg: CheckConfig) -> Finding:
 
 
 def _direction_faults(subject: Subject, joint: PackageJoint, cfg: CheckConfig) -> list[str]:
-    """Compares how much of the body stands in the way of opening and of the opposite motion.
+    """Compares the shares of sight lines that the body blocks in the opening and in the opposite direction.
 
-    Where neither is blocked (an empty frame), the handle decides: it goes first.
+    If the shares are equal (an empty frame), the handle must lead the motion.
     """
     triangles = np.concatenate([hull.vertices[hull.faces] for hull in subject.hull_sets[joint.child].hulls])
     points, _ = sample_triangles(triangles, _SIGHT_LINES)
@@ -99,13 +99,13 @@ def _direction_faults(subject: Subject, joint: PackageJoint, cfg: CheckConfig) -
 
 
 def handle_points(subject: Subject, link: str) -> Float[np.ndarray, "N 3"]:
-    """Vertices of the visuals of a link that are named after a handle."""
+    """Vertices of the visuals of a link that are named as handles."""
     chunks = [s.vertices for s in subject.visuals if s.link == link and "handle" in s.name]
     return np.concatenate([np.zeros((0, 3)), *chunks])
 
 
 def panel_points(subject: Subject, link: str) -> Float[np.ndarray, "N 3"]:
-    """What is seen of a link without its handles; its hulls where nothing is."""
+    """Visual vertices of a link without its handles; its hull vertices if there are none."""
     seen = [s.vertices for s in subject.visuals if s.link == link and "handle" not in s.name]
     return np.concatenate(seen) if seen else subject.hull_sets[link].vertices
 
@@ -113,7 +113,7 @@ def panel_points(subject: Subject, link: str) -> Float[np.ndarray, "N 3"]:
 def hit_hulls(
     origins: Float[np.ndarray, "N 3"], paths: Float[np.ndarray, "N 3"], hulls: tuple[Hull, ...]
 ) -> Bool[np.ndarray, "N"]:
-    """Which straight paths enter a hull from outside on their way."""
+    """Whether each straight path enters a hull from outside."""
     hit = np.zeros(len(origins), dtype=bool)
     for hull in hulls:
         planes = hull_planes(hull)
@@ -129,7 +129,7 @@ def hit_hulls(
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Panel:
-    """A door seen along its hinge: extent ``low..high`` across it, its thickness, the hinge's place (m)."""
+    """A door seen along its hinge: extent ``low..high`` across it, thickness, and hinge position (m)."""
 
     low: float
     high: float
@@ -138,7 +138,7 @@ class Panel:
 
 
 def door_panel(subject: Subject, joint: PackageJoint) -> Panel | None:
-    """The door's extent in the direction from its hinge; None where the axis stands upright on the panel."""
+    """The door's extent across its hinge axis; None if the axis is perpendicular to the panel."""
     points = panel_points(subject, joint.child)
     centered = points - (points.min(axis=0) + points.max(axis=0)) / 2.0
     normal = thin_direction(centered)
@@ -156,7 +156,7 @@ def door_panel(subject: Subject, joint: PackageJoint) -> Panel | None:
 
 
 def thin_direction(points: np.ndarray) -> np.ndarray:
-    """The axis direction in which points extend least; principal directions where none is clearly thin."""
+    """Axis of least extent of points; a principal direction if no axis is clearly the thinnest."""
     extents = np.ptp(points, axis=0)
     if extents.min() < 0.5 * np.sort(extents)[1]:
         return np.eye(3)[extents.argmin()]
@@ -169,7 +169,7 @@ def _hinge_faults(subject: Subject, joint: PackageJoint, cfg: CheckConfig) -> li
         return []
     width = panel.high - panel.low
     off = min(abs(panel.hinge - panel.low), abs(panel.hinge - panel.high))
-    # A thick door turns about the middle of its thickness and clears its frame on both sides.
+    # A thick door may turn about the middle of its thickness and clear its frame on both sides.
     allowed = max(cfg.max_edge_ratio * width, panel.thickness / 2.0)
     if off <= allowed:
         return []
@@ -180,7 +180,8 @@ def _hinge_faults(subject: Subject, joint: PackageJoint, cfg: CheckConfig) -> li
 
 
 def door_pairs(subject: Subject) -> list[tuple[PackageJoint, PackageJoint]]:
-    """Two doors of one parent and one size, side by side, hinged on opposite sides about parallel axes."""
+    """Pairs of doors with one parent and equal size, side by side, hinged on opposite sides about parallel
+    axes."""
     doors = opening_joints(subject, ("door",), ("revolute",))
     return [
         (first, second)
@@ -191,7 +192,7 @@ def door_pairs(subject: Subject) -> list[tuple[PackageJoint, PackageJoint]]:
 
 
 def _mirror_normal(subject: Subject, first: PackageJoint, second: PackageJoint) -> np.ndarray | None:
-    """Normal of the plane that maps one door of a pair onto the other; None where they are no pair."""
+    """Normal of the mirror plane between two doors; None if they are not a pair."""
     boxes = [subject.hull_sets[joint.child].vertices for joint in (first, second)]
     low, high = (np.stack([f(points, axis=0) for points in boxes]) for f in (np.min, np.max))
     size, center = high - low, (low + high) / 2.0
@@ -220,14 +221,14 @@ def has_pairs(subject: Subject) -> str:
 
 
 def check_pairs(subject: Subject, cfg: CheckConfig) -> Finding:
-    """V205: the two leaves of a double door open like mirror images."""
+    """V205: the two leaves of a double door open as mirror images."""
     angles = {}
     for first, second in door_pairs(subject):
         normal = _mirror_normal(subject, first, second)
         assert normal is not None
         ways = []
         for joint in (first, second):
-            # In line with the hinge, so that what a leaf carries on its inside does not turn the direction.
+            # Evaluate in line with the hinge, so that geometry inside a leaf does not change the direction.
             vertices = subject.hull_sets[joint.child].vertices
             center = (vertices.min(axis=0) + vertices.max(axis=0)) / 2.0
             beside = joint.origin + ((center - joint.origin) @ normal) * normal
@@ -250,12 +251,12 @@ def check_pairs(subject: Subject, cfg: CheckConfig) -> Finding:
 
 
 def has_drawers(subject: Subject) -> str:
-    """Applies to drawers and trays that slide."""
+    """Applies to sliding drawers and trays."""
     return "" if opening_joints(subject, ("drawer", "tray"), ("prismatic",)) else "no drawer or tray slides"
 
 
 def check_retained(subject: Subject, cfg: CheckConfig) -> Finding:
-    """V206: a drawer pulled out to its limit is still held by what carries it."""
+    """V206: a fully open drawer is still held by its carrier."""
     shares = {}
     for joint in opening_joints(subject, ("drawer", "tray"), ("prismatic",)):
         own = panel_points(subject, joint.child) @ joint.axis + joint.upper

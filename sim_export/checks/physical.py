@@ -15,7 +15,7 @@ def _solid_links(subject: Subject) -> list[UrdfLink]:
 
 
 def check_mass(subject: Subject, cfg: CheckConfig) -> Finding:
-    """V007: every link with geometry states a mass that a thing of this world can have."""
+    """V007: every link with geometry has a plausible mass."""
     masses = {
         link.name: 0.0 if link.inertial is None else link.inertial.mass for link in _solid_links(subject)
     }
@@ -77,7 +77,7 @@ def _inertia_faults(inertial: UrdfInertial, cfg: CheckConfig) -> list[str]:
 
 
 def distance_outside(subject: Subject, link: str, point: np.ndarray) -> float:
-    """How far a point lies outside the convex hull of a link's vertices (m), at least."""
+    """Lower bound on the distance of a point outside the convex hull of a link's vertices (m)."""
     from scipy.spatial import ConvexHull, QhullError
 
     corners = _extreme(subject, link)
@@ -96,7 +96,7 @@ def _extreme(subject: Subject, link: str) -> np.ndarray:
 
 
 def check_size(subject: Subject, cfg: CheckConfig) -> Finding:
-    """V009: the object is as large as things of its category are, so its lengths are metres."""
+    """V009: the object's size is typical of its category, which verifies that lengths are metres."""
     category = str(subject.meta.get("model_cat", ""))
     ranges = {name: (low, high) for name, low, high in cfg.category_diagonals}
     low, high = ranges.get(category, cfg.diagonal_range)

@@ -1,4 +1,4 @@
-"""Registry and runner of checks: each gives a verdict, none can abort the suite."""
+"""Registry and runner of checks: each returns a verdict, and none can abort the suite."""
 
 import logging
 from collections.abc import Callable, Sequence
@@ -16,7 +16,7 @@ logger = logging.getLogger(__name__)
 
 @dataclass(frozen=True, kw_only=True)
 class Finding:
-    """What a check measured and whether that is good enough."""
+    """Measurement and verdict of a check."""
 
     passed: bool
     value: float | None
@@ -28,7 +28,7 @@ class Finding:
 
 @dataclass(frozen=True, kw_only=True)
 class CheckSpec:
-    """One check. ``applies`` returns why the check has nothing to judge here, or "" if it has."""
+    """One check. ``applies`` returns the reason why the check does not apply, or "" if it does."""
 
     id: str
     level: Level
@@ -38,12 +38,12 @@ class CheckSpec:
 
 
 def always(subject: Subject) -> str:
-    """For checks that every folder must pass."""
+    """For checks that apply to every folder."""
     return ""
 
 
 def count_problems(problems: Sequence[tuple[str, str]], fine: str) -> Finding:
-    """A finding that counts (where, sentence) pairs; none are allowed."""
+    """A finding that counts (location, sentence) pairs; none are allowed."""
     if not problems:
         return Finding(passed=True, value=0.0, threshold=0.0, unit="problems", where="", message=fine)
     where, sentence = problems[0]
@@ -59,7 +59,7 @@ def count_problems(problems: Sequence[tuple[str, str]], fine: str) -> Finding:
 
 
 def run_check(spec: CheckSpec, subject: Subject, cfg: CheckConfig) -> CheckResult:
-    """Runs one check; what keeps it from measuring is its failure."""
+    """Runs one check; an error during the measurement fails the check."""
     begin = perf_counter()
     verdict: Verdict = "fail"
     finding: Finding | None = None
@@ -73,7 +73,7 @@ def run_check(spec: CheckSpec, subject: Subject, cfg: CheckConfig) -> CheckResul
             verdict, message = ("pass" if finding.passed else "fail"), finding.message
     except ArtigenError as err:
         message = f"cannot be judged: {err}"
-    except Exception as err:  # a broken folder must cost its own verdict, never the run
+    except Exception as err:  # a broken folder fails its own check but never aborts the run
         logger.exception("%s: check %s crashed", subject.folder, spec.id)
         message = f"the check crashed: {type(err).__name__}: {err}"
     return CheckResult(
@@ -93,6 +93,6 @@ def run_check(spec: CheckSpec, subject: Subject, cfg: CheckConfig) -> CheckResul
 def run_specs(
     specs: Sequence[CheckSpec], folder: Path, cfg: CheckConfig, *, subject: Subject | None = None
 ) -> tuple[CheckResult, ...]:
-    """Runs checks on a folder, in the order given; pass a `Subject` to share what was already parsed."""
+    """Runs checks on a folder, in the given order; pass a `Subject` to reuse parsed data."""
     subject = Subject(folder) if subject is None else subject
     return tuple(run_check(spec, subject, cfg) for spec in specs)

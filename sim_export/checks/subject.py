@@ -1,8 +1,8 @@
-"""The package folder under test; what checks share is parsed once, on demand.
+"""The package folder under test; data that checks share is parsed once, on demand.
 
-Works on our packages and on original PartNet-Mobility folders. All geometry comes out in metres in
-the object frame: the frame of the URDF's root link with every joint at 0. What cannot be had raises
-`PackageError`, which `run_checks` turns into a failed check.
+Supports our packages and original PartNet-Mobility folders. All geometry is in metres in the object frame:
+the frame of the URDF's root link with every joint at 0. Missing or invalid data raises `PackageError`, which
+`run_checks` converts to a failed check.
 """
 
 import json
@@ -35,9 +35,9 @@ class Shape:
     link: str
     name: str
     kind: str
-    """``mesh``, or what URDF calls the primitive."""
+    """``mesh``, or the URDF name of the primitive."""
     file: str
-    """The mesh's, or the element's name."""
+    """The mesh file, or the element's name for a primitive."""
     vertices: Float[np.ndarray, "V 3"]
     faces: Int[np.ndarray, "F 3"]
     obj: ObjData
@@ -49,7 +49,7 @@ class Shape:
 
 
 class Subject:
-    """A folder and what was read from it so far; nothing in it changes once read."""
+    """A folder and the data read from it; read data never changes."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = Path(folder)
@@ -64,21 +64,22 @@ class Subject:
 
     @cached_property
     def is_package(self) -> bool:
-        """Whether this is one of our packages, or what is left of one, rather than somebody's URDF folder."""
+        """Whether the folder is one of our packages, even an incomplete one, and not a foreign URDF
+        folder."""
         return any((self.folder / name).exists() for name in OWN_SIDECARS) or "format" in self.meta
 
     @cached_property
     def meta(self) -> dict:
-        """``meta.json``; empty where there is none."""
+        """``meta.json``; empty if missing."""
         return self.read_json("meta.json") if (self.folder / "meta.json").is_file() else {}
 
     @cached_property
     def visual_source(self) -> str:
-        """``voxels`` where the visual meshes are ours, else ``source``: somebody's artwork kept as it is."""
+        """``voxels`` if we made the visual meshes, else ``source``: meshes copied from the source."""
         return "voxels" if self.meta.get("visual") == "voxels" else "source"
 
     def read_json(self, name: str) -> dict:
-        """A JSON object beside the URDF; raises `PackageError` where it is anything else."""
+        """A JSON object beside the URDF; raises `PackageError` for anything else."""
         try:
             value = json.loads((self.folder / name).read_text())
         except OSError as err:
@@ -91,12 +92,12 @@ class Subject:
 
     @cached_property
     def urdf(self) -> UrdfFile:
-        """``mobility.urdf`` as it stands."""
+        """``mobility.urdf`` as written."""
         return parse_urdf(self.folder / MAIN_URDF)
 
     @cached_property
     def urdfs(self) -> dict[str, UrdfFile | PackageError]:
-        """Every URDF of the folder, or why it cannot be read; `mobility.urdf` is always among them."""
+        """Every URDF of the folder, or the error of reading it; `mobility.urdf` is always included."""
         names = {MAIN_URDF, *(name for name in self.files if name.endswith(".urdf") and "/" not in name)}
         found: dict[str, UrdfFile | PackageError] = {}
         for name in sorted(names):
@@ -108,7 +109,7 @@ class Subject:
 
     @cached_property
     def links(self) -> dict[str, UrdfLink]:
-        """Links by name, once it is certain that they form one tree."""
+        """Links by name; verified to form one tree."""
         problems = tree_problems(self.urdf)
         if problems:
             raise PackageError(f"{MAIN_URDF}: {problems[0][1]}")
@@ -116,7 +117,7 @@ class Subject:
 
     @cached_property
     def poses(self) -> dict[str, Float[np.ndarray, "4 4"]]:
-        """Every link's frame in the object frame at rest."""
+        """Frame of every link in the object frame at rest."""
         poses = {name: np.eye(4) for name in self.links}
         for joint in self._parents_first:
             poses[joint.child] = poses[joint.parent] @ joint.T_parent_joint
@@ -136,7 +137,7 @@ class Subject:
 
     @cached_property
     def joints(self) -> tuple[PackageJoint, ...]:
-        """Joints in the object frame at rest, parents first; raises where one cannot move at all."""
+        """Joints in the object frame at rest, parents first; raises for a joint that cannot move."""
         return tuple(self._joint(joint) for joint in self._parents_first)
 
     def _joint(self, joint: UrdfJoint) -> PackageJoint:
@@ -190,17 +191,17 @@ class Subject:
         return tuple(chain)
 
     def carried(self, link: str) -> tuple[str, ...]:
-        """``link`` and everything that moves with it, sorted."""
+        """``link`` and its descendants, sorted."""
         return tuple(sorted(name for name in self.links if name == link or link in self.ancestors(name)))
 
     def moved(self, joint: PackageJoint) -> tuple[str, ...]:
-        """What a driven joint moves: what it carries, and what joints carry that follow it, sorted."""
+        """Links that a driven joint moves, its followers' included, sorted."""
         moving = [joint.child, *(other.child for other in self.joints if other.mimic == joint.name)]
         return tuple(sorted({name for link in moving for name in self.carried(link)}))
 
     @cached_property
     def static_links(self) -> frozenset[str]:
-        """Links that no joint can move."""
+        """Links that no joint moves."""
         moving = {joint.child for joint in self.joints if joint.type != "fixed"}
         return frozenset(n for n in self.links if n not in moving and not moving & set(self.ancestors(n)))
 
@@ -251,12 +252,12 @@ class Subject:
 
     @cached_property
     def hulls(self) -> tuple[Hull | None, ...]:
-        """For every collision shape the convex hull an engine makes of it; None where it is flat."""
+        """Convex hull of every collision shape, as an engine computes it; None if it is flat."""
         return tuple(_engine_hull(shape.vertices) for shape in self.collisions)
 
     @cached_property
     def carriers(self) -> frozenset[str]:
-        """Links without a surface between the two joints of a screw."""
+        """Intermediate links of screws, which have no surface."""
         turned = {joint.name: joint.child for joint in self.urdf.joints}
         between = {
             joint.parent for joint in self.urdf.joints if turned.get(joint.mimic or "") == joint.parent
@@ -265,9 +266,10 @@ class Subject:
 
     @cached_property
     def hull_sets(self) -> dict[str, HullSet]:
-        """The hulls of every link that can be touched: not of a screw's carrier, which is inside of others.
+        """The hulls of every touchable link; the intermediate link of a screw is excluded, because it lies
+        inside others.
 
-        Shapes too flat for a hull are left out (V102 names them).
+        Shapes too flat for a hull are skipped; V102 reports them.
         """
         found: dict[str, list[Hull]] = {name: [] for name in self.links}
         for shape, hull in zip(self.collisions, self.hulls, strict=True):
@@ -295,7 +297,7 @@ class Subject:
 
     @cached_property
     def labels(self) -> dict[str, PartLabel]:
-        """What each link is, from ``semantics.txt``; links it does not know are missing."""
+        """Label of each link from ``semantics.txt``; links with unknown labels are missing."""
         path = self.folder / "semantics.txt"
         if not path.is_file():
             return {}
@@ -309,12 +311,12 @@ class Subject:
 
     @cached_property
     def annotations(self) -> dict:
-        """``annotations.json``; empty for a folder that is not ours."""
+        """``annotations.json``; empty for foreign folders."""
         return self.read_json("annotations.json") if self.is_package else {}
 
     @cached_property
     def requires_open(self) -> tuple[Requirement, ...]:
-        """Which joints need another one open first."""
+        """Joints that require another one to be open first."""
         try:
             return tuple(
                 Requirement(joint=row["joint"], needs=row["needs"], fraction=float(row["fraction"]))
@@ -327,7 +329,7 @@ class Subject:
 
 
 def _label(kind: str, name: str) -> PartLabel | None:
-    """Our label for a line of ``semantics.txt``, ours or PartNet-Mobility's."""
+    """Label for a kind and name in ``semantics.txt``, ours or PartNet-Mobility's."""
     word = name.lower()
     if kind in ("heavy", "static", "free") and not word.startswith("caster"):
         return "base"

@@ -1,4 +1,4 @@
-"""Distance between two surfaces."""
+"""Distances between surfaces."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -33,21 +33,21 @@ def inside_hulls(
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SampledSurface:
-    """Triangles with points spread over them, sorted for search."""
+    """Triangles with sample points, indexed for search."""
 
     triangles: Float[np.ndarray, "F 3 3"]
     owner: Int[np.ndarray, "S"]
     """Triangle of each point."""
     tree: "KDTree | None"
-    """None where there is no surface."""
+    """None for an empty surface."""
 
 
 def sample_surface_tree(triangles: Float[np.ndarray, "F 3 3"], samples: int) -> SampledSurface:
-    """What `distances_to` looks points up in."""
+    """Samples and indexes a surface for `distances_to`."""
     from scipy.spatial import KDTree
 
     spread, owner = sample_triangles(triangles, samples)
-    # Points spread evenly need no balance, and building such a tree takes a third of the time.
+    # Evenly spread points need no balancing, and an unbalanced tree builds three times as fast.
     tree = KDTree(spread, leafsize=16, balanced_tree=False, compact_nodes=False) if len(spread) else None
     return SampledSurface(triangles=triangles, owner=owner, tree=tree)
 
@@ -58,7 +58,7 @@ def surface_distances(
     samples: int,
     near: float = 0.0,
 ) -> Float[np.ndarray, "N"]:
-    """Distance of points to a surface, as `distances_to` one with so many samples."""
+    """Distances of points to a surface, see `distances_to`, which it samples with ``samples`` points."""
     if not len(points):
         return np.zeros(0)
     return distances_to(points, sample_surface_tree(triangles, samples), near)
@@ -67,11 +67,11 @@ def surface_distances(
 def distances_to(
     points: Float[np.ndarray, "N 3"], surface: SampledSurface, near: float = 0.0
 ) -> Float[np.ndarray, "N"]:
-    """Distance of points to a surface: exact to the triangles under the nearest samples of it.
+    """Distance of points to a surface: exact to the triangles under its nearest samples.
 
-    Never too small, and too large only where the nearest triangle has none of a point's nearest
-    samples on it, that is by less than the spacing of the samples. Distances below ``near`` are to
-    the nearest sample, which is several times faster and no matter where only larger ones count.
+    The result is never too small. It is too large, by less than the sample spacing, only where the nearest
+    triangle has none of the nearest samples. Distances below ``near`` are to the nearest sample, which is
+    several times faster and sufficient if only larger distances matter.
     """
     tree, owner, triangles = surface.tree, surface.owner, surface.triangles
     if tree is None or not len(points):

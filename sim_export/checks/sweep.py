@@ -1,7 +1,7 @@
-"""L2: no penetration at rest or through the range of any joint (V201, V202).
+"""L2: no penetration at rest or along the range of any joint (V201, V202).
 
-Simulators cannot tell: they filter contacts of parent and child. Here every pair of links counts,
-measured by exact hull distances.
+Simulators do not detect this, because they filter contacts between parent and child. Here every pair of links
+counts, measured by exact hull distances.
 """
 
 from dataclasses import dataclass
@@ -23,12 +23,12 @@ from sim_export.tree import needed_fractions
 
 _SAMPLES_PER_LINK = 1500
 _TOUCH = 1e-4
-"""Overlaps shallower than this (m) have no volume worth counting."""
+"""Penetration (m) below which the overlapping volume is ignored."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Motion:
-    """Poses to be judged: displacement of every link, and the pairs of links that count."""
+    """Poses to check: displacement of every link, and the pairs of links to test."""
 
     name: str
     T: dict[str, np.ndarray]
@@ -36,7 +36,7 @@ class Motion:
 
 
 def has_colliding_joints(subject: Subject) -> str:
-    """Applies where something with collision geometry moves."""
+    """Applies if a moving link has collision geometry."""
     if not subject.driven:
         return "no joint moves"
     carried = {name for joint in subject.driven for name in subject.moved(joint)}
@@ -46,7 +46,7 @@ def has_colliding_joints(subject: Subject) -> str:
 
 
 def check_sweep(subject: Subject, cfg: CheckConfig) -> Finding:
-    """V201: along every joint's range, and at poses of all joints, nothing enters another link."""
+    """V201: no link enters another one along any joint's range, or at sampled poses of all joints."""
     motions = [joint_motion(subject, joint, cfg) for joint in subject.driven]
     motions.append(_joint_poses(subject, cfg))
     depth, depth_where = 0.0, ""
@@ -89,7 +89,7 @@ def check_sweep(subject: Subject, cfg: CheckConfig) -> Finding:
 
 
 def open_positions(subject: Subject, joint: PackageJoint) -> dict[str, float]:
-    """Coordinates of the joints that must be open before ``joint`` can move, their own needs included."""
+    """Coordinates of the joints that must be open before ``joint`` can move, recursively."""
     known = {other.name for other in subject.driven}
     lost = [name for name in needed_fractions(joint.name, subject.requires_open) if name not in known]
     if lost:
@@ -100,10 +100,10 @@ def open_positions(subject: Subject, joint: PackageJoint) -> dict[str, float]:
 
 
 def joint_motion(subject: Subject, joint: PackageJoint, cfg: CheckConfig) -> Motion:
-    """One joint through its range, the others closed or as far open as `requires_open` says.
+    """One joint through its range, the others closed or as far open as `requires_open` demands.
 
-    A folder that does not say what must be open first is judged against ancestors and static links
-    only: two movable neighbours may well meet when one of them should have been opened before.
+    In a folder without such requirements, a link is tested against ancestors and static links only, because
+    two movable neighbours may collide where one should have been opened first.
     """
     movers = subject.moved(joint)
     sweep = SweepConfig(poses=cfg.sweep_samples, step=cfg.sweep_step, max_poses=cfg.max_sweep_samples)
@@ -123,9 +123,10 @@ def joint_motion(subject: Subject, joint: PackageJoint, cfg: CheckConfig) -> Mot
 
 
 def _joint_poses(subject: Subject, cfg: CheckConfig) -> Motion:
-    """All joints at once; links against ancestors and static links, since movable neighbours may meet.
+    """Sampled poses of all joints; links are tested against ancestors and static links only, since movable
+    neighbours may collide.
 
-    A latch stands open as far as what it holds needs it: with its lever at rest, a door is shut.
+    A latch is at least as far open as the part it holds requires; otherwise the door would be blocked.
     """
     from scipy.stats.qmc import Sobol
 
@@ -179,7 +180,7 @@ def swept_overlap(
 
 
 def volume_samples(hulls: HullSet, count: int) -> Float[np.ndarray, "N 3"]:
-    """About ``count`` points spread evenly through the union of hulls, always the same ones."""
+    """About ``count`` evenly spread points in the union of hulls; deterministic."""
     low, high = hulls.vertices.min(axis=0), hulls.vertices.max(axis=0)
     from scipy.stats.qmc import Sobol
 
@@ -191,13 +192,14 @@ def volume_samples(hulls: HullSet, count: int) -> Float[np.ndarray, "N 3"]:
 
 
 def has_two_solids(subject: Subject) -> str:
-    """Applies where two links have collision geometry."""
+    """Applies if two links have collision geometry."""
     solid = [name for name, hulls in subject.hull_sets.items() if hulls.hulls]
     return "" if len(solid) > 1 else "fewer than two links have collision geometry"
 
 
 def check_rest(subject: Subject, cfg: CheckConfig) -> Finding:
-    """V202: at rest links do not overlap: siblings hardly, a link and its ancestors as on the way."""
+    """V202: links do not overlap at rest; the tolerance between a link and its ancestors is that of
+    motions."""
     names = [name for name, hulls in subject.hull_sets.items() if hulls.hulls]
     worst = (0.0, 0.0, cfg.max_rest_overlap, "")
     for index, first in enumerate(names):

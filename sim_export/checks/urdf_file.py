@@ -1,8 +1,8 @@
 """A URDF as written in the file, valid or not, for the checks.
 
-`read_package` refuses what it cannot use; a check has to say what is wrong. So this reader keeps
-NaN limits, axes of any length, unknown joint types, cycles and missing files, and raises only where
-there is no XML, no element or no number to speak of.
+`read_package` rejects invalid files, but a check must report what is wrong. This reader therefore keeps NaN
+limits, axes of any length, unknown joint types, cycles and missing files. It raises only for missing XML,
+elements or numbers.
 """
 
 from collections.abc import Sequence
@@ -50,7 +50,7 @@ class UrdfLink:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class UrdfJoint:
-    """One ``<joint>``; limits are None where the file states none, and any number may be NaN."""
+    """One ``<joint>``; limits are None if missing, and any number may be NaN."""
 
     name: str
     type: str
@@ -78,10 +78,10 @@ class UrdfFile:
 
 
 def parse_urdf(path: Path) -> UrdfFile:
-    """Reads a URDF without judging it.
+    """Parses a URDF without validating it.
 
     Raises:
-        PackageError: if the file cannot be read, is no safe XML, or an element or number is missing.
+        PackageError: If the file cannot be read, is not safe XML, or lacks an element or number.
     """
     from defusedxml.common import DefusedXmlException
     from defusedxml.ElementTree import fromstring
@@ -102,7 +102,7 @@ def parse_urdf(path: Path) -> UrdfFile:
 
 
 def tree_problems(urdf: UrdfFile) -> list[tuple[str, str]]:
-    """What keeps the links from being one tree, as (where, sentence) pairs; empty when they are."""
+    """Reasons why the links are not one tree, as (location, sentence) pairs; empty for a tree."""
     problems: list[tuple[str, str]] = []
     links = [link.name for link in urdf.links]
     joints = [joint.name for joint in urdf.joints]
@@ -230,7 +230,7 @@ def _joint(path: Path, element: Element) -> UrdfJoint:
     axis, limit, mimic = element.find("axis"), element.find("limit"), element.find("mimic")
     limits: list[float | None] = [None, None]
     if limit is not None:
-        # URDF: a limit that is not stated is 0.
+        # In URDF a missing limit is 0.
         limits = [
             float(_floats(limit.get(k, "0"), 1, f"{owner}: <limit {k}>")[0]) for k in ("lower", "upper")
         ]

@@ -1,1 +1,1 @@
-"""A package on disk: every file written, and read back."""
+"""Reads and writes packages on disk."""

@@ -9,12 +9,12 @@ URDF = "mobility.urdf"
 
 
 def find_packages(folders: Sequence[Path]) -> tuple[Path, ...]:
-    """The folders that are packages, and below those that are not all packages at any depth, sorted by path.
+    """Package folders among ``folders``, and packages at any depth below the others, sorted by path.
 
-    Hidden folders, where packages are being written, are passed over.
+    Hidden folders, in which packages are being written, are skipped.
 
     Raises:
-        PackageError: If a folder is missing, or neither is a package nor holds one.
+        PackageError: If a folder is missing, or neither is a package nor contains one.
     """
     found: list[Path] = []
     for folder in folders:
@@ -30,7 +30,7 @@ def find_packages(folders: Sequence[Path]) -> tuple[Path, ...]:
 
 
 def list_packages(folder: Path) -> list[Path]:
-    """The folder itself if it is a package, else all below it; none where there is none."""
+    """The folder itself if it is a package, else all packages below it."""
     if (folder / URDF).is_file():
         return [folder]
     places = (path.parent for path in folder.rglob(URDF))

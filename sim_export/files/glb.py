@@ -1,4 +1,4 @@
-"""A package's textured meshes as one GLB: a node per link in the tree of the joints, closed, y up."""
+"""Writes a package's textured meshes as one GLB: one node per link in the joint tree, closed, y up."""
 
 from pathlib import Path
 
@@ -10,16 +10,16 @@ from sim_export.files.urdf import link_origins
 from sim_export.package import Mesh, SimPackage
 
 Y_UP = np.array([[0.0, -1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [-1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
-"""Our frame (z up, front -x) to glTF's: y up, front +z."""
+"""Rotation from the object frame (z up, front -x) to glTF's (y up, front +z)."""
 
 
 def glb_bytes(package: SimPackage) -> bytes:
-    """The content of the file; the same package gives the same bytes.
+    """The content of the file; deterministic.
 
-    Node ``link_k`` stands at the origin of joint ``joint_k``: turning it about the joint's axis opens it.
+    Node ``link_k`` lies at the origin of joint ``joint_k``: rotating it about the joint's axis opens it.
 
     Raises:
-        PackageError: If a visual is a kept source mesh, which stays in its own files, or there is none.
+        PackageError: If a visual is a source mesh, which stays in its own files, or there is no visual.
     """
     import trimesh
     from trimesh.exchange.gltf import export_glb
@@ -54,7 +54,7 @@ def write_glb(package: SimPackage, path: Path) -> None:
 
 
 def _as_trimesh(mesh: Mesh, origin: np.ndarray):
-    """The mesh in its link's frame, with loose corners where it has texture coordinates."""
+    """The mesh in its link's frame, with unshared vertices if it has texture coordinates."""
     import trimesh
     from PIL import Image
     from trimesh.visual import TextureVisuals

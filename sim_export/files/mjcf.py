@@ -1,8 +1,7 @@
-"""A package as MJCF: the same bodies, joints, hulls and masses as the URDF, for MuJoCo.
+"""Writes a package as MJCF for MuJoCo, with the same bodies, joints, hulls and masses as the URDF.
 
-Visuals are in group 2 and collide with nothing, hulls are in group 3. Bodies that a joint connects
-do not collide, as in SAPIEN; MuJoCo alone would let a drawer collide with a carcass that is fixed
-to the world.
+Visuals are in group 2 and do not collide; hulls are in group 3. Bodies connected by a joint do not collide,
+as in SAPIEN. MuJoCo by itself would let a drawer collide with a carcass that is fixed to the world.
 """
 
 import xml.etree.ElementTree as ET
@@ -28,17 +27,18 @@ MIN_MESH_VERTICES = 4
 HARD_REFERENCE = "0.004 1"
 HARD_IMPEDANCE = "0.99 0.999 0.0001"
 FRICTION_IMPEDANCE = "0.999 0.9999 0.0001"
-"""MuJoCo's constraints are springs. Its defaults let a light button slide at a loaded end a third of its
-travel too far, and creep under less force than its friction; these are near what other engines do, and
-0.004 s is stable at MuJoCo's own time step and raised by MuJoCo at longer ones. Under a third of its friction
-a dial creeps by 0.1 degrees per second with this impedance, and ten times as fast with that of limits."""
+"""Constraint impedances, which are springs in MuJoCo. With the defaults, a light button on a loaded slide
+moves a third of its travel too far and creeps under less force than its friction. These values come close to
+other engines; 0.004 s is stable at MuJoCo's default time step and raised by MuJoCo at longer ones. Under a
+third of its friction a dial creeps by 0.1 degrees per second with this impedance, and ten times as fast with
+that of limits."""
 
 
 def mjcf_text(package: SimPackage, apart: tuple[tuple[str, str], ...] = ()) -> str:
     """The MJCF of a package.
 
     Args:
-        package: What to write; file names are those of `write_package`.
+        package: The package; file names are those of `write_package`.
         apart: Further pairs of links that must not collide (those of the SRDF).
     """
     origins = link_origins(package)
@@ -140,7 +140,8 @@ def _add_joint(body: ET.Element, joint: PackageJoint) -> None:
 
 
 def _add_visual(body: ET.Element, asset: ET.Element, visual: Visual, origin: Float[np.ndarray, "3"]) -> None:
-    """A visual geom with its mesh asset and its texture or color; too small a source mesh is left out."""
+    """Adds a visual geom with its mesh asset and its texture or colour; source meshes that are too small are
+    skipped."""
     xyz, _, scale = visual_placement(visual, origin)
     geom = {"name": visual.name, "type": "mesh", "mesh": visual.name, "pos": format_vector(xyz)}
     mesh = {"name": visual.name, "file": visual_path(visual), "inertia": "shell"}
@@ -165,7 +166,7 @@ def _add_visual(body: ET.Element, asset: ET.Element, visual: Visual, origin: Flo
 
 
 def source_color(source: SourceMesh) -> tuple[float, float, float]:
-    """The color of the material that covers most faces of a source mesh; images by their mean."""
+    """Colour of the material that covers most faces of a source mesh; the mean colour for an image."""
     data = parse_obj(source.path)
     if data.mtllib is None or not data.groups:
         return Material().color
@@ -179,7 +180,8 @@ def source_color(source: SourceMesh) -> tuple[float, float, float]:
 
 
 def _add_pairs(root: ET.Element, package: SimPackage, apart: tuple[tuple[str, str], ...]) -> None:
-    """Joined bodies do not collide; followers follow: a screw's travel its turn, a lid its pedal."""
+    """Excludes collisions of bodies connected by a joint, and couples followers: the two joints of a screw,
+    or a lid and its pedal."""
     contact = ET.SubElement(root, "contact")
     hulls = {link.name for link in package.links if link.hulls}
     joined = [(joint.parent, joint.child) for joint in package.joints]

@@ -1,7 +1,7 @@
-"""OBJ, MTL and PNG: the text and bytes of meshes and hulls, and the way back.
+"""Reads and writes OBJ, MTL and PNG for meshes and hulls.
 
-Everything is in metres in the object frame. Coordinates keep six decimals (a micrometre); equal
-meshes give equal bytes.
+Everything is in metres in the object frame. Coordinates have six decimals (a micrometre); equal meshes give
+equal bytes.
 """
 
 import io
@@ -94,13 +94,13 @@ def format_rows(prefix: str, values: np.ndarray, decimals: int) -> str:
 
 
 def _unique_rows(values: np.ndarray, decimals: int) -> tuple[np.ndarray, np.ndarray]:
-    """Rows that differ after rounding, in ascending order, and for each row its index among them."""
+    """Unique rows after rounding, in ascending order, and the index of each row among them."""
     keys = np.round(values * 10**decimals).astype(np.int64)
     if not len(keys):
         return values, np.zeros(0, np.int64)
     low = keys.min(axis=0)
     spans = keys.max(axis=0) - low + 1
-    if np.prod(spans.astype(np.float64)) < 2**62:  # one integer per row sorts ten times faster than rows
+    if np.prod(spans.astype(np.float64)) < 2**62:  # integers sort ten times faster than rows
         packed = np.zeros(len(keys), np.int64)
         for column, span in zip((keys - low).T, spans, strict=True):
             packed = packed * span + column
@@ -146,7 +146,7 @@ def hull_obj_text(hull: Hull, name: str) -> str:
 
 
 def mtl_text(name: str, material: Material) -> str:
-    """One material: its image where it has one (over white), else its plain color."""
+    """One material: its image (over white) if it has one, else its colour."""
     color = (1.0, 1.0, 1.0) if material.image else material.color
     red, green, blue = color
     text = f"newmtl {name}\nKa 0 0 0\nKd {red:.6f} {green:.6f} {blue:.6f}\nKs 0 0 0\nNs 10\nd 1\nillum 1\n"
@@ -155,14 +155,14 @@ def mtl_text(name: str, material: Material) -> str:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Palette:
-    """An image of few colours: a number per texel, and the colour of each number."""
+    """An image with a palette: an index per texel, and the colour of each index."""
 
     colors: UInt8[np.ndarray, "C 3"]
     index: UInt8[np.ndarray, "H W"]
 
 
 def _few_colors(texture: UInt8[np.ndarray, "H W 3"]) -> _Palette | None:
-    """An RGB image by its palette; None where it has more colours than a byte tells apart."""
+    """An RGB image with its palette; None if it has more than 256 colours."""
     code = (texture.astype(np.int32) << np.array([16, 8, 0])).sum(axis=2)
     if len(np.unique(code.ravel()[:: max(1, code.size // 4096)])) > PALETTE:
         return None
@@ -174,7 +174,8 @@ def _few_colors(texture: UInt8[np.ndarray, "H W 3"]) -> _Palette | None:
 
 
 def png_bytes(texture: UInt8[np.ndarray, "H W C"]) -> bytes:
-    """RGB or RGBA rows as PNG without any metadata; at most 256 colours without clear ones as a palette."""
+    """Encodes RGB or RGBA as PNG without metadata; uses a palette for opaque images of at most 256
+    colours."""
     from PIL import Image
 
     stream = io.BytesIO()
@@ -188,7 +189,8 @@ def png_bytes(texture: UInt8[np.ndarray, "H W C"]) -> bytes:
 
 
 def read_image(path: Path) -> UInt8[np.ndarray, "H W C"]:
-    """An image file as RGB rows, or RGBA where something is clear; raises `PackageError` where it is none."""
+    """An image file as RGB rows, or RGBA if any pixel is transparent; raises `PackageError` if it is not an
+    image."""
     from PIL import Image, UnidentifiedImageError
 
     try:
@@ -205,7 +207,7 @@ def _numbers(lines: list[bytes], width: int, path: Path, element: str) -> np.nda
         return np.zeros((0, width))
     try:
         flat = np.array(b" ".join(lines).split(), dtype=np.float64)
-        if flat.size != width * len(lines):  # colours or a third texture coordinate behind the numbers
+        if flat.size != width * len(lines):  # further values per line: colours or a third texture coordinate
             flat = np.array([line.split()[:width] for line in lines], dtype=np.float64)
     except ValueError as err:
         raise PackageError(f"{path}: '{element}' lines hold something else than numbers ({err})") from err
@@ -227,7 +229,7 @@ _TRIANGLE = {3: (1, 0), 6: (2, 1), 9: (3, 1)}
 
 
 def _triangles(lines: list[bytes], path: Path) -> tuple[np.ndarray, np.ndarray]:
-    """Vertex and texture indices of face lines, polygons as fans."""
+    """Vertex and texture indices of face lines; polygons become fans."""
     joined = b" ".join(lines)
     if joined.count(b"//") in (0, 3 * len(lines)):
         width = joined.replace(b"//", b" ").replace(b"/", b" ").split()
@@ -258,7 +260,7 @@ _LINE = re.compile(rb"^[ \t]*(v|vt|f|usemtl|mtllib)[ \t]+([^\r\n]+)", re.MULTILI
 def parse_obj(path: Path) -> ObjData:
     """Reads an OBJ with absolute indices; polygons become fans.
 
-    Raises `PackageError` naming the file and the line's content where it cannot be understood.
+    Raises `PackageError` with the file and the content of the line if it cannot be parsed.
     """
     try:
         data = path.read_bytes()
@@ -306,7 +308,7 @@ def parse_obj(path: Path) -> ObjData:
 
 
 def parse_mtl(path: Path) -> dict[str, Material]:
-    """Materials of an MTL file: diffuse color and image name as written there."""
+    """Materials of an MTL file: diffuse colour, and image name as written in the file."""
     try:
         text = path.read_text(errors="replace")
     except OSError as err:
@@ -332,7 +334,7 @@ def parse_mtl(path: Path) -> dict[str, Material]:
 
 
 def read_mesh(path: Path) -> Mesh:
-    """Reads an OBJ with one material back into a `Mesh`, with its texture or color."""
+    """Reads an OBJ with one material into a `Mesh`, with its texture or colour."""
     data = parse_obj(path)
     material = Material()
     if data.mtllib is not None and data.groups and data.groups[0].material is not None:

@@ -1,9 +1,8 @@
-"""A folder as a package: ours, or anything laid out like PartNet-Mobility.
+"""Reads a folder as a package: one of ours, or any folder laid out like PartNet-Mobility.
 
-The URDF is the truth about links and joints; our own packages add what a URDF cannot say from their
-JSON files. Foreign folders are taken as a simulator would take them: one convex hull per
-`<collision>`, no mass where none is stated, and everything moved into the frame of the root link, so
-that a rotation in the fixed base joint disappears.
+Links and joints come from the URDF; in our own packages, JSON files add what a URDF cannot express. Foreign
+folders are interpreted as by a simulator: one convex hull per `<collision>`, no mass where none is given, and
+everything transformed into the frame of the root link, which removes a rotation in the fixed base joint.
 """
 
 import json
@@ -60,12 +59,12 @@ LABEL_WORDS: tuple[tuple[str, PartLabel], ...] = (
     ("wheel", "wheel"),
     ("caster", "wheel"),
 )
-"""First match wins: what a word in PartNet-Mobility's semantics means here."""
+"""Labels for words in PartNet-Mobility's semantics; the first match counts."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Foreign:
-    """What is known of a folder besides its URDF."""
+    """Data about a foreign folder besides its URDF."""
 
     folder: Path
     poses: dict[str, Float[np.ndarray, "4 4"]]
@@ -76,15 +75,16 @@ class _Foreign:
 def read_package(folder: Path, *, appearance: bool = True) -> SimPackage:
     """Reads our own package, or any folder with a `mobility.urdf` in PartNet-Mobility's layout.
 
-    Labels of a foreign folder come from `semantics.txt` where the word is known. Its visuals stay
-    files (`SourceMesh`), and it has no handles, materials or provenance.
+    Labels of a foreign folder come from `semantics.txt` if the word is known. Its visuals remain files
+    (`SourceMesh`), and it has no handles, materials or provenance.
 
     Args:
         folder: The folder.
         appearance: Read visuals and splats; without them, reading is much faster.
 
     Raises:
-        PackageError: If something is missing or broken; names the file, the element and the value.
+        PackageError: If something is missing or invalid; the message names the file, the element and the
+            value.
     """
     folder = Path(folder)
     urdf = parse_urdf(folder / "mobility.urdf")
@@ -131,7 +131,7 @@ def _object(path: Path) -> dict:
 
 
 def package_file(folder: Path, name: str, owner: str) -> Path:
-    """The file a URDF names; raises `PackageError` unless it is inside the folder and there."""
+    """Path of a file named in a URDF; raises `PackageError` unless it exists inside the folder."""
     path = folder / name
     if not name or Path(name).is_absolute() or "://" in name:
         raise PackageError(f"{owner}: mesh file {name!r}, expected a path relative to the URDF")
@@ -187,7 +187,7 @@ def _joint(urdf: UrdfFile, joint: UrdfJoint, poses: dict[str, Float[np.ndarray, 
 
 
 def _inertial(inertial: UrdfInertial | None, T: Float[np.ndarray, "4 4"], owner: str) -> Inertial | None:
-    """Mass properties in object axes; SAPIEN's reading of mass 0 is that there are none."""
+    """Mass properties in object axes; a mass of 0 means none, as in SAPIEN."""
     if inertial is None or (inertial.mass == 0.0 and not inertial.inertia.any()):
         return None
     if not np.isfinite([inertial.mass, *inertial.com, *inertial.inertia.ravel()]).all():
@@ -205,7 +205,7 @@ def _read_own(
     *,
     appearance: bool,
 ) -> SimPackage:
-    """Our own package: exact meshes and hulls, labels, handles, everything."""
+    """Our own package with exact meshes and hulls, labels and handles."""
     if meta.get("version") != VERSION:
         raise PackageError(
             f"{folder / 'meta.json'}: format version {meta.get('version')}, this reads {VERSION}"
@@ -236,11 +236,13 @@ def _read_own(
             records=tuple(meta["records"]),
         )
     except (KeyError, TypeError, AttributeError) as err:
-        raise PackageError(f"{folder}: meta.json or physics.json is not as we write it ({err!r})") from err
+        raise PackageError(
+            f"{folder}: meta.json or physics.json does not have the expected structure ({err!r})"
+        ) from err
 
 
 def _own_joint(joint: PackageJoint, motion: dict | None) -> PackageJoint:
-    """The joint with the kind, and for continuous ones the range, that a URDF cannot say."""
+    """Adds the joint kind, and the range of continuous joints, which a URDF cannot express."""
     if motion is None:
         return joint
     if motion["kind"] not in JOINT_TYPES:
@@ -282,7 +284,7 @@ def _own_link(
 
 
 def _own_hull(folder: Path, shape: UrdfShape, T: Float[np.ndarray, "4 4"], owner: str) -> Hull:
-    """A mesh of ours lies in the object frame, a primitive in the link's."""
+    """Hull of a collision element; our meshes are in the object frame, primitives in the link's."""
     if shape.kind == "mesh":
         data = parse_obj(package_file(folder, shape.file, owner))
         return Hull(vertices=data.vertices, faces=data.faces)
@@ -291,7 +293,7 @@ def _own_hull(folder: Path, shape: UrdfShape, T: Float[np.ndarray, "4 4"], owner
 
 
 def _own_splats(path: Path, T: Float[np.ndarray, "4 4"], index: int) -> Gaussians:
-    """The Gaussians of a link, moved into the object frame."""
+    """The Gaussians of a link, transformed to the object frame."""
     try:
         return transform_gaussians(read_ply(path, part_id=index), T)
     except SourceError as err:
@@ -308,7 +310,7 @@ def _source_mesh(path: Path, shape: UrdfShape, T: Float[np.ndarray, "4 4"], owne
 def _read_foreign(
     folder: Path, urdf: UrdfFile, poses: dict[str, Float[np.ndarray, "4 4"]], meta: dict
 ) -> SimPackage:
-    """Somebody else's folder, as a simulator takes it."""
+    """A foreign folder, interpreted as by a simulator."""
     foreign = _Foreign(folder=folder, poses=poses, labels=_semantics(folder / "semantics.txt"), records=[])
     links = tuple(_foreign_link(foreign, urdf, link) for link in urdf.links)
     return SimPackage(
@@ -322,7 +324,7 @@ def _read_foreign(
 
 
 def _label_of(text: str) -> PartLabel | None:
-    """The label that a name of PartNet-Mobility's stands for, where we know a word in it."""
+    """Label for a PartNet-Mobility name that contains a known word; else None."""
     for word, label in LABEL_WORDS:
         if word in text:
             return label
@@ -330,7 +332,7 @@ def _label_of(text: str) -> PartLabel | None:
 
 
 def _semantics(path: Path) -> dict[str, PartLabel]:
-    """Label of every link whose meaning we know; what does not move is the base."""
+    """Label of every link with known semantics; links that do not move are the base."""
     labels: dict[str, PartLabel] = {}
     if not path.is_file():
         return labels
@@ -383,13 +385,14 @@ def _foreign_visual(
 
 
 def _place_primitive(shape: UrdfShape, T: Float[np.ndarray, "4 4"]) -> Mesh:
-    """The surface of a box, cylinder or sphere of a link whose frame is ``T``."""
+    """Surface mesh of a box, cylinder or sphere in a link with frame ``T``."""
     mesh = primitive_mesh(shape.kind, shape.sizes)
     return Mesh(vertices=transform_points(T @ shape.T_link_shape, mesh.vertices), faces=mesh.faces)
 
 
 def _foreign_hull(foreign: _Foreign, shape: UrdfShape, T: Float[np.ndarray, "4 4"], owner: str) -> Hull:
-    """The convex hull of a collision shape; a flat one becomes a thin plate, as in an engine, on record."""
+    """Convex hull of a collision shape; a flat shape becomes a thin plate, as in an engine, and is
+    recorded."""
     if shape.kind == "mesh":
         data = parse_obj(package_file(foreign.folder, shape.file, owner))
         points = data.vertices[np.unique(data.faces)] * shape.scale
@@ -413,7 +416,7 @@ def link_of(owner: str) -> str:
 
 
 def thicken(points: Float[np.ndarray, "N 3"], thickness: float) -> Float[np.ndarray, "M 3"]:
-    """Points moved half a thickness both ways along every direction in which they are flat."""
+    """Offsets points by half a thickness both ways along every direction in which they are flat."""
     centered = points - points.mean(axis=0)
     _, _, directions = np.linalg.svd(np.concatenate([centered, np.zeros((3, 3))]), full_matrices=False)
     for direction in directions:

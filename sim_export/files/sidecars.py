@@ -1,8 +1,8 @@
-"""The JSON and text files beside the URDF: names, handles, physics, where it all came from.
+"""JSON and text files beside the URDF: names, handles, physics, provenance.
 
 `semantics.txt`, `mobility_v2.json`, `meta.json` and `bounding_box.json` follow PartNet-Mobility;
-`annotations.json`, `physics.json` and `provenance.json` are ours. Lengths are metres, everything is
-given in the object frame at rest (z up, front -x), which is also the frame of the mesh files.
+`annotations.json`, `physics.json` and `provenance.json` are ours. Lengths are metres. Everything is given in
+the object frame at rest (z up, front -x), which is also the frame of the mesh files.
 """
 
 import json
@@ -48,29 +48,29 @@ BODY_NAMES: dict[str, str] = {
 
 
 def json_text(value: object) -> str:
-    """Indented JSON with a final newline; NaN is refused."""
+    """Indented JSON with a final newline; NaN raises an error."""
     return json.dumps(value, indent=1, allow_nan=False) + "\n"
 
 
 def _rounded(values: object, decimals: int = 9) -> list:
-    """A nested list of floats without noise digits and negative zeros."""
+    """A nested list of floats, rounded and without negative zeros."""
     return (np.round(np.asarray(values, np.float64), decimals) + 0.0).tolist()
 
 
 def _number(value: float, decimals: int = 9) -> float:
-    """A float without noise digits and negative zero."""
+    """A rounded float without negative zero."""
     return round(float(value), decimals) + 0.0
 
 
 def child_joint(package: SimPackage, link: Link) -> PackageJoint | None:
-    """The joint whose child a link is; a screw's turning joint rather than its travel."""
+    """The joint whose child is the link; for a screw its turning joint."""
     by_child = {joint.child: joint for joint in package.joints}
     joint = by_child.get(link.name)
     return by_child[joint.parent] if joint is not None and joint.is_travel else joint
 
 
 def _semantic_kind(joint: PackageJoint | None) -> str:
-    """PartNet-Mobility's word for how a link moves."""
+    """PartNet-Mobility's word for the motion of a link."""
     if joint is None or joint.type == "fixed":
         return "heavy"
     if joint.kind == "screw":
@@ -87,7 +87,7 @@ def _semantic_name(package: SimPackage, link: Link, joint: PackageJoint | None) 
 
 
 def _named_links(package: SimPackage) -> list[tuple[Link, PackageJoint | None]]:
-    """Links that stand for parts, with the joint that moves them; the root has none."""
+    """Links that represent parts, with the joint that moves them; the root has none."""
     return [(link, child_joint(package, link)) for link in package.links if link.parts]
 
 
@@ -100,7 +100,7 @@ def semantics_text(package: SimPackage) -> str:
 
 
 def mobility_json(package: SimPackage) -> str:
-    """PartNet-Mobility's `mobility_v2.json`; its ids are the numbers of the links, angles are degrees."""
+    """PartNet-Mobility's `mobility_v2.json`; its ids are the indices of the links, angles are degrees."""
     named = _named_links(package)
     number = {link.name: index for index, (link, _) in enumerate(named)}
     entries = []
@@ -127,7 +127,7 @@ def mobility_json(package: SimPackage) -> str:
 
 
 def _part_link(package: SimPackage, name: str) -> str:
-    """A screw's carrier stands for the link it carries."""
+    """Link of a part; a screw's intermediate link is replaced by the link it carries."""
     for joint in package.joints:
         if joint.is_travel and joint.parent == name:
             return joint.child
@@ -135,7 +135,7 @@ def _part_link(package: SimPackage, name: str) -> str:
 
 
 def _joint_data(package: SimPackage, link: Link, joint: PackageJoint) -> dict:
-    """Axis and limits; a screw's slide is limited in metres and turns freely, as in the original."""
+    """Axis and limits; as in the original, a screw has limits in metres for its slide and turns freely."""
     turning = joint.type != "prismatic"
     to_file = 180.0 / np.pi if turning else 1.0
     limit = {
@@ -157,7 +157,7 @@ def _joint_data(package: SimPackage, link: Link, joint: PackageJoint) -> dict:
 
 
 def bounding_box_json(package: SimPackage) -> str:
-    """Lowest and highest corner of all collision hulls, or of the visuals where there are none."""
+    """Lowest and highest corner of all collision hulls, or of the visuals if there are none."""
     points = [hull.vertices for link in package.links for hull in link.hulls]
     if not points:
         points = [
@@ -173,7 +173,7 @@ def bounding_box_json(package: SimPackage) -> str:
 
 
 def meta_json(package: SimPackage) -> str:
-    """What the package is called and what each link and visual was made from."""
+    """Name and category of the package, and the parts of each link and visual."""
     links = [
         {
             "name": link.name,
@@ -207,7 +207,7 @@ def meta_json(package: SimPackage) -> str:
 
 
 def annotations_json(package: SimPackage) -> str:
-    """Handles and what has to be open before something else can move."""
+    """Handles, and joints that must be open before others can move."""
     handles = [
         {
             "link": handle.link,
@@ -231,7 +231,7 @@ def annotations_json(package: SimPackage) -> str:
 
 
 def physics_json(package: SimPackage) -> str:
-    """Masses, materials and joint resistance, in SI units and as PhysX takes it."""
+    """Masses, materials and joint resistance, in SI units and as PhysX parameters."""
     links = [
         {"name": link.name, "mass": float(f"{link.inertial.mass:.9g}")}
         for link in package.links
@@ -267,7 +267,7 @@ def physics_json(package: SimPackage) -> str:
 
 
 def _coefficient(package: SimPackage, joint: PackageJoint) -> float | None:
-    """The number for SAPIEN's ``joint.set_friction``, ``None`` where the masses are unknown."""
+    """Argument for SAPIEN's ``joint.set_friction``; ``None`` if masses are unknown."""
     by_name = {link.name: link for link in package.links}
     if by_name[joint.child].inertial is None:
         return None
@@ -277,12 +277,12 @@ def _coefficient(package: SimPackage, joint: PackageJoint) -> float | None:
 
 
 def provenance_json(package: SimPackage) -> str:
-    """Where the object came from and what made the package."""
+    """Origin of the object, and versions of the tools that made the package."""
     return json_text(dict(package.provenance))
 
 
 def handles_from_json(value: dict) -> tuple[tuple[HandleAnnotation, ...], tuple[Requirement, ...]]:
-    """Reads what `annotations_json` wrote."""
+    """Parses the output of `annotations_json`."""
     try:
         handles = tuple(
             HandleAnnotation(
@@ -303,5 +303,5 @@ def handles_from_json(value: dict) -> tuple[tuple[HandleAnnotation, ...], tuple[
             for entry in value["requires_open"]
         )
     except (KeyError, TypeError, ValueError) as err:
-        raise PackageError(f"annotations.json: not as written by this package ({err!r})") from err
+        raise PackageError(f"annotations.json: does not have the expected structure ({err!r})") from err
     return handles, needs

@@ -1,7 +1,7 @@
-"""The SRDF that SAPIEN loads beside the URDF: pairs of links that are meant to touch at rest.
+"""Writes the SRDF that SAPIEN loads beside the URDF: pairs of links that touch at rest.
 
-Links joined by a joint never collide in SAPIEN, so only other pairs are listed. SAPIEN reads the
-first 31 pairs and insists on the ``reason`` attribute.
+Links connected by a joint never collide in SAPIEN, so only other pairs are listed. SAPIEN reads the first 31
+pairs and requires the ``reason`` attribute.
 """
 
 import xml.etree.ElementTree as ET
@@ -20,8 +20,8 @@ TOUCH_DEPTH = 1e-3
 def touching_pairs(package: SimPackage) -> tuple[tuple[str, str], ...]:
     """Pairs of links without a joint between them that touch at rest.
 
-    Touching means hulls less than 0.1 mm apart that do not overlap by more than 1 mm: a deeper overlap
-    is a fault, and hiding it here would not make it go away.
+    Touching means hulls less than 0.1 mm apart that overlap by at most 1 mm. A deeper overlap is a fault and
+    is not hidden here.
     """
     joined = {frozenset((joint.parent, joint.child)) for joint in package.joints}
     sets = {link.name: HullSet(hulls=link.hulls) for link in package.links if link.hulls}

@@ -1,9 +1,9 @@
-"""A package as URDF text that SAPIEN, ManiSkill, MuJoCo and yourdfpy load unchanged.
+"""Writes a package as URDF text that SAPIEN, ManiSkill, MuJoCo and yourdfpy load unchanged.
 
-Link frames sit at the joint origin with the object's axes; meshes stay in the object frame, so
-the origin of a mesh is minus the joint origin. No `<material>`: SAPIEN lets it override the
-texture. Every hull is a `<collision>` of its own: a `<box>` or `<cylinder>` where it is exactly
-that, which engines take without cooking, else a mesh file.
+Link frames have their origin at the joint and the object's axes. Meshes stay in the object frame, so the
+origin of a mesh is minus the joint origin. `<material>` is omitted, because SAPIEN lets it override the
+texture. Every hull is its own `<collision>`: a `<box>` or `<cylinder>` if it is exactly one, which engines
+accept without cooking, else a mesh file.
 """
 
 import xml.etree.ElementTree as ET  # writing only; reading goes through defusedxml
@@ -22,17 +22,17 @@ DECIMALS = 9
 
 
 def visual_path(visual: Visual) -> str:
-    """Where the mesh of a visual lies in the package."""
+    """Path of a visual's mesh in the package."""
     return f"visual/{visual.name}.obj"
 
 
 def hull_path(link: Link, index: int) -> str:
-    """Where a collision hull lies in the package."""
+    """Path of a collision hull in the package."""
     return f"collision/{link.name}_{index}.obj"
 
 
 def splats_path(link: str) -> str:
-    """Where the Gaussians of a link lie in the package, in the link's frame; no URDF refers to them."""
+    """Path of a link's Gaussians in the package, in the link's frame; no URDF refers to them."""
     return f"splats/{link}.ply"
 
 
@@ -58,9 +58,9 @@ def link_origins(package: SimPackage) -> dict[str, Float[np.ndarray, "3"]]:
 def urdf_text(package: SimPackage, variant: UrdfVariant = "standard") -> str:
     """The URDF of a package.
 
-    ``maniskill`` serves ManiSkill's cabinet tasks: continuous joints get the limits they state,
-    screws are one turning joint, and every link that slides or turns has a visual named after a
-    handle (its largest one where it has no handle part).
+    ``maniskill`` supports ManiSkill's cabinet tasks: continuous joints get limits, screws become one turning
+    joint, and every link that slides or turns has a visual named as a handle (its largest one if it has no
+    handle part).
     """
     names = {visual.name: visual.name for link in package.links for visual in link.visuals}
     if variant == "maniskill":
@@ -70,7 +70,7 @@ def urdf_text(package: SimPackage, variant: UrdfVariant = "standard") -> str:
     robot = ET.Element("robot", name=package.name)
     compiler = {
         "strippath": "false",
-        # MuJoCo refuses flat or open meshes even as visuals, and a source may hold any.
+        # MuJoCo rejects flat or open meshes even as visuals, and sources may contain them.
         "discardvisual": "true" if package.visual == "source" else "false",
         "fusestatic": "false",
         "balanceinertia": "false",
@@ -157,7 +157,7 @@ def _add_joint(robot: ET.Element, joint: PackageJoint, parent_origin: Float[np.n
 
 
 def _for_maniskill(package: SimPackage) -> SimPackage:
-    """Screws that only turn, and continuous joints bounded."""
+    """Reduces screws to turning joints and bounds continuous joints."""
     package = turn_screws(package)
     joints = []
     for joint in package.joints:
@@ -169,9 +169,9 @@ def _for_maniskill(package: SimPackage) -> SimPackage:
 
 
 def turn_screws(package: SimPackage) -> SimPackage:
-    """The package without travel along screws: their carriers are left out, their parts only turn.
+    """The package without travel along screws: intermediate links are removed, and the parts only turn.
 
-    For engines that cannot let a sliding joint mimic a turning one.
+    For engines in which a sliding joint cannot mimic a turning one.
     """
     travels = {joint.mimic: joint for joint in package.joints if joint.is_travel}
     joints = []
@@ -186,7 +186,7 @@ def turn_screws(package: SimPackage) -> SimPackage:
 
 
 def _handle_names(package: SimPackage) -> dict[str, str]:
-    """New names for the main visual of each movable link that shows no handle."""
+    """New names for the main visual of each movable link without a visible handle."""
     moving = {joint.child for joint in package.joints if joint.type in ("prismatic", "revolute")}
     out = {}
     for link in package.links:
@@ -197,7 +197,7 @@ def _handle_names(package: SimPackage) -> dict[str, str]:
 
 
 def _visual_size(visual: Visual) -> float:
-    """Diagonal of a visual's box; sources are ranked by the size of their file."""
+    """Diagonal of a visual's box; for source meshes the size of the file."""
     if isinstance(visual.mesh, SourceMesh):
         return float(visual.mesh.path.stat().st_size)
     return float(np.linalg.norm(np.ptp(visual.mesh.vertices, axis=0)))

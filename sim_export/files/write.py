@@ -1,8 +1,8 @@
-"""A package as a folder: all files as bytes first, then one move into place.
+"""Writes a package as a folder: all files as bytes first, then one rename into place.
 
-The folder is built beside its final name under a hidden name (``.<name>.partial-*``), so that a
-reader sees a whole package or none, whatever happens in between. No file holds a time, a path or
-anything else that would change when the same package is written again or elsewhere.
+The folder is built beside its final name under a hidden name (``.<name>.partial-*``), so that readers see a
+complete package or none. No file contains a time, a path or anything else that depends on when or where it is
+written.
 """
 
 import hashlib
@@ -41,7 +41,7 @@ UNHASHED = frozenset({MANIFEST, "validation.json"})
 
 
 def package_files(package: SimPackage) -> dict[str, bytes]:
-    """All files of a package by their path in it, the manifest included.
+    """All files of a package by their path in it, including the manifest.
 
     Raises:
         InvalidKinematics: If links and joints are not a tree that URDF can express.
@@ -84,7 +84,7 @@ def manifest_text(files: dict[str, bytes]) -> str:
 
 
 def manifest_problems(folder: Path) -> tuple[str, ...]:
-    """How a folder differs from its manifest: one sentence per file; nothing when it is untouched."""
+    """Differences of a folder from its manifest, one sentence per file; empty if unchanged."""
     path = folder / MANIFEST
     try:
         expected = json.loads(path.read_text())
@@ -122,7 +122,7 @@ def _visual_files(visual: Visual) -> dict[str, bytes]:
 
 
 def _source_files(source: SourceMesh, stem: str) -> dict[str, bytes]:
-    """A source OBJ with its MTL and images; only the names by which they refer to each other change."""
+    """A source OBJ with its MTL and images; only the names of referenced files change."""
     name = stem.removeprefix("visual/")
     files: dict[str, bytes] = {}
     lines = []
@@ -139,14 +139,15 @@ def _source_files(source: SourceMesh, stem: str) -> dict[str, bytes]:
 
 
 def _inside(file: Path, source: Path) -> Path:
-    """``file``, if it lies in the object's folder, which is the one above the mesh's own."""
+    """``file``, if it lies in the object's folder, the parent of the mesh's folder; else raises
+    `PackageError`."""
     if not file.resolve().is_relative_to(source.parent.parent.resolve()):
         raise PackageError(f"{source}: refers to {file}, which is outside of the object's folder")
     return file
 
 
 def _material_files(library: Path, stem: str, source: Path) -> dict[str, bytes]:
-    """An MTL and the images it names, which are called after their content so that equal ones are shared."""
+    """An MTL and its images, which are named by content so that equal ones are shared."""
     files: dict[str, bytes] = {}
     lines = []
     for line in _read(library).split(b"\n"):
@@ -173,17 +174,17 @@ def _read(path: Path) -> bytes:
 
 
 def write_package(package: SimPackage, folder: Path, overwrite: Overwrite = "refuse") -> Path:
-    """Writes a package to ``folder`` and returns it; on any error nothing is left behind.
+    """Writes a package to ``folder`` and returns the folder; leaves nothing behind on errors.
 
     Args:
-        package: What to write.
-        folder: The package's own folder; its parent is made where it is missing.
-        overwrite: ``refuse`` raises where ``folder`` exists, ``replace`` puts the new package in the
-            place of an old one (only of a package: another folder is never removed).
+        package: The package.
+        folder: The package's own folder; a missing parent is created.
+        overwrite: ``refuse`` raises if ``folder`` exists; ``replace`` replaces an existing package, but never
+            another kind of folder.
 
     Raises:
-        PackageError: If the folder exists, is no package, or cannot be written (read-only, full).
-        InvalidKinematics: If links and joints are not a tree that URDF can say.
+        PackageError: If the folder exists, is not a package, or cannot be written (read-only, full).
+        InvalidKinematics: If links and joints are not a tree that URDF can express.
     """
     folder = Path(folder)
     if folder.exists() and overwrite == "refuse":
@@ -199,7 +200,7 @@ def write_package(package: SimPackage, folder: Path, overwrite: Overwrite = "ref
 
 
 def write_files(files: Mapping[str, bytes], folder: Path) -> None:
-    """Writes files by their path below ``folder``, which takes the place of what was there; all or none.
+    """Writes files below ``folder`` atomically, replacing its previous content.
 
     Raises:
         PackageError: If the folder cannot be written (read-only, full).
@@ -222,13 +223,13 @@ def write_files(files: Mapping[str, bytes], folder: Path) -> None:
 
 
 def _move_into_place(scratch: Path, folder: Path) -> None:
-    """Renames ``scratch`` to ``folder``; an old package steps aside first and is then removed."""
+    """Renames ``scratch`` to ``folder``; an old package is renamed first and removed afterwards."""
     if not folder.exists():
         try:
             scratch.rename(folder)
         except OSError:
             if not folder.exists():
-                raise  # else another process has put a package there meanwhile, which steps aside
+                raise  # otherwise another process created a package meanwhile, which is replaced
         else:
             return
     aside = Path(tempfile.mkdtemp(prefix=f".{folder.name}.old-", dir=folder.parent))

@@ -1,1 +1,1 @@
-"""Voxels of parts to closed meshes."""
+"""Closed meshes from voxels of parts."""

@@ -1,10 +1,10 @@
-"""Fills the thin space between the two faces of a panel.
+"""Fills the thin gap between the two faces of a panel.
 
-Voxels hold surfaces only. A board three cells thick is two sheets with a gap, and where its edge
-touches another part (a shelf behind a door) the gap is open towards that part and no cavity of its
-own. So the gap is found in the whole object at rest: a space without a way out and nowhere wider than
-a board. The room between two bodies that move against each other (a flat drawer under a table top) is
-such a space too; it is told by how much of its walls belongs to each.
+Voxels represent surfaces only. A board three cells thick is two sheets with a gap. Where its edge touches
+another part (a shelf behind a door), the gap is open towards that part and is not an enclosed cavity of the
+board. Gaps are therefore searched in the whole object at rest: an enclosed space that is nowhere wider than a
+board. The space between two bodies that move against each other (a flat drawer under a table top) looks the
+same; it is distinguished by the share of its walls that belongs to each body.
 """
 
 from collections.abc import Sequence
@@ -17,19 +17,18 @@ from scipy import ndimage
 from artigen.types import VoxelGrid
 
 MAX_BOARD = 3
-"""Cells; wider spaces are compartments."""
+"""Largest width (cells) of a gap; wider spaces are compartments."""
 MAX_FOREIGN = 0.25
-"""A space of whose walls this share or more belongs to other links than most of them is no board's inside."""
+"""Share of walls belonging to other links from which a space is not the inside of a board."""
 
 
 def fill_boards(
     voxels: VoxelGrid, owners: Sequence[int] | None = None, max_width: int = MAX_BOARD
 ) -> tuple[VoxelGrid, int]:
-    """Adds the gaps inside of boards to the parts around them; also returns how many cells those are.
+    """Fills the gaps inside boards; also returns the number of filled cells.
 
-    A gap goes as a whole to the part that owns most of the cells around it. ``owners`` tells for every
-    part which part leads its link (`sim_export.physics.links.link_owners`); without it all parts are one
-    link.
+    A gap is assigned to the part that owns most of the surrounding cells. ``owners`` gives for every part the
+    part that leads its link (`sim_export.physics.links.link_owners`); without it all parts count as one link.
     """
     shape = (voxels.resolution + 2,) * 3
     owner = np.full(shape, -1, dtype=np.int64)
@@ -60,7 +59,7 @@ def fill_boards(
 
 
 def label_spaces(empty: Bool[np.ndarray, "X Y Z"]) -> tuple[Int[np.ndarray, "X Y Z"], int]:
-    """Numbers the connected spaces from 1; 0 is solid."""
+    """Labels the connected spaces from 1; 0 is solid."""
     spaces = np.zeros(empty.shape, dtype=np.int64)
     ndimage.label(empty, output=spaces)
     return spaces, int(spaces.max())

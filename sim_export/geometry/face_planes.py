@@ -1,9 +1,9 @@
 """Fits planes to the exposed cell faces of a blocky part.
 
-Marking every cell that a surface touches makes a solid half a cell too thick on average, and says
-nothing about where inside its cell a wall lies. This module groups exposed cell faces into coplanar
-patches, moves each patch to its most likely plane (the part's box where the patch is the part's
-extreme), and tells flat patches from the terraces of slanted and curved surfaces.
+Marking every cell that a surface touches makes a solid half a cell too thick on average, and loses the
+position of a wall within its cell. This module groups exposed cell faces into coplanar patches and moves each
+patch to its most likely plane (a face of the part's box for patches at the part's extremes). It distinguishes
+flat patches from the terraces of slanted and curved surfaces.
 
 Lattice units: cell (i, j, k) covers [i, i + 1] x [j, j + 1] x [k, k + 1].
 """
@@ -22,7 +22,7 @@ from sim_export.geometry.neighbours import DIRECTIONS, NeighbourFaces
 
 @dataclass(frozen=True, kw_only=True)
 class FacePlanesConfig:
-    """How far planes move, in cells, and what counts as flat."""
+    """Limits of plane shifts, in cells, and criteria of flatness."""
 
     inset: float = 0.5
     """Inward shift of a patch backed by two or more cells: voxelising dilates by half a cell."""
@@ -31,17 +31,17 @@ class FacePlanesConfig:
     contact_inset: float = 0.1
     """Inward shift of a patch that another part touches; raise it when moving parts jam."""
     joint_room: float = 0.03
-    """What stays free before the plane at which a neighbour's box ends; raise it when parts jam."""
+    """Gap kept to the plane at which a neighbour's box ends; raise it when parts jam."""
     joint_inset: float = 0.6
-    """Farthest inward that such a plane is followed; beyond, the neighbour is sunk into the part."""
+    """Largest inward shift to such a plane; a neighbour farther in is embedded in the part."""
     contact_share: float = 0.1
-    """Share of a patch's faces that other parts must touch for it to count as touched."""
+    """Share of a patch's faces that other parts must touch for the patch to count as touched."""
     min_thickness: float = 0.8
-    """Thinnest wall that may remain between two opposite patches; furniture board is about a cell."""
+    """Smallest wall thickness between two opposite patches; furniture board is about a cell."""
     min_box_thickness: float = 0.4
-    """The same where both patches lie on the part's box, which then knows the true thickness."""
+    """The same for two patches on the part's box, which gives the true thickness."""
     box_reach: float = 1.25
-    """A patch at the part's extreme goes to the box face if that is at most this far away."""
+    """Largest distance at which a patch at the part's extreme snaps to the box face."""
     max_step_fraction: float = 0.3
     """A patch with more one-cell steps than this along its boundary may be a terrace; lower it when
     slanted or round surfaces come out as stairs."""
@@ -64,11 +64,11 @@ class FacePlanesConfig:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class FacePlanes:
-    """Per direction (order of `DIRECTIONS`) and cell, what is known about that face of the cell.
+    """Fitted planes per direction (order of `DIRECTIONS`) and cell.
 
-    ``plane`` is the fitted coordinate along the face's axis in lattice units, NaN where the face is
-    not exposed. ``flat`` is True where the face belongs to a plane patch, False on slanted and
-    curved surfaces. ``patch`` numbers the patches from 0 over all directions, -1 elsewhere.
+    ``plane`` is the fitted coordinate along the face's axis in lattice units, NaN where the face is not
+    exposed. ``flat`` is True where the face belongs to a plane patch, False on slanted and curved surfaces.
+    ``patch`` numbers the patches from 0 over all directions, -1 elsewhere.
     """
 
     plane: Float[np.ndarray, "6 X Y Z"]
@@ -77,15 +77,15 @@ class FacePlanes:
 
 
 MARGIN = 3
-"""Empty cells around the grid, as many as the farthest cell looked at from an exposed face."""
+"""Empty cells around the grid: the largest distance of a cell that is examined from an exposed face."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Faces:
     """Every exposed face as one row; cells are flat indices into a grid padded by `MARGIN`.
 
-    ``edges``, ``double_up`` and ``double_down`` count the sides of a face where its patch ends, and
-    those where the surface goes on exactly two cells higher or lower.
+    ``edges``, ``double_up`` and ``double_down`` count the sides of a face where its patch ends, and those
+    where the surface continues exactly two cells higher or lower.
     """
 
     direction: np.ndarray
@@ -102,7 +102,7 @@ class _Faces:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Steps:
-    """Boundary edges beyond which a patch goes on one cell higher or lower, by patch number."""
+    """Boundary edges beyond which a patch continues one cell higher or lower, by patch number."""
 
     source: np.ndarray
     target: np.ndarray
@@ -125,10 +125,10 @@ def fit_face_planes(
 ) -> FacePlanes:
     """Fits a plane to every exposed face of a part; ``box`` is its lowest and highest corner.
 
-    ``others``, three cells larger on every side, tells where the cells of other parts are: a surface
-    that another part touches lies at the border between their cells.
-    Lattice units, measured from the corner of ``occupancy``. Patches are in-plane connected, and
-    all faces of a flat patch share one coordinate. Raises `ValueError` when no cell is occupied.
+    ``others``, three cells larger on every side, marks the cells of other parts: a surface that another part
+    touches lies at the border between their cells. Lattice units, measured from the corner of ``occupancy``.
+    Patches are in-plane connected, and all faces of a flat patch share one coordinate. Raises `ValueError` if
+    no cell is occupied.
     """
     cfg = cfg or FacePlanesConfig()
     if not occupancy.any():
@@ -166,12 +166,12 @@ def fit_face_planes(
 
 
 def _curved_inset(faces: _Faces, outward: np.ndarray, cfg: FacePlanesConfig) -> np.ndarray:
-    """Inward shift of every face as if it were on a curved or slanted wall.
+    """Inward shift of every face under the assumption of a curved or slanted wall.
 
-    A voxelised sheet with normal n has |n|_1 cells and 2 |n|_1 exposed faces per area, whatever n is;
-    each cell of thickness adds one cell. Cells per pair of faces, counted around a face, so tell
-    how thick the wall is, and how far both its sides may move in until `min_thickness` is left. Of
-    thin walls the outer side goes where the surface is, and the inner side keeps the thickness.
+    A voxelised sheet with normal n has |n|_1 cells and 2 |n|_1 exposed faces per area, for every n, and each
+    cell of thickness adds one cell. The ratio of cells to pairs of faces around a face therefore estimates
+    the wall thickness, and how far both sides may move in until `min_thickness` is left. For thin walls, the
+    outer side moves to the surface and the inner side keeps the thickness.
     """
     shape = faces.grid.shape[1:]
     exposed = np.bincount(faces.cell, minlength=faces.grid[0].size).reshape(shape).astype(np.float32)
@@ -183,7 +183,7 @@ def _curved_inset(faces: _Faces, outward: np.ndarray, cfg: FacePlanesConfig) -> 
 
 
 def _outwardness(level: np.ndarray, axis: np.ndarray, sign: np.ndarray, box: np.ndarray) -> np.ndarray:
-    """From 1 for faces at the box that look outward to -1 for those that look inward there."""
+    """Ranges from 1 for faces at the box that face outwards to -1 for those that face inwards there."""
     rows = np.arange(len(level))
     center, half = box.mean(axis=0), np.maximum(np.ptp(box, axis=0) / 2.0, 1.0)
     return np.clip(sign * (level[rows, axis] + 0.5 - center[axis]) / half[axis], -1.0, 1.0)
@@ -200,7 +200,7 @@ def _read_faces(solid: np.ndarray) -> tuple[_Faces, _Steps]:
     outward = sign * strides[axis]
     row = np.full((6, full.size), -1, dtype=np.int32)
     row[direction, cell] = np.arange(len(cell))
-    # The four in-plane neighbours of each face, as directions: those of the two other axes.
+    # The four in-plane neighbours of each face, as directions of the two other axes.
     around = np.array([[n for n in range(6) if n // 2 != a] for a in range(3)])[axis].T
     shifts = np.array([s * strides[a] for a, s in DIRECTIONS])
 
@@ -247,7 +247,7 @@ def _read_faces(solid: np.ndarray) -> tuple[_Faces, _Steps]:
 
 
 def _connected(links: np.ndarray, count: int) -> np.ndarray:
-    """Numbers the connected components of ``count`` rows joined by pairs of rows."""
+    """Labels the connected components of ``count`` rows joined by pairs of rows."""
     weights = np.ones(links.shape[1], dtype=bool)
     graph = coo_matrix((weights, tuple(links)), shape=(count, count))
     return connected_components(graph, directed=False)[1]
@@ -256,7 +256,7 @@ def _connected(links: np.ndarray, count: int) -> np.ndarray:
 def _place_patches(
     faces: _Faces, blocky: np.ndarray, box: np.ndarray, touched: np.ndarray, cfg: FacePlanesConfig
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Fitted coordinate of every patch, and whether it was put on the box."""
+    """Fitted coordinate of every patch, and whether it was placed on the box."""
     area = np.bincount(faces.patch)
     thick = np.bincount(faces.patch, weights=faces.thick) > area / 2
     level, direction = np.zeros(len(area)), np.zeros(len(area), dtype=np.int64)
@@ -274,9 +274,9 @@ def _place_patches(
 def _meet_neighbours(
     faces: _Faces, blocky: np.ndarray, neighbours: NeighbourFaces, cfg: FacePlanesConfig
 ) -> np.ndarray:
-    """Coordinate of each patch just before the plane at which neighbours end, NaN where there are none.
+    """Coordinate of each patch just before the plane at which neighbours end, NaN without neighbours.
 
-    Of several neighbours that end at one patch the median counts.
+    If several neighbours end at one patch, the median is used.
     """
     shape = np.array(faces.grid.shape[1:])
     at = neighbours.cell + MARGIN
@@ -305,7 +305,7 @@ def _keep_thickness(
 ) -> np.ndarray:
     """Moves opposite patches apart where a wall of one or two cells became too thin.
 
-    Of two patches the one that is not on the box gives way; otherwise both move by half.
+    Of two patches, the one that is not on the box moves; otherwise both move by half.
     """
     out = coordinate.copy()
     for axis in range(3):
@@ -328,13 +328,12 @@ def _keep_thickness(
 
 
 def _find_flat(faces: _Faces, steps: _Steps, cfg: FacePlanesConfig) -> np.ndarray:
-    """Which patches are flat rather than terraces of slanted or curved surfaces.
+    """Flags patches that are flat and not terraces of slanted or curved surfaces.
 
-    A terrace has steps of one cell up on one side and down on the other; where it is less than seven
-    cells wide, one of the two may be a step of two cells. The top of a curved
-    surface only steps down, but to terraces, or is as narrow. A raised or sunk
-    panel steps to patches that are no terraces, and stays flat. A riser beside a terrace is not
-    flat either, although it may be long. Steps to specks say nothing about the slope of a patch.
+    A terrace has steps of one cell up on one side and down on the other. If it is less than seven cells wide,
+    one of the two may be a step of two cells. The top of a curved surface only steps down, but to terraces,
+    or is as narrow. A raised or sunk panel steps to patches that are no terraces, and stays flat. A riser
+    beside a terrace is not flat either, even if it is long. Steps to specks are ignored.
     """
     patch = faces.patch
     area = np.bincount(patch)

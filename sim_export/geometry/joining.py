@@ -1,4 +1,4 @@
-"""Makes a set of cells well-composed: adds cells where two touch only along an edge or at a corner."""
+"""Makes a set of cells well-composed by adding cells where two touch only along an edge or at a corner."""
 
 import numpy as np
 from jaxtyping import Bool
@@ -10,11 +10,11 @@ _CORNERS = [np.array(np.unravel_index(n, (2, 2, 2))) for n in range(8)]
 def join_cells(
     occupancy: Bool[np.ndarray, "X Y Z"], avoid: Bool[np.ndarray, "X Y Z"]
 ) -> Bool[np.ndarray, "X Y Z"]:
-    """Adds cells until no two cells touch only along an edge or in a corner (nor do two empty ones).
+    """Adds cells until no two cells touch only along an edge or at a corner (nor do two empty ones).
 
-    Of the cells that would connect a pair, the one with most occupied neighbours is added, and of
-    equals one outside ``avoid``; remaining ties are all added, so that the result does not depend
-    on the order of axes. The outermost cells of the grid must be empty.
+    Of the cells that would connect a pair, the one with most occupied neighbours is added, preferring cells
+    outside ``avoid``. Remaining ties are all added, so that the result does not depend on the order of axes.
+    The outermost cells of the grid must be empty.
     """
     out = occupancy.copy()
     while True:
@@ -47,7 +47,7 @@ def _joining_cells(occupancy: np.ndarray, avoid: np.ndarray) -> np.ndarray:
 
 
 def _block_tables() -> np.ndarray:
-    """Cells that would mend each of the 256 states of a 2 x 2 x 2 block; none where it is well-composed."""
+    """Cells that would repair each of the 256 states of a 2 x 2 x 2 block; none if it is well-composed."""
     options = np.zeros((256, 8), dtype=bool)
     for code in range(256):
         full = [bool(code >> bit & 1) for bit in range(8)]

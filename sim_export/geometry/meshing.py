@@ -1,9 +1,9 @@
-"""From the voxels of an asset to one closed mesh per part.
+"""Converts the voxels of an asset to one closed mesh per part.
 
-The cells of a part become a blocky solid (`occupancy`), its faces move to the planes they most
-likely voxelise (`face_planes`), what is round or slanted is smoothed (`smoothing`), and coplanar
-triangles are merged. Unlike marching cubes this keeps walls one cell thick, the sharp edges and
-the exact outer size of furniture, and open drawers stay open.
+The cells of a part become a blocky solid (`occupancy`). Its faces move to their most likely planes
+(`face_planes`), round and slanted surfaces are smoothed (`smoothing`), and coplanar triangles are merged.
+Unlike marching cubes, this preserves walls one cell thick as well as the sharp edges and exact outer size of
+furniture, and open drawers stay open.
 """
 
 from collections.abc import Sequence
@@ -31,12 +31,12 @@ from sim_export.package import Mesh
 
 @dataclass(frozen=True, kw_only=True)
 class MeshingConfig:
-    """How voxels become meshes."""
+    """Parameters of meshing."""
 
     planes: FacePlanesConfig = field(default_factory=FacePlanesConfig)
-    """Where walls lie inside their cells."""
+    """Position of walls inside their cells."""
     smoothing: SmoothingConfig = field(default_factory=SmoothingConfig)
-    """What happens to round and slanted surfaces."""
+    """Smoothing of round and slanted surfaces."""
     tolerance: float = 0.03
     """Deviation allowed when triangles are merged, in cells; raise it for fewer faces."""
 
@@ -48,7 +48,7 @@ class MeshingConfig:
 def solid_parts(asset: Asset) -> tuple[PartOccupancy, ...]:
     """The solid cells of every part, in the order of the parts.
 
-    Raises `DegeneratePart` when a part has no voxels, `ValueError` when the asset has none.
+    Raises `DegeneratePart` if a part has no voxels, `ValueError` if the asset has none.
     """
     if asset.voxels is None:
         raise ValueError(f"asset {asset.name!r} has no voxels; voxelize its surface first")
@@ -68,8 +68,8 @@ def mesh_parts(
 ) -> tuple[Mesh, ...]:
     """One closed mesh per part, in the order of the parts; metres, object frame.
 
-    ``solids`` are the cells of the parts where they are known already (`solid_parts`). Raises
-    `DegeneratePart` when a part has no voxels, `ValueError` when the asset has none.
+    ``solids`` are the cells of the parts if already computed (`solid_parts`). Raises `DegeneratePart` if a
+    part has no voxels, `ValueError` if the asset has none.
     """
     cfg = cfg or MeshingConfig()
     if asset.voxels is None:
@@ -95,7 +95,8 @@ def mesh_occupancy(
     others: Bool[np.ndarray, "X Y Z"] | None = None,
     neighbours: NeighbourFaces | None = None,
 ) -> tuple[Float[np.ndarray, "V 3"], Int[np.ndarray, "F 3"]]:
-    """Closed mesh of a well-composed solid that fits ``box``, beside ``others``, which end at ``neighbours``.
+    """Closed mesh of a well-composed solid with the extent ``box``, next to ``others``, which end at
+    ``neighbours``.
 
     Lattice units.
     """
@@ -168,7 +169,7 @@ def read_surface(
 
 
 def _thin_walls(patch: np.ndarray, number: np.ndarray, shape: np.ndarray, locked: np.ndarray) -> np.ndarray:
-    """Vertex pairs across cells exposed on two opposite sides, where at least one side is free."""
+    """Vertex pairs across cells exposed on two opposite sides, if at least one side is free."""
     walls = []
     for axis in range(3):
         cell = np.argwhere((patch[2 * axis] >= 0) & (patch[2 * axis + 1] >= 0))
@@ -198,11 +199,11 @@ def _quad_corners() -> np.ndarray:
 
 _QUAD_CORNERS = _quad_corners()
 _SLIVER = 0.02
-"""Twice the area, in square cells, below which a triangle is split off another way if possible."""
+"""Twice the area, in square cells, below which a quad is split along its other diagonal if possible."""
 
 
 def _split_quads(vertices: np.ndarray, quads: np.ndarray) -> np.ndarray:
-    """Two triangles per quad, along its shorter diagonal unless that leaves one without area."""
+    """Two triangles per quad, along its shorter diagonal unless that makes one degenerate."""
     at = vertices[quads]
     first = ((at[:, 0] - at[:, 2]) ** 2).sum(axis=1)
     second = ((at[:, 1] - at[:, 3]) ** 2).sum(axis=1)
@@ -226,13 +227,13 @@ def _merge_coplanar(
     )
     if solid.status() != manifold3d.Error.NoError:
         raise OpenMesh(f"blocky surface of {len(faces)} triangles is no manifold: {solid.status().name}")
-    # The first pass rids the second of collinear triangles, which it would keep.
+    # The first pass removes collinear triangles, which the second would keep.
     merged = solid.simplify(tolerance / 6).simplify(tolerance).to_mesh64()
     return np.array(merged.vert_properties[:, :3]), np.array(merged.tri_verts, dtype=np.int64)
 
 
 def _check_closed(name: str, part: Part, vertices: np.ndarray, faces: np.ndarray) -> None:
-    """Raises unless every edge has exactly one twin running the other way and the volume is positive."""
+    """Raises unless every edge has exactly one twin in the opposite direction and the volume is positive."""
     edges = np.concatenate([faces[:, [n, (n + 1) % 3]] for n in range(3)])
     codes = edges[:, 0] * len(vertices) + edges[:, 1]
     twins = edges[:, 1] * len(vertices) + edges[:, 0]

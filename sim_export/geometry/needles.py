@@ -8,12 +8,12 @@ from sim_export.geometry.sampling import triangle_areas
 NEEDLE = 2e-4
 """Height over longest edge below which a triangle is a needle; checks allow half of it."""
 FLAT = 1e-9
-"""Distance (m) from a plane up to which a point lies in it."""
+"""Distance (m) from a plane within which a point counts as lying in it."""
 _PASSES = 20
 
 
 def find_needles(triangles: Float[np.ndarray, "F 3 3"], ratio: float = NEEDLE) -> Bool[np.ndarray, "F"]:
-    """Which triangles are lower than ``ratio`` of their longest edge."""
+    """Triangles with a height below ``ratio`` of their longest edge."""
     longest = np.linalg.norm(triangles - np.roll(triangles, -1, axis=1), axis=2).max(axis=1)
     return 2.0 * triangle_areas(triangles) <= ratio * longest**2
 
@@ -21,12 +21,12 @@ def find_needles(triangles: Float[np.ndarray, "F 3 3"], ratio: float = NEEDLE) -
 def flip_needles(
     vertices: Float[np.ndarray, "V 3"], faces: Int[np.ndarray, "F 3"], regions: Int[np.ndarray, "F"]
 ) -> Int[np.ndarray, "F 3"]:
-    """Faces with the longest edges of needles flipped, where both triangles lie in one plane and region.
+    """Flips the longest edges of needles where both triangles lie in one plane and region.
 
     Args:
         vertices: Points (m).
         faces: A closed surface.
-        regions: Faces of different regions do not exchange area.
+        regions: Region of each face; edges between regions are kept.
     """
     out = faces.copy()
     for _ in range(_PASSES):
@@ -44,7 +44,7 @@ def flip_needles(
                 continue
             far = next(int(v) for v in out[other] if v not in (start, end))
             pair = np.array([[start, far, apex], [far, end, apex]])
-            # An edge that is there already would be there twice, and the surface pinched.
+            # An edge that already exists would become duplicate and pinch the surface.
             joined = far == apex or bool({(far, int(apex)), (int(apex), far)} & opposite.keys())
             if not joined and _is_better(vertices, out[other], pair):
                 out[needle], out[other] = pair
@@ -55,7 +55,8 @@ def flip_needles(
 
 
 def _is_better(vertices: np.ndarray, neighbour: np.ndarray, pair: np.ndarray) -> bool:
-    """Whether the flipped pair lies in the neighbour's plane, is wound like it, and holds fewer needles."""
+    """Whether the flipped pair lies in the neighbour's plane, has its orientation, and contains fewer
+    needles."""
     a, b, c = vertices[neighbour]
     normal = np.cross(b - a, c - a)
     length = np.linalg.norm(normal)

@@ -1,8 +1,8 @@
-"""A part's cells as a meshable solid: contested, enclosed and badly connected cells resolved.
+"""Converts a part's cells to a meshable solid: resolves contested, enclosed and badly connected cells.
 
-Three things stand between labelled surface cells and a solid. A cell that two parts touch is owned
-by one of them, which leaves ragged layers where owners alternate; a closed box is hollow; and cells
-that meet only along an edge or in a corner have no manifold surface. Every change is counted.
+Labelled surface cells differ from a solid in three ways. A cell that two parts touch is owned by one of them,
+which leaves ragged layers where owners alternate. A closed box is hollow. Cells that meet only along an edge
+or at a corner have no manifold surface. Every change is counted.
 """
 
 from dataclasses import dataclass
@@ -16,30 +16,29 @@ from sim_export.errors import DegeneratePart
 from sim_export.geometry.joining import join_cells
 
 _SMALL_HOLE = 16
-"""Cells; a hole in a layer up to this size that another part fills is the foot of a knob or handle."""
+"""Largest hole (cells) in a layer, filled by another part, that counts as the foot of a knob or handle."""
 _RAGGED_SHARE = 0.15
-"""A layer at the part's box face is completed where the part already owns this share of it."""
+"""Share of a layer at the part's box face that the part must own for the layer to be completed."""
 
 
 MIN_LODGER = 8
-"""Cells of other parts inside a cavity that keep it free; fewer are where surfaces touch."""
+"""Cells of other parts inside a cavity from which it stays free; fewer come from touching surfaces."""
 SEAM_SHARE = 0.1
-"""A cavity is a part's own inside where others hold at most this share of the cells around it, in rows."""
+"""Largest share of surrounding cells, in rows, owned by others for a cavity to be the inside of a part."""
 LEAF = 6
-"""Cells; cavities with seams are as thin as the inside of a leaf."""
+"""Largest width (cells) of cavities with seams: the inside of a door leaf."""
 _OPENING = 3
-"""Cells; others' cells around a cavity that hold a square of this size close an opening of the part."""
+"""Size (cells) of a square of others' cells around a cavity that counts as an opening of the part."""
 _FACES = ndimage.generate_binary_structure(3, 1)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PartOccupancy:
-    """The solid cells of one part, on the asset's whole grid, and how many were added or removed.
+    """The solid cells of one part, on the asset's whole grid, and the numbers of added and removed cells.
 
-    ``shared`` cells belong to another part in the voxel grid, whose surface runs through the same
-    layer; ``shaved`` ones were specks of this part in a layer that others own; ``enclosed`` ones
-    were cavities without a way out; ``joined`` ones connect cells that touched only along an edge or
-    in a corner.
+    ``shared`` cells belong to another part whose surface runs through the same layer. ``shaved`` cells were
+    specks of this part in a layer that others own. ``enclosed`` cells were cavities without an exit.
+    ``joined`` cells connect cells that touched only along an edge or at a corner.
     """
 
     occupancy: Bool[np.ndarray, "X Y Z"]
@@ -54,7 +53,7 @@ class PartOccupancy:
         kinds = (
             (self.shared, "cells shared with a neighbour completed its surface"),
             (self.shaved, "specks of cells were left out"),
-            (self.enclosed, "cells of a cavity without a way out became solid"),
+            (self.enclosed, "cells of an enclosed cavity became solid"),
             (self.joined, "cells joined others that touched along an edge only"),
         )
         return tuple(f"{count} {what}" for count, what in kinds if count)
@@ -65,10 +64,10 @@ def part_occupancy(
 ) -> PartOccupancy:
     """Solid cells of a part: its own, those it shares in ragged layers, and enclosed cavities.
 
-    ``box`` (lowest and highest corner in lattice units) tells how far the part reaches into layers
-    it contests with others; without it such layers stay ragged. The result is well-composed: its
-    boundary is a 2-manifold. Cavities that are open, like a drawer's, or that hold other parts stay free;
-    disconnected pieces stay apart. Raises `DegeneratePart` for a part without cells.
+    ``box`` (lowest and highest corner in lattice units) tells how far the part extends into layers it
+    contests with others; without it such layers stay ragged. The result is well-composed: its boundary is a
+    2-manifold. Open cavities, like a drawer's, and cavities that contain other parts stay free; disconnected
+    pieces stay separate. Raises `DegeneratePart` for a part without cells.
     """
     mine = voxels.part_ids == part_id
     if not mine.any():
@@ -101,10 +100,10 @@ def part_occupancy(
 
 
 def _shave_specks(own: np.ndarray, others: np.ndarray) -> np.ndarray:
-    """Without single cells and pairs that stick out of a layer of this part into another part.
+    """Removes single cells and pairs that protrude from a layer of this part into another part.
 
-    Such a cell has this part behind it, in its own layer only cells of others and at most one of
-    this part, and no empty cell. A part of nothing but specks stays.
+    Such a cell has this part behind it, and its neighbours in its own layer are cells of others, at most one
+    cell of this part, and no empty cell. A part that consists of specks only is kept.
     """
     specks = np.zeros_like(own)
     neighbours = {axis: [np.roll(own, shift, axis) for shift in (1, -1)] for axis in range(3)}
@@ -123,8 +122,8 @@ def _shave_specks(own: np.ndarray, others: np.ndarray) -> np.ndarray:
 def _pits(own: np.ndarray, others: np.ndarray) -> np.ndarray:
     """Cells of others in gaps up to two cells wide, or in small holes, of a layer of this part.
 
-    Only where the surface of the other part lies in that layer: a panel that stands in a slot is other
-    parts' cells in the layers before and behind as well, and the slot stays.
+    Only where the surface of the other part lies in that layer. A panel that stands in a slot occupies the
+    layers before and behind as well, and the slot is kept.
     """
     pits = np.zeros_like(own)
     for normal in range(3):
@@ -140,7 +139,8 @@ def _pits(own: np.ndarray, others: np.ndarray) -> np.ndarray:
 
 
 def _small_holes(own: np.ndarray, others: np.ndarray, normal: int) -> np.ndarray:
-    """In-plane components of others' cells up to `_SMALL_HOLE`, surrounded by this part alone."""
+    """In-plane components of others' cells, up to `_SMALL_HOLE` in size, that are surrounded by this part
+    alone."""
     labels, count = _label(~own, _in_plane(normal))
     ids = labels.ravel()
     size = np.bincount(ids, minlength=count + 1)
@@ -151,9 +151,9 @@ def _small_holes(own: np.ndarray, others: np.ndarray, normal: int) -> np.ndarray
 
 
 def _ragged_layers(own: np.ndarray, others: np.ndarray, box: np.ndarray) -> np.ndarray:
-    """Cells of others in the outermost layer of this part that its box says it reaches too.
+    """Cells of others in the outermost layer of this part that lies within its box.
 
-    Only over cells of this part, and only in connected regions of which it has a fair share.
+    Only over cells of this part, and only in connected regions of which it owns `_RAGGED_SHARE`.
     """
     out = np.zeros_like(own)
     for axis in range(3):
@@ -174,7 +174,7 @@ def _ragged_layers(own: np.ndarray, others: np.ndarray, box: np.ndarray) -> np.n
 
 
 def _label(grid: np.ndarray, structure: np.ndarray) -> tuple[np.ndarray, int]:
-    """Connected components numbered from 1, and how many there are."""
+    """Connected components labelled from 1, and their number."""
     labels = np.zeros(grid.shape, dtype=np.int32)
     ndimage.label(grid, structure=structure, output=labels)
     return labels, int(labels.max())
@@ -188,10 +188,10 @@ def _in_plane(normal: int) -> np.ndarray:
 
 
 def _fill_cavities(grid: np.ndarray, others: np.ndarray) -> np.ndarray:
-    """Fills empty cells from which no way of cells sharing faces leads out.
+    """Fills empty cells that are not connected to the outside through cell faces.
 
-    A cavity in which another part lies (the rack of a closed oven) stays free for it. The inside of a leaf
-    is closed too where the only ways out are rows of cells that a neighbour owns, in a layer that both share.
+    A cavity that contains another part (the rack of a closed oven) stays free. The inside of a door leaf is
+    also filled if its only openings are rows of cells that a neighbour owns in a shared layer.
     """
     grid = grid | _seamed_cavities(grid, others)
     holes = np.asarray(ndimage.binary_fill_holes(grid), dtype=bool) & ~grid
@@ -203,7 +203,7 @@ def _fill_cavities(grid: np.ndarray, others: np.ndarray) -> np.ndarray:
 
 
 def _seamed_cavities(grid: np.ndarray, others: np.ndarray) -> np.ndarray:
-    """Cavities between this part and others that are this part's inside but for seams."""
+    """Cavities between this part and others that belong to this part's inside, except for seams."""
     closed = grid | others
     labels, count = _label(np.asarray(ndimage.binary_fill_holes(closed), dtype=bool) & ~closed, _FACES)
     seamed = np.zeros(count + 1, dtype=bool)

@@ -1,4 +1,4 @@
-"""Boxes, cylinders and spheres of URDF: as closed meshes, and detected in exact hulls."""
+"""URDF boxes, cylinders and spheres: meshes, and detection in exact hulls."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -13,17 +13,18 @@ from sim_export.errors import PackageError
 from sim_export.package import Hull, Mesh
 
 FACET_TURN = np.pi / 32
-"""Radians by which cylinders are turned about their axis. SAPIEN makes 32 facets of one, with an edge where
-its x points: turned so, facets lie where our prism has them, and wheels stand on one, not on an edge."""
+"""Rotation (radians) of cylinders about their axis. SAPIEN makes 32 facets with an edge in its x direction.
+With this rotation, facets coincide with those of our prism, and wheels stand on a facet instead of an
+edge."""
 PRECISION = 1e-6
-"""Metres; hulls whose corners are this near those of a primitive are one, as files hold micrometres."""
+"""Distance (m) of corners within which a hull equals a primitive; files have micrometre precision."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PrimitiveShape:
-    """A box of three edges, or a cylinder of a radius and a length along its own z (m), as it is placed.
+    """A placed box with three edges, or cylinder with radius and length along its own z (m).
 
-    The prism for a cylinder has the middle of a side `FACET_TURN` before the own x.
+    The prism of a cylinder has the middle of a side `FACET_TURN` before its x.
     """
 
     kind: Literal["box", "cylinder"]
@@ -32,12 +33,12 @@ class PrimitiveShape:
 
 
 def primitive_mesh(kind: str, sizes: tuple[float, ...]) -> Mesh:
-    """A box (three edges), cylinder (radius, length along z) or sphere (radius) in metres, about its middle.
+    """A box (three edges), cylinder (radius, length along z) or sphere (radius) in metres, centred.
 
-    A cylinder is the inscribed prism of `SEGMENTS` sides, turned by `-FACET_TURN`.
+    A cylinder is the inscribed prism of `SEGMENTS` sides, rotated by `-FACET_TURN`.
 
     Raises:
-        PackageError: If a size is not a positive number or the kind is unknown.
+        PackageError: If a size is not positive or the kind is unknown.
     """
     if not (len(sizes) and np.isfinite(sizes).all() and min(sizes) > 0):
         raise PackageError(f"a {kind} has sizes {list(sizes)}, expected positive numbers")
@@ -59,14 +60,14 @@ def primitive_mesh(kind: str, sizes: tuple[float, ...]) -> Mesh:
 
 
 def primitive_hull(shape: PrimitiveShape) -> Hull:
-    """The hull that a primitive is for checks and for engines without cylinders."""
+    """Hull of a primitive, for checks and for engines without cylinders."""
     mesh = primitive_mesh(shape.kind, shape.sizes)
     return Hull(vertices=transform_points(shape.T_object_shape, mesh.vertices), faces=mesh.faces)
 
 
-@lru_cache(maxsize=1024)  # every file of a package asks for every hull
+@lru_cache(maxsize=1024)  # every file of a package queries every hull
 def find_primitive(hull: Hull) -> PrimitiveShape | None:
-    """The box or cylinder that a hull is, to the micrometre; None for all others."""
+    """The box or cylinder equal to a hull, to the micrometre; None for other hulls."""
     if len(hull.vertices) == 8:
         return _find_box(hull.vertices)
     return _find_cylinder(hull) if len(hull.vertices) == 2 * SEGMENTS else None
@@ -82,7 +83,7 @@ def _find_box(corners: Float[np.ndarray, "8 3"]) -> PrimitiveShape | None:
     center = corners.mean(axis=0)
     spokes = corners - corners[0]
     reach = np.linalg.norm(spokes, axis=1)
-    first, *others = np.argsort(reach, kind="stable")[1:]  # the shortest spoke is an edge
+    first, *others = np.argsort(reach, kind="stable")[1:]  # the shortest vector from a corner is an edge
     upright = [k for k in others if abs(spokes[k] @ spokes[first]) <= PRECISION * reach[k]]
     if not upright:
         return None
@@ -103,7 +104,7 @@ def _all_there(corners: Float[np.ndarray, "8 3"]) -> bool:
 
 
 def _near_object_axes(axes: Float[np.ndarray, "3 3"]) -> Float[np.ndarray, "3 3"]:
-    """Rows in the order and with the signs that are nearest to the object's axes, right-handed."""
+    """Rows permuted and signed to be closest to the object's axes, right-handed."""
     from itertools import permutations
 
     order = max(permutations(range(3)), key=lambda rows: float(np.abs(axes[list(rows)]).diagonal().sum()))
@@ -121,7 +122,7 @@ def _find_cylinder(hull: Hull) -> PrimitiveShape | None:
     spokes = hull.vertices - center
     heights = spokes @ axis
     half = float(np.abs(heights).max())
-    # A corner's angle, less half a step, is where x points: the turn nearest to an object axis is taken.
+    # A corner's angle, less half a step, gives x; choose the equivalent rotation closest to an object axis.
     helper = np.eye(3)[int(np.argmax(np.abs(axis)) == 0)]
     x = helper - axis * (helper @ axis)
     x /= np.linalg.norm(x)
@@ -142,7 +143,7 @@ def _find_cylinder(hull: Hull) -> PrimitiveShape | None:
 
 
 def _find_caps(hull: Hull) -> Float[np.ndarray, "3"] | None:
-    """The normal, towards higher coordinates, that triangles of two polygons of `SEGMENTS` sides share."""
+    """The normal, towards higher coordinates, shared by the triangles of two polygons of `SEGMENTS` sides."""
     corners = hull.vertices[hull.faces]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-15)
@@ -155,7 +156,7 @@ def _find_caps(hull: Hull) -> Float[np.ndarray, "3"] | None:
 
 
 def place_axes(axes: Float[np.ndarray, "3 3"], center: Float[np.ndarray, "3"]) -> Float[np.ndarray, "4 4"]:
-    """The pose of a shape whose own axes are the rows of ``axes`` (in object axes) about ``center`` (m)."""
+    """Pose of a shape with the rows of ``axes`` (in object axes) as its axes, centred at ``center`` (m)."""
     T = np.eye(4)
     T[:3, :3] = axes.T
     T[:3, 3] = center
@@ -163,7 +164,7 @@ def place_axes(axes: Float[np.ndarray, "3 3"], center: Float[np.ndarray, "3"]) -
 
 
 def place_along(axis: Float[np.ndarray, "3"], center: Float[np.ndarray, "3"]) -> Float[np.ndarray, "4 4"]:
-    """The pose of a shape whose own z points along a unit vector (object axes) about ``center`` (m)."""
+    """Pose of a shape with its z along a unit vector (object axes), centred at ``center`` (m)."""
     x = np.cross(axis, np.eye(3)[int(np.abs(axis).argmin())])
     x /= np.linalg.norm(x)
     return place_axes(np.stack([x, np.cross(axis, x), axis]), center)

@@ -16,7 +16,7 @@ def triangle_areas(triangles: Float[np.ndarray, "F 3 3"]) -> Float[np.ndarray, "
 def sample_triangles(
     triangles: Float[np.ndarray, "F 3 3"], count: int
 ) -> tuple[Float[np.ndarray, "N 3"], Int[np.ndarray, "N"]]:
-    """Evenly spread points on a surface, always the same ones, and the triangle each lies on."""
+    """Evenly spread points on a surface, and the triangle of each; deterministic."""
     total = np.cumsum(triangle_areas(triangles))
     if not len(total) or total[-1] <= 0.0 or count == 0:
         return np.zeros((0, 3)), np.zeros(0, dtype=np.int64)

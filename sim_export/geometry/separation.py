@@ -1,9 +1,9 @@
-"""Separates drawers and trays from the carrier that they overlap.
+"""Separates drawers and trays from overlapping carriers.
 
 Where surfaces of two parts run through the same layer of cells, both parts may complete it
-(`sim_export.geometry.occupancy`), and clearance trims the overlap later. A flat drawer whose front
-stands in an apron, or a tray that lies in a floor, would share much of itself with its carrier, and
-no cut frees that; so the carrier gives those cells up and has an opening there.
+(`sim_export.geometry.occupancy`), and clearance trims the overlap later. A flat drawer with its front in an
+apron, or a tray embedded in a floor, would share much of its volume with its carrier, which cutting cannot
+fix. The carrier therefore yields those cells and gets an opening there.
 """
 
 from collections.abc import Sequence
@@ -14,14 +14,14 @@ from sim_export.geometry.joining import join_cells
 from sim_export.geometry.occupancy import PartOccupancy
 
 SUNK = 0.15
-"""Share of a drawer's or tray's cells from which they count as sunk into another link's part."""
+"""Share of a drawer's or tray's cells inside another link's part from which it counts as sunk."""
 SLIDING_LABELS = ("drawer", "tray")
 
 
 def separate_solids(
     asset: Asset, solids: Sequence[PartOccupancy], owners: Sequence[int]
 ) -> tuple[tuple[PartOccupancy, ...], tuple[str, ...]]:
-    """Solids without the cells that sunk drawers and trays have in them; one sentence per change.
+    """Removes the cells of sunk drawers and trays from the solids around them; one sentence per change.
 
     Args:
         asset: The parts.
@@ -42,5 +42,5 @@ def separate_solids(
             left = join_cells(out[other].occupancy & ~body, body)
             taken = int(out[other].occupancy.sum() - left.sum())
             out[other] = replace(out[other], occupancy=left)
-            records.append(f"{carrier.name}: {taken} cells given up to {part.name}, which is sunk into it")
+            records.append(f"{carrier.name}: {taken} cells yielded to {part.name}, which is sunk into it")
     return tuple(out), tuple(records)

@@ -1,7 +1,7 @@
 """Detects slanted planes in stepped surfaces: tapered legs, sloping lids, rotated boxes.
 
-A slightly slanted wall becomes long terraces one cell apart, too long for smoothing to level. Chains
-of terraces that one plane explains are found by growing, and their vertices put on that plane.
+A slightly slanted wall becomes long terraces one cell apart, too long for smoothing to level. Region growing
+finds chains of terraces that fit one plane, and their vertices are moved to that plane.
 """
 
 from collections.abc import Iterable
@@ -13,26 +13,27 @@ from jaxtyping import Bool, Float, Int
 from sim_export.geometry.face_planes import DIRECTIONS, FacePlanes
 
 _LEAST_LEVELS = 3
-"""Heights of the terraces of a plane: two are those of a step, however often it goes up and down."""
+"""Smallest number of terrace heights of a plane: two are only a step, even if it alternates."""
 _LEAST_AREA = 36
 _WIDE = 14
-"""Cells; a patch that is wider both ways, and part of no slanted plane, is a panel between steps."""
+"""Width (cells) from which a patch on no slanted plane is a panel between steps."""
 _MOST_ERROR = 0.34
-"""Root mean square distance of the faces from their plane; an exact digital plane has 0.29."""
+"""Largest root mean square distance (cells) of the faces from their plane; an exact digital plane has
+0.29."""
 _MOST_SLOPE = 0.4
-"""Steeper surfaces have short terraces, which smoothing levels better: they may be curved."""
+"""Largest slope; steeper surfaces have short terraces, which may be curved and are smoothed better."""
 _TERRACE = (0.55, 1.7)
-"""Cells by which the plane rises within one terrace; a flat panel beside a step has much less."""
+"""Rise (cells) of the plane within one terrace; a flat panel beside a step has much less."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Slants:
-    """Which faces lie on slanted planes, and which are flat for good.
+    """Faces on slanted planes, and faces that are definitely flat.
 
-    ``slant`` numbers the planes per direction and cell, -1 elsewhere. Row ``s`` of ``planes`` is
-    (a, b, c): the coordinate along the face's axis is ``a u + b v + c`` with u and v along the next
-    two axes, cyclically; lattice units. ``flat`` is `FacePlanes.flat` without slanted terraces and
-    the risers between them, and with wide terraces that are on no slanted plane.
+    ``slant`` numbers the planes per direction and cell, -1 elsewhere. Row ``s`` of ``planes`` is (a, b, c):
+    the coordinate along the face's axis is ``a u + b v + c`` with u and v along the next two axes,
+    cyclically; lattice units. ``flat`` is `FacePlanes.flat` without slanted terraces and the risers between
+    them, and with wide terraces that are on no slanted plane.
     """
 
     slant: Int[np.ndarray, "6 X Y Z"]
@@ -42,7 +43,7 @@ class Slants:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Patches:
-    """Sums over the faces of every patch, and which patches are one step apart."""
+    """Sums over the faces of every patch, and pairs of patches that are one step apart."""
 
     area: np.ndarray
     moments: np.ndarray  # P 4 4, outer products of (u, v, 1, level)
@@ -51,7 +52,7 @@ class _Patches:
 
 
 def find_slants(planes: FacePlanes) -> Slants:
-    """Groups chains of terraces at three heights or more that one slanted plane explains."""
+    """Groups chains of terraces at three or more heights that fit one slanted plane."""
     padded = np.pad(planes.patch, ((0, 0), (1, 1), (1, 1), (1, 1)), constant_values=-1)
     count = int(padded.max()) + 1
     slant_of = np.full(count + 1, -1)
@@ -136,7 +137,7 @@ def _grow_groups(patches: _Patches) -> Iterable[tuple[list[int], np.ndarray]]:
 
 
 def _grow(patches: _Patches, seed: int, taken: set[int]) -> tuple[list[int], np.ndarray | None]:
-    """Adds neighbouring terraces, largest first, as long as one plane explains all."""
+    """Adds neighbouring terraces, largest first, as long as one plane fits all."""
     group, moments, plane = [seed], patches.moments[seed], None
     refused = set(taken) | {seed}
     waiting = set(patches.neighbours[seed]) - refused
@@ -158,14 +159,14 @@ def _grow(patches: _Patches, seed: int, taken: set[int]) -> tuple[list[int], np.
 
 
 def _fit(moments: np.ndarray) -> np.ndarray:
-    """Least squares plane (a, b, c) of the faces behind summed moments."""
-    # A whisper of ridge keeps single rows of faces solvable: no slope where none can be seen.
+    """Least squares plane (a, b, c) of the faces with the given summed moments."""
+    # A tiny ridge term keeps single rows of faces solvable, with zero slope across them.
     ridge = np.diag([1e-6, 1e-6, 0.0]) * moments[2, 2]
     return np.linalg.solve(moments[:3, :3] + ridge, moments[:3, 3])
 
 
 def _error(moments: np.ndarray, plane: np.ndarray) -> float:
-    """Root mean square residual of the faces behind summed moments."""
+    """Root mean square residual of the faces with the given summed moments."""
     row = np.append(plane, -1.0)
     return float(np.sqrt(max(row @ moments @ row, 0.0) / moments[2, 2]))
 

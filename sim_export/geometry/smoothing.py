@@ -7,23 +7,23 @@ from jaxtyping import Bool, Float, Int
 from scipy.sparse import coo_array, csr_array
 
 _RELAXED_RINGS = 4
-"""How far from a curved surface the vertices of flat ones follow, in cells."""
+"""Distance (cells) from a curved surface within which vertices of flat ones follow it."""
 _STRETCHED = 4.0
-"""Cells from an extreme over which a curved surface is stretched to its box."""
+"""Distance (cells) from an extreme over which a curved surface is stretched to its box."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class SmoothingConfig:
-    """How strongly the unlocked coordinates are smoothed; lengths in cells."""
+    """Strength of smoothing of the unlocked coordinates; lengths in cells."""
 
     iterations: int = 80
-    """Pairs of a shrinking and a growing step; more reach further along gentle slopes."""
+    """Pairs of a shrinking and a growing step; more spread farther along gentle slopes."""
     shrink: float = 0.6
     """Fraction of the way to the neighbours' mean in the shrinking step."""
     grow: float = 0.605
     """Fraction of the way back in the growing step; a little above ``shrink`` keeps the volume."""
     reach: float = 0.7
-    """Farthest a coordinate may move from where it started; raise it if stairs remain on slopes."""
+    """Largest displacement of a coordinate; raise it if stairs remain on slopes."""
     least_wall: float = 0.3
     """Walls one cell thick keep at least this thickness along their axis."""
 
@@ -39,10 +39,10 @@ class SmoothingConfig:
 class BlockySurface:
     """Quads of a blocky solid; vertices in lattice units, already on their fitted planes.
 
-    ``locked`` marks the coordinates that a flat patch fixes, ``flat`` the quads of flat patches.
-    ``slant`` numbers, per vertex and axis, the row of ``slants`` that gives the coordinate as
-    ``a u + b v + c`` of the next two axes, -1 where none does; such coordinates are locked too.
-    ``walls`` lists (low vertex, high vertex, axis) across walls one cell thick.
+    ``locked`` marks the coordinates that a flat patch fixes, ``flat`` the quads of flat patches. ``slant``
+    gives, per vertex and axis, the row of ``slants`` that determines the coordinate as ``a u + b v + c`` of
+    the next two axes, -1 if none does; such coordinates are locked too. ``walls`` lists (low vertex, high
+    vertex, axis) across walls one cell thick.
     """
 
     vertices: Float[np.ndarray, "V 3"]
@@ -55,11 +55,11 @@ class BlockySurface:
 
 
 def smooth_surface(surface: BlockySurface, cfg: SmoothingConfig | None = None) -> Float[np.ndarray, "V 3"]:
-    """New vertex positions: round where the surface is curved, unchanged where coordinates are locked.
+    """Smoothed vertex positions: round on curved surfaces, unchanged at locked coordinates.
 
-    Taubin's alternating steps. A vertex on a curved or slanted quad follows its neighbours along such
-    quads only, so that the rim between a curved side and a flat end stays sharp; the others follow
-    all their neighbours, so that a flat end adapts to its smoothed rim.
+    Uses Taubin's alternating steps. A vertex on a curved or slanted quad follows its neighbours along such
+    quads only, so that the rim between a curved side and a flat end stays sharp. Other vertices follow all
+    their neighbours, so that a flat end adapts to its smoothed rim.
     """
     cfg = cfg or SmoothingConfig()
     if surface.flat.all() or cfg.iterations == 0:
@@ -76,7 +76,7 @@ def put_on_slants(
 ) -> Float[np.ndarray, "V 3"]:
     """Moves every vertex along its slanted axes onto the planes; where two meet, onto both."""
     out = vertices.copy()
-    for _ in range(3):  # the planes' slopes are below one, so their intersection is approached fast
+    for _ in range(3):  # slopes below one make the iteration converge quickly to the intersection
         for axis in range(3):
             rows = np.flatnonzero(slant[:, axis] >= 0)
             a, b, c = slants[slant[rows, axis]].T
@@ -92,8 +92,8 @@ def stretch_to_box(
 ) -> Float[np.ndarray, "V 3"]:
     """Moves the unlocked coordinates near the extremes so that the surface touches its box.
 
-    The shift fades to zero within `_STRETCHED` cells. A side farther than ``reach`` cells from its
-    box face is left alone. Lattice units.
+    The shift fades to zero within `_STRETCHED` cells. A side more than ``reach`` cells from its box face is
+    unchanged. Lattice units.
     """
     out = vertices.copy()
     for axis in range(3):
@@ -110,7 +110,7 @@ def stretch_to_box(
 def _smooth_curved(
     surface: BlockySurface, quads: np.ndarray, ids: np.ndarray, cfg: SmoothingConfig
 ) -> np.ndarray:
-    """Positions of the vertices ``ids`` on curved quads; they depend on no others."""
+    """Positions of the vertices ``ids`` on curved quads; they depend on no other vertices."""
     number = np.full(len(surface.vertices), -1)
     number[ids] = np.arange(len(ids))
     mean = _neighbour_mean(number[quads], len(ids))
@@ -157,7 +157,7 @@ def _neighbour_mean(quads: np.ndarray, count: int) -> csr_array:
 
 
 def _spread_walls(at: np.ndarray, free: np.ndarray, walls: np.ndarray, least: float) -> np.ndarray:
-    """Moves the two sides of thin walls apart where they came closer than ``least``."""
+    """Moves the two sides of thin walls apart if they came closer than ``least``."""
     low, high, axis = walls.T
     missing = least - (at[high, axis] - at[low, axis])
     thin = missing > 0

@@ -15,15 +15,15 @@ from sim_export.geometry.sampling import sample_triangles
 from sim_export.package import Hull, Mesh
 
 SURFACE_SAMPLES = 10_000
-"""Points on a solid's surface to which bulges are measured."""
+"""Points on a solid's surface for measuring how far hulls bulge."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Fit:
-    """How well hulls stand for a solid.
+    """Agreement of hulls with a solid.
 
-    ``volume_error`` is the volume of the symmetric difference over the solid's, ``cavity`` the space
-    between the solid and its one convex hull over the volume of that hull.
+    ``volume_error`` is the volume of the symmetric difference over the solid's, ``cavity`` the space between
+    the solid and its convex hull over the volume of that hull.
     """
 
     volume_error: float
@@ -31,10 +31,10 @@ class Fit:
 
 
 def as_solid(mesh: Mesh | Hull) -> manifold3d.Manifold:
-    """The enclosed volume of a closed mesh; inner voids, where the mesh has any, stay free.
+    """The enclosed volume of a closed mesh; inner voids stay free.
 
     Raises:
-        OpenMesh: if the mesh does not enclose a volume.
+        OpenMesh: If the mesh does not enclose a volume.
     """
     solid = _manifold(mesh.vertices, mesh.faces)
     if solid.status() != manifold3d.Error.NoError or solid.is_empty() or solid.volume() <= 0.0:
@@ -52,7 +52,7 @@ def solid_arrays(solid: manifold3d.Manifold) -> tuple[Float[np.ndarray, "V 3"], 
 
 
 def solid_hull(solid: manifold3d.Manifold) -> Hull:
-    """Convex hull of a solid; raises `DegeneratePart` when it is flat."""
+    """Convex hull of a solid; raises `DegeneratePart` if it is flat."""
     return convex_hull(solid_arrays(solid.hull())[0])
 
 
@@ -64,7 +64,7 @@ def unite_hulls(hulls: Sequence[Hull]) -> manifold3d.Manifold:
 
 
 def measure_fit(union: manifold3d.Manifold, solid: manifold3d.Manifold) -> Fit:
-    """Compares the union of hulls with the solid they stand for, by exact booleans."""
+    """Compares the union of hulls with the solid they represent, by exact booleans."""
     volume, outer, common = solid.volume(), solid.hull().volume(), (union ^ solid).volume()
     return Fit(
         volume_error=max((union.volume() + volume - 2.0 * common) / volume, 0.0),
@@ -75,8 +75,8 @@ def measure_fit(union: manifold3d.Manifold, solid: manifold3d.Manifold) -> Fit:
 def measure_intrusion(
     union: manifold3d.Manifold, solid: manifold3d.Manifold, others: Sequence[manifold3d.Manifold]
 ) -> float:
-    """Volume that the union of hulls, but not the solid they stand for, shares with other solids, over that
-    solid's."""
+    """Volume that the union of hulls, but not the solid they represent, shares with other solids, relative to
+    that solid's volume."""
     if not others:
         return 0.0
     excess = union - solid
@@ -84,9 +84,9 @@ def measure_intrusion(
 
 
 def measure_stray(hulls: Sequence[Hull], solid: manifold3d.Manifold) -> Float[np.ndarray, "N"]:
-    """How far (m) points of the solid's surface lie outside of all hulls; 0 inside.
+    """Distances (m) of points on the solid's surface from the nearest hull; 0 inside.
 
-    A lower bound. Volume alone would not miss feet, thin panels and rims.
+    A lower bound. It detects missing feet, thin panels and rims, which have little volume.
     """
     vertices, faces = solid_arrays(solid)
     points = sample_triangles(vertices[faces], 2000)[0]
@@ -100,9 +100,9 @@ def measure_stray(hulls: Sequence[Hull], solid: manifold3d.Manifold) -> Float[np
 def measure_bulge(
     hulls: Sequence[Hull], surface: SampledSurface, near: float = 0.0
 ) -> Float[np.ndarray, "N"]:
-    """How far (m) points on the outside of the hulls lie from a solid's surface.
+    """Distances (m) of points on the outside of the hulls from a solid's surface.
 
-    What other hulls cover is not outside. Distances below ``near`` are rough.
+    Points inside other hulls are not outside. Distances below ``near`` are approximate.
     """
     triangles = np.concatenate([hull.vertices[hull.faces] for hull in hulls])
     owner = np.repeat(np.arange(len(hulls)), [len(hull.faces) for hull in hulls])
@@ -122,10 +122,10 @@ def measure_bulge(
 def measure_kept_cavity(
     hulls: Sequence[Hull], solid: manifold3d.Manifold, skin: float, resolution: int = 36
 ) -> float:
-    """Share of the space that a solid encloses or shelters which its hulls leave free.
+    """Share of the space that a solid encloses or shelters and its hulls leave free.
 
-    Counted in points of a grid, inside the solid's one convex hull and more than ``skin`` (m) away
-    from the solid; 1 where those are less than a twentieth of that hull.
+    Measured at grid points inside the solid's convex hull and more than ``skin`` (m) away from the solid; 1
+    if these are less than a twentieth of that hull.
     """
     vertices, faces = solid_arrays(solid)
     low, high = vertices.min(axis=0), vertices.max(axis=0)
@@ -161,10 +161,10 @@ def inside_grid(
     faces: Int[np.ndarray, "F 3"],
     axes: tuple[Float[np.ndarray, "X"], Float[np.ndarray, "Y"], Float[np.ndarray, "Z"]],
 ) -> Bool[np.ndarray, "X Y Z"]:
-    """Which points of a tensor grid (sorted coordinates per axis) lie inside a closed mesh.
+    """Flags the points of a tensor grid (sorted coordinates per axis) that lie inside a closed mesh.
 
-    Winding numbers along z: each triangle adds to the columns whose foot it covers. Points should
-    not lie exactly on the mesh.
+    Winding numbers along z: each triangle contributes to the columns that it covers in projection. Points
+    should not lie exactly on the mesh.
     """
     xs, ys, zs = axes
     corners = vertices[faces]  # F 3 3

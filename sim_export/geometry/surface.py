@@ -9,19 +9,19 @@ from sim_export.geometry.sampling import sample_triangles, triangle_areas
 SAMPLES = 4
 """Samples along the edge of a voxel."""
 UNPAINTED = 255
-"""Colour of samples: meshes have none."""
+"""Colour of samples; the meshes have no colour."""
 
 
 def sample_surface(asset: Asset, cfg: MeshingConfig | None = None) -> SurfaceSamples:
-    """Points on the meshes of all parts, each of the same area, in the unit cube; white.
+    """White sample points of equal area on the meshes of all parts, in the unit cube.
 
     Args:
-        asset: with voxels; scale and parts are not looked at but for their boxes.
-        cfg: how voxels become meshes.
+        asset: Asset with voxels; of the parts only the boxes are used.
+        cfg: Parameters of meshing.
 
     Raises:
         DegeneratePart: If a part has no voxels.
-        ValueError: If the asset has none.
+        ValueError: If the asset has no voxels.
     """
     meshes = mesh_parts(asset, cfg)
     assert asset.voxels is not None

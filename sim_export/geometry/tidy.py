@@ -9,19 +9,19 @@ from sim_export.geometry.solids import as_solid, solid_arrays
 from sim_export.package import Mesh
 
 DETAILS = (1e-5, 1e-4, 5e-4, 1e-3)
-"""Detail left out, over the mesh's diagonal; the least that does is taken."""
+"""Simplification tolerances relative to the mesh's diagonal; the smallest sufficient one is used."""
 LEAST_DETAIL = 2e-6
-"""Metres; files hold micrometres."""
+"""Smallest simplification tolerance (m); files have micrometre precision."""
 MOST_LOST = 0.005
-"""Share of the volume that leaving out detail may change."""
+"""Largest relative change of the volume by simplification."""
 MOST_NEEDLES = 0.008
-"""Share of needles up to which a mesh is good; checks allow a hundredth, or one."""
+"""Largest share of needles of a clean mesh; checks allow a hundredth, or one."""
 
 
 def tidy_mesh(solid: manifold3d.Manifold, like: Mesh) -> Mesh | None:
-    """The mesh of a solid in the colour of another, or `None` where it cannot be had clean.
+    """The mesh of a solid in the colour of another; `None` if no clean mesh is found.
 
-    Clean means closed, with edges that outlast a file, and hardly any needles.
+    Clean means closed, with edges that survive rounding in a file, and with hardly any needles.
     """
     vertices, _ = solid_arrays(solid)
     if not len(vertices):

@@ -1,4 +1,4 @@
-"""Makes wheels round, so that they do not rest on a flat side."""
+"""Replaces wheels with cylinders, so that they do not rest on a flat side."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -16,29 +16,31 @@ from sim_export.package import Hull, Mesh
 
 @dataclass(frozen=True, kw_only=True)
 class WheelConfig:
-    """What becomes a cylinder."""
+    """Criteria and parameters of wheel replacement."""
 
     segments: int = 24
-    """Sides of the cylinder; a corner points down, so that it stands on an edge of its own."""
+    """Sides of the cylinder; a corner points down, so that it stands on an edge."""
     least_alike: float = 0.6
-    """Least share of the cylinder's volume that a mesh fills, and its inverse at most: forks stay forks."""
+    """Smallest ratio of the volumes of mesh and cylinder, in either direction; excludes forks."""
     well: float = 0.003
-    """Room (m) that is made around a wheel in whatever stands where it turns."""
+    """Clearance (m) made around a wheel in other parts."""
     steepest: float = 0.5
-    """Greatest vertical component of an axle; what turns about steeper ones swivels, and carries a wheel."""
+    """Largest vertical component of an axle; parts that turn about steeper axes are swivels that carry a
+    wheel."""
     near: float = 1.5
-    """Voxels; wheels that end so little above the lowest point of the object reach down to it."""
+    """Distance (voxels) from the lowest point of the object within which wheels are extended down to it."""
 
 
 def round_wheels(
     asset: Asset, meshes: Sequence[Mesh], cfg: WheelConfig | None = None
 ) -> tuple[tuple[Mesh, ...], tuple[str, ...]]:
-    """Cylinders about their axles in place of the meshes of wheels, wells around them, and what was done.
+    """Replaces the meshes of wheels with cylinders about their axles and cuts wells around them; records
+    changes.
 
     Args:
         asset: Parts and joints; unit-cube lengths.
         meshes: Closed mesh of every part (metres), in order.
-        cfg: What becomes a cylinder.
+        cfg: Criteria and parameters.
     """
     cfg = cfg or WheelConfig()
     floor = min(float(mesh.vertices[:, 2].min()) for mesh in meshes)
@@ -75,8 +77,8 @@ def round_wheels(
 
 
 def _without(mesh: Mesh, well: manifold3d.Manifold) -> Mesh | None:
-    """A mesh without a well and without the crumbs that this leaves; `None` where it does not
-    reach there or nothing clean is left."""
+    """Subtracts a well from a mesh and drops the resulting fragments; `None` if they do not overlap or no
+    clean mesh remains."""
     solid = as_solid(mesh)
     shared = (solid ^ well).volume()
     if shared <= 0.0 or shared > 0.85 * solid.volume():
@@ -93,7 +95,7 @@ def _cylinder(
     radius: float,
     segments: int,
 ) -> Hull:
-    """A cylinder of this radius to its corners, one of them straight below the axis."""
+    """A cylinder with its corners at this radius, one of them straight below the axis."""
     down = np.array([0.0, 0.0, -1.0]) + axis[2] * axis
     if np.linalg.norm(down) < 1e-6:
         down = np.array([1.0, 0.0, 0.0])

@@ -1,9 +1,8 @@
 """Annotates handles and knobs: position, direction, grasp and motion.
 
-Everything is measured on the part meshes at rest. The outward normal is the direction in which the
-carrier lies behind the handle and nothing in front of it; the box is the smallest one around the
-handle with one axis along that normal; clearance comes from rays through the bar to whatever is
-behind it.
+Everything is measured on the part meshes at rest. The outward normal is the direction with the carrier behind
+the handle and nothing in front of it. The box is the smallest one around the handle with an axis along that
+normal. Clearance comes from rays through the bar to the surface behind it.
 """
 
 from collections.abc import Sequence
@@ -24,16 +23,16 @@ FINGER_SHARE = 0.2
 
 @dataclass(frozen=True, kw_only=True)
 class HandleConfig:
-    """How handles are measured."""
+    """Parameters of handle measurements."""
 
     reach: float = 0.15
-    """How far behind a handle (m) its carrier is looked for; also the largest clearance reported."""
+    """Search distance (m) for the carrier behind a handle; also the largest clearance reported."""
 
     samples: int = 15
     """Rays along a handle; more resolve thinner legs."""
 
     bar_ratio: float = 2.0
-    """A fixed handle at least this many times longer than wide is a line handle, else a round one."""
+    """Ratio of length to width from which a fixed handle is a line handle instead of a round one."""
 
     def __post_init__(self) -> None:
         if not self.reach > 0 or self.samples < 3:
@@ -52,15 +51,15 @@ class _Frame:
 def annotate_handles(
     asset: Asset, meshes: Sequence[Mesh], tree: LinkTree, cfg: HandleConfig | None = None
 ) -> tuple[HandleAnnotation, ...]:
-    """Annotates every handle and knob that moves with a link; those fixed to the body are left out.
+    """Annotates every handle and knob that moves with a link; those fixed to the body are skipped.
 
     A movable part without handle or knob has no annotation.
 
     Args:
         asset: Parts and joints.
         meshes: One mesh per part (metres, object frame at rest); an empty one is skipped.
-        tree: The links that `build_links` made of the asset.
-        cfg: How handles are measured.
+        tree: Links of the asset, from `build_links`.
+        cfg: Parameters of the measurements.
     """
     cfg = cfg or HandleConfig()
     owners, names = link_owners(asset), link_names(asset)
@@ -100,7 +99,7 @@ def _annotate(
     else:
         clearance, line = _grip(frame, triangles, _near(others, points, cfg.reach), cfg)
     direction = motion
-    if in_place:  # its outline moves, its centre hardly does
+    if in_place:  # its outline moves, while its centre hardly does
         direction = joint_velocity(joint, line[1])
     if np.linalg.norm(direction) < 1e-9:
         direction = joint.axis
@@ -118,7 +117,7 @@ def _annotate(
 
 
 def joint_velocity(joint: PackageJoint, point: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3"]:
-    """Velocity of a point per unit of joint speed, at rest; a screw's slow travel is left out."""
+    """Velocity of a point per unit of joint speed, at rest; the small travel of a screw is ignored."""
     if joint.type == "prismatic" and joint.mimic is None:
         return np.array(joint.axis)
     axis = np.asarray(joint.axis)
@@ -126,7 +125,7 @@ def joint_velocity(joint: PackageJoint, point: Float[np.ndarray, "3"]) -> Float[
 
 
 def gapart_class(part: Part, ratio: float, cfg: HandleConfig) -> str:
-    """GAPartNet's class of a handle or knob whose length is ``ratio`` times its width."""
+    """GAPartNet class of a handle or knob whose length is ``ratio`` times its width."""
     if part.label == "knob" and part.joint.type == "prismatic":
         return "slider_button"
     if part.joint.type != "fixed":
@@ -148,8 +147,8 @@ def ray_hits(
     direction: Float[np.ndarray, "3"],
     triangles: Float[np.ndarray, "F 3 3"],
 ) -> tuple[Float[np.ndarray, "R F"], Float[np.ndarray, "F"]]:
-    """Distances of parallel rays to triangles (infinite where they miss or lie behind), and for each
-    triangle -1 where the rays enter through it (it faces them), 1 where they leave, 0 edge-on."""
+    """Distances of parallel rays to triangles (infinite for misses and hits behind the origin), and for each
+    triangle -1 if rays enter through it, 1 if they leave, 0 if it is edge-on."""
     a = triangles[:, 0]
     edge1, edge2 = triangles[:, 1] - a, triangles[:, 2] - a
     facing = np.cross(edge1, edge2) @ direction  # F
@@ -172,11 +171,11 @@ def _outward_normal(
     guide: Float[np.ndarray, "3"],
     cfg: HandleConfig,
 ) -> Float[np.ndarray, "3"]:
-    """The direction with the carrier behind and nothing of it in front.
+    """The direction with the carrier behind the handle and none of it in front.
 
-    Candidates are the object's axes and the ``guide``: the handle's first motion, or its joint's axis
-    where it turns in place; where several fit, the one most along the guide. The winner is then laid
-    along the carrier's face behind the handle.
+    Candidates are the object's axes and the ``guide``: the handle's first motion, or its joint's axis if it
+    turns in place. Among several, the one closest to the guide wins. It is then aligned with the carrier's
+    face behind the handle.
     """
     candidates = np.concatenate([np.eye(3), -np.eye(3), [guide, -guide]])
     scores = []
@@ -193,7 +192,8 @@ def _outward_normal(
 def _lay_along(
     direction: Float[np.ndarray, "3"], grid: Float[np.ndarray, "R 3"], carrier: Float[np.ndarray, "F 3 3"]
 ) -> Float[np.ndarray, "3"]:
-    """The carrier's normal behind the handle where most rays agree on one; object axes win when close."""
+    """The carrier's normal behind the handle, if most rays agree on one; nearby object axes take
+    precedence."""
     normal = direction
     carrier = _in_the_way(grid, -direction, carrier)
     if len(carrier):
@@ -220,7 +220,7 @@ def _in_the_way(
     direction: Float[np.ndarray, "3"],
     triangles: Float[np.ndarray, "F 3 3"],
 ) -> Float[np.ndarray, "G 3 3"]:
-    """Triangles that parallel rays could meet: seen along them, their boxes overlap that of the origins."""
+    """Triangles that parallel rays may hit: in projection, their boxes overlap that of the origins."""
     across = np.stack(_plane_axes(direction), axis=1)  # 3 2
     flat, seen = triangles @ across, origins @ across
     near = (flat.min(axis=1) <= seen.max(axis=0)).all(axis=1) & (flat.max(axis=1) >= seen.min(axis=0)).all(
@@ -235,7 +235,7 @@ def _hit_share(
     triangles: Float[np.ndarray, "F 3 3"],
     depth: float,
 ) -> float:
-    """Share of rays that meet a triangle within ``depth``."""
+    """Share of rays that hit a triangle within ``depth``."""
     triangles = _in_the_way(origins, direction, triangles)
     if not len(triangles):
         return 0.0
@@ -243,7 +243,7 @@ def _hit_share(
 
 
 def _plane_axes(normal: Float[np.ndarray, "3"]) -> tuple[np.ndarray, np.ndarray]:
-    """Two directions across ``normal``; object axes where ``normal`` is one."""
+    """Two directions perpendicular to ``normal``; object axes if ``normal`` is one."""
     first = np.eye(3)[int(np.argmin(np.abs(normal)))]
     first = first - (first @ normal) * normal
     first /= np.linalg.norm(first)
@@ -251,7 +251,7 @@ def _plane_axes(normal: Float[np.ndarray, "3"]) -> tuple[np.ndarray, np.ndarray]
 
 
 def _silhouette(points: Float[np.ndarray, "N 3"], direction: Float[np.ndarray, "3"]) -> np.ndarray:
-    """A grid over the outermost face of the points' box; off the middle, to keep clear of edges."""
+    """A grid over the outermost face of the points' box, shifted off the centre to avoid edges."""
     u, v = _plane_axes(direction)
     steps = np.array([0.13, 0.31, 0.52, 0.71, 0.88])
     low_u, low_v = (points @ u).min(), (points @ v).min()
@@ -273,7 +273,7 @@ def _box_along(points: Float[np.ndarray, "N 3"], normal: Float[np.ndarray, "3"])
         outline = flat[ConvexHull(flat).vertices]
         sides = np.roll(outline, -1, axis=0) - outline
         angles += sorted(np.unique(np.round(np.arctan2(sides[:, 1], sides[:, 0]) % (np.pi / 2), 6)).tolist())
-    except QhullError:  # seen along the normal it is a line: its own direction is the only one
+    except QhullError:  # collinear in projection: use the direction of the line
         spread = np.linalg.svd(flat - flat.mean(axis=0), full_matrices=False)[2][0]
         angles = [float(np.arctan2(spread[1], spread[0]))]
     areas = [np.prod(np.ptp(flat @ _turn(angle), axis=0)) for angle in angles]
@@ -303,11 +303,11 @@ def _grip(
     behind: Float[np.ndarray, "G 3 3"],
     cfg: HandleConfig,
 ) -> tuple[float, Float[np.ndarray, "2 3"]]:
-    """Clearance behind a bar and the line to grasp, from rays along its middle and its two sides.
+    """Clearance behind a bar and its grasp line, from rays along its middle and its two sides.
 
-    The clearance is the largest depth that is free over a stretch of at least `FINGER_SHARE` of the
-    bar's length; the line runs through the middle of the bar as far as most of that depth is free.
-    A handle without free depth has the line through the middle of its box.
+    The clearance is the largest depth that is free over a stretch of at least `FINGER_SHARE` of the bar's
+    length. The line runs through the middle of the bar over the stretch where most of that depth is free.
+    Without free depth it runs through the middle of the box.
     """
     normal, along, across = frame.axes
     steps = ((np.arange(cfg.samples) + 0.5) / cfg.samples - 0.5) * frame.size[1]
@@ -339,7 +339,7 @@ def _free_depth(
     starts: Float[np.ndarray, "R"],
     triangles: Float[np.ndarray, "F 3 3"],
 ) -> Float[np.ndarray, "R"]:
-    """How far each ray goes on from ``starts`` until it meets something; infinite where nothing is."""
+    """Free distance of each ray beyond ``starts``; infinite if it hits nothing."""
     triangles = _in_the_way(origins, direction, triangles)
     if not len(triangles):
         return np.full(len(origins), np.inf)
@@ -349,10 +349,10 @@ def _free_depth(
 
 
 def _stand_off(frame: _Frame, carrier: Float[np.ndarray, "F 3 3"]) -> float:
-    """How far a knob's back stands off the carrier around it, 0 where it touches or nothing is there.
+    """Distance between a knob's back and the carrier around it; 0 if it touches or there is no carrier.
 
-    Voxels under a knob are the knob's own, so that its carrier often has a hole there: the rays go
-    past the knob's outline instead of through it.
+    Voxels under a knob belong to the knob, so its carrier often has a hole there. The rays therefore pass the
+    knob's outline instead of crossing it.
     """
     normal, along, across = frame.axes
     turn = np.linspace(0.0, 2 * np.pi, 16, endpoint=False)[:, None]
@@ -368,14 +368,14 @@ def _bar_depths(
     direction: Float[np.ndarray, "3"],
     triangles: Float[np.ndarray, "F 3 3"],
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Where each ray enters the handle and where it first leaves it again, infinite where it misses."""
+    """Parameters at which each ray enters the handle and first leaves it; infinite for misses."""
     distances, sides = ray_hits(origins, direction, triangles)
     fronts, backs = np.full(len(origins), np.inf), np.full(len(origins), np.inf)
     for row in range(len(origins)):
         hits = np.flatnonzero(np.isfinite(distances[row]) & (sides != 0))
         if not len(hits):
             continue
-        # A ray through an edge that two triangles share must count once.
+        # A ray through an edge shared by two triangles must count once.
         keys = np.unique(np.stack([np.round(distances[row, hits], 7), sides[hits]], axis=1), axis=0)
         depth = np.cumsum(-keys[:, 1])
         fronts[row] = keys[0, 0]
@@ -385,7 +385,7 @@ def _bar_depths(
 
 
 def _run_around(flags: np.ndarray, index: int) -> tuple[int, int]:
-    """Start and end of the stretch of true values that holds ``index``."""
+    """Start and end of the run of true values that contains ``index``."""
     low = high = index
     while low > 0 and flags[low - 1]:
         low -= 1

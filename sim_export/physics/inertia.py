@@ -1,7 +1,7 @@
-"""Mass, centre of mass and inertia of closed meshes, exactly, and what makes them physical.
+"""Exact mass, centre of mass and inertia of closed meshes, and checks that they are physical.
 
-Polyhedral integrals by the divergence theorem: every face spans a signed tetrahedron with a point
-near the mesh, and the integrals of 1, x and x x^T over tetrahedra have closed forms.
+Polyhedral integrals by the divergence theorem: every face spans a signed tetrahedron with a point near the
+mesh, and the integrals of 1, x and x x^T over tetrahedra have closed forms.
 """
 
 from collections.abc import Sequence
@@ -18,7 +18,7 @@ TRIANGLE_TOLERANCE = 1e-6
 
 
 def is_closed(faces: Int[np.ndarray, "F 3"]) -> bool:
-    """Whether every directed edge is run through as often as its opposite: the faces bound a volume."""
+    """Whether every directed edge occurs as often as its opposite, so that the faces bound a volume."""
     if not len(faces):
         return False
     start, end = faces.ravel().astype(np.int64), np.roll(faces, -1, axis=1).ravel().astype(np.int64)
@@ -31,7 +31,7 @@ def mesh_inertial(mesh: Mesh | Hull, density: float) -> Inertial:
     """Mass properties of the volume inside a closed mesh at a uniform ``density`` (kg/m^3).
 
     Raises:
-        OpenMesh: If the faces do not close, or close inside out.
+        OpenMesh: If the faces are not closed, or are oriented inwards.
         DegeneratePart: If they enclose no volume.
         InvalidInertia: If ``density`` is not positive.
     """
@@ -61,13 +61,13 @@ def mesh_inertial(mesh: Mesh | Hull, density: float) -> Inertial:
 
 
 def inertia_about(inertial: Inertial, point: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 3"]:
-    """Inertia about another point (parallel axes)."""
+    """Inertia about another point (parallel axis theorem)."""
     arm = np.asarray(inertial.com) - point
     return inertial.inertia + inertial.mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
 
 
 def combine(inertials: Sequence[Inertial]) -> Inertial:
-    """The mass properties of several bodies welded together; raises `ValueError` for none."""
+    """Mass properties of several bodies welded together; raises `ValueError` for an empty sequence."""
     if not inertials:
         raise ValueError("nothing to combine: no inertials given")
     mass = sum(inertial.mass for inertial in inertials)
@@ -85,8 +85,8 @@ def principal_moments(inertial: Inertial) -> Float[np.ndarray, "3"]:
 def check_inertial(inertial: Inertial, owner: str) -> None:
     """Raises `InvalidInertia` unless mass and inertia are physical.
 
-    Mass positive; inertia finite, symmetric, positive definite; the largest principal moment at most
-    the sum of the others (relative tolerance 1e-6).
+    The mass must be positive; the inertia finite, symmetric and positive definite; the largest principal
+    moment at most the sum of the others (relative tolerance 1e-6).
     """
     values = np.concatenate([[inertial.mass], inertial.com, np.ravel(inertial.inertia)])
     if not np.isfinite(values).all():
@@ -109,9 +109,9 @@ def check_inertial(inertial: Inertial, owner: str) -> None:
 
 
 def raise_light_mass(inertial: Inertial, owner: str) -> tuple[Inertial, str | None]:
-    """Scales mass and inertia up to `MIN_LINK_MASS` where they are below, and says so.
+    """Scales mass and inertia up to at least `MIN_LINK_MASS`; the second value records a change.
 
-    Physics engines lose precision with lighter links; the shape of the inertia is kept.
+    Physics engines lose precision with lighter links. The shape of the inertia is preserved.
     """
     if inertial.mass >= MIN_LINK_MASS:
         return inertial, None

@@ -1,9 +1,9 @@
-"""From parts to rigid bodies: welded parts, names of links and joints.
+"""Builds rigid bodies from parts: welds parts, names links and joints.
 
-Every movable part becomes a link, in part order, together with everything fixed to it; the root part
-with everything fixed to that is the last link and the root. Only where nothing moves is it fixed to an
-empty link, `base`: SAPIEN takes a URDF without joints for a loose body, not for an articulation.
-A screw part gets two links in a row: a carrier that turns and the part that travels on it.
+Every movable part, with all parts fixed to it, becomes a link, in part order. The root part with everything
+fixed to it is the last link and the root. If nothing moves, it is fixed to an empty link, `base`, because
+SAPIEN loads a URDF without joints as a free body and not as an articulation. A screw part becomes two links
+in a row: a turning intermediate link, and the part that travels along it.
 """
 
 from collections.abc import Collection, Sequence
@@ -33,23 +33,25 @@ BASE = "base"
 MAX_LINKS = 64
 HOLD_SLOPE = 0.09
 LATCH_HOLD = 2.0
-"""What holds a latch, over what gravity asks for: a spring does, and the leaf that leans on it pushes too."""
+"""Holding force of a latch relative to its load under gravity: it has a spring, and the leaf it holds pushes
+on it too."""
 SHORTEST_DECAY = 0.1
-"""Seconds; engines overdo damping that stops a body within a few steps of 1/60 s, so none is stronger."""
+"""Smallest time constant of damping (seconds); engines exaggerate damping that stops a body within a few
+steps of 1/60 s."""
 LEAST_TURNING = 1e-4
-"""kg m^2; the least inertia about a joint that turns. A knob turns a shaft and a valve or gears with it,
-which nobody models. A bare one of ten grams has a fiftieth of this, and fingers would give it more speed
-in one step than contacts with its neighbours, which engines foresee a step ahead, can bear."""
+"""Smallest inertia (kg m^2) about a turning joint. A knob turns a shaft and a valve or gears, which are not
+modelled. A bare knob of ten grams has a fiftieth of this. Fingers would accelerate it in one step beyond what
+contacts with its neighbours, which engines predict one step ahead, can handle."""
 LEAST_ROLLING = 6e-4
-"""kg m^2; the same for wheels. A table rests on four castors of a few hundredths of its mass; without the
-rims and axles that real ones have, contacts with the floor set them jumping at 1/60 s."""
+"""The same for wheels (kg m^2). A table rests on four castors with a few hundredths of its mass; without the
+rims and axles of real castors, contacts with the floor make them jump at a step of 1/60 s."""
 CARRIER_MASS = 0.01
 CARRIER_RADIUS = 0.02
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PartGeometry:
-    """What the earlier stages made of one part; metres, object frame at rest."""
+    """Geometry of one part from earlier stages; metres, object frame at rest."""
 
     visuals: tuple[Mesh | SourceMesh, ...] = ()
     hulls: tuple[Hull, ...] = ()
@@ -58,7 +60,7 @@ class PartGeometry:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class LinkTree:
-    """The links and joints of a package, and one sentence for everything that was adjusted."""
+    """The links and joints of a package, with one sentence per adjustment."""
 
     links: tuple[Link, ...]
     joints: tuple[PackageJoint, ...]
@@ -66,9 +68,9 @@ class LinkTree:
 
 
 def link_owners(asset: Asset) -> list[int]:
-    """For every part, the part whose link it belongs to: its nearest movable ancestor or the root.
+    """For every part, the part that leads its link: its nearest movable ancestor or the root.
 
-    Raises `InvalidKinematics` when the root itself has a joint, since nothing could hold it.
+    Raises `InvalidKinematics` if the root itself has a joint.
     """
     root = asset.parts[asset.root]
     if root.joint.type != "fixed":
@@ -91,13 +93,13 @@ def link_names(asset: Asset) -> dict[int, str]:
 
 
 def build_links(asset: Asset, geometry: Sequence[PartGeometry], latched: Collection[str] = ()) -> LinkTree:
-    """Welds parts into links and turns part joints into package joints.
+    """Welds parts into links and converts part joints to package joints.
 
     Args:
         asset: The parts and joints; unit-cube lengths.
         geometry: Visuals, hulls and mass of every part, in the order of ``asset.parts``.
-        latched: Names of parts that a latch of their own holds shut; their joints resist as free hinges and
-            runners do, and need not hold them on a floor out of level.
+        latched: Names of parts held shut by a latch. Their joints have only the friction of free hinges and
+            runners, and need not hold them on a sloping floor.
 
     Raises:
         InvalidKinematics: If there would be more than 64 links, or the root part moves.
@@ -142,7 +144,7 @@ def build_links(asset: Asset, geometry: Sequence[PartGeometry], latched: Collect
 def _weld(
     asset: Asset, geometry: Sequence[PartGeometry], members: list[int], name: str
 ) -> tuple[Link, list[str]]:
-    """One link out of its parts, the leader first."""
+    """Builds one link from its parts, the leader first."""
     visuals, count = [], {}
     for index in members:
         part = asset.parts[index]
@@ -172,7 +174,7 @@ def _weld(
 
 
 def _fix(child: str) -> PackageJoint:
-    """The joint of a body that nothing moves on."""
+    """The fixed joint of an object without moving parts."""
     return PackageJoint(
         name=child.replace("link", "joint"),
         type="fixed",
@@ -185,7 +187,7 @@ def _fix(child: str) -> PackageJoint:
 
 
 def _chain(asset: Asset, part: Part, parent: str, link: Link) -> tuple[list[Link], list[PackageJoint]]:
-    """The joint of a movable part; for a screw with a pitch also its carrier link and second joint."""
+    """The joint of a movable part; for a screw with a pitch also its intermediate link and second joint."""
     joint, scale = part.joint, asset.scale
     origin = np.round(joint.origin * scale, 9)
     axis = joint.axis / np.linalg.norm(joint.axis)
@@ -208,14 +210,15 @@ def _chain(asset: Asset, part: Part, parent: str, link: Link) -> tuple[list[Link
 
 
 def _urdf_type(joint: Joint) -> UrdfJointType:
-    """A screw turns; more than one full turn has no URDF limits that every engine accepts."""
+    """URDF joint type. A screw turns; more than one full turn has no URDF limits that every engine
+    accepts."""
     if joint.type != "screw":
         return joint.type
     return "revolute" if joint.upper - joint.lower <= FULL_TURN + 1e-6 else "continuous"
 
 
 def _screw(joint: Joint, link: Link, parent: str, scale: float) -> tuple[list[Link], list[PackageJoint]]:
-    """Turn first, then travel: the travel's axis points so that its multiplier is positive."""
+    """Turning joint, then sliding joint with its axis oriented so that the multiplier is positive."""
     per_radian = joint.pitch * scale
     origin = np.round(joint.origin * scale, 9)
     axis = joint.axis / np.linalg.norm(joint.axis)
@@ -252,13 +255,14 @@ def _screw(joint: Joint, link: Link, parent: str, scale: float) -> tuple[list[Li
 
 
 def subtree_inertial(links: Sequence[Link], joints: Sequence[PackageJoint], name: str) -> Inertial:
-    """Mass properties, at rest, of a link and everything that hangs from it."""
+    """Mass properties, at rest, of a link and all its descendants."""
     inside = hanging_links(joints, name)
     return combine([link.inertial for link in links if link.name in inside and link.inertial is not None])
 
 
 def _with_shafts(links: Sequence[Link], joints: Sequence[PackageJoint]) -> tuple[list[Link], list[str]]:
-    """Links whose inertia about their own joint is at least `LEAST_TURNING`; one sentence per change."""
+    """Raises the inertia of links about their own joint to at least `LEAST_TURNING`; one sentence per
+    change."""
     out, records = list(links), []
     turning = {joint.child: joint for joint in joints if joint.type in ("revolute", "continuous")}
     for index, link in enumerate(links):
@@ -269,7 +273,7 @@ def _with_shafts(links: Sequence[Link], joints: Sequence[PackageJoint]) -> tuple
         least = LEAST_ROLLING if link.label == "wheel" else LEAST_TURNING
         missing = least - float(joint.axis @ about @ joint.axis)
         if missing > 0.0:
-            # The same about every axis, so that the triangle inequality holds as before.
+            # Add the same about every axis, which preserves the triangle inequality.
             heavier = replace(link.inertial, inertia=link.inertial.inertia + missing * np.eye(3))
             out[index] = replace(link, inertial=heavier)
             records.append(
@@ -280,17 +284,18 @@ def _with_shafts(links: Sequence[Link], joints: Sequence[PackageJoint]) -> tuple
 
 
 def opening_pull(joint: PackageJoint, moved: Inertial, *, anywhere: bool = False) -> float:
-    """The most with which gravity opens a closed joint on a floor out of level: N, or N m; 0 if it shuts it.
+    """Largest force (N) or torque (N m) with which gravity opens a closed joint on a sloping floor; 0 if it
+    closes it.
 
-    With ``anywhere``, the most with which it turns the joint from any position, as for arms that stay put.
+    With ``anywhere``, the largest one from any position, as for arms that must stay in place.
 
-    Catches, seals and runners keep furniture shut where the floor slopes by 5 degrees in any direction;
-    `HOLD_SLOPE` is a little more than that.
+    Catches, seals and runners keep furniture shut on floors that slope by 5 degrees in any direction;
+    `HOLD_SLOPE` is slightly larger.
     """
     weight = moved.mass * GRAVITY
     arm = np.asarray(moved.com) - joint.origin
     moving = np.asarray(joint.axis) if joint.type == "prismatic" else np.cross(joint.axis, arm)
-    if anywhere or joint.type == "continuous":  # any position may be the one it starts from
+    if anywhere or joint.type == "continuous":  # it may start from any position
         return weight * float(np.linalg.norm(moving)) * (1.0 + HOLD_SLOPE)
     level = -weight * float(moving[2])
     return max(0.0, level + HOLD_SLOPE * weight * float(np.hypot(moving[0], moving[1])))
@@ -310,15 +315,15 @@ def _with_resistance(
         if joint.type == "fixed" or label is None:
             out.append(joint)
             continue
-        if joint.mimic is not None:  # the turning joint already resists for both
+        if joint.mimic is not None:  # the turning joint has the resistance of both
             out.append(replace(joint, friction=0.0, damping=0.0, effort=100.0, velocity=1.0))
             continue
         moved = subtree_inertial(links, joints, joint.child)
         stays = label == "handle" and joint.type == "revolute"  # arms of lamps, bails
         hold = 0.0 if joint.child in held else opening_pull(joint, moved, anywhere=stays)
-        if joint.parent in held:  # a latch, on which its leaf leans
+        if joint.parent in held:  # a latch, loaded by its leaf
             hold *= LATCH_HOLD
-        if follower is not None:  # a screw that stands upright locks, as threads do
+        if follower is not None:  # an upright screw is self-locking
             climb = abs(float(follower.axis[2])) * follower.mimic_multiplier
             hold += (1.0 + HOLD_SLOPE) * moved.mass * GRAVITY * climb
         resist = joint_resistance(label, joint.kind, moved.mass, hold)
@@ -337,10 +342,10 @@ def _with_resistance(
 
 
 def check_kinematics(package: SimPackage) -> None:
-    """Raises `InvalidKinematics` unless links and joints form a tree that URDF can say.
+    """Raises `InvalidKinematics` unless links and joints form a tree that URDF can express.
 
-    One root, unique names, known types, every joint between known links, finite numbers, unit axes,
-    lower <= upper, at most 64 links.
+    Requires one root, unique names, known types, joints between known links, finite numbers, unit axes, lower
+    <= upper, and at most 64 links.
     """
     owner = f"package {package.name!r}"
     names = [link.name for link in package.links]
@@ -387,7 +392,7 @@ def check_kinematics(package: SimPackage) -> None:
 
 
 def _check_reached(package: SimPackage, owner: str, root: str) -> None:
-    """Every link hangs from the root: no cycle apart from it."""
+    """Checks that every link descends from the root, so that there is no separate cycle."""
     reached, front = {root}, [root]
     while front:
         front = [joint.child for joint in package.joints if joint.parent in front]

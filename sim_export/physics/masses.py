@@ -1,9 +1,8 @@
-"""The mass of a part: its walls, not the space they enclose.
+"""Mass of a part: its walls without the space they enclose.
 
-Voxels of a closed body describe a shell; its mesh encloses the cavity as well, because nothing can
-get in there. So the mass properties are those of the solid mesh minus those of the cells that lie in
-the cavity, both exact. Walls thicker than their material is ever used are hollow and weigh what such
-walls do.
+Voxels of a closed body describe a shell, but its mesh also encloses the inaccessible cavity. The mass
+properties are therefore those of the solid mesh minus those of the cavity cells, both exact. Walls thicker
+than their material is used in practice are hollow and have the mass of the thickest real wall.
 """
 
 from collections.abc import Sequence
@@ -23,17 +22,17 @@ from sim_export.physics.materials import MATERIALS, part_material
 
 _MOVES = 12
 _INSIDE = 2e-4
-"""Metres that a centre of mass lies behind a face that it was moved behind."""
+"""Distance (m) inside a face to which a centre of mass is moved."""
 
 
 def weigh_part(asset: Asset, part_id: int, mesh: Mesh, occupancy: PartOccupancy) -> Inertial:
-    """Mass properties of the walls of a part, of the material that its label and category imply.
+    """Mass properties of the walls of a part, with the material implied by its label and category.
 
     Args:
-        asset: parts and voxels; unit-cube lengths.
-        part_id: which part.
-        mesh: its closed mesh, metres.
-        occupancy: the cells that the mesh was made of.
+        asset: Parts and voxels; unit-cube lengths.
+        part_id: Index of the part.
+        mesh: Its closed mesh, metres.
+        occupancy: The cells from which the mesh was made.
     """
     if asset.voxels is None:
         raise ValueError(f"asset {asset.name!r} has no voxels; voxelize its surface first")
@@ -41,7 +40,7 @@ def weigh_part(asset: Asset, part_id: int, mesh: Mesh, occupancy: PartOccupancy)
     material = MATERIALS[part_material(part.label, asset.category)]
     density = material.density * min(1.0, material.thickest / _thickness(mesh))
     solid = mesh_inertial(mesh, density)
-    cavity = binary_erosion(occupancy.occupancy)  # the outermost cells are wall, and so is any part's surface
+    cavity = binary_erosion(occupancy.occupancy)  # the outermost cells are walls
     cavity[tuple(asset.voxels.coords.T)] = False
     if not cavity.any():
         return solid
@@ -54,7 +53,7 @@ def weigh_part(asset: Asset, part_id: int, mesh: Mesh, occupancy: PartOccupancy)
 
 
 def _thickness(mesh: Mesh) -> float:
-    """Mean thickness (m) of a plate of a mesh's volume and area; half the diameter of a bar."""
+    """Mean thickness (m) of a plate with the volume and area of a mesh; half the diameter for a bar."""
     corners = mesh.vertices[mesh.faces]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     volume = float(np.einsum("fi,fi->", corners[:, 0], normals)) / 6.0
@@ -81,10 +80,10 @@ def subtract(whole: Inertial, hole: Inertial) -> Inertial:
 
 
 def hold_centers(links: Sequence[Link], most: float = 0.006) -> tuple[tuple[Link, ...], tuple[str, ...]]:
-    """Links whose centre of mass lies inside of their collision, and a sentence for each that was moved.
+    """Moves centres of mass into the collision geometry of their links; one sentence per change.
 
-    A knob that clearance cut back has its mesh's centre of mass just outside of what is left. Centres
-    farther outside than ``most`` (m) are an error of the object and stay where they are.
+    The mesh of a knob that clearance trimmed has its centre of mass slightly outside of the remaining hulls.
+    Centres more than ``most`` (m) outside are an error of the object and stay unchanged.
     """
     out, records = [], []
     for link in links:

@@ -1,8 +1,8 @@
 """Materials of parts and resistance of joints: densities, friction, damping.
 
-The tables are engineering handbook values. Which material a part gets follows from its label and
-the object's category (`part_material`); how its joint resists follows from its label, its type and
-the mass it moves (`joint_resistance`).
+The tables contain handbook values. The material of a part follows from its label and the object's category
+(`part_material`). The resistance of a joint follows from its label, its type and the mass it moves
+(`joint_resistance`).
 """
 
 from dataclasses import dataclass
@@ -32,7 +32,7 @@ GRAVITY = 9.81
 class Material:
     """Density in kg/m^3 and coefficients of static and sliding friction against a common surface.
 
-    ``thickest`` (m) is what walls of it are at most; parts drawn or voxelized thicker are hollow.
+    ``thickest`` (m) is the largest wall thickness in practice; thicker parts are hollow.
     """
 
     density: float
@@ -52,16 +52,16 @@ MATERIALS: dict[MaterialName, Material] = {
     "foam_panel": Material(density=150.0, static_friction=0.4, sliding_friction=0.3),
     "stone": Material(density=2700.0, static_friction=0.6, sliding_friction=0.5),
 }
-"""``steel_sheet`` is a folded or foamed panel: its density is the mean over the panel's thickness, as
+"""``steel_sheet`` is a folded or foamed panel. Its density is the mean over the panel's thickness, because
 `artigen` walls are panels one voxel thick and not solid sheets (7850). ``steel`` is a hollow bar or rack: a
-rack of half a square metre weighs five kilograms however thick its voxels are.
-``foam_panel`` is the insulation of a refrigerator, five centimetres or more, and its skins: 10 kg a door.
-``insulating_glass`` is two panes of four millimetres, and gas between them."""
+rack of half a square metre weighs five kilograms regardless of the thickness of its voxels. ``foam_panel`` is
+the insulation of a refrigerator, at least five centimetres thick, with its skins: 10 kg a door.
+``insulating_glass`` is two panes of four millimetres with gas between them."""
 
 PLATE_SLENDERNESS = 6.0
-"""A piece that is this many times longer both ways than it is thick is a plate."""
+"""Smaller in-plane extent over thickness from which a piece is a plate."""
 THICKEST_GLASS = 0.012
-"""Metres; a plate of glass that is thicker has gas in it."""
+"""Thickness (m) above which a plate of glass is insulating glass."""
 
 APPLIANCES: frozenset[str] = frozenset(
     {
@@ -72,7 +72,7 @@ APPLIANCES: frozenset[str] = frozenset(
 """Categories whose carcass and moving parts are sheet metal; every other category is wood board."""
 
 INSULATED: frozenset[str] = frozenset({"Refrigerator", "ChestFreezer"})
-"""Appliances whose walls are thick and nearly all foam."""
+"""Appliances with thick walls of foam."""
 
 PLASTIC_CATEGORIES: frozenset[str] = frozenset(
     {"Bottle", "Box", "Laptop", "Printer", "Phone", "Remote", "Suitcase", "Switch", "TrashCan", "Dispenser"}
@@ -81,7 +81,7 @@ METAL_CATEGORIES: frozenset[str] = frozenset({"Faucet", "KitchenPot", "Cart", "S
 
 
 def part_material(label: PartLabel, category: str) -> MaterialName:
-    """The material of a part: hardware by its label, everything else by the object's category."""
+    """Material of a part: by label for hardware, else by the object's category."""
     if label == "wheel":
         return "rubber"
     if label == "knob":
@@ -101,16 +101,16 @@ def part_material(label: PartLabel, category: str) -> MaterialName:
 def finish_material(
     kind: FinishKind, label: PartLabel, category: str, size: tuple[float, float, float] | None = None
 ) -> MaterialName:
-    """The material of a piece whose finish is known; lacquer is on board, or on sheet in an appliance.
+    """Material of a piece with a known finish; lacquer implies board, or sheet metal in an appliance.
 
-    Walls of appliances are panels whatever they are covered with; other large pieces of steel are sheet.
+    Walls of appliances are panels regardless of their finish; other large pieces of steel are sheet.
 
     Args:
-        kind: What the finish is.
-        label: What the part is.
-        category: What the object is.
-        size: Edges of the piece (m). Pieces are drawn as thick as collision wants them: plates of pans and
-            tubs are sheet that was folded or enamelled, and thick panes are insulating glass.
+        kind: Kind of the finish.
+        label: Label of the part.
+        category: Category of the object.
+        size: Edges of the piece (m). Pieces are drawn as thick as collision requires: plates of pans and tubs
+            are folded or enamelled sheet, and thick panes are insulating glass.
     """
     thickness, middle, _ = sorted(size or (1.0, 1.0, 1.0))
     plate = middle > PLATE_SLENDERNESS * thickness
@@ -135,10 +135,10 @@ def finish_material(
 
 @dataclass(frozen=True, kw_only=True)
 class Resistance:
-    """What opposes a joint's motion, and what may drive it.
+    """Resistance and drive limits of a joint.
 
-    ``friction`` and ``effort`` are N (sliding) or N m (turning), ``damping`` N s/m or N m s/rad,
-    ``velocity`` m/s or rad/s.
+    ``friction`` and ``effort`` are N (sliding) or N m (turning), ``damping`` N s/m or N m s/rad, ``velocity``
+    m/s or rad/s.
     """
 
     friction: float
@@ -148,17 +148,17 @@ class Resistance:
 
 
 def joint_resistance(label: PartLabel, joint: JointType, mass: float, hold: float) -> Resistance:
-    """Friction and damping of a part's joint, from what it is and what it must hold.
+    """Friction and damping of a part's joint, from its label and its holding load.
 
-    Drawers, trays and other sliding panels resist with 1 N of seals and rollers, doors with 0.3 N m of
-    hinges and catch, knobs and lids of bottles with 0.04 N m, buttons with 0.5 N, wheels with
-    0.005 N m; all with more where that would not hold them.
+    Drawers, trays and other sliding panels resist with 1 N of seals and rollers, doors with 0.3 N m of hinges
+    and catch, knobs and lids of bottles with 0.04 N m, buttons with 0.5 N, and wheels with 0.005 N m; more if
+    needed to hold the part.
 
     Args:
-        label: What the moving part is.
-        joint: Its joint's type.
+        label: Label of the moving part.
+        joint: Type of its joint.
         mass: Mass of everything that moves with it (kg).
-        hold: What pulls it open on a floor out of level (N or N m; `sim_export.physics.links.opening_pull`).
+        hold: Load that pulls it open on a sloping floor (N or N m; `sim_export.physics.links.opening_pull`).
     """
     sliding = joint == "prismatic"
     if label == "wheel":
@@ -175,12 +175,12 @@ def joint_resistance(label: PartLabel, joint: JointType, mass: float, hold: floa
 
 
 def joint_load(joint: PackageJoint, mass: float, lever: float) -> float:
-    """What a joint carries under gravity: the moved weight (N), or the moment of that weight (N m).
+    """Gravity load of a joint: the moved weight (N), or the moment of that weight (N m).
 
     Args:
         joint: The joint; sliding ones carry a force, turning ones a moment.
         mass: Mass of everything that moves with the joint (kg).
-        lever: Distance of its centre of mass from the joint's origin (m), at least 1 cm is assumed.
+        lever: Distance of its centre of mass from the joint's origin (m); at least 1 cm is assumed.
     """
     weight = mass * GRAVITY
     return weight if joint.type == "prismatic" else weight * max(lever, 0.01)
@@ -189,17 +189,18 @@ def joint_load(joint: PackageJoint, mass: float, lever: float) -> float:
 PHYSX_COEFFICIENTS = (0.01, 0.05, 0.2, 1.0)
 PHYSX_SLIDING_HOLD = (0.0108, 0.0336, 0.0706, 0.173)
 PHYSX_TURNING_HOLD = (0.0178, 0.0430, 0.0980, 0.292)
-"""Holding force over `joint_load` that SAPIEN 3.0.3 gives these coefficients at 100 Hz with 15 position
+"""Holding force over `joint_load` for these coefficients in SAPIEN 3.0.3 at 100 Hz with 15 position
 iterations (ManiSkill's settings), measured on horizontal drawers of 1 to 20 kg and doors of 0.3 to 1.2 m."""
 
 
 def physx_friction_coefficient(joint: PackageJoint, mass: float, lever: float) -> float:
-    """PhysX's joint friction coefficient for ``joint.friction``, for loaders that set nothing else.
+    """PhysX joint friction coefficient that approximates ``joint.friction``, for loaders that set nothing
+    else.
 
     PhysX takes no force or torque here. Its documented rule, resistance <= coefficient * load, holds for
-    neither solver that SAPIEN can use: what a coefficient holds depends on the time step (at 240 Hz twice
-    as much as at 100 Hz) and on the iterations. This interpolates measurements at 100 Hz, good to 5 % for
-    drawers and a third for doors. `envs.friction` applies the friction itself, exactly.
+    neither solver that SAPIEN can use: the holding force depends on the time step (at 240 Hz twice as much as
+    at 100 Hz) and on the iterations. This interpolates measurements at 100 Hz, accurate to 5 % for drawers
+    and to a third for doors. `envs.friction` applies the friction itself, exactly.
 
     Raises:
         ValueError: If ``mass`` is not positive.

@@ -1,4 +1,4 @@
-"""Moving pictures of packages: every joint opens and closes again, in a GIF that goes round."""
+"""Animations of packages: all joints open and close, as an endless GIF."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -24,18 +24,18 @@ from sim_export.picture.splats import DrawSplats, has_splats, pose_splats
 
 @dataclass(frozen=True, kw_only=True)
 class AnimationConfig:
-    """What moves, and how."""
+    """Parameters of an animation."""
 
     states: int = 13
-    """Pictures from closed to open, both included; on the way back they are shown again."""
+    """Frames from closed to open, both included; they are repeated in reverse order."""
     seconds: float = 4.0
-    """Time of the way there and back, with a rest at both ends."""
+    """Duration (seconds) of opening and closing, with a rest at both ends."""
     rest: float = 0.5
     """Seconds of each rest."""
     preview: PreviewConfig = field(
         default_factory=lambda: PreviewConfig(viewpoint=Viewpoint(width=280, height=280))
     )
-    """View, light, and objects in a row."""
+    """View, light, and objects per row."""
 
     def __post_init__(self) -> None:
         if self.states < 2 or not 0 <= 2 * self.rest < self.seconds:
@@ -50,12 +50,12 @@ def animate_packages(
     cfg: AnimationConfig | None = None,
     draw_splats: DrawSplats | None = None,
 ) -> list[UInt8[np.ndarray, "H W 3"]]:
-    """Pictures of packages in a grid, from all closed to all open.
+    """Frames of packages in a grid, from all closed to all open.
 
-    Gaussians stand below the meshes if any package has some and ``draw_splats`` is given.
+    Gaussians are drawn below the meshes if any package has some and ``draw_splats`` is given.
 
     Raises:
-        ValueError: there are no packages, or one has nothing to draw.
+        ValueError: If there are no packages, or one has nothing to draw.
     """
     cfg = cfg or AnimationConfig()
     if not packages:
@@ -81,16 +81,16 @@ def write_animation(
     cfg: AnimationConfig | None = None,
     draw_splats: DrawSplats | None = None,
 ) -> None:
-    """Writes packages that open and close as a GIF.
+    """Writes a GIF of opening and closing packages.
 
     Args:
-        folders: The packages.
-        gif: The file.
-        cfg: What moves, and how.
-        draw_splats: Draws Gaussians; without it packages are shown by their meshes alone.
+        folders: Package folders.
+        gif: Output file.
+        cfg: Parameters of the animation.
+        draw_splats: Renderer of Gaussians; without it only meshes are shown.
 
     Raises:
-        PackageError: a folder holds no readable package.
+        PackageError: If a folder is not a readable package.
     """
     from PIL import Image
 
@@ -101,7 +101,7 @@ def write_animation(
     order = [*range(len(states)), *range(len(states) - 2, 0, -1)]
     step = (cfg.seconds - 2.0 * cfg.rest) / max(len(order) - 2, 1)
     times = [1000.0 * (cfg.rest if at in (0, len(states) - 1) else step) for at in order]
-    # One palette for all pictures: what does not move does not flicker.
+    # One palette for all frames prevents flicker of static parts.
     palette = Image.fromarray(np.concatenate([states[0], states[-1]])).quantize(256)
     frames = [Image.fromarray(states[at]).quantize(palette=palette, dither=Image.Dither.NONE) for at in order]
     scratch = gif.with_name(gif.name + ".partial")
@@ -120,7 +120,7 @@ def write_animation(
 def _draw_state(
     shapes: Shapes, time: float, camera: Camera, cfg: PreviewConfig, draw_splats: DrawSplats | None
 ) -> UInt8[np.ndarray, "H W 3"]:
-    """Meshes at a time on the way from all closed to all open, and Gaussians below them."""
+    """One frame between all closed and all open: meshes, with Gaussians below them."""
     package = shapes.package
     T = link_displacements(package.links, package.joints, sweep_qpos(package, time))
     picture = draw_standing(shapes, pose_surfaces(shapes.visual, T), camera, cfg)

@@ -1,7 +1,7 @@
-"""A pinhole camera as a value: rays through pixels, projection, and framing a cloud of points.
+"""A pinhole camera as a value: pixel rays, projection, and framing of a point cloud.
 
-Metres, z up. The image plane has its origin at the upper left, pixel (column, row) covers
-``[column, column + 1] x [row, row + 1]``. Depth is measured along the viewing direction.
+Metres, z up. The image plane has its origin at the upper left; pixel (column, row) covers ``[column, column +
+1] x [row, row + 1]``. Depth is measured along the viewing direction.
 """
 
 from dataclasses import dataclass
@@ -45,14 +45,14 @@ class Camera:
 
 @dataclass(frozen=True, kw_only=True)
 class Viewpoint:
-    """Where a camera stands around an object, before its distance is known."""
+    """Position of a camera around an object, without its distance."""
 
     azimuth: float = 30.0
     """Degrees around z: 0 stands in front (at -x), positive moves to the viewer's left (towards +y)."""
     elevation: float = 22.0
     """Degrees above the horizon, below 90."""
     fov: float = 24.0
-    """Vertical angle of view in degrees; small angles come close to a parallel projection."""
+    """Vertical angle of view in degrees; small angles approximate a parallel projection."""
     margin: float = 0.06
     """Free border, as a fraction of the image on each side."""
     width: int = 384
@@ -115,11 +115,11 @@ def view_direction(viewpoint: Viewpoint) -> Float[np.ndarray, "3"]:
 def frame_points(points: Float[np.ndarray, "N 3"], viewpoint: Viewpoint) -> Camera:
     """The nearest camera with this orientation that has every point inside the margins.
 
-    For a fixed orientation each border of the picture is a half-space condition that is linear in
-    the camera's position, so the answer is exact and at least one pair of borders is touched.
+    For a fixed orientation, each border of the picture is a half-space condition that is linear in the
+    camera's position, so the solution is exact and touches at least one pair of borders.
 
     Raises:
-        ValueError: there are no points, or the margin leaves no picture.
+        ValueError: If there are no points, or the margin leaves no picture.
     """
     if len(points) == 0:
         raise ValueError("no points to frame: the object has no geometry to look at")

@@ -1,8 +1,8 @@
-"""A package as surfaces to draw: its visuals or hulls in any pose, with the look of each purpose.
+"""Drawable surfaces of a package: its visuals or hulls in any pose, coloured by purpose.
 
-Surfaces carry the index of their link as id. Poses are the displacements that
-`sim_export.collision.motion.link_displacements` gives for joint coordinates; `explode_links` adds offsets
-that take the links apart.
+The id of a surface is the index of its link. Poses are the displacements from
+`sim_export.collision.motion.link_displacements` for joint coordinates; `explode_links` adds offsets that
+separate the links.
 """
 
 import colorsys
@@ -22,7 +22,7 @@ from sim_export.picture.raycast import Surface
 from sim_export.picture.render import move_surface, surface_from_mesh
 
 Look = Literal["own", "label", "link", "collision"]
-"""What colours mean: the visuals' own, the parts' labels, one per link, or one per collision hull."""
+"""Meaning of colours: the visuals' own, the parts' labels, one per link, or one per collision hull."""
 
 LABEL_COLORS: dict[PartLabel, tuple[float, float, float]] = {
     "base": (0.74, 0.75, 0.77),
@@ -34,28 +34,28 @@ LABEL_COLORS: dict[PartLabel, tuple[float, float, float]] = {
     "shelf": (0.87, 0.78, 0.36),
     "wheel": (0.35, 0.35, 0.38),
 }
-"""sRGB of each part label where pictures are coloured by label."""
+"""sRGB colour of each part label in pictures coloured by label."""
 
 CONTINUOUS_OPEN = np.pi / 2
-"""What stands for "open" of a joint that turns without limit: a quarter turn, in radians."""
+"""Open position (radians) of a joint without limits: a quarter turn."""
 
 HAIR = 2e-5
-"""Step by which drawn hulls are swollen, as a fraction of the object's diagonal."""
+"""Step by which drawn hulls are enlarged, as a fraction of the object's diagonal."""
 HAIRS = 24
 """Number of different steps."""
 
 
 def distinct_color(index: int) -> tuple[float, float, float]:
-    """The ``index``-th of an endless row of easily told apart sRGB colours."""
+    """The ``index``-th of an endless sequence of distinct sRGB colours."""
     hue = (0.58 + index * 0.618033988749895) % 1.0
     return colorsys.hsv_to_rgb(hue, (0.52, 0.62, 0.40)[index % 3], (0.94, 0.78, 0.86)[index % 3])
 
 
 def load_source_meshes(source: SourceMesh) -> tuple[Mesh, ...]:
-    """A kept OBJ as meshes in the object frame, one for each of its materials.
+    """A source OBJ as meshes in the object frame, one per material.
 
     Raises:
-        PackageError: the OBJ, its MTL or an image cannot be read.
+        PackageError: If the OBJ, its MTL or an image cannot be read.
     """
     data = parse_obj(source.path)
     materials: dict[str, Material] = {}
@@ -86,7 +86,7 @@ def visual_meshes(visual: Visual) -> tuple[Mesh, ...]:
 
 
 def package_surfaces(package: SimPackage, look: Look = "own") -> tuple[Surface, ...]:
-    """Everything there is to draw, at rest; each surface's id is the index of its link."""
+    """All drawable surfaces at rest; each surface's id is the index of its link."""
     if look == "collision":
         return _hull_surfaces(package)
     surfaces: list[Surface] = []
@@ -102,9 +102,9 @@ def package_surfaces(package: SimPackage, look: Look = "own") -> tuple[Surface, 
 
 
 def _hull_surfaces(package: SimPackage) -> tuple[Surface, ...]:
-    """Hulls in their own colours, each swollen by another hair's breadth.
+    """Hulls in their own colours, each enlarged by a different small amount.
 
-    Hulls overlap and often share a plane; the differences decide which of them is seen there.
+    Hulls overlap and often share a plane; the enlargement determines which of them is visible there.
     """
     vertices = [hull.vertices for link in package.links for hull in link.hulls]
     if not vertices:
@@ -127,7 +127,7 @@ def swell_hull(hull: Hull, amount: float) -> Float[np.ndarray, "V 3"]:
     corners = hull.vertices[hull.faces]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
-    # Triangles of one flat face count once.
+    # Count the triangles of one flat face once.
     _, first, kind = np.unique(np.round(normals, 3), axis=0, return_index=True, return_inverse=True)
     pairs = np.unique(np.stack([hull.faces.ravel(), np.repeat(kind.ravel(), 3)]), axis=1)
     outward = np.zeros_like(hull.vertices)
@@ -138,21 +138,21 @@ def swell_hull(hull: Hull, amount: float) -> Float[np.ndarray, "V 3"]:
 
 
 def pose_surfaces(surfaces: Sequence[Surface], T: Float[np.ndarray, "L 4 4"]) -> tuple[Surface, ...]:
-    """Surfaces of `package_surfaces` moved with their links."""
+    """Moves surfaces of `package_surfaces` with their links."""
     return tuple(move_surface(surface, T[surface.id]) for surface in surfaces)
 
 
 def open_end(joint: PackageJoint) -> float:
-    """Coordinate at which a joint counts as open: the limit farther from rest, or a quarter turn."""
+    """Coordinate of an open joint: the limit farther from rest, or a quarter turn."""
     if joint.type == "continuous":
         return CONTINUOUS_OPEN
     return joint.upper if abs(joint.upper) >= abs(joint.lower) else joint.lower
 
 
 def open_qpos(package: SimPackage, fraction: float) -> dict[str, float]:
-    """Coordinates of all driven joints, opened to ``fraction`` of the way.
+    """Coordinates of all driven joints, opened to ``fraction`` of their range.
 
-    A joint that requires another to be open further than that (a tray behind a door) stays closed.
+    A joint that requires another one to be open further than that (a tray behind a door) stays closed.
     """
     shut = {need.joint for need in package.requires_open if need.fraction > fraction}
     return {
@@ -162,15 +162,15 @@ def open_qpos(package: SimPackage, fraction: float) -> dict[str, float]:
 
 
 def open_links(package: SimPackage, fraction: float) -> Float[np.ndarray, "L 4 4"]:
-    """Displacements of all links with every joint opened to ``fraction`` of the way."""
+    """Displacements of all links with every joint opened to ``fraction`` of its range."""
     return link_displacements(package.links, package.joints, open_qpos(package, fraction))
 
 
 def sweep_qpos(package: SimPackage, time: float) -> dict[str, float]:
-    """Coordinates of all driven joints on the way from all closed (0) to all open (1).
+    """Coordinates of all driven joints at ``time`` between all closed (0) and all open (1).
 
-    A joint that requires another to be open first waits until that one is, so what is shown could be done.
-    Each starts and ends slowly.
+    A joint that requires another one to be open starts after it, so that the motion is physically possible.
+    Each joint eases in and out.
     """
     needs = [(need.joint, need.needs) for need in package.requires_open]
 
@@ -190,11 +190,11 @@ def sweep_qpos(package: SimPackage, time: float) -> dict[str, float]:
 def explode_links(
     package: SimPackage, surfaces: Sequence[Surface], spread: float
 ) -> Float[np.ndarray, "L 4 4"]:
-    """Displacements that take the links apart at rest.
+    """Displacements that separate the links at rest.
 
-    Every link follows its parent and goes ``spread`` times the object's diagonal farther, the way
-    it starts to move as its joint opens; one that only turns in place goes along its axis, and a
-    fixed one stays.
+    Every link moves with its parent and additionally by ``spread`` times the object's diagonal in the
+    direction of its joint's opening motion. A link that turns in place moves along its axis; a fixed one
+    stays.
     """
     centers = _link_centers(len(package.links), surfaces)
     points = np.concatenate([np.zeros((0, 3)), *(surface.triangles.reshape(-1, 3) for surface in surfaces)])

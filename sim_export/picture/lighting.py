@@ -1,4 +1,4 @@
-"""What camera rays see of a scene and how much light arrives there."""
+"""Visibility of a scene for camera rays, and the light that arrives at the visible points."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -34,15 +34,15 @@ NOTHING = -1
 FADE = 0.14
 """Width of the border where the floor's shadow fades out, as a fraction of the picture."""
 FLOOR_SHADE = (0.30, 0.32)
-"""How much the floor darkens where all of the sky, and all of the key light, is hidden."""
+"""Darkening of the floor where the whole sky, and the whole key light, is occluded."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class RenderConfig:
-    """How a picture is lit and sampled."""
+    """Lighting and sampling of a picture."""
 
     edge_rays: int = 6
-    """Rays in each pixel on an edge (1 leaves edges as they are); raise it where edges look jagged."""
+    """Rays per edge pixel (1 disables antialiasing); raise it where edges look jagged."""
     background: tuple[int, int, int] = (247, 248, 250)
     """sRGB colour behind the object and of the ground."""
     ground: bool = True
@@ -58,9 +58,9 @@ class RenderConfig:
     occlusion_rays: int = 4
     """Rays to the sky per pixel, averaged over nearby pixels; more smooths dark corners."""
     occlusion_reach: float = 0.30
-    """How far away something still darkens a surface, as a fraction of the scene's diagonal."""
+    """Distance within which geometry darkens a surface, as a fraction of the scene's diagonal."""
     seed: int = 0
-    """Shifts the set of ray directions."""
+    """Seed that shifts the set of ray directions."""
 
     def __post_init__(self) -> None:
         if min(self.edge_rays, self.shadow_rays, self.occlusion_rays) < 1:
@@ -74,7 +74,7 @@ class RenderConfig:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Samples:
-    """The rays that show something: which (``place``), and what they see there."""
+    """Rays that hit something: their indices (``place``), and the surface properties at the hits."""
 
     place: Int[np.ndarray, "N"]
     label: Int[np.ndarray, "N"]
@@ -84,7 +84,7 @@ class Samples:
     geometric: Float[np.ndarray, "N 3"]
     albedo: Float[np.ndarray, "N 3"]
     cover: Float[np.ndarray, "N"]
-    """How much each hides of what is behind it."""
+    """Opacity of each hit."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -99,7 +99,7 @@ class Light:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Grid:
-    """Per pixel: what is seen, its normal, and the free fraction of sky and key light."""
+    """Per pixel: the visible surface, its normal, and the free fraction of sky and key light."""
 
     label: Int[np.ndarray, "H W"]
     normals: Float[np.ndarray, "H W 3"]
@@ -121,9 +121,9 @@ def prepare_light(cfg: RenderConfig) -> Light:
 def find_layers(
     scene: Scene, camera: Camera, rays: Float[np.ndarray, "R 3"], cfg: RenderConfig
 ) -> list[Samples]:
-    """What rays from the camera see: surfaces, and floor where they could darken it.
+    """Layers of visible samples: surfaces, and floor where they may darken it.
 
-    A layer behind each other: in the second lies what is seen through what is clear in the first.
+    Each further layer contains what is visible through transparent samples of the previous one.
     """
     free, out = np.ones(len(rays), dtype=bool), []
     for hits, cover in cast_layers(scene, camera.position, rays):
@@ -143,7 +143,7 @@ def _find_samples(
     free: np.ndarray,
     cfg: RenderConfig,
 ) -> Samples:
-    """What one layer of hits shows, and the floor that ``free`` rays meet."""
+    """Samples of one layer of hits, and of the floor that ``free`` rays hit."""
     place, seen = hits.place, rays[hits.place]
     normals, geometric = orient_to_viewer(corner_normals_at(scene, hits), hits.normals, seen)
     points = camera.position.astype(np.float32) + seen * hits.depth[:, None]
@@ -165,7 +165,7 @@ def _find_samples(
 def _find_floor(
     scene: Scene, camera: Camera, rays: np.ndarray, free: np.ndarray, cfg: RenderConfig
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Free rays that meet the floor near enough to the object to be darkened by it, and where."""
+    """Free rays that hit the floor close enough to the object to be darkened by it, and the hit points."""
     low, high = scene.bounds
     height = float(low[2]) if cfg.ground_height is None else cfg.ground_height
     light = np.array(cfg.light_direction)
@@ -216,8 +216,8 @@ def shade_samples(
 ) -> Float[np.ndarray, "N 3"]:
     """Linear colours of samples, given the free fraction of sky and key light at each.
 
-    The floor shows only what the object takes away from it, so that it has no horizon, and fades
-    out towards the border of the picture.
+    The floor shows only the shadow of the object, so that it has no horizon, and fades out towards the border
+    of the picture.
     """
     colors = shade(samples.albedo, samples.normals, -samples.rays, light.direction, visible)
     floor = np.flatnonzero(samples.label == GROUND)
@@ -235,7 +235,7 @@ def lay_over(
     background: Float[np.ndarray, "3"],
     count: int,
 ) -> Float[np.ndarray, "R 3"]:
-    """What rays see of layers of samples, the nearest first, before a background."""
+    """Composites layers of samples, the nearest first, over a background."""
     picture, left = np.zeros((count, 3), dtype=np.float32), np.ones((count, 1), dtype=np.float32)
     for color, samples in zip(colors, layers, strict=True):
         cover = samples.cover[:, None]
@@ -252,9 +252,9 @@ def borrow_light(
     light: Light,
     cfg: RenderConfig,
 ) -> Float[np.ndarray, "N 2"]:
-    """Light at samples inside pixels ``at``: the mean over nearby pixels that see the same surface.
+    """Light at samples inside pixels ``at``: the mean over nearby pixels that show the same surface.
 
-    A sample with no such neighbour sends its own rays.
+    A sample without such a neighbour casts its own rays.
     """
     # One gather per neighbour: label, normal and light side by side.
     packed = np.concatenate([grid.label[..., None].astype(np.float32), grid.normals, grid.visible], axis=2)

@@ -1,10 +1,10 @@
 """Pictures of packages: one row of states for an object, and a contact sheet for many.
 
-Below the meshes stand the object's Gaussians from the same cameras, where it has any and the caller can draw
-them. They carry no light of their own making: meshes are shaded, Gaussians show the colours they hold.
+If an object has Gaussians and the caller can render them, they are shown below the meshes from the same
+cameras. Meshes are shaded; Gaussians show their own colours without lighting.
 
-All panels of a row share one camera in front of the object, to its left and above, placed so that
-everything stays in the frame in every state.
+All panels of a row share one camera in front of the object, to its left and above, which frames the object in
+every state.
 """
 
 from collections.abc import Sequence
@@ -32,7 +32,7 @@ from sim_export.picture.splats import DrawSplats, has_splats, pose_splats
 
 Panel = Literal["closed", "half", "open", "exploded", "collision", "inside", "labels"]
 SPLAT_PANELS: tuple[Panel, ...] = ("closed", "half", "open", "exploded")
-"""Panels in which Gaussians have something to show."""
+"""Panels that also show Gaussians."""
 PANEL_CAPTIONS: dict[Panel, str] = {
     "closed": "closed",
     "half": "half open",
@@ -49,18 +49,18 @@ PALE_INK = (110, 116, 128)
 
 @dataclass(frozen=True, kw_only=True)
 class PreviewConfig:
-    """What a preview shows and how large."""
+    """Content and size of a preview."""
 
     panels: tuple[Panel, ...] = ("closed", "half", "open", "exploded", "collision")
     """States to draw, left to right."""
     look: Look = "own"
     """Colours of the visual panels: the object's own, or by part label or link."""
     viewpoint: Viewpoint = field(default_factory=Viewpoint)
-    """Where the camera stands and how many pixels a panel has."""
+    """Viewpoint of the camera and pixels per panel."""
     render: RenderConfig = field(default_factory=RenderConfig)
     """Light and sampling."""
     spread: float = 0.25
-    """How far the exploded links move, as a fraction of the object's diagonal."""
+    """Distance that exploded links move, as a fraction of the object's diagonal."""
     columns: int = 4
     """Objects in a row of a contact sheet."""
 
@@ -73,7 +73,7 @@ class PreviewConfig:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Shapes:
-    """What the pictures of one package draw, prepared once."""
+    """Drawable data of one package, prepared once."""
 
     package: SimPackage
     visual: tuple[Surface, ...]
@@ -89,7 +89,7 @@ def describe_size(package: SimPackage) -> str:
 
 
 def describe_joints(package: SimPackage) -> str:
-    """How many joints can be driven, by type."""
+    """Number of driven joints, by type."""
     types = [joint.type for joint in driven_joints(package.joints)]
     kinds = ", ".join(f"{types.count(kind)} {kind}" for kind in sorted(set(types)))
     plural = "joint" if len(types) == 1 else "joints"
@@ -99,12 +99,12 @@ def describe_joints(package: SimPackage) -> str:
 def preview_package(
     package: SimPackage, cfg: PreviewConfig | None = None, draw_splats: DrawSplats | None = None
 ) -> UInt8[np.ndarray, "H W 3"]:
-    """One row: the states of ``cfg.panels`` side by side, under the object's name and measures.
+    """One row: the states of ``cfg.panels`` side by side, under the object's name and size.
 
     A second row shows the Gaussians of the package, if it has any and ``draw_splats`` is given.
 
     Raises:
-        ValueError: the package has nothing to draw.
+        ValueError: If the package has nothing to draw.
     """
     cfg = PreviewConfig() if cfg is None else cfg
     shapes = prepare_shapes(package, cfg)
@@ -133,7 +133,7 @@ def contact_sheet(
 ) -> UInt8[np.ndarray, "H W 3"]:
     """Many packages, each closed beside open, in a grid of ``cfg.columns`` objects per row.
 
-    Gaussians stand below the meshes if any package has some and ``draw_splats`` is given.
+    Gaussians are drawn below the meshes if any package has some and ``draw_splats`` is given.
     """
     cfg = PreviewConfig() if cfg is None else cfg
     if not packages:
@@ -156,7 +156,7 @@ def contact_sheet(
 def arrange_grid(
     cells: Sequence[UInt8[np.ndarray, "H W 3"]], cfg: PreviewConfig
 ) -> UInt8[np.ndarray, "H2 W2 3"]:
-    """Equally large pictures in rows of ``cfg.columns``; what is left of the last row is background."""
+    """Equally large pictures in rows of ``cfg.columns``; the rest of the last row is background."""
     columns = min(cfg.columns, len(cells))
     blank = np.full_like(cells[0], cfg.render.background)
     filled = [*cells, *[blank] * (-len(cells) % columns)]
@@ -173,13 +173,13 @@ def write_preview(
     """Writes the row of one package, or the contact sheet of several, as a PNG.
 
     Args:
-        folders: The packages.
-        png: The file.
-        cfg: What a preview shows and how large.
-        draw_splats: Draws Gaussians; without it packages are shown by their meshes alone.
+        folders: Package folders.
+        png: Output file.
+        cfg: Content and size of the preview.
+        draw_splats: Renderer of Gaussians; without it only meshes are shown.
 
     Raises:
-        PackageError: a folder holds no readable package.
+        PackageError: If a folder is not a readable package.
     """
     from PIL import Image
 
@@ -196,10 +196,10 @@ def write_preview(
 
 
 def inside_camera(package: SimPackage, surfaces: Sequence[Surface], viewpoint: Viewpoint) -> Camera:
-    """A look into the widest opening, for surfaces posed with everything open.
+    """A view into the widest opening, for surfaces posed with everything open.
 
-    Behind a hinged front the eye is straight in front at the opening's height; into drawers and
-    under lids it looks down from above the front.
+    Behind a hinged front, the camera is straight in front at the opening's height; for drawers and lids it
+    looks down from above the front.
     """
     points = surface_points(surfaces)
     rest = package_surfaces(package, "link")
@@ -230,10 +230,10 @@ def inside_camera(package: SimPackage, surfaces: Sequence[Surface], viewpoint: V
 
 
 def prepare_shapes(package: SimPackage, cfg: PreviewConfig) -> Shapes:
-    """Reads what there is to draw of a package.
+    """Prepares the drawable data of a package.
 
     Raises:
-        ValueError: the package has nothing to draw.
+        ValueError: If the package has nothing to draw.
     """
     visual = package_surfaces(package, cfg.look)
     hulls = package_surfaces(package, "collision") if "collision" in cfg.panels else ()
@@ -258,7 +258,7 @@ def _panel_surfaces(shapes: Shapes, panel: Panel) -> tuple[Surface, ...]:
 
 
 def frame_shapes(shapes: Shapes, cfg: PreviewConfig, panels: Sequence[Panel]) -> Camera:
-    """A camera that has everything in the frame in every one of the panels."""
+    """A camera that frames every one of the panels."""
     points = [surface_points(_panel_surfaces(shapes, panel)) for panel in panels]
     return frame_points(np.concatenate(points), cfg.viewpoint)
 
@@ -266,7 +266,7 @@ def frame_shapes(shapes: Shapes, cfg: PreviewConfig, panels: Sequence[Panel]) ->
 def draw_panel(
     shapes: Shapes, panel: Panel, camera: Camera, cfg: PreviewConfig
 ) -> UInt8[np.ndarray, "H W 3"]:
-    """One state of a package by a camera of `frame_shapes`; ``inside`` has a camera of its own."""
+    """Renders one state of a package with a camera of `frame_shapes`; ``inside`` has its own camera."""
     surfaces = _panel_surfaces(shapes, panel)
     if panel == "inside":
         return render_scene(surfaces, inside_camera(shapes.package, surfaces, cfg.viewpoint), cfg.render)
@@ -276,7 +276,7 @@ def draw_panel(
 def draw_standing(
     shapes: Shapes, surfaces: Sequence[Surface], camera: Camera, cfg: PreviewConfig
 ) -> UInt8[np.ndarray, "H W 3"]:
-    """Surfaces of a package in some pose, on the floor that the closed object stands on."""
+    """Renders surfaces of a package in any pose, on the floor of the closed object."""
     floor = cfg.render.ground_height
     if floor is None:
         floor = float(surface_points(shapes.visual)[:, 2].min())
@@ -286,7 +286,7 @@ def draw_standing(
 def _draw_splats(
     shapes: Shapes, panel: Panel, camera: Camera, cfg: PreviewConfig, draw_splats: DrawSplats
 ) -> UInt8[np.ndarray, "H W 3"]:
-    """The Gaussians in a panel's pose; a blank where there are none, or nothing to show."""
+    """The Gaussians in a panel's pose; blank if there are none, or the panel shows none."""
     if panel not in SPLAT_PANELS or not has_splats(shapes.package):
         return np.full((camera.height, camera.width, 3), cfg.render.background, dtype=np.uint8)
     fraction = {"closed": 0.0, "half": 0.5}.get(panel, 1.0)
@@ -297,7 +297,7 @@ def _draw_splats(
 def caption_below(
     image: UInt8[np.ndarray, "H W 3"], text: str, background: tuple[int, int, int]
 ) -> UInt8[np.ndarray, "H2 W 3"]:
-    """The image over one centred line of text."""
+    """The image with one centred line of text below it."""
     band = np.full((34, image.shape[1], 3), background, dtype=np.uint8)
     return np.concatenate([image, _write(band, text, 15, INK, centered=True)], axis=0)
 
@@ -305,7 +305,7 @@ def caption_below(
 def title_above(
     image: UInt8[np.ndarray, "H W 3"], title: str, facts: str, background: tuple[int, int, int]
 ) -> UInt8[np.ndarray, "H2 W 3"]:
-    """The image under its title and a line of facts."""
+    """The image below its title and a line of facts."""
     top = _write(np.full((40, image.shape[1], 3), background, dtype=np.uint8), title, 20, INK)
     below = _write(np.full((26, image.shape[1], 3), background, dtype=np.uint8), facts, 14, PALE_INK)
     return np.concatenate([top, below, image], axis=0)

@@ -1,4 +1,4 @@
-"""Many surfaces in one Intel Embree scene: hits with their attributes, behind panes too, and occlusion."""
+"""Surfaces in one Intel Embree scene: hits with attributes, also behind panes, and occlusion."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -20,19 +20,20 @@ from sim_export.picture.shading import (
 # pyright: reportAttributeAccessIssue=false
 
 OPAQUE = 0.99
-"""What covers more than this hides what is behind it."""
+"""Opacity above which a surface hides what is behind it."""
 MOST_LAYERS = 8
-"""Surfaces that one looks through, one behind the other."""
+"""Largest number of transparent surfaces along a ray."""
 BEYOND = 1e-5
-"""Share of the scene's diagonal behind a clear surface from which the next one is sought."""
+"""Offset behind a transparent surface from which the next one is searched, relative to the scene's
+diagonal."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Surface:
-    """Triangles ready to be drawn, as loose corners, with the number they get in an id image.
+    """Triangles with unshared corners, ready for drawing, and their number in an id image.
 
-    ``uv`` and ``texture`` as in `Mesh`; coordinates outside [0, 1] repeat the texture. ``color`` is
-    sRGB in [0, 1].
+    ``uv`` and ``texture`` as in `Mesh`; coordinates outside [0, 1] repeat the texture. ``color`` is sRGB in
+    [0, 1].
     """
 
     triangles: Float[np.ndarray, "F 3 3"]
@@ -58,23 +59,23 @@ class Surface:
 
     @property
     def clear(self) -> bool:
-        """Whether something may be seen through it."""
+        """Whether any part of it is transparent."""
         return self.texture is not None and self.texture.shape[2] == 4
 
     @property
     def repeats(self) -> bool:
-        """Whether the texture is used beyond its edges."""
+        """Whether texture coordinates exceed [0, 1]."""
         uv = self.uv
         return uv is not None and len(uv) > 0 and bool(uv.min() < -1e-3 or uv.max() > 1.0 + 1e-3)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Scene:
-    """All triangles of some surfaces, and Embree's hierarchy over them.
+    """All triangles of some surfaces, with Embree's hierarchy.
 
-    Drawing programs often store a face twice, with opposite windings and two materials. Of such
-    twins only one is in the hierarchy, and a ray sees the one whose front it meets. To that end the
-    corners of every triangle are sorted by place; twins then have equal corners.
+    Drawing programs often store a face twice, with opposite windings and two materials. Only one of such
+    twins is in the hierarchy, and a ray sees the one whose front it hits. For this, the corners of every
+    triangle are sorted by position; twins then have equal corners.
     """
 
     surfaces: tuple[Surface, ...]
@@ -85,9 +86,9 @@ class Scene:
     triangles: Float[np.ndarray, "K 3 3"]
     """Sorted corners of the triangles in the hierarchy, float32."""
     twins: Int[np.ndarray, "K 2"]
-    """Per triangle in the hierarchy: the one seen against, and the one seen along, its normal."""
+    """Per triangle in the hierarchy: the faces visible against and along its normal."""
     tree: object | None
-    """embreex scene; None when there are no triangles."""
+    """embreex scene; None if there are no triangles."""
 
     @cached_property
     def normals(self) -> Float[np.ndarray, "K 3"]:
@@ -116,10 +117,10 @@ class Scene:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Hits:
-    """The rays that met a triangle: which, where on it, how far away, and the face's normal.
+    """Rays that hit a triangle: index, position on the triangle, depth, and face normal.
 
-    ``triangle`` counts all triangles of all surfaces, ``weights`` belong to its sorted corners,
-    ``normals`` point either way and have no unit length.
+    ``triangle`` indexes all triangles of all surfaces, ``weights`` refer to its sorted corners, ``normals``
+    have either orientation and are not normalised.
     """
 
     place: Int[np.ndarray, "N"]
@@ -130,7 +131,7 @@ class Hits:
 
 
 def build_scene(surfaces: Sequence[Surface]) -> Scene:
-    """Puts surfaces into one scene; embreex works in float32."""
+    """Combines surfaces into one scene; embreex uses float32."""
     from embreex import rtcore_scene
     from embreex.mesh_construction import TriangleMesh
 
@@ -171,7 +172,7 @@ def _number_places(triangles: np.ndarray) -> np.ndarray:
 
 
 def _pair_twins(places: np.ndarray, odd: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Groups triangles with the same sorted places: one of each group, and its two faces."""
+    """Groups triangles with the same sorted corners: one of each group, and its two faces."""
     if not len(places):
         return np.zeros(0, dtype=np.int64), np.zeros((0, 2), dtype=np.int64)
     members = np.lexsort((odd, *places.T))
@@ -184,7 +185,7 @@ def _pair_twins(places: np.ndarray, odd: np.ndarray) -> tuple[np.ndarray, np.nda
 def cast_layers(
     scene: Scene, origin: Float[np.ndarray, "3"], rays: Float[np.ndarray, "N 3"]
 ) -> list[tuple[Hits, Float[np.ndarray, "M"]]]:
-    """Hits of rays from one origin, layer behind layer where what is met is clear, and how opaque each is."""
+    """Hits of rays from one origin, layer by layer through transparent surfaces, and their opacity."""
     left, starts = np.arange(len(rays)), np.zeros(len(rays), dtype=np.float32)
     clear = any(surface.clear for surface in scene.surfaces)
     layers: list[tuple[Hits, np.ndarray]] = []
@@ -200,7 +201,7 @@ def cast_layers(
 
 
 def cast_rays(scene: Scene, origin: Float[np.ndarray, "*N 3"], rays: Float[np.ndarray, "N 3"]) -> Hits:
-    """First hit of every ray, from one origin or each its own; depth is in units of each ray's length."""
+    """First hit of every ray, from a common or individual origins; depth is in units of each ray's length."""
     if scene.tree is None:
         none, flat = np.zeros(0, dtype=np.int64), np.zeros((0, 3), dtype=np.float32)
         return Hits(place=none, triangle=none, weights=flat, depth=flat[:, 0], normals=flat)
@@ -225,7 +226,7 @@ def are_occluded(
     directions: Float[np.ndarray, "N 3"],
     limits: Float[np.ndarray, "N"],
 ) -> Bool[np.ndarray, "N"]:
-    """True where something lies within ``limits`` (in units of the direction) of the origin."""
+    """True if something lies within ``limits`` (in units of the direction) of the origin."""
     if scene.tree is None or len(origins) == 0:
         return np.zeros(len(origins), dtype=bool)
     return scene.tree.run(origins, directions, limits, query="OCCLUDED") >= 0
@@ -251,7 +252,7 @@ def albedo_at(scene: Scene, hits: Hits) -> Float[np.ndarray, "N 3"]:
 
 
 def cover_at(scene: Scene, hits: Hits) -> Float[np.ndarray, "N"]:
-    """How opaque the surface at hits is, in [0, 1]."""
+    """Opacity of the surface at hits, in [0, 1]."""
     cover = np.ones(len(hits.place), dtype=np.float32)
     if any(surface.clear for surface in scene.surfaces):
         for surface, texture, seen, uv in _find_texels(scene, hits):
@@ -263,11 +264,11 @@ def cover_at(scene: Scene, hits: Hits) -> Float[np.ndarray, "N"]:
 def _find_texels(
     scene: Scene, hits: Hits
 ) -> Iterator[tuple[Surface, UInt8[np.ndarray, "H W C"], Int[np.ndarray, "M"], Float[np.ndarray, "M 2"]]]:
-    """Surfaces with a texture, the texture, the hits on each, and where on the texture these lie."""
+    """Surfaces with a texture, the texture, the hits on each, and their texture coordinates."""
     owner = scene.owner[hits.triangle]
     by_owner = np.argsort(owner, kind="stable")
     bounds = np.searchsorted(owner[by_owner], np.arange(len(scene.surfaces) + 1))
-    start = 0  # of the surface among all corners
+    start = 0  # offset of the surface among all corners
     for index, surface in enumerate(scene.surfaces):
         seen = by_owner[bounds[index] : bounds[index + 1]]
         if surface.uv is not None and surface.texture is not None and len(seen):

@@ -1,7 +1,7 @@
-"""A small ray caster for pictures of objects: CPU only, no display, the same bytes every time.
+"""A small ray caster for pictures of objects: CPU only, without a display, deterministic.
 
-`render_scene` gives a shaded picture, `render_depth` and `render_ids` the exact geometry behind it
-at pixel centres. Geometry is in metres in one frame; `move_surface` brings it there.
+`render_scene` returns a shaded picture, `render_depth` and `render_ids` the exact geometry at pixel centres.
+Geometry is in metres in one frame; `move_surface` transforms it.
 """
 
 from collections.abc import Sequence
@@ -54,13 +54,13 @@ def surface_from_mesh(
 
 
 def move_surface(surface: Surface, T: Float[np.ndarray, "4 4"]) -> Surface:
-    """The surface after the rigid motion ``T``."""
+    """Applies the rigid motion ``T`` to a surface."""
     triangles = transform_points(T, surface.triangles)
     return replace(surface, triangles=triangles, normals=transform_vectors(T, surface.normals))
 
 
 def surface_points(surfaces: Sequence[Surface]) -> Float[np.ndarray, "N 3"]:
-    """All triangle corners, to frame a camera with."""
+    """All triangle corners, for framing."""
     return np.concatenate([np.zeros((0, 3)), *(surface.triangles.reshape(-1, 3) for surface in surfaces)])
 
 
@@ -86,9 +86,9 @@ def render_scene(
 ) -> UInt8[np.ndarray, "H W 3"]:
     """A shaded, antialiased sRGB picture of the surfaces on a plain background.
 
-    Light is gathered once per pixel; pixels on an edge are then looked at again with
-    ``edge_rays`` rays, which take the light of neighbouring pixels that see the same surface. What is clear
-    shows what is behind it, but keeps light away from it.
+    Light is computed once per pixel. Edge pixels are then resampled with ``edge_rays`` rays, which take the
+    light of neighbouring pixels that show the same surface. Transparent surfaces show what is behind them but
+    cast full shadows.
     """
     cfg = RenderConfig() if cfg is None else cfg
     scene = build_scene(surfaces)
@@ -111,7 +111,7 @@ def render_scene(
 
 
 def _find_edges(picture: np.ndarray, label: np.ndarray) -> np.ndarray:
-    """Pixels whose colour differs visibly from a neighbour's, or that see another surface."""
+    """Pixels whose colour differs visibly from a neighbour's, or that show another surface."""
     seen = np.sqrt(picture)
     edges = np.zeros(label.shape, dtype=bool)
     for near, far in ((np.s_[:-1], np.s_[1:]), (np.s_[:, :-1], np.s_[:, 1:])):
@@ -126,9 +126,9 @@ def _find_edges(picture: np.ndarray, label: np.ndarray) -> np.ndarray:
 def _refine(
     scene: Scene, camera: Camera, edges: np.ndarray, grids: list[Grid], light: Light, cfg: RenderConfig
 ) -> Float[np.ndarray, "E 3"]:
-    """Colours of the edge pixels, each the mean of a grid of rays; ``grids`` has the light of all layers."""
+    """Colours of the edge pixels, each the mean of several rays; ``grids`` has the light of all layers."""
     rows, columns = np.nonzero(edges)
-    # A rank-1 lattice: all rows and all columns of the pixel's rays differ.
+    # Rank-1 lattice: the rays of a pixel differ in all rows and all columns.
     steps = np.arange(cfg.edge_rays)
     across, along = (steps + 0.5) / cfg.edge_rays, (steps * GOLDEN + 0.5 / cfg.edge_rays) % 1.0
     rays = rays_through(camera, columns[:, None] + across, rows[:, None] + along).reshape(-1, 3)

@@ -1,8 +1,8 @@
 """Light for the ray caster: textures, smooth normals, a soft key light and ambient occlusion.
 
-Everything works on flat arrays of hit points. Light is linear; sRGB enters and leaves through the
-tables here. Random directions are one low-discrepancy set, spread over a small tile of pixels
-and averaged over the same tile afterwards, so that few rays give a smooth, repeatable picture.
+Functions operate on flat arrays of hit points. Light is linear; sRGB is converted by the tables here. Random
+directions come from one low-discrepancy set, distributed over a small tile of pixels and averaged over the
+same tile afterwards, so that few rays give a smooth, repeatable picture.
 """
 
 from collections.abc import Callable
@@ -15,7 +15,7 @@ TILE = 4
 """Edge of the tile of pixels over which directions are spread and then averaged."""
 
 Occluded = Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray]
-"""(origins, directions, reach in units of the direction) -> True where something is in the way."""
+"""(origins, directions, reach in units of the direction) -> True where something is hit."""
 
 
 def linear_from_srgb(values: Float[np.ndarray, "*S"]) -> Float[np.ndarray, "*S"]:
@@ -39,8 +39,8 @@ def smooth_corner_normals(
 ) -> Float[np.ndarray, "F 3 3"]:
     """Unit normals at triangle corners: neighbours within ``crease_angle`` (degrees) are averaged.
 
-    Corners at the same place are neighbours whether or not they share a vertex, each weighted by
-    its face's area; faces without area keep the zero normal.
+    Corners at the same position are neighbours even if they share no vertex, weighted by the areas of their
+    faces; faces without area keep the zero normal.
     """
     area_normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     lengths = np.linalg.norm(area_normals, axis=1, keepdims=True)
@@ -52,7 +52,7 @@ def smooth_corner_normals(
     cells = np.round(triangles.reshape(-1, 3) / (extent * 1e-6)).astype(np.int64)
     _, places = np.unique(cells, axis=0, return_inverse=True)
     places = places.ravel()
-    # A face direction, rounded, stands for all its coplanar faces: fans of any size stay cheap.
+    # A rounded face direction stands for all coplanar faces, so that large fans stay cheap.
     _, first, kinds = np.unique(
         np.round(normals * 500).astype(np.int64), axis=0, return_index=True, return_inverse=True
     )
@@ -85,7 +85,7 @@ def sphere_points(count: int, seed: int) -> Float[np.ndarray, "K 3"]:
 
 
 def dot_rows(a: Float[np.ndarray, "*S 3"], b: Float[np.ndarray, "*S 3"]) -> Float[np.ndarray, "*S"]:
-    """Scalar product of matching vectors; several times faster than `einsum` on rows this short."""
+    """Scalar product of matching vectors; several times faster than `einsum` for such short rows."""
     return a[..., 0] * b[..., 0] + a[..., 1] * b[..., 1] + a[..., 2] * b[..., 2]
 
 
@@ -99,7 +99,7 @@ def blend_corners(
 def sample_texture(
     texture: UInt8[np.ndarray, "H W 3"], uv: Float[np.ndarray, "N 2"], *, repeat: bool
 ) -> Float[np.ndarray, "N 3"]:
-    """Bilinear look-up as linear light; ``uv`` has its origin at the lower left.
+    """Bilinear lookup as linear light; ``uv`` has its origin at the lower left.
 
     Coordinates outside [0, 1] repeat the texture, or are clamped to its edge.
     """
@@ -109,7 +109,7 @@ def sample_texture(
 def sample_cover(
     alpha: UInt8[np.ndarray, "H W"], uv: Float[np.ndarray, "N 2"], *, repeat: bool
 ) -> Float[np.ndarray, "N"]:
-    """The same of how opaque a texture is, in [0, 1]."""
+    """Bilinear lookup of a texture's opacity, in [0, 1]."""
     return _look_up(SHARE_OF_BYTE, alpha[..., None], uv, repeat=repeat)[:, 0]
 
 
@@ -120,7 +120,7 @@ def _look_up(
     *,
     repeat: bool,
 ) -> Float[np.ndarray, "N C"]:
-    """Values of the bytes of a texture, between four texels."""
+    """Bilinear interpolation of values assigned to the bytes of a texture."""
     height, width = texture.shape[:2]
     x, y = uv[:, 0] * width - 0.5, (1.0 - uv[:, 1]) * height - 0.5
     x0, y0 = np.floor(x), np.floor(y)
@@ -143,7 +143,7 @@ def unoccluded_fraction(
     reach: float,
     occluded: Occluded,
 ) -> Float[np.ndarray, "N"]:
-    """Fraction of free rays among ``centers + samples``; ``cells`` picks the samples of a tile cell.
+    """Fraction of free rays among ``centers + samples``; ``cells`` selects the samples of a tile cell.
 
     With a unit normal as centre and unit samples, the directions follow the cosine law.
     """
@@ -187,7 +187,7 @@ def _shifted(shift: int, axis: int) -> tuple[tuple[slice, slice], tuple[slice, s
 def orient_to_viewer(
     normals: Float[np.ndarray, "N 3"], geometric: Float[np.ndarray, "N 3"], rays: Float[np.ndarray, "N 3"]
 ) -> tuple[Float[np.ndarray, "N 3"], Float[np.ndarray, "N 3"]]:
-    """Two-sided shading: turns both normals of each hit against its ray, and unit length."""
+    """Two-sided shading: normalises both normals of each hit and orients them against its ray."""
     length = np.sqrt(dot_rows(geometric, geometric))[:, None]
     geometric = geometric / np.maximum(length, 1e-20)
     geometric = np.where(dot_rows(geometric, rays)[:, None] > 0, -geometric, geometric)
@@ -206,8 +206,8 @@ def shade(
 ) -> Float[np.ndarray, "N 3"]:
     """Diffuse light from the sky, a key light and a weak lamp at the camera.
 
-    ``visible`` holds the free fraction of sky and of key light. A fifth of the sky's light arrives
-    everywhere, standing for light that bounces into corners.
+    ``visible`` contains the free fraction of sky and of key light. A fifth of the sky's light arrives
+    everywhere, to approximate interreflection in corners.
     """
     sky, key = 0.2 + 0.8 * visible[:, :1], visible[:, 1:]
     height = 0.5 + 0.5 * normals[:, 2:]

@@ -1,4 +1,5 @@
-"""The Gaussians of a package in any pose of its links; who wants them drawn brings torch along."""
+"""The Gaussians of a package in any pose of its links; rendering is left to the caller, which avoids
+importing torch."""
 
 from collections.abc import Callable
 
@@ -12,7 +13,7 @@ from sim_export.package import SimPackage
 from sim_export.picture.camera import Camera
 
 DrawSplats = Callable[[Gaussians, Camera, tuple[int, int, int]], UInt8[np.ndarray, "H W 3"]]
-"""Draws Gaussians (metres) as a camera sees them, before a plain background (sRGB levels)."""
+"""Renders Gaussians (metres) with a camera over a plain background (sRGB levels)."""
 
 
 def has_splats(package: SimPackage) -> bool:
@@ -24,7 +25,7 @@ def pose_splats(package: SimPackage, T: Float[np.ndarray, "L 4 4"]) -> Gaussians
     """The Gaussians of all links, moved by the displacements of their links from rest.
 
     Raises:
-        ValueError: If no link has any.
+        ValueError: If no link has Gaussians.
     """
     moved = [
         transform_gaussians(link.splats, T[index])

@@ -1,4 +1,4 @@
-"""Thumbnails: a package closed and open, side by side, without words."""
+"""Thumbnails: a package closed and open, side by side, without text."""
 
 import io
 
@@ -10,12 +10,12 @@ from sim_export.picture.camera import Viewpoint
 from sim_export.picture.preview import Panel, PreviewConfig, draw_panel, frame_shapes, prepare_shapes
 
 QUALITY = 80
-"""Of WebP."""
+"""WebP quality."""
 PANELS: tuple[Panel, ...] = ("closed", "open")
 
 
 def draw_thumbnail(package: SimPackage, size: int = 192) -> UInt8[np.ndarray, "H W 3"]:
-    """The closed object beside the open one, each ``size`` x ``size`` pixels, by one camera.
+    """The closed object beside the open one, each ``size`` x ``size`` pixels, with one camera.
 
     Raises:
         ValueError: If the package has nothing to draw.
@@ -27,7 +27,7 @@ def draw_thumbnail(package: SimPackage, size: int = 192) -> UInt8[np.ndarray, "H
 
 
 def webp_bytes(image: UInt8[np.ndarray, "H W 3"]) -> bytes:
-    """The image as WebP, the same bytes every time."""
+    """Encodes the image as WebP; deterministic."""
     from PIL import Image
 
     stream = io.BytesIO()

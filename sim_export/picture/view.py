@@ -1,9 +1,9 @@
-"""A package in the browser: joint sliders, visual and collision meshes, Gaussians, handle annotations.
+"""Shows a package in the browser: joint sliders, visual and collision meshes, Gaussians, handle annotations.
 
-`build_view` starts a viser server and returns its handles without blocking; `view_package` does so
-for a folder. Each group of things that can be shown or hidden is one branch of the
-scene with one frame per link, so that a pose is set by moving frames and no mesh is sent twice. Gaussians,
-where the package has some, stand to the right of the meshes, as seen from the front, and move with them.
+`build_view` starts a viser server and returns its handles without blocking; `view_package` does so for a
+folder. Each group that can be shown or hidden is one branch of the scene with one frame per link. A pose is
+set by moving frames, so that no mesh is sent twice. Gaussians, if the package has any, stand to the right of
+the meshes, as seen from the front, and move with them.
 """
 
 import threading
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 Group = Literal["visual", "splats", "collision", "grasp_line", "normal", "opening_direction"]
 GROUPS: tuple[Group, ...] = get_args(Group)
 BESIDE = 0.25
-"""Room between the meshes and the Gaussians beside them, over the object's width."""
+"""Gap between the meshes and the Gaussians beside them, relative to the object's width."""
 
 COLORS: Mapping[str, tuple[int, int, int]] = {
     "grasp_line": (214, 39, 40),
@@ -43,29 +43,29 @@ COLORS: Mapping[str, tuple[int, int, int]] = {
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PackageView:
-    """The running server and everything in it that a person, or a test, can operate.
+    """The running server and its controls.
 
     Sliders of turning joints are in degrees, those of sliding joints in metres.
     """
 
     server: "viser.ViserServer"
     sliders: Mapping[str, "viser.GuiSliderHandle[float]"]
-    """By joint name."""
+    """Slider of each joint, by joint name."""
     toggles: Mapping[Group, "viser.GuiCheckboxHandle"]
-    """Show or hide each group."""
+    """Checkbox that shows or hides each group."""
     open_all: "viser.GuiButtonHandle"
     close_all: "viser.GuiButtonHandle"
     branches: Mapping[Group, "viser.FrameHandle"]
-    """Root of each group; its visibility is the group's."""
+    """Root frame of each group, which controls its visibility."""
     frames: Mapping[tuple[Group, str], "viser.FrameHandle"]
     """The frame of each link, by group and link name; its pose is the link's displacement from rest."""
 
 
 def view_package(folder: Path, *, host: str = "127.0.0.1", port: int = 8080) -> PackageView:
-    """Starts to show the package in ``folder`` at ``http://host:port``; see `build_view`.
+    """Serves the package in ``folder`` at ``http://host:port``; see `build_view`.
 
     Raises:
-        PackageError: the folder holds no readable package.
+        PackageError: If the folder is not a readable package.
     """
     from sim_export.files.read import read_package
 
@@ -75,7 +75,7 @@ def view_package(folder: Path, *, host: str = "127.0.0.1", port: int = 8080) -> 
 def build_view(package: SimPackage, *, host: str = "127.0.0.1", port: int = 8080) -> PackageView:
     """Starts a server that shows ``package`` and returns without blocking; stop it with ``server.stop()``.
 
-    viser takes the next free port when ``port`` is taken: ask ``server.get_port()``.
+    viser takes the next free port if ``port`` is in use; ``server.get_port()`` returns it.
     """
     import viser
 
@@ -101,7 +101,7 @@ def slider_scale(joint: PackageJoint) -> float:
 
 
 def view_qpos(view: PackageView, package: SimPackage) -> dict[str, float]:
-    """The joint coordinates (rad, m) that the sliders stand at."""
+    """The joint coordinates (rad, m) of the sliders."""
     return {
         joint.name: view.sliders[joint.name].value * slider_scale(joint)
         for joint in driven_joints(package.joints)
@@ -140,7 +140,7 @@ def _shown_at_first(package: SimPackage, group: Group) -> bool:
 
 
 def _trimesh(surface: Surface) -> "trimesh.Trimesh":
-    """The surface with loose corners, which keep their texture coordinates and normals."""
+    """The surface with unshared corners, which keep their texture coordinates and normals."""
     import trimesh
     from PIL import Image
     from trimesh.visual import TextureVisuals
@@ -170,7 +170,7 @@ def _add_splats(
     branch: "viser.FrameHandle",
     visual: tuple[Surface, ...],
 ) -> None:
-    """Adds the Gaussians of all links, the whole branch beside the meshes."""
+    """Adds the Gaussians of all links, with the whole branch beside the meshes."""
     for link in package.links:
         if link.splats is None:
             continue
@@ -223,7 +223,7 @@ def _add_controls(
 
 
 def _slider_range(joint: PackageJoint) -> tuple[float, float]:
-    """Limits in slider units; a joint without limits gets a turn either way."""
+    """Limits in slider units; a joint without limits gets a full turn in either direction."""
     if joint.type == "continuous":
         return -360.0, 360.0
     return joint.lower / slider_scale(joint), joint.upper / slider_scale(joint)
@@ -232,7 +232,7 @@ def _slider_range(joint: PackageJoint) -> tuple[float, float]:
 def _add_slider(server: "viser.ViserServer", joint: PackageJoint) -> "viser.GuiSliderHandle[float]":
     low, high = _slider_range(joint)
     unit = "m" if joint.type == "prismatic" else "deg"
-    # A joint with an empty range still has a slider, which cannot move it.
+    # A joint with an empty range has a slider that cannot move.
     step = max((high - low) / 500.0, 1e-6)
     return server.gui.add_slider(
         f"{joint.name} ({unit})", low, max(high, low + step), step, _rest(joint), hint=f"moves {joint.child}"
@@ -248,7 +248,7 @@ def _connect(view: PackageView, package: SimPackage) -> None:
     lock = threading.Lock()
 
     def follow_sliders(_: object = None) -> None:
-        # Callbacks come from several threads; the last one to take the lock sees every slider.
+        # Callbacks run in several threads; the last one to take the lock sees every slider.
         with lock, view.server.atomic():
             T = link_displacements(package.links, package.joints, view_qpos(view, package))
             _pose_frames(view, package, T)

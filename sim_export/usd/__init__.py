@@ -1,1 +1,1 @@
-"""Packages as OpenUSD folders in the layout of SimReady assets; needs the optional `usd-core`."""
+"""Writes packages as OpenUSD folders in the layout of SimReady assets; requires the optional `usd-core`."""

@@ -1,7 +1,7 @@
 """Semantic labels, Wikidata codes and non-visual materials.
 
-Codes are given only where they are known for certain; an object of another category is labelled as
-furniture or as a physical object, which it is, and a part of another kind has no code.
+Codes are assigned only where they are certain. An object of another category is labelled as furniture or as a
+physical object; a part of another kind has no code.
 """
 
 # usd-core has no type stubs, and is optional.
@@ -28,9 +28,9 @@ CATEGORY_CODES: dict[str, str] = {
     "Microwave": "Q127956",
     "Safe": "Q471898",
 }
-"""Wikidata items of categories; storage furniture is furniture there."""
+"""Wikidata items of categories; storage furniture is classified as furniture."""
 PART_CODES: dict[PartLabel, str] = {"door": "Q36794", "wheel": "Q446"}
-"""Wikidata items of part labels; drawers, handles, knobs, trays and shelves are left out."""
+"""Wikidata items of part labels; drawers, handles, knobs, trays and shelves have none."""
 
 MATERIAL_WORDS: dict[MaterialName, str] = {
     "wood_board": "wood",
@@ -54,7 +54,7 @@ NONVISUAL_BASES: dict[MaterialName, str] = {
     "foam_panel": "steel",
     "stone": "stone",
 }
-"""What radar and lidar meet first, in SimReady's words; a foam panel shows its steel skin."""
+"""Surface material for radar and lidar, in SimReady's terms; a foam panel has a steel skin."""
 
 
 def category_code(category: str) -> str:
@@ -63,12 +63,12 @@ def category_code(category: str) -> str:
 
 
 def visual_material(package: SimPackage, visual: Visual) -> MaterialName:
-    """What a visual's part is made of: as the package says, else by its label and the category."""
+    """Material of a visual's part: from the package, else from its label and the category."""
     return _known(package, visual.part) or part_material(visual.label, package.category)
 
 
 def link_material(package: SimPackage, link: Link) -> MaterialName:
-    """What most of a link is made of: its movable part's material."""
+    """Material of a link: that of its movable part."""
     for part in link.parts:
         known = _known(package, part)
         if known is not None:
@@ -82,7 +82,7 @@ def _known(package: SimPackage, part: str) -> MaterialName | None:
 
 
 def add_label(prim: "Usd.Prim", taxonomy: str, word: str) -> None:
-    """Labels a prim with one word of a taxonomy, such as ``class``, ``material`` or ``wikidata_qcode``."""
+    """Labels a prim with a term of a taxonomy, such as ``class``, ``material`` or ``wikidata_qcode``."""
     from pxr import UsdSemantics
 
     labels = UsdSemantics.LabelsAPI.Apply(prim, taxonomy)
@@ -90,7 +90,7 @@ def add_label(prim: "Usd.Prim", taxonomy: str, word: str) -> None:
 
 
 def label_part(prim: "Usd.Prim", label: PartLabel | None) -> None:
-    """Labels a prim as a kind of part; with nothing where the kind is not known."""
+    """Labels a prim with its part label; does nothing for an unknown one."""
     if label is None:
         return
     add_label(prim, "class", label)

@@ -25,7 +25,7 @@ TEXTURES = "textures"
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Looks:
-    """Where materials go, and the files of images they refer to, by their path beside the USD file."""
+    """Parent of the materials, and the image files they refer to, by their path beside the USD file."""
 
     stage: "Usd.Stage"
     scope: "Sdf.Path"
@@ -38,12 +38,12 @@ def add_visual(
     """Adds one mesh of a visual with its material of the same name.
 
     Args:
-        looks: Where materials and images go.
-        path: Of the new prim, below its link's.
-        visual: What the mesh is a part of.
-        mesh: In the object frame, metres.
-        made_of: What it is made of.
-        offset: The link's origin in the object frame (m), which becomes 0.
+        looks: Target of materials and images.
+        path: Path of the new prim, below its link's.
+        visual: The visual that the mesh belongs to.
+        mesh: Mesh in the object frame, metres.
+        made_of: Material of the visual.
+        offset: The link's origin in the object frame (m), which is subtracted.
     """
     from pxr import Gf, Sdf, UsdGeom, UsdShade, Vt
 
@@ -71,7 +71,7 @@ def define_mesh(
     vertices: Float[np.ndarray, "V 3"],
     faces: Int[np.ndarray, "F 3"],
 ) -> "UsdGeom.Mesh":
-    """A mesh prim of triangles with its extent; no subdivision, no normals yet."""
+    """A mesh prim of triangles with its extent; no subdivision, no normals."""
     from pxr import UsdGeom, Vt
 
     mesh = UsdGeom.Mesh.Define(stage, path)
@@ -88,7 +88,7 @@ def define_mesh(
 def _add_material(
     looks: Looks, name: str, mesh: Mesh, color: list[float], made_of: MaterialName
 ) -> "UsdShade.Material":
-    """A preview surface: the image over its own alpha, or the plain linear colour."""
+    """A preview surface with an image and its alpha, or with one linear colour."""
     from pxr import Gf, Sdf, UsdShade
 
     types = Sdf.ValueTypeNames
@@ -111,14 +111,14 @@ def _add_material(
         image = _add_sampler(looks, path.AppendChild("image"), file, "sRGB", coordinates)
         diffuse.ConnectToSource(image.CreateOutput("rgb", types.Float3))
         if transparent:
-            # Alpha is no colour: the same image is read once more, as it is.
+            # Alpha is not a colour: a second sampler reads the same image as raw data.
             alpha = _add_sampler(looks, path.AppendChild("alpha"), file, "raw", coordinates)
             opacity = surface.CreateInput("opacity", types.Float)
             opacity.ConnectToSource(alpha.CreateOutput("a", types.Float))
     material.CreateSurfaceOutput().ConnectToSource(surface.CreateOutput("surface", types.Token))
     prim = material.GetPrim()
     add_label(prim, "material", MATERIAL_WORDS[made_of])
-    # How it is coated is not known, so that attribute is there and has no value.
+    # The coating is unknown, so that attribute has no value.
     prim.CreateAttribute("omni:simready:nonvisual:base", types.Token).Set(NONVISUAL_BASES[made_of])
     prim.CreateAttribute("omni:simready:nonvisual:coating", types.Token)
     prim.CreateAttribute("omni:simready:nonvisual:attributes", types.TokenArray).Set(
@@ -145,7 +145,8 @@ def _add_sampler(
 
 
 def _keep_image(looks: Looks, texture: UInt8[np.ndarray, "H W C"]) -> str:
-    """The path of an image, which is named after its pixels: equal ones are one file, compressed once."""
+    """Stores an image under a name derived from its pixels, so that equal images share one file; returns its
+    path."""
     digest = hashlib.sha256(f"{texture.shape}".encode() + texture.tobytes()).hexdigest()
     path = f"{TEXTURES}/texture_{digest[:12]}.png"
     if path not in looks.files:

@@ -1,4 +1,4 @@
-"""Names that USD and SimReady allow: identifiers of prims, and lower-case names of files."""
+"""Valid names for USD and SimReady: prim identifiers, and lower-case file names."""
 
 import re
 from collections.abc import Iterable
@@ -7,9 +7,9 @@ from sim_export.errors import PackageError
 
 
 def prim_names(names: Iterable[str], taken: Iterable[str] = ()) -> tuple[str, ...]:
-    """An identifier for each name, in their order: letters, digits and ``_``, none twice, none of ``taken``.
+    """A unique identifier for each name: letters, digits and ``_``, none in ``taken``.
 
-    Names that are identifiers already and differ from each other stay as they are.
+    Unique names that are already identifiers are kept.
     """
     used = set(taken)
     found = []

@@ -1,9 +1,9 @@
 """Rigid bodies, colliders and joints of a package in UsdPhysics, with joint friction in three dialects.
 
-UsdPhysics has no joint friction and no passive damping. They are written for Newton (``newton:``), for
-PhysX (``physxJointAxis:``) and for MuJoCo (``mjc:``) by the names of their schemas and attributes, which
-need not be installed. Friction is a force (N) or torque (N m) in all three. Damping and speed of turning
-joints are per radian in MuJoCo's and per degree in the two others, as angles in USD are degrees.
+UsdPhysics has neither joint friction nor passive damping. They are written for Newton (``newton:``), PhysX
+(``physxJointAxis:``) and MuJoCo (``mjc:``), by the names of their schemas and attributes, which need not be
+installed. Friction is a force (N) or torque (N m) in all three. Damping and velocity of turning joints are
+per radian for MuJoCo and per degree for the other two, as angles in USD are degrees.
 """
 
 # usd-core has no type stubs, and is optional.
@@ -29,12 +29,12 @@ if TYPE_CHECKING:
 
 HARD_REFERENCE = (0.004, 1.0)
 HARD_IMPEDANCE = (0.99, 0.999, 1e-4, 0.5, 2.0)
-"""How stiff a screw is in MuJoCo, as in our MJCF."""
+"""Constraint impedance of screws in MuJoCo, as in our MJCF."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Frames:
-    """The prims and places of links: path and origin (m, object frame) by link name."""
+    """Prim path and origin (m, object frame) of every link, by name."""
 
     paths: "Mapping[str, Sdf.Path]"
     origins: Mapping[str, Float[np.ndarray, "3"]]
@@ -53,7 +53,7 @@ def _quat(R: Float[np.ndarray, "3 3"]) -> "Gf.Quatf":
 
 
 def add_body(prim: "Usd.Prim", inertial: Inertial | None, origin: Float[np.ndarray, "3"]) -> None:
-    """Makes a link's prim a rigid body; without ``inertial`` an engine weighs its colliders."""
+    """Makes a link's prim a rigid body; without ``inertial``, engines compute the mass from its colliders."""
     from pxr import UsdPhysics
 
     UsdPhysics.RigidBodyAPI.Apply(prim)
@@ -76,7 +76,7 @@ def add_collider(
     origin: Float[np.ndarray, "3"],
     material: "UsdShade.Material",
 ) -> None:
-    """A hull as a guide that collides: a cube or cylinder where it is exactly that, else a convex mesh."""
+    """Adds a hull as an invisible collider: a cube or cylinder if it is exactly one, else a convex mesh."""
     from pxr import UsdGeom, UsdPhysics, UsdShade
 
     shape = _add_primitive(stage, path, hull, origin) or _add_hull(stage, path, hull, origin)
@@ -137,7 +137,7 @@ def _add_hull(
 
 
 def add_physics_material(stage: "Usd.Stage", path: "Sdf.Path", name: MaterialName) -> "UsdShade.Material":
-    """A material with the friction of `MATERIALS`; masses are stated by the links."""
+    """A material with the friction of `MATERIALS`; masses are given by the links."""
     from pxr import UsdPhysics, UsdShade
 
     material = UsdShade.Material.Define(stage, path)
@@ -150,16 +150,16 @@ def add_physics_material(stage: "Usd.Stage", path: "Sdf.Path", name: MaterialNam
 
 
 def fix_to_world(stage: "Usd.Stage", path: "Sdf.Path", root: "Sdf.Path", body: "Sdf.Path") -> None:
-    """Holds the body where it is in the asset, which no scene has to stand at the world's origin."""
+    """Fixes the body in place relative to the asset, which need not be at the world's origin."""
     from pxr import UsdPhysics
 
     fixed = UsdPhysics.FixedJoint.Define(stage, path)
-    fixed.CreateBody0Rel().SetTargets([root])  # no body: its frame stands for the world
+    fixed.CreateBody0Rel().SetTargets([root])  # without a body, the frame refers to the world
     fixed.CreateBody1Rel().SetTargets([body])
 
 
 def add_joint(stage: "Usd.Stage", path: "Sdf.Path", joint: PackageJoint, frames: Frames) -> None:
-    """A joint with its frame in both bodies; the frame's z is the joint's axis."""
+    """Adds a joint with its frame in both bodies; the frame's z is the joint's axis."""
     from pxr import UsdPhysics
 
     kinds = {
@@ -187,10 +187,10 @@ def add_joint(stage: "Usd.Stage", path: "Sdf.Path", joint: PackageJoint, frames:
 
 
 def follow_joint(prim: "Usd.Prim", joint: PackageJoint, leader: "Usd.Prim") -> None:
-    """Lets a joint follow another one, as on a screw or a pedal bin: for Newton and MuJoCo, and for PhysX.
+    """Couples a joint to another one, as on a screw or a pedal bin, for Newton, MuJoCo and PhysX.
 
-    ``newton:mimicCoef1`` is left out: Newton 1.8 reads it per radian and PhysX (ovphysx 0.7) per degree.
-    PhysX wants an instance named after a turning axis for sliding followers too, and limits of the leader.
+    ``newton:mimicCoef1`` is omitted: Newton 1.8 reads it per radian and PhysX (ovphysx 0.7) per degree. PhysX
+    requires an instance named after a turning axis for sliding followers too, and limits of the leader.
     """
     from pxr import Sdf, UsdPhysics, Vt
 
@@ -215,13 +215,13 @@ def follow_joint(prim: "Usd.Prim", joint: PackageJoint, leader: "Usd.Prim") -> N
     axis = prim.CreateAttribute(f"{own}referenceJointAxis", Sdf.ValueTypeNames.Token, custom=False)
     axis.Set("rotZ")
     gearing = prim.CreateAttribute(f"{own}gearing", Sdf.ValueTypeNames.Float, custom=False)
-    # Turns are in degrees there: of the leader, and of a follower that turns.
+    # PhysX uses degrees for the leader and for turning followers.
     scale = (np.pi / 180.0 if turn else 1.0) * (1.0 if joint.type == "prismatic" else 180.0 / np.pi)
     gearing.Set(-joint.mimic_multiplier * scale)
 
 
 def _from_z(axis: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 3"]:
-    """The smallest rotation that takes z to a unit axis."""
+    """The smallest rotation from z to a unit axis."""
     cross = np.cross([0.0, 0.0, 1.0], axis)
     if axis[2] < -1.0 + 1e-12:
         return np.diag([1.0, -1.0, -1.0])
@@ -231,7 +231,7 @@ def _from_z(axis: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 3"]:
 
 
 def _add_resistance(prim: "Usd.Prim", joint: PackageJoint) -> None:
-    """Friction, damping and speed in each engine's words, and a drive that is at rest."""
+    """Friction, damping and velocity in each engine's schema, and an inactive drive."""
     from pxr import Sdf, UsdPhysics
 
     sliding = joint.type == "prismatic"

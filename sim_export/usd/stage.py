@@ -1,7 +1,7 @@
-"""The content of a package's USD file: a root, its links as siblings below it, joints and materials.
+"""Content of a package's USD file: a root, its links as siblings, joints and materials.
 
-Links are not nested, as rigid bodies below rigid bodies mean something else in USD; joints say how they
-hang together. Hulls and grasp lines are guides, which renderers leave out.
+Links are not nested, because nested rigid bodies have another meaning in USD; joints define the tree. Hulls
+and grasp lines are guides, which renderers skip.
 """
 
 # usd-core has no type stubs, and is optional.
@@ -39,14 +39,15 @@ if TYPE_CHECKING:
 
 SCOPES = ("joints", "materials", "physics_materials")
 INSIDE = 0.004
-"""Metres by which a hull may stick out of the piece that it stands for; a little more than they do."""
+"""Tolerance (m) for a hull to count as inside the piece it represents; slightly above the actual
+protrusion."""
 GRASP_WIDTH = 0.002
-"""Metres; how thick grasp lines are drawn."""
+"""Drawn width (m) of grasp lines."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Piece:
-    """A mesh to draw: its prim's name, its link's, and what it is a piece of and made of."""
+    """A mesh to draw, with the names of its prim and link, its visual and its material."""
 
     name: str
     link: str
@@ -67,7 +68,7 @@ def stage_files(package: SimPackage) -> dict[str, bytes]:
     """
     from pxr import Usd
 
-    # Prims of visuals are named anew, so that their names may occur twice.
+    # Visual prims get new names, because names of visuals may repeat.
     check_kinematics(replace(package, links=tuple(replace(link, visuals=()) for link in package.links)))
     stage = Usd.Stage.CreateInMemory()
     root = _add_root(stage, package)
@@ -90,7 +91,7 @@ def stage_files(package: SimPackage) -> dict[str, bytes]:
 
 
 def gather_pieces(package: SimPackage) -> tuple[Piece, ...]:
-    """Everything to draw; a source mesh of several materials is several pieces."""
+    """All meshes to draw; a source mesh of several materials yields several pieces."""
     shown = [
         (link, visual, _drop_unused(mesh))
         for link in package.links
@@ -119,7 +120,7 @@ def gather_pieces(package: SimPackage) -> tuple[Piece, ...]:
 
 
 def _drop_unused(mesh: Mesh) -> Mesh:
-    """The mesh without vertices that no face has, such as those of a source's other materials."""
+    """Removes unreferenced vertices, such as those of a source's other materials."""
     used, where = np.unique(mesh.faces, return_inverse=True)
     if len(used) == len(mesh.vertices):
         return mesh
@@ -127,7 +128,7 @@ def _drop_unused(mesh: Mesh) -> Mesh:
 
 
 def _add_root(stage: "Usd.Stage", package: SimPackage) -> "Sdf.Path":
-    """The default prim, the stage's units, and what SimReady wants to know of the asset."""
+    """The default prim, the stage's units, and SimReady's asset metadata."""
     from pxr import Kind, Sdf, Usd, UsdGeom, UsdPhysics
 
     UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.z)
@@ -141,14 +142,14 @@ def _add_root(stage: "Usd.Stage", package: SimPackage) -> "Sdf.Path":
     add_label(prim, "class", package.category or "object")
     add_label(prim, "wikidata_qcode", category_code(package.category))
     facts = _describe(package)
-    # Older profiles look for some of these beside the dictionary instead of in it.
+    # Older profiles expect some of these outside of the dictionary.
     older = {key: facts[key] for key in ("asset_name", "asset_type", "source_file", "usd_date_generated")}
     stage.GetRootLayer().customLayerData = {"SimReady_Metadata": facts, **older}
     return prim.GetPath()
 
 
 def _describe(package: SimPackage) -> dict[str, object]:
-    """SimReady's facts; dates are never recorded, so that equal packages give equal files."""
+    """SimReady metadata; dates are omitted so that equal packages give equal files."""
     from pxr import Gf
 
     said = dict(package.provenance)
@@ -183,7 +184,7 @@ def _add_link(stage: "Usd.Stage", link: Link, frames: Frames) -> None:
 def _add_colliders(
     stage: "Usd.Stage", scope: "Sdf.Path", package: SimPackage, pieces: tuple[Piece, ...], frames: Frames
 ) -> None:
-    """All hulls, each with the friction of what it is made of."""
+    """Adds all hulls, each with the friction of its material."""
     from pxr import UsdShade
 
     materials: dict[MaterialName, UsdShade.Material] = {}
@@ -198,7 +199,7 @@ def _add_colliders(
 
 
 def hull_material(package: SimPackage, link: Link, hull: Hull, pieces: tuple[Piece, ...]) -> MaterialName:
-    """What a hull is made of: as the smallest piece of its link that it lies in, else as the link."""
+    """Material of a hull: that of the smallest piece of its link that contains it, else that of the link."""
     low, high = hull.vertices.min(axis=0) + INSIDE, hull.vertices.max(axis=0) - INSIDE
     around = [
         piece
@@ -211,7 +212,7 @@ def hull_material(package: SimPackage, link: Link, hull: Hull, pieces: tuple[Pie
 
 
 def _add_joints(stage: "Usd.Stage", root: "Sdf.Path", package: SimPackage, frames: Frames) -> None:
-    """All joints, the one that holds the body, and the pairs that touch at rest and must not collide."""
+    """Adds all joints, the fixed joint of the root, and collision exclusions for pairs that touch at rest."""
     from pxr import UsdPhysics
 
     scope = root.AppendChild("joints")
@@ -233,7 +234,7 @@ def _add_joints(stage: "Usd.Stage", root: "Sdf.Path", package: SimPackage, frame
 
 
 def _add_grasps(stage: "Usd.Stage", package: SimPackage, frames: Frames) -> None:
-    """The segments that closing fingers straddle, as guides in the links they move with."""
+    """Adds the segments that closing fingers straddle, as guides below their links."""
     from pxr import Gf, UsdGeom
 
     for index, handle in enumerate(package.handles):

@@ -1,9 +1,9 @@
-"""A package as a folder that SimReady's `Robotics-Prop` profile accepts.
+"""Writes a package as a folder that SimReady's `Robotics-Prop` profile accepts.
 
-``<name>/usd/<name>.usd`` holds everything but images, which lie in ``textures`` beside it, named after
-their content; the thumbnail is in ``.thumbs``. The USD file is a binary one: a third of the size of the
-same layer as text, and opened several times faster. No file holds a time or an absolute path, and the
-same package gives the same bytes.
+``<name>/usd/<name>.usd`` contains everything but images. These are in ``textures`` beside it, named by
+content; the thumbnail is in ``.thumbs``. The USD file is binary, a third of the size of the same layer as
+text and several times faster to open. No file contains a time or an absolute path; equal packages give equal
+bytes.
 """
 
 # usd-core has no type stubs, and is optional.
@@ -25,21 +25,21 @@ from sim_export.usd.stage import stage_files
 
 FOLDER = "usd"
 THUMBNAIL = 256
-"""Pixels of the thumbnail's edge, which SimReady prescribes."""
+"""Edge (pixels) of the thumbnail, prescribed by SimReady."""
 
 
 def write_usd(package: SimPackage, out: Path, overwrite: Overwrite = "refuse") -> Path:
-    """Writes a package as USD to a folder of its own in ``out`` and returns the path of the USD file.
+    """Writes a package as USD to its own folder in ``out`` and returns the path of the USD file.
 
     Args:
-        package: What to write.
-        out: The folder for USD assets; the asset's folder has the package's name in lower case.
-        overwrite: ``refuse`` raises where the asset's folder exists, ``replace`` puts the new asset in
-            the place of an old one (only of a USD asset: another folder is never removed).
+        package: The package.
+        out: Folder for USD assets; the asset's folder has the package's name in lower case.
+        overwrite: ``refuse`` raises if the asset's folder exists; ``replace`` replaces an existing USD asset,
+            but never another kind of folder.
 
     Raises:
-        PackageError: If usd-core is missing, the package has nothing to show, the folder exists or cannot
-            be written, or a source mesh or an image cannot be read.
+        PackageError: If usd-core is missing, the package has no visuals, the folder exists or cannot be
+            written, or a source mesh or an image cannot be read.
         InvalidKinematics: If links and joints are not a tree.
     """
     name = asset_name(package.name)
@@ -69,14 +69,14 @@ def usd_files(package: SimPackage) -> dict[str, bytes]:
 
 
 def draw_thumbnail(package: SimPackage) -> UInt8[np.ndarray, "256 256 3"]:
-    """The closed object as a picture of 256 x 256 pixels."""
+    """Renders the closed object at 256 x 256 pixels."""
     cfg = PreviewConfig(panels=("closed",), viewpoint=Viewpoint(width=THUMBNAIL, height=THUMBNAIL))
     shapes = prepare_shapes(package, cfg)
     return draw_standing(shapes, shapes.visual, frame_shapes(shapes, cfg, cfg.panels), cfg)
 
 
 def require_usd() -> None:
-    """Raises `PackageError` where `usd-core` is not installed."""
+    """Raises `PackageError` if `usd-core` is not installed."""
     try:
         import pxr  # noqa: F401
     except ImportError as err:

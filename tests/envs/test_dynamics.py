@@ -277,4 +277,4 @@ def test_original_objects_get_a_verdict_on_everything(real_objects):
         results = check_dynamics(folder, read_package(folder), ONE_STEP_SIZE)
         assert [result.id for result in results] == sorted(TITLES)
         assert results[0].verdict == "pass"
-        assert "invents the mass" in results[0].message
+        assert "assumes the mass" in results[0].message

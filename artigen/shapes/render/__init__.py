@@ -1,4 +1,4 @@
-"""Pictures of shapes by analytic ray casting, batched in torch: colour, mask, depth, normals, part ids.
+"""Renders shapes by analytic ray casting, batched in torch: colour, mask, depth, normals, part ids.
 
     scene = build_scene([shape], device="cpu")
     images = render(scene, cameras, qpos)

@@ -61,7 +61,7 @@ def frame_points(
     """The nearest camera that sees every point, as a batch of one.
 
     Args:
-        points: What has to be in the picture (m).
+        points: Points that must be in the picture (m).
         direction: From the object to the camera.
         fov: Vertical angle of view in degrees.
         margin: Free border, as a share of the image on each side.

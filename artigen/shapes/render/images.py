@@ -1,4 +1,4 @@
-"""`render`: colour, mask, depth, normals and part ids of shapes, for cameras and joint states in a batch."""
+"""`render`: colour, mask, depth, normals and part ids of shapes, for batches of cameras and joint states."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -34,28 +34,28 @@ from artigen.shapes.surfaces.textures import apply_paint, find_rows
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Images:
-    """Pictures of a batch. Glass counts as surface everywhere but in ``rgb``, where one looks through it."""
+    """Pictures of a batch. Glass counts as surface in all maps but ``rgb``, where it is transparent."""
 
     rgb: Float[Tensor, "B H W 3"]
     """sRGB in [0, 1]."""
     mask: Bool[Tensor, "B H W"]
     depth: Float[Tensor, "B H W"]
-    """Metres along the viewing direction; infinite where nothing is seen."""
+    """Metres along the viewing direction; infinite for background."""
     normals: Float[Tensor, "B H W 3"]
-    """Unit, in the world, towards the camera; zero where nothing is seen."""
+    """Unit, in the world, towards the camera; zero for background."""
     part_ids: Int[Tensor, "B H W"]
-    """Index into the shape's parts, -1 where nothing is seen."""
+    """Index into the shape's parts, -1 for background."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _View:
-    """View of the cameras of a batch."""
+    """Visible surfaces of a batch of cameras."""
 
     scene: Scene
     cameras: Cameras
     instances: Instances
     surface: Surface
-    """Of all layers: the nearest of every pixel, then what is behind glass."""
+    """Surfaces of all layers: the nearest of every pixel, then those behind glass."""
     layers: tuple[int, ...]
     """Number of points in each layer."""
 
@@ -74,11 +74,11 @@ def render(
         scene: The shapes.
         cameras: One per picture, on the scene's device.
         qpos: Joint coordinates per picture: one per part of its shape, metres and radians.
-        shape_ids: Which shape each picture shows; without it all show the first.
+        shape_ids: Shape of each picture; by default the first shape.
         cfg: Light and quality.
 
     Raises:
-        ValueError: If cameras, coordinates and shapes are not equally many.
+        ValueError: If the numbers of cameras, coordinates and shapes differ.
     """
     cfg = cfg or RenderConfig()
     shape_ids = [0] * len(cameras.fov) if shape_ids is None else shape_ids
@@ -97,7 +97,7 @@ def render(
 
 
 def _look(scene: Scene, cameras: Cameras, instances: Instances, depth: int) -> _View:
-    """Casts the rays and finds the surfaces that they see, all layers at once: few operations on much."""
+    """Casts the rays and finds the visible surfaces of all layers together, in few large operations."""
     rays = make_rays(cameras, instances)
     hits = find_hits(cameras, instances, rays)
     glassy = (scene.paint.opacity.reshape(-1, 2).amin(dim=1) < 1)[instances.primitive]
@@ -115,7 +115,8 @@ def _look(scene: Scene, cameras: Cameras, instances: Instances, depth: int) -> _
 
 
 def _peel(hits: Hits, count: int, glassy: Bool[Tensor, "I"], depth: int) -> list[Int[Tensor, "N"]]:
-    """Keys of the nearest surface of each pixel, then of the next behind where that is glass, and so on."""
+    """Keys of the nearest surface of each pixel, then of the next one behind it if that is glass, and so
+    on."""
     layers: list[Tensor] = []
     for key in islice(find_layers(hits, count), depth):
         if layers:
@@ -154,7 +155,7 @@ def _geometry(view: _View) -> dict[str, Tensor]:
 
 
 def _light_of(view: _View, cfg: RenderConfig) -> Float[Tensor, "B H W 3"]:
-    """Linear light of every pixel: layers of glass from the front, then what is behind them."""
+    """Linear light of every pixel: composites layers of glass over what is behind them."""
     cameras = view.cameras
     count, device = _pixel_count(cameras), view.scene.device
     light = torch.zeros(count, 3, device=device)
@@ -202,7 +203,8 @@ def _resize(cameras: Cameras, factor: int) -> Cameras:
 
 
 def _average(light: Float[Tensor, "B H W 3"], factor: int) -> Float[Tensor, "B h w 3"]:
-    """Mean over squares of ``factor`` pixels; each is cut at white first, or highlights would fray."""
+    """Mean over squares of ``factor`` pixels, each clipped at white first, so that highlights stay
+    antialiased."""
     if factor == 1:
         return light
     batch, height, width, _ = light.shape

@@ -1,7 +1,7 @@
-"""How much of the lamp and of the sky reaches surfaces and the floor: shadow rays, few or many.
+"""Shares of lamp and sky light that reach surfaces and the floor, with few or many shadow rays.
 
 With one ray per light, shadows are sharp. With more, the rays are spread over the lamp and the sky, and
-shared out among the sub-rays of a supersampled pixel, so that soft light costs little more than sharp.
+distributed among the sub-rays of a supersampled pixel, so that soft light costs little more than sharp.
 """
 
 from dataclasses import dataclass
@@ -19,36 +19,36 @@ from artigen.shapes.render.shading import Light, RenderConfig
 from artigen.shapes.render.shadows import find_lit, find_openness
 
 CORNER = 0.18
-"""Corners are darker up to this far (m) from the next wall."""
+"""Distance (m) of a wall within which corners are darkened."""
 SKY = (-0.35, 0.12, 0.93)
-"""Where the soft light from above comes from: over the head of who stands in front."""
+"""Direction of the soft light from above: over the head of a viewer in front."""
 LAMP_SIZE = 0.12
 """Radius of the lamp, at distance one."""
 SKY_SIZE = 1.3
-"""The same for the sky: nearly all of it."""
+"""The same for the sky, which covers nearly the hemisphere."""
 CLEARANCE = 1e-3
-"""Shadow rays start this far (m) off the surface."""
+"""Offset (m) of the start of shadow rays from the surface."""
 SMOOTH = 3
-"""Times as many rays go from the floor to the sky: nothing hides steps there."""
+"""Factor on the number of rays from the floor to the sky, where nothing masks steps."""
 SHADOW_DEPTH = 0.75
-"""Share of the light missing on the floor that is taken off the background."""
+"""Share of the floor's missing light by which the background is darkened."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Spots:
-    """Points that shadow rays start from."""
+    """Start points of shadow rays."""
 
     image: Int[Tensor, "N"]
     point: Float[Tensor, "N 3"]
     normal: Float[Tensor, "N 3"]
     turn: Int[Tensor, "N"]
-    """Which of a pixel's sub-rays each point belongs to."""
+    """Index of the sub-ray that each point belongs to."""
     turns: int
-    """Sub-rays of a pixel."""
+    """Number of sub-rays per pixel."""
 
 
 def light_surface(cameras: Cameras, instances: Instances, surface: Surface, cfg: RenderConfig) -> Light:
-    """How much of each light reaches the surface."""
+    """Share of each light that reaches the surface."""
     everything = torch.ones_like(surface.depth)
     lamp, sky, openness = everything, everything, everything
     turn = _sub_rays(cameras, surface.pixel, cfg.supersampling)
@@ -72,12 +72,12 @@ def light_surface(cameras: Cameras, instances: Instances, surface: Surface, cfg:
 def light_floor(
     cameras: Cameras, instances: Instances, unseen: Bool[Tensor, "N"], cfg: RenderConfig
 ) -> Float[Tensor, "N"]:
-    """Brightness of the surroundings per pixel: one, or less where the object shades the floor at z = 0.
+    """Brightness of the background per pixel: one, or less where the object shades the floor at z = 0.
 
     Args:
-        cameras: Of the pictures.
-        instances: What throws shadows.
-        unseen: Pixels whose brightness does not matter, since the object covers them.
+        cameras: Cameras of the pictures.
+        instances: Solids that cast shadows.
+        unseen: Pixels that the object covers, whose brightness is irrelevant.
         cfg: Light and quality.
     """
     out = torch.ones(len(unseen), device=unseen.device)
@@ -116,7 +116,7 @@ def light_floor(
 def _visible_share(
     instances: Instances, spots: _Spots, light: Vector, size: float, rays: int
 ) -> Float[Tensor, "N"]:
-    """Which share of a light, weighted by how much a spot faces it, is not hidden behind solids."""
+    """Unoccluded share of a light, weighted by the cosine at each spot."""
     seen, all_of_it = torch.zeros(len(spots.point), device=spots.point.device), 1e-6
     for number, direction in enumerate(_spread(light, size, rays)):
         weight = (spots.normal @ spots.normal.new_tensor(direction)).clamp(min=0.0)
@@ -131,7 +131,7 @@ def _visible_share(
 
 
 def _spread(light: Vector, size: float, count: int) -> list[Vector]:
-    """Unit directions over a disc about a light: the light itself if there is only one."""
+    """Unit directions over a disc about a light; the light itself if ``count`` is one."""
     axis = _unit(light)
     side = _unit((axis[2], 0.0, -axis[0]))
     other = tuple(
@@ -147,7 +147,7 @@ def _spread(light: Vector, size: float, count: int) -> list[Vector]:
 
 
 def _sub_rays(cameras: Cameras, pixel: Int[Tensor, "N"], factor: int) -> Int[Tensor, "N"]:
-    """The place of fine pixels within their coarse pixel, counted from zero."""
+    """Index of fine pixels within their coarse pixel, counted from zero."""
     row = torch.div(pixel, cameras.width, rounding_mode="floor") % cameras.height
     return (row % factor) * factor + pixel % cameras.width % factor
 

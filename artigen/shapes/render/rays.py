@@ -1,7 +1,7 @@
-"""Rays through pixels against primitives: which are hit, nearest first, and the surface there.
+"""Intersects pixel rays with primitives: hits, the nearest first, and the surface there.
 
-In the own frame of a primitive the ray of pixel (column, row) starts at ``o`` and runs along ``d``, which
-is linear in column and row; so is its speed through each slab. Distances are depths, since rays have
+In the own frame of a primitive, the ray of pixel (column, row) starts at ``o`` and runs along ``d``, which is
+linear in column and row; so is its speed through each slab. Ray parameters are depths, because rays have
 length one along the viewing direction.
 """
 
@@ -17,54 +17,55 @@ from artigen.shapes.render.scene import CYLINDER, Instances
 from artigen.shapes.render.spans import NEAR, Spans, count_up, find_spans, pick
 
 TOLERANCE = 2e-6
-"""A ray that leaves a solid this little (share of depth) before it enters still hits: no cracks."""
+"""Relative depth by which a ray may leave a solid before it enters and still hit, which avoids cracks."""
 NOTHING = torch.iinfo(torch.int64).max
 STILL = 1e-9
-"""A ray slower than this through a slab runs along it."""
+"""Speed through a slab below which a ray counts as parallel to it."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Rays:
-    """What a pixel's ray is in the own frame of each instance: start, and how it runs (float32)."""
+    """Pixel rays in the own frame of each instance: start and direction (float32)."""
 
     start: Float[Tensor, "I S"]
-    """Place of the camera along each slab's normal."""
+    """Position of the camera along each slab's normal."""
     low: Float[Tensor, "I S"]
-    """Sides of the slabs, as seen from the camera's place."""
+    """Lower sides of the slabs, relative to the camera."""
     high: Float[Tensor, "I S"]
     radius: Float[Tensor, "I"]
-    """Of cylinders."""
+    """Radius of cylinders."""
     column: Float[Tensor, "I S"]
-    """Speed through each slab, per column."""
+    """Change of the speed through each slab per column."""
     row: Float[Tensor, "I S"]
     middle: Float[Tensor, "I S"]
-    """Speed through each slab of a ray through pixel (0, 0)'s upper left corner."""
+    """Speed through each slab for a ray through the upper left corner of pixel (0, 0)."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Hits:
-    """All that rays hit, in no order: ``key`` holds depth above instance, so that the least is nearest."""
+    """All hits, unordered: ``key`` combines depth (high bits) and instance, so that the smallest is the
+    nearest."""
 
     pixel: Int[Tensor, "M"]
-    """Counted through all images of the batch."""
+    """Pixel index over all images of the batch."""
     key: Int[Tensor, "M"]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Surface:
-    """The surface that some pixels see."""
+    """The visible surface of some pixels."""
 
     pixel: Int[Tensor, "N"]
     instance: Int[Tensor, "N"]
     depth: Float[Tensor, "N"]
     point: Float[Tensor, "N 3"]
-    """In the world (m)."""
+    """Point in the world (m)."""
     normal: Float[Tensor, "N 3"]
-    """In the world, towards the camera."""
+    """Normal in the world, towards the camera."""
     view: Float[Tensor, "N 3"]
     """Unit direction of the ray."""
     rest_point: Float[Tensor, "N 3"]
-    """In the object frame at rest."""
+    """Point in the object frame at rest."""
     rest_normal: Float[Tensor, "N 3"]
 
 
@@ -88,7 +89,7 @@ def make_rays(cameras: Cameras, instances: Instances) -> Rays:
 
 
 def find_hits(cameras: Cameras, instances: Instances, rays: Rays) -> Hits:
-    """Every instance that every pixel's ray meets in front of the camera."""
+    """Every instance that every pixel's ray hits in front of the camera."""
     spans = find_spans(cameras, instances)
     group = instances.group[spans.instance]
     pixels, keys = [], []
@@ -101,7 +102,7 @@ def find_hits(cameras: Cameras, instances: Instances, rays: Rays) -> Hits:
 
 
 def find_layers(hits: Hits, pixels: int) -> Iterator[Int[Tensor, "pixels"]]:
-    """The nearest key of each pixel, then the next one behind it, and so on; `NOTHING` where none is left."""
+    """The nearest key of each pixel, then the next one behind it, and so on; `NOTHING` if none is left."""
     last = torch.full((pixels,), -1, dtype=torch.int64, device=hits.key.device)
     pixel, key = hits.pixel, hits.key
     while True:
@@ -123,7 +124,7 @@ def find_surface(
     pixel: Int[Tensor, "N"],
     key: Int[Tensor, "N"],
 ) -> Surface:
-    """The surface at hits: where it is, in the world and at rest, and its normal."""
+    """The surface at hits: its point in the world and at rest, and its normal."""
     depth, instance = unpack_keys(key)
     across = pixel % cameras.width + 0.5
     along = torch.div(pixel, cameras.width, rounding_mode="floor") % cameras.height + 0.5
@@ -190,7 +191,7 @@ def _hit_group(
 def _meet_slabs(
     speed: Float[Tensor, "S M"], low: Float[Tensor, "S M"], high: Float[Tensor, "S M"]
 ) -> tuple[Float[Tensor, "M"], Float[Tensor, "M"]]:
-    """Where rays enter the last slab and leave the first."""
+    """Parameters at which rays enter the last slab and leave the first."""
     inverse = 1.0 / torch.where(speed.abs() < STILL, STILL, speed)
     one, other = low * inverse, high * inverse
     return torch.minimum(one, other).amax(dim=0), torch.maximum(one, other).amin(dim=0)
@@ -203,11 +204,12 @@ def _meet_cylinder(
     low: Float[Tensor, "M"],
     high: Float[Tensor, "M"],
 ) -> tuple[Float[Tensor, "M"], Float[Tensor, "M"]]:
-    """Where rays enter and leave a cylinder about its own z; misses leave before they enter."""
+    """Parameters at which rays enter and leave a cylinder about its own z; for misses the exit precedes the
+    entry."""
     (ox, oy, _), (dx, dy, dz) = start, speed
     dx = torch.where(dx.abs() + dy.abs() < 1e-6, 1e-6, dx)
     square = dx * dx + dy * dy
-    # The distance of the ray from the axis, and not b * b - a * c, which loses all digits for thin rods.
+    # Use the distance of the ray from the axis; b * b - a * c loses all digits for thin rods.
     reach = square * radius * radius - (ox * dy - oy * dx) ** 2
     middle, half = -(ox * dx + oy * dy) / square, reach.clamp(min=0.0).sqrt() / square
     enter, leave = _meet_slabs(dz[None], low[None], high[None])

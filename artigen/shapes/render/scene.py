@@ -1,8 +1,8 @@
 """Shapes as tensors: every convex solid as an intersection of slabs, plus a circle for cylinders.
 
-A slab is the space between two parallel planes, ``low <= normal . p <= high`` in the primitive's own
-frame. A box is three of them; a polytope has one per pair of opposite faces, or per single face with
-the other side far away. A cylinder is its bounding box with the first two slabs made round.
+A slab is the space between two parallel planes, ``low <= normal . p <= high`` in the primitive's own frame. A
+box has three of them; a polytope has one per pair of opposite faces, or per single face with the other side
+far away. A cylinder is its bounding box with the first two slabs replaced by the circle.
 """
 
 from collections.abc import Sequence
@@ -19,7 +19,7 @@ from artigen.shapes.shape import Shape
 from artigen.shapes.surfaces.textures import PaintTable, make_paint, place_table
 
 FAR = 1e6
-"""Where the missing side of a slab is (m)."""
+"""Position (m) of the missing side of a slab."""
 CYLINDER = 0
 """Group of the cylinders; a polytope's group is the number of slabs it is padded to."""
 SLAB_GROUPS = (3, 6, 14, 32, 64, 256)
@@ -27,11 +27,11 @@ SLAB_GROUPS = (3, 6, 14, 32, 64, 256)
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Scene:
-    """Primitives of all shapes in one list, on one device; float64 where places are composed."""
+    """Primitives of all shapes in one list, on one device; poses are float64."""
 
     shapes: tuple[Shape, ...]
     first: tuple[int, ...]
-    """Where each shape's primitives begin, and one past the last."""
+    """Index of each shape's first primitive, and one past the last."""
     part: Int[Tensor, "P"]
     """Index into the parts of the primitive's shape."""
     center: Float[Tensor, "P 3"]
@@ -40,7 +40,7 @@ class Scene:
     """Half the size of the box about the primitive in its own frame."""
     group: Int[Tensor, "P"]
     groups: tuple[int, ...]
-    """Those that occur, sorted."""
+    """Occurring groups, sorted."""
     slab_normal: Float[Tensor, "P S 3"]
     slab_low: Float[Tensor, "P S"]
     slab_high: Float[Tensor, "P S"]
@@ -48,13 +48,13 @@ class Scene:
 
     @property
     def device(self) -> torch.device:
-        """Where the tensors are."""
+        """Device of the tensors."""
         return self.center.device
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Instances:
-    """Primitives as they stand in the images of a batch: each image has its own copies."""
+    """Posed primitives of the images of a batch: each image has its own copies."""
 
     image: Int[Tensor, "I"]
     primitive: Int[Tensor, "I"]
@@ -62,25 +62,25 @@ class Instances:
     """Own axes as columns, in the world (float64)."""
     center: Float[Tensor, "I 3"]
     to_rest: Float[Tensor, "I 3 4"]
-    """From the world to the object frame at rest (float32)."""
+    """Transform from the world to the object frame at rest (float32)."""
     group: Int[Tensor, "I"]
     groups: tuple[int, ...]
     slab_normal: Float[Tensor, "I S 3"]
-    """In the own frame."""
+    """Slab normals in the own frame."""
     slab_low: Float[Tensor, "I S"]
     slab_high: Float[Tensor, "I S"]
     corners: Float[Tensor, "I 8 3"]
-    """Of the box about the primitive, in the world."""
+    """Corners of the box about the primitive, in the world."""
 
 
 def build_scene(shapes: Sequence[Shape], device: str | torch.device = "cpu") -> Scene:
-    """Shapes ready to be rendered on a device.
+    """Prepares shapes for rendering on a device.
 
     Raises:
-        ValueError: If there is no shape, or a primitive has more faces than slabs are kept for.
+        ValueError: If there is no shape, or a primitive has more slabs than supported.
     """
     if not shapes:
-        raise ValueError("a scene has at least one shape")
+        raise ValueError("a scene needs at least one shape")
     owned = [
         (index, primitive)
         for shape in shapes
@@ -156,11 +156,11 @@ def _pose_images(
 
 
 def _find_slabs(primitives: Sequence[Primitive]) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Normals, low and high sides, padded with slabs that hold everything, and the group of each."""
+    """Normals, low and high sides, padded with slabs that contain everything, and the group of each."""
     slabs = [_slabs_of(primitive) for primitive in primitives]
     most = max(len(low) for _, low, _ in slabs)
     if most > SLAB_GROUPS[-1]:
-        raise ValueError(f"a primitive has {most} directions of faces, at most {SLAB_GROUPS[-1]} are kept")
+        raise ValueError(f"a primitive has {most} directions of faces, expected at most {SLAB_GROUPS[-1]}")
     width = next(size for size in SLAB_GROUPS if size >= most)
     normal = np.zeros((len(slabs), width, 3))
     low, high = np.full((len(slabs), width), -FAR), np.full((len(slabs), width), FAR)
@@ -177,7 +177,7 @@ def _slabs_of(primitive: Primitive) -> tuple[np.ndarray, np.ndarray, np.ndarray]
     if primitive.kind == "cylinder":
         return np.eye(3), -primitive.size / 2, primitive.size / 2
     normals, offsets = primitive.planes[:, :3], primitive.planes[:, 3]
-    opposite = (normals @ normals.T < -1 + 1e-10).argmax(axis=1)  # 0 where there is none
+    opposite = (normals @ normals.T < -1 + 1e-10).argmax(axis=1)  # 0 if there is none
     paired = np.einsum("ij,ij->i", normals, normals[opposite]) < -1 + 1e-10
     kept = np.flatnonzero(~paired | (opposite > np.arange(len(normals))))
     low = np.where(paired[kept], offsets[opposite[kept]], -FAR)

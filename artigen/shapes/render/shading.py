@@ -1,4 +1,4 @@
-"""Light in a bright room: a sky, a floor that throws light back, and one large lamp."""
+"""Light in a bright room: a sky, a floor that reflects light, and one large lamp."""
 
 from dataclasses import dataclass
 
@@ -16,31 +16,31 @@ GLASS = KINDS.index("glass")
 
 @dataclass(frozen=True, kw_only=True)
 class RenderConfig:
-    """How pictures look and what they cost."""
+    """Appearance and cost of pictures."""
 
     shadow_rays: int = 1
-    """Rays per pixel towards the lamp, and as many towards the sky; shadows are soft with more than one
-    and there are none with zero. A multiple of the square of ``supersampling``, or one."""
+    """Rays per pixel towards the lamp, and as many towards the sky; more than one gives soft shadows, zero
+    none. A multiple of the square of ``supersampling``, or one."""
     openness: bool = True
     """Whether corners and gaps are darker than open surfaces."""
     floor: bool = False
-    """Whether a floor at z = 0 carries the object's shadow; the mask is the object alone."""
+    """Whether a floor at z = 0 shows the object's shadow; the mask contains the object alone."""
     background: Vector = (0.93, 0.93, 0.925)
-    """Colour (sRGB) where nothing is seen."""
+    """Background colour (sRGB)."""
     lamp: Vector = (-0.68, 0.42, 0.6)
-    """Direction towards the lamp; made unit."""
+    """Direction towards the lamp; normalised."""
     lamp_strength: float = 0.62
     """Light of the lamp on a surface that faces it."""
     sky_strength: float = 0.27
     """Light from straight above, shadowed as from one direction."""
     fill_strength: float = 0.26
-    """Light from all around, from above more than from below."""
+    """Ambient light, stronger from above than from below."""
     fill_tilt: float = 0.34
-    """How much more: 0 is even light, which looks the same however a part is turned."""
+    """Strength of that difference: 0 is uniform light, independent of orientation."""
     supersampling: int = 1
     """Rays per pixel edge for colour; the other maps are always at pixel centres."""
     layers: int = 8
-    """Surfaces that one looks at through glass at most; with 1 the background is right behind a pane."""
+    """Largest number of surfaces seen through glass; with 1 the background is directly behind a pane."""
 
     def __post_init__(self) -> None:
         if self.supersampling < 1 or self.shadow_rays < 0 or self.layers < 1:
@@ -111,7 +111,7 @@ def _room_light(direction: Float[Tensor, "N 3"], gloss: Float[Tensor, "N"]) -> F
 
 
 def linear_from_srgb(color: Float[Tensor, "*S 3"]) -> Float[Tensor, "*S 3"]:
-    """Light from what a screen is told."""
+    """sRGB to linear RGB."""
     return torch.where(color <= 0.04045, color / 12.92, ((color + 0.055) / 1.055).clamp(min=0.0) ** 2.4)
 
 

@@ -1,4 +1,4 @@
-"""What light reaches a point: exact shadows of a distant light, and nearness of walls in the picture."""
+"""Occlusion of light: exact shadows of a distant light, and nearness of walls in the picture."""
 
 from dataclasses import dataclass
 from math import pi, sqrt
@@ -14,9 +14,9 @@ from artigen.shapes.render.scene import CYLINDER, Instances
 from artigen.shapes.render.spans import count_up, pick
 
 POINTS_PER_TILE = 16
-"""Tiles are as many as gives this many points to each, were they even."""
+"""Average number of points per tile, which determines the number of tiles."""
 CLEAR = 1e-3
-"""Shadows begin this far (m) off a surface."""
+"""Offset (m) of shadows from a surface."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -32,7 +32,7 @@ class Blockers:
     u_slope: Float[Tensor, "I S"]
     v_slope: Float[Tensor, "I S"]
     bounds: Float[Tensor, "I 2 3"]
-    """Least and greatest u, v, w."""
+    """Smallest and largest u, v, w."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -41,7 +41,7 @@ class Tiles:
 
     low: Float[Tensor, "B 2"]
     size: Float[Tensor, "B 2"]
-    """Of one tile."""
+    """Edge lengths of one tile."""
     edge: int
     """Tiles per edge."""
 
@@ -52,7 +52,7 @@ def find_lit(
     points: Float[Tensor, "N 3"],
     light: Vector,
 ) -> Bool[Tensor, "N"]:
-    """Which points of the images see the distant light; ``light`` is the unit direction towards it."""
+    """Whether points of the images see the distant light; ``light`` is the unit direction towards it."""
     frame = _light_frame(light, points.device)
     blockers = _find_blockers(instances, frame)
     local = points @ frame.float().T
@@ -96,7 +96,7 @@ def _find_lit_in_tiles(
 
 
 def _lines_at_once(counts: Int[Tensor, "K"]) -> int:
-    """How many runs of pairs are looked at together: on a CPU what its cache holds, else a great many."""
+    """Number of runs of pairs processed together: on a CPU limited by its cache, else large."""
     pairs = 2**16 if counts.device.type == "cpu" else 2**24
     return max(1, int(pairs * len(counts) / max(1, int(counts.sum()))))
 
@@ -104,9 +104,9 @@ def _lines_at_once(counts: Int[Tensor, "K"]) -> int:
 def find_openness(
     cameras: Cameras, surface: Surface, turn: Int[Tensor, "N"], *, reach: float, samples: int
 ) -> Float[Tensor, "N"]:
-    """1 in the open, less where the picture shows walls within ``reach`` (m) that rise around a point.
+    """1 in the open, less if the picture shows walls within ``reach`` (m) that rise around a point.
 
-    Points of another ``turn`` look in other directions, so that sub-rays of a pixel complete each other.
+    Points of another ``turn`` sample other directions, so that the sub-rays of a pixel complement each other.
     """
     size = cameras.height * cameras.width
     depths = torch.zeros(len(cameras.fov) * size, device=surface.depth.device)
@@ -161,7 +161,7 @@ def _find_blockers(instances: Instances, frame: Float[Tensor, "3 3"]) -> Blocker
 
 
 def _lay_tiles(instances: Instances, blockers: Blockers, points: int) -> Tiles:
-    """A grid over the blockers of each image; beyond it nothing is in the shadow."""
+    """A grid over the blockers of each image; points outside are lit."""
     images = int(instances.image[-1]) + 1
     place = instances.image[:, None].expand(-1, 2)
     low = torch.full((images, 2), torch.inf, device=place.device)
@@ -175,7 +175,7 @@ def _lay_tiles(instances: Instances, blockers: Blockers, points: int) -> Tiles:
 def _cover_tiles(
     instances: Instances, blockers: Blockers, tiles: Tiles, lowest: Float[Tensor, "T"]
 ) -> tuple[Int[Tensor, "K"], Int[Tensor, "K"]]:
-    """Pairs of an instance and a tile that it may shade; ``lowest`` is the least w of a tile's points."""
+    """Pairs of an instance and a tile that it may shade; ``lowest`` is the smallest w of a tile's points."""
     low, size, edge = tiles.low[instances.image], tiles.size[instances.image], tiles.edge
     start = ((blockers.bounds[:, 0, :2] - low) / size - 1e-3).long().clamp(0, edge - 1)
     stop = ((blockers.bounds[:, 1, :2] - low) / size + 1e-3).long().clamp(0, edge - 1)
@@ -199,7 +199,8 @@ def _block(
     places: Float[Tensor, "3 M"],
     size: int,
 ) -> Bool[Tensor, "M"]:
-    """Which pairs of an instance (``instance[line]``) and a place in the light's frame are a shadow."""
+    """Mask of pairs of an instance (``instance[line]``) and a place in the light's frame that are in
+    shadow."""
     u, v, w = places
     slabs = slice(2, 3) if size == CYLINDER else slice(0, size)
     low, high, u_slope, v_slope = (
@@ -223,7 +224,7 @@ def _narrow_to_cylinder(
     enter: Float[Tensor, "M"],
     leave: Float[Tensor, "M"],
 ) -> tuple[Float[Tensor, "M"], Float[Tensor, "M"]]:
-    """The stretch of a ray to the light that is also within the round side; w counts from the origin."""
+    """Restricts the interval of a ray to the light to the round side; w counts from the origin."""
     own = (frame @ instances.rotation[instance]).mT.float()  # rows: own axes in the light's frame
     shift = (instances.rotation[instance].mT @ instances.center[instance][:, :, None])[:, :, 0].float()
     x_axis, y_axis = own[:, 0], own[:, 1]

@@ -1,7 +1,7 @@
-"""Which pixels can see which primitives: rows and columns of the projected box of each instance.
+"""Pixels that can see each primitive: rows and columns of the projected box of each instance.
 
-The projection of a box is convex, so per picture row it covers one span of columns; only the pixels of
-spans are ever tested against the solid inside the box.
+The projection of a box is convex, so it covers one span of columns per picture row. Only the pixels of spans
+are tested against the solid inside the box.
 """
 
 from dataclasses import dataclass
@@ -14,11 +14,11 @@ from artigen.shapes.render.cameras import Cameras, camera_axes, pixel_sizes
 from artigen.shapes.render.scene import Instances
 
 NEAR = 0.01
-"""Nothing nearer to the camera (m) is seen."""
+"""Near clipping distance (m)."""
 SLACK = 0.01
-"""Spans are wider than the projection by this much (pixels), so that rounding opens no cracks."""
+"""Margin of spans around the projection (pixels), so that rounding opens no cracks."""
 EDGES = tuple((a, b) for a in range(8) for b in range(a + 1, 8) if bin(a ^ b).count("1") == 1)
-"""Corners of a box that an edge joins."""
+"""Pairs of box corners that an edge connects."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -44,7 +44,7 @@ def find_spans(cameras: Cameras, instances: Instances) -> Spans:
     local = view_points(cameras, instances.image, instances.corners)
     depth = local[:, :, 2]
     hidden = depth.amax(dim=1) < NEAR
-    around = (depth.amin(dim=1) < NEAR) & ~hidden  # reaches behind the camera: seen from anywhere
+    around = (depth.amin(dim=1) < NEAR) & ~hidden  # extends behind the camera: may be visible anywhere
     pixel = pixel_sizes(cameras)[instances.image]
     plane = (local[:, :, :2] / depth.clamp(min=NEAR)[..., None] / pixel[:, None, None]).float()
     x, y = plane[:, :, 0] + cameras.width / 2, plane[:, :, 1] + cameras.height / 2
@@ -68,7 +68,7 @@ def find_spans(cameras: Cameras, instances: Instances) -> Spans:
 def _cross_edges(
     x: Float[Tensor, "L 8"], y: Float[Tensor, "L 8"], at: Float[Tensor, "L"]
 ) -> tuple[Tensor, Tensor]:
-    """Least and greatest column at which the edges of each projected box cross a height."""
+    """Smallest and largest column at which the edges of each projected box cross a height."""
     start, end = (torch.tensor(side, device=x.device) for side in zip(*EDGES, strict=True))
     xa, xb, ya, yb = x[:, start], x[:, end], y[:, start], y[:, end]
     at = at[:, None]
@@ -89,12 +89,13 @@ def _last_pixel(high: Tensor, size: int) -> Tensor:
 
 
 def count_up(counts: Int[Tensor, "N"]) -> Int[Tensor, "M"]:
-    """0, 1, ... counts[0] - 1, 0, 1, ... counts[1] - 1, and so on."""
+    """Concatenates the ranges 0 to ``counts[k] - 1``."""
     ends = counts.cumsum(0)
     total = int(ends[-1]) if len(counts) else 0
     return torch.arange(total, device=counts.device) - torch.repeat_interleave(ends - counts, counts)
 
 
 def pick(values: Float[Tensor, "N S"], index: Int[Tensor, "M"]) -> Float[Tensor, "S M"]:
-    """``values[index]``, transposed: several times faster than indexing, and in the order that loops like."""
+    """``values[index]``, transposed: several times faster than indexing, and in the memory order of the
+    loops."""
     return values.T.contiguous().index_select(1, index)

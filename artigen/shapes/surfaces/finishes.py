@@ -1,4 +1,4 @@
-"""Finishes: what a surface is made of; `artigen.shapes.surfaces.textures` evaluates it anywhere."""
+"""Finishes of surfaces; `artigen.shapes.surfaces.textures` evaluates them at points."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -11,20 +11,20 @@ Color = tuple[float, float, float]
 
 @dataclass(frozen=True, kw_only=True)
 class Finish:
-    """A surface: its material, two colours (sRGB in [0, 1]) and where its pattern lies."""
+    """A surface finish: its material, two colours (sRGB in [0, 1]) and its pattern."""
 
     kind: FinishKind
     color: Color
     """The main colour."""
     accent: Color
-    """What grain, brushing or speckles are drawn in."""
+    """Colour of grain, brushing or speckles."""
     grain: Vector = (0.0, 0.0, 1.0)
-    """Direction (object axes) along which wood grows and steel is brushed."""
+    """Direction (object axes) of wood grain and of brushing."""
     period: float = 0.05
-    """Length (m) after which the pattern looks new across the grain."""
+    """Period (m) of the pattern across the grain."""
     seed: int = 0
-    """Which of all patterns."""
+    """Seed that selects the pattern."""
     gloss: float = 0.2
     """Share of light mirrored head-on at full gloss: 0 is chalk, 1 a mirror."""
     opacity: float = 1.0
-    """Share of what lies behind that is hidden; below 1 only for glass that one sees through."""
+    """Share of what is behind that is hidden; below 1 only for transparent glass."""

@@ -1,4 +1,4 @@
-"""Materials by name: woods, lacquers, metals, stones and glasses as furniture and appliances have them."""
+"""Materials by name: woods, lacquers, metals, stones and glasses of furniture and appliances."""
 
 from dataclasses import replace
 
@@ -37,7 +37,7 @@ METALS: dict[str, tuple[Color, Color]] = {
     "black": ((0.10, 0.10, 0.105), (0.13, 0.13, 0.13)),
     "dark": ((0.38, 0.38, 0.39), (0.30, 0.30, 0.31)),
 }
-"""Colour and brushing; black is powder-coated, dark is the stainless sold as black."""
+"""Colour and brushing; black is powder-coated, dark is dark stainless steel."""
 STONES: dict[str, tuple[Color, Color]] = {
     "granite": ((0.30, 0.30, 0.31), (0.55, 0.54, 0.52)),
     "terrazzo": ((0.86, 0.85, 0.82), (0.60, 0.55, 0.50)),
@@ -54,7 +54,7 @@ def make_wood(name: str, seed: int) -> Finish:
 
 
 def make_lacquer(color: Color, *, gloss: float = 0.18) -> Finish:
-    """An even paint; its accent, a shade darker, is what little it varies by."""
+    """A uniform paint; its accent, a shade darker, gives a slight variation."""
     return Finish(kind="lacquer", color=color, accent=_shade(color, 0.96), period=0.4, gloss=gloss)
 
 
@@ -76,7 +76,7 @@ def make_metal(name: str, seed: int) -> Finish:
 
 
 def make_polished(name: str, seed: int) -> Finish:
-    """A metal of `METALS`, polished or plated: its brushing can hardly be seen."""
+    """A metal of `METALS`, polished or plated, with hardly visible brushing."""
     metal = make_metal(name, seed)
     red, green, blue = (
         0.85 * own + 0.15 * other for own, other in zip(metal.color, metal.accent, strict=True)
@@ -92,7 +92,7 @@ def make_stone(name: str, seed: int) -> Finish:
 
 
 def make_ceramic(color: Color, seed: int) -> Finish:
-    """Glazed sanitary ware or stoneware: stone by weight, of an even colour."""
+    """Glazed sanitary ware or stoneware: the pattern of stone in a uniform colour."""
     return Finish(kind="stone", color=color, accent=_shade(color, 0.985), period=0.02, seed=seed, gloss=0.5)
 
 

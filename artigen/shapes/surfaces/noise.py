@@ -1,7 +1,7 @@
-"""Noise that is a function of position: integer hashes on a lattice, smoothly joined.
+"""Noise as a function of position: integer hashes on a lattice, smoothly interpolated.
 
-No state and no tables: the same numbers everywhere, for numpy arrays and torch tensors alike. ``xp`` is
-the namespace of the arrays (`array_api_compat.array_namespace`).
+Stateless and without tables: the same numbers on every platform, for numpy arrays and torch tensors alike.
+``xp`` is the namespace of the arrays (`array_api_compat.array_namespace`).
 """
 
 from itertools import product
@@ -9,11 +9,11 @@ from types import ModuleType
 from typing import Any
 
 PRIMES = (374761393, 668265263, 1274126177)
-"""Steps of the hashed number along the axes of the lattice."""
+"""Multipliers of the lattice coordinates in the hash."""
 
 
 def hash_unit(xp: ModuleType, numbers: Any) -> Any:
-    """Uniform numbers in [0, 1) from int32 numbers; equal numbers give equal ones."""
+    """Uniform numbers in [0, 1) from int32 numbers; deterministic."""
     value = numbers ^ (numbers >> 15)
     value = value * 739982445  # products wrap around, on every platform
     value = value ^ (value >> 12)
@@ -23,11 +23,11 @@ def hash_unit(xp: ModuleType, numbers: Any) -> Any:
 
 
 def lattice_noise(xp: ModuleType, seed: Any, *coordinates: Any) -> Any:
-    """Smooth noise in [0, 1], mean one half, that changes over a length of about one.
+    """Smooth noise in [0, 1] with mean one half and a correlation length of about one.
 
     Args:
         xp: The arrays' namespace.
-        seed: int32 per point: which of all noises.
+        seed: int32 per point, selects the noise field.
         coordinates: One float32 array per dimension, one to three of them.
     """
     number, near, far = seed, [], []

@@ -80,7 +80,7 @@ ROLES = (
     "fourth",
 )
 
-# What goes with what. Fronts that suit a body, and metals that suit a front, come from here alone.
+# Compatible combinations: fronts that suit a body, and metals that suit a front.
 FRONTS_ON_WOOD = {
     "oak": ("white", "anthracite", "forest", "navy"),
     "white_oak": ("white", "cream", "sage", "light_grey", "black"),
@@ -106,7 +106,7 @@ WOODS_WITH_LACQUER = {
     "black": ("oak", "walnut"),
 }
 WARM = frozenset({"navy", "forest", "sage", "cream", "terracotta", "walnut", "cherry", "teak"})
-"""Fronts on which brass is sold."""
+"""Fronts that are combined with brass."""
 DARK = frozenset({"anthracite", "black", "navy", "forest", "black_ash"})
 
 
@@ -114,9 +114,9 @@ def draw_palette(rng: np.random.Generator, theme: Theme, style: str) -> dict[str
     """Finishes for every role of `ROLES` that suit each other.
 
     Args:
-        rng: Source of every choice.
-        theme: Which trade the object comes from.
-        style: A category's style. A wood or lacquer named by it ("oak", "navy") is taken; "shaker" and
+        rng: Random generator.
+        theme: Trade of the object: furniture or appliance.
+        style: A category's style. A wood or lacquer named by it ("oak", "navy") is used; "shaker" and
             "classic" lean to paint, "steel" and "industrial" to metal, "retro" to cream and pastel.
 
     Raises:
@@ -165,7 +165,7 @@ def _draw_furniture(rng: np.random.Generator, style: str) -> dict[str, Finish]:
 
 
 def _draw_scheme(rng: np.random.Generator, style: str) -> tuple[str, str, str]:
-    """Wood, lacquer and who wears which; a material that the style names is always on the fronts."""
+    """Wood, lacquer and their assignment; a material that the style names is always on the fronts."""
     if style in WOODS:
         scheme = "wood" if rng.random() < 0.7 else "wooden_front"
         return style, _pick(rng, FRONTS_ON_WOOD[style]), scheme
@@ -259,7 +259,7 @@ APPLIANCES = {"steel": _steel_look, "white": _white_look, "black": _black_look, 
 
 
 def _common(seed: int) -> dict[str, Finish]:
-    """What looks alike in every trade."""
+    """Finishes that are alike in every trade."""
     return {
         "glass": make_glass((0.72, 0.78, 0.78), opacity=0.22),
         "clear": make_glass((0.72, 0.78, 0.78), opacity=0.22),
@@ -275,6 +275,6 @@ def _pick(rng: np.random.Generator, names: tuple[str, ...]) -> str:
 
 
 def _frequencies(count: int) -> list[float]:
-    """Falling chances, for lists that begin with what is sold most."""
+    """Decreasing probabilities, for lists in order of popularity."""
     weights = 1.0 / (np.arange(count) + 3.0)
     return [float(v) for v in weights / weights.sum()]

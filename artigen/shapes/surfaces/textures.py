@@ -1,11 +1,11 @@
 """Colours of finishes at any point: wood grain, brushed steel, speckled stone, all functions of position.
 
-Works on numpy arrays and on torch tensors, with the same result; float32 inside. Positions are metres in
-the object frame at rest. `paint` evaluates one finish, `paint_primitives` a whole object, where every
-primitive is a board of its own: its grain runs along it and no two boards are alike.
+Works on numpy arrays and torch tensors with the same result; float32 inside. Positions are metres in the
+object frame at rest. `paint` evaluates one finish, `paint_primitives` a whole object, where every primitive
+is a separate board: its grain runs along it and no two boards are alike.
 
-A pattern finer than ``footprint`` (metres that one sample stands for) is left out, so that pictures and
-voxels do not alias.
+Patterns finer than ``footprint`` (the size in metres that one sample represents) are omitted, so that
+pictures and voxels do not alias.
 """
 
 from collections.abc import Callable, Sequence
@@ -23,16 +23,16 @@ from artigen.shapes.surfaces.noise import hash_unit, lattice_noise, smooth_step
 
 KINDS: tuple[FinishKind, ...] = get_args(FinishKind)
 OWN_GRAIN = 1.5
-"""A board this many times longer than wide has its grain along it, whatever the finish says."""
+"""Ratio of length to width from which the grain of a board runs along it, regardless of the finish."""
 LINED = 0.5
-"""Cosine between normal and lined side from which the lining shows."""
+"""Cosine between normal and lined side above which the lining shows."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PaintTable:
-    """What `apply_paint` needs, in rows: primitive i has row 2 i outside and row 2 i + 1 where lined.
+    """Input of `apply_paint`, in rows: primitive i has row 2 i outside and row 2 i + 1 where lined.
 
-    A lookup table of plain arrays, made once per object, so that renderers can keep it on their device.
+    A lookup table of plain arrays, computed once per object, so that renderers can keep it on their device.
     """
 
     kind: Int[Any, "R"]
@@ -54,14 +54,14 @@ class PaintTable:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Spots:
-    """Points of one kind of material with everything a pattern may use; arrays of one length."""
+    """Points of one kind of material with all inputs of patterns; arrays of equal length."""
 
     xp: Any
     along: Any
     across: Any
-    """In the surface, upright to the grain (m)."""
+    """In the surface, perpendicular to the grain (m)."""
     depth: Any
-    """Upright to both (m)."""
+    """Perpendicular to both (m)."""
     points: Any
     period: Any
     seed: Any
@@ -90,10 +90,10 @@ def paint_primitives(
 
     Args:
         shape: The object.
-        primitive_ids: Which primitive each point lies on, counted through all parts in order.
+        primitive_ids: Primitive of each point, counted through all parts in order.
         points: Metres, object frame at rest.
         normals: Outward, object frame at rest; they choose between a primitive's finish and its lining.
-        footprint: Patterns finer than this (m) are left out.
+        footprint: Patterns finer than this (m) are omitted.
     """
     table = place_table(make_paint(shape), points)
     rows = find_rows(table, primitive_ids, normals)
@@ -116,7 +116,7 @@ def make_paint(shape: Shape) -> PaintTable:
 
 
 def place_table(table: PaintTable, like: Any) -> PaintTable:
-    """The table as arrays of the library and on the device of ``like``."""
+    """Converts the table to the array library and device of ``like``."""
     xp = array_namespace(like)
     values = {name: xp.asarray(value, device=device(like)) for name, value in vars(table).items()}
     return PaintTable(**values)
@@ -155,7 +155,7 @@ def apply_paint(
 
 
 def _wood(spots: _Spots) -> tuple[Any, Any]:
-    """Boards sawn from a log: rings about a pith that wanders, streaks, fibres, and a tone per board."""
+    """Boards sawn from a log: rings about a wandering pith, streaks, fibres, and a tone per board."""
     xp, period = spots.xp, spots.period
     strip = xp.floor(spots.across / (6.0 * period))  # a wide panel is glued from several boards
     board = spots.seed + xp.astype(strip, xp.int32) * 7919
@@ -180,7 +180,7 @@ def _wood(spots: _Spots) -> tuple[Any, Any]:
 
 
 def _steel(spots: _Spots) -> tuple[Any, Any]:
-    """Brushing: lines that are long and fine, in bundles."""
+    """Brushing: long, fine lines in bundles."""
     xp, period = spots.xp, spots.period
     fine = lattice_noise(
         xp, spots.seed, (spots.across + spots.depth) / (0.06 * period), spots.along / (8 * period)
@@ -190,7 +190,7 @@ def _steel(spots: _Spots) -> tuple[Any, Any]:
 
 
 def _stone(spots: _Spots) -> tuple[Any, Any]:
-    """Chips in two sizes in a ground that is a little uneven."""
+    """Chips of two sizes in a slightly uneven ground."""
     xp, seed = spots.xp, spots.seed
     noises = []
     for octave, share in enumerate((4.0, 1.0, 0.45)):
@@ -204,7 +204,7 @@ def _stone(spots: _Spots) -> tuple[Any, Any]:
 
 
 def _even(spots: _Spots) -> tuple[Any, Any]:
-    """Paint, plastic, rubber: all but uniform."""
+    """Paint, plastic, rubber: nearly uniform."""
     xp, turn = spots.xp, 6.2831853 / spots.period
     waves = [xp.sin(spots.points[:, k] * turn + k) for k in range(3)]
     cloud = 0.5 + (waves[0] + waves[1] + waves[2]) / 6.0
@@ -212,7 +212,7 @@ def _even(spots: _Spots) -> tuple[Any, Any]:
 
 
 PATTERNS: tuple[Callable[[_Spots], tuple[Any, Any]], ...] = (_wood, _steel, _stone, _even)
-"""Each gives the share of the accent, and the brightness."""
+"""Each returns the share of the accent, and the brightness."""
 PATTERN_OF: dict[FinishKind, int] = {
     "wood": 1,
     "steel": 2,
@@ -222,11 +222,11 @@ PATTERN_OF: dict[FinishKind, int] = {
     "rubber": 4,
     "glass": 0,
 }
-"""Which pattern a kind has, counted from one; glass is uniform."""
+"""Pattern of each kind, counted from one; glass is uniform."""
 
 
 def _kept(spots: _Spots, wavelength: Any) -> Any:
-    """How much of a pattern survives in samples of the footprint: none from half a wavelength on."""
+    """Amplitude of a pattern after sampling with the footprint: zero from half a wavelength on."""
     return spots.xp.clip(2.0 - 4.0 * spots.footprint / wavelength, 0.0, 1.0)
 
 
@@ -252,7 +252,7 @@ def _dot(a: Any, b: Any) -> Any:
 
 
 def _grain_of(primitive: Primitive, finish: Finish) -> Vector:
-    """Along the primitive where it is long, else as the finish says unless that is its thin side."""
+    """Grain direction: along an elongated primitive, else as in the finish unless that is its thin side."""
     if finish.kind not in ("wood", "steel"):
         return finish.grain
     order = np.argsort(primitive.size)

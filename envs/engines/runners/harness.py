@@ -1,8 +1,8 @@
-"""The trials of a plan, played in any engine that has the five methods of `Engine`.
+"""Runs the trials of a plan in any engine that implements the `Engine` protocol.
 
-Runs in whatever environment has the engine: it may import nothing but numpy and the standard library.
-A runner is started as ``python run_NAME.py PLAN.json`` and prints one JSON object; what engines print
-themselves goes to the standard error.
+Runs in any environment that has the engine, so it imports only numpy and the standard library. A runner is
+started as ``python run_NAME.py PLAN.json`` and prints one JSON object; output of the engine itself goes to
+the standard error.
 """
 
 import json
@@ -15,23 +15,23 @@ from typing import Protocol, TypedDict
 import numpy as np
 
 STALL_SECONDS = 0.5
-"""A joint that was slower than `STALL_SPEED` of its speed for so long is pushed no longer."""
+"""Duration (seconds) below `STALL_SPEED` of its speed after which a joint is no longer pushed."""
 STALL_SPEED = 1e-3
 PRESS_SECONDS = 0.25
-"""How long a joint is pressed against the end of its range."""
+"""Duration (seconds) for which a joint is pressed against the end of its range."""
 BISECTIONS = 10
-"""Halvings of twice the friction when the effort at which a joint gives way is looked for."""
+"""Bisection steps, starting from twice the friction, for the effort at which a joint starts to move."""
 
 
 class LinkFacts(TypedDict):
-    """A link as the engine reports it; ``None`` where it does not."""
+    """A link as reported by the engine; ``None`` for values that it does not report."""
 
     mass: float | None
     shapes: int | None
 
 
 class JointFacts(TypedDict):
-    """A joint as the engine reports it; ``None`` where it does not, or where there are no limits."""
+    """A joint as reported by the engine; ``None`` for values that it does not report, or without limits."""
 
     lower: float | None
     upper: float | None
@@ -40,19 +40,19 @@ class JointFacts(TypedDict):
 
 
 class Engine(Protocol):
-    """A package in an engine, its root bolted to the world."""
+    """A package in an engine, with its root fixed to the world."""
 
     version: str
 
     lost: dict[str, str]
-    """What the engine is known not to take from its file (``root``, ``mimic``), and why."""
+    """Content of the file that the engine is known to ignore (``root``, ``mimic``), and why."""
 
     def links(self) -> dict[str, LinkFacts]: ...
 
     def joints(self) -> dict[str, JointFacts]: ...
 
     def reset(self, qpos: dict[str, float], gravity: float) -> None:
-        """Poses all joints, at rest; those that are not named are at 0."""
+        """Poses all joints, at rest; joints that are not named are at 0."""
         ...
 
     def step(self, efforts: dict[str, float]) -> None:
@@ -63,7 +63,7 @@ class Engine(Protocol):
 
 
 def run(make: Callable[[dict], Engine]) -> None:
-    """Reads the plan that the command line names, plays it, and prints the result."""
+    """Reads the plan named on the command line, runs it, and prints the result."""
     plan = json.loads(Path(sys.argv[1]).read_text())
     answer = os.dup(1)
     os.dup2(2, 1)
@@ -71,7 +71,7 @@ def run(make: Callable[[dict], Engine]) -> None:
         result = play(make(plan), plan)
     except ModuleNotFoundError as error:
         result = {"missing": error.name or str(error)}
-    except Exception as error:  # the boundary of the process
+    except Exception as error:  # boundary of the process
         result = {"error": f"{type(error).__name__}: {' '.join(str(error).split())}"}
     os.write(answer, json.dumps(result).encode())
 
@@ -96,12 +96,12 @@ def play(engine: Engine, plan: dict) -> dict:
 
 
 def closed(plan: dict) -> dict[str, float]:
-    """Rest: 0, or the nearest value within a joint's limits."""
+    """Rest coordinates: 0, or the nearest value within a joint's limits."""
     return {joint["name"]: min(max(0.0, joint["lower"]), joint["upper"]) for joint in plan["joints"]}
 
 
 def rest(engine: Engine, plan: dict) -> dict:
-    """Under gravity, untouched: how many steps stay finite, and how far each joint gets from its start."""
+    """Under gravity without actions: number of finite steps, and largest motion of each joint."""
     engine.reset(closed(plan), 9.81)
     start = engine.positions()
     worst = dict.fromkeys(start, 0.0)
@@ -115,7 +115,7 @@ def rest(engine: Engine, plan: dict) -> dict:
 
 
 def pose(plan: dict, joint: dict, value: float) -> dict[str, float]:
-    """One joint at a value, with what must be open before it."""
+    """One joint at a value, with its required joints open."""
     qpos = closed(plan) | joint["open"] | {joint["name"]: value}
     for other in plan["joints"]:
         if other["mimic"] is not None:
@@ -124,8 +124,8 @@ def pose(plan: dict, joint: dict, value: float) -> dict[str, float]:
 
 
 def through_range(engine: Engine, plan: dict, joint: dict) -> dict:
-    """Pushed open and pushed closed again, weight off; what is left to each end, and how far followers
-    are from where they should be."""
+    """Pushes a joint open and closed without gravity; remaining distance to each end, and errors of its
+    followers."""
     engine.reset(pose(plan, joint, joint["lower"]), 0.0)
     open_gap = push(engine, plan, joint, 1.0)
     now = engine.positions()
@@ -138,7 +138,8 @@ def through_range(engine: Engine, plan: dict, joint: dict) -> dict:
 
 
 def push(engine: Engine, plan: dict, joint: dict, direction: float) -> float:
-    """Distance to the end of the range after pushing that way; a joint without limits is let go there."""
+    """Distance to the end of the range after a push in that direction; a joint without limits is released
+    there."""
     name, dt = joint["name"], plan["timestep"]
     target = joint["upper"] if direction > 0.0 else joint["lower"]
     before = engine.positions()[name]
@@ -164,8 +165,8 @@ def push(engine: Engine, plan: dict, joint: dict, direction: float) -> float:
 
 
 def friction(engine: Engine, plan: dict, joint: dict) -> dict[str, float]:
-    """How far a bit less and a bit more than the friction move a joint, as part of what is expected of
-    the latter."""
+    """Motion of a joint under slightly less and slightly more than its friction, as shares of the motion
+    expected under the latter."""
     trial = joint["trial"]
     return {
         key: slide(engine, plan, joint, trial[key], trial["seconds"]) / trial["expected"]
@@ -174,7 +175,7 @@ def friction(engine: Engine, plan: dict, joint: dict) -> dict[str, float]:
 
 
 def slide(engine: Engine, plan: dict, joint: dict, effort: float, seconds: float) -> float:
-    """How far a constant effort moves a joint from the start of its friction trial, weight off."""
+    """Motion under a constant effort from the start of the friction trial, without gravity."""
     name = joint["name"]
     engine.reset(pose(plan, joint, joint["trial"]["start"]), 0.0)
     start = engine.positions()[name]
@@ -184,13 +185,13 @@ def slide(engine: Engine, plan: dict, joint: dict, effort: float, seconds: float
 
 
 def bisect(engine: Engine, plan: dict, joint: dict) -> float:
-    """The least effort that moves a joint by a tenth of what is expected above its friction, as part of
+    """Smallest effort that moves a joint by a tenth of the motion expected above its friction, relative to
     that friction."""
     low, high = 0.0, 2.0
     for _ in range(BISECTIONS):
         middle = 0.5 * (low + high)
         moved = slide(engine, plan, joint, middle * joint["friction"], joint["trial"]["seconds"])
-        # Far above its friction a knob turns more than once, and engines may count that from 0 again.
+        # Far above its friction a knob turns more than once, and engines may wrap its angle.
         if abs(moved) > 0.1 * joint["trial"]["expected"]:
             high = middle
         else:

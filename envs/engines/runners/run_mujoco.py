@@ -1,15 +1,15 @@
-"""A package in MuJoCo: its MJCF, or its URDF where the plan says so."""
+"""Runs a package in MuJoCo: its MJCF, or its URDF if the plan says so."""
 
 from pathlib import Path
 
 from harness import JointFacts, LinkFacts, run
 
-# mujoco is a compiled module whose stubs name nothing.
+# mujoco is a compiled module with empty stubs.
 # pyright: reportAttributeAccessIssue=false, reportMissingImports=false
 
 
 class Mujoco:
-    """MuJoCo bolts bodies without a joint to the world."""
+    """MuJoCo fixes bodies without a joint to the world."""
 
     def __init__(self, plan: dict) -> None:
         import mujoco
@@ -20,7 +20,7 @@ class Mujoco:
         self.model = mujoco.MjModel.from_xml_path(str(Path(plan["folder"]) / name))
         self.model.opt.timestep = plan["timestep"]
         if plan["file"] == "urdf" and not plan.get("as_loaded"):
-            # A URDF cannot say how hard limits and friction are; the MJCF says it joint by joint.
+            # A URDF cannot state the stiffness of limits and friction; the MJCF states it for each joint.
             self.model.jnt_solref[:, 0] = 0.004
             self.model.jnt_solimp[:, :3] = (0.99, 0.999, 0.0001)
             self.model.dof_solimp[:, :3] = (0.999, 0.9999, 0.0001)

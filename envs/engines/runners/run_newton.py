@@ -1,4 +1,4 @@
-"""A package in Newton, by its URDF or its MJCF, with the solver that steps MuJoCo's own code on a CPU."""
+"""Runs a package in Newton, from its URDF or MJCF, with the solver that steps MuJoCo on a CPU."""
 
 from pathlib import Path
 
@@ -9,7 +9,7 @@ from harness import JointFacts, LinkFacts, run
 
 
 class Newton:
-    """Newton calls things by the paths to them; links and joints are the last names."""
+    """Newton labels links and joints by paths; their names are the last components."""
 
     def __init__(self, plan: dict) -> None:
         import newton

@@ -1,8 +1,8 @@
-"""A package's URDF in PyBullet, which knows friction and damping of a joint and applies the latter.
+"""Runs a package's URDF in PyBullet, which reads a joint's friction and damping but applies only the latter.
 
-Friction becomes what it is in SAPIEN too: a motor at rest that can give as much force as the friction.
-Bullet also slows every body a little, grows hulls by a margin of 1 mm, which fills the gap between two
-drawers, and lets a light button rest 0.3 mm past its limit: all three are taken away.
+Friction is implemented as in SAPIEN: a motor at rest whose largest force is the friction. Bullet also damps
+every body slightly, grows hulls by a margin of 1 mm, which fills the gap between two drawers, and lets a
+light button rest 0.3 mm past its limit; all three are corrected.
 """
 
 from importlib.metadata import version
@@ -14,11 +14,11 @@ from harness import JointFacts, LinkFacts, run
 
 BREAKING = 1e-3
 HARDNESS = 0.8
-"""Share of a joint's error that Bullet corrects in a step; its default is 0.2."""
+"""Share of a joint's error that is corrected per step; Bullet's default is 0.2."""
 
 
 class Pybullet:
-    """Its ``-1`` is the root link; all others are numbered like their joints."""
+    """PyBullet's link ``-1`` is the root; other links have the index of their joint."""
 
     def __init__(self, plan: dict) -> None:
         import pybullet

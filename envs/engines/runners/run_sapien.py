@@ -1,4 +1,4 @@
-"""A package's URDF in SAPIEN, loaded as `envs.package` loads it: the one runner that needs this project."""
+"""Runs a package's URDF in SAPIEN, loaded with `envs.package`; the only runner that needs this project."""
 
 from pathlib import Path
 
@@ -7,7 +7,7 @@ from harness import JointFacts, LinkFacts, run
 
 
 class Sapien:
-    """SAPIEN orders joints by itself, so everything goes by name."""
+    """SAPIEN reorders joints, so they are accessed by name."""
 
     def __init__(self, plan: dict) -> None:
         import sapien
@@ -35,7 +35,7 @@ class Sapien:
         for joint in self.articulation.active_joints:
             lower, upper = (float(value) for value in np.asarray(joint.limits).reshape(-1))
             limited = bool(np.isfinite([lower, upper]).all())
-            # The drive is the friction, but a follower's what it follows by, and a tendon the damping.
+            # The drive implements friction, or the coupling of a follower; a tendon implements damping.
             rubs = joint.damping > 0.0 and joint.name not in followers
             facts[joint.name] = {
                 "lower": lower if limited else None,

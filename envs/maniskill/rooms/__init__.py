@@ -1,1 +1,1 @@
-"""Rooms: what stands in them, where, and the proof that everything opens."""
+"""Rooms: furniture, its placement, and checks that everything opens."""

@@ -12,13 +12,13 @@ from .room import Room
 from .sweeps import opening_joints
 
 OPEN = (0.2, 0.9)
-"""How far, as parts of the range."""
+"""Range of open fractions."""
 
 
 def open_some(room: Room, share: float) -> Room:
-    """The room with about ``share`` of its doors and drawers open; its own seed decides which.
+    """The room with about ``share`` of its doors and drawers open, selected by its seed.
 
-    Joints that need another one open first stay closed, and so does what would touch something.
+    Joints that require another one to be open stay closed, as do those that would cause contact.
     """
     rng = np.random.default_rng([room.seed, room.attempt, 1])
     for placement in room.placements:
@@ -38,7 +38,7 @@ def open_some(room: Room, share: float) -> Room:
 
 
 def _free_joints(package: SimPackage) -> list[tuple[str, float, float]]:
-    """Name and limits of doors and drawers that open by themselves."""
+    """Name and limits of doors and drawers without opening requirements."""
     labels = {link.name: link.label for link in package.links}
     waiting = {need.joint for need in package.requires_open}
     return [

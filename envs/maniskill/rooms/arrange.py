@@ -1,4 +1,4 @@
-"""Where clusters of furniture can stand in a room, and which of those places is best."""
+"""Candidate places of furniture clusters in a room, and the choice of the best one."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
@@ -22,34 +22,34 @@ from .pieces import (
 from .room import YAWS, Entrance, Side, along_wall, turn_matrix, wall_length
 
 STEP = 0.04
-"""Metres between places tried along a wall."""
+"""Step (m) of candidate places along a wall."""
 GRID = 0.15
-"""Metres between places tried in the middle of a room."""
+"""Step (m) of candidate places in the middle of a room."""
 DOORWAY = 0.9
-"""Metres in front of the entrance where nothing stands."""
+"""Depth (m) of the space in front of the entrance that stays empty."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Place:
-    """A cluster with its place: ``T`` maps its frame to the room's, ``boxes`` are in the room."""
+    """A placed cluster: ``T`` maps its frame to the room's, ``boxes`` are in the room."""
 
     cluster: Cluster
     T: Float[np.ndarray, "4 4"]
     boxes: Boxes
     side: Side | None
     support: Piece | None = None
-    """What the cluster stands on, if not the floor."""
+    """Support of the cluster if it does not stand on the floor."""
 
     @property
     def center(self) -> Float[np.ndarray, "2"]:
-        """Middle of the bodies on the floor."""
+        """Centre of the bodies on the floor."""
         bodies = self.boxes.bodies
         return (bodies[:, 0].min(axis=0) + bodies[:, 1].max(axis=0))[:2] / 2.0
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Plan:
-    """A room on its way: what stands where so far. ``doorway`` is kept free of bodies."""
+    """A partially furnished room. ``doorway`` is kept free of bodies."""
 
     size: tuple[float, float, float]
     entrance: Entrance
@@ -74,18 +74,18 @@ class Plan:
 
 @dataclass(frozen=True, kw_only=True)
 class Taste:
-    """Where a cluster likes to be: costs per metre."""
+    """Placement preferences of a cluster: costs per metre."""
 
     corner: float = 0.0
-    """Of distance from the nearest corner of the wall."""
+    """Cost of distance from the nearest corner of the wall."""
     middle: float = 0.0
-    """Of distance from the middle of the wall, or of the room."""
+    """Cost of distance from the middle of the wall, or of the room."""
     near: tuple[float, float] | None = None
-    """A point to be close to."""
+    """Point from which distance is a cost."""
     entrance: float = 0.25
     """Gain per metre of distance from the entrance, up to 3 m."""
     noise: float = 0.6
-    """Scale of the seed's own likes."""
+    """Scale of random costs."""
 
 
 def fits(plan: Plan, boxes: Boxes, against: Boxes, *, aisle: float = 0.0) -> bool:
@@ -101,7 +101,8 @@ def fits(plan: Plan, boxes: Boxes, against: Boxes, *, aisle: float = 0.0) -> boo
 def wall_places(
     plan: Plan, cluster: Cluster, side: Side, starts: Float[np.ndarray, "S"] | None = None
 ) -> Iterator[Place]:
-    """Places along a wall: at ``starts`` (metres along it), or everywhere, tight into both corners too."""
+    """Places along a wall: at ``starts`` (metres along it), or at regular steps and flush with both
+    corners."""
     gap = GAP
     if starts is None:
         last = wall_length(side, plan.size) - cluster.length - gap
@@ -135,7 +136,7 @@ def middle_places(plan: Plan, cluster: Cluster) -> Iterator[Place]:
 def best_place(
     plan: Plan, candidates: Iterable[Place], taste: Taste, rng: np.random.Generator, *, aisle: float = 0.0
 ) -> Place | None:
-    """The candidate of least cost that fits, or None."""
+    """The fitting candidate of least cost, or None."""
     against = plan.boxes
     rated = [(place_cost(plan, place, taste) + taste.noise * rng.random(), place) for place in candidates]
     for _, place in sorted(rated, key=lambda pair: pair[0]):
@@ -145,7 +146,7 @@ def best_place(
 
 
 def place_cost(plan: Plan, place: Place, taste: Taste) -> float:
-    """How much a place is disliked."""
+    """Cost of a place."""
     center = place.center
     cost = 0.0
     if place.side is None:

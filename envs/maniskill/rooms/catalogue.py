@@ -1,4 +1,4 @@
-"""The packages of a folder as a list to choose from: what each is, how large, and whether it was proven."""
+"""Catalogue of the packages in a folder: category, size, joints, and whether validation passed."""
 
 import json
 from collections import Counter
@@ -13,12 +13,13 @@ from .recipes import Recipe, Role
 
 
 class PopulateError(ArtigenError):
-    """A room cannot be furnished: names what was found and what was needed."""
+    """A room cannot be furnished; the message states what was found and what is needed."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Entry:
-    """A proven package. ``size`` is depth, width and height in metres, ``kinds`` its joints' kinds."""
+    """A validated package. ``size`` is depth, width and height in metres, ``kinds`` the kinds of its
+    joints."""
 
     folder: Path
     name: str
@@ -30,19 +31,19 @@ class Entry:
 
 @dataclass(frozen=True, kw_only=True)
 class Catalogue:
-    """Proven packages in order of their names; ``failed`` are those left out, with the checks they failed."""
+    """Validated packages in order of their names; ``failed`` are excluded ones, with their failed checks."""
 
     folder: Path
     entries: tuple[Entry, ...]
     failed: tuple[str, ...] = ()
 
     def of_role(self, role: Role) -> tuple[Entry, ...]:
-        """The packages that can play a role."""
+        """The packages that fit a role."""
         return tuple(entry for entry in self.entries if fits_role(entry, role))
 
 
 def fits_role(entry: Entry, role: Role) -> bool:
-    """Whether category, size and joints are those of the role."""
+    """Whether category, size and joints match the role."""
     right_size = all(
         low <= size <= high for low, size, high in zip(role.low, entry.size, role.high, strict=True)
     )
@@ -51,10 +52,10 @@ def fits_role(entry: Entry, role: Role) -> bool:
 
 
 def read_catalogue(folder: Path) -> Catalogue:
-    """All packages directly in ``folder`` whose validation.json says that they passed.
+    """All packages directly in ``folder`` with a passed validation.json.
 
     Raises:
-        PopulateError: If the folder is missing, holds no package, or none of them passed.
+        PopulateError: If the folder is missing or has no package, or none of them passed.
     """
     folder = folder.resolve()
     if not folder.is_dir():
@@ -87,7 +88,7 @@ def read_catalogue(folder: Path) -> Catalogue:
 
 
 def demand_roles(catalogue: Catalogue, recipe: Recipe) -> None:
-    """Raises `PopulateError` unless every role that the room cannot do without has a package."""
+    """Raises `PopulateError` unless every required role of the room has a package."""
     missing = [role for role in recipe.needed if not catalogue.of_role(role)]
     if not missing:
         return
@@ -111,7 +112,7 @@ def describe_role(role: Role) -> str:
 
 
 def _verdict(package: Path) -> str:
-    """Why a package is not proven; empty where it is."""
+    """Reason why a package is not validated; empty if it is."""
     path = package / "validation.json"
     if not path.is_file():
         return "no validation.json"
@@ -123,7 +124,7 @@ def _verdict(package: Path) -> str:
 
 
 def _read_entry(package: Path) -> Entry | None:
-    """A package as an entry; None for one that is not of our format."""
+    """A package as an entry; None for a foreign format."""
     meta = _json(package / "meta.json")
     if meta.get("format") != FORMAT:
         return None
@@ -141,7 +142,9 @@ def _read_entry(package: Path) -> Entry | None:
             provenance=tuple(sorted((key, str(value)) for key, value in provenance.items())),
         )
     except (KeyError, TypeError, ValueError) as err:
-        raise PopulateError(f"{package}: its JSON files are not as artigen writes them ({err!r})") from err
+        raise PopulateError(
+            f"{package}: its JSON files do not have the expected structure ({err!r})"
+        ) from err
 
 
 def _json(path: Path) -> dict:

@@ -1,8 +1,8 @@
 """Checks the guarantees of a room on collision hulls, independently of the planner.
 
-A sweep is checked piece by piece: between two poses every hull stays within the convex hull of both, grown
-by the arc's height above its chord. So what is called free is free, and something closer to a sweep than
-that height (a fraction of a millimetre) counts as in its way.
+A sweep is checked step by step: between two poses every hull stays within the convex hull of both, grown by
+the sagitta of the arc. The check is therefore conservative: it also reports obstacles closer to a sweep than
+that (a fraction of a millimetre).
 """
 
 from collections.abc import Sequence
@@ -24,14 +24,14 @@ from .sweeps import opening_joints, sweep_boxes, sweep_joint
 
 ProblemKind = Literal["overlap", "outside", "sweep", "standing", "unreachable"]
 DEPTH = 1e-6
-"""Metres of penetration that count as rounding."""
+"""Penetration (m) that is attributed to rounding."""
 CORNERS = 24
-"""Of the prism that stands for the robot's disc, which lies inside."""
+"""Corners of the prism inscribed in the robot's disc."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Problem:
-    """A promise that is not kept: by which object, and because of what; ``depth`` in metres."""
+    """A violated guarantee: the object, its cause; ``depth`` in metres."""
 
     kind: ProblemKind
     id: str
@@ -41,8 +41,8 @@ class Problem:
 
 
 def check_room(room: Room) -> tuple[Problem, ...]:
-    """Everything that is wrong with a room: overlaps at rest, objects outside, blocked sweeps and standing
-    places, and standing places that a robot cannot reach from the entrance.
+    """All problems of a room: overlaps at rest, objects outside, blocked sweeps and standing places, and
+    standing places that a robot cannot reach from the entrance.
 
     Raises:
         PackageError: If a package cannot be read.
@@ -60,7 +60,8 @@ def check_room(room: Room) -> tuple[Problem, ...]:
 
 
 def overlapping(room: Room, placement: Placement) -> bool:
-    """Whether one object of a room overlaps anything else in it, joints as they are, or leaves the room."""
+    """Whether an object overlaps anything else in the room at its current joint positions, or leaves the
+    room."""
     one = place_solid(placement)
     others = [place_solid(other) for other in room.placements if other.id != placement.id]
     found = _overlaps([one], [*others, *fixture_solids(room)])
@@ -68,14 +69,14 @@ def overlapping(room: Room, placement: Placement) -> bool:
 
 
 def _meet(first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    """Which boxes (A 2 3) and (B 2 3) touch or overlap: A B."""
+    """Mask (A B) of boxes (A 2 3) and (B 2 3) that touch or overlap."""
     low = np.maximum(first[:, None, 0], second[None, :, 0])
     high = np.minimum(first[:, None, 1], second[None, :, 1])
     return np.all(low <= high, axis=2)
 
 
 def _depth(first: HullSet, second: HullSet, reach: float) -> float:
-    """How far two sets come closer than ``reach``; 0 where they do not."""
+    """Depth by which two sets are closer than ``reach``; 0 if they are not."""
     found = signed_distances(first, second, np.eye(4), np.eye(4), reach).distance
     return float(reach - found.min()) if len(found) else 0.0
 
@@ -107,7 +108,7 @@ def _outside(room: Room, objects: Sequence[Solid]) -> list[Problem]:
 
 
 def _blocked_sweeps(placement: Placement, others: Sequence[Solid]) -> list[Problem]:
-    """The first thing in the way of each door and drawer."""
+    """The first obstacle of each door and drawer."""
     package = cached_package(placement.package)
     T = pose_matrix_of(placement)
     near = np.concatenate([np.zeros((0, 2, 3)), *(solid.boxes for solid in others)])
@@ -144,13 +145,13 @@ def _blocked_sweeps(placement: Placement, others: Sequence[Solid]) -> list[Probl
 
 
 def _meet_grid(boxes: Float[np.ndarray, "S H 2 3"], near: Float[np.ndarray, "M 2 3"]) -> np.ndarray:
-    """Which step and hull come near anything: S H."""
+    """Mask (S H) of steps and hulls that come near anything."""
     steps, hulls = boxes.shape[:2]
     return _meet(boxes.reshape(-1, 2, 3), near).any(axis=1).reshape(steps, hulls)
 
 
 def _blocked_standing(room: Room, placement: Placement, solids: Sequence[Solid]) -> list[Problem]:
-    """Obstacles where the robot should stand, the object itself included."""
+    """Obstacles at the robot's standing places, the object itself included."""
     problems = []
     radius = room.standing_radius
     for x, y in placement.standing:
@@ -174,7 +175,7 @@ def _blocked_standing(room: Room, placement: Placement, solids: Sequence[Solid])
 
 
 def robot_column(x: float, y: float, radius: float) -> Solid:
-    """A prism around the robot's disc, a hair above the floor."""
+    """A prism around the robot's disc, slightly above the floor."""
     angles = 2.0 * np.pi * (np.arange(CORNERS) + 0.5) / CORNERS
     ring = np.stack([np.cos(angles), np.sin(angles)], axis=1) * radius / np.cos(np.pi / CORNERS)
     points = np.concatenate(
@@ -184,7 +185,7 @@ def robot_column(x: float, y: float, radius: float) -> Solid:
 
 
 def _unreachable(room: Room, solids: Sequence[Solid]) -> list[Problem]:
-    """Standing places that do not hang together with the entrance, to within two cells and a half."""
+    """Standing places that are not connected with the entrance, to within two and a half cells."""
     reach = reachable_map(room, solids)
     if not reach.any():
         message = "nothing in the room can be reached from the entrance"

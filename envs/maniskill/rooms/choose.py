@@ -1,6 +1,6 @@
-"""Which units fill a run of cabinets, and in which order: soft wishes, solved exactly.
+"""Chooses and orders the units of a run of cabinets by exact optimisation of soft preferences.
 
-Choosing is a small integer programme (HiGHS by way of scipy), ordering an assignment of units to places.
+The choice is a small integer programme (HiGHS through scipy), the order an assignment of units to places.
 """
 
 from collections.abc import Sequence
@@ -15,34 +15,34 @@ from .pieces import GAP
 from .recipes import Share
 
 TALL = 1.02
-"""Metres above which a unit does not go into a corner."""
+"""Height (m) above which a unit is not placed in a corner."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class ChooseConfig:
-    """Weights of the wishes for a run of cabinets."""
+    """Weights of the preferences for a run of cabinets."""
 
     empty: float = 2.5
-    """Cost of a metre of wall without a unit."""
+    """Cost per metre of wall without a unit."""
     missing: float = 0.9
-    """Cost of one unit less (or more) of a role than wanted."""
+    """Cost per unit of deviation from the desired number of a role."""
     depth: float = 3.0
-    """Cost per metre of difference to the run's usual depth."""
+    """Cost per metre of difference from the run's usual depth."""
     height: float = 2.5
-    """Cost per metre of difference to the run's usual height, of units below 1 m."""
+    """Cost per metre of difference from the run's usual height, for units below 1 m."""
     crowded: float = 1.5
-    """Cost of a tall unit on a wall that other runs meet at both ends."""
+    """Cost of a tall unit on a wall that meets other runs at both ends."""
     repeat: float = 0.05
     """Cost of every further copy of a package."""
     taste: float = 0.25
-    """Scale of the seed's own likes."""
+    """Scale of random costs."""
     copies: int = 4
-    """How often one package may stand in a run at most."""
+    """Largest number of copies of one package in a run."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Offer:
-    """A package that can take a share of a run."""
+    """A package that can fill a share of a run."""
 
     share: int
     entry: Entry
@@ -50,7 +50,7 @@ class Offer:
 
 @dataclass(frozen=True, kw_only=True)
 class Wall:
-    """Metres of a wall that a run can use; ``enclosed`` if other runs meet it at both ends."""
+    """Usable length (m) of a wall; ``enclosed`` if other runs meet it at both ends."""
 
     length: float
     enclosed: bool = False
@@ -80,14 +80,14 @@ def choose_units(
     rng: np.random.Generator,
     cfg: ChooseConfig,
 ) -> list[list[Offer]] | None:
-    """Units for every wall, or None where the least that the shares ask for does not fit.
+    """Units for every wall, or None if the smallest numbers of the shares do not fit.
 
     Args:
-        offers: what there is to choose from.
-        shares: how many of each role over all walls.
-        walls: usable metres of each, and whether other runs meet it at both ends.
-        rng: decides between equals.
-        cfg: the weights.
+        offers: Available units.
+        shares: Number of each role over all walls.
+        walls: Usable length of each wall, and whether other runs meet it at both ends.
+        rng: Breaks ties.
+        cfg: Weights.
     """
     if not offers:
         return None if any(share.least for share in shares) else [[] for _ in walls]
@@ -121,7 +121,7 @@ def choose_units(
 
 
 def _misfits(offers: Sequence[Offer], rng: np.random.Generator, cfg: ChooseConfig) -> Float[np.ndarray, "O"]:
-    """Cost of taking one of each offer: how far it is from the others, and the seed's likes."""
+    """Cost of each offer: its difference from the others, and a random cost."""
     sizes = np.array([offer.entry.size for offer in offers])
     low = sizes[:, 2] <= 1.0
     usual = np.median(sizes[low], axis=0) if low.any() else np.median(sizes, axis=0)
@@ -135,7 +135,7 @@ def _misfits(offers: Sequence[Offer], rng: np.random.Generator, cfg: ChooseConfi
 def _constraints(
     shape: _Programme, offers: Sequence[Offer], shares: Sequence[Share], lengths: Sequence[float]
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Rows over the variables, and the least and most of each row's sum."""
+    """Constraint rows over the variables, with lower and upper bounds of their sums."""
     widths = np.array([offer.entry.size[1] + GAP for offer in offers])
     rows, lower, upper = [], [], []
 
@@ -150,7 +150,7 @@ def _constraints(
         row[counts[:, wall]] = widths
         add(row, 0.0, length)
         row = row.copy()
-        row[shape.total - shape.walls + wall] = 1.0  # what is filled and what is empty make the wall
+        row[shape.total - shape.walls + wall] = 1.0  # filled and empty length add up to the wall
         add(row, length, np.inf)
     for place, share in enumerate(shares):
         row = np.zeros(shape.total)
@@ -172,9 +172,9 @@ def order_units(units: Sequence[Offer], rng: np.random.Generator, corners: Seque
     """Units from one end of a run to the other: tall ones away from corners, the stove away from both ends.
 
     Args:
-        units: of one wall.
-        rng: decides between equals.
-        corners: ends (0 first, 1 last) at which another run meets this one.
+        units: Units of one wall.
+        rng: Breaks ties.
+        corners: Ends (0 first, 1 last) at which another run meets this one.
     """
     if len(units) < 2:
         return list(units)

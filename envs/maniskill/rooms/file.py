@@ -16,11 +16,11 @@ SCENE_FILE = "scene.json"
 
 
 class SceneFileError(ArtigenError):
-    """A scene.json cannot be read or written: names the file and what is wrong with it."""
+    """A scene.json cannot be read or written; the message names the file and the problem."""
 
 
 def room_json(room: Room, folder: Path) -> str:
-    """The text of scene.json for a room whose file lies in ``folder``; equal rooms give equal text."""
+    """The text of scene.json for a room whose file is in ``folder``; equal rooms give equal text."""
     value = asdict(room)
     for placement in value["placements"]:
         path = os.path.relpath(placement["package"].resolve(), folder.resolve())
@@ -33,7 +33,7 @@ def room_json(room: Room, folder: Path) -> str:
 
 
 def write_room(room: Room, folder: Path) -> Path:
-    """Writes scene.json into a folder, which is made where it is missing, in one step; returns its path.
+    """Writes scene.json into a folder atomically, creating the folder if needed; returns the path.
 
     Raises:
         SceneFileError: If the folder cannot be written.
@@ -48,11 +48,10 @@ def write_room(room: Room, folder: Path) -> Path:
 
 
 def read_room(path: Path) -> Room:
-    """The room of a scene.json, or of the folder that holds one.
+    """Reads a room from scene.json, or from the folder that contains it.
 
     Raises:
-        SceneFileError: If the file is missing, of another version or not as `write_room` writes it, or a
-            package that it names is not there.
+        SceneFileError: If the file is missing, has another version or structure, or names a missing package.
     """
     path = path / SCENE_FILE if path.is_dir() else path
     try:
@@ -78,7 +77,7 @@ def read_room(path: Path) -> Room:
             **value,
         )
     except (KeyError, TypeError, AttributeError, ValueError) as err:
-        raise SceneFileError(f"{path}: not as a scene is written ({err!r})") from err
+        raise SceneFileError(f"{path}: does not have the expected structure ({err!r})") from err
     missing = [
         placement for placement in room.placements if not (placement.package / "mobility.urdf").is_file()
     ]

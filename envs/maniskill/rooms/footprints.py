@@ -17,28 +17,28 @@ from sim_export.package import SimPackage
 from .sweeps import Sweep, opening_joints, sweep_joint
 
 CHUNKS = 8
-"""Pieces of a door's way, each in a box; more follow the arc more closely."""
+"""Number of boxes along the sweep of a door; more follow the arc more closely."""
 SLABS = 6
-"""Pieces of a door across its width."""
+"""Number of slabs of a door across its width."""
 LEVEL = 0.004
-"""Metres below its highest point that still belong to an object's top."""
+"""Distance (m) below its highest point that still belongs to an object's top."""
 FRONT_LABELS = ("door", "drawer", None)
-"""Parts that a robot opens from in front of the object; trays and shelves come after a door."""
+"""Parts that a robot opens from in front of the object; trays and shelves are behind a door."""
 
 
 class FootprintError(ArtigenError):
-    """A package has no collision shape to place."""
+    """A package has no collision shape and cannot be placed."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Footprint:
     """A package in its own frame, metres.
 
-    ``body`` is the box of all hulls at rest, ``solid`` boxes that together hold them: what lies behind the
-    front in one, every handle that stands out in one of its own. ``sweeps`` are boxes that hold everything
-    that opens, ``fronts`` rows (x, y): how far out a door or drawer reaches, and the middle of its width.
-    ``tops`` are convex polygons, counter-clockwise, that are level with the highest point, ``face`` is x of
-    the front without handles.
+    ``body`` is the box of all hulls at rest, ``solid`` are boxes that together contain them: one for
+    everything behind the front, and one for every protruding handle. ``sweeps`` are boxes around everything
+    that opens, ``fronts`` are rows (x, y): the extent of an open door or drawer, and the middle of its width.
+    ``tops`` are convex polygons, counter-clockwise, level with the highest point; ``face`` is x of the front
+    without handles.
     """
 
     name: str
@@ -58,16 +58,16 @@ class Footprint:
 
 @lru_cache(maxsize=512)
 def cached_package(folder: Path) -> SimPackage:
-    """A package on disk without what it looks like, read once."""
+    """A package on disk without its appearance, cached."""
     return read_package(folder, appearance=False)
 
 
 @lru_cache(maxsize=512)
 def read_footprint(folder: Path) -> Footprint:
-    """The footprint of a package on disk; equal folders are read once.
+    """The footprint of a package on disk, cached.
 
     Raises:
-        FootprintError: if nothing of it can be touched.
+        FootprintError: If it has no collision shape.
     """
     return measure_footprint(cached_package(folder))
 
@@ -106,7 +106,7 @@ def measure_footprint(package: SimPackage) -> Footprint:
 def _solid_boxes(
     package: SimPackage, body: Float[np.ndarray, "2 3"], face: float
 ) -> Float[np.ndarray, "N 2 3"]:
-    """The body behind ``face``, and what stands out in front of it, hull by hull."""
+    """The body behind ``face``, and protrusions in front of it, hull by hull."""
     boxes = np.concatenate(
         [HullSet(hulls=link.hulls).bounds(np.eye(4)) for link in package.links if link.hulls]
     )
@@ -118,7 +118,7 @@ def _solid_boxes(
 
 
 def _face(package: SimPackage) -> float:
-    """x of the foremost link's largest hull as seen from the front: a panel, not its handle."""
+    """x of the largest hull, seen from the front, of the foremost link: a panel, not its handle."""
     faces = []
     for link in package.links:
         sizes = [np.ptp(hull.vertices, axis=0) for hull in link.hulls]
@@ -129,8 +129,8 @@ def _face(package: SimPackage) -> float:
 
 
 def swept_slabs(package: SimPackage, sweep: Sweep) -> Float[np.ndarray, "K 2 3"]:
-    """Boxes that hold everything a sweep passes through: what moves is cut into slabs across its width, and
-    the sweep into pieces, so that the part of a door near its hinge takes little room."""
+    """Boxes around the space that a sweep passes. The moving geometry is cut into slabs across its width and
+    the sweep into steps, so that the part of a door near its hinge takes little room."""
     rest = {index: HullSet(hulls=package.links[index].hulls) for index in sweep.links}
     own = {index: hulls.bounds(np.eye(4)) for index, hulls in rest.items() if hulls.hulls}  # H 2 3 each
     if not own:
@@ -158,7 +158,7 @@ def _moved_slab(
     axis: int,
     span: tuple[float, float],
 ) -> Float[np.ndarray, "P N 2 3"]:
-    """Boxes of hulls, cut to a slab and moved, boxed again at every pose."""
+    """Boxes of hulls, cut to a slab and moved, with new bounds at every pose."""
     cut = boxes.copy()
     cut[:, 0, axis] = np.maximum(cut[:, 0, axis], span[0])
     cut[:, 1, axis] = np.minimum(cut[:, 1, axis], span[1])
@@ -189,7 +189,7 @@ def _level_tops(package: SimPackage, height: float) -> tuple[Float[np.ndarray, "
 
 
 def _outline(points: Float[np.ndarray, "N 2"]) -> Float[np.ndarray, "V 2"]:
-    """Corners of the convex outline, counter-clockwise; none where the points have no area."""
+    """Corners of the convex outline, counter-clockwise; empty if the points have no area."""
     from scipy.spatial import ConvexHull
 
     if len(points) < 3 or np.linalg.matrix_rank(points - points[0], tol=1e-4) < 2:
@@ -200,7 +200,7 @@ def _outline(points: Float[np.ndarray, "N 2"]) -> Float[np.ndarray, "V 2"]:
 def carries(
     tops: tuple[Float[np.ndarray, "V 2"], ...], points: Float[np.ndarray, "N 2"]
 ) -> Bool[np.ndarray, "N"]:
-    """Which points lie on one of the level faces."""
+    """Whether points lie on one of the level faces."""
     carried = np.zeros(len(points), dtype=bool)
     for outline in tops:
         edges = np.roll(outline, -1, axis=0) - outline
@@ -213,12 +213,12 @@ def carries(
 def standing_places(
     footprint: Footprint, radius: float, front: float | None = None
 ) -> Float[np.ndarray, "F 2"]:
-    """Middles (object frame) of discs that touch what opens from in front; none for radius 0.
+    """Centres (object frame) of discs in front of the open parts; empty for radius 0.
 
     Args:
-        footprint: the object.
-        radius: of the disc, metres.
-        front: x of the front of what the object stands on, if that is farther out.
+        footprint: The object.
+        radius: Radius of the disc, metres.
+        front: x of the front of the object's support, if that protrudes farther.
     """
     if radius <= 0.0:
         return np.zeros((0, 2))

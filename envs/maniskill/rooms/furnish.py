@@ -1,4 +1,4 @@
-"""The order in which a room is furnished: runs first, then groups, then what stands on them."""
+"""Furnishes a room in order: first runs, then groups, then objects on top of them."""
 
 from dataclasses import replace
 
@@ -14,21 +14,21 @@ from .room import SIDES, turn_matrix
 from .runs import Chooser, close_corners, close_gaps, count_objects, place_runs
 
 AISLE = 0.6
-"""Metres that groups in the middle keep from other bodies."""
+"""Distance (m) of groups in the middle from other bodies."""
 HAIR = 4e-4
-"""Metres between a top and what stands on it."""
+"""Gap (m) between a top and the object on it."""
 TOP_HEIGHTS = (0.5, 1.05)
-"""Between which heights (m) something may stand on furniture."""
+"""Range of heights (m) of tops that may carry objects."""
 BARE_ROLES = frozenset(
     {"range", "wall cabinet", "safe", "cart", "window", "toilet", "nightstand", "microwave", "table oven"}
 )
-"""On which nothing is put."""
+"""Roles that carry nothing."""
 GOOD_TOPS = frozenset({"base cabinet", "sideboard", "filing cabinet", "island"})
-"""On which things are put rather than elsewhere."""
+"""Roles that are preferred as supports."""
 
 
 def furnish(plan: Plan, recipe: Recipe, chooser: Chooser) -> tuple[Plan, str]:
-    """The plan with everything in it, and what it lacks (empty where it has all it must have)."""
+    """The fully furnished plan, and the missing requirement (empty if there is none)."""
     if recipe.layouts:
         plan, missing = place_runs(plan, recipe, chooser)
         if missing:
@@ -39,7 +39,7 @@ def furnish(plan: Plan, recipe: Recipe, chooser: Chooser) -> tuple[Plan, str]:
     for group in recipe.groups:
         count = int(chooser.rng.integers(group.count[0], group.count[1] + 1))
         if chooser.rng.random() < 0.6:
-            count = group.count[1]  # furnished rather than bare
+            count = group.count[1]  # prefer furnished over bare
         for copy in range(count):
             placed = place_group(plan, recipe, group, chooser, whole=copy < group.count[0])
             if placed is None and copy < group.count[0]:
@@ -51,9 +51,10 @@ def furnish(plan: Plan, recipe: Recipe, chooser: Chooser) -> tuple[Plan, str]:
 
 
 def place_group(plan: Plan, recipe: Recipe, group: Group, chooser: Chooser, *, whole: bool) -> Plan | None:
-    """The plan with one more group, its last members left out where it does not fit; None if it cannot be.
+    """The plan with one more group, whose last members are dropped if they do not fit; None if it cannot be
+    placed.
 
-    ``whole`` asks for a member of every role that the room needs.
+    With ``whole``, a member of every role that the room needs is required.
     """
     needed = {role.name for role in recipe.needed} | {"bed"}
     chosen: dict[str, int] = {}
@@ -113,7 +114,7 @@ def _find_place(plan: Plan, group: Group, cluster: Cluster, chooser: Chooser) ->
 
 
 def put_on_tops(plan: Plan, share: Share, chooser: Chooser) -> Plan:
-    """The plan with up to as many of a role as wanted on level tops."""
+    """The plan with up to the desired number of objects of a role on level tops."""
     entries = chooser.shortlists[share.role.name]
     supports = [
         (place, member)
@@ -141,7 +142,7 @@ def put_on_tops(plan: Plan, share: Share, chooser: Chooser) -> Plan:
 def _top_place(
     plan: Plan, under: tuple[Place, Member], chooser: Chooser, what: tuple[str, Entry]
 ) -> Place | None:
-    """A place for a package on a member, its back along the member's, nearest to the middle."""
+    """A place for a package on a member, with parallel backs, as central as possible."""
     (place, member), (role, entry) = under, what
     support = member.piece.footprint
     assert support is not None

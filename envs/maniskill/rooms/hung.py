@@ -9,11 +9,11 @@ from .recipes import Share
 from .runs import Chooser, count_objects, member_boxes
 
 HUNG_HEIGHT = 1.45
-"""Of the undersides of wall cabinets above the floor, metres."""
+"""Height (m) of the undersides of wall cabinets above the floor."""
 
 
 def hang_cabinets(plan: Plan, share: Share, chooser: Chooser) -> Plan:
-    """The plan with wall cabinets above low stretches of its runs, the stove left out."""
+    """The plan with wall cabinets above low stretches of its runs, except above the stove."""
     entries = chooser.shortlists[share.role.name]
     stretches = [
         (place, stretch)

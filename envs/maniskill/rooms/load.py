@@ -1,4 +1,4 @@
-"""One object of a room in a ManiSkill scene: bolted where it stands, its joints with friction in SI units."""
+"""Loads one object of a room into a ManiSkill scene: fixed in place, its joints with friction in SI units."""
 
 from typing import TYPE_CHECKING
 
@@ -18,10 +18,10 @@ def load_placement(scene: "ManiSkillScene", placement: Placement, name: str, ind
     """Builds an object at its place in one of the parallel scenes, all joints at 0.
 
     Args:
-        scene: ManiSkill's scene; visuals are built only if it can render.
-        placement: package and pose.
-        name: unique in the scene.
-        index: which parallel scene.
+        scene: ManiSkill scene; visuals are built only if it can render.
+        placement: Package and pose.
+        name: Unique name in the scene.
+        index: Index of the parallel scene.
 
     Raises:
         LoadError: If the engine loses a collision shape.

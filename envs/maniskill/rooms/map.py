@@ -1,4 +1,4 @@
-"""Where a robot can stand and go in a room: a map of free cells."""
+"""Map of the free cells of a room in which a robot can stand and drive."""
 
 from collections.abc import Sequence
 
@@ -10,13 +10,13 @@ from .room import Room, along_wall
 from .solids import Solid, fixture_solids, place_solid
 
 CELL = 0.05
-"""Metres per cell."""
+"""Edge of a cell (m)."""
 ROBOT_HEIGHT = 1.1
-"""Up to which a robot needs room, metres."""
+"""Height (m) of the space that a robot needs."""
 
 
 def free_map(room: Room, solids: Sequence[Solid]) -> Bool[np.ndarray, "X Y"]:
-    """Cells (x, y) of ``CELL`` metres whose middle a robot of the room's radius can stand on."""
+    """Cells (x, y) of ``CELL`` metres on whose centre a robot of the room's radius can stand."""
     shape = np.ceil(np.array(room.size[:2]) / CELL).astype(int)
     taken = np.zeros(shape + 2, dtype=bool)  # one ring of cells for the walls
     taken[[0, -1]], taken[:, [0, -1]] = True, True
@@ -31,7 +31,7 @@ def free_map(room: Room, solids: Sequence[Solid]) -> Bool[np.ndarray, "X Y"]:
 
 
 def label_regions(free: Bool[np.ndarray, "X Y"]) -> Int[np.ndarray, "X Y"]:
-    """Free cells that hang together, over edges and corners, numbered from 1; 0 where none is free."""
+    """Connected regions of free cells, over edges and corners, labelled from 1; 0 for occupied cells."""
     labels = np.zeros(free.shape, dtype=np.int32)
     ndimage.label(free, structure=np.ones((3, 3)), output=labels)
     return labels
@@ -46,7 +46,7 @@ def entrance_point(room: Room) -> Float[np.ndarray, "2"]:
 
 
 def reachable_map(room: Room, solids: Sequence[Solid]) -> Bool[np.ndarray, "X Y"]:
-    """Free cells that hang together with the one nearest to the entrance."""
+    """Free cells connected with the one nearest to the entrance."""
     regions = label_regions(free_map(room, solids))
     free = np.argwhere(regions > 0)
     if not len(free):
@@ -57,13 +57,13 @@ def reachable_map(room: Room, solids: Sequence[Solid]) -> Bool[np.ndarray, "X Y"
 
 
 def way_to(reach: Bool[np.ndarray, "X Y"], point: Sequence[float]) -> float:
-    """Metres from a point to the nearest reachable cell."""
+    """Distance (m) from a point to the nearest reachable cell."""
     cells = np.argwhere(reach)
     return float(np.linalg.norm((cells + 0.5) * CELL - np.asarray(point), axis=1).min())
 
 
 def start_place(room: Room) -> tuple[float, float]:
-    """Where a robot that came in can stand: the reachable cell nearest to the entrance.
+    """Start of a robot: the reachable cell nearest to the entrance.
 
     Raises:
         ValueError: If there is none.

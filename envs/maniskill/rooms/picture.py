@@ -1,7 +1,7 @@
-"""Pictures of rooms on the CPU: a look into the open dollhouse, and a plan of what stays free.
+"""Renders rooms on the CPU: a dollhouse view, and a plan of the space that stays free.
 
-The walls towards the camera are left out. In the plan bodies are grey, what doors and drawers pass through
-is orange, and where a robot stands to open them is blue.
+The walls towards the camera are removed. In the plan bodies are grey, the swept space of doors and drawers is
+orange, and the robot's standing places are blue.
 """
 
 from collections.abc import Sequence
@@ -29,16 +29,16 @@ from .sweeps import opening_joints, sweep_joint
 
 @dataclass(frozen=True, kw_only=True)
 class RoomPictureConfig:
-    """How rooms are drawn."""
+    """Parameters of room pictures."""
 
     azimuth: float = 62.0
     """Degrees from the left (or right) wall towards the wall with the entrance: 90 looks straight in."""
     elevation: float = 34.0
     """Degrees above the horizon."""
     width: int = 1100
-    """Pixels per row of the look into the room."""
+    """Width of the dollhouse view in pixels."""
     height: int = 760
-    """Its rows."""
+    """Height of the dollhouse view in pixels."""
     scale: float = 120.0
     """Pixels per metre of the plan."""
     render: RenderConfig = field(
@@ -50,7 +50,7 @@ class RoomPictureConfig:
 
 
 def draw_room(room: Room, cfg: RoomPictureConfig | None = None) -> UInt8[np.ndarray, "H W 3"]:
-    """The room seen from above its entrance, the walls in front and the ceiling left out."""
+    """The room seen from above its entrance, without the front walls and the ceiling."""
     cfg = cfg or RoomPictureConfig()
     side = _emptier_side(room)
     hidden = {f"{name}_{wall}" for name in ("wall", "wall_a", "wall_b", "lintel") for wall in ("front", side)}
@@ -68,7 +68,7 @@ def draw_room(room: Room, cfg: RoomPictureConfig | None = None) -> UInt8[np.ndar
 
 
 def _emptier_side(room: Room) -> Side:
-    """The side wall that hides less when it is left out: what stands high counts most."""
+    """The side wall whose removal shows more: tall objects count most."""
     hidden = {"left": 0.0, "right": 0.0}
     for placement in room.placements:
         side = "left" if placement.position[0] < room.size[0] / 2.0 else "right"
@@ -79,7 +79,7 @@ def _emptier_side(room: Room) -> Side:
 
 
 def placement_surfaces(placement: Placement, package: SimPackage) -> tuple[Surface, ...]:
-    """An object's visuals in the room, its joints where the room has them."""
+    """An object's visuals in the room, with the joints at the room's coordinates."""
     T = pose_matrix_of(placement) @ link_displacements(package.links, package.joints, dict(placement.joints))
     return tuple(move_surface(surface, T[surface.id]) for surface in package_surfaces(package))
 
@@ -127,7 +127,7 @@ def draw_plan(room: Room, cfg: RoomPictureConfig | None = None) -> UInt8[np.ndar
             pixel(corners), fill=(0, 0, 0, 0) if lifted else fill, outline=(70, 74, 82, 255),
             width=1 if lifted else 2,
         )  # fmt: skip
-        if not lifted:  # what hangs is above something that has a name already
+        if not lifted:  # objects above others would cover their names
             name = placement.id.replace("_", " ")
             draw.text(pixel(corners.mean(axis=0)[None])[0], name, fill=(30, 32, 38), font=font, anchor="mm")
     return np.asarray(picture)
@@ -145,7 +145,7 @@ def _body_rectangle(placement: Placement) -> Float[np.ndarray, "4 2"]:
 
 
 def _sweep_outlines(placement: Placement) -> list[Float[np.ndarray, "V 2"]]:
-    """Outlines from above of everything that opens, some poses of each."""
+    """Outlines from above of everything that opens, at several poses."""
     from scipy.spatial import ConvexHull
 
     package = cached_package(placement.package)
@@ -166,12 +166,12 @@ def _sweep_outlines(placement: Placement) -> list[Float[np.ndarray, "V 2"]]:
 
 
 def write_view(room: Room, path: Path, cfg: RoomPictureConfig | None = None) -> None:
-    """Writes the look into the room as a PNG, in one step."""
+    """Writes the dollhouse view as a PNG, atomically."""
     _write(draw_room(room, cfg), path)
 
 
 def write_plan(room: Room, path: Path, cfg: RoomPictureConfig | None = None) -> None:
-    """Writes the floor plan as a PNG, in one step."""
+    """Writes the floor plan as a PNG, atomically."""
     _write(draw_plan(room, cfg), path)
 
 

@@ -1,7 +1,7 @@
-"""Pieces of furniture, and groups of them that stand side by side, as boxes in one frame.
+"""Pieces of furniture, and clusters of pieces side by side, as boxes in one frame.
 
-A group's frame is like an object's: fronts face -x, backs are at x = 0, y runs along the group from 0, z up
-from the floor. Boxes are rows (low, high), metres.
+A cluster's frame is like an object's: fronts face -x, backs are at x = 0, y runs along the cluster from 0, z
+up from the floor. Boxes are rows (low, high), metres.
 """
 
 from collections.abc import Sequence
@@ -15,15 +15,15 @@ from .footprints import Footprint, read_footprint, standing_places
 from .room import turn_matrix
 
 GAP = 0.003
-"""Metres between neighbours, and between an object and the floor or wall behind it."""
+"""Distance (m) between neighbours, and between an object and the floor or wall behind it."""
 WIDER_GAPS = (GAP, 0.02, 0.05, 0.08, 0.12, 0.2, 0.3)
-"""Tried in this order until neighbours leave each other room to open."""
+"""Gaps tried in this order until neighbours can open."""
 TOUCH = 2e-4
-"""Boxes that share less than this (m) along some axis do not overlap."""
+"""Smallest overlap (m) along every axis at which boxes count as overlapping."""
 ROBOT_HEIGHT = 1.1
-"""Up to which a standing place is free, metres."""
+"""Height (m) up to which a standing place is free."""
 ALIGN = 0.15
-"""How far a piece may move from the wall for its front to be in line, metres."""
+"""Largest distance (m) of a piece from the wall for aligning its front."""
 BED_PARTS = (
     ("bed", (-2.05, 0.0, 0.06), (-0.07, 1.0, 0.28), (0.62, 0.47, 0.33)),
     ("mattress", (-2.02, 0.02, 0.28), (-0.07, 0.98, 0.50), (0.93, 0.92, 0.89)),
@@ -47,7 +47,7 @@ class Boxes:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Piece:
-    """A package in a role (or, without an entry, the bed), with the room that it takes."""
+    """A package in a role (or, without an entry, the bed), with the space that it takes."""
 
     role: str
     entry: Entry | None
@@ -56,17 +56,17 @@ class Piece:
     """x of its front without handles."""
     footprint: Footprint | None = None
     front: float | None = None
-    """x of the front of what it stands or hangs above, from where it is opened."""
+    """x of the front of the piece below it, if any, which determines the standing place."""
 
     @property
     def box(self) -> Float[np.ndarray, "2 3"]:
-        """Around the body."""
+        """Bounds of the body."""
         return np.stack([self.boxes.bodies[:, 0].min(axis=0), self.boxes.bodies[:, 1].max(axis=0)])
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Member:
-    """A piece with its place in the group."""
+    """A piece with its place in the cluster."""
 
     piece: Piece
     T: Float[np.ndarray, "4 4"]
@@ -86,8 +86,8 @@ class Cluster:
 def make_piece(
     entry: Entry, role: str, radius: float, front: float | None = None, elevation: float = GAP
 ) -> Piece:
-    """A package as a piece; ``radius`` is the robot's, ``front`` x of what it stands or hangs above, and
-    ``elevation`` the height of its underside above the floor."""
+    """A package as a piece; ``radius`` is the robot's, ``front`` x of the piece below it, and ``elevation``
+    the height of its underside above the floor."""
     footprint = read_footprint(entry.folder)
     places = standing_places(footprint, radius, front)
     floor = footprint.body[0, 2] - elevation
@@ -113,14 +113,14 @@ def make_bed() -> Piece:
 
 
 def move_boxes(boxes: Boxes, T: Float[np.ndarray, "4 4"]) -> Boxes:
-    """Boxes after a turn by quarters and a shift."""
+    """Moves boxes by quarter turns and a translation."""
     return Boxes(
         bodies=_moved(boxes.bodies, T), sweeps=_moved(boxes.sweeps, T), stands=_moved(boxes.stands, T)
     )
 
 
 def shift_boxes(boxes: Boxes, shift: Float[np.ndarray, "3"]) -> Boxes:
-    """Boxes after a shift alone, which is much cheaper."""
+    """Translates boxes, which is much cheaper."""
     return Boxes(bodies=boxes.bodies + shift, sweeps=boxes.sweeps + shift, stands=boxes.stands + shift)
 
 
@@ -130,7 +130,7 @@ def _moved(boxes: np.ndarray, T: np.ndarray) -> np.ndarray:
 
 
 def join_boxes(parts: Sequence[Boxes]) -> Boxes:
-    """All boxes of several."""
+    """Concatenates boxes."""
     empty = np.zeros((0, 2, 3))
     return Boxes(
         bodies=np.concatenate([empty, *(part.bodies for part in parts)]),
@@ -140,23 +140,23 @@ def join_boxes(parts: Sequence[Boxes]) -> Boxes:
 
 
 def overlap(first: Float[np.ndarray, "N 2 3"], second: Float[np.ndarray, "M 2 3"]) -> bool:
-    """Whether a box of one meets a box of the other."""
+    """Whether a box of one set overlaps a box of the other."""
     if not len(first) or not len(second):
         return False
     around = np.stack([first[:, 0].min(axis=0), first[:, 1].max(axis=0)])[None]
-    near = second[_shared(around, second)[0]]  # most of a room is elsewhere
+    near = second[_shared(around, second)[0]]  # most boxes of a room are elsewhere
     return bool(_shared(first, near).any())
 
 
 def _shared(first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    """Which boxes of one meet which of the other: N M."""
+    """Mask (N M) of overlapping boxes."""
     low = np.maximum(first[:, None, 0], second[None, :, 0])
     high = np.minimum(first[:, None, 1], second[None, :, 1])
     return np.all(high - low > TOUCH, axis=2)
 
 
 def conflict(first: Boxes, second: Boxes) -> bool:
-    """Whether bodies meet, or a body stands in what the other keeps free."""
+    """Whether bodies overlap, or a body stands in space that the other keeps free."""
     return (
         overlap(first.bodies, second.bodies)
         or overlap(first.sweeps, second.bodies)
@@ -167,13 +167,13 @@ def conflict(first: Boxes, second: Boxes) -> bool:
 
 
 def line_up(name: str, pieces: Sequence[Piece], height: float | None = None) -> Cluster:
-    """Pieces side by side in their order, fronts in line where that is near, with the smallest gaps that
-    leave all of them room to open.
+    """Places pieces side by side in order, with aligned fronts if possible and the smallest gaps that let all
+    of them open.
 
     Args:
-        name: of the cluster.
-        pieces: at least one.
-        height: of the undersides above the floor; None lets them stand on it.
+        name: Name of the cluster.
+        pieces: At least one piece.
+        height: Height of the undersides above the floor; None places them on it.
     """
     depths = [float(piece.box[1, 0] - piece.face) for piece in pieces]
     front = max(depths)
@@ -200,7 +200,7 @@ def line_up(name: str, pieces: Sequence[Piece], height: float | None = None) -> 
 
 
 def _least_gap(piece: Piece, T: Float[np.ndarray, "4 4"], placed: Sequence[Boxes]) -> float:
-    """The smallest of the gaps at which nothing is in the way, or else the widest."""
+    """The smallest of the gaps without conflict, or else the widest."""
     for gap in WIDER_GAPS:
         boxes = shift_boxes(move_boxes(piece.boxes, T), np.array([0.0, gap, 0.0]))
         if not any(conflict(boxes, other) for other in placed):
@@ -209,7 +209,7 @@ def _least_gap(piece: Piece, T: Float[np.ndarray, "4 4"], placed: Sequence[Boxes
 
 
 def back_to_back(name: str, near: Cluster, far: Cluster) -> Cluster:
-    """Two clusters with their backs together, the second turned around."""
+    """Two clusters back to back, the second one turned around."""
     turned = turn_matrix(np.pi)
     turned[:3, 3] = (2 * GAP, (near.length + far.length) / 2.0, 0.0)
     members = [replace(member, T=turned @ member.T) for member in far.members]

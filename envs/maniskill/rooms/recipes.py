@@ -1,4 +1,4 @@
-"""What rooms are furnished with, as tables: roles by category and size, how many, and where they like to be.
+"""Recipes of rooms as tables: roles by category and size, their numbers, and placement preferences.
 
 Sizes are depth, width and height in metres, handles included.
 """
@@ -14,23 +14,24 @@ Where = Literal["wall", "middle"]
 
 @dataclass(frozen=True, kw_only=True)
 class Role:
-    """A part that packages of some categories and sizes can play."""
+    """A function in a room that packages of some categories and sizes can fill."""
 
     name: str
     categories: tuple[str, ...]
     low: Size
     high: Size
     needs_joint: str | None = None
-    """A kind of joint without which a package does not look the part."""
+    """Kind of joint that a package must have."""
     draws: tuple[tuple[str, Size], ...] = ()
-    """What to draw where there is no folder: category and size wished for (0 leaves it to the seed)."""
+    """Objects to generate without a folder of packages: category and desired size (0 samples it from the
+    seed)."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Share:
-    """How many of a role a run, or the tops of a room, should hold: at least, rather, at most.
+    """Smallest, desired and largest number of a role in a run or on the tops of a room.
 
-    What goes on tops goes on those of the roles ``on`` only, where they are named.
+    If roles ``on`` are given, only their tops are used.
     """
 
     role: Role
@@ -42,28 +43,28 @@ class Share:
 
 @dataclass(frozen=True, kw_only=True)
 class Group:
-    """Pieces that stand side by side, backs in one line; ``bed`` among ``roles`` is a bed made of boxes.
+    """Pieces side by side, backs in one line; ``bed`` among ``roles`` is a bed made of boxes.
 
-    ``facing`` rows: 1 along a wall or alone, 2 back to back.
+    ``facing`` rows: 1 along a wall or free-standing, 2 back to back.
     """
 
     name: str
     roles: tuple[str, ...]
     count: tuple[int, int]
-    """At least and at most; what is above the least is left out where it does not fit."""
+    """Smallest and largest number; surplus pieces are dropped if they do not fit."""
     where: Where = "wall"
     rows: int = 1
     like: Literal["corner", "middle", "anywhere"] = "anywhere"
     near: str | None = None
     """A group to be close to."""
     height: float | None = None
-    """Of the undersides above the floor, metres, of what hangs on a wall."""
+    """Height (m) of the undersides above the floor, for groups that hang on a wall."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Recipe:
-    """A kind of room. ``shares`` fill gapless runs along ``layouts``' walls, ``groups`` stand by themselves,
-    ``tops`` go on what is high enough."""
+    """A kind of room. ``shares`` fill gapless runs along the walls of ``layouts``, ``groups`` stand by
+    themselves, and ``tops`` are placed on furniture of suitable height."""
 
     kind: RoomKind
     width: tuple[float, float]
@@ -78,12 +79,12 @@ class Recipe:
     wall_color: tuple[float, float, float] = (0.90, 0.89, 0.86)
 
     def role(self, name: str) -> Role:
-        """The role of that name; raises `KeyError`."""
+        """The role with that name; raises `KeyError`."""
         return {role.name: role for role in self.all_roles}[name]
 
     @property
     def all_roles(self) -> tuple[Role, ...]:
-        """Every role the room can use, each once."""
+        """Every role that the room can use, once each."""
         hung = () if self.hung is None else (self.hung,)
         every = [*self.roles, *(share.role for share in (*self.shares, *hung, *self.tops))]
         return tuple({role.name: role for role in every}.values())

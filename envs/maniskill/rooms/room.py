@@ -1,8 +1,8 @@
-"""A furnished room as a value: what stands where, in metres, with the walls around it.
+"""A furnished room as a value: placed objects and walls, in metres.
 
-The room's frame has its origin in a corner of the floor; x runs along the front wall, y to the back, z up.
-A wall is named by its side: ``front`` (y = 0), ``back``, ``left`` (x = 0), ``right``. Objects keep the frame
-of their packages (front -x), so against a wall each shows its front to the room.
+The room's frame has its origin in a corner of the floor; x runs along the front wall, y to the back, z up. A
+wall is named by its side: ``front`` (y = 0), ``back``, ``left`` (x = 0), ``right``. Objects keep the frame of
+their packages (front -x) and, against a wall, face the room.
 """
 
 from collections.abc import Sequence
@@ -19,14 +19,14 @@ RoomKind = Literal["kitchen", "office", "bedroom", "bathroom", "workshop"]
 Side = Literal["front", "back", "left", "right"]
 SIDES: tuple[Side, ...] = ("front", "back", "left", "right")
 YAWS: dict[Side, float] = {"front": -np.pi / 2, "back": np.pi / 2, "left": np.pi, "right": 0.0}
-"""Turn about z (radians) that puts an object's back to the wall."""
+"""Rotation about z (radians) that places an object's back against the wall."""
 THICKNESS = 0.1
-"""Of walls and floor, metres."""
+"""Thickness of walls and floor, metres."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Fixture:
-    """A box that never moves: wall, floor, bed or filler. ``color`` is sRGB in [0, 1]."""
+    """A static box: wall, floor, bed or filler. ``color`` is sRGB in [0, 1]."""
 
     name: str
     low: tuple[float, float, float]
@@ -49,8 +49,8 @@ class Placement:
     """An object in the room: ``position`` and ``quat`` (wxyz) map its package's frame to the room's.
 
     ``joints`` are coordinates (rad or m) of joints that are not at 0, ``standing`` the places (x, y) from
-    which a robot opens its doors and drawers, ``support`` the id of what it stands on, if not the floor,
-    ``provenance`` what its package says of its origin.
+    which a robot opens its doors and drawers, ``support`` the id of the object below it, if any, and
+    ``provenance`` that of its package.
     """
 
     id: str
@@ -68,10 +68,10 @@ class Placement:
 
 @dataclass(frozen=True, kw_only=True)
 class Room:
-    """Everything about a furnished room.
+    """A furnished room.
 
-    ``size`` is width (x), depth (y) and height. ``standing_radius`` is that of the robot's free place, 0
-    where none was asked for. ``attempt`` counts the arrangements that were given up before this one.
+    ``size`` is width (x), depth (y) and height. ``standing_radius`` is that of the robot's free space, 0 if
+    disabled. ``attempt`` counts the arrangements that were rejected before this one.
     """
 
     kind: RoomKind
@@ -85,7 +85,7 @@ class Room:
     provenance: tuple[tuple[str, str], ...] = ()
 
     def placement(self, name: str) -> Placement:
-        """The object of that id; raises `ValueError` naming those that exist."""
+        """The object with that id; raises `ValueError` with the existing ids."""
         for placement in self.placements:
             if placement.id == name:
                 return placement
@@ -94,7 +94,7 @@ class Room:
 
 
 def pose_matrix_of(placement: Placement) -> Float[np.ndarray, "4 4"]:
-    """The object's frame in the room."""
+    """Pose of the object's frame in the room."""
     T = np.eye(4)
     T[:3, :3] = matrix_from_quat(np.array(placement.quat))
     T[:3, 3] = placement.position
@@ -102,7 +102,7 @@ def pose_matrix_of(placement: Placement) -> Float[np.ndarray, "4 4"]:
 
 
 def turn_matrix(yaw: float) -> Float[np.ndarray, "4 4"]:
-    """A turn about z by a multiple of a quarter turn, its entries exactly 0 and 1."""
+    """A rotation about z by a multiple of a quarter turn, with entries of exactly 0 and 1."""
     cos, sin = np.round(np.cos(yaw)), np.round(np.sin(yaw))
     T = np.eye(4)
     T[:2, :2] = [[cos, -sin], [sin, cos]]
@@ -110,14 +110,14 @@ def turn_matrix(yaw: float) -> Float[np.ndarray, "4 4"]:
 
 
 def wall_length(side: Side, size: Sequence[float]) -> float:
-    """Metres along a wall of a room of that size."""
+    """Length (m) of a wall of a room of that size."""
     return size[0] if side in ("front", "back") else size[1]
 
 
 def along_wall(side: Side, size: Sequence[float], low: Sequence[float], high: Sequence[float]) -> np.ndarray:
-    """The box (2 3) in the room of a box given by (along the wall, out of the wall, up).
+    """Converts a box (2 3) from (along the wall, out of the wall, up) to the room.
 
-    Along runs as x or y does, whichever the wall follows.
+    "Along" runs in the direction of x or y, whichever the wall follows.
     """
     (a0, o0, z0), (a1, o1, z1) = low, high
     width, depth = size[0], size[1]
@@ -136,7 +136,7 @@ def along_wall(side: Side, size: Sequence[float], low: Sequence[float], high: Se
 def room_shell(
     size: tuple[float, float, float], entrance: Entrance, color: tuple[float, float, float]
 ) -> tuple[Fixture, ...]:
-    """Floor and walls around the room, the wall with the entrance in three pieces."""
+    """Floor and walls of the room, the wall with the entrance in three pieces."""
     width, depth, height = size
     shell = [
         Fixture(
@@ -165,6 +165,6 @@ def room_shell(
 
 
 def corner(point: Float[np.ndarray, "3"]) -> tuple[float, float, float]:
-    """A point as plain numbers, to a hundredth of a millimetre."""
+    """A point as floats, rounded to a hundredth of a millimetre."""
     x, y, z = (round(float(value), 5) for value in point)
     return x, y, z

@@ -1,4 +1,4 @@
-"""Gapless runs of cabinets and appliances along walls, what closes their corners, and what hangs above."""
+"""Gapless runs of cabinets and appliances along walls, with fillers in corners and gaps."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -16,18 +16,18 @@ from .recipes import Recipe
 from .room import Side, along_wall, wall_length
 
 RESERVE = 0.78
-"""Metres of both walls that a corner between two runs takes."""
+"""Length (m) of both walls that a corner between two runs takes."""
 ORDERS = 3
-"""Orders of a run that are drawn; the one with the smallest gaps is taken."""
+"""Number of random orders of a run; the one with the smallest gaps is used."""
 NARROW = 0.012
-"""Metres of a gap between units above which a panel closes it."""
+"""Gap (m) between units above which a panel closes it."""
 SHIFTS = np.arange(0.0, 0.62, 0.04)
-"""How much farther from its corner a run may begin, metres."""
+"""Distances (m) from its corner at which a run may start."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Chooser:
-    """Inputs of one arrangement: packages by role, random numbers, and space to keep free."""
+    """Inputs of one arrangement: packages by role, random numbers, and required free space."""
 
     shortlists: Mapping[str, tuple[Entry, ...]]
     rng: np.random.Generator
@@ -37,7 +37,7 @@ class Chooser:
     choose: ChooseConfig
 
     def piece(self, entry: Entry, role: str, front: float | None = None, elevation: float = GAP) -> Piece:
-        """A package as a piece that keeps free what the settings ask for."""
+        """A package as a piece with the free space that the settings require."""
         piece = make_piece(entry, role, self.radius, front, elevation)
         if self.sweeps == "free":
             return piece
@@ -61,12 +61,12 @@ def draw_shortlists(
 
 
 def count_objects(plan: Plan) -> int:
-    """Packages placed so far."""
+    """Number of packages placed so far."""
     return sum(member.piece.entry is not None for place in plan.places for member in place.cluster.members)
 
 
 def place_runs(plan: Plan, recipe: Recipe, chooser: Chooser) -> tuple[Plan, str]:
-    """The plan with the recipe's runs, and why it cannot be (empty where it can)."""
+    """The plan with the recipe's runs, and the reason of failure (empty on success)."""
     sides = recipe.layouts[int(chooser.rng.integers(len(recipe.layouts)))]
     offers = [
         Offer(share=index, entry=entry)
@@ -99,7 +99,7 @@ def place_runs(plan: Plan, recipe: Recipe, chooser: Chooser) -> tuple[Plan, str]
 
 
 def _run_length(units: Sequence[Offer], recipe: Recipe, chooser: Chooser) -> float:
-    """Metres of units side by side, with the gaps that they need to open."""
+    """Length (m) of units side by side, with the gaps that they need to open."""
     pieces = [chooser.piece(unit.entry, recipe.shares[unit.share].role.name) for unit in units]
     return line_up("run", pieces).length if pieces else 0.0
 
@@ -116,14 +116,14 @@ def _corners(side: Side, sides: Sequence[Side]) -> list[int]:
 
 
 def _group_end(side: Side, end: int) -> int:
-    """Which end of a cluster lies at an end of its wall: along back and left walls they are swapped."""
+    """End of a cluster at an end of its wall: swapped along back and left walls."""
     return 1 - end if side in ("back", "left") else end
 
 
 def _place_run(
     plan: Plan, recipe: Recipe, chooser: Chooser, side: Side, ends: list[int], units: list[Offer]
 ) -> Plan | None:
-    """The longest part of a run that fits, begun at its corner."""
+    """The longest part of a run that fits, starting at its corner."""
     length = wall_length(side, plan.size)
     needed = {index for index, share in enumerate(recipe.shares) if share.least}
     while units:
@@ -151,7 +151,7 @@ def _place_run(
 
 
 def close_corners(plan: Plan) -> Plan:
-    """The plan with fillers between runs that meet in a corner and are low enough there."""
+    """The plan with fillers between low runs that meet in a corner."""
     runs = {place.cluster.name: place for place in plan.places if place.side == place.cluster.name}
     for side in ("back",):
         for end, other in ((0, "left"), (1, "right")):
@@ -161,7 +161,7 @@ def close_corners(plan: Plan) -> Plan:
 
 
 def _close_corner(plan: Plan, back: Place, beside: Place, end: int) -> Plan:
-    """Two boxes from the first units of both runs into the corner, their fronts in line with the units'."""
+    """Two boxes from the first units of both runs into the corner, with aligned fronts."""
     first = _nearest(back, axis=0, end=end)
     second = _nearest(beside, axis=1, end=1)
     if max(first[1, 2], second[1, 2]) > TALL:
@@ -184,7 +184,7 @@ def _close_corner(plan: Plan, back: Place, beside: Place, end: int) -> Plan:
 
 
 def close_gaps(plan: Plan) -> Plan:
-    """The plan with panels in the gaps of its runs, a little behind the fronts on both sides."""
+    """The plan with panels in the gaps of its runs, slightly behind the fronts on both sides."""
     for place in plan.places:
         if place.side is None or place.cluster.name != place.side:
             continue
@@ -205,7 +205,7 @@ def close_gaps(plan: Plan) -> Plan:
 
 
 def _with_filler(plan: Plan, box: Float[np.ndarray, "2 3"], name: str) -> Plan:
-    """The plan with a panel, if it is thick enough to be one and in nobody's way."""
+    """Adds a panel if it is thick enough and free of conflicts."""
     empty = np.zeros((0, 2, 3))
     solid = Boxes(bodies=box[None], sweeps=empty, stands=empty)
     if (box[1] - box[0] < 0.004).any() or not fits(plan, solid, plan.boxes):

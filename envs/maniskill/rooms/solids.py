@@ -1,4 +1,4 @@
-"""The objects and fixtures of a room as collision hulls where they stand."""
+"""The objects and fixtures of a room as placed collision hulls."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ from .room import Placement, Room, pose_matrix_of
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Solid:
-    """Hulls of an object, or a box, in the room, with the box around each of them."""
+    """Hulls of an object, or a box, in the room, with the bounds of each."""
 
     id: str
     hulls: HullSet
@@ -26,7 +26,7 @@ class Solid:
 
 
 def fixture_solids(room: Room) -> list[Solid]:
-    """Walls, floor and everything else that never moves."""
+    """Walls, floor and all other static boxes."""
     return [
         make_solid(fixture.name, [box_hull(np.array(fixture.low), np.array(fixture.high))])
         for fixture in room.fixtures
@@ -34,7 +34,7 @@ def fixture_solids(room: Room) -> list[Solid]:
 
 
 def place_solid(placement: Placement) -> Solid:
-    """An object's hulls in the room, its joints where the room has them."""
+    """An object's hulls in the room, with the joints at the room's coordinates."""
     package = cached_package(placement.package)
     T = pose_matrix_of(placement) @ link_displacements(package.links, package.joints, dict(placement.joints))
     hulls = [
@@ -46,6 +46,6 @@ def place_solid(placement: Placement) -> Solid:
 
 
 def make_solid(name: str, hulls: Sequence[Hull]) -> Solid:
-    """Hulls given in the room as one solid."""
+    """Combines hulls in room coordinates to one solid."""
     boxes = np.array([[hull.vertices.min(axis=0), hull.vertices.max(axis=0)] for hull in hulls])
     return Solid(id=name, hulls=HullSet(hulls=tuple(hulls)), boxes=boxes.reshape(-1, 2, 3))

@@ -11,9 +11,9 @@ from sim_export.collision.requirements import required_openings
 from sim_export.package import PackageJoint, SimPackage
 
 STILL_LABELS = ("knob", "wheel", "handle")
-"""What turns or is pressed in its place: no room is kept for it."""
+"""Parts that turn or are pressed in place, for which no space is kept free."""
 STEP = np.radians(3.0)
-"""Largest turn between two poses of a sweep."""
+"""Largest rotation between two poses of a sweep (radians)."""
 MAX_POSES = 720
 
 
@@ -21,8 +21,8 @@ MAX_POSES = 720
 class Sweep:
     """The links that one joint moves, along its whole range.
 
-    ``T`` are displacements from rest in the object frame; between two poses every moved point stays
-    within ``slack`` metres of the straight line that joins its two places.
+    ``T`` are displacements from rest in the object frame. Between two poses every moved point stays within
+    ``slack`` metres of the straight line between its two positions.
     """
 
     joint: str
@@ -33,7 +33,7 @@ class Sweep:
 
 
 def opening_joints(package: SimPackage) -> tuple[PackageJoint, ...]:
-    """Driven joints of everything that needs room to move: not knobs, buttons and wheels."""
+    """Driven joints of parts that need space to move: not knobs, buttons and wheels."""
     labels = {link.name: link.label for link in package.links}
     carried = {joint.mimic: labels.get(joint.child) for joint in package.joints if joint.is_travel}
     return tuple(
@@ -45,7 +45,7 @@ def opening_joints(package: SimPackage) -> tuple[PackageJoint, ...]:
 
 
 def sweep_joint(package: SimPackage, joint: PackageJoint) -> Sweep:
-    """The sweep of one joint; what it requires to be open is open meanwhile, all else closed."""
+    """The sweep of one joint, with its required joints open and all others closed."""
     links = moved_links(package.links, package.joints, joint)
     turn = 0.0 if joint.type == "prismatic" else joint.upper - joint.lower
     poses = min(int(np.ceil(turn / STEP)) + 1, MAX_POSES) if turn else 2
@@ -67,7 +67,7 @@ def sweep_joint(package: SimPackage, joint: PackageJoint) -> Sweep:
 def sweep_boxes(
     package: SimPackage, sweep: Sweep, T: Float[np.ndarray, "4 4"]
 ) -> tuple[Float[np.ndarray, "S H 2 3"], list[tuple[int, int]]]:
-    """Boxes that hold every moved hull between each pose and the next, after ``T``, slack included.
+    """Bounds of every moved hull between each pose and the next, after ``T``, slack included.
 
     Returns:
         The boxes, one row per step and one column per hull, and (link, hull) of every column.

@@ -1,1 +1,1 @@
-"""A scripted robot: plans from annotations, plays them through the environment's own actions."""
+"""A scripted robot: plans from annotations, executed through the environment's actions."""

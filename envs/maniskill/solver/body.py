@@ -1,4 +1,4 @@
-"""The solid parts of a robot's arm as points on their surfaces, and whether they touch anything."""
+"""Surface points of a robot arm's links, and their clearance from obstacles."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -17,17 +17,17 @@ if TYPE_CHECKING:
     from sapien.physx import PhysxArticulation, PhysxArticulationLinkComponent
 
 SPACING = 0.03
-"""Distance between neighbouring points, metres; on the hand, which comes nearer to things, half of it."""
+"""Spacing of points, metres; on the hand, which comes closer to objects, half of it."""
 ARM_GAP = 0.016
 HAND_GAP = 0.008
-"""What arm and hand keep away from everything, metres: half a cell of the field more or less is true."""
+"""Clearance of arm and hand from everything, metres, beyond the field's accuracy of half a cell."""
 BLOCK = 400
-"""Arm poses that are looked at together."""
+"""Number of arm poses processed together."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Body:
-    """Points in the frame that the turning joint ``carrier`` leaves, and the gap that each of them keeps."""
+    """Points in the frame after the turning joint ``carrier``, and the clearance that each of them needs."""
 
     points: Float[np.ndarray, "P 3"]
     carrier: Int[np.ndarray, "P"]
@@ -36,9 +36,9 @@ class Body:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Obstacle:
-    """Something solid, and the pose of its frame for a point in the frame of the robot's root.
+    """A solid, and the pose of the robot's root in its frame.
 
-    ``T_field_root`` is one pose, or one per arm pose for what moves along with the arm.
+    ``T_field_root`` is one pose, or one per arm pose for obstacles that move with the arm.
     """
 
     field: Field
@@ -53,14 +53,14 @@ def read_body(
     *,
     closed: bool = False,
 ) -> Body:
-    """Everything that the chain's joints move, as the engine has it now.
+    """Surface points of everything that the chain's joints move, in the engine's current state.
 
     Args:
-        articulation: the robot in the engine.
-        chain: its arm.
-        hand: how the names of links end that may come near to things.
-        spacing: of the points, metres.
-        closed: with the fingers shut, wherever they are now.
+        articulation: The robot in the engine.
+        chain: Its arm.
+        hand: Suffixes of the names of links that may come close to objects.
+        spacing: Spacing of the points, metres.
+        closed: Assume closed fingers, regardless of their current position.
     """
     names = [joint.name for joint in articulation.active_joints]
     coordinates = dict(zip(names, np.asarray(articulation.qpos, dtype=np.float64).tolist(), strict=True))
@@ -82,7 +82,7 @@ def read_body(
 
 
 def holding(body: Body, chain: Chain, held: Float[np.ndarray, "V 3"], gap: float) -> Body:
-    """The body with something in its hand, given as corner points in the frame of the tool."""
+    """The body with an object in its hand, given as corner points in the tool frame."""
     found = transform_points(chain.tool, surface_points(held, SPACING / 2.0))
     last = np.full(len(found), len(chain.before) - 1)
     return Body(
@@ -105,7 +105,8 @@ def body_points(chain: Chain, body: Body, q: Float[np.ndarray, "B J"]) -> Float[
 def spare_room(
     chain: Chain, body: Body, obstacles: tuple[Obstacle, ...], q: Float[np.ndarray, "B J"]
 ) -> Float[np.ndarray, "B"]:
-    """The least of what every point has beyond its gap, metres; negative where something is too near."""
+    """Smallest clearance beyond the required one over all points, metres; negative if an obstacle is too
+    close."""
     out = [np.zeros(0)]
     for begin in range(0, len(q), BLOCK):
         points = body_points(chain, body, q[begin : begin + BLOCK])
@@ -122,12 +123,12 @@ def spare_room(
 def is_free(
     chain: Chain, body: Body, obstacles: tuple[Obstacle, ...], q: Float[np.ndarray, "B J"]
 ) -> Bool[np.ndarray, "B"]:
-    """Which arm poses keep every gap."""
+    """Whether each arm pose keeps all clearances."""
     return spare_room(chain, body, obstacles, q) >= 0.0
 
 
 def surface_points(vertices: Float[np.ndarray, "V 3"], spacing: float) -> Float[np.ndarray, "N 3"]:
-    """Points all over the convex hull of ``vertices``, at most about ``spacing`` metres apart."""
+    """Points on the convex hull of ``vertices``, at most about ``spacing`` metres apart."""
     hull = convex_hull(vertices)
     found = [hull.vertices]
     for a, b, c in hull.vertices[hull.faces]:
@@ -144,7 +145,7 @@ def surface_points(vertices: Float[np.ndarray, "V 3"], spacing: float) -> Float[
 def _carried(
     link: "PhysxArticulationLinkComponent", movers: list[str], coordinates: dict[str, float]
 ) -> tuple[int | None, Float[np.ndarray, "4 4"]]:
-    """The last of the joints ``movers`` before a link, and the link's pose in the frame that it leaves."""
+    """The last of the joints ``movers`` before a link, and the link's pose in the frame after it."""
     T = np.eye(4)
     while link.parent is not None:
         joint = link.joint

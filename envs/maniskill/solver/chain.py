@@ -1,7 +1,7 @@
-"""A robot arm as plain numbers: where its tool is for given joints, and which joints bring it somewhere.
+"""Forward and inverse kinematics of a robot arm.
 
-Read once from the engine, so that it agrees with it. Damped least squares on batches: many starts and
-many targets are solved at once.
+Read once from the engine, so that it agrees with it. Inverse kinematics uses damped least squares on batches:
+many starts and many targets are solved at once.
 """
 
 from dataclasses import dataclass
@@ -26,8 +26,8 @@ LARGEST_STEP = 0.3
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Chain:
     """Turning joints from a robot's root to its tool. Joint k turns about the x axis of the frame that
-    ``before[k]`` gives relative to what joint k-1 leaves; ``tool`` follows the last. ``lower`` and
-    ``upper`` are limits in radians; ``columns`` the joints' places in the articulation's ``qpos``."""
+    ``before[k]`` gives relative to the frame after joint k-1; ``tool`` follows the last joint. ``lower`` and
+    ``upper`` are limits in radians; ``columns`` are the joints' indices in the articulation's ``qpos``."""
 
     before: Float[np.ndarray, "J 4 4"]
     tool: Float[np.ndarray, "4 4"]
@@ -37,7 +37,7 @@ class Chain:
 
 
 def read_arm(articulation: "PhysxArticulation", robot: RobotSpec) -> Chain:
-    """The arm of a robot that is in the engine, everything else held as it stands."""
+    """The arm of a robot in the engine, with all other joints fixed at their current position."""
     prefix = next(link.name for link in articulation.links if link.name.endswith(robot.tool))
     qpos = np.asarray(articulation.qpos, dtype=np.float64)
     return read_chain(articulation, prefix.removesuffix(robot.tool), robot.tool, robot.arm, qpos)
@@ -50,14 +50,14 @@ def read_chain(
     arm: tuple[str, ...],
     qpos: Float[np.ndarray, "Q"],
 ) -> Chain:
-    """The joints named ``arm`` on the way from the root to the link ``tool``.
+    """The joints named ``arm`` between the root and the link ``tool``.
 
     Args:
-        articulation: the robot in the engine.
-        prefix: what stands before every link and joint name there.
-        tool: the link to be brought somewhere.
-        arm: joints that may move, all of them turning; the others are held at ``qpos``.
-        qpos: joint vector of the whole robot, rad and m.
+        articulation: The robot in the engine.
+        prefix: Prefix of every link and joint name there.
+        tool: Link of the end effector.
+        arm: Joints that may move, all of them turning; the others are fixed at ``qpos``.
+        qpos: Joint vector of the whole robot, rad and m.
     """
     columns = {joint.name: index for index, joint in enumerate(articulation.active_joints)}
     link = next(link for link in articulation.links if link.name == prefix + tool)
@@ -87,7 +87,7 @@ def tool_pose(chain: Chain, q: Float[np.ndarray, "B J"]) -> Float[np.ndarray, "B
 
 
 def joint_frames(chain: Chain, q: Float[np.ndarray, "B J"]) -> Float[np.ndarray, "B J 4 4"]:
-    """``T_root_frame`` of the frame that every joint leaves; the joint's axis is its x axis."""
+    """``T_root_frame`` of the frame after every joint; the joint's axis is its x axis."""
     steps = np.zeros((*q.shape, 4, 4))
     steps[..., :3, :3] = rotation_about(X_AXIS, q)
     steps[..., 3, 3] = 1.0
@@ -111,15 +111,15 @@ def solve(
     """Joint angles that bring the tool to ``targets`` (in the root's frame), from ``start``.
 
     Args:
-        chain: the arm.
-        targets: poses of the tool.
-        start: where the search begins, and the posture that it stays near to.
-        turn_weight: metres that a radian of wrong orientation counts.
-        posture_weight: how much a radian away from the start counts, in the same unit.
-        iterations: fixed number of steps.
+        chain: The arm.
+        targets: Poses of the tool.
+        start: Initial posture, which is also the regularisation target.
+        turn_weight: Cost in metres of a radian of orientation error.
+        posture_weight: Cost of a radian of distance from the start, in the same unit.
+        iterations: Fixed number of steps.
 
     Returns:
-        Joint angles within the limits, and what is left: metres and radians.
+        Joint angles within the limits, and the remaining errors in metres and radians.
     """
     q = np.clip(np.asarray(start, dtype=np.float64), chain.lower, chain.upper)
     home = q.copy()

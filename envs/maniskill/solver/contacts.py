@@ -1,6 +1,7 @@
-"""Where closed fingers can push a part that has no handle, and where open ones can pinch it.
+"""Contacts at which closed fingers can push a part without a handle, and at which open ones can pinch it.
 
-Points all over the part's own hulls, near its grip; a place counts if the hand around it meets nothing.
+Candidates are points on the part's own hulls near its grip; one is valid if the hand around it collides with
+nothing.
 """
 
 from collections.abc import Sequence
@@ -18,23 +19,23 @@ from .grasp import SPARE, TIP, Grasps
 from .opening import Opening
 
 NEAR = 0.20
-"""How far from the grip contacts are looked for, metres."""
+"""Search distance from the grip, metres."""
 SPACING = 0.012
 MOST_POINTS = 90
 OUT = 0.007
-"""How far before a point of the surface there has to be nothing, metres."""
+"""Free distance required in front of a surface point, metres."""
 ALONG = 0.75
-"""Least cosine between a push and the way that the point goes."""
+"""Smallest cosine between a push and the motion of its point."""
 LEVER = 0.35
-"""Least distance from the axis of a point that is pushed, part of the largest."""
+"""Smallest distance of a pushed point from the axis, relative to the largest."""
 FINGER = 0.011
 """Half the thickness of the closed fingers, metres."""
 TOUCHING = 0.022
-"""Points of the hand so near to where it pushes may touch, metres."""
+"""Distance of hand points from the contact within which they may touch, metres."""
 CLEAR = 0.003
-"""What the rest of the hand keeps away, metres."""
+"""Clearance of the rest of the hand, metres."""
 LEANS = np.radians([0.0, 30.0, 60.0, 90.0])
-"""How far the fingers lean from the direction of the push; at 90 degrees their side pushes."""
+"""Angles of the fingers from the direction of the push; at 90 degrees their side pushes."""
 AROUND = 8
 THIN = 0.002
 KEPT = 240
@@ -42,7 +43,8 @@ KEPT = 240
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Contacts:
-    """Tool poses in the object frame at rest, their costs, and the directions away from what is touched."""
+    """Tool poses in the object frame at rest, their costs, and the outward surface normals at the
+    contacts."""
 
     poses: Float[np.ndarray, "C 4 4"]
     cost: Float[np.ndarray, "C"]
@@ -50,7 +52,8 @@ class Contacts:
 
 
 def push_contacts(opening: Opening, sign: float) -> Contacts:
-    """Places where closed fingers push the part open (``sign`` 1) or closed (-1), with room for the hand."""
+    """Contacts at which closed fingers push the part open (``sign`` 1) or closed (-1), with room for the
+    hand."""
     part = opening.part
     points, normals = _exposed(opening)
     velocity = sign * _velocity(part.joint, points)
@@ -67,7 +70,7 @@ def push_contacts(opening: Opening, sign: float) -> Contacts:
             for turn in np.linspace(0.0, 2.0 * np.pi, 1 if lean == 0.0 else AROUND, endpoint=False):
                 side = rotation_about(normals[k], np.array(turn)) @ _across(normals[k])
                 point = -np.cos(lean) * normals[k] + np.sin(lean) * side
-                # On the tip, and on the flank of the finger as it leans over.
+                # Contact with the tip, and with the flank of the leaning finger.
                 place = points[k] - TIP * np.cos(lean) * point + FINGER * np.sin(lean) * normals[k]
                 for close in (_across(point), np.cross(point, _across(point))):
                     for way_round in (1.0, -1.0):
@@ -78,7 +81,7 @@ def push_contacts(opening: Opening, sign: float) -> Contacts:
 
 
 def pinch_grasps(opening: Opening) -> Grasps:
-    """Ways to take the part itself between open fingers, where it is thin enough and stands free."""
+    """Pinch grasps of the part itself, where it is thin enough and free on both sides."""
     part, robot = opening.part, opening.robot
     points, normals = _exposed(opening)
     near = np.argsort(np.linalg.norm(points - part.grip, axis=1), kind="stable")[: 2 * MOST_POINTS]
@@ -97,14 +100,14 @@ def pinch_grasps(opening: Opening) -> Grasps:
                 cost.append(base + 0.1 * max(0.0, float(point[2])))
                 out.append(normals[k])
     found = _with_room(opening, Contacts(**_arrays(poses, cost, out)), opening.body, 0.0, fingers=True)
-    # Grasps have x where the gripper points and y where it closes.
+    # Grasps have x along the pointing direction and y along the closing direction.
     axes = np.eye(4)
     axes[:3, :3] = robot.tool_axes
     return Grasps(poses=found.poses @ axes, cost=found.cost, width=robot.opening)
 
 
 def _exposed(opening: Opening) -> tuple[Float[np.ndarray, "P 3"], Float[np.ndarray, "P 3"]]:
-    """Points on the outside of the part near its grip, nothing right before them, and their normals."""
+    """Unobstructed surface points of the part near its grip, and their normals."""
     points, normals = surface_samples(opening.part.own, SPACING)
     near = np.linalg.norm(points - opening.part.grip, axis=1) < NEAR
     points, normals = points[near], normals[near]
@@ -118,7 +121,7 @@ def _exposed(opening: Opening) -> tuple[Float[np.ndarray, "P 3"], Float[np.ndarr
 def surface_samples(
     hulls: Sequence[Hull], spacing: float
 ) -> tuple[Float[np.ndarray, "P 3"], Float[np.ndarray, "P 3"]]:
-    """Points inside the faces of hulls, at most about ``spacing`` metres apart, and their normals."""
+    """Points on the faces of hulls, at most about ``spacing`` metres apart, and their normals."""
     points, normals = [np.zeros((0, 3))], [np.zeros((0, 3))]
     for hull in hulls:
         for a, b, c in hull.vertices[hull.faces]:
@@ -141,8 +144,8 @@ def surface_samples(
 def _with_room(
     opening: Opening, found: Contacts, body: Body, touching: float, *, fingers: bool = False
 ) -> Contacts:
-    """The cheapest contacts at which the hand meets nothing but the place that it touches; ``fingers`` also
-    have to meet nothing but the part as they close."""
+    """The cheapest contacts at which the hand collides with nothing but the contact area; with ``fingers``,
+    they must also hit nothing but the part as they close."""
     last = len(opening.chain.before) - 1
     mine = (body.carrier == last) & (body.gap <= HAND_GAP)
     hand = transform_points(inverse(opening.chain.tool), body.points[mine])
@@ -166,7 +169,7 @@ def _with_room(
 
 
 def _finger_sweep(opening: Opening) -> Float[np.ndarray, "S 3"]:
-    """Points that the ends of both fingers pass as they close, in the frame of the tool."""
+    """Points that the ends of both fingers sweep as they close, in the tool frame."""
     point, close = opening.robot.tool_axes[:, 0], opening.robot.tool_axes[:, 1]
     half = opening.robot.opening / 2.0
     across = np.linspace(-half, half, 15)
@@ -176,7 +179,7 @@ def _finger_sweep(opening: Opening) -> Float[np.ndarray, "S 3"]:
 def _thickness(
     hulls: Sequence[Hull], points: Float[np.ndarray, "P 3"], inwards: Float[np.ndarray, "P 3"], most: float
 ) -> Float[np.ndarray, "P"]:
-    """How far it is through the union of hulls from points on its surface (m); infinite beyond ``most``."""
+    """Thickness of the union of hulls behind points on its surface (m); infinite beyond ``most``."""
     steps = np.arange(THIN / 2.0, most + THIN, THIN)
     along = points[:, None] + steps[:, None] * inwards[:, None]
     inside = np.zeros(along.shape[:2], dtype=bool)
@@ -188,7 +191,7 @@ def _thickness(
 
 
 def is_inside(hull: Hull, points: Float[np.ndarray, "*N 3"]) -> Bool[np.ndarray, "*N"]:
-    """Which points lie in a hull."""
+    """Whether points lie in a hull."""
     a, b, c = (hull.vertices[hull.faces[:, k]] for k in range(3))
     normals = np.cross(b - a, c - a)
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-15)
@@ -203,7 +206,7 @@ def _velocity(joint: PackageJoint, points: Float[np.ndarray, "P 3"]) -> Float[np
 
 
 def _pose(opening: Opening, point: np.ndarray, close: np.ndarray, place: np.ndarray) -> np.ndarray:
-    """The pose of the tool that points and closes in these directions."""
+    """Tool pose for a pointing and a closing direction."""
     T = np.eye(4)
     T[:3, :3] = np.stack([point, close, np.cross(point, close)], axis=1) @ opening.robot.tool_axes.T
     T[:3, 3] = place
@@ -211,7 +214,7 @@ def _pose(opening: Opening, point: np.ndarray, close: np.ndarray, place: np.ndar
 
 
 def _across(direction: np.ndarray) -> np.ndarray:
-    """A unit vector at right angles to a direction, level if that is possible."""
+    """A unit vector perpendicular to a direction, horizontal if possible."""
     side = np.cross(direction, [0.0, 0.0, 1.0])
     length = float(np.linalg.norm(side))
     return side / length if length > 1e-2 else np.array([0.0, 1.0, 0.0])

@@ -1,7 +1,7 @@
-"""A way for the arm around what stands between two of its poses: random trees that grow towards each other.
+"""Collision-free arm paths between two postures, with bidirectional random trees.
 
-RRT-Connect in joint space, shortened afterwards. The random numbers come from a seed, so that the same
-question has the same answer.
+RRT-Connect in joint space with subsequent shortcutting. A seed determines the random numbers, so that the
+result is reproducible.
 """
 
 from collections.abc import Callable
@@ -12,13 +12,13 @@ from jaxtyping import Bool, Float
 from .chain import Chain
 
 RESOLUTION = 0.06
-"""Largest change of a joint between two poses that are looked at, rad."""
+"""Largest change of a joint between two checked poses, rad."""
 REACH = 0.6
 """Largest change of a joint in one branch, rad."""
 TRIES = 700
 SHORTCUTS = 80
 WIDEST = 2.9
-"""Joints without limits are turned this far at most, rad."""
+"""Largest angle of joints without limits, rad."""
 
 Free = Callable[[Float[np.ndarray, "B J"]], Bool[np.ndarray, "B"]]
 
@@ -26,17 +26,17 @@ Free = Callable[[Float[np.ndarray, "B J"]], Bool[np.ndarray, "B"]]
 def find_detour(
     chain: Chain, free: Free, begin: Float[np.ndarray, "J"], end: Float[np.ndarray, "J"], seed: int
 ) -> Float[np.ndarray, "N J"] | None:
-    """Waypoints from ``begin`` to ``end``, both included, between which the arm may go straight.
+    """Waypoints from ``begin`` to ``end``, both included, connected by straight collision-free segments.
 
     Args:
-        chain: the arm, for its limits.
-        free: tells which arm poses touch nothing.
-        begin: where the arm is, rad.
-        end: where it shall go.
-        seed: of the random numbers.
+        chain: The arm, for its limits.
+        free: Tells which arm poses are collision-free.
+        begin: Current arm angles, rad.
+        end: Goal.
+        seed: Seed of the random numbers.
 
     Returns:
-        ``None`` if the search ended without a way, at once if one of the ends is not free.
+        ``None`` if no path was found, immediately if one of the ends collides.
     """
     if not free(np.stack([begin, end])).all():
         return None
@@ -57,19 +57,19 @@ def find_detour(
 
 
 def is_clear(free: Free, begin: Float[np.ndarray, "J"], end: Float[np.ndarray, "J"]) -> bool:
-    """Whether the arm may go straight from one pose to the other."""
+    """Whether the straight segment between two poses is collision-free."""
     return bool(free(between(begin, end)).all())
 
 
 def between(begin: Float[np.ndarray, "J"], end: Float[np.ndarray, "J"]) -> Float[np.ndarray, "N J"]:
-    """Poses on the straight way, the first left out and the last included."""
+    """Poses on the straight segment, the first excluded and the last included."""
     count = max(1, int(np.ceil(np.abs(end - begin).max() / RESOLUTION)))
     return begin + (end - begin) * np.arange(1, count + 1)[:, None] / count
 
 
 def _grow(free: Free, tree: tuple[list, list], goal: np.ndarray, *, greedy: bool) -> bool:
-    """Adds a branch towards ``goal``: a short one, or as long as it is free. Whether anything (greedy: all
-    of the way) was reached."""
+    """Adds a branch towards ``goal``: a short one, or (greedy) as long as it is free. Returns whether
+    anything (greedy: the goal) was reached."""
     nodes, parents = tree
     nearest = int(np.linalg.norm(np.array(nodes) - goal, axis=1).argmin())
     begin, far = nodes[nearest], float(np.abs(goal - nodes[nearest]).max())
@@ -85,7 +85,7 @@ def _grow(free: Free, tree: tuple[list, list], goal: np.ndarray, *, greedy: bool
 
 
 def _back(tree: tuple[list, list]) -> list[np.ndarray]:
-    """From the newest node of a tree to its root; the newest is what the other tree met."""
+    """Nodes from the newest one of a tree, where the trees met, to its root."""
     nodes, parents = tree
     index, out = len(nodes) - 1, []
     while index >= 0:
@@ -95,7 +95,7 @@ def _back(tree: tuple[list, list]) -> list[np.ndarray]:
 
 
 def _shorten(free: Free, way: np.ndarray, rng: np.random.Generator) -> np.ndarray:
-    """Cuts corners where the straight way is free."""
+    """Shortcuts corners where the straight segment is free."""
     for _ in range(SHORTCUTS):
         if len(way) < 3:
             break

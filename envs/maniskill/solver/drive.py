@@ -1,4 +1,4 @@
-"""Moves a robot of a task through its actions: the solver has no other access to the simulation."""
+"""Moves a robot through a task's actions: the solver has no other access to the simulation."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 CONTROL_MODE = "pd_joint_pos"
 FINGERS_SHUT = -0.01
-"""Finger position that ManiSkill's grippers aim for at action -1, metres."""
+"""Finger position of ManiSkill's grippers at action -1, metres."""
 JOINT_STEP = 0.07
 """Largest change of an arm joint in one control step, rad: 1.4 rad/s."""
 
@@ -31,8 +31,9 @@ JOINT_STEP = 0.07
 class Driver:
     """One robot in one scene on the CPU, driven by absolute arm angles.
 
-    ``body`` is its arm with the gripper open, ``closed`` with the fingers shut, ``begin`` how far the part
-    stood open at first. ``gripper`` is 1 open and -1 closed; ``info`` and ``over`` are of the last step.
+    ``body`` is its arm with the gripper open, ``closed`` with the fingers shut, ``begin`` the initial open
+    fraction of the part. ``gripper`` is 1 open and -1 closed; ``info`` and ``over`` are those of the last
+    step.
     """
 
     env: gym.Env
@@ -53,7 +54,7 @@ def start(env: gym.Env, info: dict) -> Driver:
     """A driver for an environment that has just been reset.
 
     Raises:
-        ValueError: if it is not one scene on the CPU with the control mode ``pd_joint_pos``.
+        ValueError: If it is not one scene on the CPU with the control mode ``pd_joint_pos``.
     """
     task: PackageTask = env.unwrapped  # type: ignore[assignment]
     if task.num_envs != 1 or task.gpu_sim_enabled:
@@ -73,7 +74,7 @@ def start(env: gym.Env, info: dict) -> Driver:
 
 
 def arm_angles(driver: Driver) -> Float[np.ndarray, "J"]:
-    """The arm's joint angles now, rad."""
+    """The arm's current joint angles, rad."""
     qpos = np.asarray(driver.task.agent.robot._objs[0].qpos, dtype=np.float64)
     return qpos[list(driver.chain.columns)]
 
@@ -86,19 +87,19 @@ def object_in_root(driver: Driver) -> Float[np.ndarray, "4 4"]:
 
 
 def object_qpos(driver: Driver) -> dict[str, float]:
-    """The object's joint coordinates now, by name."""
+    """The object's current joint coordinates, by name."""
     names = [joint.name for joint in driver.task.built[0].active_joints]
     return dict(zip(names, driver.task.object.get_qpos()[0, : len(names)].tolist(), strict=True))
 
 
 def opened(driver: Driver, part: TaskPart) -> float:
-    """How far a part is open now, share of its range."""
+    """Current open fraction of a part."""
     return (object_qpos(driver)[part.joint.name] - part.joint.lower) / part.span
 
 
 def object_hulls(driver: Driver, part: TaskPart) -> tuple[tuple[Hull, ...], tuple[Hull, ...]]:
-    """Every hull of the object where it is now, in the object frame: those that the part carries along, and
-    all others."""
+    """All hulls of the object at its current state, in the object frame: those that move with the part, and
+    the others."""
     return hulls_at(driver.task.drawn[0][0], part, object_qpos(driver))
 
 
@@ -121,7 +122,7 @@ def step(driver: Driver, target: Float[np.ndarray, "J"]) -> None:
 
 
 def move(driver: Driver, goal: Float[np.ndarray, "J"], speed: float = 1.0) -> None:
-    """Straight in joint space to ``goal``, at a part of the usual speed."""
+    """Moves straight in joint space to ``goal``, at a share of the usual speed."""
     begin = driver.target
     count = max(1, int(np.ceil(np.abs(goal - begin).max() / (speed * JOINT_STEP))))
     for k in range(1, count + 1):
@@ -135,7 +136,7 @@ def wait(driver: Driver, count: int) -> None:
 
 
 def finger_action(robot: RobotSpec, width: float) -> float:
-    """The action that opens a gripper to a width in metres: 1 is as wide as it goes."""
+    """Action that opens a gripper to a width in metres: 1 is fully open."""
     widest = robot.opening / 2.0
     return float(np.clip(2.0 * (width / 2.0 - FINGERS_SHUT) / (widest - FINGERS_SHUT) - 1.0, -1.0, 1.0))
 

@@ -1,4 +1,4 @@
-"""Distances of points to solid hulls from a grid, for thousands of arm poses at once."""
+"""Grid of distances to solid hulls, for evaluating thousands of arm poses at once."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,16 +10,16 @@ from scipy.ndimage import distance_transform_edt
 from sim_export.package import Hull
 
 FINEST = 0.008
-"""Edge of a cell where there are few enough of them, metres."""
+"""Smallest edge of a cell, metres, if the grid stays small enough."""
 MOST_CELLS = 800_000
 AROUND = 0.12
-"""How far the grid reaches beyond the hulls; farther away everything is free."""
+"""Margin of the grid around the hulls, metres; everything beyond is free."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Field:
-    """Distances (m) of cell middles to the nearest cell that holds something solid, good to about half a
-    ``cell``; ``low`` is the middle of the first one. Below the height ``ground`` everything is solid."""
+    """Distances (m) of cell centres to the nearest solid cell, accurate to about half a ``cell``; ``low`` is
+    the centre of the first cell. Everything below the height ``ground`` is solid."""
 
     low: Float[np.ndarray, "3"]
     cell: float
@@ -34,19 +34,19 @@ def build_field(
     *,
     ground: float = -np.inf,
 ) -> Field:
-    """The field of hulls, in the frame of their vertices.
+    """The distance field of hulls, in the frame of their vertices.
 
     Args:
-        hulls: what is solid.
-        box: the only part of space that matters; everything unless given.
-        ground: height of the ground, z up in the frame of the hulls; none unless given.
-        finest: edge of a cell where there are few enough of them, metres.
+        hulls: Solid hulls.
+        box: Relevant region; default: everything.
+        ground: Height of the ground, z up in the frame of the hulls; default: none.
+        finest: Smallest edge of a cell, metres.
 
     Raises:
-        ValueError: if there are no hulls.
+        ValueError: If there are no hulls.
     """
     if not hulls:
-        raise ValueError("no hulls: there is nothing to keep away from")
+        raise ValueError("no hulls, expected at least one")
     if box is None:
         corners = np.concatenate([hull.vertices for hull in hulls])
         box = np.stack([corners.min(axis=0) - AROUND, corners.max(axis=0) + AROUND])
@@ -67,7 +67,7 @@ def build_field(
 
 
 def distances(field: Field, points: Float[np.ndarray, "*N 3"]) -> Float[np.ndarray, "*N"]:
-    """Distance of every point to what is solid, metres; `AROUND` for those outside of the grid."""
+    """Distance of every point to the nearest solid, metres; `AROUND` outside of the grid."""
     at = np.rint((points - field.low) / field.cell).astype(np.int64)
     inside = np.all((at >= 0) & (at < np.array(field.distance.shape)), axis=-1)
     at = np.where(inside[..., None], at, 0)
@@ -76,7 +76,7 @@ def distances(field: Field, points: Float[np.ndarray, "*N 3"]) -> Float[np.ndarr
 
 
 def _within(hull: Hull, axes: list[np.ndarray], slack: float) -> Bool[np.ndarray, "X Y Z"]:
-    """Which grid points lie in a hull or at most ``slack`` beyond one of its planes."""
+    """Grid points inside a hull or at most ``slack`` beyond one of its planes."""
     a, b, c = (hull.vertices[hull.faces[:, k]] for k in range(3))
     normals = np.cross(b - a, c - a)
     length = np.linalg.norm(normals, axis=1)

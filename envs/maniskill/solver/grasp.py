@@ -1,4 +1,4 @@
-"""Ways to take hold of a handle: poses of a two-fingered gripper, from the annotated box and grasp line."""
+"""Grasps of a handle: poses of a two-fingered gripper, from the annotated box and grasp line."""
 
 from dataclasses import dataclass
 
@@ -11,31 +11,32 @@ from sim_export.package import HandleAnnotation, Hull
 from ..robots import RobotSpec
 
 YAWS = np.radians([0.0, 25.0, -25.0, 45.0, -45.0, 65.0, -65.0])
-"""Turns about the direction in which the fingers close: the bar stays flat between them."""
+"""Rotations about the closing direction of the fingers: the bar stays flat between them."""
 TILTS = np.radians([0.0, 20.0, -20.0, 40.0, -40.0])
-"""Turns about the bar itself, which the fingers then hold at its edges."""
+"""Rotations about the bar itself, which the fingers then hold at its edges."""
 ALONG = (0.0, 0.5, -0.5)
-"""Where along half of the grasp line, from its middle."""
+"""Positions along half of the grasp line, from its middle."""
 ACROSS = 0.05
 """Cost of closing along a short handle instead of across it."""
 LEAST_HUB = 0.010
-"""How far a hub has to stand out from the rest of a handle, metres."""
+"""Smallest protrusion of a hub from the rest of a handle, metres."""
 EVEN = 0.003
-"""Hulls that end this near to the foremost one belong to the hub, metres."""
+"""Distance from the foremost hull within which hulls belong to the hub, metres."""
 TIP, TIP_GAP = 0.009, 0.002
-"""How far fingers reach beyond the middle of their tips, and what they keep off what is behind, metres."""
+"""Length of the fingers beyond the middle of their tips, and their clearance from what is behind, metres."""
 HUB_YAWS = np.radians([0.0, 15.0, -15.0, 30.0, -30.0])
 ROOMY = 0.024
-"""How much wider than the handle fingers open: neighbours may stand close, metres."""
+"""Opening of the fingers beyond the handle's width, metres, limited because neighbours may be close."""
 SPARE = 0.008
-"""How much wider than the handle the open gripper has to be, metres."""
+"""Smallest opening of the gripper beyond the handle's width, metres."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Grasps:
-    """Poses of the gripper in the object frame at rest: x points, y is where the fingers close.
+    """Poses of the gripper in the object frame at rest: x points, y is the closing direction.
 
-    ``cost`` ranks them: small turns first. ``width`` is how wide the fingers open before they close, metres.
+    ``cost`` ranks them: small rotations first. ``width`` is the opening of the fingers before they close,
+    metres.
     """
 
     poses: Float[np.ndarray, "G 4 4"]
@@ -44,14 +45,14 @@ class Grasps:
 
 
 def find_grasps(handle: HandleAnnotation, held: tuple[Hull, ...], robot: RobotSpec) -> Grasps:
-    """Every grasp of a handle that the gripper opens wide enough for.
+    """All grasps of a handle that fit into the gripper.
 
-    A wheel that is too thick is taken at its hub, where that stands out; none if there is no such place.
+    A wheel that is too thick is grasped at its hub, if that protrudes; empty if there is no such place.
 
     Args:
-        handle: its box and grasp line.
-        held: the hulls it is made of.
-        robot: the gripper.
+        handle: Its box and grasp line.
+        held: The hulls of the handle.
+        robot: The gripper.
     """
     if handle.width + SPARE > robot.opening:
         return _hub_grasps(handle, held, robot)
@@ -72,7 +73,7 @@ def find_grasps(handle: HandleAnnotation, held: tuple[Hull, ...], robot: RobotSp
                     poses.append(_pose((ahead, between, np.cross(ahead, between)), middle + along * half))
                     cost.append(0.1 * abs(along) + 0.3 * abs(yaw) + 0.6 * abs(tilt))
     width, long = handle.width, float(np.ptp(handle.corners @ bar))
-    if long + SPARE <= robot.opening:  # a knob or a short pull: neighbours may leave room on one way only
+    if long + SPARE <= robot.opening:  # knob or short pull: neighbours may leave room one way only
         width = max(width, long)
         for yaw in HUB_YAWS:
             for sign in (1.0, -1.0):
@@ -85,7 +86,7 @@ def find_grasps(handle: HandleAnnotation, held: tuple[Hull, ...], robot: RobotSp
 
 
 def _hub_grasps(handle: HandleAnnotation, held: tuple[Hull, ...], robot: RobotSpec) -> Grasps:
-    """Grasps of what stands out farthest from a thick handle, straight from in front, upright or level."""
+    """Grasps of the foremost part of a thick handle, straight from the front, vertical or horizontal."""
     none = Grasps(poses=np.zeros((0, 4, 4)), cost=np.zeros(0), width=robot.opening)
     if not held:
         return none
@@ -118,7 +119,7 @@ def _pose(axes: tuple[np.ndarray, np.ndarray, np.ndarray], place: np.ndarray) ->
 
 
 def _across(normal: np.ndarray) -> np.ndarray:
-    """A horizontal direction along a panel, for a knob that has no long side."""
+    """A horizontal direction along a panel, for a knob without a long side."""
     side = np.cross(normal, [0.0, 0.0, 1.0])
     length = float(np.linalg.norm(side))
     return side / length if length > 1e-3 else np.array([0.0, 1.0, 0.0])

@@ -1,4 +1,4 @@
-"""The scene of an arm and the part to move: static and moving geometry."""
+"""State of a motion problem: the arm, the part to move, and static and moving solids."""
 
 from dataclasses import dataclass, replace
 
@@ -16,26 +16,27 @@ from .field import Field
 from .work import Work, detour
 
 CLOSE = 0.5
-"""Part of the gaps that is kept on the way to a handle."""
+"""Share of the clearances that is kept on the way to a handle."""
 NEAREST, NEAREST_HAND = 0.012, 0.004
-"""Distances from which on arm and hand count as pressing, metres."""
+"""Clearances of arm and hand below which they count as pressing, metres."""
 PRESSED = 20.0
-"""Cost of a metre by which the arm would press into something along a path."""
+"""Cost per metre by which the arm would press into a solid along a path."""
 STEP = 0.025
 """Travel of the handle between two waypoints, metres."""
 BEYOND = 0.06
-"""How much farther than asked a path goes, part of the range: a pulled joint lags behind."""
+"""Distance by which a path continues beyond the goal, as a share of the range, because a pulled joint lags
+behind."""
 LEAST_STEPS = 4
 TURNING = 0.15
-"""Travel (m) that a radian counts at least, of a knob that turns in place."""
+"""Smallest travel (m) that a radian counts as, for a knob that turns in place."""
 UNLATCHED = 0.1
-"""Part of a leaf's range (at most; in any case 0.1 rad or 5 cm) from which on its latch holds it no more."""
+"""Share of a leaf's range (at most 0.1 rad or 10 cm) beyond which its latch no longer holds it."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Way:
-    """Displacements from rest, in the frame of the robot's root, along the motion of a part: of what is
-    held, and of the part itself. They differ where the handle is a lever that turns first."""
+    """Displacements from rest along the motion of a part, in the frame of the robot's root: of the held
+    geometry, and of the part itself. They differ if the handle is a lever that turns first."""
 
     held: Float[np.ndarray, "N 4 4"]
     carried: Float[np.ndarray, "N 4 4"]
@@ -47,8 +48,8 @@ class Opening:
 
     ``others`` are solids in the object frame, ``carried`` the part and what it carries, in the object frame
     with the part closed; ``near_others`` and ``near_carried`` are the same around the grip, on finer grids.
-    ``closed`` is the arm with its fingers shut; ``turned`` is how far the latch is open, share of its range,
-    where it is the part's handle.
+    ``closed`` is the arm with its fingers shut; ``turned`` is the open fraction of the latch, if it is the
+    part's handle.
     """
 
     chain: Chain
@@ -68,7 +69,7 @@ class Opening:
         return self.T_root_object @ part_motion(self.part, fractions)
 
     def way(self, begin: float, end: float) -> Way:
-        """From ``begin`` to a little beyond ``end``; the lever of a latched leaf is turned before that."""
+        """Motion from ``begin`` to slightly beyond ``end``; the lever of a latched leaf is turned before."""
         carried = self.motions(path_fractions(self.part, begin, end))
         latch = self.part.grip_latch
         if latch is None:
@@ -84,8 +85,8 @@ class Opening:
 
 
 def path_fractions(part: TaskPart, begin: float, end: float) -> Float[np.ndarray, "N"]:
-    """From ``begin`` to a little beyond ``end``, in steps of about the same travel of the grip, and of
-    the gripper's turn. It leads beyond the limit only where the limit itself is asked for."""
+    """Fractions from ``begin`` to slightly beyond ``end``, in steps of similar travel of the grip and
+    rotation of the gripper. They exceed the limit only if the limit itself is the goal."""
     most = 1.0 + BEYOND if end >= 1.0 else 1.0
     beyond = float(np.clip(end + np.sign(end - begin) * BEYOND, 0.0, most))
     lever = 1.0
@@ -101,8 +102,9 @@ def pressure(
     motions: Float[np.ndarray, "N 4 4"],
     body: Body | None = None,
 ) -> Float[np.ndarray, "K"]:
-    """How far (m) the arm would press into something on each of K ways along the part's motion, at worst and
-    on average together. The hand may touch the part. The arm is ``body``, with open fingers unless given."""
+    """Distance (m) by which the arm would press into solids on each of K ways along the part's motion: the
+    sum of maximum and mean. The hand may touch the part. The arm is ``body``, by default with open
+    fingers."""
     body, still = body or opening.body, inverse(opening.T_root_object)
     others = Obstacle(field=opening.others, T_field_root=still)
     carried = Obstacle(field=opening.carried, T_field_root=np.repeat(inverse(motions), ways.shape[1], axis=0))
@@ -119,8 +121,8 @@ def pressure(
 def way_around(
     opening: Opening, begin: float, q: Float[np.ndarray, "J"], goal: Float[np.ndarray, "J"]
 ) -> Float[np.ndarray, "N J"]:
-    """Waypoints to ``goal`` past everything as it stands, the part at fraction ``begin``; ``goal`` alone if
-    there is no such way or the arm starts too near to something."""
+    """Waypoints to ``goal`` around all solids, with the part at fraction ``begin``; only ``goal`` if no path
+    was found or the arm starts too close to a solid."""
     at = opening.motions(np.array([begin]))[0]
     work = Work(
         chain=opening.chain, robot=opening.robot,

@@ -1,7 +1,7 @@
-"""A plan for moving a part by its handle, or its own edge: take hold of it and go along the joint's path.
+"""Plans the motion of a part by its handle or its own edge: grasp it and follow the joint's path.
 
-Numbers only. Grasps are tried by inverse kinematics along the whole path, and the one that stays most exact
-and keeps the arm off everything wins.
+Purely geometric. Grasps are tried by inverse kinematics along the whole path; the one with the smallest
+errors and the most clearance is chosen.
 """
 
 from dataclasses import dataclass
@@ -19,26 +19,27 @@ from .opening import PRESSED, Opening, pressure, way_around
 from .reach import NEAR, follow, reach, starts_of
 
 BACK = 0.10
-"""How far in front of the handle the open gripper stops before it takes hold, metres."""
+"""Distance in front of the handle at which the open gripper stops before grasping, metres."""
 LOOSE = 0.01
 COMPARED = 12
-"""Ways along the path whose distances from everything are compared."""
+"""Number of ways along the path whose clearances are compared."""
 MOST_TURN = 0.9
-"""How far the gripper may turn about what it holds, rad, where the arm cannot turn along with a door."""
+"""Largest rotation of the gripper about the held geometry, rad, where the arm cannot turn along with a
+door."""
 
 
 class NoPlan(ArtigenError):
-    """The part cannot be moved in this way: says what was tried and by how much it misses."""
+    """The part cannot be moved in this way; the message states what was tried and the remaining error."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class OpenPlan:
-    """Waypoints of the arm (rad): around everything; on to the part, the last one at it; along the joint's
-    path; away.
+    """Waypoints of the arm (rad): approach around solids; on to the part, the last one at it; along the
+    joint's path; retreat.
 
-    ``width`` is how wide the fingers open (m) before they close on a handle, 0 if they push and are closed
-    all the time. ``miss`` is the largest position error along the path and ``pressed`` how far the arm comes
-    too near to something on it, metres.
+    ``width`` is the opening of the fingers (m) before they close on a handle, 0 if they push and stay closed.
+    ``miss`` is the largest position error along the path and ``pressed`` the largest missing clearance of the
+    arm, metres.
     """
 
     before: Float[np.ndarray, "B J"]
@@ -51,10 +52,10 @@ class OpenPlan:
 
 
 def handle_grasps(opening: Opening) -> Grasps:
-    """Ways to take hold of a part's handle.
+    """Grasps of a part's handle.
 
     Raises:
-        NoPlan: if there is none, or the gripper does not open wide enough for it.
+        NoPlan: If there are none, or the gripper does not open wide enough.
     """
     part, robot, name = opening.part, opening.robot, opening.part.joint.name
     if part.handle is None:
@@ -69,10 +70,10 @@ def handle_grasps(opening: Opening) -> Grasps:
 
 
 def edge_grasps(opening: Opening) -> Grasps:
-    """Ways to pinch the part itself.
+    """Pinch grasps of the part itself.
 
     Raises:
-        NoPlan: if there are none, or the part is latched: then its handle has to be held.
+        NoPlan: If there are none, or the part is latched, so that its handle must be held.
     """
     name = opening.part.joint.name
     if opening.part.grip_latch is not None:
@@ -89,15 +90,15 @@ def plan_open(
     """A plan that moves a part from fraction ``begin`` of its range to ``end`` in the grip of the fingers.
 
     Args:
-        opening: the arm and the part.
-        grasps: ways to take hold of it.
-        q: arm angles now, rad.
-        begin: where the part is.
-        end: where it is to go.
-        skip: leaves out that many of the best plans, for another try.
+        opening: The arm and the part.
+        grasps: Candidate grasps.
+        q: Current arm angles, rad.
+        begin: Current fraction.
+        end: Goal fraction.
+        skip: Number of best plans to skip, for another try.
 
     Raises:
-        NoPlan: if no grasp is in reach along the path.
+        NoPlan: If no grasp is in reach along the path.
     """
     chain, robot, part = opening.chain, opening.robot, opening.part
     way = opening.way(begin, end)
@@ -136,7 +137,7 @@ def plan_open(
 
 
 def drawn_back(chain: Chain, robot: RobotSpec, q: Float[np.ndarray, "J"]) -> Float[np.ndarray, "J"]:
-    """Arm angles with the gripper drawn back along the way it points."""
+    """Arm angles with the gripper retracted along its pointing direction."""
     T = tool_pose(chain, q[None])
     T[:, :3, 3] -= BACK * (T[:, :3, :3] @ robot.tool_axes[:, 0])
     return solve(chain, T, q[None], posture_weight=0.0, iterations=30)[0][0]

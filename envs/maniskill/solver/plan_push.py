@@ -1,4 +1,4 @@
-"""A plan for a door that already stands ajar: closed fingers behind its free edge push it open.
+"""Plans to push open a door that stands ajar, with closed fingers behind its free edge.
 
 Where an arm cannot turn along with a handle, it can still follow the inner face of the leaf.
 """
@@ -15,17 +15,17 @@ from .plan_open import COMPARED, NoPlan, OpenPlan
 from .reach import NEAR, follow, reach, starts_of
 
 AJAR = 0.22
-"""Angle from which fingers fit behind the edge, rad."""
+"""Smallest angle at which fingers fit behind the edge, rad."""
 FINGER = 0.012
 """Half the thickness of the closed fingers, metres."""
 INSERT = (0.05, 0.09, 0.14)
-"""How far behind the free edge the finger tips push, metres."""
+"""Distances behind the free edge at which the finger tips push, metres."""
 HEIGHTS = (0.0, 0.12, -0.12, 0.25, -0.25)
-"""Where along the hinge's direction, from the handle's height, metres."""
+"""Offsets along the hinge's direction from the handle's height, metres."""
 SLANTS = np.radians([90.0, 65.0, 115.0, 45.0])
-"""How the fingers lie to the direction of the push: at 90 degrees they point at the hinge."""
+"""Angles of the fingers from the direction of the push: at 90 degrees they point at the hinge."""
 SPREAD = 0.10
-"""How far outside of the edge, and behind the face, the fingers begin, metres."""
+"""Distance outside of the edge, and behind the face, at which the fingers start, metres."""
 MOST_TURN = 1.3
 
 
@@ -35,7 +35,7 @@ def plan_push(opening: Opening, q: Float[np.ndarray, "J"], begin: float, end: fl
     Arguments as for `plan_open`.
 
     Raises:
-        NoPlan: if the part slides, stands less than 0.22 rad open, or cannot be followed.
+        NoPlan: If the part slides, is less than 0.22 rad open, or its path is out of reach.
     """
     chain, robot, part = opening.chain, opening.robot, opening.part
     name = part.joint.name
@@ -50,7 +50,7 @@ def plan_push(opening: Opening, q: Float[np.ndarray, "J"], begin: float, end: fl
     if not len(order):
         raise NoPlan(f"joint {name!r}: the inside of its edge is out of reach")
     path, missed, turned = follow(chain, motions[:, None] @ contacts[order][None], hold, turn_weight=0.02)
-    # From the leaf back to where the fingers come from: behind the face, then beyond the edge.
+    # From the leaf back to the start of the fingers: behind the face, then beyond the edge.
     shifts = np.zeros((3, len(order), 3))
     shifts[1:] = outside[order].transpose(1, 0, 2)
     back = np.repeat((motions[0] @ contacts[order])[None], 3, axis=0)
@@ -80,12 +80,12 @@ def plan_push(opening: Opening, q: Float[np.ndarray, "J"], begin: float, end: fl
 
 def _contacts(part: TaskPart, robot: RobotSpec) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Tool poses ``[C, 4, 4]`` at the leaf in the object frame at rest, their costs, and for each the two
-    offsets ``[C, 2, 3]`` at which it begins: off the face, and from there beyond the edge."""
+    offsets ``[C, 2, 3]`` of the approach: off the face, and from there beyond the edge."""
     axis, origin = part.joint.axis, part.joint.origin
     arm = part.grip - origin
     radial = arm - (arm @ axis) * axis
     radial /= np.linalg.norm(radial)
-    push = np.cross(axis, radial)  # where the edge goes as the door opens
+    push = np.cross(axis, radial)  # motion of the edge as the door opens
     local = part.moved - origin
     edge = float((local @ radial).max())
     outer = local[local @ radial > 0.7 * edge]

@@ -1,7 +1,7 @@
-"""A plan for carrying a cube from its stand to a place on a floor: pick, lift, bring, let go, draw back.
+"""Plans to carry a cube from its stand to a place on a floor: pick, lift, bring, release, retreat.
 
-Numbers only. Poses and the straight ways at both ends are found by inverse kinematics and kept if nothing is
-touched; between them the arm goes around what is in its way.
+Purely geometric. Poses and the straight segments at both ends are found by inverse kinematics and checked for
+collisions; between them the arm moves around obstacles.
 """
 
 from dataclasses import dataclass, replace
@@ -19,37 +19,37 @@ from .field import build_field
 from .work import Work, detour, free_poses, free_ways
 
 SLOPES = np.radians([0.0, 15.0, 30.0, 45.0, 65.0, 90.0])
-"""How steeply the gripper points down."""
+"""Downward slopes of the gripper."""
 FLAT, STEEP = 0, len(SLOPES) - 1
 HEADINGS = np.radians([0.0, 20.0, -20.0, 45.0, -45.0, 90.0, -90.0])
-"""Turns of the hand about the vertical from the way into the room."""
+"""Rotations of the hand about the vertical, relative to the direction into the space."""
 UP = np.array([0.0, 0.0, 1.0])
 BEHIND = (0.03, 0.08, 0.14)
-"""How far behind the cube, along the gripper, the hand comes from, metres."""
+"""Approach distances behind the cube, along the gripper, metres."""
 LIFT = (0.04, 0.09)
-"""How far the cube is lifted straight up, metres."""
+"""Heights by which the cube is lifted straight up, metres."""
 INTO = (0.03, 0.06, 0.10, 0.14, 0.18)
-"""How far from its place the cube comes straight in, metres."""
+"""Lengths of the straight approach of the cube to its place, metres."""
 RISE = 0.1
-"""Slope of the way into a compartment: it comes down a little."""
+"""Slope of the approach into a compartment: it descends slightly."""
 HIGHER = 0.006
-"""How far above the cube's middle the fingers close, metres."""
+"""Height above the cube's centre at which the fingers close, metres."""
 DROPS = (0.02, 0.06, 0.12)
-"""How far above the floor the cube is let go, metres; more than the first only into drawers that are too deep
-for the hand."""
+"""Heights above the floor at which the cube is released, metres; more than the first only into drawers that
+are too deep for the hand."""
 LEAST_DOWN = 0.5
-"""Least slope of a hand that reaches into a drawer, rad."""
+"""Smallest slope of a hand that reaches into a drawer, rad."""
 GAP_SHARES = (1.0, 0.4)
-"""Parts of the gaps that are kept: all, or, if that leaves no way, just enough not to touch."""
+"""Shares of the clearances to keep: all, or, if that leaves no path, just enough to avoid contact."""
 KEPT = 48
 PAIRS = 8
-"""Pairs of a pick and a place between which a way is looked for."""
+"""Pairs of a pick and a place for which a path is searched."""
 CUBE_GAP = 0.003
-"""What the cube keeps away from everything, metres: it is let go just above a floor."""
+"""Clearance of the cube, metres: it is released just above a floor."""
 
 
 class NoPutPlan(ArtigenError):
-    """The cube cannot be reached, or not be brought to its place."""
+    """The cube is out of reach, or cannot be brought to its place."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -64,7 +64,7 @@ class PutPlan:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Ways:
-    """Ways of one kind ``[N, K, J]``, the first pose at the cube's place; the slope and cost of each."""
+    """Paths of one kind ``[N, K, J]``, the first pose at the cube's place; slope and cost of each."""
 
     q: np.ndarray
     slope: np.ndarray
@@ -73,7 +73,7 @@ class _Ways:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Wanted:
-    """Ways of tool poses; each of the groups ``[W, N, 4, 4]`` starts from the same W first poses."""
+    """Paths of tool poses; each of the groups ``[W, N, 4, 4]`` starts from the same W first poses."""
 
     ways: tuple[np.ndarray, ...]
     slope: np.ndarray
@@ -93,16 +93,16 @@ def plan_put(
     """A plan for one cube.
 
     Args:
-        work: the arm and what it must not touch; the cube itself is not among it.
-        q: arm angles now.
-        T_root_cube: the cube, upright, in the frame of the robot's root.
-        size: its edge, metres.
-        aims: where its middle may come to rest, root frame, the favourite first.
-        inwards: the horizontal direction into the room.
-        down: whether the cube comes in from above, into a drawer, or straight inwards.
+        work: The arm and its obstacles, without the cube itself.
+        q: Current arm angles.
+        T_root_cube: The cube, upright, in the frame of the robot's root.
+        size: Its edge, metres.
+        aims: Positions where its centre may come to rest, root frame, the preferred one first.
+        inwards: Horizontal direction into the space.
+        down: Whether the cube enters from above, into a drawer, or straight inwards.
 
     Raises:
-        NoPutPlan: if it cannot be reached, cannot be put down, or no way leads from one to the other.
+        NoPutPlan: If the cube cannot be reached or put down, or no path connects the two.
     """
     reason = ""
     for share in GAP_SHARES:
@@ -117,7 +117,7 @@ def plan_put(
 def _plan(
     work: Work, q: np.ndarray, T_root_cube: np.ndarray, size: float, wanted: _Wanted
 ) -> tuple[PutPlan | None, str]:
-    """A plan that keeps the gaps of ``work``, or why there is none."""
+    """A plan that keeps the clearances of ``work``, or the reason why there is none."""
     corners = np.array([[x, y, z] for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * size / 2.0
     cube = Obstacle(
         field=build_field((box_hull(corners[0], corners[-1]),)), T_field_root=inverse(T_root_cube)
@@ -129,7 +129,7 @@ def _plan(
         return None, "no free pose of the arm reaches the cube on its stand"
     places = _solved(loaded, picks.q[-1, 0], wanted)
     if not len(places.cost):
-        return None, "no free pose of the arm reaches the place where the cube is to come"
+        return None, "no free pose of the arm reaches the cube's goal"
     for i, j in _pairs(picks, places)[:PAIRS]:
         lift, place = picks.q[-len(LIFT) :, i], places.q[:, j]
         approach = picks.q[len(BEHIND) :: -1, i]
@@ -150,7 +150,7 @@ def _plan(
 
 
 def _pick_ways(robot: RobotSpec, T_root_cube: np.ndarray) -> _Wanted:
-    """From the cube backwards, and up."""
+    """Paths from the cube backwards, and up."""
     yaw = np.arctan2(T_root_cube[1, 0], T_root_cube[0, 0])
     middle = T_root_cube[:3, 3] + HIGHER * UP
     behind, lifted, slopes = [], [], []
@@ -166,7 +166,7 @@ def _pick_ways(robot: RobotSpec, T_root_cube: np.ndarray) -> _Wanted:
 
 
 def _place_ways(robot: RobotSpec, aims: np.ndarray, inwards: np.ndarray, *, down: bool) -> _Wanted:
-    """From just above a place straight out of the room."""
+    """Paths from just above a place straight out of the space."""
     facing = np.arctan2(inwards[1], inwards[0])
     back = UP if down else RISE * UP - inwards
     slopes = [k for k in range(len(SLOPES)) if not down or SLOPES[k] > LEAST_DOWN]
@@ -183,7 +183,7 @@ def _place_ways(robot: RobotSpec, aims: np.ndarray, inwards: np.ndarray, *, down
 
 
 def _solved(work: Work, q: np.ndarray, wanted: _Wanted) -> _Ways:
-    """The ways that the arm can go to their ends without touching anything."""
+    """The paths that the arm can follow to their ends without collision."""
     hold, order = free_poses(work, wanted.ways[0][:, 0], q, KEPT)
     found, good = [hold[None]], np.ones(len(hold), dtype=bool)
     for ways in wanted.ways:
@@ -197,7 +197,7 @@ def _solved(work: Work, q: np.ndarray, wanted: _Wanted) -> _Ways:
 
 
 def _pairs(picks: _Ways, places: _Ways) -> list[tuple[int, int]]:
-    """Picks and places that leave the cube level, those that belong together best first."""
+    """Picks and places that keep the cube level, best matches first."""
     apart = np.abs(picks.slope[:, None] - places.slope[None])
     level = (apart == 0) | (apart == STEEP - FLAT)
     far = np.abs(picks.q[-1][:, None] - places.q[-1][None]).max(axis=2)

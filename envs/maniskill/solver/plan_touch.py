@@ -1,6 +1,6 @@
-"""A plan for a part that is pushed: closed fingers touch it and go along, a little farther at the end.
+"""Plans to push a part: closed fingers touch it and follow its path, slightly farther at the end.
 
-Buttons, switches, pedals and lids without handles; whatever fingers find to push against.
+For buttons, switches, pedals and lids without handles.
 """
 
 from dataclasses import replace
@@ -18,24 +18,24 @@ from .plan_open import COMPARED, NoPlan, OpenPlan
 from .reach import NEAR, follow, reach, starts_of
 
 OFF = 0.02
-"""How far off the surface the fingers come near, metres."""
+"""Distance from the surface at which the approach ends, metres."""
 FAR = 0.07
-"""How far they are drawn back before that, metres."""
+"""Distance by which the fingers are retracted before the approach, metres."""
 SAMPLES = 3
 ENTERED = 0.002
-"""What the arm keeps away on that way, metres; a cell of the field more or less is true."""
+"""Clearance of the arm on that way, metres; the field is accurate to about a cell."""
 THROUGH = 0.008
-"""How much farther than the part's own path the fingers aim in the end, metres: they have to press."""
+"""Distance by which the fingers aim beyond the part's own path, metres, because they have to press."""
 YIELD = 8e-4
-"""How far the arm gives way to a force, metres per newton: about 10 mm at 19 N, and some to spare."""
+"""Compliance of the arm, metres per newton: about 10 mm at 19 N, with some margin."""
 EXACT = 0.006
-"""What the place that is touched may be missed by, metres: a button is small."""
+"""Largest error of the touched point, metres: a button is small."""
 LOOSE = 0.02
 MOST_TURN = 1.3
 
 
 def _through(part: TaskPart, poses: Float[np.ndarray, "K 4 4"]) -> Float[np.ndarray, "K 1"]:
-    """How much farther than the part the fingers aim, metres: more against a spring."""
+    """Distance by which the fingers aim beyond the part, metres: more against a spring."""
     lever = np.ones(len(poses))
     if part.joint.type != "prismatic":
         lever = np.linalg.norm(np.cross(part.joint.axis, poses[:, :3, 3] - part.joint.origin), axis=1)
@@ -45,7 +45,7 @@ def _through(part: TaskPart, poses: Float[np.ndarray, "K 4 4"]) -> Float[np.ndar
 def _enters(
     opening: Opening, entry: Float[np.ndarray, "3 K J"], at: Float[np.ndarray, "4 4"]
 ) -> Bool[np.ndarray, "K"]:
-    """Which ways up to the surface lead through nothing solid."""
+    """Whether each approach to the surface is collision-free."""
     ways = np.linspace(entry[1:-1], entry[2:], SAMPLES).reshape(-1, entry.shape[2])
     body = replace(opening.closed, gap=np.full(len(opening.closed.gap), ENTERED))
     obstacles = (
@@ -61,7 +61,7 @@ def plan_touch(
     """A plan that pushes a part from fraction ``begin`` of its range to ``end``; arguments as `plan_open`.
 
     Raises:
-        NoPlan: if there is no place to push at, or none that the arm can follow.
+        NoPlan: If there is no place to push, or none that the arm can follow.
     """
     chain, robot, name = opening.chain, opening.robot, opening.part.joint.name
     found = push_contacts(opening, float(np.sign(end - begin)))
@@ -75,7 +75,7 @@ def plan_touch(
     targets = motions[:, None] @ poses[None]
     targets[-1, :, :3, 3] -= _through(opening.part, poses) * normals @ motions[-1, :3, :3].T
     path, missed, turned = follow(chain, targets, hold, turn_weight=LOOSE)
-    # From the surface back to where the fingers come from: off it, then back along themselves.
+    # From the surface back to the start of the fingers: off it, then back along themselves.
     back = np.repeat(targets[:1], 3, axis=0)
     off = OFF * normals @ motions[0, :3, :3].T
     point = np.einsum("kij,j->ki", targets[0, :, :3, :3], robot.tool_axes[:, 0])

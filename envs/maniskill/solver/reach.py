@@ -1,4 +1,4 @@
-"""Arm angles for many poses at once, and for whole ways of poses."""
+"""Arm angles for many tool poses at once, and for whole paths of poses."""
 
 import numpy as np
 from jaxtyping import Float, Int
@@ -8,17 +8,17 @@ from .chain import Chain, solve
 
 NEAR = 0.012
 TURN = 0.12
-"""What a pose may be missed by, metres and radians."""
+"""Largest error of a pose, metres and radians."""
 JUMP = 0.5
-"""Largest change of a joint from one waypoint to the next, rad."""
+"""Largest change of a joint between two waypoints, rad."""
 STARTS = 6
 ENOUGH = 60
 KEPT = 24
-"""Poses whose whole way is solved; the others are dropped by what they miss at its beginning."""
+"""Number of poses whose whole path is solved; the others are dropped by their error at the start."""
 
 
 def starts_of(chain: Chain, robot: RobotSpec, q: Float[np.ndarray, "J"]) -> Float[np.ndarray, "S J"]:
-    """Postures from which a search begins: the present one, the ready one, and some spread ones."""
+    """Initial postures of a search: the current one, the ready one, and some spread ones."""
     rng = np.random.default_rng(0)
     low, high = np.clip(chain.lower, -2.5, 2.5), np.clip(chain.upper, -2.5, 2.5)
     return np.concatenate([q[None], robot.ready[None], rng.uniform(low, high, (STARTS, len(q)))])
@@ -30,9 +30,9 @@ def reach(
     cost: Float[np.ndarray, "G"],
     starts: Float[np.ndarray, "S J"],
 ) -> tuple[Float[np.ndarray, "K J"], Int[np.ndarray, "K"]]:
-    """Arm angles for targets that can be solved, the cheapest first, and which targets they are.
+    """Arm angles for solvable targets, the cheapest first, and the indices of these targets.
 
-    Starts are tried one after the other until there are enough solutions; the first is where the arm is.
+    Starts are tried in order until there are enough solutions; the first one is the arm's current posture.
     """
     found, order, score = [], [], []
     for start in starts:
@@ -55,16 +55,17 @@ def follow(
     hold: Float[np.ndarray, "K J"],
     turn_weight: float = 0.1,
 ) -> tuple[Float[np.ndarray, "N K J"], Float[np.ndarray, "K"], Float[np.ndarray, "K"]]:
-    """Goes along K ways of N tool poses each.
+    """Follows K paths of N tool poses each.
 
     Args:
-        chain: the arm.
-        targets: the poses; ``hold`` solves the first of every way.
-        hold: arm angles there.
-        turn_weight: metres that a radian of wrong orientation counts; little lets the gripper turn in hand.
+        chain: The arm.
+        targets: The poses; ``hold`` solves the first of every path.
+        hold: Arm angles at the first poses.
+        turn_weight: Cost in metres of a radian of orientation error; a small value lets the gripper rotate.
 
     Returns:
-        Arm angles, each way's largest miss (m), a jump counting as one, and its largest wrong turn (rad).
+        Arm angles, the largest position error of each path (m), where a jump counts as 0.1 m, and its largest
+        orientation error (rad).
     """
     q, way = hold, [hold]
     worst, turned = np.zeros(len(hold)), np.zeros(len(hold))

@@ -1,4 +1,4 @@
-"""Demonstrations by the scripted solvers, in ManiSkill's own trajectory format (HDF5 and JSON)."""
+"""Records demonstrations of the scripted solvers in ManiSkill's trajectory format (HDF5 and JSON)."""
 
 from collections.abc import Callable, Iterable
 from pathlib import Path
@@ -12,16 +12,16 @@ from .solve import Outcome
 def record_episodes(
     env: gym.Env, solver: Callable[[gym.Env, int], Outcome], seeds: Iterable[int], out: Path
 ) -> tuple[Outcome, ...]:
-    """Plays one episode per seed and keeps those that succeed.
+    """Plays one episode per seed and stores the successful ones.
 
     Args:
-        env: a task with the control mode ``pd_joint_pos``; it is closed in the end.
+        env: A task with the control mode ``pd_joint_pos``; it is closed at the end.
         solver: `solve_open_part` or `solve_put_inside`.
-        seeds: of the episodes.
-        out: folder for ``demonstrations.h5`` and ``demonstrations.json``, made if need be.
+        seeds: Seeds of the episodes.
+        out: Folder for ``demonstrations.h5`` and ``demonstrations.json``; created if missing.
 
     Returns:
-        One outcome per seed, the failed ones too.
+        One outcome per seed, including failures.
     """
     recorder = RecordEpisode(
         env,  # type: ignore[arg-type]

@@ -1,7 +1,7 @@
-"""Scripted solvers: proof that the tasks can be done, and a source of demonstrations.
+"""Scripted solvers: they show that the tasks can be solved, and generate demonstrations.
 
-They act like any policy, through the environment's actions; what they know of the object comes from its
-package. Nothing here learns, and nothing pushes a joint but the robot's fingers.
+They act like any policy, through the environment's actions; their knowledge of the object comes from its
+package. Nothing is learned, and only the robot's fingers move joints.
 """
 
 from collections.abc import Callable
@@ -48,31 +48,32 @@ if TYPE_CHECKING:
 
 ATTEMPTS = 4
 AJAR_ANGLES = (0.7, 0.5, 0.35, 0.26)
-"""How far a door is pulled before it is pushed, rad; the first that the arm can do."""
+"""Angles to which a door is pulled before it is pushed, rad; the first feasible one is used."""
 TOUCH = 0.008
-"""Pressing by less than this (m) along a path is no reason for another one: a field is not finer."""
+"""Penetration (m) along a path that is tolerated, because a field is not more accurate."""
 FARTHER = 0.1
-"""How much farther than asked a part is pushed, part of its range."""
+"""Distance by which a part is pushed beyond the goal, as a share of its range."""
 PROGRESS = 0.03
-"""Change of a part's open fraction (share) that makes another try with the same plans worth it."""
+"""Smallest change of a part's open fraction after which the same plans are tried again."""
 PART_WAYS = (0.6, 0.3, 0.15)
-"""Shares of a motion that are tried where the wrist cannot turn, or the arm reach, all the way at once."""
+"""Shares of a motion that are tried if the wrist cannot turn, or the arm cannot reach, all the way at
+once."""
 AROUND_GRIP = 0.32
 FINE = 0.005
-"""What is near the grip is looked at more closely: so far from it, with cells of this edge, metres."""
+"""Margin around the grip that is resolved more finely, and edge of the cells there, metres."""
 PULL_SPEED = 0.6
 PICKS = 3
 LIFTED = 0.05
-"""How far a cube has to have come up to be in the gripper, metres."""
+"""Height by which a cube must have risen to be in the gripper, metres."""
 STAND_HALF = np.array([0.03, 0.03, 0.2])
-"""Of the upper end of the column under the cube, with some to spare, metres."""
+"""Half extents of the upper end of the column under the cube, with some margin, metres."""
 MOVED = 0.02
-"""Change of a part's open fraction from which on the arm has to look anew where the object is."""
+"""Change of a part's open fraction above which the arm updates its model of the object."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Outcome:
-    """How an episode went; ``reason`` says what stopped it where it failed, "" otherwise."""
+    """Result of an episode; ``reason`` is the cause of a failure, "" for success."""
 
     success: bool
     steps: int
@@ -89,8 +90,8 @@ def solve_open_part(env: gym.Env, seed: int) -> Outcome:
     are pressed or cannot be held are pushed with closed fingers.
 
     Args:
-        env: the task, one scene on the CPU, wrapped or not.
-        seed: of the episode.
+        env: The task, one scene on the CPU, wrapped or not.
+        seed: Seed of the episode.
     """
     _, info = env.reset(seed=seed)
     driver = start(env, info)
@@ -110,7 +111,8 @@ def solve_open_part(env: gym.Env, seed: int) -> Outcome:
 
 
 def _work(driver: Driver, part: TaskPart, goal: float, least: float) -> str:
-    """Moves a part towards ``goal`` until it is at ``least``, shares of its range; "", or what stopped it."""
+    """Moves a part towards ``goal`` until it is at ``least``, shares of its range; returns "" or the cause of
+    a failure."""
     failed, reason = 0, ""
     rising = goal > opened(driver, part)
     while failed < ATTEMPTS and not driver.over:
@@ -129,7 +131,7 @@ def _work(driver: Driver, part: TaskPart, goal: float, least: float) -> str:
 
 
 def _opening(driver: Driver, part: TaskPart) -> Opening:
-    """The part and everything around it, as they are now."""
+    """The current state of the part and everything around it."""
     entry = driver.task.drawn[0][0]
     carried, others = object_hulls(driver, part)
     others = (*others, plinth_under(entry)) if entry.raised > 0.0 else others
@@ -153,14 +155,14 @@ def _opening(driver: Driver, part: TaskPart) -> Opening:
 
 
 def _next_plan(driver: Driver, part: TaskPart, end: float, tries: int) -> OpenPlan:
-    """The first plan along which the arm keeps off everything, or else the one that presses least.
+    """The first plan without contact of the arm, or else the one that presses least.
 
-    Tried are: pressing, for what is to be pressed; in the grip to the end; pushing to the end from behind;
-    pulling as far as that needs; pinching the part itself; pushing from outside; then the same for a part of
-    the way.
+    Candidates in order: pressing, for parts to be pressed; gripping to the end; pushing to the end from
+    behind; pulling as far as that needs; pinching the part itself; pushing from outside; then the same for a
+    part of the motion.
 
     Raises:
-        NoPlan: if none of them works, with what kept them from it.
+        NoPlan: If none of them works; the message lists the reasons.
     """
     opening, q, begin = _opening(driver, part), arm_angles(driver), opened(driver, part)
     ajar = [angle / part.span for angle in AJAR_ANGLES if part.joint.type != "prismatic"]
@@ -173,7 +175,7 @@ def _next_plan(driver: Driver, part: TaskPart, end: float, tries: int) -> OpenPl
 
     def pulled_ajar(to: float) -> OpenPlan:
         if not begin < to < end or part.kind not in ("door", "drawer"):
-            raise NoPlan(f"joint {name!r}: not to be pulled ajar")
+            raise NoPlan(f"joint {name!r}: cannot be pulled ajar")
         _push(opening, q, to, end)
         return held(handle, to)
 
@@ -181,7 +183,7 @@ def _next_plan(driver: Driver, part: TaskPart, end: float, tries: int) -> OpenPl
     touch = [partial(plan_touch, opening, q, begin, end, skip=skip)]
     push = [partial(_push, opening, q, begin, end)] + [partial(pulled_ajar, to) for to in ajar]
     first = touch + whole if part.verb == "press" else whole + push + pinched + touch
-    first = first[tries % len(first) :] + first[: tries % len(first)]  # what failed is not the first again
+    first = first[tries % len(first) :] + first[: tries % len(first)]  # start with an untried plan
     rest = [partial(held, grasps, to) for to in shares for grasps in (handle, edge)]
     rest += [partial(plan_touch, opening, q, begin, to, skip=skip) for to in shares]
     found: list[OpenPlan] = []
@@ -204,7 +206,7 @@ def _next_plan(driver: Driver, part: TaskPart, end: float, tries: int) -> OpenPl
 
 
 def _once(function: Callable[[], Grasps]) -> Callable[[], Grasps]:
-    """A function that is called once, when its value is first needed; what it raises is kept, too."""
+    """Caches the result of a function, or the exception that it raises."""
     known: list[Grasps | NoPlan] = []
 
     def value() -> Grasps:
@@ -221,7 +223,7 @@ def _once(function: Callable[[], Grasps]) -> Callable[[], Grasps]:
 
 
 def _push(opening: Opening, q: Float[np.ndarray, "J"], begin: float, end: float) -> OpenPlan:
-    """Pushes farther than asked if the arm can: what stands out of a leaf keeps fingers off it."""
+    """Pushes farther than requested if the arm can, because protrusions of a leaf keep fingers off it."""
     if opening.part.kind != "door":
         raise NoPlan(f"joint {opening.part.joint.name!r}: only doors are pushed from behind")
     try:
@@ -231,7 +233,8 @@ def _push(opening: Opening, q: Float[np.ndarray, "J"], begin: float, end: float)
 
 
 def _follow_plan(driver: Driver, plan: OpenPlan) -> None:
-    """To the part, along the joint's path, a moment for the part to come to rest, and away."""
+    """Executes a plan: to the part, along the joint's path, a pause for the part to come to rest, and
+    away."""
     grip(driver, finger_action(driver.robot, plan.width) if plan.width else -1.0, 1)
     for q in plan.before:
         move(driver, q)
@@ -276,7 +279,7 @@ def solve_put_inside(env: gym.Env, seed: int) -> Outcome:
 
 
 def _put_plan(driver: Driver, task: "PutInsideEnv") -> PutPlan:
-    """A plan from where the cube lies now."""
+    """A plan from the cube's current position."""
     T_root_world = inverse(root_pose(driver))
     cube = np.asarray(task.cube.pose.to_transformation_matrix()[0].numpy(), dtype=np.float64)
     stand = np.asarray(task.cube_stand.pose.p[0].numpy(), dtype=np.float64)
@@ -304,7 +307,7 @@ def _put_plan(driver: Driver, task: "PutInsideEnv") -> PutPlan:
 
 
 def _pick(driver: Driver, task: "PutInsideEnv", plan: PutPlan) -> bool:
-    """Takes the cube and lifts it; whether it came along."""
+    """Grasps and lifts the cube; returns whether it was lifted."""
     grip(driver, 1.0, 2)
     before = float(task.cube.pose.p[0, 2])
     _go(driver, plan.pick)
@@ -314,7 +317,7 @@ def _pick(driver: Driver, task: "PutInsideEnv", plan: PutPlan) -> bool:
 
 
 def _bring(driver: Driver, plan: PutPlan) -> None:
-    """Brings the cube to its place, lets go and draws back."""
+    """Brings the cube to its place, releases it and retreats."""
     _go(driver, plan.place)
     grip(driver, 1.0, 5)
     _go(driver, plan.leave)
@@ -322,7 +325,7 @@ def _bring(driver: Driver, plan: PutPlan) -> None:
 
 
 def _go(driver: Driver, stage: Float[np.ndarray, "N J"]) -> None:
-    """Through the waypoints of a stage: fast to the first, slowly along the others."""
+    """Moves through the waypoints of a stage: fast to the first, slowly along the others."""
     for index, q in enumerate(stage):
         move(driver, q, speed=0.9 if index == 0 else 0.5)
     wait(driver, 2)

@@ -1,4 +1,4 @@
-"""An arm among obstacles, the common start of all collision-aware plans."""
+"""An arm among obstacles, the common state of all collision-aware plans."""
 
 from dataclasses import dataclass
 
@@ -12,15 +12,15 @@ from .detour import find_detour
 from .reach import follow, starts_of
 
 EXACT = 0.004
-"""What a pose among obstacles may be missed by, metres."""
+"""Largest pose error among obstacles, metres."""
 TURN = 0.1
 PROMISING = 0.25
-"""What is left to go, metres or rad, where it is worth going on."""
+"""Remaining error, metres or rad, below which iterations continue."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Work:
-    """A robot's arm, in the frame of its root, its surface, and what is solid around it."""
+    """A robot's arm in the frame of its root, its surface, and the solids around it."""
 
     chain: Chain
     robot: RobotSpec
@@ -28,20 +28,20 @@ class Work:
     obstacles: tuple[Obstacle, ...]
 
     def free(self, q: Float[np.ndarray, "B J"]) -> Bool[np.ndarray, "B"]:
-        """Which arm poses touch nothing."""
+        """Whether each arm pose is collision-free."""
         return is_free(self.chain, self.body, self.obstacles, q)
 
 
 def free_poses(
     work: Work, targets: Float[np.ndarray, "G 4 4"], q: Float[np.ndarray, "J"], most: int
 ) -> tuple[Float[np.ndarray, "K J"], np.ndarray]:
-    """Arm angles that reach targets and touch nothing, and which targets they are.
+    """Collision-free arm angles that reach targets, and the indices of these targets.
 
     Args:
-        work: the arm and its surroundings.
-        targets: tool poses in the root's frame.
-        q: where the arm is; solutions near to it come first.
-        most: how many solutions are kept.
+        work: The arm and its surroundings.
+        targets: Tool poses in the root's frame.
+        q: Current arm angles; nearby solutions come first.
+        most: Largest number of solutions.
     """
     found, which = [], []
     for start in starts_of(work.chain, work.robot, q):
@@ -60,7 +60,8 @@ def free_poses(
 def _solved(
     chain: Chain, targets: Float[np.ndarray, "G 4 4"], start: Float[np.ndarray, "J"]
 ) -> tuple[Float[np.ndarray, "G J"], Int[np.ndarray, "S"]]:
-    """Arm angles found from one start, and for which targets they are exact; hopeless ones are left early."""
+    """Arm angles found from one start, and the indices of the exact ones; hopeless targets are abandoned
+    early."""
     q, miss, turn = solve(
         chain, targets, np.repeat(start[None], len(targets), axis=0), posture_weight=0.0, iterations=15
     )
@@ -72,10 +73,10 @@ def _solved(
 def free_ways(
     work: Work, targets: Float[np.ndarray, "N K 4 4"], hold: Float[np.ndarray, "K J"]
 ) -> tuple[Float[np.ndarray, "N K J"], Bool[np.ndarray, "K"]]:
-    """Goes along K ways of tool poses; ``hold`` solves the first of each.
+    """Follows K paths of tool poses; ``hold`` solves the first of each.
 
     Returns:
-        Arm angles, and which ways are exact, without jumps, and touch nothing.
+        Arm angles, and which paths are exact, continuous and collision-free.
     """
     ways, missed, turned = follow(work.chain, targets, hold, turn_weight=0.3)
     good = (missed < EXACT) & (turned < TURN)
@@ -87,7 +88,7 @@ def free_ways(
 def detour(
     work: Work, begin: Float[np.ndarray, "J"], end: Float[np.ndarray, "J"], seed: int
 ) -> Float[np.ndarray, "N J"] | None:
-    """Waypoints from one arm pose to another around everything, the first left out; ``None`` if none was
+    """Waypoints from one arm pose to another around obstacles, the first excluded; ``None`` if none was
     found."""
     way = find_detour(work.chain, work.free, begin, end, seed)
     return None if way is None else way[1:]

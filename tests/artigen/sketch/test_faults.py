@@ -163,7 +163,7 @@ def test_a_drawer_may_enter_what_is_on_its_way_a_little(deep: float, found: set[
     assert ids(shape) == found
     for fault in find_faults(shape):
         assert (fault.part, fault.other, fault.value) == ("drawer", "body", pytest.approx(deep))
-        assert fault.text == "drawer runs into body by 2.1 mm on its way, allowed is 2 mm"
+        assert fault.text == "drawer runs into body by 2.1 mm along its range, allowed is 2 mm"
 
 
 def with_lip(height: float, deep: float) -> Shape:

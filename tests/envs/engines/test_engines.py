@@ -339,8 +339,8 @@ def test_engines_are_chosen_by_name():
     chosen = choose_engines("pybullet", (f"pybullet={sys.executable}",))
     assert chosen == (EngineChoice(name="pybullet", python=sys.executable),)
     for names, pythons, said in (
-        ("bullet", (), "no engine bullet"),
-        ("mujoco", ("newton=/usr/bin/python3",), "NAME of --engines"),
+        ("bullet", (), "unknown engine bullet"),
+        ("mujoco", ("newton=/usr/bin/python3",), "NAME in --engines"),
         ("mujoco", ("mujoco=/no/such/python",), "no such file"),
     ):
         with pytest.raises(ArtigenError, match=said):

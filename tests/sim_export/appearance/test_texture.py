@@ -324,7 +324,7 @@ def test_a_part_without_gaussians_is_on_record(cabinet: Asset):
     meshes = mesh_parts(cabinet)
     baked = bake_parts(asset, meshes)
     assert baked.meshes[1] is meshes[1]
-    assert f"{cabinet.parts[1].name}: nothing says its colour, which stays plain" in baked.records
+    assert f"{cabinet.parts[1].name}: no colour samples; its default colour is kept" in baked.records
 
 
 def test_colours_of_gaussians_are_light_and_those_of_textures_are_not():

@@ -441,7 +441,7 @@ def test_a_sheet_has_a_picture_per_shape_and_shows_them_open():
 
 def test_poses_and_arguments_are_checked():
     shape = make_shape(one_part(box((0, 0, 0), (1, 1, 1), "plain")))
-    with pytest.raises(ValueError, match="1 parts want one each"):
+    with pytest.raises(ValueError, match="expected one per part, 1"):
         pose_parts(shape, np.zeros(3))
     with pytest.raises(ValueError, match="1 cameras, 2 joint states"):
         render(build_scene([shape]), front_camera(), [np.zeros(1)] * 2)
