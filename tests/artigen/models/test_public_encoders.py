@@ -158,7 +158,7 @@ def test_a_flow_is_trained_from_a_public_checkpoint_with_public_encoders(
     assert (said["encoders"], said["trellis"]) == ("image and text", "ss_flow")
     with pytest.raises(ArtigenError, match="has another flow than TRELLIS"):
         train_everything(replace(cfg, folder=tmp_path / "other", preset="tiny", encoders=None))
-    with pytest.raises(ArtigenError, match="cannot begin with both"):
+    with pytest.raises(ArtigenError, match="cannot start from both"):
         train_everything(replace(cfg, start=tmp_path))
 
 
