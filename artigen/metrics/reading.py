@@ -16,12 +16,12 @@ HIDDEN: tuple[PartLabel, ...] = ("shelf", "tray")
 
 
 def score_reading(network: SketchNetwork, subjects: Sequence[Subject]) -> dict[str, float]:
-    """Reads the pictures of objects by the likeliest header of each; shares in [0, 1].
+    """Scores the likeliest header that the network reads from the picture of each object; shares in [0, 1].
 
-    ``category`` and ``counts`` are the shares of pictures read right, the latter of every label at once,
-    ``counts in view`` without shelves and trays; ``counts of <label>`` those of one label; ``extents`` is the
-    mean error of the logarithms of the extents as shares of the longest. Categories are compared by
-    `artigen.metrics.categories`.
+    ``category`` is the share of pictures with the right category, ``counts`` with the right counts of all
+    labels, ``counts in view`` of all but shelves and trays, ``counts of <label>`` of one label. ``extents``
+    is the mean absolute error of the logarithms of the extents, each relative to the longest. Categories are
+    compared by `artigen.metrics.categories`.
     """
     kinds, rights, errors = [], [], []
     for subject in subjects:

@@ -25,10 +25,10 @@ def write_appearance_report(evaluation: AppearanceEvaluation, out: Path) -> tupl
 
 
 def format_appearance(evaluation: AppearanceEvaluation) -> str:
-    """One row per joint state, and one for all."""
-    said = ", ".join(f"{name} {value}" for name, value in sorted(evaluation.description.items()))
+    """Markdown tables: one row per joint state and one for all, sampled Gaussians, colours of parts."""
+    described = ", ".join(f"{name} {value}" for name, value in sorted(evaluation.description.items()))
     rows = {**evaluation.states, "all": evaluation.total}
-    lines = [f"Model {evaluation.model[:12]} ({said}), device {evaluation.device}.", ""]
+    lines = [f"Model {evaluation.model[:12]} ({described}), device {evaluation.device}.", ""]
     lines += ["## Autoencoded held-out objects", ""]
     lines += format_table(
         ("joints open by", *(name for _, name, _ in ROWS)),
