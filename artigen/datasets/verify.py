@@ -47,7 +47,7 @@ def _verify_objects(shards: Shards, on_step: Callable[[int, int], None] | None) 
     if len(rows) != len(table["id"]):
         yield f"{shards.folder}: the manifest names {len(table['id']) - len(rows)} objects twice"
     if len(rows) != len(shards):
-        yield f"{shards.folder}: the manifest has {len(rows)} objects, dataset.json says {len(shards)}"
+        yield f"{shards.folder}: the manifest has {len(rows)} objects, dataset.json states {len(shards)}"
     found: dict[str, str] = {}
     geometry: dict[str, str] = {}
     for number, item in enumerate(shards, start=1):
@@ -64,7 +64,7 @@ def _verify_objects(shards: Shards, on_step: Callable[[int, int], None] | None) 
             yield f"{item.id}: {error}"
             continue
         if shards[item.id].members != item.members:
-            yield f"{item.id}: the manifest says another place in {row['shard']}"
+            yield f"{item.id}: the manifest gives another position in {row['shard']}"
         if sample.geometry in geometry:
             yield f"{item.id}: has the geometry of {geometry[sample.geometry]}"
         geometry[sample.geometry] = item.id

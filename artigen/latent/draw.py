@@ -108,13 +108,13 @@ def generate_structure(
         ValueError: If the model does not know the category.
     """
     cfg = cfg or GenerateConfig()
-    told = shape_to_asset(boxes, model.preset.resolution) if isinstance(boxes, Shape) else boxes
-    told = replace(told, name=f"{told.category}_{seed}", surface=None, gaussians=None)
-    counts = part_counts(told).tolist()
-    depth, width, height = asset_size(told).tolist()
+    outlined = shape_to_asset(boxes, model.preset.resolution) if isinstance(boxes, Shape) else boxes
+    outlined = replace(outlined, name=f"{outlined.category}_{seed}", surface=None, gaussians=None)
+    counts = part_counts(outlined).tolist()
+    depth, width, height = asset_size(outlined).tolist()
     asked = replace(
         asked,
-        category=told.category,
+        category=outlined.category,
         counts=tuple(zip(PART_LABELS, counts, strict=True)),
         size=(depth, width, height),
     )
@@ -122,13 +122,15 @@ def generate_structure(
     generator = torch.Generator().manual_seed(seed)
     noise = torch.randn((1, model.flow.channels, edge, edge, edge), generator=generator).to(device)
     known = gather_conditions([asked], model.preset.conditions).to(device)
-    rows = outline_rows(told) if model.flow.takes_outlines else None
+    rows = outline_rows(outlined) if model.flow.takes_outlines else None
     if rows is None or cfg.segment is not None:
         fields, _ = _decode(model, known, noise, rows, cfg)
-        found = segment(fields, cfg.segment, name=told.name, scale=told.scale, category=told.category)
-        return replace(found, notes=(*told.notes, *found.notes))
+        found = segment(
+            fields, cfg.segment, name=outlined.name, scale=outlined.scale, category=outlined.category
+        )
+        return replace(found, notes=(*outlined.notes, *found.notes))
     owners, notes = draw_cells(model, known, noise, rows, cfg)
-    return _place_parts(told, owners, notes)
+    return _place_parts(outlined, owners, notes)
 
 
 def draw_cells(
@@ -168,7 +170,7 @@ def _decode(
     return decoded[0], logits[0].cpu().numpy()
 
 
-def _place_parts(told: Asset, owners: Owners, notes: tuple[str, ...]) -> Asset:
+def _place_parts(outlined: Asset, owners: Owners, notes: tuple[str, ...]) -> Asset:
     """The object with its voxels replaced.
 
     Raises:
@@ -176,8 +178,8 @@ def _place_parts(told: Asset, owners: Owners, notes: tuple[str, ...]) -> Asset:
     """
     coords = np.argwhere(owners >= 0)
     part_ids = owners[tuple(coords.T)]
-    lost = [part.name for number, part in enumerate(told.parts) if not (part_ids == number).any()]
+    lost = [part.name for number, part in enumerate(outlined.parts) if not (part_ids == number).any()]
     if lost:
-        raise SegmentationError(f"no voxel was drawn for {', '.join(lost)} of {len(told.parts)} parts")
+        raise SegmentationError(f"no voxel was drawn for {', '.join(lost)} of {len(outlined.parts)} parts")
     voxels = VoxelGrid(resolution=len(owners), coords=coords, part_ids=part_ids)
-    return replace(told, voxels=voxels, notes=(*told.notes, *notes))
+    return replace(outlined, voxels=voxels, notes=(*outlined.notes, *notes))

@@ -66,7 +66,7 @@ def sort_rows(
     """Rows in reading order: by label, then from top to bottom, left to right, front to back."""
     label = table[:, after_occupancy(layout.label)].argmax(axis=1)
     box = table[:, after_occupancy(layout.box)]
-    center = np.round(box[:, :3] * 32)  # rounded so that parts that are about level compare as level
+    center = np.round(box[:, :3] * 32)  # rounded to half a cell, so that nearly level parts compare as level
     return table[np.lexsort((center[:, 0], -center[:, 1], -center[:, 2], label))]
 
 

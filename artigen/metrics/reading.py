@@ -27,13 +27,13 @@ def score_reading(network: SketchNetwork, subjects: Sequence[Subject]) -> dict[s
     for subject in subjects:
         image = describe_subject(subject, ("image",)).image
         assert image is not None
-        said = draw_header(network, SketchRequest(), 0, LIKELIEST, look_at(network, image)[1])
-        held = {"base": 1, **dict(said.counts)}
-        kinds.append(is_same_category(said.category, subject.example.category))
+        header = draw_header(network, SketchRequest(), 0, LIKELIEST, look_at(network, image)[1])
+        held = {"base": 1, **dict(header.counts)}
+        kinds.append(is_same_category(header.category, subject.example.category))
         rights.append(
             [held[label] == count for label, count in zip(PART_LABELS, subject.example.counts, strict=True)]
         )
-        extents = np.array([said.depth, said.width, said.height], dtype=float)
+        extents = np.array([header.depth, header.width, header.height], dtype=float)
         off = np.log(extents / extents.max()) - np.log(subject.example.size / subject.example.size.max())
         errors.append(np.abs(off).mean())
     right = np.array(rights)

@@ -34,7 +34,7 @@ SPREAD = (
     ("rotation", "range of rotation (degrees)", (6.96, 7.56)),
     ("travel", "range of travel", (0.007, 0.0123)),
 )
-"""Key, name, and the paper's Table 4; it gives lower and upper limit, our lower limit is 0 by convention."""
+"""Key, name, and the paper's Table 4, which gives both limits; here the lower one is 0 by convention."""
 ROWS = (
     ("valid", "valid", "percent"),
     ("category", "category", "percent"),

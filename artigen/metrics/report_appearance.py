@@ -51,9 +51,9 @@ def format_appearance(evaluation: AppearanceEvaluation) -> str:
     ]
     if evaluation.drawn:
         keys = [row for row in ROWS if row[0] in ("psnr", "ssim", "object", "exposed", "rest")]
-        lines += ["", "## Drawn on true voxels", ""]
+        lines += ["", "## Sampled on true voxels", ""]
         lines += format_table(
-            ("told", *(name for _, name, _ in keys)),
+            ("given", *(name for _, name, _ in keys)),
             [("paint", *(format_score(evaluation.drawn.get(key), form) for key, _, form in keys))],
         )
     lines += ["", "## Colours of parts", ""]
@@ -64,6 +64,6 @@ def format_appearance(evaluation: AppearanceEvaluation) -> str:
     lines += [
         "",
         "Mean absolute difference of sRGB values in [0, 1], over the parts that the closed object shows.",
-        "The flow draws on the true voxels, told the paint of both of their sides.",
+        "Sampled Gaussians are those of the flow on the true voxels, given the paint of both of their sides.",
     ]
     return "\n".join(lines) + "\n"

@@ -2,8 +2,8 @@
 
 A field is a dense ``C x X x Y x Z`` array (`encode`, float32) in which every occupied cell carries
 the attributes of the part that owns it, constant within the part (paper section 3.1.1). The channel
-layout is a value, `FieldLayout`. The paper states 35 channels and enumerates 28; that the other
-seven are the one-hot object category is our reading.
+layout is a value, `FieldLayout`. The paper states 35 channels and enumerates 28; the other seven
+are read here as the one-hot object category.
 """
 
 from dataclasses import dataclass

@@ -123,8 +123,8 @@ def redraw_slats(
     models, sure = find_models(example, drawn)
     other = transfer_looks(example, drawn, models)
     mean, std = posterior
-    told = (example.attributes(), other.attributes())
-    return other, transfer_latents(flow, mean.float(), told, models, sure), std[models]
+    attributes = (example.attributes(), other.attributes())
+    return other, transfer_latents(flow, mean.float(), attributes, models, sure), std[models]
 
 
 def slat_batch(

@@ -53,18 +53,18 @@ def train_appearance_vae(
         on_report: Called with every line of metrics.
     """
 
-    told = SIDE_CHANNELS if vae.encoder.cfg.sided else 0
+    scaled = SIDE_CHANNELS if vae.encoder.cfg.sided else 0
 
     def terms(network: nn.Module, drawn: PictureBatch, generator: torch.Generator) -> dict[str, Tensor]:
         shape = (len(drawn.coords), vae.encoder.cfg.latent_channels)
         noise = torch.randn(shape, generator=generator, device=generator.device)
-        feats = hide_views(drawn.coords, drawn.feats, generator, kept=told) if told else drawn.feats
+        feats = hide_views(drawn.coords, drawn.feats, generator, kept=scaled) if scaled else drawn.feats
         encoded = network(drawn.coords, feats, noise, drawn.facings)
         with torch.autocast(drawn.coords.device.type, enabled=False):  # positions need full precision
             made = draw_pictures(encoded.splats, drawn, raster_config(vae, drawn.coords.device))
             return appearance_losses(encoded, made, drawn, losses, extractor)
 
-    center, spread = measure_features(examples, scaled=told)
+    center, spread = measure_features(examples, scaled=scaled)
     vae.feature_mean.copy_(center)
     vae.feature_std.copy_(spread)
     start = finished_steps(folder)

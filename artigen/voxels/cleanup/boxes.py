@@ -23,7 +23,7 @@ MOST = 200
 """Most boxes sought; furniture needs fewer."""
 TRIES = 20
 """Starts without a box of enough evidence that end the search."""
-TOLD = -np.inf
+NO_SEED = -np.inf
 """Seed value of cells where no box starts."""
 
 
@@ -40,17 +40,17 @@ def find_boxes(evidence: Float[np.ndarray, "X Y Z"], least: float) -> list[Box]:
     tries = 0
     while len(found) < MOST and tries < TRIES:
         start = np.unravel_index(int(seeds.argmax()), rest.shape)
-        if seeds[start] == TOLD:
+        if seeds[start] == NO_SEED:
             break
         gain, box = max((_grow(sums, start, order) for order in ORDERS), key=lambda grown: grown[0])
         if gain < least:
             in_vain[box] = True
-            seeds[box] = TOLD
+            seeds[box] = NO_SEED
             tries += 1
             continue
         found.append(box)
         rest[box] = 0.0
-        sums, seeds = _summed(rest), np.where(in_vain, TOLD, _seeds(rest))
+        sums, seeds = _summed(rest), np.where(in_vain, NO_SEED, _seeds(rest))
     return found
 
 
@@ -63,8 +63,8 @@ def fill_boxes(shape: tuple[int, ...], boxes: list[Box]) -> Bool[np.ndarray, "X 
 
 
 def _seeds(rest: Float[np.ndarray, "X Y Z"]) -> Float[np.ndarray, "X Y Z"]:
-    """Mean evidence around each cell; `TOLD` where the cell's own evidence is not positive."""
-    return np.where(rest > 0, uniform_filter(rest, 3, mode="constant", cval=-1.0), TOLD)
+    """Mean evidence around each cell; `NO_SEED` where the cell's own evidence is not positive."""
+    return np.where(rest > 0, uniform_filter(rest, 3, mode="constant", cval=-1.0), NO_SEED)
 
 
 def _summed(rest: Float[np.ndarray, "X Y Z"]) -> Sums:

@@ -227,11 +227,11 @@ def _draw_rectangles(face: Face) -> Int[np.ndarray, "H W"]:
 def _lay_board(face: Face) -> None:
     """Redraws a face as one board with strips along its edges, in place, unless too much of it is missing."""
     main = int(face.weights[:-1].sum(axis=(1, 2)).argmax())
-    drawn, told = _draw_strips(face, main)
+    drawn, redrawn = _draw_strips(face, main)
     beyond = len(face.weights) - 1
-    filled = told & (face.depths == beyond) & (drawn != beyond)
+    filled = redrawn & (face.depths == beyond) & (drawn != beyond)
     if filled.sum() <= FILLED * (~face.covered).sum():
-        _put(face, drawn, told)
+        _put(face, drawn, redrawn)
 
 
 def _lay_panels(face: Face) -> None:
@@ -250,10 +250,10 @@ def _draw_panels(face: Face, main: int) -> Int[np.ndarray, "H W"]:
         label(gain > 0, output=pieces)
         areas = np.bincount(pieces.ravel())
         for across, up, _ in find_boxes(gain[..., None], face.least):
-            told, piece = gain[across, up], int(np.median(pieces[across, up]))
+            inside, piece = gain[across, up], int(np.median(pieces[across, up]))
             off = abs(across.start + across.stop - len(gain)) / 2
-            meant = told.mean() >= SURE and told.size >= WHOLE * areas[piece]
-            if piece and meant and (off <= CENTRED * len(gain) or told.size <= SMALL * gain.size):
+            meant = inside.mean() >= SURE and inside.size >= WHOLE * areas[piece]
+            if piece and meant and (off <= CENTRED * len(gain) or inside.size <= SMALL * gain.size):
                 drawn[across, up] = depth
     return drawn
 
@@ -263,15 +263,15 @@ def _draw_strips(face: Face, main: int) -> tuple[Int[np.ndarray, "H W"], Bool[np
 
     The mask leaves out feet and plinths.
     """
-    drawn, told = np.full(face.covered.shape, main), ~face.covered
-    rest, gains = np.ones_like(told), face.weights - face.weights[main]
+    drawn, redrawn = np.full(face.covered.shape, main), ~face.covered
+    rest, gains = np.ones_like(redrawn), face.weights - face.weights[main]
     while True:
         best = max(_find_strips(face.kind, gains, main), key=lambda found: found[0], default=None)
         if best is None or best[0] < face.least:
-            return drawn, told
+            return drawn, redrawn
         _, strip, depth = best
         if depth is None:
-            told[strip] &= ~rest[strip]
+            redrawn[strip] &= ~rest[strip]
         else:
             drawn[strip] = np.where(rest[strip], depth, drawn[strip])
         rest[strip] = False
@@ -309,11 +309,11 @@ def _find_strips(
             yield float(sums[width - 1]), (across, slice(None)) if axis == 0 else (slice(None), across), depth
 
 
-def _put(face: Face, drawn: Int[np.ndarray, "H W"], told: Bool[np.ndarray, "H W"]) -> None:
+def _put(face: Face, drawn: Int[np.ndarray, "H W"], redrawn: Bool[np.ndarray, "H W"]) -> None:
     """Makes the part begin at the drawn depths, in place: clears cells before them, fills missing ones."""
     depths = face.depths
-    for depth in np.unique(drawn[told & (drawn != depths)]):
-        here = told & (drawn == depth) & (depths != depth)
+    for depth in np.unique(drawn[redrawn & (drawn != depths)]):
+        here = redrawn & (drawn == depth) & (depths != depth)
         near = face.cells[: min(depth, len(face.weights) - 1)]
         near[(near == face.number) & here] = -1
         if depth < len(face.weights) - 1:
