@@ -59,9 +59,9 @@ class ShapeAppearanceConfig:
     """Density of the Gaussians of a shape."""
 
     zoom: int = 2
-    """Cells along the edge of a voxel; 1 is faster, with fewer Gaussians."""
+    """Cells along the edge of a voxel; 1 is faster, with half as many Gaussians."""
     bare: bool = False
-    """Whether sides of cells without surface keep their Gaussians, which about doubles the number."""
+    """Whether sides of cells without surface keep their Gaussians, which doubles their number."""
 
     def __post_init__(self) -> None:
         if self.zoom < 1:

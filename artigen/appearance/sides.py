@@ -20,7 +20,7 @@ from artigen.voxels.frames import count_behind, facing_frames
 from artigen.voxels.surface import PLACES, VoxelPlaces, describe_places
 
 SURE = 0.5
-"""Sum of view weights at which the seen colour of a side gets half of the trust; a frontal view weighs 1."""
+"""Sum of view weights at which the seen colour of a side counts one half; a frontal view weighs 1."""
 CLEAR = 0.1
 """Transmission above which a voxel counts as a pane."""
 SHADES = 24

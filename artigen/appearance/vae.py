@@ -26,7 +26,7 @@ COLOR_MIDDLE, COLOR_SPREAD = 0.5, 0.25
 CLEARING = -6.0
 """Initial weight of a voxel's transmission on the raw opacities of its Gaussians."""
 SHRINKING = 0.6
-"""Initial weight of the logarithm of a width on the spread of offsets across; about proportional to width."""
+"""Initial weight of the logarithm of a width on offsets across; their spread is then about the width."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
