@@ -102,7 +102,7 @@ def test_what_cannot_be_read_is_said_and_the_rest_is_answered(tmp_path: Path, fo
     write_clip(tmp_path / "clip-vit-large-patch14")
     assert find_encoders(tmp_path) == ("text",)
     assert find_encoders(folder) == ("image", "text")
-    with pytest.raises(ValueError, match="tokens of 48, expected 64"):
+    with pytest.raises(ValueError, match="tokens of width 48, expected 64"):
         ConditionConfig(width=64, dino=DINO)
 
 
