@@ -1,7 +1,7 @@
-"""Assets as folders: ``asset.json`` for everything with a name, ``asset.npz`` for the arrays.
+"""Assets as folders: ``asset.json`` for named values, ``asset.npz`` for arrays.
 
-Equal assets give equal bytes, a folder appears whole or not at all, and reading is strict: an
-unknown key is an error, because a misspelt one would otherwise be a silent default.
+Equal assets give equal bytes, and a folder appears whole or not at all. Reading is strict: an unknown
+key is an error, because a misspelt key would otherwise silently mean a default.
 """
 
 import json
@@ -34,12 +34,12 @@ ARRAYS_NAME = "asset.npz"
 
 @contextmanager
 def whole_folder(folder: Path) -> Iterator[Path]:
-    """Yields an empty folder beside ``folder`` that takes its place only when all went well.
+    """Yields an empty folder that replaces ``folder`` when the block succeeds.
 
-    An older ``folder`` is replaced. Whatever stops the block, no half-written folder is left.
+    An older ``folder`` is replaced. If the block fails, no half-written folder is left.
 
     Raises:
-        FileExistsError: ``folder`` is a file.
+        FileExistsError: If ``folder`` is a file.
     """
     if folder.exists() and not folder.is_dir():
         raise FileExistsError(f"{folder}: is a file, expected a folder or nothing")
@@ -71,7 +71,7 @@ def write_asset(asset: Asset, folder: Path) -> None:
     """Writes an asset as a folder, replacing an older one in one step.
 
     Raises:
-        OSError: the disk refuses; nothing is left behind.
+        OSError: If writing fails; nothing is left behind.
     """
     with whole_folder(folder) as scratch:
         (scratch / JSON_NAME).write_text(json.dumps(_to_json(asset), indent=1) + "\n", encoding="utf-8")
@@ -82,7 +82,7 @@ def read_asset(folder: Path) -> Asset:
     """Reads what `write_asset` wrote.
 
     Raises:
-        SourceError: names the file, the field and its value.
+        SourceError: If a file is missing, damaged or malformed; names the file, the field and its value.
     """
     path = folder / JSON_NAME
     try:
@@ -114,7 +114,7 @@ def read_asset(folder: Path) -> Asset:
 
 
 def write_arrays(arrays: dict[str, np.ndarray], path: Path) -> None:
-    """Writes a .npz whose bytes depend on the arrays alone: sorted names, one fixed date, no packing."""
+    """Writes a .npz whose bytes depend on the arrays alone: sorted names, fixed date, no compression."""
     with zipfile.ZipFile(path, "w", zipfile.ZIP_STORED) as archive:
         for name in sorted(arrays):
             info = zipfile.ZipInfo(f"{name}.npy", date_time=(1980, 1, 1, 0, 0, 0))
@@ -123,10 +123,10 @@ def write_arrays(arrays: dict[str, np.ndarray], path: Path) -> None:
 
 
 def read_arrays(path: Path) -> dict[str, np.ndarray]:
-    """Reads a .npz of plain arrays; pickles are refused.
+    """Reads a .npz of plain arrays; pickles are rejected.
 
     Raises:
-        SourceError: the file is missing or damaged.
+        SourceError: If the file is missing or damaged.
     """
     try:
         with np.load(path, allow_pickle=False) as archive:
@@ -181,9 +181,9 @@ def _check_keys(value: object, names: set[str], where: str) -> None:
         raise TypeError(f"{where}: holds {type(value).__name__}, expected an object")
     unknown, missing = sorted(set(value) - names), sorted(names - set(value))
     if unknown or missing:
-        said = [f"unknown keys {', '.join(unknown)}"] if unknown else []
-        said += [f"missing keys {', '.join(missing)}"] if missing else []
-        raise ValueError(f"{where}: {'; '.join(said)}; allowed are {', '.join(sorted(names))}")
+        problems = [f"unknown keys {', '.join(unknown)}"] if unknown else []
+        problems += [f"missing keys {', '.join(missing)}"] if missing else []
+        raise ValueError(f"{where}: {'; '.join(problems)}; allowed are {', '.join(sorted(names))}")
 
 
 def _typed(value: dict, key: str, kind: type | tuple[type, ...]):

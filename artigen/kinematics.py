@@ -1,4 +1,4 @@
-"""The kinematic tree of an asset: order, poses, and moving points and Gaussians with it.
+"""The kinematic tree of an asset: order, poses, and motion of points and Gaussians.
 
 Every joint is given in the object frame at rest, so the displacement of a part is the
 displacement of its parent times its own joint motion: ``D[i] = D[parent] @ motion_i(q_i)``.
@@ -41,7 +41,8 @@ def qlimits(asset: Asset) -> Float[np.ndarray, "J 2"]:
 def displacements(asset: Asset, qpos: Float[np.ndarray, "*B J"]) -> Float[np.ndarray, "*B P 4 4"]:
     """Rigid displacement of every part from rest at ``qpos`` (order of `movable_parts`).
 
-    Raises `ValueError` when ``qpos`` has another length than there are movable parts.
+    Raises:
+        ValueError: If the length of ``qpos`` differs from the number of movable parts.
     """
     qpos = np.asarray(qpos, dtype=np.float64)
     movable = movable_parts(asset)

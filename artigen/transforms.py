@@ -12,7 +12,7 @@ from artigen.types import Joint
 T_ZUP_FROM_PARTNET = np.array(
     [[0.0, 0.0, -1.0, 0.0], [-1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]]
 )
-"""PartNet frame (y up, front +z) to ours (z up, front -x): rpy (pi/2, 0, -pi/2)."""
+"""PartNet frame (y up, front +z) to the object frame (z up, front -x): rpy (pi/2, 0, -pi/2)."""
 
 
 def transform_points(T: Float[np.ndarray, "*B 4 4"], points: Float[np.ndarray, "*C N 3"]) -> np.ndarray:
@@ -36,7 +36,7 @@ def inverse(T: Float[np.ndarray, "*B 4 4"]) -> Float[np.ndarray, "*B 4 4"]:
 
 
 def shift(offset: Float[np.ndarray, "3"]) -> Float[np.ndarray, "4 4"]:
-    """The motion by ``offset`` without a turn."""
+    """Translation by ``offset``."""
     T = np.eye(4)
     T[:3, 3] = offset
     return T
@@ -58,7 +58,7 @@ def screw_motion(
     angle: Float[np.ndarray, "*B"],
     travel: Float[np.ndarray, "*B"],
 ) -> Float[np.ndarray, "*B 4 4"]:
-    """Turns by ``angle`` about the line (``origin``, ``axis``) and slides ``travel`` along it."""
+    """Rotation by ``angle`` (radians) about the line (``origin``, ``axis``) and translation by ``travel``."""
     angle, travel = np.broadcast_arrays(np.asarray(angle, np.float64), np.asarray(travel, np.float64))
     T = np.zeros((*angle.shape, 4, 4))
     T[..., :3, :3] = rotation_about(axis, angle)
@@ -83,7 +83,7 @@ def joint_motion(joint: Joint, q: Float[np.ndarray, "*B"]) -> Float[np.ndarray, 
 
 
 def quat_from_matrix(R: Float[np.ndarray, "*B 3 3"]) -> Float[np.ndarray, "*B 4"]:
-    """Unit quaternions (wxyz, w >= 0) of rotation matrices, stable for every angle."""
+    """Unit quaternions (wxyz, w >= 0) of rotation matrices, numerically stable for every angle."""
     m = np.asarray(R, dtype=np.float64)
     trace = np.trace(m, axis1=-2, axis2=-1)
     # Bar-Itzhack: the quaternion is the dominant eigenvector of this symmetric matrix.

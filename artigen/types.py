@@ -48,11 +48,11 @@ def frozen_array(value: object, dtype: type, shape: tuple[int | None, ...], name
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Joint:
-    """How a part moves relative to its parent; given in the object frame at rest.
+    """Motion of a part relative to its parent, in the object frame at rest.
 
     The coordinate ``q`` is an angle in radians for revolute, continuous and screw joints and a
     unit-cube length for prismatic ones. ``q = 0`` is closed and positive ``q`` opens. A continuous
-    joint states ``[0, 2 pi]`` but is not limited by it. A screw turns by ``q`` and at the same
+    joint states ``[0, 2 pi]`` but is not limited by it. A screw rotates by ``q`` and at the same
     time travels ``pitch * q`` along its axis.
     """
 
@@ -86,7 +86,7 @@ FIXED = Joint(type="fixed", axis=np.array([0.0, 0.0, 1.0]), origin=np.zeros(3))
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Part:
-    """One rigid piece with a meaning: a drawer, its handle, a shelf.
+    """One rigid piece with a label: a drawer, its handle, a shelf.
 
     ``parent`` indexes ``Asset.parts`` (-1 for the one root). ``box`` is (centre, size) of the
     part's own geometry at rest, children excluded, in unit-cube lengths.
@@ -128,7 +128,7 @@ class VoxelGrid:
         object.__setattr__(self, "part_ids", part_ids)
 
     def occupied(self) -> Bool[np.ndarray, "X Y Z"]:
-        """Whether something is in each cell of the whole grid."""
+        """Dense mask of the occupied cells."""
         cells = np.zeros((self.resolution,) * 3, dtype=bool)
         cells[tuple(self.coords.T)] = True
         return cells
@@ -142,9 +142,9 @@ class VoxelGrid:
 class SurfaceSamples:
     """Points drawn uniformly by area from a coloured surface, with the part they lie on.
 
-    Every point stands for the same area, so counting points measures area. The link between a
-    source mesh and everything that needs its look or its place: voxel labels by majority,
-    texture baking, distances.
+    Every point stands for the same area, so counting points measures area. Samples stand in for a
+    source mesh wherever its colours or positions are needed: voxel labels by majority, texture
+    baking, distances.
     """
 
     points: Float[np.ndarray, "N 3"]
@@ -163,7 +163,7 @@ class SurfaceSamples:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Gaussians:
-    """3D Gaussians in the unit cube: values in meaningful units, never encodings.
+    """3D Gaussians in the unit cube, as physical values, not as encodings.
 
     ``scales`` are standard deviations in unit-cube lengths, ``opacities`` lie in [0, 1],
     ``quats`` are wxyz and unit, ``colors`` linear RGB in [0, 1] (degree-0 harmonics).
@@ -196,10 +196,10 @@ class Gaussians:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Asset:
-    """An articulated object: parts in a tree, plus whatever geometry a stage has produced.
+    """An articulated object: parts in a tree, and the geometry that stages have produced so far.
 
-    ``scale`` is metres per unit-cube length. ``notes`` lists everything that was repaired, snapped
-    or dropped by earlier stages, one sentence each.
+    ``scale`` is metres per unit-cube length. ``notes`` lists everything that earlier stages repaired,
+    snapped or dropped, one sentence each.
     """
 
     name: str

@@ -1,6 +1,7 @@
 """Attributes of every voxel that condition the flow of structured latents.
 
-Kind of voxel, where surface lies in it (`artigen.voxels.surface`), its paint (`artigen.appearance.paint`).
+They are the kind of voxel, the position of the surface in it (`artigen.voxels.surface`), and its paint
+(`artigen.appearance.paint`).
 """
 
 import numpy as np
@@ -11,7 +12,7 @@ from artigen.voxels.fields import DEFAULT_LAYOUT, after_occupancy
 from artigen.voxels.frames import AROUND, FACINGS, SIDES, find_covered, find_joined
 
 KIND = FACINGS + len(PART_LABELS) + SIDES + AROUND
-"""Numbers that say what kind of voxel one is."""
+"""Numbers that describe the kind of a voxel (`describe_kinds`)."""
 
 
 def describe_kinds(
@@ -23,19 +24,19 @@ def describe_kinds(
 ) -> Float[np.ndarray, "N 20"]:
     """Kind of each voxel as features (float32).
 
-    Which way its outer side faces (one of 6), the label of its part, whether something stands before its
-    outer side and its inner one, and whether its part goes on around it.
+    Direction of its outer side (one of 6), label of its part, whether something stands before its outer and
+    its inner side, and whether its part continues around it.
 
     Args:
         table: Channels after occupancy of each part, in the default layout.
         part_ids: Part of each voxel.
         facings: Direction of each voxel's outer side.
         covered: Whether something stands before either side (`artigen.voxels.frames.find_covered`).
-        joined: Whether the part goes on across them (`artigen.voxels.frames.find_joined`).
+        joined: Whether the part continues around the voxel (`artigen.voxels.frames.find_joined`).
     """
     labels = table[:, after_occupancy(DEFAULT_LAYOUT.label)]
-    told = (np.eye(FACINGS)[facings], labels[part_ids], covered, joined.reshape(len(joined), AROUND))
-    return np.concatenate(told, axis=1).astype(np.float32)
+    features = (np.eye(FACINGS)[facings], labels[part_ids], covered, joined.reshape(len(joined), AROUND))
+    return np.concatenate(features, axis=1).astype(np.float32)
 
 
 def read_kinds(
@@ -67,8 +68,8 @@ def describe_voxels(
     """Conditioning features of every voxel for the flow of structured latents (float32).
 
     Args:
-        kinds: Of the voxels (`describe_kinds`).
-        places: Where their surface lies (`artigen.voxels.surface.describe_places`).
-        paint: Colours of both sides of each voxel, and how clear it is (`artigen.appearance.paint`).
+        kinds: Kinds of the voxels (`describe_kinds`).
+        places: Positions of their surface (`artigen.voxels.surface.describe_places`).
+        paint: Colours of both sides of each voxel, and its transmission (`artigen.appearance.paint`).
     """
     return np.concatenate([kinds, places, paint], axis=1).astype(np.float32)

@@ -1,7 +1,7 @@
 """Averages the residual colours of neighbouring sides that are painted alike.
 
-Light comes evenly from all around in the pictures of training, so a figure has one colour. The flow, which
-guesses patch by patch, mottles it.
+Training pictures are lit evenly from all around, so a region of one paint has one colour. The flow predicts
+patch by patch and mottles it.
 """
 
 import numpy as np
@@ -13,7 +13,7 @@ from artigen.voxels.frames import SIDES
 from artigen.voxels.regions import number_faces
 
 ALIKE = 1.5 / 255
-"""Difference of paint up to which two neighbours are painted alike: paint comes in steps of 1/255."""
+"""Largest difference of paint between neighbours that are painted alike; paint comes in steps of 1/255."""
 
 
 def even_sides(
@@ -22,23 +22,23 @@ def even_sides(
     paint: Float[np.ndarray, "N 7"],
     edges: Int[np.ndarray, "E 2"],
 ) -> Float[Tensor, "N C"]:
-    """Latents in which sides of one figure differ in colour from what is expected of them by the same.
+    """Latents whose deviation in colour from the linear prior is averaged over each region of one paint.
 
     Args:
-        drawn: Latents, which begin with the colours of both sides (`artigen.appearance.vae`).
-        expected: What paint and places let one expect of them.
-        paint: Colours of both sides of the voxels, and how clear they are.
+        drawn: Sampled latents, which begin with the colours of both sides (`artigen.appearance.vae`).
+        expected: Prediction of the linear prior (`artigen.appearance.linear_prior`).
+        paint: Colours of both sides of the voxels, and their transmission.
         edges: Pairs of neighbours on one face (`artigen.voxels.regions.find_edges`).
     """
     out = drawn.clone()
     for side in range(SIDES):
         own = slice(3 * side, 3 * side + 3)
-        told = np.concatenate([paint[:, own], paint[:, -1:]], axis=1)
-        alike = np.abs(told[edges[:, 0]] - told[edges[:, 1]]).max(axis=1) <= ALIKE
-        figures = torch.from_numpy(number_faces(len(paint), edges[alike]).astype(np.int64)).to(drawn.device)
-        added = drawn[:, own] - expected[:, own]
-        count = torch.bincount(figures).to(added.dtype)
-        total = torch.zeros(len(count), added.shape[1], dtype=added.dtype, device=added.device)
-        mean = total.index_add_(0, figures, added) / count[:, None]
-        out[:, own] = expected[:, own] + mean[figures]
+        painted = np.concatenate([paint[:, own], paint[:, -1:]], axis=1)
+        alike = np.abs(painted[edges[:, 0]] - painted[edges[:, 1]]).max(axis=1) <= ALIKE
+        regions = torch.from_numpy(number_faces(len(paint), edges[alike]).astype(np.int64)).to(drawn.device)
+        residual = drawn[:, own] - expected[:, own]
+        count = torch.bincount(regions).to(residual.dtype)
+        total = torch.zeros(len(count), residual.shape[1], dtype=residual.dtype, device=residual.device)
+        mean = total.index_add_(0, regions, residual) / count[:, None]
+        out[:, own] = expected[:, own] + mean[regions]
     return out

@@ -1,7 +1,7 @@
 """Training data of a procedural object: voxel features and target pictures.
 
-Every joint state is photographed once; features are read off all pictures, and some are kept (section 4.2.1
-of the paper: 8 states, 48 views each).
+Every joint state is rendered once. Features come from all pictures, and some pictures are kept as targets
+(section 4.2.1 of the paper: 8 states, 48 views each).
 """
 
 from dataclasses import dataclass, field, replace
@@ -33,12 +33,12 @@ from artigen.types import Asset
 from artigen.voxels.surface import measure_places
 
 AT_ONCE = 16
-"""Pictures whose features are in memory."""
+"""Pictures whose features are in memory at once."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class CurationConfig:
-    """States, views, and what is made of them."""
+    """Joint states, views, and the features and pictures made of them."""
 
     states: int = 8
     """Joint states; 1 is the closed object alone."""
@@ -47,21 +47,22 @@ class CurationConfig:
     views: ViewConfig = field(default_factory=ViewConfig)
     """Pictures of one state."""
     kept: int = 6
-    """Pictures of a state that are kept to be repeated."""
+    """Pictures of a state that are kept as targets."""
     weighting: Weighting = "seen"
     """Which views count for a voxel: those that show it, or all, as in the paper."""
     tolerance: float = 1.5
     """Largest difference of depths, in voxels, at which a view shows a voxel."""
     sided: bool = False
-    """Whether features say what both sides of a voxel look like, too (`artigen.appearance.sides`)."""
+    """Whether features include the appearance of both sides of a voxel (`artigen.appearance.sides`)."""
     painted: bool = True
-    """Whether sides that few views show take the colour of their surface; without, pictures alone tell."""
+    """Whether sides that few views show take the colour of their surface; if not, views alone count."""
 
     def __post_init__(self) -> None:
         if self.states < 1 or not 0 <= self.kept <= self.views.count or self.tolerance <= 0:
             raise ValueError(
                 f"{self.states} states, {self.kept} of {self.views.count} views kept, tolerance "
-                f"{self.tolerance}: expected at least 1 state, no more than there are, and above 0"
+                f"{self.tolerance}: expected at least 1 state, kept views from 0 to the number of views, and "
+                "a tolerance above 0"
             )
 
     def channels(self, extractor: FeatureExtractor) -> int:
@@ -82,18 +83,20 @@ def curate(
     Args:
         shape: The object.
         asset: The same object with voxels and, where they have sides, samples of its surface.
-        facings: Directions of their outer sides.
-        extractor: Reads features off pictures.
+        facings: Directions of the voxels' outer sides.
+        extractor: Extractor of image features.
         cfg: States and views.
-        paint: Own colours of the voxels' sides.
+        paint: Surface colours of the voxels' sides.
 
     Raises:
-        ValueError: If the asset has no voxels, or lacks the samples.
+        ValueError: If the asset has no voxels, or needs surface samples and has none.
     """
     if asset.voxels is None:
         raise ValueError(f"asset {asset.name!r} has no voxels; voxelize its surface first")
     if cfg.sided and asset.surface is None:
-        raise ValueError(f"asset {asset.name!r} has no surface samples; places of sides are read off them")
+        raise ValueError(
+            f"asset {asset.name!r} has no surface samples; positions of voxel sides are measured on them"
+        )
     scene = build_scene([shape])
     center, scale = frame_shape(shape)
     centers, part_ids, cell = asset.voxels.centers(), asset.voxels.part_ids, 1.0 / asset.voxels.resolution
@@ -128,13 +131,13 @@ def curate(
     features = mean.finish()
     if sides is not None and asset.surface is not None:
         looks = sides.finish(paint if cfg.painted else None)
-        told = describe_sides(looks, measure_places(asset.surface, asset.voxels, facings))
-        features = replace(features, values=np.concatenate([features.values, told.numpy()], axis=1))
+        described = describe_sides(looks, measure_places(asset.surface, asset.voxels, facings))
+        features = replace(features, values=np.concatenate([features.values, described.numpy()], axis=1))
     return features, join_pictures(kept)
 
 
 def _spread_rows(cfg: CurationConfig) -> Int[np.ndarray, "K"]:
-    """Which views of a state are kept: evenly from low to high, before both backgrounds in turn."""
+    """Rows of the views that are kept of a state: evenly from low to high, with alternating backgrounds."""
     order = np.arange(cfg.kept)
     rows = np.floor(order * cfg.views.count / max(cfg.kept, 1)).astype(np.int64)
     return np.minimum(rows + (rows - order) % 2, cfg.views.count - 1)

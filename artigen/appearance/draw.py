@@ -31,7 +31,7 @@ from artigen.voxels.surface import describe_places, measure_places
 from artigen.voxels.voxelize import voxelize_again
 
 DECODER = "decoder."
-"""What the decoder's tensors are called by in a stored VAE; the encoder is not needed to generate."""
+"""Prefix of the decoder's tensors in a stored VAE; generation does not need the encoder."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -45,16 +45,16 @@ class AppearanceModel:
 
 @dataclass(frozen=True, kw_only=True)
 class AppearanceConfig:
-    """How an appearance is drawn for a structure."""
+    """How an appearance is sampled for a structure."""
 
     sampler: SamplerConfig | None = None
-    """Steps and guidance; None leaves them to the model's preset."""
+    """Steps and guidance; those of the model's preset when None."""
     seams: SeamConfig = field(default_factory=SeamConfig)
-    """What counts as a Gaussian that strays over a neighbouring part."""
+    """Thresholds for Gaussians that stray into a neighbouring part."""
 
 
 def has_appearance(folder: Path) -> bool:
-    """Whether a model folder holds what appearance needs, besides or without a structure model.
+    """Whether a model folder holds the networks of an appearance model; it may hold others as well.
 
     Raises:
         SourceError: If the folder describes no model.
@@ -66,15 +66,15 @@ def load_appearance_model(folder: Path, device: torch.device | str = "cpu") -> A
     """Loads the decoder and the flow of a model folder that `artigen train appearance` wrote.
 
     Raises:
-        SourceError: If the folder holds no whole model, or one of a preset we do not know.
+        SourceError: If the folder holds no complete model, or one of an unknown preset.
     """
-    said = read_description(folder)
+    description = read_description(folder)
     if not has_appearance(folder):
         raise SourceError(
-            f"{folder / DESCRIPTION}: describes {', '.join(sorted(said)) or 'nothing'}, expected "
+            f"{folder / DESCRIPTION}: describes {', '.join(sorted(description)) or 'nothing'}, expected "
             f"{APPEARANCE_VAE} and {APPEARANCE_FLOW}; train them with artigen train appearance"
         )
-    names = [said[network].get("preset") for network in (APPEARANCE_VAE, APPEARANCE_FLOW)]
+    names = [description[network].get("preset") for network in (APPEARANCE_VAE, APPEARANCE_FLOW)]
     preset = next((known for key, known in APPEARANCE_PRESETS.items() if [key, key] == names), None)
     if preset is None:
         raise SourceError(
@@ -103,19 +103,19 @@ def draw_splats(
     *,
     paint: Float[np.ndarray, "N 7"] | None = None,
 ) -> Splats:
-    """Draws the Gaussians of given voxels, voxel after voxel.
+    """Samples the Gaussians of given voxels, in the order of the voxels.
 
     Args:
-        model: trained networks.
-        canvas: the voxels.
-        asked: the condition.
-        seed: of the noise.
-        cfg: sampler.
-        paint: colours of both sides of each voxel, and how clear it is (`artigen.appearance.paint`); all
-            models but ``paper`` are told.
+        model: Trained networks.
+        canvas: The voxels.
+        asked: Condition.
+        seed: Seed of the noise.
+        cfg: Sampler.
+        paint: Colours of both sides of each voxel, and its transmission (`artigen.appearance.paint`); all
+            models but ``paper`` take it.
 
     Raises:
-        ValueError: If the model is to be told paint and where surface lies, and is not.
+        ValueError: If the model takes paint and surface positions, and one is missing.
     """
     device = next(model.flow.parameters()).device
     generator = torch.Generator().manual_seed(seed)
@@ -130,7 +130,7 @@ def draw_splats(
         if canvas.places is None or paint is None:
             lacks = "places" if canvas.places is None else "paint"
             raise ValueError(
-                f"{len(coords)} voxels without {lacks}; this model is told where surface lies and its paint"
+                f"{len(coords)} voxels without {lacks}; this model needs positions and paint of surface"
             )
         kinds = read_kinds(coords, part_ids, facings, table, edge)
         attributes = torch.from_numpy(describe_voxels(kinds, describe_places(canvas.places), paint)).to(
@@ -156,20 +156,21 @@ def generate_appearance(
     *,
     surface: PaintedSurface | None = None,
 ) -> Asset:
-    """Draws Gaussians for the surface of an asset; the same arguments give the same ones on one machine.
+    """Samples Gaussians for the surface of an asset; the same arguments give the same ones on one machine.
 
-    Given painted samples of its surface, they are drawn in these colours on the voxels that it passes
-    through, as those of true objects are; else on the asset's own. Every Gaussian belongs to the part of its
-    voxel, but for those that stray (`artigen.splats.seams`).
+    With painted samples of the surface, Gaussians take its colours and lie on the voxels that it passes
+    through, as in training; otherwise they lie on the asset's own voxels. Every Gaussian belongs to the part
+    of its voxel, except for strays (`artigen.splats.seams`).
 
     Args:
-        model: trained networks.
-        asset: with voxels in the model's resolution.
-        asked: the condition that the structure was drawn from.
-        seed: of the noise.
-        cfg: sampler and seams.
-        surface: painted samples of the surface that the voxels stand for, of a drawn structure those of its
-            meshes (`sim_export.geometry.surface`, `artigen.appearance.paint.repaint`); ``paper`` needs none.
+        model: Trained networks.
+        asset: Asset with voxels at the model's resolution.
+        asked: Condition from which the structure was generated.
+        seed: Seed of the noise.
+        cfg: Sampler and seams; the defaults when None.
+        surface: Painted samples of the surface that the voxels represent; for a generated structure those of
+            its meshes (`sim_export.geometry.surface`, `artigen.appearance.paint.repaint`). ``paper`` needs
+            none.
 
     Raises:
         ValueError: If the asset has no voxels, has them in another resolution, or samples are missing.
@@ -178,7 +179,7 @@ def generate_appearance(
     edge, voxels = model.preset.decoder.trunk.resolution, asset.voxels
     if voxels is None or not len(voxels.coords) or voxels.resolution != edge:
         found = "none" if voxels is None else f"{len(voxels.coords)} of {voxels.resolution}^3"
-        raise ValueError(f"asset {asset.name!r}: voxels are {found}, this model draws on those of {edge}^3")
+        raise ValueError(f"asset {asset.name!r}: voxels are {found}, this model needs some of {edge}^3")
     places = paint = None
     if surface is not None:
         samples = surface.samples
@@ -187,9 +188,9 @@ def generate_appearance(
         paint = (gather_paint(surface, voxels, facings).packed() / 255.0).astype(np.float32)
     elif model.flow.attribute_channels:
         raise ValueError(
-            f"asset {asset.name!r} came without painted samples of its surface, which say where in its "
-            "voxels Gaussians belong and in which colours; take some of its meshes "
-            "(sim_export.geometry.surface) and paint them (artigen.appearance.paint.repaint)"
+            f"asset {asset.name!r} has no painted samples of its surface, which determine the positions and "
+            "the colours of its Gaussians; sample its meshes (sim_export.geometry.surface) and paint the "
+            "samples (artigen.appearance.paint.repaint)"
         )
     else:
         facings = find_facings(voxels.coords, voxels.part_ids, edge)

@@ -1,8 +1,8 @@
 """Gaussians of an exact shape: the VAE decoder applied to its known surfaces and colours.
 
-Nothing is drawn: where surface lies, which way it faces and what colour either side has are the shape's own.
-They are read off on a grid finer than that of the voxels, and encoded and decoded in tiles of the edge that
-the networks know, so that edges are sharper than voxels are. Every Gaussian moves with the part of its cell.
+Nothing is sampled: position, direction and colours of the surface are those of the shape. They are measured
+on a grid finer than that of the voxels, for edges sharper than a voxel, and are encoded and decoded in tiles
+of the edge that the networks were trained on. Every Gaussian moves with the part of its cell.
 """
 
 from collections.abc import Mapping
@@ -40,14 +40,14 @@ VOXELS = 64
 SIDED: Mapping[str, PresetName] = {
     name: name for name, one in APPEARANCE_PRESETS.items() if one.encoder.sided
 }
-"""Presets whose voxels have two sides, which the told surfaces are for."""
+"""Presets whose voxels have two sides."""
 STRAIGHT = 0.97
-"""Cosine from which surface faces one way alone: round legs need the Gaussians of both sides to be closed."""
+"""Cosine from which surface counts as facing one way only; round legs need both sides to be closed."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ShapeAppearanceModel:
-    """The trained VAE, and how the features that it reads are taken off a shape."""
+    """The trained VAE, and how its input features are computed from a shape."""
 
     vae: AppearanceVae
     extractor: FeatureExtractor
@@ -56,12 +56,12 @@ class ShapeAppearanceModel:
 
 @dataclass(frozen=True, kw_only=True)
 class ShapeAppearanceConfig:
-    """How finely a shape is told, and what is left out."""
+    """Density of the Gaussians of a shape."""
 
     zoom: int = 2
-    """Cells of the told surface along the edge of a voxel: 1 is faster, with half as many Gaussians."""
+    """Cells along the edge of a voxel; 1 is faster, with half as many Gaussians."""
     bare: bool = False
-    """Whether the sides of cells that have no surface keep their Gaussians: twice as many."""
+    """Whether sides of cells without surface keep their Gaussians, which doubles their number."""
 
     def __post_init__(self) -> None:
         if self.zoom < 1:
@@ -75,19 +75,19 @@ def load_shape_appearance(folder: Path, device: torch.device | str = "cpu") -> S
         SourceError: If the folder holds no VAE, one of an unknown preset or without sides, or one that reads
             the features of another network.
     """
-    said = read_description(folder).get(APPEARANCE_VAE)
-    if said is None:
+    entry = read_description(folder).get(APPEARANCE_VAE)
+    if entry is None:
         raise SourceError(f"{folder}: holds no {APPEARANCE_VAE}; train one with artigen train appearance")
-    preset = SIDED.get(str(said.get("preset")))
-    if preset is None or said.get("features") != "pyramid":
+    preset = SIDED.get(str(entry.get("preset")))
+    if preset is None or entry.get("features") != "pyramid":
         raise SourceError(
-            f"{folder}: {APPEARANCE_VAE} is of preset {said.get('preset')!r} and reads features "
-            f"{said.get('features')!r}, expected one of {', '.join(SIDED)} and 'pyramid'"
+            f"{folder}: {APPEARANCE_VAE} is of preset {entry.get('preset')!r} and reads features "
+            f"{entry.get('features')!r}, expected one of {', '.join(SIDED)} and 'pyramid'"
         )
     inputs = FeatureInputs(
         preset=preset,
-        articulated=bool(said["articulated"]),
-        weighting="plain" if said["weighting"] == "plain" else "seen",
+        articulated=bool(entry["articulated"]),
+        weighting="plain" if entry["weighting"] == "plain" else "seen",
     )
     vae = AppearanceVae(inputs.encoder, APPEARANCE_PRESETS[preset].decoder)
     load_model(vae, folder, APPEARANCE_VAE)
@@ -99,10 +99,10 @@ def load_shape_appearance(folder: Path, device: torch.device | str = "cpu") -> S
 
 
 def voxelize_shape(shape: Shape, resolution: int = VOXELS) -> Asset:
-    """The asset of a shape with exact voxels and all of its parts, those too small to own a voxel too.
+    """The asset of a shape with exact voxels and all of its parts, including those too small to own a voxel.
 
-    `artigen.voxels.fields.encode` makes the 35 channels of it, `artigen.voxels.voxelize.drop_unresolved`
-    leaves such parts out.
+    `artigen.voxels.fields.encode` turns it into 35 channels; `artigen.voxels.voxelize.drop_unresolved`
+    merges parts without a voxel into their parents.
     """
     found = rasterize_shape(shape, resolution)
     voxels = assign_cells(found.cells, found.part_ids, found.areas, resolution)
@@ -115,16 +115,16 @@ def voxelize_shape(shape: Shape, resolution: int = VOXELS) -> Asset:
 def decode_gaussians(
     model: ShapeAppearanceModel, shape: Shape, cfg: ShapeAppearanceConfig | None = None
 ) -> Asset:
-    """Samples a shape as an asset with exact voxels (64^3) and decodes its Gaussians, deterministically.
+    """The asset of a shape with exact voxels (64^3) and decoded Gaussians; deterministic.
 
     Args:
         model: The trained VAE.
         shape: The object.
-        cfg: Sampling density and omitted parts.
+        cfg: Density of the Gaussians; the defaults when None.
     """
     cfg = cfg or ShapeAppearanceConfig()
-    told = shape_to_asset(shape, cfg.zoom * model.vae.encoder.cfg.resolution)
-    laid, facings, paint = lay_painted(shape, told)
+    fine = shape_to_asset(shape, cfg.zoom * model.vae.encoder.cfg.resolution)
+    laid, facings, paint = lay_painted(shape, fine)
     surface, voxels = laid.surface, laid.voxels
     assert surface is not None
     assert voxels is not None
@@ -145,18 +145,21 @@ def decode_gaussians(
 def decode_tiles(
     vae: AppearanceVae, voxels: VoxelGrid, facings: Int[np.ndarray, "N"], features: Float[np.ndarray, "N C"]
 ) -> Splats:
-    """Encodes and decodes cells of a grid of any edge, voxel after voxel, in tiles that the networks know.
+    """Encodes and decodes cells of a grid of any edge, in tiles of the edge that the networks take.
 
     Args:
         vae: Trained networks.
         voxels: Cells of the grid.
         facings: Directions of their outer sides.
-        features: Of the cells.
+        features: Features of the cells.
+
+    Returns:
+        Gaussians in the order of the cells.
     """
     cells = voxels.coords.astype(np.int64)
     corners, tiles = np.unique(cells // vae.encoder.cfg.resolution, axis=0, return_inverse=True)
     rows = [np.flatnonzero(tiles.ravel() == tile) for tile in range(len(corners))]
-    # One tile at a time: the activations of all of them do not fit into the cache of a processor.
+    # One tile at a time: the activations of all tiles do not fit into the cache of a processor.
     decoded = [
         _decode_tile(vae, voxels, corner, own, facings, features)
         for corner, own in zip(corners, rows, strict=True)
@@ -176,13 +179,13 @@ def _decode_tile(
     facings: Int[np.ndarray, "N"],
     features: Float[np.ndarray, "N C"],
 ) -> Splats:
-    """The Gaussians of some cells, all of the tile at ``corner`` (in tiles), within the whole grid."""
+    """Gaussians, in the frame of the whole grid, of cells of the tile at ``corner`` (in tiles)."""
     edge, device = vae.encoder.cfg.resolution, next(vae.parameters()).device
     places = np.pad(voxels.coords[rows].astype(np.int64) % edge, ((0, 0), (1, 0)))  # all of sample 0
-    told = torch.from_numpy(features[rows]).to(device)
+    own = torch.from_numpy(features[rows]).to(device)
     noise = torch.zeros(len(rows), vae.encoder.cfg.latent_channels, device=device)
     faced = torch.from_numpy(facings[rows].astype(np.int64)).to(device)
-    values = vars(vae(torch.from_numpy(places).to(device), told, noise, faced).splats)
+    values = vars(vae(torch.from_numpy(places).to(device), own, noise, faced).splats)
     share = edge / voxels.resolution
     means = (values["means"] + 0.5 + torch.from_numpy(corner).to(device).float()) * share - 0.5
     return Splats(**{**values, "means": means, "scales": values["scales"] * share})
@@ -191,8 +194,10 @@ def _decode_tile(
 def find_shown(
     surface: SurfaceSamples, voxels: VoxelGrid, facings: Int[np.ndarray, "N"]
 ) -> Bool[np.ndarray, "N 2"]:
-    """Which sides of cells show anything: all but the far side of one whose surface faces one way alone, and
-    both of one that surface only grazes, where nothing says how much of it is filled.
+    """Mask of the sides of cells (outer, inner) that show surface.
+
+    Left out are the far side of a cell whose surface faces one way only, and both sides of a cell that
+    surface only grazes, where its filled share is unknown.
 
     Args:
         surface: Samples, `artigen.voxels.surface.SAMPLES` along a cell's edge.
@@ -215,13 +220,13 @@ def leave_out(
 ) -> tuple[Splats, Int[np.ndarray, "K"]]:
     """Gaussians without those of sides that show nothing, and the part of each.
 
-    What one side hid and the other hides again is hidden by the one that stays alone: opacities of its
-    Gaussians are those of two in a row.
+    Where one side of a cell stays alone, its Gaussians get the opacity of two in a row, so that the cell
+    hides as much as before.
 
     Args:
-        splats: Of all cells, cell after cell, outer side first.
+        splats: Gaussians of all cells, cell after cell, outer side first.
         part_ids: Part of each cell.
-        shown: Which sides stay, the outer one first.
+        shown: Mask of the sides that stay, the outer one first.
     """
     half = len(splats.means) // (SIDES * len(part_ids))
     kept = np.repeat(shown.ravel(), half)

@@ -1,7 +1,7 @@
 """Newly exposed surface: not reached by any straight line from outside while the object is closed.
 
-Exact up to the number of directions that are tried: every visible point is moved back to rest with its part
-and looked for from there, past all solids but glass.
+Exact up to the number of directions tried. Every visible point is moved back to rest with its part, and rays
+from there are tested against all solids but glass.
 """
 
 from typing import Any
@@ -18,9 +18,9 @@ from artigen.shapes.render.scene import Instances, Scene, place_instances
 from artigen.shapes.render.shadows import find_lit
 
 DIRECTIONS = 64
-"""Directions on the sphere from which one looks at the closed object."""
+"""Directions on the sphere from which the closed object is tested."""
 CLEARANCE = 1e-3
-"""Points are lifted this far (m) off their surface."""
+"""Height (m) by which points are lifted off their surface."""
 
 
 def find_exposed(
@@ -30,7 +30,7 @@ def find_exposed(
 
     Args:
         scene: The shape alone.
-        cameras: Of the pictures (m).
+        cameras: Cameras of the pictures (m).
         images: The pictures, all in the joint state ``qpos``.
         qpos: One coordinate per part (m, rad).
     """
@@ -62,7 +62,7 @@ def spread_sphere(count: int) -> Float[np.ndarray, "K 3"]:
 def rest_surface(
     scene: Scene, cameras: Cameras, images: Images, qpos: Float[np.ndarray, "P"]
 ) -> tuple[Float[Tensor, "N 3"], Float[Tensor, "N 3"]]:
-    """Points just off the surfaces that pixels see, and normals, both where they are at rest (m)."""
+    """Points just off the surface that pixels show (m), and its normals, both moved back to rest."""
     view, row, column = images.mask.nonzero().unbind(1)
     axes, pixel = camera_axes(cameras)[view], pixel_sizes(cameras)[view]
     x = (column + 0.5 - cameras.width / 2) * pixel
@@ -79,7 +79,7 @@ def rest_surface(
 
 
 def _without_glass(scene: Scene, instances: Instances) -> Instances:
-    """The opaque part of a shape."""
+    """The opaque primitives of a shape."""
     clear = scene.paint.opacity.reshape(-1, 2).amin(dim=1) < 1
     kept = ~clear[instances.primitive]
     rows: dict[str, Any] = {

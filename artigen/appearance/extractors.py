@@ -13,12 +13,12 @@ ExtractorName = Literal["pyramid", "dinov2"]
 
 @dataclass(frozen=True, kw_only=True)
 class ExtractorConfig:
-    """Where features come from."""
+    """Choice of a feature extractor."""
 
     name: ExtractorName = "pyramid"
-    """`pyramid` needs nothing; `dinov2` needs a folder with the public weights."""
+    """`pyramid` needs no weights; `dinov2` needs a folder with the public ones."""
     channels: int = BASE
-    """Of a pyramid."""
+    """Channels of a pyramid."""
     folder: Path | None = None
     """Weights of DINOv2."""
 
@@ -27,10 +27,10 @@ def make_extractor(cfg: ExtractorConfig) -> FeatureExtractor:
     """The extractor of a configuration, on the CPU.
 
     Raises:
-        SourceError: If weights are asked for and there is no folder, or its weights do not fit.
+        SourceError: If weights are needed and there is no folder, or its weights do not fit.
     """
     if cfg.name == "pyramid":
         return PyramidFeatures(cfg.channels)
     if cfg.folder is None:
-        raise SourceError("features of DINOv2 need the folder of its weights; give one, or take the pyramid")
+        raise SourceError("features of DINOv2 need the folder of its weights; give one, or use the pyramid")
     return load_dinov2(cfg.folder)

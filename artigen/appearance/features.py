@@ -13,7 +13,7 @@ from torch.nn import functional
 BASE = 16
 """Channels of a pyramid without random ones: colour and slope on three levels, and coverage."""
 RADII = (1, 3)
-"""Half the edges (pixels) of the windows of the coarser levels."""
+"""Radii (pixels) of the windows of the coarser levels."""
 LUMA = (0.299, 0.587, 0.114)
 
 
@@ -23,7 +23,7 @@ class FeatureExtractor(Protocol):
 
     @property
     def name(self) -> str:
-        """Says which features these are, in results and in descriptions of models."""
+        """Identifies the features in results and in descriptions of models."""
         ...
 
     @property
@@ -43,8 +43,8 @@ class FeatureExtractor(Protocol):
 class PyramidFeatures(nn.Module):
     """Colour, slope and means over three scales, then fixed random combinations of them.
 
-    The first three channels are the colour of the pixel, as it is. Means are taken over the object alone:
-    what is behind it does not mix in.
+    The first three channels are the unchanged colour of the pixel. Means are taken over the object alone, so
+    the background does not mix in.
     """
 
     kernels: Tensor
@@ -88,7 +88,7 @@ def _mean_color(color: Tensor, alpha: Tensor, radius: int) -> Float[Tensor, "V 3
 
 
 def _mean_square(values: Float[Tensor, "V C H W"], radius: int) -> Float[Tensor, "V C H W"]:
-    """Mean over squares of pixels, beyond the edge 0: along columns, then along rows, which is faster."""
+    """Mean over squares of pixels, zero beyond the edge; separable, because that is faster."""
     columns = functional.avg_pool2d(values, (2 * radius + 1, 1), 1, (radius, 0))
     return functional.avg_pool2d(columns, (1, 2 * radius + 1), 1, (0, radius))
 

@@ -1,11 +1,11 @@
 """Voxel latents to 3D Gaussians: TRELLIS' decoder with its parametrisation and order.
 
 Voxel ``i`` owns the Gaussians ``n i`` to ``n i + n - 1``, so a Gaussian moves with the joint of its voxel
-(section 4.2 of the paper). The output layer says, for the ``n`` Gaussians of a voxel, three offsets each,
+(section 4.2 of the paper). The output layer gives, for the ``n`` Gaussians of a voxel, three offsets each,
 then three colour harmonics each, three scales each, four quaternion entries each, one opacity each.
 
-Where voxels have two sides, all of that is said in the frame of the outer one, which faces +x there: the
-first half of a voxel's Gaussians are flat and lie on that side, the others on the inner one.
+Where voxels have two sides, these are in the frame of the outer side, which faces +x in it. The first half of
+a voxel's Gaussians are flat and lie on the outer side, the others on the inner one.
 """
 
 from dataclasses import dataclass, field
@@ -26,11 +26,11 @@ from artigen.types import Gaussians
 from artigen.voxels.frames import facing_frames
 
 CHANNELS = {"offset": 3, "color": 3, "scale": 3, "quat": 4, "opacity": 1}
-"""Raw numbers of one Gaussian, in the order in which they are said."""
+"""Raw channels of one Gaussian, in the order of the output layer."""
 HARMONIC = 0.28209479177387814
 """Value of the harmonic of degree 0."""
 FLATNESS = 5.0
-"""How much wider than thick the Gaussians of a side are at the start."""
+"""Initial ratio of width to thickness of the Gaussians of a side."""
 Channel = Literal["offset", "color", "scale", "quat", "opacity"]
 
 
@@ -49,9 +49,9 @@ class GaussianConfig:
     opacity_bias: float = 0.1
     """Opacity of a raw value of 0."""
     filter_scale: float = 9e-4
-    """Added to every scale in quadrature: the size of a pixel of the training pictures."""
+    """Unit-cube length added to every scale in quadrature: the size of a pixel of the training pictures."""
     screen_filter: float = 0.1
-    """Variance, in pixels, that a rasteriser should add on the screen."""
+    """Variance (square pixels) that a rasteriser should add on the screen."""
     offset_rate: float = 1.0
     """Factor on raw offsets."""
     color_rate: float = 1.0
@@ -67,7 +67,7 @@ class GaussianConfig:
         if self.count < 1 or self.reach <= 1 or self.scale_bias <= 0 or not 0 < self.opacity_bias < 1:
             raise ValueError(
                 f"{self.count} Gaussians, reach {self.reach}, scale {self.scale_bias}, opacity "
-                f"{self.opacity_bias}: expected 1 or more, above 1, above 0, and between 0 and 1"
+                f"{self.opacity_bias}: expected at least 1, above 1, above 0, and between 0 and 1"
             )
 
 
@@ -78,7 +78,7 @@ class GaussianDecoderConfig:
     trunk: SlatVaeConfig = field(default_factory=SlatVaeConfig)
     """Sizes of the transformer."""
     gaussians: GaussianConfig = field(default_factory=GaussianConfig)
-    """What its output means."""
+    """Interpretation of its output."""
 
 
 class GaussianDecoder(SlatTrunk):
@@ -111,15 +111,15 @@ class GaussianDecoder(SlatTrunk):
         """Gaussians of all voxels, voxel after voxel, in float32; colours are sRGB, not limited above.
 
         Args:
-            coords: sample, x, y, z of each voxel, in any order.
-            latents: latent of each voxel.
-            plans: of the same voxels, if there already.
-            facings: of the same voxels, where they have two sides.
+            coords: Sample, x, y, z of each voxel, in any order.
+            latents: Latent of each voxel.
+            plans: Window plans of these voxels; computed when None.
+            facings: Directions of the outer sides, where voxels have two sides.
         """
         return self.read(coords, self.transform(coords, latents, plans, facings), facings)
 
     def channels(self, name: Channel) -> Int[Tensor, "K W"]:
-        """Which raw channels say something, Gaussian by Gaussian."""
+        """Indices of the raw channels of a quantity, one row per Gaussian."""
         names = list(CHANNELS)
         first = self.gaussians.count * sum(CHANNELS[before] for before in names[: names.index(name)])
         return first + torch.arange(self.gaussians.count * CHANNELS[name]).unflatten(0, (-1, CHANNELS[name]))
@@ -167,10 +167,10 @@ def spread_offsets(count: int, reach: float) -> Float[Tensor, "K 3"]:
 
 
 def spread_sides(count: int, reach: float) -> Float[Tensor, "K 3"]:
-    """Raw offsets that spread half of the means over either side of a voxel, all in its middle plane.
+    """Raw offsets that spread half of the means for either side of a voxel, all in its middle plane.
 
     Raises:
-        ValueError: If the Gaussians cannot be shared out evenly among the two sides.
+        ValueError: If the number of Gaussians is odd.
     """
     if count % 2:
         raise ValueError(f"{count} Gaussians for the two sides of a voxel, expected an even number")
@@ -185,10 +185,10 @@ def to_gaussians(decoded: Splats, part_ids: Int[np.ndarray, "N"]) -> Gaussians:
 
     Args:
         decoded: Gaussians of the sample's voxels, voxel after voxel.
-        part_ids: part of each voxel; its Gaussians belong to the same part.
+        part_ids: Part of each voxel; its Gaussians belong to the same part.
 
     Raises:
-        ValueError: If the Gaussians cannot be shared out evenly among the voxels, or a value is not finite.
+        ValueError: If the Gaussians do not divide evenly among the voxels, or a value is not finite.
     """
     total, voxels = len(decoded.means), len(part_ids)
     if not voxels or total % voxels:
@@ -207,5 +207,5 @@ def _invert_digits(numbers: Int[np.ndarray, "K"], base: int) -> Float[np.ndarray
 
 
 def _raw_scale(scale: float) -> float:
-    """The raw value that a softplus turns into a scale."""
+    """The raw value that softplus maps to a scale."""
     return float(scale + np.log(-np.expm1(-scale)))

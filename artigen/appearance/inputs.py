@@ -1,4 +1,4 @@
-"""`FeatureInputs`: how the features that an encoder reads are taken off an object."""
+"""`FeatureInputs`: how the input features of an encoder are computed from an object."""
 
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -15,23 +15,23 @@ from artigen.models.dinov2 import DinoConfig
 
 @dataclass(frozen=True, kw_only=True)
 class FeatureInputs:
-    """A preset, and what a run may choose besides."""
+    """A preset, and the choices that a run may make besides."""
 
     preset: PresetName = "compact"
-    """Sizes."""
+    """Sizes of the networks."""
     articulated: bool = True
-    """Whether objects are seen in all joint states; without, in as many pictures of the closed one (the
+    """Whether objects are seen in all joint states; if not, in as many pictures of the closed state (the
     ablation of the paper's Table 2)."""
     weighting: Weighting = "seen"
     """Which views count for a voxel: those that show it, or all."""
     features: ExtractorName = "pyramid"
-    """What is read off pictures."""
+    """Image features."""
     dinov2: Path | None = None
-    """Folder with the weights of DINOv2, where they are the features."""
+    """Folder with the weights of DINOv2, if that is the extractor."""
 
     @property
     def curation(self) -> CurationConfig:
-        """States and views; without articulation, as many pictures of the closed object."""
+        """States and views; without articulation, as many views of the closed state."""
         preset = APPEARANCE_PRESETS[self.preset]
         found = replace(preset.curation, weighting=self.weighting, sided=preset.encoder.sided)
         return found if self.articulated else close_curation(found)
@@ -45,7 +45,7 @@ class FeatureInputs:
 
     @property
     def encoder(self) -> SlatVaeConfig:
-        """The preset's encoder, for the channels that its features have."""
+        """The preset's encoder, with the input channels that its features need."""
         encoder = APPEARANCE_PRESETS[self.preset].encoder
         if self.features == "pyramid":
             return encoder
@@ -53,6 +53,6 @@ class FeatureInputs:
 
 
 def close_curation(curation: CurationConfig) -> CurationConfig:
-    """As many views, and as many of them kept, of the closed state alone; what it hides is not told."""
+    """As many views, and as many of them kept, of the closed state alone; hidden sides get no paint."""
     views = replace(curation.views, count=curation.states * curation.views.count)
     return replace(curation, states=1, views=views, kept=curation.states * curation.kept, painted=False)

@@ -1,9 +1,9 @@
 """Linear prediction of voxel latents from paint and geometry, per kind of voxel.
 
-How a painted side looks follows mostly from its colour, from the part's label, from where the side faces and
-from whether something stands before it; where its Gaussians lie, from where the surface does. So each kind of
-voxel has its own linear map from its paint, its places and its neighbours, fitted by least squares, and the
-flow draws what is left.
+The appearance of a painted side follows mostly from its colour, the label of its part, its direction and
+whether something stands before it; the positions of its Gaussians follow from that of the surface. Each kind
+of voxel therefore has a linear map from paint, places and neighbours, fitted by least squares. The flow
+models the residual.
 """
 
 from collections.abc import Iterable
@@ -18,15 +18,16 @@ from artigen.voxels.frames import AROUND, FACINGS, SIDES
 from artigen.voxels.surface import PLACES
 
 KINDS = len(PART_LABELS) * 2**SIDES * FACINGS
-"""Labels, whether either side is covered, directions."""
+"""Number of kinds: part labels, whether either side is covered, directions."""
 TERMS = 2 * PAINT + AROUND + PLACES
-"""1, two colours, clearness, clearness times colours, whether the part goes on around, and places."""
+"""Regressors: 1, two colours, transmission, transmission times colours, whether the part continues around,
+places."""
 FEW = 50.0
-"""Voxels that a kind needs before it is believed more than all kinds together."""
+"""Ridge, in voxels, that draws the map of a kind towards that of all kinds together."""
 
 
 class Expectation(nn.Module):
-    """Expected latents of voxels; zero until it is fitted."""
+    """Expected latents of voxels; zero until fitted."""
 
     weight: Tensor
 
@@ -38,7 +39,7 @@ class Expectation(nn.Module):
         """Expected latents of voxels described by `artigen.appearance.attributes.describe_voxels`."""
         kinds, terms = find_kinds(attributes), list_terms(attributes)
         out = attributes.new_empty(len(attributes), self.weight.shape[2])
-        with torch.autocast(attributes.device.type, enabled=False):  # latents are measured from it
+        with torch.autocast(attributes.device.type, enabled=False):  # latents are relative to this
             for kind in kinds.unique():
                 own = kinds == kind
                 out[own] = terms[own] @ self.weight[kind].to(terms.dtype)
@@ -46,29 +47,32 @@ class Expectation(nn.Module):
 
 
 def find_kinds(attributes: Float[Tensor, "N A"]) -> Int[Tensor, "N"]:
-    """Which kind of voxel each is."""
-    told = [FACINGS, len(PART_LABELS), SIDES, AROUND + PLACES + PAINT]
-    facing, label, covered, _ = attributes.split(told, dim=1)
+    """Kind number of each voxel."""
+    widths = [FACINGS, len(PART_LABELS), SIDES, AROUND + PLACES + PAINT]
+    facing, label, covered, _ = attributes.split(widths, dim=1)
     outer, inner = (covered > 0.5).long().unbind(1)
     return ((label.argmax(dim=1) * 2 + outer) * 2 + inner) * FACINGS + facing.argmax(dim=1)
 
 
 def list_terms(attributes: Float[Tensor, "N A"]) -> Float[Tensor, "N 24"]:
     """Regressors of the linear prior."""
-    told = attributes[:, -AROUND - PLACES - PAINT :].split([AROUND + PLACES, PAINT - 1, 1], dim=1)
-    certain, colors, clear = told
-    return torch.cat([torch.ones_like(clear), colors, clear, clear * colors, certain], dim=1)
+    last = attributes[:, -AROUND - PLACES - PAINT :].split([AROUND + PLACES, PAINT - 1, 1], dim=1)
+    geometry, colors, clear = last
+    return torch.cat([torch.ones_like(clear), colors, clear, clear * colors, geometry], dim=1)
 
 
 def fit_expectation(
     voxels: Iterable[tuple[Float[Tensor, "N A"], Float[Tensor, "N C"]]], blur: float
 ) -> Float[Tensor, "K T C"]:
-    """Weights by least squares, each kind's drawn towards those of all voxels while it has few.
+    """Least-squares weights per kind, drawn towards those of all voxels where a kind has few.
 
     Args:
-        voxels: attributes and latents, object by object.
-        blur: deviation of the paint that will be given from the true one, which shrinks what can be
-            concluded from them.
+        voxels: Attributes and latents, object by object.
+        blur: Standard deviation of the paint at generation from the true paint; it shrinks the weights of
+            paint.
+
+    Raises:
+        ValueError: If there are no voxels.
     """
     squares = products = None
     for attributes, latents in voxels:
@@ -81,7 +85,7 @@ def fit_expectation(
             squares[kind] += terms[own].T @ terms[own]
             products[kind] += terms[own].T @ wanted[own]
     if squares is None or products is None:
-        raise ValueError("no voxels to fit expected latents to")
+        raise ValueError("fitting the linear prior: no voxels, expected some")
     uncertain = blur**2 * torch.eye(TERMS, dtype=torch.float64)
     uncertain[0] = uncertain[-AROUND - PLACES :] = 0.0
     squares = squares + squares[:, :1, :1] * uncertain

@@ -1,4 +1,4 @@
-"""Paint: surface colour and clearness, and their means on both sides of a voxel."""
+"""Paint: colour and transmission of surface, and their means on both sides of a voxel."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -17,10 +17,10 @@ from artigen.voxels.layout import lay_out
 from artigen.voxels.surface import AHEAD, SAMPLES, find_voxels
 
 PAINT = 3 * SIDES + 1
-"""Numbers of a painted voxel: the colours of its outer and its inner side, and how clear it is."""
+"""Numbers of a painted voxel: the colours of its outer and its inner side, and its transmission."""
 TURNED = 1 / 32
-"""Unit-cube length that a difference of 1 between normals counts for: the nearest sample of a thin board is
-one of the same face, even where that lies a voxel off."""
+"""Unit-cube length that a difference of 1 between normals counts for: on a thin board, the nearest sample is
+then one of the same face, even where that is a voxel away."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -29,34 +29,34 @@ class PaintedSurface:
 
     samples: SurfaceSamples
     clear: Float[np.ndarray, "S"]
-    """Share of what is behind that the surface lets through at each."""
+    """Transmission of the surface at each sample: share of what is behind that is visible through it."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class VoxelPaint:
-    """Own colours (sRGB) of the outer side and of the inner one of every voxel."""
+    """Surface colours (sRGB) of the outer and the inner side of every voxel."""
 
     colors: Float[np.ndarray, "N 2 3"]
     known: Int[np.ndarray, "N 2"]
-    """Samples that say so; where there is none, a side has the colour of the other one, or of its part."""
+    """Samples behind each colour; a side without any has the colour of the other side, voxel or part."""
     clear: Float[np.ndarray, "N"]
-    """Share of what is behind that its surface lets through."""
+    """Transmission of the surface."""
 
     def packed(self) -> UInt8[np.ndarray, "N 7"]:
-        """Colours and clearness in steps of 8 bits, a row for every voxel."""
+        """Colours and transmission in 8 bits each, one row per voxel."""
         values = np.concatenate([self.colors.reshape(len(self.clear), -1), self.clear[:, None]], axis=1)
         return np.rint(255.0 * values).astype(np.uint8)
 
 
 def lay_painted(shape: Shape, asset: Asset) -> tuple[Asset, Int[np.ndarray, "N"], VoxelPaint]:
-    """The voxels that Gaussians of a procedural object are drawn on, all read off one set of samples.
+    """The voxels of a procedural object's Gaussians, with facings and paint from one set of samples.
 
     Args:
         shape: The object.
         asset: The same object, with voxels.
 
     Returns:
-        The asset with samples of its surface and voxels for all of it (`artigen.voxels.layout`), the
+        The asset with samples of its surface and voxels that cover it (`artigen.voxels.layout`), the
         directions of their outer sides, and the paint of both sides.
 
     Raises:
@@ -79,10 +79,10 @@ def paint_surface(shape: Shape, asset: Asset, spacing: float) -> PaintedSurface:
 
 
 def gather_paint(surface: PaintedSurface, voxels: VoxelGrid, facings: Int[np.ndarray, "N"]) -> VoxelPaint:
-    """Means of the samples that lie in a voxel, are of its part, and face as one of its sides does.
+    """Mean paint per voxel side of the samples in a voxel that are of its part and face the side's way.
 
     Args:
-        surface: Samples; a part without any is black.
+        surface: Painted samples; a part without any is black.
         voxels: Cells of the same object.
         facings: Directions of their outer sides.
     """
@@ -107,14 +107,14 @@ def gather_paint(surface: PaintedSurface, voxels: VoxelGrid, facings: Int[np.nda
 
 
 def repaint(surface: SurfaceSamples, like: PaintedSurface, names: Sequence[str]) -> PaintedSurface:
-    """Samples of a surface, painted as another surface of the same object is.
+    """Paints samples of a surface like another surface of the same object.
 
-    Each takes the paint of the nearest sample of its own part that faces as it does (`TURNED`).
+    Each sample takes the paint of the nearest sample of its own part, where normals count as well (`TURNED`).
 
     Args:
-        surface: Samples, such as those of meshes that were made of voxels.
+        surface: Samples, such as those of meshes made from voxels.
         like: The other surface, painted.
-        names: Of the parts of both.
+        names: Names of the parts of both.
 
     Raises:
         ArtigenError: If the other surface has no sample of a part.

@@ -1,4 +1,4 @@
-"""Pictures of a procedural object in its joint states, as plain values."""
+"""Renders a procedural object in its joint states, as plain values."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -18,15 +18,15 @@ from artigen.shapes.shape import Shape
 from artigen.types import Asset
 
 BACKGROUNDS = ((0.0, 0.0, 0.0), (1.0, 1.0, 1.0))
-"""Behind even and odd views: what is transparent must be so before both."""
+"""Backgrounds of even and odd views; transparency must hold before both."""
 OPAQUE = 0.05
-"""Least share of its own colour that a surface is taken to show."""
+"""Lower bound on the opacity by which a surface's own colour is recovered."""
 PIXELS = 1 << 20
 """Rays cast at once."""
 NOTHING = 255
-"""Part of a pixel that shows the background."""
+"""Part number of a pixel that shows the background."""
 TURN = 0.7548776662466927
-"""Shift of the cameras from one state to the next."""
+"""Shift of the camera sequence from one state to the next (`artigen.appearance.views.spread_directions`)."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -38,7 +38,7 @@ class Pictures:
     parts: UInt8[np.ndarray, "V H W"]
     """Part of the asset that each pixel shows, `NOTHING` where it shows none."""
     exposed: Bool[np.ndarray, "V H W"]
-    """Surface that is hidden from everywhere while the object is closed."""
+    """Pixels whose surface is hidden from everywhere while the object is closed."""
     state: UInt8[np.ndarray, "V"]
     displacements: Float[np.ndarray, "S P 4 4"]
     position: Float[np.ndarray, "V 3"]
@@ -63,25 +63,25 @@ class Pictures:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class State:
-    """One joint state, photographed; metres."""
+    """Pictures of one joint state, in metres."""
 
     qpos: Float[np.ndarray, "P"]
     displacements: Float[np.ndarray, "P 4 4"]
-    """Of the asset's parts (unit lengths)."""
+    """Displacements of the asset's parts (unit lengths)."""
     owners: Int[np.ndarray, "Q"]
     """Part of the asset that each part of the shape belongs to."""
     cameras: Cameras
     images: Images
     behind: Int[Tensor, "V"]
-    """Which background each picture has."""
+    """Index into `BACKGROUNDS` of each picture."""
     light: RenderConfig
-    """Of pictures that are kept."""
+    """Render settings of the pictures that are kept."""
 
 
 def take_pictures(
     shape: Shape, asset: Asset, fractions: Float[np.ndarray, "S P"], cfg: ViewConfig
 ) -> Pictures:
-    """All pictures of given states, without features: what results are compared with.
+    """All pictures of given states, without features; they are the references of evaluations.
 
     Args:
         shape: The object.
@@ -108,7 +108,7 @@ def join_pictures(states: list[Pictures]) -> Pictures:
 
 
 def premultiply(images: Images) -> Float[Tensor, "V 4 H W"]:
-    """Colour and coverage, black where nothing is seen."""
+    """Colour and coverage, black where a pixel shows the background."""
     alpha = images.mask[..., None].float()
     return torch.cat([images.rgb * alpha, alpha], dim=3).permute(0, 3, 1, 2)
 
@@ -120,10 +120,10 @@ def shown_parts(state: State) -> UInt8[np.ndarray, "V H W"]:
 
 
 def look_at_surface(scene: Scene, state: State) -> tuple[Float[Tensor, "V H W 3"], Float[Tensor, "V H W"]]:
-    """Renders the nearest surface alone, without what shines through it.
+    """Renders the nearest surface alone, without what is visible through it.
 
     Returns:
-        Its own colour, and the share of what is behind that one sees through it.
+        Its own colour, and its transmission.
     """
     images = state.images
     if bool((scene.paint.opacity >= 1).all()):
@@ -140,7 +140,7 @@ def look_at_surface(scene: Scene, state: State) -> tuple[Float[Tensor, "V H W 3"
 def photograph(
     scene: Scene, asset: Asset, fractions: Float[np.ndarray, "S P"], cfg: ViewConfig
 ) -> Iterator[State]:
-    """Photographs the one shape of a scene, state by state.
+    """Renders the one shape of a scene, state by state.
 
     Args:
         scene: The shape alone.
@@ -169,7 +169,7 @@ def photograph(
 def keep_pictures(
     scene: Scene, state: State, number: int, cameras: Cameras, rows: Int[np.ndarray, "K"]
 ) -> Pictures:
-    """Some pictures of a state as plain values; ``cameras`` are the state's, in unit lengths."""
+    """The pictures ``rows`` of a state as plain values; ``cameras`` are the state's, in unit lengths."""
     chosen = torch.from_numpy(rows)
     behind, apart = state.behind[chosen], pick_cameras(state.cameras, chosen)
     images = Images(**{name: value[chosen] for name, value in vars(state.images).items()})
@@ -198,7 +198,7 @@ def _render_before(
     behind: Int[Tensor, "V"],
     light: RenderConfig,
 ) -> Images:
-    """Pictures of one joint state, each before its background, in the order of the cameras."""
+    """Renders one joint state, each picture with its background, in the order of the cameras."""
     at_once = max(1, PIXELS // (cameras.width * cameras.height * light.supersampling**2))
     rows = [
         (some, color)

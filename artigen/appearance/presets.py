@@ -1,7 +1,7 @@
-"""Sizes of the appearance models by preset, named as those of the structure models.
+"""Sizes of the appearance models by preset, with the names of the structure presets.
 
-``small`` decodes 4 Gaussians per voxel instead of 32, ``compact`` 8. Their voxels have two sides, and what
-features say of those leads around the transformers. ``paper`` has the sizes of TRELLIS, from whose public
+``small`` decodes 4 Gaussians per voxel instead of 32, ``compact`` 8. Their voxels have two sides, whose
+features bypass the transformers through a linear layer. ``paper`` has the sizes of TRELLIS, from whose public
 weights the paper starts (section 4.2).
 """
 
@@ -24,24 +24,24 @@ class AppearancePreset:
     """Networks of the appearance model."""
 
     encoder: SlatVaeConfig
-    """Encoder of voxel features; `in_channels` is what the feature extractor gives."""
+    """Encoder of voxel features; `in_channels` must match the feature extractor."""
     decoder: GaussianDecoderConfig
     """Decoder of latents to Gaussians."""
     flow: SlatPatchDitConfig | SlatDitConfig
     """Flow on the latents."""
     conditions: ConditionConfig
-    """What can be asked for."""
+    """Conditions of the flow."""
     curation: CurationConfig
     """Joint states, views and features that the encoder reads, in training and after."""
     sampler: SamplerConfig = field(default_factory=SamplerConfig)
-    """How latents are drawn. One step gives the mean of what paint and places let one expect: of little
-    training, cleaner than a draw."""
+    """Sampler of the latents. One step gives their mean given paint and places, which after little training
+    is cleaner than a sample."""
 
 
 SIDED = SlatVaeConfig(in_channels=66, latent_channels=SIDE_LATENTS, sided=True)
-"""Voxels with two sides, as all of our own presets have them; the decoder does not use `in_channels`."""
+"""Voxels with two sides, as in all presets but ``paper``; the decoder does not use `in_channels`."""
 COARSE = replace(SIDED, resolution=32, in_channels=29, model_channels=32, num_blocks=2, num_heads=2)
-"""Those of ``tiny``."""
+"""Sizes of ``tiny``."""
 
 APPEARANCE_PRESETS: dict[PresetName, AppearancePreset] = {
     "tiny": AppearancePreset(

@@ -70,7 +70,7 @@ class SlatDitPlan:
 
 @dataclass(frozen=True)
 class BlockStep:
-    """A convolution block's way between levels: it halves, doubles or keeps the resolution."""
+    """Levels between which a convolution block leads: it halves, doubles or keeps the resolution."""
 
     source: int
     target: int
@@ -132,7 +132,7 @@ class SlatDit(nn.Module):
         """Neighbours and parents of voxels (sample, x, y, z): compute once per set, use at every step.
 
         Raises:
-            ValueError: If a sample is empty, a voxel comes twice, or one lies outside of the grid.
+            ValueError: If a sample is empty, a voxel occurs twice, or one lies outside the grid.
         """
         check_voxels(coords, samples, self.cfg.resolution)
         coarsenings = []

@@ -1,8 +1,8 @@
 """The sparse flow: a conditional velocity field over the normalised latents of given voxels.
 
-``compact`` predicts clean latents (`artigen.appearance.slat_patch_dit`), ``paper`` velocities with TRELLIS'
-network (`artigen.appearance.slat_dit`, section 4.2); both answer with a velocity here. Steps, guidance and
-times are those of the structure flow (`artigen.models.rectified_flow`).
+The compact network predicts clean latents (`artigen.appearance.slat_patch_dit`). That of the paper, the
+network of TRELLIS, predicts velocities (`artigen.appearance.slat_dit`, section 4.2). Both are exposed as
+velocities here. Steps, guidance and times are those of the structure flow (`artigen.models.rectified_flow`).
 """
 
 import torch
@@ -26,7 +26,7 @@ TRELLIS_MEAN = (
     -1.1414450407028198,
     1.2039363384246826,
 )
-"""Mean of the latents that TRELLIS' encoder gives, per channel (its `pipeline.json`)."""
+"""Mean of the latents of TRELLIS' encoder, per channel (its `pipeline.json`)."""
 TRELLIS_STD = (
     2.377650737762451,
     2.386378288269043,
@@ -37,15 +37,15 @@ TRELLIS_STD = (
     2.6217446327209473,
     2.684523105621338,
 )
-"""Their standard deviation."""
+"""Standard deviation of the latents of TRELLIS' encoder, per channel."""
 
 
 class SlatFlow(nn.Module):
     """Velocity of normalised latents under a condition.
 
-    Mean and deviation per channel belong to the weights, and so does what is expected of a voxel from what is
-    told of it: latents are ``normalised * latent_std + latent_mean + expectation(attributes)``. What paint
-    says already is not left to be drawn.
+    Mean and standard deviation per channel and the linear prior belong to the weights: latents are
+    ``normalised * latent_std + latent_mean + expectation(attributes)``. The flow thus models only what does
+    not follow from the paint.
     """
 
     latent_mean: Tensor
@@ -69,7 +69,7 @@ class SlatFlow(nn.Module):
         """Plans the network for voxels (sample, x, y, z); compute once per set.
 
         Raises:
-            ValueError: If a sample is empty, a voxel comes twice, or one lies outside of the grid.
+            ValueError: If a sample is empty, a voxel occurs twice, or one lies outside the grid.
         """
         return self.network.plan(coords, samples)
 
@@ -84,7 +84,7 @@ class SlatFlow(nn.Module):
         """Velocity at times in [0, 1], under embedded conditions.
 
         Raises:
-            ValueError: If the attributes of the voxels are missing, or are not expected.
+            ValueError: If attributes are missing, or given to a network that takes none.
         """
         given = 0 if attributes is None else attributes.shape[1]
         if given != self.attribute_channels:
@@ -110,7 +110,7 @@ class SlatFlow(nn.Module):
     def normalise(
         self, z: Float[Tensor, "N C"], attributes: Float[Tensor, "N A"] | None = None
     ) -> Float[Tensor, "N C"]:
-        """Latents as the flow sees them: zero mean and unit deviation per channel."""
+        """Latents scaled to zero mean and unit standard deviation per channel."""
         return (z - self.expect(attributes)) / self.latent_std
 
     def restore(
@@ -120,7 +120,7 @@ class SlatFlow(nn.Module):
         return x * self.latent_std + self.expect(attributes)
 
     def expect(self, attributes: Float[Tensor, "N A"] | None) -> Tensor:
-        """Mean of the latents of voxels of which no more is known than their attributes."""
+        """Expected latents of voxels given their attributes alone."""
         if attributes is None or self.expectation is None:
             return self.latent_mean
         return self.latent_mean + self.expectation(attributes)
@@ -137,19 +137,19 @@ def sample_slats(
     *,
     attributes: Float[Tensor, "N A"] | None = None,
 ) -> Float[Tensor, "N C"]:
-    """Draws the latents of given voxels; where guidance applies, both velocities come from one pass.
+    """Samples the latents of given voxels; where guidance applies, both velocities come from one pass.
 
     Args:
-        flow: the trained flow.
-        coords: sample, x, y, z of each voxel, in any order.
-        asked: a condition per sample.
-        nothing: as many conditions with everything open.
-        noise: start, standard normal.
-        cfg: steps and guidance.
-        attributes: what the flow wants to know of each voxel besides its place.
+        flow: Trained flow.
+        coords: Sample, x, y, z of each voxel, in any order.
+        asked: One condition per sample.
+        nothing: As many empty conditions.
+        noise: Initial latents, standard normal.
+        cfg: Steps and guidance.
+        attributes: Attributes of each voxel, if the flow takes them.
 
     Raises:
-        ValueError: If a sample is empty, a voxel comes twice, or one lies outside of the grid.
+        ValueError: If a sample is empty, a voxel occurs twice, or one lies outside the grid.
     """
     tokens = flow.conditions(asked)
     samples = len(tokens)
@@ -160,8 +160,8 @@ def sample_slats(
     doubled = None if attributes is None else torch.cat([attributes, attributes])
 
     def pair(x: Tensor, times: Tensor) -> tuple[Tensor, Tensor]:
-        said = flow.velocity(torch.cat([x, x]), torch.cat([times, times]), both, twice, doubled)
-        return said[: len(x)], said[len(x) :]
+        velocities = flow.velocity(torch.cat([x, x]), torch.cat([times, times]), both, twice, doubled)
+        return velocities[: len(x)], velocities[len(x) :]
 
     def conditional(x: Tensor, times: Tensor) -> Tensor:
         return flow.velocity(x, times, tokens, plan, attributes)

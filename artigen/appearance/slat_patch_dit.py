@@ -1,9 +1,9 @@
 """The compact sparse flow: a transformer over 4^3-voxel tokens that predicts the data.
 
-It differs from TRELLIS' network (`artigen.appearance.slat_dit`) where that buys speed on two CPU cores:
-tokens of 4^3 voxels (several times fewer), narrow convolutions on the voxels before and after, one modulation
-for all blocks, and its output is the clean latent, from which the velocity follows. It also reads what the
-structure model says about each voxel. See docs/explanation/appearance.md.
+It differs from TRELLIS' network (`artigen.appearance.slat_dit`) for speed on two CPU cores: tokens of 4^3
+voxels (several times fewer), narrow convolutions on the voxels before and after, one modulation for all
+blocks, and its output is the clean latent, from which the velocity follows. It also takes attributes of each
+voxel. See docs/explanation/appearance.md.
 """
 
 from dataclasses import dataclass
@@ -38,7 +38,7 @@ class SlatPatchDitConfig:
     channels: int = 8
     """Channels of a voxel's latent."""
     attribute_channels: int = KIND + PLACES + PAINT
-    """What else is known of a voxel (`artigen.appearance.attributes.describe_voxels`); 0 leaves it out."""
+    """Attributes of a voxel (`artigen.appearance.attributes.describe_voxels`); 0 for none."""
     patch: int = 4
     """Voxels per token along an edge."""
     stem: int = 24
@@ -57,7 +57,8 @@ class SlatPatchDitConfig:
 class PatchPlan:
     """Precomputed tokens and neighbourhoods of a set of voxels.
 
-    ``slots`` is each voxel's cell, counted through the cells of all tokens; ``places`` are the tokens'.
+    ``slots`` is each voxel's cell, counted through the cells of all tokens; ``places`` are the coordinates of
+    the tokens.
     """
 
     samples: Int[Tensor, "N"]
@@ -68,7 +69,7 @@ class PatchPlan:
 
 
 class SlatPatchDit(nn.Module):
-    """The clean latents of voxels, guessed from noisy ones at a time under a condition."""
+    """Predicts the clean latents of voxels from noisy ones at a time, under a condition."""
 
     def __init__(self, cfg: SlatPatchDitConfig, cond_channels: int) -> None:
         super().__init__()
@@ -100,7 +101,7 @@ class SlatPatchDit(nn.Module):
         """Neighbours and tokens of voxels (sample, x, y, z): compute once per set, use at every step.
 
         Raises:
-            ValueError: If a sample is empty, a voxel comes twice, or one lies outside of the grid.
+            ValueError: If a sample is empty, a voxel occurs twice, or one lies outside the grid.
         """
         check_voxels(coords, samples, self.cfg.resolution)
         patch = self.cfg.patch
@@ -125,9 +126,9 @@ class SlatPatchDit(nn.Module):
         """The clean latents, for times in [0, 1] and the tokens of a condition, row by row."""
         cells, width = self.cfg.patch**3, self.cfg.width
         emb = self.t_embedder(1000.0 * times) + self.pooled(cond.mean(dim=1))
-        likely = feats * _trust(times)[plan.samples][:, None]
-        told = likely if attributes is None else torch.cat([likely, attributes], dim=1)
-        fine = self.before(self.input_layer(told), emb, plan.samples, plan.neighbours)
+        scaled = feats * _trust(times)[plan.samples][:, None]
+        inputs = scaled if attributes is None else torch.cat([scaled, attributes], dim=1)
+        fine = self.before(self.input_layer(inputs), emb, plan.samples, plan.neighbours)
         marked = torch.cat([fine, fine.new_ones(len(fine), 1)], dim=1)
         dense = marked.new_zeros(len(plan.places) * cells, marked.shape[1])
         dense = dense.index_copy(0, plan.slots, marked).reshape(len(plan.places), -1)
@@ -142,9 +143,9 @@ class SlatPatchDit(nn.Module):
 
 
 def _trust(times: Float[Tensor, "B"]) -> Float[Tensor, "B"]:
-    """How much of a noisy latent to believe: the best guess of the clean one that is a multiple of it.
+    """Factor on a noisy latent that makes it the best linear estimate of the clean one.
 
-    For data and noise of unit deviation. Near pure noise it is close to nothing, so a network of little
-    training cannot paint the noise.
+    For data and noise of unit standard deviation. Near pure noise it is close to zero, so a network after
+    little training cannot reproduce the noise.
     """
     return (1.0 - times) / ((1.0 - times) ** 2 + times**2)

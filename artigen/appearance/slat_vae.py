@@ -1,7 +1,7 @@
 """The sparse transformer VAE of structured latents: TRELLIS' trunk and its encoder, name by name.
 
-Voxels carry features, attention stays within windows of 8^3 cells that are shifted by half a window in every
-other block (section 4.2 of the paper takes this network over).
+Voxels carry features. Attention stays within windows of 8^3 cells that are shifted by half a window in every
+other block. Section 4.2 of the paper adopts this network.
 """
 
 from dataclasses import dataclass
@@ -37,12 +37,13 @@ class SlatVaeConfig:
     window_size: int = 8
     """Edge of an attention window in voxels."""
     sided: bool = False
-    """Whether voxels have two sides: they are told which way the outer one faces (`artigen.voxels.frames`),
-    are decoded in its frame, and a linear layer leads around the transformer. TRELLIS has nothing of it."""
+    """Whether voxels have two sides: the network takes the direction of the outer one
+    (`artigen.voxels.frames`), decodes in its frame, and has a linear layer around the transformer. TRELLIS
+    has none of this."""
 
 
 WindowPlans = tuple[WindowPlan, WindowPlan]
-"""Windows of even blocks and of odd ones."""
+"""Windows of the even and of the odd blocks."""
 
 
 class WindowAttention(nn.Module):
@@ -89,10 +90,10 @@ class SlatTrunk(nn.Module):
                 nn.init.xavier_uniform_(parameter)
 
     def plan(self, coords: Int[Tensor, "N 4"]) -> WindowPlans:
-        """How voxels (sample, x, y, z) fall into windows: compute once per set of voxels.
+        """Windows of voxels (sample, x, y, z): compute once per set of voxels.
 
         Raises:
-            ValueError: If a sample is empty, a voxel comes twice, or one lies outside of the grid.
+            ValueError: If a sample is empty, a voxel occurs twice, or one lies outside the grid.
         """
         check_voxels(coords, int(coords[:, 0].max()) + 1 if len(coords) else 0, self.cfg.resolution)
         window = self.cfg.window_size
@@ -108,7 +109,7 @@ class SlatTrunk(nn.Module):
         """Output of the last layer, in the number type of ``feats``.
 
         Raises:
-            ValueError: If the facings of the voxels are missing, or are not expected.
+            ValueError: If facings are missing, or given for voxels without sides.
         """
         if (facings is not None) != self.cfg.sided:
             raise ValueError(
@@ -122,8 +123,8 @@ class SlatTrunk(nn.Module):
             h = h + self.facing(facings)
         for number, block in enumerate(self.blocks):
             h = block(h, plans[number % 2])
-        said = self.out_layer(plain_norm(h, eps=1e-5)).to(feats.dtype)
-        return said if self.skip is None else said + self.skip(feats)
+        out = self.out_layer(plain_norm(h, eps=1e-5)).to(feats.dtype)
+        return out if self.skip is None else out + self.skip(feats)
 
 
 class SlatEncoder(SlatTrunk):
@@ -142,10 +143,10 @@ class SlatEncoder(SlatTrunk):
         """Mean and log-variance, row by row.
 
         Args:
-            coords: sample, x, y, z of each voxel, in any order.
-            feats: features of each voxel.
-            plans: of the same voxels, if there already.
-            facings: of the same voxels, where they have two sides.
+            coords: Sample, x, y, z of each voxel, in any order.
+            feats: Features of each voxel.
+            plans: Window plans of these voxels; computed when None.
+            facings: Directions of the outer sides, where voxels have two sides.
         """
         mean, logvar = self.transform(coords, feats, plans, facings).chunk(2, dim=1)
         return mean, logvar

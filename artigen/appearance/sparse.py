@@ -1,7 +1,7 @@
 """Active voxels as plain tensors: positions ``[N, 4]`` (sample, x, y, z), features ``[N, C]``, any order.
 
-What depends on the places alone (neighbours, parents, how tokens are padded) is computed once per set of
-voxels and handed to the layers, which then only see rows. No sparse library is needed.
+Whatever depends on positions alone (neighbours, parents, padding of tokens) is computed once per set of
+voxels and passed to the layers, which then only see rows. No sparse library is needed.
 """
 
 from dataclasses import dataclass
@@ -11,14 +11,14 @@ from jaxtyping import Bool, Float, Int
 from torch import Tensor
 
 SPAN = 1024
-"""Coordinates stay below this, less one cell of margin on both sides."""
+"""Upper bound of coordinates in a key, including a margin of one cell on both sides."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Neighbours:
-    """Neighbour lists: per cell of the 3x3x3 kernel, receiving rows and rows that are read.
+    """Neighbour lists: for each cell of the 3x3x3 kernel, the receiving rows and the rows they read.
 
-    The kernel's cells are in the order of its axes, last one fastest; the middle one, where every row reads
+    Cells are in the order of the kernel's axes, the last one fastest. The centre, where every row reads
     itself, is left out.
     """
 
@@ -28,7 +28,7 @@ class Neighbours:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Coarsening:
-    """Larger voxels: their places, sorted, and the row of each fine voxel's parent."""
+    """Larger voxels: their coordinates, sorted, and the row of each fine voxel's parent."""
 
     coords: Int[Tensor, "M 4"]
     parent: Int[Tensor, "N"]
@@ -38,8 +38,8 @@ class Coarsening:
 class Padding:
     """Rows of several samples as one padded batch of tokens, and back.
 
-    ``rows`` says which row fills a token (padding: any row), ``slots`` which token, counted through the
-    batch, holds a row; ``mask`` is True where a token is one, None if all are.
+    ``rows`` is the row in each token (any row in padding), ``slots`` the token of each row, counted through
+    the batch; ``mask`` is False in padding, None if there is none.
     """
 
     rows: Int[Tensor, "B L"]
@@ -56,10 +56,10 @@ class Padding:
 
 
 def check_voxels(coords: Int[Tensor, "N 4"], samples: int, edge: int) -> None:
-    """Refuses voxels that a network over ``samples`` grids of ``edge`` cells cannot answer for.
+    """Checks voxels for a network over ``samples`` grids of ``edge`` cells.
 
     Raises:
-        ValueError: If a sample has no voxel, a sample or coordinate is out of range, or a voxel comes twice.
+        ValueError: If a sample has no voxel, a sample or coordinate is out of range, or a voxel occurs twice.
     """
     if not len(coords) or coords.min() < 0 or coords[:, 1:].max() >= edge:
         raise ValueError(f"{len(coords)} voxels, expected at least one, all inside of {edge} cells")
@@ -71,13 +71,13 @@ def check_voxels(coords: Int[Tensor, "N 4"], samples: int, edge: int) -> None:
 
 
 def voxel_keys(coords: Int[Tensor, "N 4"]) -> Int[Tensor, "N"]:
-    """One number per place, ordered as (sample, x, y, z); a step along an axis is a fixed difference."""
+    """One number per voxel, ordered as (sample, x, y, z); a step along an axis is a fixed difference."""
     sample, x, y, z = coords.long().unbind(1)
     return ((sample * SPAN + x + 1) * SPAN + y + 1) * SPAN + z + 1
 
 
 def find_neighbours(coords: Int[Tensor, "N 4"]) -> Neighbours:
-    """Neighbours within the same sample, by looking up the keys of the places around each voxel."""
+    """Neighbours within the same sample, found by the keys of the cells around each voxel."""
     keys, order = voxel_keys(coords).sort()
     line = torch.arange(-1, 2, device=coords.device)
     steps = torch.cartesian_prod(line, line, line)
@@ -99,7 +99,7 @@ def coarsen(coords: Int[Tensor, "N 4"], factor: int) -> Coarsening:
 
 
 def merge_features(feats: Float[Tensor, "N C"], coarsening: Coarsening) -> Float[Tensor, "M C"]:
-    """Sum over a parent's children over one more than their number, as TRELLIS' weights expect it."""
+    """Sum over a parent's children divided by their number plus one, as TRELLIS' weights expect it."""
     total = feats.new_zeros(len(coarsening.coords), feats.shape[1]).index_add(0, coarsening.parent, feats)
     counts = torch.bincount(coarsening.parent, minlength=len(coarsening.coords))
     return total / (counts + 1).to(feats.dtype)[:, None]
@@ -120,7 +120,7 @@ def rank_in_group(groups: Int[Tensor, "N"], counts: Int[Tensor, "G"]) -> Int[Ten
 
 
 def plan_padding(samples: Int[Tensor, "N"]) -> Padding:
-    """Lays rows out by sample; ``samples`` counts from 0 without gaps."""
+    """Padding of rows by sample; ``samples`` counts from 0 without gaps."""
     samples = samples.long()
     counts = torch.bincount(samples)
     longest = int(counts.max())

@@ -1,7 +1,7 @@
 """Convolutions on active voxels, with the parameter names of TRELLIS.
 
-A submanifold convolution answers at the voxels that are there and reads the voxels that are there; its
-weights are laid out as (out, kernel x, kernel y, kernel z, in), as public checkpoints store them.
+A submanifold convolution reads and writes active voxels only. Its weights are laid out as (out, kernel x,
+kernel y, kernel z, in), as public checkpoints store them.
 """
 
 import torch
@@ -69,10 +69,10 @@ class SparseResBlock3d(nn.Module):
         """Features of the same voxels.
 
         Args:
-            feats: features.
-            emb: embedded time of each sample.
-            samples: sample of each voxel.
-            neighbours: of the voxels.
+            feats: Features of the voxels.
+            emb: Embedded time of each sample.
+            samples: Sample of each voxel.
+            neighbours: Neighbours of the voxels.
         """
         h = self.conv1(functional.silu(norm_rows(feats, self.norm1)), neighbours)
         scale, shift = self.emb_layers(emb)[samples].chunk(2, dim=1)

@@ -1,8 +1,8 @@
 """Joint states for training pictures, over the full range of every joint.
 
-The paper opens all joints together (section 4.2.1). Then a drawer hides the inside of the one below it in
-every picture, so states can be staggered: every joint still visits the same shares of its range once each,
-but neighbours are open by different shares at a time.
+The paper opens all joints together (section 4.2.1). A drawer then hides the inside of the one below it in
+every picture. States can therefore be staggered: every joint still visits the same shares of its range once
+each, but neighbours are open by different shares at a time.
 """
 
 import numpy as np
@@ -12,17 +12,18 @@ from artigen.shapes.shape import Shape
 from artigen.types import Asset
 
 GOLDEN = 0.3819660112501051
-"""Step between the shifts of joints, as a share of all states: close to no small fraction."""
+"""Step between the shifts of joints as a share of all states: golden ratio, far from small fractions."""
 
 
 def plan_fractions(shape: Shape, count: int, *, staggered: bool) -> Float[np.ndarray, "S P"]:
     """Share of its range that each part is open by, state by state; the first state is closed.
 
-    A part that needs another one open stays closed where that is not, and follows its order.
+    A part that needs another one open follows the order of that one, and is closed where that is not open
+    enough.
 
     Args:
         shape: The object.
-        count: States.
+        count: Number of states.
         staggered: Whether joints take their shares in different orders.
     """
     if count < 1:
@@ -49,7 +50,7 @@ def plan_fractions(shape: Shape, count: int, *, staggered: bool) -> Float[np.nda
 def shape_coordinates(
     shape: Shape, asset: Asset, fractions: Float[np.ndarray, "S P"]
 ) -> Float[np.ndarray, "S P"]:
-    """Joint coordinates of a shape (metres, radians), one per part; parts its asset has not kept stay."""
+    """Joint coordinates of a shape (metres, radians), one per part; zero for parts that its asset lacks."""
     kept = {part.name for part in asset.parts}
     upper = [
         0.0 if part.motion is None or part.name not in kept else part.motion.upper for part in shape.parts

@@ -14,19 +14,19 @@ from artigen.voxels.surface import MIDDLE_SPREAD
 APPEARANCE_VAE, APPEARANCE_FLOW = "appearance-vae", "appearance-flow"
 """Names of the networks in a model folder."""
 NARROW = -6.0
-"""Log-variance of an untrained posterior: what the features say reaches the decoder from the first step."""
+"""Log-variance of an untrained posterior: low, so that features reach the decoder from the first step."""
 
 SIDE_CHANNELS = 13
-"""Last features of a voxel with two sides: how clear it is; colour and height of the outer side and of the
-inner one; middles and widths of surface across (`artigen.appearance.sides`)."""
+"""Last features of a voxel with two sides: transmission; colour and height of the outer and of the inner
+side; middles and widths of the surface across (`artigen.appearance.sides`)."""
 SIDE_LATENTS = 13
-"""Colours and heights of two sides, how clear the voxel is, middles and widths."""
+"""Latents of a voxel with two sides: colours, heights, transmission, middles and widths."""
 COLOR_MIDDLE, COLOR_SPREAD = 0.5, 0.25
-"""About the mean and the deviation of colours: what side features take off them and divide them by."""
+"""Offset and divisor of colours in side features: about their mean and standard deviation."""
 CLEARING = -6.0
-"""What a clear voxel takes off the raw opacities of its Gaussians."""
+"""Initial weight of a voxel's transmission on the raw opacities of its Gaussians."""
 SHRINKING = 0.6
-"""How much of the logarithm of a width is taken off where Gaussians lie across: about 1 - width."""
+"""Initial weight of the logarithm of a width on offsets across; their spread is then about the width."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -41,11 +41,11 @@ class Encoded:
 class AppearanceVae(nn.Module):
     """Features of voxels to latents, and those to Gaussians.
 
-    ``feature_mean`` and ``feature_std`` per channel belong to the weights: features are small numbers beside
-    the waves that say where a voxel is, so the encoder reads them normalised.
+    ``feature_mean`` and ``feature_std`` per channel belong to the weights. The encoder reads normalised
+    features, which would otherwise be small beside the position embedding.
 
     Raises:
-        ValueError: If the two do not fit each other, or latents are too narrow for two sides.
+        ValueError: If encoder and decoder do not fit each other, or latents are too narrow for two sides.
     """
 
     feature_mean: Tensor
@@ -82,13 +82,13 @@ class AppearanceVae(nn.Module):
         noise: Float[Tensor, "N D"],
         facings: Int[Tensor, "N"] | None = None,
     ) -> Encoded:
-        """Encodes, draws from the posterior with the given noise, and decodes.
+        """Encodes, samples the posterior with the given noise, and decodes.
 
         Args:
-            coords: sample, x, y, z of each voxel.
-            feats: its features.
-            noise: standard normal; zero gives the means.
-            facings: directions of its outer side; not looked at where voxels have no sides.
+            coords: Sample, x, y, z of each voxel.
+            feats: Features of each voxel.
+            noise: Standard normal; zero gives the means.
+            facings: Directions of the outer sides; ignored where voxels have no sides.
         """
         plans = self.encoder.plan(coords)
         facings = facings if self.encoder.cfg.sided else None
@@ -110,26 +110,26 @@ class AppearanceVae(nn.Module):
 
 @torch.no_grad()
 def _lead_sides_through(encoder: SlatEncoder, decoder: GaussianDecoder) -> None:
-    """Lets untrained networks put Gaussians of the right colours and sizes where surface was seen.
+    """Initialises the skip layers so that untrained networks already give Gaussians near the right ones.
 
-    Latents start as colour of the outer side, colour of the inner one, the heights of both, clearness, and
-    middles and logarithms of widths across.
+    The first latents are the colours of the outer and of the inner side, both heights, the transmission, and
+    the middles and logarithms of widths across.
     """
     assert encoder.skip is not None
     assert decoder.skip is not None
     clear, sides, across = torch.arange(-SIDE_CHANNELS, 0).split([1, SIDE_CHANNELS - 5, 4])
     outer, inner = sides.unflatten(0, (2, -1))
-    told = torch.cat([outer[:3], inner[:3], outer[3:4], inner[3:4], clear, across])
-    latents = torch.arange(len(told))
+    features = torch.cat([outer[:3], inner[:3], outer[3:4], inner[3:4], clear, across])
+    latents = torch.arange(len(features))
     encoder.out_layer.weight[latents] = 0.0
-    encoder.skip.weight[latents, told] = 1.0
+    encoder.skip.weight[latents, features] = 1.0
     half = decoder.gaussians.count // 2
     colors, offsets, scales = (decoder.channels(name) for name in ("color", "offset", "scale"))
     for color, height, rows in (((0, 1, 2), 6, slice(0, half)), ((3, 4, 5), 7, slice(half, None))):
         decoder.skip.weight[colors[rows], torch.tensor(color)] = COLOR_SPREAD / HARMONIC
         decoder.skip.weight[offsets[rows, 0], height] = 1.0
     decoder.skip.weight[decoder.channels("opacity")[:, 0], 8] = CLEARING
-    raw = 2.0 / decoder.gaussians.reach  # offsets are told as shares of half the reach
+    raw = 2.0 / decoder.gaussians.reach  # raw offsets are shares of half the reach
     spread = torch.tanh(decoder.offset_perturbation)
     for axis, (middle, width) in enumerate(((9, 11), (10, 12)), start=1):
         decoder.skip.weight[offsets[:, axis], middle] = raw * MIDDLE_SPREAD

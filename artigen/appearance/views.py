@@ -16,28 +16,27 @@ EVEN_LIGHT = RenderConfig(
     shadow_rays=0, lamp_strength=0.0, sky_strength=0.0, fill_strength=0.85, fill_tilt=0.15
 )
 """Light from all around without shadows: a part keeps its colours when it moves, and a baked texture can be
-lit again. Only corners are darker."""
+relit. Only corners are darker."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class ViewConfig:
-    """How an object is photographed in one joint state."""
+    """How an object is rendered in one joint state."""
 
     count: int = 48
-    """Pictures."""
+    """Number of pictures."""
     size: int = 128
-    """Their edge in pixels."""
+    """Edge of a picture in pixels."""
     fov: float = 40.0
     """Angle of view (degrees)."""
     lowest: float = -0.45
     """Sine of the lowest elevation of a camera."""
     highest: float = 0.92
-    """Sine of the highest."""
+    """Sine of the highest elevation of a camera."""
     front: float = 0.5
-    """Share of the cameras that stand in front, where one looks into what opens; the others are all
-    around."""
+    """Share of the cameras that stand in front and look into openings; the others stand all around."""
     light: RenderConfig = field(default_factory=lambda: EVEN_LIGHT)
-    """Light."""
+    """Lights and other render settings."""
     sharpness: int = 1
     """Rays per pixel edge in the pictures that are kept."""
 
@@ -53,12 +52,12 @@ def spread_directions(cfg: ViewConfig, turn: float) -> Float[np.ndarray, "V 3"]:
     """Unit directions from an object to its cameras: Hammersley's points over a band of the sphere.
 
     Args:
-        cfg: How many, and how high.
-        turn: Shift of the sequence in [0, 1), so that states are seen from other places.
+        cfg: Number and elevations of the cameras.
+        turn: Shift of the sequence in [0, 1), so that states are seen from different places.
     """
     order = np.arange(cfg.count)
     height = cfg.lowest + (cfg.highest - cfg.lowest) * ((order + 0.5) / cfg.count)
-    around = (order * 0.6180339887498949 + turn) % 1.0  # cells of the golden ratio, as even as Hammersley's
+    around = (order * 0.6180339887498949 + turn) % 1.0  # golden-ratio sequence, as even as Hammersley's
     ahead = np.pi * (around / max(cfg.front, 1e-9) - 0.5)
     anywhere = 2.0 * np.pi * (around - cfg.front) / max(1.0 - cfg.front, 1e-9)
     angle = np.where(around < cfg.front, ahead, anywhere)
@@ -76,7 +75,7 @@ def state_vertices(shape: Shape, qpos: Float[np.ndarray, "P"]) -> Float[np.ndarr
 
 
 def place_cameras(shape: Shape, qpos: Float[np.ndarray, "P"], cfg: ViewConfig, turn: float) -> Cameras:
-    """One camera per direction, each as near as it can be with all of the object in the picture (m)."""
+    """One camera per direction, each as near as possible with the whole object in the picture (m)."""
     points = state_vertices(shape, qpos)
     single = [
         frame_points(points, (float(x), float(y), float(z)), fov=cfg.fov, width=cfg.size, height=cfg.size)
@@ -97,7 +96,7 @@ def pick_cameras(cameras: Cameras, rows: Int[Tensor, "K"]) -> Cameras:
 
 
 def join_cameras(parts: list[Cameras]) -> Cameras:
-    """Cameras one after another; pictures must be of one size.
+    """Concatenates cameras; their pictures must be of one size.
 
     Raises:
         ValueError: If there are none, or sizes differ.
@@ -116,7 +115,7 @@ def join_cameras(parts: list[Cameras]) -> Cameras:
 
 
 def scale_cameras(cameras: Cameras, center: Float[np.ndarray, "3"], scale: float) -> Cameras:
-    """The same cameras about ``center`` (m), in lengths of ``scale`` metres: those of the unit cube."""
+    """Cameras in unit-cube coordinates: relative to ``center`` (m), in units of ``scale`` metres."""
     middle = torch.as_tensor(center)
     return Cameras(
         position=(cameras.position - middle) / scale,

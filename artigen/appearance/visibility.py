@@ -1,8 +1,7 @@
 """Voxel features as means over the views and states that show them (section 4.2.1 of the paper).
 
-The paper averages over all views, also those in which something else stands in front of a voxel. Here, a
-view counts for a voxel if the depth that was rendered there is the voxel's own; ``weighting="plain"`` is the
-paper's way.
+The paper averages over all views, including those in which a voxel is occluded. Here a view counts for a
+voxel if the rendered depth and part there are the voxel's own; ``weighting="plain"`` is the paper's method.
 """
 
 from dataclasses import dataclass
@@ -21,21 +20,21 @@ Weighting = Literal["seen", "plain"]
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class StateViews:
-    """Pictures of one joint state: what they show, and how parts have moved; all in unit lengths."""
+    """Pictures of one joint state with depths, parts and displacements, in unit lengths."""
 
     cameras: Cameras
     pictures: Float[Tensor, "V 4 H W"]
     """Colour and coverage, premultiplied on black."""
     depth: Float[Tensor, "V H W"]
-    """Along the viewing direction; infinite where nothing is seen."""
+    """Depth along the viewing direction; infinite at the background."""
     parts: Int[Tensor, "V H W"]
     """Part of the asset that each pixel shows."""
     surface: Float[Tensor, "V 4 H W"]
-    """The same without what shines through the nearest surface."""
+    """The pictures without what is visible through the nearest surface."""
     clear: Float[Tensor, "V H W"]
-    """Share of what is behind that each pixel's nearest surface lets through."""
+    """Transmission of the nearest surface at each pixel."""
     displacements: Float[np.ndarray, "P 4 4"]
-    """Of the parts, from rest."""
+    """Displacements of the parts from rest."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -46,25 +45,25 @@ class SeenVoxels:
     toward: Float[Tensor, "K 3"]
     """Unit directions to the camera."""
     color: Float[Tensor, "K 3"]
-    """Of the surface alone, without what shines through it."""
+    """Colour of the surface alone, without what is visible through it."""
     clear: Float[Tensor, "K"]
-    """Share of what is behind that is seen through them."""
+    """Transmission of the surface."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class VoxelFeatures:
-    """Mean features of voxels; zero for those that no view counted for."""
+    """Mean features of voxels; zero for those that no view shows."""
 
     values: Float[np.ndarray, "N C"]
     views: Int[np.ndarray, "N"]
-    """Views that counted."""
+    """Number of views that counted for each voxel."""
 
 
 class FeatureMean:
-    """Adds up features view by view; it has to remember, hence a class.
+    """Accumulates features view by view.
 
     Args:
-        centers: Of the voxels, at rest.
+        centers: Centres of the voxels, at rest.
         part_ids: Part that each voxel moves with.
         cell: Edge of a voxel.
         weighting: Which views count for a voxel.
@@ -86,7 +85,7 @@ class FeatureMean:
         self.sums: Tensor | None = None
 
     def add(self, views: StateViews, maps: Float[Tensor, "V C h w"]) -> list[SeenVoxels]:
-        """Counts the views of a state, and says of each what it shows; ``maps`` are their features."""
+        """Adds the views of a state with their feature ``maps``; returns the voxels that each view shows."""
         D = views.displacements[self.part_ids]
         moved = torch.from_numpy(np.einsum("nij,nj->ni", D[:, :3, :3], self.centers) + D[:, :3, 3])
         turn = torch.from_numpy(D[:, :3, :3]).float()
@@ -117,10 +116,10 @@ class FeatureMean:
         return out
 
     def finish(self) -> VoxelFeatures:
-        """Means over what was counted.
+        """Means over the added views.
 
         Raises:
-            ValueError: If nothing was added.
+            ValueError: If no views were added.
         """
         if self.sums is None:
             raise ValueError("no views were added, expected at least one")
@@ -131,7 +130,7 @@ class FeatureMean:
 def project_points(
     points: Float[Tensor, "N 3"], cameras: Cameras
 ) -> tuple[Float[Tensor, "V N 2"], Float[Tensor, "V N"]]:
-    """Where points are in each picture, from -1 to 1 across and along, and their depths."""
+    """Positions of points in each picture, from -1 to 1 along columns and rows, and their depths."""
     local = torch.einsum(
         "vij,vnj->vni", camera_axes(cameras), points.double()[None] - cameras.position.double()[:, None]
     )
@@ -149,13 +148,13 @@ def find_seen(
     rendered: Float[Tensor, "V H W"],
     tolerance: float,
 ) -> Bool[Tensor, "V N"]:
-    """Whether the surface that was rendered where a point is lies at its depth, within ``tolerance``."""
+    """Whether the rendered surface at a point's pixel lies at the point's depth, within ``tolerance``."""
     inside = (place.abs() <= 1).all(dim=2) & (depth > 0)
     return inside & ((_read_pixels(rendered, place) - depth).abs() <= tolerance)
 
 
 def _read_pixels(values: Shaped[Tensor, "V H W"], place: Float[Tensor, "V N 2"]) -> Shaped[Tensor, "V N"]:
-    """Values of the pixels that places lie in, of the border's where they lie outside."""
+    """Values of the pixels at the given places; of the nearest border pixel for places outside."""
     height, width = values.shape[1:]
     column, row = (
         ((at + 1.0) / 2.0 * edge).floor().long().clamp(0, edge - 1)

@@ -1,4 +1,4 @@
-"""Windowed attention of active voxels, shifted or not.
+"""Attention of active voxels within windows, plain or shifted.
 
 Windows hold very different numbers of voxels. They are sorted by that number and padded to the next of a few
 sizes, so that all windows of a size go through one call of `scaled_dot_product_attention`.
@@ -14,12 +14,12 @@ from torch.nn import functional
 from artigen.appearance.sparse import rank_in_group, voxel_keys
 
 SIZES = (8, 16, 24, 32, 48, 64, 80, 96, 112, 128, 160, 192, 224, 256, 320, 384, 448, 512)
-"""What a window is padded to; larger ones to the next multiple of the last."""
+"""Sizes to which windows are padded; larger windows are padded to a multiple of the last."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class WindowBucket:
-    """Windows padded to one size: how many, that size, and which tokens are voxels (None: all)."""
+    """Windows padded to one size: number, size, and a mask of the tokens that are voxels (None: all)."""
 
     windows: int
     size: int
@@ -28,10 +28,9 @@ class WindowBucket:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class WindowPlan:
-    """Where each voxel goes.
+    """Assignment of voxels to the padded tokens of all buckets, one bucket after another.
 
-    The padded tokens of all buckets lie one after another; ``rows`` says which voxel fills a token
-    (padding: any voxel), ``slots`` which token holds a voxel.
+    ``rows`` is the voxel in each token (any voxel in padding), ``slots`` the token of each voxel.
     """
 
     buckets: tuple[WindowBucket, ...]
@@ -42,14 +41,14 @@ class WindowPlan:
 def group_windows(coords: Int[Tensor, "N 4"], window: int, shift: int) -> Int[Tensor, "N"]:
     """Number of each voxel's window, from 0 without gaps.
 
-    Voxels share a window if they share the sample and ``(x, y, z) + shift`` divided by ``window``.
+    Voxels share a window if they agree in the sample and in ``((x, y, z) + shift) // window``.
     """
     places = torch.cat([coords[:, :1], (coords[:, 1:] + shift) // window], dim=1)
     return voxel_keys(places).unique(return_inverse=True)[1]
 
 
 def plan_windows(coords: Int[Tensor, "N 4"], window: int, shift: int) -> WindowPlan:
-    """Lays voxels (sample, x, y, z) out by window; costs some milliseconds and serves all blocks."""
+    """Plan of voxels (sample, x, y, z) by window; takes some milliseconds and serves all blocks."""
     groups = group_windows(coords, window, shift)
     counts = torch.bincount(groups)
     sizes = _padded_sizes(counts)

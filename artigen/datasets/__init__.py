@@ -1,4 +1,4 @@
-"""Readers of articulated objects, each giving an `Asset`; data sets, written and read."""
+"""Readers of articulated objects, each returning an `Asset`; writing and reading of data sets."""
 
 from artigen.datasets.shards import open_shards
 

@@ -1,4 +1,4 @@
-"""Description of a data set besides its objects."""
+"""Description of a data set as a whole."""
 
 from dataclasses import dataclass
 
@@ -7,7 +7,7 @@ from artigen.datasets.duplicates import Duplicate
 
 @dataclass(frozen=True, kw_only=True)
 class Failure:
-    """An object that was drawn and is not in the data set."""
+    """An object that was drawn and left out of the data set."""
 
     id: str
     reason: str
@@ -15,7 +15,7 @@ class Failure:
 
 @dataclass(frozen=True, kw_only=True)
 class About:
-    """Its name and origin, and what was left out."""
+    """Name and origin of a data set, and the objects left out."""
 
     name: str
     title: str
@@ -24,12 +24,12 @@ class About:
     creator: str
     url: str
     date: str
-    """Of publication; nothing else in a data set depends on when it was made."""
+    """Date of publication; nothing else in a data set depends on the time of its making."""
     generator: str
     recipes: tuple[tuple[str, str], ...]
     """File name and text of each."""
     digest: str
-    """Of the recipe; a data set of the same is not made again."""
+    """Digest of the recipe; an existing data set with the same digest is not made again."""
     duplicates: tuple[Duplicate, ...] = ()
     failures: tuple[Failure, ...] = ()
     near: float = 0.0

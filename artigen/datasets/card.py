@@ -27,7 +27,7 @@ LABELS = ("drawers", "doors", "handles", "knobs", "trays", "shelves", "wheels")
 COLUMNS = ("id", "category", "source", "topology", "depth", "width", "height", "mass", "joint_kinds", *LABELS,
            "handle_annotations", "links", "hulls", "triangles", "passed", "checks_passed", "files",
            "unpacked_bytes")  # fmt: skip
-"""Columns of the manifest that statistics are made of."""
+"""Columns of the manifest used for statistics."""
 HEADINGS = ("category", "objects", "by the model", "topologies", "joints", "handles", "width (m)",
             "depth (m)", "height (m)", "mass (kg)")  # fmt: skip
 CHECKED = """files and units; closed meshes, convex hulls, collision true to the visual; sweeps of every
@@ -44,7 +44,7 @@ def size_category(count: int) -> str:
 
 
 def draw_sheet(thumbnails: Sequence[bytes], columns: int) -> bytes:
-    """Thumbnails of one size in rows, as WebP; the last row is filled up with the corner's colour."""
+    """Thumbnails of one size in rows, as WebP; the last row is padded with the colour of a corner."""
     from PIL import Image
 
     images = [np.asarray(Image.open(io.BytesIO(data)).convert("RGB")) for data in thumbnails]
@@ -63,9 +63,9 @@ def card_text(table: Table, stored: Files, about: About, *, example: str, sheet:
     Args:
         table: `COLUMNS` of its manifest.
         stored: Size of every file by path, under ``bytes``.
-        about: What it says of itself.
-        example: Folder of the object that is there unpacked.
-        sheet: Path of its picture.
+        about: Description of the data set.
+        example: Folder of the unpacked example object.
+        sheet: Path of the picture of objects.
         shown: Number of objects in the picture.
     """
     count = len(table["id"])

@@ -1,4 +1,4 @@
-"""Croissant metadata (version 1.0) of a data set: what lies where, and the columns of the manifest."""
+"""Croissant metadata (version 1.0) of a data set: its files, and the columns of the manifest."""
 
 import json
 from collections.abc import Mapping
@@ -55,7 +55,7 @@ TYPES = {
     "float64": "sc:Float",
     "bool": "sc:Boolean",
 }
-"""Croissant's words for the types of columns; images and bytes inside of a table have none."""
+"""Croissant's types of columns; images and bytes inside a table have none."""
 LICENSES = {
     "cc-by-4.0": "https://creativecommons.org/licenses/by/4.0/",
     "cc-by-sa-4.0": "https://creativecommons.org/licenses/by-sa/4.0/",
@@ -72,7 +72,7 @@ def croissant_text(count: int, stored: Mapping[str, Mapping[str, Any]], about: A
     Args:
         count: Number of objects.
         stored: Size and SHA-256 of every file by its path, which is relative to croissant.json.
-        about: What the data set says of itself.
+        about: Description of the data set.
     """
     value: dict[str, Any] = {
         "@context": CONTEXT,

@@ -2,8 +2,8 @@
 
 A descriptor is the share of an object's surface in each cell of a grid over its box (16-bit shares,
 `sim_export.fingerprint`). Two objects of one category with joints of the same kinds are near duplicates if
-their boxes agree within `EXTENTS` and half the sum of differences of their descriptors is at most the
-threshold: then at most that share of the surface lies elsewhere.
+their boxes agree within `EXTENTS` and half the sum of absolute differences of their descriptors, the share
+of surface in different places, is at most the threshold.
 """
 
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Float
 
 EXTENTS = 0.01
-"""Largest difference of two lengths of boxes, over the longer, at which objects may be near duplicates."""
+"""Largest relative difference of the edges of two boxes at which objects may be near duplicates."""
 LEVELS = 65535
 """Steps of a share in a descriptor."""
 
@@ -24,7 +24,7 @@ class Fingerprint:
     id: str
     category: str
     joints: tuple[str, ...]
-    """Kinds, in the order of the joints."""
+    """Kinds of the joints, in order."""
     extents: tuple[float, float, float]
     geometry: str
     """Hash of the exact geometry."""
@@ -50,7 +50,7 @@ def surface_distance(first: bytes, second: bytes) -> float:
 
 
 class Duplicates:
-    """Objects that are kept so far, to find duplicates of them among others."""
+    """Objects kept so far, searched for duplicates of further ones."""
 
     def __init__(self, near: float) -> None:
         """``near``: largest distance of near duplicates; 0 finds equal geometry only."""
@@ -59,7 +59,7 @@ class Duplicates:
         self._groups: dict[tuple[str, tuple[str, ...]], _Group] = {}
 
     def add(self, one: Fingerprint) -> Duplicate | None:
-        """Keeps an object; or says of which kept one it is a duplicate, and keeps it not."""
+        """Keeps an object and returns None, or returns which kept object it duplicates."""
         other = self._exact.get(one.geometry)
         if other is not None:
             return Duplicate(id=one.id, of=other, distance=0.0)

@@ -10,7 +10,7 @@ def need(module: str) -> ModuleType:
     """The module of that name.
 
     Raises:
-        ArtigenError: If it is not installed; says what to install.
+        ArtigenError: If it is not installed; says how to install it.
     """
     try:
         return import_module(module)

@@ -1,6 +1,6 @@
-"""The manifest of a data set: a row per object in ``manifest.parquet``, and where its shared files lie.
+"""The manifest of a data set: one row per object in ``manifest.parquet``, and the index of shared files.
 
-`datasets` of Hugging Face shows ``thumbnail`` as an image, by what stands in the schema's metadata.
+The metadata of the schema make `datasets` of Hugging Face show ``thumbnail`` as an image.
 """
 
 import json
@@ -54,8 +54,8 @@ COLUMNS: Mapping[str, str] = {
     "thumbnail": "image",
     "descriptor": "binary",
 }
-"""Columns and their types. ``packed_bytes`` is the archive of the object's own files, ``shared`` the SHA-256
-of those that it shares; its sample is bytes ``offset`` to ``offset + size`` of its shard."""
+"""Columns and their types. ``packed_bytes`` is the size of the archive of the object's own files, ``shared``
+lists the SHA-256 of its shared files. Its sample is bytes ``offset`` to ``offset + size`` of its shard."""
 SHARED_COLUMNS: Mapping[str, str] = {
     "sha256": "string",
     "shard": "string",
@@ -65,7 +65,7 @@ SHARED_COLUMNS: Mapping[str, str] = {
 
 
 def sample_row(sample: Sample, **place: object) -> dict[str, Any]:
-    """The row of a sample; ``place`` holds the columns that say where it lies and what it looks like."""
+    """The row of a sample; ``place`` holds the columns of its position in the shard and its appearance."""
     value = asdict(sample)
     depth, width, height = sample.extents
     counts = {_plural(one.label): one.count for one in sample.counts if one.label != "base"}
@@ -108,7 +108,7 @@ class TableWriter:
 
 
 def make_schema(columns: Mapping[str, str]) -> Any:
-    """The schema of a table, with what Hugging Face's `datasets` reads of it."""
+    """The schema of a table, with the metadata that Hugging Face's `datasets` reads."""
     pa = need("pyarrow")
     types = {
         "list<string>": pa.list_(pa.string()),

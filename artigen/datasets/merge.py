@@ -20,15 +20,15 @@ def merge_datasets(
     *,
     on_step: Callable[[int, int], None] | None = None,
 ) -> Path:
-    """Writes the objects of several data sets as one; of duplicates, the one that comes first stays.
+    """Writes the objects of several data sets as one; of duplicates, the first one is kept.
 
     Raises:
         PackingError: If licences differ, or two different objects have one id.
     """
     licenses = {one.index["license"]: one.folder for one in sources}
     if len(licenses) > 1:
-        said = " and ".join(f"{license} ({folder})" for license, folder in licenses.items())
-        raise PackingError(f"licences differ: {said}; data sets of one licence can be merged")
+        found = " and ".join(f"{license} ({folder})" for license, folder in licenses.items())
+        raise PackingError(f"licences differ: {found}; only data sets of one licence can be merged")
     near = min(float(one.index["near"]) for one in sources)
     places: dict[str, Shards] = {}
     descriptors: dict[str, bytes] = {}

@@ -7,10 +7,10 @@ import numpy as np
 from jaxtyping import Float, Int
 
 PIXELS = 2_000_000
-"""Pixels of triangles that are looked at together, to bound the memory."""
+"""Pixels of triangles processed together, which bounds the memory."""
 BACK = 1e-4
-"""Share of the depth by which the back of a triangle stands behind its front: where a source draws both
-sides of a sheet, each with its own material, one sees the side that faces the camera."""
+"""Share of the depth by which the back of a triangle counts as behind its front: where a source draws both
+sides of a sheet, each with its own material, the side that faces the camera is visible."""
 NOTHING = np.iinfo(np.int64).max
 
 
@@ -35,20 +35,20 @@ class SeenFaces:
     """Row times width plus column."""
     face: Int[np.ndarray, "N"]
     weights: Float[np.ndarray, "N 3"]
-    """Of the corners of the face: they give the point seen, and whatever is linear on the face."""
+    """Barycentric weights of the corners of the face at the visible point."""
     depth: Float[np.ndarray, "N"]
-    """Along the viewing direction."""
+    """Depth along the viewing direction."""
 
 
 def rasterize_mesh(
     vertices: Float[np.ndarray, "V 3"], faces: Int[np.ndarray, "F 3"], camera: Pinhole
 ) -> SeenFaces:
-    """The nearest triangle at the middle of every pixel, seen from either side.
+    """The nearest triangle at the centre of every pixel, visible from either side.
 
     Args:
-        vertices: All in front of the camera.
+        vertices: Vertices, all in front of the camera.
         faces: Triangles of any orientation.
-        camera: From where, and how finely.
+        camera: Camera and size of the picture.
     """
     screen, depth = project_points(vertices, camera)
     edges = vertices[faces[:, 1:]] - vertices[faces[:, :1]]
@@ -56,7 +56,7 @@ def rasterize_mesh(
     faces_away = np.einsum("fk,fk->f", outward, camera.position - vertices[faces[:, 0]]) < 0
     behind = 1.0 + BACK * faces_away
     planes = _find_planes(screen[faces])
-    # Over its depth, each weight is linear in the picture; so is their sum, one over the depth there.
+    # Weights divided by depth are linear in the picture; their sum is the inverse depth of the face.
     shares = planes / depth[faces][..., None]
     nearness = shares.sum(axis=1)
     nearest = np.full(camera.width * camera.height, NOTHING)
@@ -83,7 +83,7 @@ def project_points(
 
 
 def _find_planes(corners: Float[np.ndarray, "F 3 2"]) -> Float[np.ndarray, "F 3 3"]:
-    """Barycentric weight of each corner as ``a column + b row + c``; none where a triangle is a line."""
+    """Barycentric weight of each corner as ``a column + b row + c``; zero for degenerate triangles."""
     after, last = np.roll(corners, -1, axis=1), np.roll(corners, -2, axis=1)
     across = after[..., 1] - last[..., 1]
     along = last[..., 0] - after[..., 0]
@@ -95,7 +95,7 @@ def _find_planes(corners: Float[np.ndarray, "F 3 2"]) -> Float[np.ndarray, "F 3 
 def _list_pixels(
     corners: Float[np.ndarray, "F 3 2"], planes: Float[np.ndarray, "F 3 3"], camera: Pinhole
 ) -> Iterator[tuple[Int[np.ndarray, "M"], Int[np.ndarray, "M"], Int[np.ndarray, "M"]]]:
-    """Triangle, column and row of every pixel whose middle is in a triangle, in portions."""
+    """Triangle, column and row of every pixel whose centre lies in a triangle, in portions of `PIXELS`."""
     first = np.maximum(np.ceil(corners.min(axis=1) - 0.5), 0).astype(np.int64)
     last = np.minimum(np.floor(corners.max(axis=1) - 0.5), [camera.width - 1, camera.height - 1]).astype(
         np.int64

@@ -1,7 +1,6 @@
-"""Folders of files as samples: own files in one compressed archive, images apart, named after their content.
+"""Packs folders as samples: own files in one compressed archive, images separately by their hash.
 
-What `pack_files` takes apart, `unpack_files` puts together again, byte for byte; equal files give equal
-bytes.
+`unpack_files` inverts `pack_files` byte for byte, and equal files give equal bytes.
 """
 
 import hashlib
@@ -16,12 +15,12 @@ from artigen.datasets.extra import need
 from artigen.errors import ArtigenError
 
 LISTING = "manifest.json"
-"""The file that lists the SHA-256 of the others; it is left out where it follows from them."""
+"""The file with the SHA-256 of the others; it is left out if it can be computed from them."""
 UNLISTED = frozenset({LISTING, "validation.json"})
 SHARED_SUFFIXES = frozenset({".png", ".jpg", ".jpeg"})
-"""Files that many objects have alike."""
+"""Suffixes of files that many objects have in common."""
 LEVEL = 19
-"""Of zstd; 19 is the smallest that reads everywhere."""
+"""Compression level of zstd: the highest that every decoder supports."""
 
 
 class PackingError(ArtigenError):
@@ -30,7 +29,7 @@ class PackingError(ArtigenError):
 
 @dataclass(frozen=True, kw_only=True)
 class SharedFile:
-    """A file of an object that is stored apart."""
+    """A file of an object that is stored outside its archive."""
 
     path: str
     sha256: str
@@ -38,14 +37,14 @@ class SharedFile:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PackedFiles:
-    """A folder's files: the archive of its own, the shared ones by content, and whether it has a listing
-    that follows from them."""
+    """The files of a folder: an archive of its own files, and its shared files."""
 
     archive: bytes
     shared: tuple[SharedFile, ...]
     listed: bool
+    """Whether the folder has a listing that can be computed from its other files."""
     contents: Mapping[str, bytes]
-    """What the shared files hold, by SHA-256."""
+    """Contents of the shared files, by SHA-256."""
 
 
 def digest(data: bytes) -> str:
@@ -54,7 +53,7 @@ def digest(data: bytes) -> str:
 
 
 def list_files(files: Mapping[str, bytes]) -> bytes:
-    """The listing that a folder of these files has."""
+    """The listing (`LISTING`) of a folder with these files."""
     hashes = {path: digest(files[path]) for path in sorted(files) if path not in UNLISTED}
     return (json.dumps(hashes, indent=1) + "\n").encode()
 
@@ -69,7 +68,7 @@ def read_folder(folder: Path) -> dict[str, bytes]:
 
 
 def pack_files(files: Mapping[str, bytes]) -> PackedFiles:
-    """Takes a folder's files apart."""
+    """Packs the files of a folder, given by their path in it."""
     listed = LISTING in files and files[LISTING] == list_files(files)
     shared, contents, own = [], {}, {}
     for path in sorted(files):
@@ -86,16 +85,16 @@ def pack_files(files: Mapping[str, bytes]) -> PackedFiles:
 def unpack_files(
     archive: bytes, shared: tuple[SharedFile, ...], fetch: Callable[[str], bytes], *, listed: bool
 ) -> dict[str, bytes]:
-    """Puts a folder's files together.
+    """The files of a folder by their path, from its archive and shared files.
 
     Args:
-        archive: Its own files.
+        archive: Archive of its own files.
         shared: Its shared files.
-        fetch: The content of a shared file by its SHA-256.
-        listed: Whether the listing of its files belongs to it.
+        fetch: Returns the content of a shared file by its SHA-256.
+        listed: Whether to add the listing, which was left out.
 
     Raises:
-        PackingError: If the archive is damaged, or leads out of the folder.
+        PackingError: If the archive is damaged, or a path leads out of the folder.
     """
     zstd = need("zstandard")
     try:
@@ -114,7 +113,7 @@ def unpack_files(
 
 
 def tar_bytes(files: Mapping[str, bytes]) -> bytes:
-    """Files as a tar: sorted, without times, owners or modes of their own."""
+    """Files as a tar: sorted, with fixed times, owners and modes."""
     stream = io.BytesIO()
     with tarfile.open(fileobj=stream, mode="w", format=tarfile.USTAR_FORMAT) as tar:
         for path in sorted(files):

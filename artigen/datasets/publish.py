@@ -1,7 +1,7 @@
 """`write_dataset`: packed objects to a data set: shards, shared files, manifest, card, metadata.
 
-Everything is written to a scratch folder and moved into place, ``dataset.json`` last: a folder is a data set
-whole or not at all. The same objects give the same bytes, in whatever order they were made.
+Everything is written to a scratch folder and moved into place, ``dataset.json`` last, so that a folder with
+that file is complete. The same objects give the same bytes, whatever the order of their making.
 """
 
 import hashlib
@@ -42,11 +42,11 @@ from artigen.datasets.tars import TarWriter
 
 SCRATCH = ".partial"
 SHARED_BYTES = 256 * 2**20
-"""Size after which another tar of shared files begins."""
+"""Size in bytes after which another tar of shared files begins."""
 SHEET = "images/objects.webp"
 SHEET_COLUMNS, SHEET_ROWS = 4, 12
 EXAMPLE = "example"
-"""Folder of the one object that is there unpacked."""
+"""Folder of the one object that is stored unpacked."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -60,10 +60,10 @@ class PackedObject:
 
 
 def order_objects(ids: Sequence[str], is_full: Callable[[str], bool]) -> list[str]:
-    """Ids in an order that mixes categories and follows from the ids alone.
+    """Ids in an order that mixes categories and depends on the ids alone.
 
-    The first is one of which ``is_full`` holds, if there is any: readers take the schema from the first
-    samples, so these should have something in every list.
+    The first one satisfies ``is_full`` if any does: readers infer the schema from the first samples, so these
+    should have no empty list.
     """
     mixed = sorted(ids, key=lambda one: hashlib.sha256(one.encode()).hexdigest())
     first = next((one for one in mixed if is_full(one)), None)
@@ -71,7 +71,7 @@ def order_objects(ids: Sequence[str], is_full: Callable[[str], bool]) -> list[st
 
 
 def is_full(sample: Sample) -> bool:
-    """Whether every list that tells of the object has something in it."""
+    """Whether joints, handles, shared files and inapplicable checks are all non-empty."""
     return bool(sample.joints and sample.handles and sample.shared and sample.checks_not_applicable)
 
 
@@ -88,13 +88,16 @@ def write_dataset(
     """Writes a data set.
 
     Args:
-        out: Its folder; what else lies in it stays.
-        ids: Of all objects, in the order of `order_objects`.
-        load: An object by its id.
-        fetch: A shared file by its SHA-256.
-        about: What it says of itself.
+        out: Folder of the data set; other files in it stay.
+        ids: Ids of all objects, in the order of `order_objects`.
+        load: Returns an object by its id.
+        fetch: Returns the content of a shared file by its SHA-256.
+        about: Description of the data set.
         per_shard: Objects per shard.
-        on_step: Told how many objects are written, of how many.
+        on_step: Called with the number of objects written, and of all.
+
+    Returns:
+        ``out``.
     """
     scratch = out / SCRATCH
     shutil.rmtree(scratch, ignore_errors=True)
@@ -156,7 +159,7 @@ def _add_object(tar: TarWriter, shard: str, packed: PackedObject) -> dict[str, A
 
 
 def _write_shared(scratch: Path, contents: Sequence[str], fetch: Callable[[str], bytes]) -> None:
-    """Shared files in the order of their SHA-256, as ``<sha256>.png``, and where they lie."""
+    """Writes shared files in the order of their SHA-256, as ``<sha256>.png``, and their index."""
     with TableWriter(scratch / SHARED_INDEX, SHARED_COLUMNS) as index:
         number, at = 0, 0
         while at < len(contents) or number == 0:
@@ -181,7 +184,7 @@ def _list_files(scratch: Path) -> dict[str, dict[str, Any]]:
 
 
 def _index_text(about: About, count: int, stored: Mapping[str, Mapping[str, Any]]) -> str:
-    """``dataset.json``: every file of the data set, and what was left out."""
+    """Text of ``dataset.json``: every file of the data set, and the objects left out."""
     value = {
         "format": FORMAT,
         "version": VERSION,
@@ -209,7 +212,7 @@ def _hash_file(path: Path) -> str:
 
 
 def _move(scratch: Path, out: Path) -> Path:
-    """Moves everything into place, the index last; folders of a data set that was there before make way."""
+    """Moves everything into place, the index last; replaces folders of an earlier data set."""
     (out / INDEX).unlink(missing_ok=True)
     for path in sorted(scratch.iterdir(), key=lambda one: one.name == INDEX):
         target = out / path.name

@@ -1,6 +1,6 @@
-"""Recipes of data sets: what `artigen dataset` makes, read from YAML and checked before anything is made.
+"""Recipes of data sets for `artigen dataset`, read from YAML and checked before anything is made.
 
-Every error names the file, the line and the key, and says what was found and what is allowed.
+Every error names the file, the line and the key, what was found and what is allowed.
 """
 
 import difflib
@@ -20,73 +20,73 @@ from artigen.types import PartLabel
 Textures = Literal["shared", "own"]
 Validation = Literal["full", "none"]
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]*")
-"""Names go into keys of samples and into file names; keys end at the first dot."""
+"""Pattern of names: they become keys of samples, which end at the first dot, and file names."""
 MAX_COUNT = 10_000_000
 MAX_SEED = 2**31 - 1
 
 
 class RecipeError(ArtigenError):
-    """A recipe asks for something that is not known, or cannot be."""
+    """A recipe is malformed, or requests something unknown or impossible."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Entry:
-    """One line of a recipe: so many objects of one category."""
+    """One entry of a recipe: a number of objects of one category."""
 
     name: str
-    """Beginning of the ids of its objects: ``name-seed``, and ``name-gseed`` of generated ones."""
+    """Prefix of the ids of its objects: ``name-seed``, or ``name-gseed`` for generated ones."""
     category: str
     count: int
     seed: int = 0
-    """Seed of the first object; what fails a check or is a duplicate is replaced by later seeds."""
+    """Seed of the first object; objects that fail a check or are duplicates are replaced by later seeds."""
     generated: float = 0.0
-    """Share of the objects that the trained model draws, the rest are of the grammar."""
+    """Share of the objects that the trained model draws; the grammar draws the others."""
     like: int | None = None
-    """Seed of an object whose topology all objects of the grammar have."""
+    """Seed of an object whose topology all objects of the entry get."""
     wish: Wish = field(default_factory=Wish)
     line: int = 0
-    """Where it stands in the recipe."""
+    """Line of the entry in the recipe."""
 
     @property
     def drawn_by_model(self) -> int:
-        """How many objects the model draws."""
+        """Number of objects that the model draws."""
         return round(self.generated * self.count)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Options:
-    """How objects are made and stored."""
+    """Settings of the making and storing of objects."""
 
     textures: Textures = "shared"
     """``shared``: parts with the same finishes have the same image; ``own``: every part has its own."""
     gaussians: bool = False
     """Whether packages also hold Gaussians."""
     validation: Validation = "full"
-    """``full``: only objects that pass every check are in the data set; ``none``: all, untried."""
+    """``full``: keep only objects that pass every check; ``none``: keep all, unchecked."""
     redraws: int = 3
-    """How often a generated object that fails a check is drawn again."""
+    """Most redraws of a generated object that fails a check."""
     thumbnail: int = 192
     """Edge of a picture in pixels; a thumbnail is two of them, closed and open."""
     objects_per_shard: int = 500
     near: float = 0.02
-    """Two objects with at most this share of their surface in different places are duplicates; 0 leaves out
-    exact ones only."""
+    """Two objects with at most this share of their surface in different places are duplicates; with 0, only
+    objects of equal geometry are."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Recipe:
-    """Everything that decides a data set."""
+    """Everything that determines a data set."""
 
     name: str
     title: str = ""
     description: str = ""
     license: str = "cc-by-4.0"
-    """Of the data, as Hugging Face abbreviates licences."""
+    """Licence of the data, as abbreviated by Hugging Face."""
     creator: str = "artigen"
     url: str = ""
     """Where the data set is published, for its metadata."""
     date: str = ""
-    """Of publication, YYYY-MM-DD."""
+    """Date of publication, YYYY-MM-DD."""
     objects: tuple[Entry, ...]
     options: Options = field(default_factory=Options)
 
@@ -97,7 +97,7 @@ class Recipe:
 
 
 def digest_recipe(recipe: Recipe) -> str:
-    """A name for what a recipe makes; recipes that make the same have the same."""
+    """Digest of the content of a recipe, independent of line numbers."""
     value = asdict(recipe)
     for entry in value["objects"]:
         entry.pop("line")
@@ -108,7 +108,7 @@ def read_recipe(path: Path) -> Recipe:
     """Reads a recipe.
 
     Raises:
-        RecipeError: If the file cannot be read, is not YAML, or says something that is not known.
+        RecipeError: If the file cannot be read, is not YAML, or holds an unknown key or an invalid value.
     """
     try:
         text = path.read_text()
@@ -118,7 +118,7 @@ def read_recipe(path: Path) -> Recipe:
 
 
 def parse_recipe(text: str, where: str = "recipe") -> Recipe:
-    """The recipe that a text in YAML says; ``where`` stands at the beginning of errors."""
+    """The recipe in a YAML text; errors begin with ``where``."""
     yaml = need("yaml")
     try:
         node = yaml.compose(text, Loader=yaml.SafeLoader)
@@ -148,7 +148,7 @@ def parse_recipe(text: str, where: str = "recipe") -> Recipe:
 
 @dataclass(frozen=True, kw_only=True)
 class _Value:
-    """A node of the YAML tree, and what it is called."""
+    """A node of the YAML tree, with its key for errors."""
 
     node: Any
     key: str
@@ -224,7 +224,7 @@ class _Value:
             name = str(key.value)
             child = _Value(node=value, key=f"{self.key}.{name}" if self.key else name, where=self.where)
             if name in seen:
-                raise child.error("stands there twice")
+                raise child.error("occurs twice, expected once")
             seen.add(name)
             yield name, child
 
@@ -259,7 +259,7 @@ def _read_entries(value: _Value) -> tuple[Entry, ...]:
         other = next((one for one in entries if one.name == entry.name), None)
         if other is not None:
             raise item.error(
-                f"is called {entry.name}, as the entry of line {other.line}; give one of them another name"
+                f"is called {entry.name}, like the entry in line {other.line}; give one of them another name"
             )
         entries.append(entry)
     if not entries:

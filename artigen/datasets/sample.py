@@ -1,4 +1,4 @@
-"""A small cabinet made of boxes, with exact truth: the embedded input of the demo and the tests.
+"""A small cabinet made of boxes, with exact ground truth: the embedded input of the demo and the tests.
 
 A drawer above a door; behind the door a tray that slides on two runners and a fixed shelf; a bar
 handle on the drawer, a vertical one on the door, and a lock knob that turns on the door (a chain of

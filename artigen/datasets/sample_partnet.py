@@ -185,7 +185,7 @@ def _annotate(
 
 
 def _sample_urdf(nodes: list) -> str:
-    """The URDF that PartNet-Mobility writes for such an annotation."""
+    """The URDF that PartNet-Mobility writes for an annotation."""
     zero = np.zeros(3)
     origins = [np.array(node["jointData"].get("axis", {"origin": zero})["origin"]) for node in nodes]
     lines = ['<?xml version="1.0" ?>', '<robot name="partnet_sample_cabinet">', '\t<link name="base"/>']

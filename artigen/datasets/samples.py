@@ -1,4 +1,4 @@
-"""Samples: what a data set says of one object, as ``key.json`` in its shard and as a row of the manifest."""
+"""Samples: the record of one object in a data set, as ``key.json`` in its shard and a row of the manifest."""
 
 import json
 from dataclasses import asdict, dataclass
@@ -13,7 +13,7 @@ Vector = tuple[float, float, float]
 
 @dataclass(frozen=True, kw_only=True)
 class Count:
-    """How many parts of a label an object has."""
+    """Number of parts of a label."""
 
     label: str
     count: int
@@ -36,14 +36,14 @@ class SampleJoint:
     friction: float
     damping: float
     needs: str
-    """Joint that must be open first; empty where none must."""
+    """Joint that must be open first; empty if there is none."""
     needs_fraction: float
-    """Share of its range by which that one must be open."""
+    """Share of its range by which that joint must be open."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class SampleHandle:
-    """Where a hand takes hold; metres, object frame at rest. ``annotations.json`` has the box as well."""
+    """A place to grasp; metres, object frame at rest. ``annotations.json`` also has its box."""
 
     link: str
     part: str
@@ -59,7 +59,7 @@ class SampleHandle:
 
 @dataclass(frozen=True, kw_only=True)
 class Sample:
-    """Everything that is said of one object."""
+    """The record of one object."""
 
     id: str
     category: str
@@ -70,11 +70,11 @@ class Sample:
     generator: str
     """Program and version that made it."""
     model: str
-    """Hash of the weights that drew it; empty where none did."""
+    """Hash of the weights that drew it; empty for objects of the grammar."""
     draws: int
-    """How many times it was drawn until it passed."""
+    """Number of draws until it passed."""
     topology: str
-    """Equal for objects that fit in one batch of an engine."""
+    """Equal for objects that can share one batch of an engine."""
     extents: Vector
     """Metres along x (depth), y (width), z (height) of the closed object."""
     mass: float
@@ -85,14 +85,14 @@ class Sample:
     links: int
     hulls: int
     triangles: int
-    """Of all visual meshes."""
+    """Number of triangles of all visual meshes."""
     passed: bool | None
-    """Whether every check that applies was passed; None where it was not tried."""
+    """Whether every applicable check passed; None if the object was not checked."""
     checks_passed: int
     checks_failed: tuple[str, ...]
-    """Ids."""
+    """Ids of failed checks."""
     checks_not_applicable: tuple[str, ...]
-    """Ids."""
+    """Ids of checks that do not apply."""
     geometry: str
     """SHA-256 of the geometry."""
     package: str
@@ -102,7 +102,7 @@ class Sample:
     unpacked_bytes: int
     shared: tuple[SharedFile, ...]
     listed: bool
-    """Whether the package's ``manifest.json`` follows from its other files and is left out of the archive."""
+    """Whether the package's ``manifest.json`` follows from its other files and is not in the archive."""
 
 
 def sample_json(sample: Sample) -> bytes:
@@ -115,7 +115,7 @@ def sample_from_json(data: bytes) -> Sample:
     """Reads what `sample_json` wrote.
 
     Raises:
-        PackingError: If it is anything else.
+        PackingError: If the data have another form or version.
     """
     try:
         value: dict[str, Any] = json.loads(data)

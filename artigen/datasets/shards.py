@@ -1,4 +1,4 @@
-"""`open_shards`: objects of a data set, streamed in the order of its shards or taken out by their ids."""
+"""`open_shards`: objects of a data set, streamed in the order of its shards or looked up by id."""
 
 import json
 from collections.abc import Iterator, Mapping
@@ -16,18 +16,18 @@ from artigen.io import whole_folder
 FORMAT = "artigen-dataset"
 VERSION = 1
 INDEX = "dataset.json"
-"""What makes a folder a data set; written last."""
+"""The file that makes a folder a data set; written last."""
 SHARDS = "shards"
 SHARED = "shared"
 JSON, THUMBNAIL, ARCHIVE = "json", "webp", "tar.zst"
-"""Members of a sample, by what follows its id and a dot."""
+"""Members of a sample: suffixes after its id and a dot."""
 CACHED = 512
-"""Shared files that are kept in memory."""
+"""Most shared files kept in memory."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class StoredObject:
-    """An object as it lies in a shard; its package is unpacked when it is asked for."""
+    """An object as stored in a shard; its package is unpacked on demand."""
 
     id: str
     members: Mapping[str, bytes]
@@ -40,23 +40,23 @@ class StoredObject:
 
     @property
     def record(self) -> dict[str, Any]:
-        """The same as plain JSON values."""
+        """Description of the object as plain JSON values."""
         return json.loads(self.members[JSON])
 
     @property
     def thumbnail(self) -> bytes:
-        """The object closed and open, a WebP."""
+        """Picture of the object, closed and open, as WebP."""
         return self.members[THUMBNAIL]
 
     def files(self) -> dict[str, bytes]:
-        """All files of the package by their path in it, byte for byte as they were."""
+        """All files of the package by their path in it, byte for byte as packed."""
         sample = self.sample
         return unpack_files(
             self.members[ARCHIVE], sample.shared, self.shards.shared_file, listed=sample.listed
         )
 
     def unpack(self, folder: Path | str) -> Path:
-        """Writes the package as a folder of its own, which replaces an older one; returns it."""
+        """Writes the package as a folder, which replaces an older one; returns its path."""
         return write_folder(self.files(), Path(folder))
 
 
@@ -112,7 +112,7 @@ class Shards:
         """The content of a shared file.
 
         Raises:
-            PackingError: If it is not there, or not what its name says.
+            PackingError: If the file is missing, or does not match its hash.
         """
         return self._fetch(sha256)
 
@@ -140,7 +140,7 @@ class Shards:
 
 
 def write_folder(files: Mapping[str, bytes], folder: Path) -> Path:
-    """Writes files by their path as a folder that appears whole, and returns it."""
+    """Writes files by their path as a folder that appears whole; returns its path."""
     with whole_folder(folder) as scratch:
         for path, data in files.items():
             (scratch / path).parent.mkdir(parents=True, exist_ok=True)

@@ -1,8 +1,8 @@
-"""Real-world sizes of categories: PartNet's lengths are normalised, a simulator wants metres.
+"""Real-world sizes of categories: PartNet's lengths are normalised, a simulator needs metres.
 
 Each rule gives one extent of the closed object in metres. Where one number would be wrong for half
-of a category (a nightstand and a wardrobe are both storage furniture), the rule depends on how tall
-the object is for its footprint, and a limit on the depth keeps proportions plausible.
+of a category (a nightstand and a wardrobe are both storage furniture), the rule depends on the ratio
+of height to footprint. A limit on the depth keeps sizes plausible.
 """
 
 from dataclasses import dataclass
@@ -37,7 +37,7 @@ def _longest(metres: float) -> tuple[SizeRule, ...]:
 
 
 LONGEST = 2.4
-"""No object gets longer than this (metres)."""
+"""Longest edge of any object (metres)."""
 
 DEPTH_LIMITS: dict[str, float] = {
     "StorageFurniture": 0.65,
@@ -48,7 +48,7 @@ DEPTH_LIMITS: dict[str, float] = {
     "Microwave": 0.5,
     "Door": 0.5,
 }
-"""Depths that such objects do not exceed (metres): a stout refrigerator is a small one."""
+"""Largest depth by category (metres): a squat refrigerator is a small one."""
 
 FALLBACK = _longest(0.5)
 
@@ -121,7 +121,7 @@ def estimate_size(category: str, extents: Float[np.ndarray, "3"]) -> tuple[float
 
     Args:
         category: PartNet-Mobility's name of the category.
-        extents: depth, width and height (x, y, z) of the closed object, in any unit.
+        extents: Depth, width and height (x, y, z) of the closed object, in any unit.
     """
     depth, width, height = (float(extent) for extent in extents)
     rules = SIZE_TABLE.get(category, FALLBACK)

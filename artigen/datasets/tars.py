@@ -13,7 +13,7 @@ END = bytes(2 * BLOCK)
 
 
 class TarWriter:
-    """Appends members to a new tar file and says where they lie; a context manager."""
+    """Appends members to a new tar file and returns their offsets; a context manager."""
 
     def __init__(self, path: Path) -> None:
         self._file = path.open("wb")
@@ -37,7 +37,7 @@ class TarWriter:
         return at
 
     def tell(self) -> int:
-        """Where the next member begins."""
+        """Offset of the next member."""
         return self._file.tell()
 
 
@@ -45,7 +45,7 @@ def read_members(data: bytes, where: str) -> dict[str, bytes]:
     """The members of a piece of a tar file.
 
     Raises:
-        PackingError: If it does not begin with a member, or ends within one; names the piece as ``where``.
+        PackingError: If it does not begin with a member, or ends within one; ``where`` names the piece.
     """
     try:
         with tarfile.open(fileobj=io.BytesIO(data + END)) as tar:
@@ -55,7 +55,7 @@ def read_members(data: bytes, where: str) -> dict[str, bytes]:
 
 
 def iterate_samples(path: Path) -> Iterator[tuple[str, Mapping[str, bytes]]]:
-    """Key and members (by what follows the key's dot) of every sample of a shard, front to back.
+    """Key and members (by their suffix after the key's dot) of every sample of a shard, in order.
 
     Raises:
         PackingError: If the file is missing or damaged.
@@ -80,5 +80,5 @@ def _read(tar: tarfile.TarFile, member: tarfile.TarInfo) -> bytes:
     stream = tar.extractfile(member)
     data = b"" if stream is None else stream.read()
     if len(data) != member.size:
-        raise tarfile.ReadError(f"{member.name} is cut short")
+        raise tarfile.ReadError(f"{member.name} is truncated")
     return data

@@ -1,4 +1,4 @@
-"""`verify_dataset`: checks every byte and statement of a data set."""
+"""`verify_dataset`: checks every file and every record of a data set."""
 
 import hashlib
 from collections.abc import Callable, Iterator
@@ -10,10 +10,10 @@ from artigen.datasets.shards import SHARDS, SHARED, Shards, StoredObject
 
 
 def verify_dataset(shards: Shards, *, on_step: Callable[[int, int], None] | None = None) -> list[str]:
-    """Every problem of a data set, one sentence each; none if it is whole.
+    """Every problem of a data set, one sentence each; empty if it is intact.
 
-    Looks at every file of ``dataset.json``, every sample, every row of the manifest and every shared file,
-    and puts every package together.
+    Checks every file of ``dataset.json``, every sample, every row of the manifest and every shared file, and
+    unpacks every package.
     """
     try:
         return [*_verify_files(shards), *_verify_objects(shards, on_step)]
@@ -22,7 +22,7 @@ def verify_dataset(shards: Shards, *, on_step: Callable[[int, int], None] | None
 
 
 def _verify_files(shards: Shards) -> Iterator[str]:
-    """Size and SHA-256 of all files, and nothing besides in the folders that readers look into."""
+    """Problems of files: wrong size or SHA-256, and unknown files in the folders that readers use."""
     known = shards.index["files"]
     for folder in (SHARDS, SHARED):
         for path in sorted((shards.folder / folder).rglob("*")):
@@ -47,7 +47,7 @@ def _verify_objects(shards: Shards, on_step: Callable[[int, int], None] | None) 
     if len(rows) != len(table["id"]):
         yield f"{shards.folder}: the manifest names {len(table['id']) - len(rows)} objects twice"
     if len(rows) != len(shards):
-        yield f"{shards.folder}: the manifest has {len(rows)} objects, dataset.json says {len(shards)}"
+        yield f"{shards.folder}: the manifest has {len(rows)} objects, dataset.json states {len(shards)}"
     found: dict[str, str] = {}
     geometry: dict[str, str] = {}
     for number, item in enumerate(shards, start=1):
@@ -64,7 +64,7 @@ def _verify_objects(shards: Shards, on_step: Callable[[int, int], None] | None) 
             yield f"{item.id}: {error}"
             continue
         if shards[item.id].members != item.members:
-            yield f"{item.id}: the manifest says another place in {row['shard']}"
+            yield f"{item.id}: the manifest gives another position in {row['shard']}"
         if sample.geometry in geometry:
             yield f"{item.id}: has the geometry of {geometry[sample.geometry]}"
         geometry[sample.geometry] = item.id
@@ -79,7 +79,7 @@ def _verify_objects(shards: Shards, on_step: Callable[[int, int], None] | None) 
 
 
 def _verify_object(item: StoredObject, sample: Sample, row: dict[str, object]) -> Iterator[str]:
-    """Whether the package is what its sample and its row say."""
+    """Problems of a package that differs from its sample or its row."""
     files = item.files()
     listing = files.get(LISTING, b"")
     if sample.id != item.id:

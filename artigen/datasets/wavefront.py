@@ -1,8 +1,8 @@
 """Wavefront OBJ and MTL files as arrays: fast on triangles, strict on everything else.
 
-Only what a coloured surface needs: positions, faces, texture coordinates, and per face the plain
-colour or image of its material. Files are untrusted: every index is checked, and an image outside
-the object's folder is refused.
+Only the data of a coloured surface are read: positions, faces, texture coordinates, and per face the plain
+colour or image of its material. Files are untrusted: every index is checked, and an image outside the
+object's folder is rejected.
 """
 
 import os
@@ -22,7 +22,7 @@ NO_MATERIAL = (0.7, 0.7, 0.7)
 class Material:
     """Diffuse colour in [0, 1] and, where there is one, the image that replaces it.
 
-    ``missing`` is the name of an image that the file asks for and that is not there.
+    ``missing`` is the name of an image that the file refers to and that does not exist.
     """
 
     color: tuple[float, float, float] = NO_MATERIAL
@@ -49,11 +49,11 @@ def read_obj(path: Path, root: Path) -> ObjMesh:
     """Reads one OBJ with its materials; polygons become fans of triangles.
 
     Args:
-        path: the file.
-        root: folder that materials and images must not leave.
+        path: OBJ file.
+        root: Folder that materials and images must not leave.
 
     Raises:
-        SourceError: the file is missing, malformed, holds NaN, or points at what is not there.
+        SourceError: If the file is missing or malformed, holds NaN, or has an index out of range.
     """
     lines = _read_lines(path)
     vertices = _parse_numbers([line[2:] for line in lines if line[:2] == b"v "], 3, path, "v")
@@ -91,7 +91,7 @@ def _parse_numbers(rows: list[bytes], width: int, path: Path, tag: str) -> np.nd
     if not rows:
         return np.zeros((0, width))
     with warnings.catch_warnings():
-        # numpy only warns about text that is no number, and then stops reading.
+        # For text that is no number, numpy only warns and stops reading.
         warnings.simplefilter("error", DeprecationWarning)
         try:
             flat = np.fromstring(b" ".join(rows), sep=" ", dtype=np.float64)
@@ -193,7 +193,7 @@ def read_mtl(path: Path, root: Path) -> dict[str, Material]:
     """Reads diffuse colours and images of the materials of one file.
 
     Raises:
-        SourceError: a colour is not three numbers, or an image lies outside ``root``.
+        SourceError: If a colour is not three numbers, or an image lies outside ``root``.
     """
     colors: dict[str, tuple[float, float, float]] = {}
     images: dict[str, Path] = {}
@@ -229,10 +229,10 @@ def _parse_color(value: str, path: Path, name: str) -> tuple[float, float, float
 
 
 def inside(root: Path, base: Path, name: str, owner: str) -> Path:
-    """``base / name`` when it stays below ``root``; ``owner`` names who asks in the error.
+    """``base / name`` if it stays below ``root``; ``owner`` names the referring file in the error.
 
     Raises:
-        SourceError: the path is absolute or leaves ``root`` (links included).
+        SourceError: If the path is absolute or leaves ``root`` (links included).
     """
     target = base / name
     if Path(name).is_absolute() or not os.path.realpath(target).startswith(os.path.realpath(root) + os.sep):

@@ -40,14 +40,15 @@ class StructureModel:
 
 @dataclass(frozen=True, kw_only=True)
 class GenerateConfig:
-    """How a structure is drawn."""
+    """How a structure is sampled."""
 
     sampler: SamplerConfig = field(default_factory=lambda: SamplerConfig(steps=6, strength=0.0))
-    """Steps and guidance of the latent; an outline says what the condition says, and more."""
+    """Steps and guidance of the latent; no guidance by default, because an outline holds more than the
+    condition."""
     steady: SteadyConfig | None = field(default_factory=SteadyConfig)
-    """How much cells follow their neighbours in line, where outlines are given; None: not at all."""
+    """Smoothing of occupancy along lines of cells, where outlines are given; None: no smoothing."""
     boards: BoardsConfig | None = field(default_factory=BoardsConfig)
-    """What counts as a board in the clean-up; None leaves boards out."""
+    """Thresholds for boards in the clean-up; None skips that stage."""
     segment: SegmentConfig | None = None
     """How the votes of decoded cells are clustered into parts and joints, as in the paper (section 3.3).
 
@@ -68,10 +69,10 @@ def load_structure_model(folder: Path, device: torch.device | str = "cpu") -> St
     """Loads a model folder that `artigen.train.everything` wrote.
 
     Raises:
-        SourceError: If the folder holds no whole model, or one of a preset we do not know.
+        SourceError: If the folder holds no complete model, or one of an unknown preset.
     """
-    said = read_description(folder)
-    name = said.get("flow", {}).get("preset")
+    description = read_description(folder)
+    name = description.get("flow", {}).get("preset")
     preset = next((known for key, known in PRESETS.items() if key == name), None)
     if preset is None:
         raise SourceError(f"{folder}: preset {name!r}, expected one of {', '.join(PRESETS)}")
@@ -90,30 +91,30 @@ def generate_structure(
     *,
     boxes: Asset | Shape,
 ) -> Asset:
-    """Draws one articulated object within the boxes of an exact one, once.
+    """Samples one articulated object within the boxes of an exact one, in a single attempt.
 
     The same arguments give the same object on one machine. Category, counts, size and scale are those of
-    ``boxes``; so are parts, joints and tree, unless ``cfg.segment`` finds these by voting.
+    ``boxes``; so are parts, joints and tree, unless they are found by voting.
 
     Args:
         model: Trained networks.
-        asked: Its picture and sentence are conditions, too, where the model reads them.
-        seed: Of the noise.
-        cfg: Sampler, clean-up, segmentation.
-        boxes: The object whose parts, boxes and joints are told to the model; its surfaces are not.
+        asked: Condition; its picture and sentence are used where the model reads them.
+        seed: Seed of the noise.
+        cfg: Sampler, clean-up and segmentation; the defaults when None.
+        boxes: Object whose parts, boxes and joints the model takes; its surface is not used.
 
     Raises:
         SegmentationError: If a part is left without a cell, or voting finds no articulated object.
         ValueError: If the model does not know the category.
     """
     cfg = cfg or GenerateConfig()
-    told = shape_to_asset(boxes, model.preset.resolution) if isinstance(boxes, Shape) else boxes
-    told = replace(told, name=f"{told.category}_{seed}", surface=None, gaussians=None)
-    counts = part_counts(told).tolist()
-    depth, width, height = asset_size(told).tolist()
+    outlined = shape_to_asset(boxes, model.preset.resolution) if isinstance(boxes, Shape) else boxes
+    outlined = replace(outlined, name=f"{outlined.category}_{seed}", surface=None, gaussians=None)
+    counts = part_counts(outlined).tolist()
+    depth, width, height = asset_size(outlined).tolist()
     asked = replace(
         asked,
-        category=told.category,
+        category=outlined.category,
         counts=tuple(zip(PART_LABELS, counts, strict=True)),
         size=(depth, width, height),
     )
@@ -121,13 +122,15 @@ def generate_structure(
     generator = torch.Generator().manual_seed(seed)
     noise = torch.randn((1, model.flow.channels, edge, edge, edge), generator=generator).to(device)
     known = gather_conditions([asked], model.preset.conditions).to(device)
-    rows = outline_rows(told) if model.flow.takes_outlines else None
+    rows = outline_rows(outlined) if model.flow.takes_outlines else None
     if rows is None or cfg.segment is not None:
         fields, _ = _decode(model, known, noise, rows, cfg)
-        found = segment(fields, cfg.segment, name=told.name, scale=told.scale, category=told.category)
-        return replace(found, notes=(*told.notes, *found.notes))
+        found = segment(
+            fields, cfg.segment, name=outlined.name, scale=outlined.scale, category=outlined.category
+        )
+        return replace(found, notes=(*outlined.notes, *found.notes))
     owners, notes = draw_cells(model, known, noise, rows, cfg)
-    return _place_parts(told, owners, notes)
+    return _place_parts(outlined, owners, notes)
 
 
 def draw_cells(
@@ -137,12 +140,12 @@ def draw_cells(
     rows: Float[np.ndarray, "P C"],
     cfg: GenerateConfig,
 ) -> tuple[Owners, tuple[str, ...]]:
-    """Draws the cells of one object within its outline and cleans them up, with notes of what changed.
+    """Samples the cells of one object within its outline and cleans them up, with notes of what changed.
 
     Args:
         model: Trained networks that take outlines.
-        known: The condition.
-        noise: Start of the latent, standard normal.
+        known: Encoded condition.
+        noise: Initial latent, standard normal.
         rows: The outline.
         cfg: Sampler and clean-up.
     """
@@ -157,7 +160,7 @@ def _decode(
     rows: Float[np.ndarray, "P C"] | None,
     cfg: GenerateConfig,
 ) -> tuple[VoxelFields, Float[np.ndarray, "X Y Z"]]:
-    """Draws one latent: what its occupied cells say, and the logits of all cells."""
+    """Samples and decodes one latent: the fields of its occupied cells, and the logits of all cells."""
     device, outlines = noise.device, None
     nothing = gather_conditions([StructureCondition()], model.preset.conditions).to(device)
     if rows is not None:
@@ -167,16 +170,16 @@ def _decode(
     return decoded[0], logits[0].cpu().numpy()
 
 
-def _place_parts(told: Asset, owners: Owners, notes: tuple[str, ...]) -> Asset:
-    """The parts of an object with other cells.
+def _place_parts(outlined: Asset, owners: Owners, notes: tuple[str, ...]) -> Asset:
+    """The object with its voxels replaced.
 
     Raises:
-        SegmentationError: If a part has none.
+        SegmentationError: If a part owns no cell.
     """
     coords = np.argwhere(owners >= 0)
     part_ids = owners[tuple(coords.T)]
-    lost = [part.name for number, part in enumerate(told.parts) if not (part_ids == number).any()]
+    lost = [part.name for number, part in enumerate(outlined.parts) if not (part_ids == number).any()]
     if lost:
-        raise SegmentationError(f"no voxel was drawn for {', '.join(lost)} of {len(told.parts)} parts")
+        raise SegmentationError(f"no voxel was drawn for {', '.join(lost)} of {len(outlined.parts)} parts")
     voxels = VoxelGrid(resolution=len(owners), coords=coords, part_ids=part_ids)
-    return replace(told, voxels=voxels, notes=(*told.notes, *notes))
+    return replace(outlined, voxels=voxels, notes=(*outlined.notes, *notes))

@@ -2,9 +2,9 @@
 
 It differs from TRELLIS' network (`artigen.latent.structure_dit`) in five ways: one modulation for all
 blocks with a small table per block (a third fewer weights); tokens of 2^3 cells (eight times fewer);
-convolutions before and behind them, because what a cell holds follows mostly from the boxes and the cells
+convolutions before and behind them, because the content of a cell follows mostly from the boxes and the cells
 around it; its output is the clean latent, from which the velocity follows (a narrow network cannot carry
-the noise that a velocity holds); and it can be told where the parts lie. See docs/explanation/structure.md.
+the noise in a velocity); and it can take the outline of the parts. See docs/explanation/structure.md.
 """
 
 from dataclasses import dataclass
@@ -26,10 +26,10 @@ from artigen.models.attention import plain_norm
 from artigen.models.embeddings import TimestepEmbedder, embed_positions, grid_positions
 
 EARLIEST = 0.05
-"""Times below this count as this where the velocity divides by time."""
+"""Lower bound on the time by which the velocity is divided."""
 SETTLED = 0.4
-"""Time before which errors of the velocity count less in training: what is left there is finer than the
-spread of the posterior, which the decoder does not see."""
+"""Time below which errors of the velocity count less in training: what remains there is finer than the
+spread of the posterior, to which the decoder is insensitive."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,7 +57,7 @@ class LatentDitConfig:
 
 
 class LatentDit(nn.Module):
-    """The clean latent, guessed from a noisy one at a time under a condition."""
+    """Predicts the clean latent from a noisy one at a time, under a condition."""
 
     positions: Tensor
 
@@ -99,7 +99,7 @@ class LatentDit(nn.Module):
         cond: Float[Tensor, "B M K"],
         hint: Float[Tensor, "B H X Y Z"] | None = None,
     ) -> Float[Tensor, "B C X Y Z"]:
-        """The clean latent, for times in [0, 1], the tokens of a condition, and what is known of its cells.
+        """The clean latent, for times in [0, 1], the tokens of a condition, and a hint for its cells.
 
         Raises:
             ValueError: If there is a hint and the network takes none.
@@ -108,26 +108,26 @@ class LatentDit(nn.Module):
         cells = self.stem(x) + self.cell_shift(moment)[:, :, None, None, None]
         if hint is not None:
             if self.hint_layer is None:
-                raise ValueError(f"a hint of {hint.shape[1]} channels, this network takes none")
+                raise ValueError(f"hint of {hint.shape[1]} channels, but this network takes none")
             cells = cells + self.hint_layer(hint)
         for block in self.before:
             cells = block(cells)
         h = self.input_layer(as_tokens(gather_pixels(cells, patch))) + self.positions
         mod = self.modulation(moment)
         h = run_blocks(self.blocks, self.table, h, mod, cond)
-        said = as_volume(self.out_layer(plain_norm(h, eps=1e-5)), self.cfg.edge // patch)
-        cells = cells + shuffle_pixels(said, patch)
+        update = as_volume(self.out_layer(plain_norm(h, eps=1e-5)), self.cfg.edge // patch)
+        cells = cells + shuffle_pixels(update, patch)
         for block in self.after:
             cells = block(cells)
         return self.head(cells).float()
 
 
 def velocity_of(x: Tensor, clean: Tensor, times: Float[Tensor, "B"]) -> Tensor:
-    """The velocity that leads from a point of the path to a guessed clean latent."""
+    """The velocity that leads from a point of the path to a predicted clean latent."""
     t = times.clamp(min=EARLIEST).reshape(-1, *[1] * (x.ndim - 1))
     return (x - clean) / t
 
 
 def weigh_times(times: Float[Tensor, "B"]) -> Float[Tensor, "B"]:
-    """How much squared errors of the velocity count: as errors of the clean latent do before `SETTLED`."""
+    """Weights of squared errors of the velocity; before `SETTLED` they equal those of the clean latent."""
     return (times / SETTLED).clamp(max=1.0) ** 2

@@ -1,7 +1,7 @@
 """Outlines: one row per part with label, joint, axis, origin, range and box, and the hints derived from them.
 
-An outline is what a voxel field says about its parts and leaves out their shapes. The flow of latents and the
-decoder are told the outline of the object that they draw (`outline_rows`).
+An outline holds what a voxel field states about its parts, without their shapes. The latent flow and the
+decoder take the outline of the object that they draw (`outline_rows`).
 """
 
 from collections.abc import Sequence
@@ -21,11 +21,11 @@ from artigen.voxels.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, 
 BLUR = 0.25 / 64
 """Standard deviation of the noise on boxes in training, in unit-cube lengths."""
 FACES = 6
-"""Distances to the faces of a box, in a hint."""
+"""Numbers in a hint that are distances to the faces of a box."""
 DEPTH = 4
-"""How many parts a cell is told about: the smallest that reach into it."""
+"""Number of candidate parts per cell: the smallest that reach into it."""
 MARGIN = 0.5 / 64
-"""How far beyond its box a part reaches, in unit-cube lengths: boxes may be a little off."""
+"""Unit-cube lengths that a part may reach beyond its box, because boxes are slightly inexact."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -33,9 +33,9 @@ class Candidates:
     """The parts that the cells of a grid may belong to: rows of the outlines, smallest box first."""
 
     chosen: Int[Tensor, "B D V"]
-    """Part of each candidate; 0 where there is none."""
+    """Row of each candidate; 0 where there is none."""
     found: Bool[Tensor, "B D V"]
-    """Whether there is one."""
+    """Whether the candidate exists."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -55,7 +55,7 @@ def outline_rows(source: Asset | Shape, resolution: int = 64) -> Float[np.ndarra
 
     Args:
         source: The object; the parts of an asset are taken as they are.
-        resolution: Cells along the longest edge; parts of a shape that own none join their parents.
+        resolution: Cells along the longest edge; parts of a shape without a cell join their parents.
     """
     return tabulate_parts(shape_to_asset(source, resolution) if isinstance(source, Shape) else source)
 
@@ -63,15 +63,15 @@ def outline_rows(source: Asset | Shape, resolution: int = 64) -> Float[np.ndarra
 def sort_rows(
     table: Float[np.ndarray, "N C"], layout: FieldLayout = DEFAULT_LAYOUT
 ) -> Float[np.ndarray, "N C"]:
-    """Parts in the order of reading: by label, then from top to bottom, left to right, front to back."""
+    """Rows in reading order: by label, then from top to bottom, left to right, front to back."""
     label = table[:, after_occupancy(layout.label)].argmax(axis=1)
     box = table[:, after_occupancy(layout.box)]
-    center = np.round(box[:, :3] * 32)  # what is level to half a cell is level
+    center = np.round(box[:, :3] * 32)  # rounded to half a cell, so that nearly level parts compare as level
     return table[np.lexsort((center[:, 0], -center[:, 1], -center[:, 2], label))]
 
 
 def gather_outlines(tables: Sequence[Float[np.ndarray, "N C"]]) -> OutlineBatch:
-    """Outlines of several objects, in the order of reading, padded to the longest."""
+    """Outlines of several objects, rows in reading order, padded to the longest."""
     longest = max(len(table) for table in tables)
     rows = np.zeros((len(tables), longest, tables[0].shape[1]), dtype=np.float32)
     given = np.zeros((len(tables), longest), dtype=bool)
@@ -82,7 +82,7 @@ def gather_outlines(tables: Sequence[Float[np.ndarray, "N C"]]) -> OutlineBatch:
 
 
 def blur_outlines(outlines: OutlineBatch, share: float, generator: torch.Generator) -> OutlineBatch:
-    """Outlines with boxes off by a quarter of a 64th, and with ``share`` none at all.
+    """Outlines with noise on their boxes; a ``share`` of them, chosen at random, is emptied.
 
     A network that is trained with exact boxes alone relies on their last digit.
     """
@@ -95,7 +95,7 @@ def blur_outlines(outlines: OutlineBatch, share: float, generator: torch.Generat
 
 def hint_channels(layout: FieldLayout = DEFAULT_LAYOUT) -> int:
     """Channels of a hint."""
-    return DEPTH * (_said_of_parts(layout) + FACES + 1)
+    return DEPTH * (_part_channels(layout) + FACES + 1)
 
 
 def find_candidates(outlines: OutlineBatch, edge: int, layout: FieldLayout = DEFAULT_LAYOUT) -> Candidates:
@@ -112,7 +112,7 @@ def find_candidates(outlines: OutlineBatch, edge: int, layout: FieldLayout = DEF
 def touched_cells(
     outlines: OutlineBatch, edge: int, layout: FieldLayout = DEFAULT_LAYOUT
 ) -> Bool[Tensor, "B N X Y Z"]:
-    """The cells of a grid of ``edge`` over the unit cube that each part's box reaches, or nearly does."""
+    """The cells of a grid of ``edge`` over the unit cube that each part's box, grown by `MARGIN`, reaches."""
     low, high = _faces(outlines, layout)
     line, half = _cell_line(edge, outlines.rows.device), 0.5 / edge + MARGIN
     near = [(low[..., axis, None] < line + half) & (high[..., axis, None] > line - half) for axis in range(3)]
@@ -127,14 +127,16 @@ def reach_cells(
     patch: int,
     layout: FieldLayout = DEFAULT_LAYOUT,
 ) -> tuple[Float[Tensor, "N D C"], Bool[Tensor, "N K D"]]:
-    """The candidates of every cell of a grid, and whether its finer cells touch their boxes, or nearly do.
+    """Rows of the candidates of every cell of a grid, and which of its finer cells reach their boxes.
+
+    Boxes are grown by half of `MARGIN`.
 
     Args:
-        outlines: of the batch.
-        candidates: of the cells of the grid.
-        edge: cells of the grid along an edge.
-        patch: finer cells in one of them, along an edge.
-        layout: channels.
+        outlines: Outlines of the batch.
+        candidates: Candidates of the cells of the grid.
+        edge: Cells of the grid along an edge.
+        patch: Finer cells in one of them, along an edge.
+        layout: Layout of the channels.
     """
     batch = torch.arange(len(outlines.rows), device=outlines.rows.device)[:, None, None]
     rows = outlines.rows[batch, candidates.chosen]  # B D cells C
@@ -156,20 +158,21 @@ def draw_hint(
 ) -> Float[Tensor, "B H X Y Z"]:
     """Hints for the cells of a grid: the parts that they may belong to, in order.
 
-    Each is told by its attributes (places relative to the cell), the distances from the cell's centre to
-    the six faces of its box in cells, at most 2, and a one. Zero where there is no such part.
+    Each part is described by its attributes (positions relative to the cell), the distances from the cell's
+    centre to the six faces of its box in cells, clipped to [-2, 2], and a one. All are zero where there is no
+    such part.
     """
     line = _cell_line(edge, outlines.rows.device)
     center = torch.stack(torch.meshgrid(line, line, line, indexing="ij"), dim=-1).reshape(-1, 3)
     batch = torch.arange(len(outlines.rows), device=line.device)[:, None, None]
-    said = outlines.rows[batch, candidates.chosen][..., : _said_of_parts(layout)].clone()
-    said[..., after_occupancy(layout.origin)] -= center
-    said[..., after_occupancy(layout.box)][..., :3] -= center
+    attributes = outlines.rows[batch, candidates.chosen][..., : _part_channels(layout)].clone()
+    attributes[..., after_occupancy(layout.origin)] -= center
+    attributes[..., after_occupancy(layout.box)][..., :3] -= center
     low, high = (face[batch, candidates.chosen] for face in _faces(outlines, layout))
     faces = torch.cat([center - low, high - center], dim=-1)
-    told = torch.cat([said, (faces * edge).clamp(-2.0, 2.0), torch.ones_like(faces[..., :1])], dim=-1)
-    told = told * candidates.found[..., None]
-    return told.permute(0, 1, 3, 2).reshape(len(told), -1, edge, edge, edge)
+    hint = torch.cat([attributes, (faces * edge).clamp(-2.0, 2.0), torch.ones_like(faces[..., :1])], dim=-1)
+    hint = hint * candidates.found[..., None]
+    return hint.permute(0, 1, 3, 2).reshape(len(hint), -1, edge, edge, edge)
 
 
 def part_labels(rows: Float[Tensor, "B N C"], layout: FieldLayout = DEFAULT_LAYOUT) -> Int[Tensor, "B N"]:
@@ -177,8 +180,8 @@ def part_labels(rows: Float[Tensor, "B N C"], layout: FieldLayout = DEFAULT_LAYO
     return rows[..., after_occupancy(layout.label)].argmax(dim=-1)
 
 
-def _said_of_parts(layout: FieldLayout) -> int:
-    """Channels that tell parts apart: all but occupancy and category, which come first and last."""
+def _part_channels(layout: FieldLayout) -> int:
+    """Number of channels that describe a part: all but occupancy (first), category and extra (last)."""
     return layout.box.stop - 1
 
 

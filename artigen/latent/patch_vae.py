@@ -1,11 +1,11 @@
 """The compact structure VAE: patch embedding in and out, convolutions at 16^3, one global attention.
 
-It differs from the paper's network (`artigen.latent.conv_vae`) where that buys speed on two CPU cores:
-4^3 patches instead of convolutions at 64^3 and 32^3 (ten times fewer operations); a stem and a head for
-occupancy of their own; places relative to the patch; attention over 8^3 tokens, because what a part is for
-lies beyond a convolution's reach. And it decodes in view of an outline (`artigen.latent.outline`): what a
-part is called, its joint and its box are known, the latent says where its cells are, and each cell only
-chooses which of the parts that reach it it belongs to. See docs/explanation/structure.md.
+It differs from the paper's network (`artigen.latent.conv_vae`) for speed on two CPU cores: 4^3 patches
+instead of convolutions at 64^3 and 32^3 (ten times fewer operations); a separate stem and head for occupancy;
+positions relative to the patch; attention over 8^3 tokens, because the function of a part depends on more
+than a convolution sees. It also decodes under an outline (`artigen.latent.outline`): label, joint and box of
+every part are given, the latent determines which cells are occupied, and each cell only chooses among the
+parts that reach it. See docs/explanation/structure.md.
 """
 
 from dataclasses import dataclass
@@ -32,7 +32,7 @@ from artigen.voxels.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy
 LEAST = 1e-6
 """Least probability of a class, so that its logarithm is finite."""
 NEVER = -12.0
-"""Logit of what cannot be: finite, because outlines are a little off where truth is compared with them."""
+"""Logit of the impossible; finite, because true cells may lie slightly outside an inexact outline."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,7 +50,7 @@ class PatchVaeConfig:
     decoder_blocks: int = 4
     """Residual blocks of the decoder."""
     global_width: int = 160
-    """Width of the tokens that see the whole object."""
+    """Width of the tokens of the global attention."""
     global_blocks: int = 2
     """Transformer blocks over those tokens, in encoder and decoder each."""
     layout: FieldLayout = DEFAULT_LAYOUT
@@ -63,7 +63,7 @@ class PatchVaeConfig:
 
 
 class GlobalMixer(nn.Module):
-    """Adds what attention over the whole volume, at half its resolution, has to say; starts as nothing."""
+    """Adds the output of attention over the whole volume at half its resolution; initialised to zero."""
 
     positions: Tensor
 
@@ -174,16 +174,16 @@ class PatchDecoder(nn.Module):
     ) -> Float[Tensor, "P K C"]:
         """Channels after occupancy (class channels as logits) of the cells of patches.
 
-        In training a mean over the parts in whose box a cell lies, by their probabilities; in evaluation
-        those of the likeliest part.
+        In training they are the mean over the parts in whose box a cell lies, weighted by probability; in
+        evaluation they are those of the likeliest part.
 
         Args:
-            features: of the patches.
-            rows: parts that may reach into them.
-            inside: in whose boxes their cells lie.
+            features: Features of the patches.
+            rows: Candidate parts of each patch.
+            inside: Whether each cell lies in the box of each candidate.
         """
-        said = self.choice_head(features).float().unflatten(-1, (CELLS, DEPTH))
-        chances = said.masked_fill(~inside, NEVER).softmax(dim=-1)
+        choice = self.choice_head(features).float().unflatten(-1, (CELLS, DEPTH))
+        chances = choice.masked_fill(~inside, NEVER).softmax(dim=-1)
         if not self.training:
             chances = functional.one_hot(chances.argmax(dim=-1), DEPTH).to(chances.dtype)
         mixed = chances @ rows
@@ -197,7 +197,7 @@ class PatchDecoder(nn.Module):
 
 
 def channel_groups(layout: FieldLayout) -> tuple[tuple[slice, bool], ...]:
-    """The channels after occupancy, in order: attributes side by side, and whether they are classes."""
+    """The channels after occupancy, in order, grouped by attribute, and whether each group is a class."""
     groups = []
     for channels, is_class in (
         (layout.label, True),

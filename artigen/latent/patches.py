@@ -1,7 +1,7 @@
 """Articulated voxel fields as their non-empty blocks of cells, the input of the compact networks.
 
-A field of edge 64 is 16^3 patches of 4^3 cells, and about a fifth of them hold a cell. Attributes are
-constant within a part, so a patch only says which part each cell belongs to, and a table says the rest.
+A field of edge 64 is 16^3 patches of 4^3 cells, and about a fifth of them hold an occupied cell. Attributes
+are constant within a part, so a patch stores the part of each cell, and a table the attributes of each part.
 """
 
 from collections.abc import Sequence
@@ -56,7 +56,7 @@ class PatchBatch:
         return replace(self, **moved)
 
     def occupied(self) -> Tensor:
-        """Which cells hold something, bool [P, K]."""
+        """Mask of the occupied cells, bool [P, K]."""
         return self.rows > 0
 
     def attributes(self) -> Float[Tensor, "P K C"]:
@@ -64,13 +64,13 @@ class PatchBatch:
         return self.table[self.rows]
 
     def occupancy(self) -> Float[Tensor, "B N K"]:
-        """1 where a cell of the whole grid holds something, patch by patch."""
+        """Occupancy (0 or 1) of every cell of the whole grid, patch by patch."""
         dense = torch.zeros(self.samples * self.edge**3, CELLS, device=self.rows.device)
         dense[self.index] = self.occupied().float()
         return dense.reshape(self.samples, self.edge**3, CELLS)
 
     def labels(self, layout: FieldLayout = DEFAULT_LAYOUT) -> Int[Tensor, "T"]:
-        """Part label of each row of the table; row 0 means nothing."""
+        """Part label of each row of the table; that of row 0, the empty row, is meaningless."""
         return self.table[:, after_occupancy(layout.label)].argmax(dim=1)
 
 
@@ -83,7 +83,8 @@ def pack_asset(asset: Asset, layout: FieldLayout = DEFAULT_LAYOUT) -> PackedFiel
     voxels = asset.voxels
     if voxels is None or voxels.resolution % PATCH or len(asset.parts) > 255:
         raise ValueError(
-            f"asset {asset.name!r}: expected voxels, an edge that {PATCH} divides, at most 255 parts"
+            f"asset {asset.name!r}: expected voxels on a grid with an edge divisible by {PATCH}, and at most "
+            "255 parts"
         )
     edge = voxels.resolution // PATCH
     coords = voxels.coords.astype(np.int64)
@@ -121,7 +122,7 @@ def collate(fields: Sequence[PackedField]) -> PatchBatch:
 
 
 def unfold(batch: PatchBatch) -> Float[Tensor, "B C X Y Z"]:
-    """The dense field, occupancy first: what a network of dense convolutions reads."""
+    """The dense field, occupancy first, as dense convolutions read it."""
     values = torch.cat([batch.occupied()[..., None].float(), batch.attributes()], dim=-1)
     dense = torch.zeros(batch.samples * batch.edge**3, values.shape[2], CELLS, device=values.device)
     dense[batch.index] = values.transpose(1, 2)
@@ -137,7 +138,7 @@ def fold(volume: Float[Tensor, "B C X Y Z"]) -> Float[Tensor, "B N K C"]:
 
 
 def as_patches(volume: Float[Tensor, "B X Y Z"]) -> Float[Tensor, "N K"]:
-    """Cells of patches, one after another, of a volume."""
+    """The cells of a volume as rows of patches."""
     return fold(volume[:, None])[..., 0].flatten(0, 1)
 
 
@@ -157,7 +158,7 @@ def patch_centers(index: Int[Tensor, "P"], edge: int) -> Float[Tensor, "P 3"]:
 def relative(
     attributes: Float[Tensor, "P K C"], centers: Float[Tensor, "P 3"], sign: float, layout: FieldLayout
 ) -> Float[Tensor, "P K C"]:
-    """Attributes whose places (joint origin, box centre) are counted from the patch (-1), or back (+1)."""
+    """Attributes with positions (joint origin, box centre) made relative to the patch (-1) or back (+1)."""
     shift = attributes.new_zeros(len(centers), attributes.shape[2])
     for place in (layout.origin, slice(layout.box.start, layout.box.start + 3)):
         shift[:, after_occupancy(place)] = sign * centers.to(attributes.dtype)

@@ -1,6 +1,6 @@
 """Sizes of the structure models by preset.
 
-``tiny`` is for tests, ``small`` for training on two CPU cores, ``compact`` for half an hour of a GPU, and
+``tiny`` is for tests, ``small`` for training on two CPU cores, ``compact`` for half an hour on a GPU, and
 ``paper`` has the sizes of TRELLIS, from whose public weights the paper starts (sections 4.1 and 4.3).
 """
 
@@ -28,13 +28,13 @@ class StructurePreset:
     flow: LatentDitConfig | StructureDitConfig
     """Flow on their latents."""
     conditions: ConditionConfig
-    """What can be asked for."""
+    """Conditions of the flow."""
     resolution: int = 64
     """Edge of the fields."""
 
     @property
     def takes_outlines(self) -> bool:
-        """Whether latents are drawn and decoded within boxes of the parts; the paper draws all at once."""
+        """Whether latents are sampled and decoded under an outline of the parts; the paper uses none."""
         return isinstance(self.flow, LatentDitConfig) and self.flow.hint > 0
 
 

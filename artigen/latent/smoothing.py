@@ -1,8 +1,8 @@
 """Smooths occupancy logits along the three axes.
 
-Furniture is made of panels and bars. A hole in a panel has neighbours in line along two axes, the ragged
-rim of one has them along its edge, a bar along itself; what is drawn wrongly has them nowhere. The decoder
-is not asked again: its logits are weighed against their means along the three axes.
+Furniture is made of panels and bars. A hole in a panel has occupied neighbours in line along two axes, a
+ragged rim along its edge, a bar along itself; a spurious cell has them along none. The decoder is not run
+again: its logits are combined with their means along the three axes.
 """
 
 from dataclasses import dataclass
@@ -18,33 +18,33 @@ from artigen.types import PART_LABELS, PartLabel
 
 @dataclass(frozen=True, kw_only=True)
 class SteadyConfig:
-    """How much cells listen to those in line with them."""
+    """Weights of the smoothing."""
 
     reach: int = 4
-    """Cells to each side along an axis."""
+    """Cells to each side along an axis over which means are taken."""
     certain: float = 4.0
-    """Logits beyond this count as this."""
+    """Logits are clipped to this magnitude."""
     second: float = 1.5
-    """Weight of the second highest of the three means: holes and rims."""
+    """Weight of the second highest of the three means; it closes holes and rims."""
     doubt: float = 1.0
-    """The second highest mean counts as no lower than minus this: bars have ends."""
+    """The second highest mean is clipped from below at minus this, so that the ends of bars survive."""
     highest: float = 1.0
-    """Weight of the highest where it says occupied: bars."""
+    """Weight of the highest mean where it is positive; it keeps bars."""
     passes: int = 2
-    """How often."""
+    """Number of passes."""
     exempt: tuple[PartLabel, ...] = ("handle", "knob")
-    """Labels of parts too small to have lines."""
+    """Labels of parts too small to be smoothed."""
 
 
 def steady_occupancy(
     logits: Float[Tensor, "B X Y Z"], outlines: OutlineBatch, cfg: SteadyConfig | None = None
 ) -> Float[Tensor, "B X Y Z"]:
-    """Logits of occupancy, weighed against their means along x, y and z.
+    """Occupancy logits combined with their means along x, y and z.
 
     Args:
-        logits: of the cells of the unit cube.
-        outlines: the parts of each object; cells in the boxes of exempt ones keep their logits.
-        cfg: weights.
+        logits: Logits of the cells of the unit cube.
+        outlines: Parts of each object; cells in the boxes of exempt ones keep their logits.
+        cfg: Weights; the defaults when None.
     """
     cfg = cfg or SteadyConfig()
     steadied = logits
@@ -57,7 +57,7 @@ def steady_occupancy(
 
 
 def _line_means(x: Float[Tensor, "B X Y Z"], axis: int, reach: int) -> Float[Tensor, "B X Y Z"]:
-    """Means over ``2 reach + 1`` cells along an axis; the cube goes on as it ends."""
+    """Means over ``2 reach + 1`` cells along an axis; border cells are replicated beyond the cube."""
     lines = x.movedim(axis, -1)
     padded = functional.pad(lines.flatten(0, 2)[:, None], (reach, reach), mode="replicate")
     return functional.avg_pool1d(padded, 2 * reach + 1, stride=1).reshape(lines.shape).movedim(-1, axis)

@@ -93,7 +93,7 @@ def run_blocks(
     cond: Float[Tensor, "B M E"],
     mask: Bool[Tensor, "B 1 1 L"] | None = None,
 ) -> Float[Tensor, "B L C"]:
-    """Tokens through blocks that share one modulation, to which each adds its row of a table."""
+    """Passes tokens through blocks that share one modulation, to which each adds its row of a table."""
     for block, row in zip(blocks, table, strict=True):
         assert isinstance(block, ModulatedBlock)
         x = block(x, mod + row, block.cross_attn.project(cond), mask)

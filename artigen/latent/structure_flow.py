@@ -1,7 +1,8 @@
 """The structure flow: a conditional velocity field over normalised structure latents.
 
-``compact`` predicts clean latents (`artigen.latent.latent_dit`), ``paper`` velocities with TRELLIS' network
-(`artigen.latent.structure_dit`, section 4.3); both answer with a velocity here.
+The compact network predicts clean latents (`artigen.latent.latent_dit`). That of the paper, the network of
+TRELLIS, predicts velocities (`artigen.latent.structure_dit`, section 4.3). Both are exposed as velocities
+here.
 """
 
 import torch
@@ -37,7 +38,7 @@ class StructureFlow(nn.Module):
 
     @property
     def takes_outlines(self) -> bool:
-        """Whether the network can be told where the parts lie."""
+        """Whether the network takes outlines."""
         return isinstance(self.network, LatentDit) and self.network.hint_layer is not None
 
     def velocity(
@@ -63,17 +64,17 @@ class StructureFlow(nn.Module):
         return self.velocity(x, times, self.conditions(asked), self.hint(outlines))
 
     def weights(self, times: Float[Tensor, "B"]) -> Float[Tensor, "B"]:
-        """How much a squared error of the velocity counts at each time in training; 1 in the paper."""
+        """Training weight of a squared error of the velocity at each time; 1 in the paper."""
         return weigh_times(times) if isinstance(self.network, LatentDit) else torch.ones_like(times)
 
     def hint(self, outlines: OutlineBatch | None) -> Float[Tensor, "B H X Y Z"] | None:
-        """Outlines on the latent's grid."""
+        """Hints of outlines on the latent's grid; None without outlines."""
         if outlines is None:
             return None
         return draw_hint(outlines, find_candidates(outlines, self.edge), self.edge)
 
     def normalise(self, z: Float[Tensor, "B C X Y Z"]) -> Float[Tensor, "B C X Y Z"]:
-        """Latents as the flow sees them: zero mean and unit deviation per channel."""
+        """Latents scaled to zero mean and unit standard deviation per channel."""
         return (z - self.latent_mean[:, None, None, None]) / self.latent_std[:, None, None, None]
 
     def restore(self, x: Float[Tensor, "B C X Y Z"]) -> Float[Tensor, "B C X Y Z"]:
@@ -90,17 +91,17 @@ def sample_latents(
     cfg: SamplerConfig,
     outlines: OutlineBatch | None = None,
 ) -> Float[Tensor, "B C X Y Z"]:
-    """Draws one latent per condition; where guidance applies, both velocities come from one pass.
+    """Samples one latent per condition; where guidance applies, both velocities come from one pass.
 
-    Guidance leaves outlines alone: both velocities know them.
+    Guidance does not concern outlines: both velocities take them.
 
     Args:
-        flow: the trained flow.
-        asked: conditions.
-        nothing: as many conditions with everything open.
-        noise: start, standard normal.
-        cfg: steps and guidance.
-        outlines: where the parts lie, if it is known.
+        flow: Trained flow.
+        asked: Conditions.
+        nothing: As many empty conditions.
+        noise: Initial latents, standard normal.
+        cfg: Steps and guidance.
+        outlines: Outlines of the parts, where known.
     """
     tokens = flow.conditions(asked)
     both = torch.cat([tokens, flow.conditions(nothing)])
@@ -108,8 +109,8 @@ def sample_latents(
     hints = None if hint is None else torch.cat([hint, hint])
 
     def pair(x: Tensor, times: Tensor) -> tuple[Tensor, Tensor]:
-        said = flow.velocity(torch.cat([x, x]), torch.cat([times, times]), both, hints)
-        return said[: len(x)], said[len(x) :]
+        velocities = flow.velocity(torch.cat([x, x]), torch.cat([times, times]), both, hints)
+        return velocities[: len(x)], velocities[len(x) :]
 
     drawn = sample_flow(noise, lambda x, times: flow.velocity(x, times, tokens, hint), pair, cfg)
     return flow.restore(drawn)

@@ -56,15 +56,15 @@ class StructureVae(nn.Module):
     ) -> tuple[Float[Tensor, "N K"], Float[Tensor, "P K C"], Int[Tensor, "P"]]:
         """Occupancy logits of every cell, and the channels of the patches ``index``.
 
-        Without ``index``, those of every patch that is found to hold a cell; the index is returned. With
-        ``steady``, cells agree along lines first, where the network decodes in view of outlines.
+        Without ``index``, the patches are those decoded with an occupied cell; the index is returned. With
+        ``steady``, occupancy is smoothed along lines first, if the network decodes under outlines.
 
         Raises:
-            ValueError: If the network decodes in view of outlines and there are none.
+            ValueError: If the network decodes under outlines and there are none.
         """
         if isinstance(self.decoder, PatchDecoder):
             if outlines is None:
-                raise ValueError("this network decodes in view of outlines, and was given none")
+                raise ValueError("this network decodes under outlines, but none were given")
             candidates = find_candidates(outlines, z.shape[2], self.layout)
             features = self.decoder(z, draw_hint(outlines, candidates, z.shape[2], self.layout))
             rows, inside = reach_cells(outlines, candidates, z.shape[2], PATCH, self.layout)
@@ -99,7 +99,7 @@ def decode_cells(
     outlines: OutlineBatch | None = None,
     steady: SteadyConfig | None = None,
 ) -> tuple[list[VoxelFields], Float[Tensor, "B R R R"]]:
-    """Latents to what their occupied cells say, and the logits of all cells; above 0 a cell is occupied."""
+    """Fields of the occupied cells of latents, and the logits of all cells; above 0 a cell is occupied."""
     logits, attributes, index = vae.decode(z, outlines=outlines, steady=steady)
     per_sample = len(logits) // len(z)
     edge = round(per_sample ** (1 / 3))
@@ -117,7 +117,7 @@ def decode_cells(
 def decode_fields(
     vae: StructureVae, z: Float[Tensor, "B D X Y Z"], outlines: OutlineBatch | None = None
 ) -> list[VoxelFields]:
-    """Latents to what their occupied cells say."""
+    """Fields of the occupied cells of latents."""
     return decode_cells(vae, z, outlines)[0]
 
 

@@ -1,1 +1,1 @@
-"""Measurements of models: geometry, pictures, packages, and the reports of them."""
+"""Evaluation of models: geometry, pictures, packages, and reports."""

@@ -1,6 +1,6 @@
 """Compares pictures of autoencoded and sampled objects with true ones, in every joint state.
 
-The newly exposed surface, hidden while an object is closed, is measured apart from the rest of the object.
+Newly exposed surface, which is hidden while an object is closed, is scored separately.
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -31,12 +31,12 @@ class Comparison:
     mask: Bool[Tensor, "V H W"]
     exposed: Bool[Tensor, "V H W"]
     fractions: Float[Tensor, "V"]
-    """Share of their ranges that joints are open by, which names the state of a picture."""
+    """Share of their ranges by which joints are open, which identifies the state of a picture."""
 
 
 @torch.no_grad()
 def reconstruct_splats(vae: AppearanceVae, example: AppearanceExample) -> Splats:
-    """The Gaussians that a VAE makes of an object's features, from the means of the posteriors."""
+    """Gaussians that a VAE decodes from the posterior means of an object's features."""
     device = next(vae.parameters()).device
     coords, feats, facings = (value.to(device) for value in voxel_batch([example]))
     noise = torch.zeros(len(coords), vae.encoder.cfg.latent_channels, device=device)
@@ -45,7 +45,7 @@ def reconstruct_splats(vae: AppearanceVae, example: AppearanceExample) -> Splats
 
 @torch.no_grad()
 def compare_pictures(vae: AppearanceVae, splats: Splats, example: AppearanceExample) -> Comparison:
-    """Draws Gaussians of an object's voxels from the cameras of its pictures, in their joint states."""
+    """Renders Gaussians of an object's voxels from the cameras of its pictures, in their joint states."""
     pictures = example.pictures
     device = splats.means.device
     batch: PictureBatch = picture_batch([example], [np.arange(len(pictures.rgb))]).to(device)
@@ -66,8 +66,8 @@ def score_comparisons(comparisons: Sequence[Comparison]) -> Scores:
 
     ``psnr`` is over whole pictures, ``object`` over the pixels that show the object, ``exposed`` over those
     whose surface is hidden in the closed state, ``rest`` over the other pixels that show the object;
-    ``exposed_share`` is the share of the object's pixels that are newly exposed. A row that no object has
-    is left out.
+    ``exposed_share`` is the share of the object's pixels that are newly exposed. A score without a finite
+    value is left out.
     """
     rows: dict[str, list[float]] = {}
     for one in comparisons:

@@ -1,4 +1,4 @@
-"""Conditions of an evaluation of the structure model, and collection of its draws."""
+"""Requests of an evaluation, and the scores of the answers of a model and of its baselines."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -21,16 +21,16 @@ ASKS: dict[str, tuple[Field, ...]] = {
     "counts and size": ("category", "counts", "size"),
     "picture": ("image",),
 }
-"""What models are asked for, and the fields of the condition."""
+"""Kinds of request by name, with the fields of their conditions."""
 REAL_ASKS: dict[str, tuple[Field, ...]] = {
     "real: counts and size": ASKS["counts and size"],
     "real: picture": ASKS["picture"],
 }
-"""The same of real objects."""
+"""The same for real objects."""
 NEIGHBOURS = 3
-"""Training objects beside a drawn one in ``nearest.png``."""
+"""Training objects beside each drawn one in ``nearest.png``."""
 Progress = Callable[[str, int, int], None]
-"""Called with the stage, what is done of it, and all of it."""
+"""Called with the stage, the number of steps done, and the number of all."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,31 +40,31 @@ class EvaluateConfig:
     held_out: int = 70
     """Held-out procedural objects, categories in turn."""
     training: int = 350
-    """Training objects that the baselines look in, categories in turn from the first training seed."""
+    """Training objects that the baselines search, categories in turn from the first training seed."""
     sampler: SamplerConfig = field(default_factory=SamplerConfig)
     """Steps and guidance of the structure's latents."""
     image_size: int = 256
-    """Pixels of the edge of pictures."""
+    """Edge of pictures in pixels."""
     score: ScoreConfig = field(default_factory=ScoreConfig)
-    """How finely objects are sampled."""
+    """Sampling density of the scores."""
     seed: int = 0
-    """Of the noise."""
+    """Seed of the noise."""
     partnet: Path | None = None
-    """Folder with real objects: the validation split is measured too."""
+    """Folder with real objects, whose validation split is scored as well."""
     packages: int = 14
-    """Held-out objects, the first ones, whose draws by counts and size are made packages and checked; at most
-    all of them."""
+    """Number of held-out objects, from the first, whose draws by counts and size are exported as packages and
+    checked."""
     redraws: int = 3
-    """How often such an object is drawn again where its package fails."""
+    """Redraws of such an object whose package fails."""
     pictured: int = 14
-    """Draws by category, the first ones, that are pictured beside their nearest training objects."""
+    """Number of draws by category, from the first, that are shown beside their nearest training objects."""
     workers: int = 2
     """Processes that read real objects."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Row:
-    """One way to answer one kind of question."""
+    """Scores of one method for one kind of request."""
 
     ask: str
     method: str
@@ -74,7 +74,7 @@ class Row:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class HeldOut:
-    """Objects that were not trained on, posed for the comparison of sets."""
+    """Held-out objects, posed for the comparison of sets."""
 
     subjects: list[Subject]
     posed: PosedSet
@@ -82,12 +82,12 @@ class HeldOut:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Bench:
-    """Model and settings shared by all questions of an evaluation."""
+    """Model and settings shared by all requests of an evaluation."""
 
     draw_asset: DrawAsset
     """Draws an object for a condition."""
     reconstruct: Callable[[Subject], Asset | None] | None
-    """Finds an object again from its own latent, where the model has such."""
+    """Reconstructs an object from its own latent, if the model has latents."""
     library: list[Subject]
     out: Path
     cfg: EvaluateConfig
@@ -95,12 +95,12 @@ class Bench:
 
 
 def measure_ask(bench: Bench, ask: str, fields: Sequence[Field], held: HeldOut) -> list[Row]:
-    """The model, and what else answers the same conditions, against the objects that they describe."""
+    """Scores the model and its baselines on the same conditions, against the objects that these describe."""
     library, cfg, tell = bench.library, bench.cfg, bench.tell
     subjects = held.subjects
     jobs = _list_jobs(bench, ask, fields, subjects)
     asked = [job.asked for job in jobs]
-    # A picture shows how many parts there are, so they are to be met as if they were asked for.
+    # A picture shows the number of parts, so counts are scored as if they had been requested.
     met: tuple[Field, ...] = (*fields, "counts") if "image" in fields else tuple(fields)
     wanted = [describe_subject(subject, met) for subject in subjects]
     truths = [subject.asset for subject in subjects]
@@ -122,12 +122,12 @@ def measure_ask(bench: Bench, ask: str, fields: Sequence[Field], held: HeldOut) 
     rows = []
     for step, (method, found) in enumerate(answers.items()):
         tell(f"scores by {ask}", step, len(answers))
-        if method == "held-out set":  # what the novelty of the others is to be compared with
+        if method == "held-out set":  # reference for the novelty of the other methods
             novelty = score_novelty(found, library, cfg.score.poses)
             rows.append(Row(ask=ask, method=method, objects=len(found), scores=novelty))
             continue
         scores = score_objects(wanted, found, truths, cfg.score)
-        if method != "reconstruction":  # not a set of its own
+        if method != "reconstruction":  # each depends on its own object, so they are no sample of a set
             scores |= score_set(found, held.posed, cfg.score.poses)
         if method == "model":
             scores |= score_novelty(found, library, cfg.score.poses)
@@ -153,7 +153,7 @@ def picture_neighbours(bench: Bench, held: HeldOut) -> None:
 
 
 def measure_packages(bench: Bench, held: HeldOut, prove: Prove) -> PackageReport:
-    """Makes packages of first draws by counts and size, and of further ones where they fail."""
+    """Makes and checks packages of first draws by counts and size, and of redraws where these fail."""
     ask = "counts and size"
     return prove_draws(
         _list_jobs(bench, ask, ASKS[ask], held.subjects[: bench.cfg.packages]),
@@ -166,7 +166,7 @@ def measure_packages(bench: Bench, held: HeldOut, prove: Prove) -> PackageReport
 
 
 def _list_jobs(bench: Bench, ask: str, fields: Sequence[Field], subjects: Sequence[Subject]) -> list[DrawJob]:
-    """One first draw for each subject; equal at every start."""
+    """One first draw for each subject; the same at every start."""
     stem = ask.replace(": ", "_").replace(" ", "_")
     jobs = []
     for number, subject in enumerate(subjects):

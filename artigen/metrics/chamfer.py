@@ -8,8 +8,8 @@ from scipy.spatial import KDTree
 def chamfer(first: Float[np.ndarray, "N 3"], second: Float[np.ndarray, "M 3"]) -> float:
     """``mean_a min_b |a - b|^2 + mean_b min_a |a - b|^2``, in squared units of the points.
 
-    The sum of both ways and the squares are pytorch3d's, on which the published numbers rest
-    (SINGAPO ``metrics/cd.py``, Particulate ``evaluation_utils.py``).
+    Sum and squares are as in pytorch3d, with which the published numbers were computed (SINGAPO
+    ``metrics/cd.py``, Particulate ``evaluation_utils.py``).
 
     Raises:
         ValueError: If a cloud is empty.

@@ -1,7 +1,7 @@
 """Articulated objects as points with part ids, at rest and opened.
 
-All objects are sampled from their voxels in the same way, true ones too: a generated object has nothing
-else, and what a finer surface would add is below a cell in any case.
+All objects, true ones included, are sampled from their voxels in the same way: a generated object has only
+voxels, and differences to a finer surface are below a cell.
 """
 
 from dataclasses import dataclass
@@ -30,9 +30,9 @@ def sample_cells(asset: Asset, count: int, seed: int = 0) -> PartCloud:
     """Points spread evenly over all occupied cells, uniform inside each; equal seeds, equal points.
 
     Args:
-        asset: With voxels.
+        asset: Object with voxels.
         count: Number of points.
-        seed: Of the choice of cells and of the places in them.
+        seed: Seed of the choice of cells and of the positions in them.
 
     Raises:
         ValueError: If the asset has no occupied cell.
@@ -66,7 +66,7 @@ def sample_parts(asset: Asset, per_part: int, seed: int = 0) -> PartCloud:
 
 def _occupied(asset: Asset) -> VoxelGrid:
     if asset.voxels is None or not len(asset.voxels.coords):
-        raise ValueError(f"asset {asset.name!r} has no occupied cell to draw points from")
+        raise ValueError(f"asset {asset.name!r} has no occupied cell to sample points from")
     return asset.voxels
 
 

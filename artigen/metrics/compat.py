@@ -1,11 +1,11 @@
 """The published RS and AS Chamfer distances, quirks included; for comparison with published tables only.
 
-SINGAPO's ``metrics/cd.py``, which DIPO copied. Kept as they are: parts are paired by the centres of their
-boxes and left-over parts take their nearest partner without a penalty; every hinge opens to 90 degrees
-whatever its limit, a screw does not move; a moving part takes its direct children with it and no further
-ones; generated parts are stretched in place by (generated box / true box) per axis, the inverse of what
-would align the objects, and joints are not; AS includes the state at rest. `artigen.metrics.strict` is
-what a user should trust; the two are never compared with each other.
+They follow SINGAPO's ``metrics/cd.py``, which DIPO copied, including its quirks. Parts are paired by the
+centres of their boxes, and left-over parts take their nearest partner without a penalty. Every hinge opens
+to 90 degrees whatever its limit, and a screw does not move. A moving part takes only its direct children
+with it. Generated parts are stretched in place by (generated box / true box) per axis, the inverse of what
+would align the objects, and joints are not stretched. AS includes the state at rest.
+`artigen.metrics.strict` is the measure to trust; the two are never compared with each other.
 """
 
 from dataclasses import dataclass
@@ -20,7 +20,7 @@ from artigen.transforms import joint_motion, transform_points
 from artigen.types import Asset, Part
 
 LENGTH = 2.0
-"""Published objects live in about [-1, 1]; ours in the unit cube."""
+"""Edge of the cube of published objects, about [-1, 1]; here it is the unit cube."""
 STATES = (0.0, 0.25, 0.5, 0.75, 1.0)
 
 
@@ -41,7 +41,7 @@ def compat_distance(found: Asset, truth: Asset, *, per_part: int = 2048, seed: i
         found: Generated object with voxels.
         truth: True object with voxels.
         per_part: Points on each part.
-        seed: Of the points.
+        seed: Seed of the points.
     """
     clouds = [_center(sample_parts(asset, per_part, seed)) for asset in (found, truth)]
     sizes = [np.ptp(_corners(asset), axis=(0, 1)) for asset in (found, truth)]
@@ -93,7 +93,7 @@ def _center(cloud: PartCloud) -> PartCloud:
 
 
 def _stretch(cloud: PartCloud, factors: Float[np.ndarray, "3"]) -> PartCloud:
-    """Every part about the centre of its own box."""
+    """Stretches every part about the centre of its own box."""
     centers = _centers(cloud.asset)[cloud.part_ids]
     points = centers + (cloud.points - centers) * factors
     return PartCloud(asset=cloud.asset, points=points, part_ids=cloud.part_ids)

@@ -10,11 +10,11 @@ def part_deviations(
     """Population standard deviation of every channel over the cells of each part.
 
     Args:
-        values: What each cell says, in any units.
-        part_ids: The part that owns the cell; any integers.
+        values: Attributes of each cell, in any units.
+        part_ids: Part that owns each cell; any integers.
 
     Returns:
-        The parts that own a cell, and their deviations; zero where all cells agree, or there is one.
+        The parts that own a cell, and their deviations; zero where all cells agree, or there is only one.
     """
     ids, at = np.unique(part_ids, return_inverse=True)
     counts = np.bincount(at)[:, None]

@@ -29,8 +29,8 @@ def nearest_neighbour_accuracy(
 
     Args:
         cross: Distances of generated to reference objects.
-        generated: Among generated objects; the diagonal is not read.
-        reference: Among reference objects; the diagonal is not read.
+        generated: Distances among generated objects; the diagonal is ignored.
+        reference: Distances among reference objects; the diagonal is ignored.
     """
     _filled(cross)
     if min(cross.shape) < 2:

@@ -27,12 +27,12 @@ DrawAsset = Callable[[StructureCondition, int], Asset]
 
 
 def draw_exact(source: ShapeSource, resolution: int) -> DrawAsset:
-    """The exact voxels of drawn shapes."""
+    """Draws the exact voxels of shapes."""
     return lambda asked, seed: shape_to_asset(source(asked, seed), resolution)
 
 
 def draw_latent(model: StructureModel, source: ShapeSource, cfg: GenerateConfig) -> DrawAsset:
-    """Voxels that the paper's latents show within the boxes of drawn shapes."""
+    """Draws voxels by the paper's latents, within the boxes of shapes."""
 
     def draw(asked: StructureCondition, seed: int) -> Asset:
         shape = source(asked, seed)
@@ -54,7 +54,7 @@ class DrawJob:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Draw:
-    """Result of a first draw: an object, or the reason of failure."""
+    """Result of a draw: an object, or the reason of failure."""
 
     asset: Asset | None
     error: str | None
@@ -71,10 +71,10 @@ def draw_all(
     """Makes the draws that ``folder`` does not hold yet, and returns all, in the order of ``jobs``.
 
     Args:
-        jobs: What to draw; a key stands for the same condition, seed and model at every start.
-        folder: For the journal and one asset folder per object.
+        jobs: Draws; a key stands for the same condition, seed and model at every start.
+        folder: Folder for the journal and one asset folder per object.
         draw_asset: Draws an object.
-        on_done: Called after each.
+        on_done: Called after each draw.
     """
     folder.mkdir(parents=True, exist_ok=True)
     known = {line["key"]: line for line in read_lines(folder / JOURNAL)}
@@ -90,8 +90,8 @@ def draw_all(
             draw = _draw(job, draw_asset)
             if draw.asset is not None:
                 write_asset(draw.asset, kept)
-            said = {"key": job.key, "seed": job.seed, "seconds": draw.seconds, "error": draw.error}
-            append_line(folder / JOURNAL, said)
+            line = {"key": job.key, "seed": job.seed, "seconds": draw.seconds, "error": draw.error}
+            append_line(folder / JOURNAL, line)
         out.append(draw)
         if on_done is not None:
             on_done()
@@ -99,9 +99,9 @@ def draw_all(
 
 
 def reconstruct(model: StructureModel, subject: Subject, cfg: GenerateConfig) -> Asset | None:
-    """The object found again from its own latent by voting; None where that is no object.
+    """The object reconstructed from its own latent by voting; None if that gives no object.
 
-    What no condition can improve on: the limit of decoder and segmentation.
+    It is the upper bound that decoder and segmentation set, whatever the condition.
     """
     device = next(model.vae.parameters()).device
     with torch.no_grad():

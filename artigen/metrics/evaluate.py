@@ -37,12 +37,12 @@ from artigen.train.shards import HELD_OUT
 from artigen.types import PAPER_CATEGORIES
 
 RESOLUTION = 64
-"""Edge of the voxels that exact objects are compared as."""
+"""Edge of the voxel grid on which exact objects are compared."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Evaluation:
-    """Everything that was measured; what a model has not is empty or None."""
+    """All results; fields that do not apply to a model are empty or None."""
 
     model: str
     """Hash of the weights."""
@@ -50,34 +50,36 @@ class Evaluation:
     config: dict[str, object]
     rows: tuple[Row, ...]
     left_out: dict[str, str]
-    """Real objects that could not be read, and why."""
+    """Reasons why real objects could not be read, by id."""
     reconstruction: dict[str, Scores] = field(default_factory=dict)
-    """Table 3 and more, by set of objects."""
+    """Table 3 of the paper and further scores, by set of objects."""
     spread: dict[str, dict[str, tuple[float, ...]]] = field(default_factory=dict)
-    """Table 4, by set of objects."""
+    """Table 4 of the paper, by set of objects."""
     reading: dict[str, Scores] = field(default_factory=dict)
-    """How well pictures are read, by set of objects."""
+    """Accuracy of reading pictures, by set of objects."""
     footprint: Footprint | None = None
     packages: PackageReport | None = None
-    """What became of draws as packages."""
+    """Pass rates of draws as packages."""
 
 
 def evaluate_sketch(
     folder: Path, out: Path, cfg: EvaluateConfig, *, on_progress: Progress | None = None
 ) -> Evaluation:
-    """Measures the sketch network of a model folder: pictures read, exact objects drawn by category, counts,
-    size and pictures; draws and ``nearest.png`` are kept in ``out``, draws are gone on with.
+    """Evaluates the sketch network of a model folder.
+
+    Scores the reading of pictures, and objects drawn by category, counts, size and pictures. Draws and
+    ``nearest.png`` are stored in ``out``; existing draws are reused.
 
     Args:
-        folder: Of the model.
-        out: Of the evaluation.
-        cfg: What is measured; packages of sketches are those of `artigen generate`, and not made here.
+        folder: Folder of the model.
+        out: Folder of the evaluation.
+        cfg: Scope; packages are not made here, because those of sketches are made by `artigen generate`.
         on_progress: Called as work is done.
 
     Raises:
         SourceError: If the folder holds no sketch network, ``out`` belongs to another one, or real objects
             cannot be read.
-        ArtigenError: If there are too few objects to say anything.
+        ArtigenError: If there are too few objects.
     """
     _check_evaluation(cfg)
     network = load_sketch_network(folder)
@@ -115,21 +117,20 @@ def evaluate_structure(
     draw_shape_for: ShapeSource | None = None,
     on_progress: Progress | None = None,
 ) -> Evaluation:
-    """Measures a model folder; draws and ``nearest.png`` are kept in ``out``, draws are gone on with.
+    """Evaluates the structure model of a folder; stores draws and ``nearest.png`` in ``out``, reuses draws.
 
     Args:
-        folder: Of the model.
-        out: Of the evaluation.
-        cfg: What is measured.
-        prove: Makes and checks packages of draws; None leaves that out.
-        draw_shape_for: Draws the objects whose boxes the model is told; None takes the sketch network of the
-            folder.
+        folder: Folder of the model.
+        out: Folder of the evaluation.
+        cfg: Scope of the evaluation.
+        prove: Makes and checks packages of draws; None skips packages.
+        draw_shape_for: Draws objects whose outlines the model takes; the folder's sketch network when None.
         on_progress: Called as work is done.
 
     Raises:
-        SourceError: If the folder holds no whole model, ``out`` belongs to another one, or real objects
+        SourceError: If the folder holds no complete model, ``out`` belongs to another one, or real objects
             cannot be read.
-        ArtigenError: If there are too few objects to say anything.
+        ArtigenError: If there are too few objects.
     """
     _check_evaluation(cfg)
     device = torch.device("cuda" if torch.cuda.is_available() else "cpu")
@@ -154,7 +155,7 @@ def evaluate_structure(
     if cfg.partnet is not None and read_description(folder)["vae"].get("real_objects"):
         library += read_subjects(
             cfg.partnet, "train", resolution, image_size=cfg.image_size, workers=cfg.workers
-        )[0]  # they are training objects, too
+        )[0]  # the model was trained on these as well
     examples = {name: [subject.example for subject in subjects] for name, subjects in sets.items()}
     generation = GenerateConfig(sampler=sampler)
     bench = Bench(
@@ -198,7 +199,7 @@ def _check_evaluation(cfg: EvaluateConfig) -> None:
     if min(cfg.packages, cfg.redraws, cfg.pictured) < 0:
         raise ArtigenError(
             f"{cfg.packages} objects as packages with {cfg.redraws} redraws, {cfg.pictured} pictured: "
-            "expected nothing below 0"
+            "expected 0 or more of each"
         )
     if cfg.partnet is not None:
         list_split(cfg.partnet, "val")
@@ -207,7 +208,7 @@ def _check_evaluation(cfg: EvaluateConfig) -> None:
 def _gather_sets(
     cfg: EvaluateConfig, resolution: int, tell: Progress
 ) -> tuple[dict[str, list[Subject]], dict[str, str]]:
-    """Held-out objects, procedural and real, and why some of the latter are left out."""
+    """Held-out objects, procedural and real, and reasons why real ones are left out, by id."""
     sets = {"procedural": _draw_set("held-out objects", 0, cfg.held_out, resolution, cfg.image_size, tell)}
     left_out: dict[str, str] = {}
     if cfg.partnet is not None:

@@ -40,9 +40,9 @@ from artigen.train.appearance.examples import AppearanceExample, draw_appearance
 from artigen.types import Asset, SurfaceSamples
 
 SPACING = 0.02
-"""Between the true points that distances are measured to (unit-cube length)."""
+"""Distance between the true points of surface distances (unit-cube length)."""
 Progress = Callable[[str, int, int], None]
-"""Called with the stage, what is done of it, and all of it."""
+"""Called with the stage, the number of steps done, and the number of all."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,47 +56,46 @@ class EvaluateAppearanceConfig:
     views: int = 8
     """Pictures of each state."""
     size: int = 128
-    """Their edge in pixels."""
+    """Edge of a picture in pixels."""
     sampler: SamplerConfig | None = None
-    """Steps and guidance; None leaves them to the model's preset."""
+    """Steps and guidance; those of the model's preset when None."""
     seed: int = 0
-    """Of the noise."""
+    """Seed of the noise."""
     dinov2: Path | None = None
-    """Folder with the weights of DINOv2: the model's features, where it was trained with them, and those of
-    the distances between sets."""
+    """Folder with the weights of DINOv2, for the distances between sets and for models trained with it."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class AppearanceEvaluation:
-    """Everything that was measured."""
+    """All results of an evaluation."""
 
     model: str
     """Hash of the weights."""
     device: str
     description: dict[str, object]
-    """What the model says about its training."""
+    """Description of the model, from its folder."""
     config: dict[str, object]
     extractor: str
     """Features of the distances between sets."""
     pictures: int
-    """In each of the two sets."""
+    """Number of pictures in each of the two sets."""
     total: Scores
     states: dict[str, Scores]
-    """By the share of their ranges that joints are open by."""
+    """Scores by the share of their ranges by which joints are open."""
     objects: dict[str, Scores]
     drawn: Scores
-    """Of Gaussians drawn on true voxels, told their paint; empty where there is no flow that is told."""
+    """Scores of Gaussians sampled on true voxels with their paint; empty without a flow that takes paint."""
     colors: Scores
-    """Errors of the mean colours of parts, autoencoded and drawn."""
+    """Errors of the mean colours of parts, autoencoded and sampled."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class TrainedAppearance:
-    """Trained networks, and how the features that they read are made."""
+    """Trained networks, and the settings of their input features."""
 
     vae: AppearanceVae
     drawer: AppearanceModel | None
-    """What draws; None where only the VAE was trained."""
+    """Model that samples; None if only the VAE was trained."""
     curation: CurationConfig
     extractor: FeatureExtractor
     conditions: ConditionConfig
@@ -110,21 +109,21 @@ def load_trained(folder: Path, device: torch.device, dinov2: Path | None = None)
         SourceError: If the folder holds no VAE, it is of an unknown preset, or its features need weights that
             are not given.
     """
-    said = read_description(folder).get(APPEARANCE_VAE)
-    if said is None:
+    entry = read_description(folder).get(APPEARANCE_VAE)
+    if entry is None:
         raise SourceError(f"{folder}: holds no {APPEARANCE_VAE}; train one, or give the folder of one")
     known: dict[str, PresetName] = {name: name for name in APPEARANCE_PRESETS}
-    preset = known.get(str(said.get("preset")))
+    preset = known.get(str(entry.get("preset")))
     if preset is None:
         raise SourceError(
-            f"{folder}: {APPEARANCE_VAE} is of preset {said.get('preset')!r}, expected one of "
+            f"{folder}: {APPEARANCE_VAE} is of preset {entry.get('preset')!r}, expected one of "
             f"{', '.join(APPEARANCE_PRESETS)}"
         )
     inputs = FeatureInputs(
         preset=preset,
-        articulated=bool(said["articulated"]),
-        weighting="plain" if said["weighting"] == "plain" else "seen",
-        features="dinov2" if said["features"] == "dinov2" else "pyramid",
+        articulated=bool(entry["articulated"]),
+        weighting="plain" if entry["weighting"] == "plain" else "seen",
+        features="dinov2" if entry["features"] == "dinov2" else "pyramid",
         dinov2=dinov2,
     )
     vae = AppearanceVae(inputs.encoder, APPEARANCE_PRESETS[preset].decoder)
@@ -135,7 +134,7 @@ def load_trained(folder: Path, device: torch.device, dinov2: Path | None = None)
         curation=replace(inputs.curation, kept=0),
         extractor=make_extractor(inputs.extractor),
         conditions=APPEARANCE_PRESETS[preset].conditions,
-        description=said,
+        description=entry,
     )
 
 
@@ -145,8 +144,8 @@ def evaluate_appearance(
     """Autoencodes held-out objects and compares pictures of them in all joint states.
 
     Raises:
-        SourceError: If the folder holds no whole model.
-        ArtigenError: If there are too few objects or pictures to say anything.
+        SourceError: If the folder holds no complete model.
+        ArtigenError: If there are too few objects or pictures.
     """
     if min(cfg.held_out, cfg.states, cfg.views) < 1 or cfg.size < 16:
         raise ArtigenError(
@@ -196,7 +195,7 @@ def evaluate_appearance(
 def draw_subject(
     model: TrainedAppearance, number: int, cfg: EvaluateAppearanceConfig
 ) -> tuple[Asset, AppearanceExample]:
-    """A held-out object with the features that the model reads, and the pictures that it is measured on."""
+    """A held-out object with the input features of the model, and the pictures on which it is scored."""
     categories = model.conditions.categories
     category, seed = categories[number % len(categories)], number // len(categories)
     asset, example = draw_appearance_of(
@@ -229,7 +228,7 @@ def _compare_drawn(
     cfg: EvaluateAppearanceConfig,
     tell: Progress,
 ) -> list[Comparison]:
-    """Pictures of what the flow draws, where there is one that is told paint."""
+    """Pictures of Gaussians that the flow samples; none without a flow that takes paint."""
     if model.drawer is None or not model.drawer.flow.attribute_channels:
         return []
     settings, out = AppearanceConfig(sampler=cfg.sampler), []

@@ -21,9 +21,9 @@ class Footprint:
     """Time and memory of drawing one object, latent to parts."""
 
     seconds: float
-    """Median of the repeats, after one draw that warms up."""
+    """Median of the repeats, after one warm-up draw."""
     cpu_seconds: float
-    """The same in processor time of all threads: what stays when others use the machine, too."""
+    """The same in processor time of all threads, which depends less on the load of the machine."""
     peak_mib: float
     """Largest resident memory of the process, imports and model included."""
 
@@ -40,10 +40,10 @@ class FootprintJob:
 
 
 def measure_footprint(job: FootprintJob) -> Footprint:
-    """Draws in a process of its own.
+    """Measures in a separate process.
 
     Raises:
-        SourceError: If that process fails; says why.
+        SourceError: If that process fails; gives the reason.
     """
     worker = Worker()
     outcome = worker.call(time_draws, job, TIMEOUT)
@@ -54,12 +54,12 @@ def measure_footprint(job: FootprintJob) -> Footprint:
 
 
 def time_draws(job: FootprintJob) -> Footprint:
-    """Draws ``repeats`` objects after the first one and takes the time; runs in a worker process."""
+    """Times ``repeats`` draws after a warm-up; runs in a worker process."""
     model = load_structure_model(job.model)
     seconds, busy = [], []
     for seed in range(job.repeats + 1):
         started, worked = time.perf_counter(), time.process_time()
-        with suppress(SegmentationError):  # what becomes of the object is measured elsewhere
+        with suppress(SegmentationError):  # quality is measured elsewhere
             generate_structure(model, job.asked, seed, job.cfg, boxes=job.boxes)
         seconds.append(time.perf_counter() - started)
         busy.append(time.process_time() - worked)
@@ -71,6 +71,6 @@ def time_draws(job: FootprintJob) -> Footprint:
 
 
 def peak_memory() -> float:
-    """Largest resident memory of this process so far, MiB; that of its parent does not count."""
+    """Largest resident memory of this process so far in MiB, without that of its parent."""
     line = next(line for line in STATUS.read_text().splitlines() if line.startswith("VmHWM:"))
     return int(line.split()[1]) / 1024

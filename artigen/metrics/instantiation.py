@@ -1,8 +1,8 @@
 """Instantiation distance between articulated objects, over the poses that they can take.
 
 After NAP (``eval/instantiation_distance.py``): both objects are posed at random several times, and every
-pose is compared with its nearest one of the other object. NAP also tries every part as the frame of
-reference; our objects share one frame (front to -x, base at rest), so there is nothing to try.
+pose is compared with the nearest pose of the other object. NAP also tries every part as the frame of
+reference; here all objects share one frame (front to -x, base at rest), so this is not needed.
 """
 
 from collections.abc import Sequence
@@ -19,14 +19,14 @@ from artigen.types import Asset
 
 @dataclass(frozen=True, kw_only=True)
 class InstantiationConfig:
-    """How finely objects are compared; NAP takes 10 poses of 2,048 points."""
+    """Density of the comparison; NAP uses 10 poses of 2,048 points."""
 
     poses: int = 4
     """Random poses of each object."""
     points: int = 512
     """Points in each pose."""
     seed: int = 0
-    """Of poses and points; equal objects are posed alike."""
+    """Seed of poses and points; equal objects get equal poses."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -73,7 +73,7 @@ def instantiation_distance(first: PosedObject, second: PosedObject) -> float:
 def pairwise_distances(
     first: Sequence[PosedObject], second: Sequence[PosedObject]
 ) -> Float[np.ndarray, "G R"]:
-    """Instantiation distances of all pairs; half the work where both are the same list."""
+    """Instantiation distances of all pairs; each is computed once if both arguments are the same list."""
     out = np.zeros((len(first), len(second)))
     for row, one in enumerate(first):
         for column, other in enumerate(second):
@@ -85,7 +85,7 @@ def pairwise_distances(
 
 
 def pose_set(assets: Sequence[Asset], cfg: InstantiationConfig) -> PosedSet:
-    """Poses objects and measures their distances from each other, once for all that is compared with them."""
+    """Poses objects and measures their pairwise distances, once for all comparisons with them."""
     objects = tuple(pose_object(asset, cfg) for asset in assets)
     return PosedSet(objects=objects, distances=pairwise_distances(objects, objects))
 

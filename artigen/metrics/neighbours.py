@@ -1,6 +1,6 @@
 """Drawn objects and their nearest training objects, as numbers and as a picture.
 
-A model that copies shows the same object twice in a row of the sheet.
+If a model copies training objects, rows of the sheet show the same object twice.
 """
 
 from collections.abc import Sequence
@@ -35,7 +35,7 @@ class Neighbour:
 def pose_library(
     library: Sequence[Subject], cfg: InstantiationConfig
 ) -> dict[str, list[tuple[Asset, PosedObject]]]:
-    """Training objects by category, posed once for all that is compared with them."""
+    """Training objects by category, posed once for all comparisons with them."""
     out: dict[str, list[tuple[Asset, PosedObject]]] = {}
     for subject in library:
         posed = (subject.asset, pose_object(subject.asset, cfg))
@@ -54,8 +54,8 @@ def find_neighbours(
     Args:
         asset: The object, with voxels.
         library: From `pose_library` with the same ``cfg``.
-        cfg: How finely objects are compared.
-        count: How many at most.
+        cfg: Density of the comparison.
+        count: Most neighbours returned.
     """
     own = pose_object(asset, cfg)
     distances = [

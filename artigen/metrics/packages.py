@@ -1,8 +1,7 @@
 """Pass rates of packages of drawn objects, at the first draw and after redraws.
 
-Making and checking packages is no business of this package: whoever measures passes in a function that
-does it. Draws go in rounds, as `artigen generate` does for a single object: what fails is drawn again with
-other noise.
+The caller passes in a function that makes and checks packages, because this layer may not import
+`sim_export`. Draws go in rounds, as in `artigen generate`: failed objects are drawn again with other noise.
 """
 
 import re
@@ -21,7 +20,7 @@ JOURNAL = "packages.jsonl"
 
 @dataclass(frozen=True, kw_only=True)
 class Proof:
-    """Result of one draw; ``causes`` holds ids of failed checks, or why there was nothing to check."""
+    """Result of one draw; ``causes`` holds ids of failed checks, or the reason why there was no package."""
 
     key: str
     passed: bool
@@ -38,25 +37,25 @@ class PackageScores:
 
     objects: int
     valid: float
-    """Share that is a tree of parts at the first draw."""
+    """Share of objects that are a tree of parts at the first draw."""
     first: float
-    """Share whose package passes at the first draw."""
+    """Share of objects whose package passes at the first draw."""
     within: float
-    """Share whose package passes at the first draw or one of the others."""
+    """Share of objects whose package passes at the first draw or a redraw."""
     draws: float
     """Draws per object."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class PackageReport:
-    """Shares by category (``all`` for everything), and in how many draws each cause was met."""
+    """Pass rates by category (``all`` for everything), and numbers of failed draws by cause."""
 
     redraws: int
     scores: Mapping[str, PackageScores]
     first_causes: Mapping[str, int]
-    """Of the first draws."""
+    """Causes among the first draws."""
     causes: Mapping[str, int]
-    """Of all draws; one draw may have several."""
+    """Causes among all draws; one draw may have several."""
 
 
 def prove_draws(
@@ -68,15 +67,15 @@ def prove_draws(
     redraws: int,
     on_done: Callable[[int, int], None] | None = None,
 ) -> PackageReport:
-    """Draws, makes and checks what ``out`` does not know yet, and counts.
+    """Draws objects, makes and checks their packages as far as ``out`` lacks them, and counts.
 
     Args:
         jobs: First draws, each with its category.
-        out: Holds ``draws/`` and the journal ``packages.jsonl``.
+        out: Folder with ``draws/`` and the journal ``packages.jsonl``.
         draw_asset: Draws an object.
         prove: Makes and checks packages.
-        redraws: How often an object that fails is drawn again.
-        on_done: Called with the proofs of a round that are there, and all of it.
+        redraws: Most redraws of an object that fails.
+        on_done: Called with the number of proofs of a round, done and in all.
     """
     tell = on_done or (lambda done, total: None)
     history: dict[str, list[Proof]] = {job.key: [] for job in jobs}
@@ -113,7 +112,7 @@ def count_proofs(objects: Sequence[tuple[str, Sequence[Proof]]], redraws: int) -
 
 
 def name_cause(kind: str, sentence: str) -> str:
-    """A sentence as a cause: numbers are left out, so that like ones are counted together."""
+    """A cause from a sentence, with numbers masked so that similar sentences are counted together."""
     return f"{kind}: {re.sub(r'[0-9]+([.][0-9]+)?', '#', sentence)}"
 
 
@@ -129,7 +128,7 @@ def _prove_round(
     prove: Prove,
     tell: Callable[[int, int], None],
 ) -> list[Proof]:
-    """Proofs in the order of ``jobs``; those that the journal knows are not made again."""
+    """Proofs in the order of ``jobs``; those in the journal are reused."""
     journal = out / JOURNAL
     known = {line["key"]: Proof(**{**line, "causes": tuple(line["causes"])}) for line in read_lines(journal)}
     tell(sum(job.key in known for job in jobs), len(jobs))

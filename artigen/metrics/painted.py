@@ -1,4 +1,4 @@
-"""Evaluates what the sparse flow draws on true voxels with true paint."""
+"""Samples the sparse flow on true voxels with true paint, for evaluation."""
 
 import numpy as np
 
@@ -15,14 +15,14 @@ from artigen.voxels.surface import measure_places
 def draw_painted(
     model: AppearanceModel, asset: Asset, example: AppearanceExample, cfg: AppearanceConfig, seed: int
 ) -> Splats:
-    """The Gaussians that a flow draws for a held-out object, of which nothing else is asked.
+    """Gaussians that a flow samples for a held-out object, without any other condition.
 
     Args:
-        model: Trained networks, told paint.
+        model: Trained networks that take paint.
         asset: The object, with voxels.
-        example: The same, with the paint of its voxels.
+        example: The same object, with the paint of its voxels.
         cfg: Sampler.
-        seed: Of the noise.
+        seed: Seed of the noise.
     """
     category, number = asset.name.rsplit("_", 1)
     laid, facings = lay_true_voxels(draw_shape(category, int(number)), asset)

@@ -1,6 +1,6 @@
 """Error of the mean colour of each part in pictures.
 
-Only parts count that the closed object shows: of the others, a picture says nothing.
+Only parts that the closed object shows count; a picture holds no information about the others.
 """
 
 from collections.abc import Mapping, Sequence
@@ -13,7 +13,7 @@ from artigen.metrics.appearance import Comparison
 from artigen.train.appearance.examples import AppearanceExample
 
 MIN_PIXELS = 12
-"""Pixels, over all pictures, that a part must have to be counted."""
+"""Least number of pixels of a part, over all pictures, for it to count."""
 Colors = dict[int, Float[np.ndarray, "3"]]
 """Mean colour (sRGB in [0, 1]) by part."""
 
@@ -46,7 +46,7 @@ def score_colors(
 
     Args:
         examples: The objects.
-        answers: Pictures of each of them, by what was done.
+        answers: Pictures of each of them, by method.
     """
     rows: dict[str, list[float]] = {name: [] for name in answers}
     for number, example in enumerate(examples):

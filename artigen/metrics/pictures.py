@@ -1,7 +1,7 @@
 """Similarity of pictures (PSNR, SSIM) and of sets of pictures (Fréchet and kernel distance of features).
 
-Set distances depend on the features and on the number of pictures: name both beside a result, and compare
-only results with the same.
+Distances of sets depend on the features and on the number of pictures. State both with a result, and compare
+only results that agree in them.
 """
 
 import numpy as np
@@ -11,9 +11,9 @@ from torch import Tensor
 from torch.nn import functional
 
 WINDOW, SIGMA = 11, 1.5
-"""Of the local means in SSIM (Wang et al., 2004)."""
+"""Window size and standard deviation in pixels of the local means in SSIM (Wang et al., 2004)."""
 CONSTANTS = (0.01**2, 0.03**2)
-"""SSIM's, for values in [0, 1]."""
+"""Constants of SSIM for values in [0, 1]."""
 
 
 def measure_psnr(
@@ -24,12 +24,12 @@ def measure_psnr(
     """Peak signal-to-noise ratio (dB) of values in [0, 1], from the mean error of all pixels together.
 
     Args:
-        drawn: pictures; values beyond [0, 1] are cut off, as a screen does.
-        truth: what they should be.
-        mask: pixels that count; all without it.
+        drawn: Pictures; values are clipped to [0, 1].
+        truth: True pictures.
+        mask: Pixels that count; all when None.
 
     Returns:
-        Infinity where nothing differs, NaN where no pixel counts.
+        Infinity if nothing differs, NaN if no pixel counts.
     """
     squares = (drawn.clamp(0.0, 1.0) - truth) ** 2
     squares = squares if mask is None else squares[mask]
@@ -59,7 +59,7 @@ def measure_ssim(drawn: Float[Tensor, "V H W 3"], truth: Float[Tensor, "V H W 3"
 
 
 def frechet_distance(first: Float[np.ndarray, "N D"], second: Float[np.ndarray, "M D"]) -> float:
-    """Fréchet distance of two sets of features as Gaussians; FID, where they are Inception's.
+    """Fréchet distance of two sets of features as Gaussians; FID for Inception features.
 
     Raises:
         ValueError: If a set has fewer than two members.
@@ -74,8 +74,9 @@ def frechet_distance(first: Float[np.ndarray, "N D"], second: Float[np.ndarray, 
 
 
 def kernel_distance(first: Float[np.ndarray, "N D"], second: Float[np.ndarray, "M D"]) -> float:
-    """Unbiased squared maximum mean discrepancy under ``(x . y / D + 1)^3``; KID, where features are
-    Inception's. Of two sets from one source it is zero on average and can be negative.
+    """Unbiased squared maximum mean discrepancy under ``(x . y / D + 1)^3``; KID for Inception features.
+
+    For two sets from one distribution it is zero on average and can be negative.
 
     Raises:
         ValueError: If a set has fewer than two members.

@@ -16,24 +16,24 @@ HIDDEN: tuple[PartLabel, ...] = ("shelf", "tray")
 
 
 def score_reading(network: SketchNetwork, subjects: Sequence[Subject]) -> dict[str, float]:
-    """Reads the pictures of objects by the likeliest header of each; shares in [0, 1].
+    """Scores the likeliest header that the network reads from the picture of each object; shares in [0, 1].
 
-    ``category`` and ``counts`` are the shares of pictures read right, the latter of every label at once,
-    ``counts in view`` without shelves and trays; ``counts of <label>`` those of one label; ``extents`` is the
-    mean error of the logarithms of the extents as shares of the longest. Categories are compared by
-    `artigen.metrics.categories`.
+    ``category`` is the share of pictures with the right category, ``counts`` with the right counts of all
+    labels, ``counts in view`` of all but shelves and trays, ``counts of <label>`` of one label. ``extents``
+    is the mean absolute error of the logarithms of the extents, each relative to the longest. Categories are
+    compared by `artigen.metrics.categories`.
     """
     kinds, rights, errors = [], [], []
     for subject in subjects:
         image = describe_subject(subject, ("image",)).image
         assert image is not None
-        said = draw_header(network, SketchRequest(), 0, LIKELIEST, look_at(network, image)[1])
-        held = {"base": 1, **dict(said.counts)}
-        kinds.append(is_same_category(said.category, subject.example.category))
+        header = draw_header(network, SketchRequest(), 0, LIKELIEST, look_at(network, image)[1])
+        held = {"base": 1, **dict(header.counts)}
+        kinds.append(is_same_category(header.category, subject.example.category))
         rights.append(
             [held[label] == count for label, count in zip(PART_LABELS, subject.example.counts, strict=True)]
         )
-        extents = np.array([said.depth, said.width, said.height], dtype=float)
+        extents = np.array([header.depth, header.width, header.height], dtype=float)
         off = np.log(extents / extents.max()) - np.log(subject.example.size / subject.example.size.max())
         errors.append(np.abs(off).mean())
     right = np.array(rights)

@@ -34,7 +34,7 @@ SPREAD = (
     ("rotation", "range of rotation (degrees)", (6.96, 7.56)),
     ("travel", "range of travel", (0.007, 0.0123)),
 )
-"""Key, name, and the paper's Table 4; it gives lower and upper limit, our lower limit is 0 by convention."""
+"""Key, name, and the paper's Table 4, which gives both limits; here the lower one is 0 by convention."""
 ROWS = (
     ("valid", "valid", "percent"),
     ("category", "category", "percent"),
@@ -54,7 +54,7 @@ ROWS = (
     ("nearest_training", "to nearest training object", "plain"),
 )
 READING = {"counts": "counts of every label at once", "extents": "mean error of an extent"}
-"""Names of scores that do not say themselves what they are."""
+"""Names of scores whose keys are not self-explanatory."""
 
 
 def write_report(evaluation: Evaluation, out: Path) -> tuple[Path, Path]:
@@ -70,7 +70,7 @@ def write_evaluation(found: Mapping[str, object], table: str, out: Path) -> tupl
 
 
 def format_report(evaluation: Evaluation) -> str:
-    """The tables: reconstruction, deviations within parts, draws beside their baselines, time and memory."""
+    """Markdown tables: reconstruction, deviations within parts, draws and baselines, time and memory."""
     lines = [f"Model {evaluation.model[:12]}, device {evaluation.device}."]
     if evaluation.reconstruction:
         lines += _format_reconstruction(evaluation)
@@ -123,7 +123,7 @@ def format_report(evaluation: Evaluation) -> str:
 
 
 def _format_reconstruction(evaluation: Evaluation) -> list[str]:
-    """Tables 3 and 4 of the paper beside ours."""
+    """Results in the form of Tables 3 and 4 of the paper, beside the published values."""
     sets = list(evaluation.reconstruction)
     lines = ["", "## Reconstruction", ""]
     lines += format_table(
@@ -186,7 +186,7 @@ def format_table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str
 
 
 def format_score(value: float | None, form: str) -> str:
-    """A share as percent, anything else with four digits; nothing where there is no value."""
+    """A share in percent, other values with four digits, an empty string for None."""
     if value is None:
         return ""
     return f"{100 * value:.2f} %" if form == "percent" else f"{value:.4g}"

@@ -25,10 +25,10 @@ def write_appearance_report(evaluation: AppearanceEvaluation, out: Path) -> tupl
 
 
 def format_appearance(evaluation: AppearanceEvaluation) -> str:
-    """One row per joint state, and one for all."""
-    said = ", ".join(f"{name} {value}" for name, value in sorted(evaluation.description.items()))
+    """Markdown tables: one row per joint state and one for all, sampled Gaussians, colours of parts."""
+    described = ", ".join(f"{name} {value}" for name, value in sorted(evaluation.description.items()))
     rows = {**evaluation.states, "all": evaluation.total}
-    lines = [f"Model {evaluation.model[:12]} ({said}), device {evaluation.device}.", ""]
+    lines = [f"Model {evaluation.model[:12]} ({described}), device {evaluation.device}.", ""]
     lines += ["## Autoencoded held-out objects", ""]
     lines += format_table(
         ("joints open by", *(name for _, name, _ in ROWS)),
@@ -51,9 +51,9 @@ def format_appearance(evaluation: AppearanceEvaluation) -> str:
     ]
     if evaluation.drawn:
         keys = [row for row in ROWS if row[0] in ("psnr", "ssim", "object", "exposed", "rest")]
-        lines += ["", "## Drawn on true voxels", ""]
+        lines += ["", "## Sampled on true voxels", ""]
         lines += format_table(
-            ("told", *(name for _, name, _ in keys)),
+            ("given", *(name for _, name, _ in keys)),
             [("paint", *(format_score(evaluation.drawn.get(key), form) for key, _, form in keys))],
         )
     lines += ["", "## Colours of parts", ""]
@@ -64,6 +64,6 @@ def format_appearance(evaluation: AppearanceEvaluation) -> str:
     lines += [
         "",
         "Mean absolute difference of sRGB values in [0, 1], over the parts that the closed object shows.",
-        "The flow draws on the true voxels, told the paint of both of their sides.",
+        "Sampled Gaussians are those of the flow on the true voxels, given the paint of both of their sides.",
     ]
     return "\n".join(lines) + "\n"

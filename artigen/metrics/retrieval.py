@@ -10,10 +10,10 @@ from artigen.types import PART_LABELS
 
 
 def condition_distance(asked: StructureCondition, subject: Subject) -> float:
-    """How far an object is from what is asked; fields left open count for nothing.
+    """Distance of an object from a condition; open fields do not count.
 
-    One for each part too many or too few, the logarithm of the ratio of each extent, a thousand times the
-    mean squared difference of the pictures, and infinity for another category.
+    It is the sum of one per part too many or too few, the absolute logarithm of the ratio of each extent, and
+    a thousand times the mean squared difference of the pictures. It is infinite for another category.
     """
     example = subject.example
     if asked.category is not None and asked.category != example.category:
@@ -32,10 +32,10 @@ def condition_distance(asked: StructureCondition, subject: Subject) -> float:
 
 
 def retrieve(asked: StructureCondition, library: Sequence[Subject]) -> Subject:
-    """The nearest object of a library; the first of equally near ones.
+    """The object of a library nearest to a condition; the first of equally near ones.
 
     Raises:
-        ValueError: If no object of the library is of the category asked for.
+        ValueError: If no object of the library is of the requested category.
     """
     distances = [condition_distance(asked, subject) for subject in library]
     if not distances or not np.isfinite(min(distances)):

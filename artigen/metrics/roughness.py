@@ -1,4 +1,4 @@
-"""Roughness of cells: how often their surface bends."""
+"""Roughness of occupied cells: bends of their surface per face."""
 
 from itertools import combinations
 
@@ -7,9 +7,9 @@ from jaxtyping import Bool
 
 
 def measure_roughness(occupied: Bool[np.ndarray, "X Y Z"]) -> float:
-    """Edges at which the surface of the cells bends, over its faces; 0 where there is none.
+    """Number of edges at which the surface of the cells bends, divided by its number of faces; 0 if empty.
 
-    A cabinet has 0.1, a thing of many small parts or round ones 0.2 to 0.3.
+    A cabinet has about 0.1, an object of many small or round parts 0.2 to 0.3.
     """
     padded = np.pad(occupied, 1).astype(np.int8)
     faces = sum(int(np.abs(np.diff(padded, axis=axis)).sum()) for axis in range(3))

@@ -1,4 +1,4 @@
-"""Scores of objects against their condition and the object meant, singly and as a set."""
+"""Scores of objects against their conditions and the true objects, one by one and as a set."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -22,20 +22,20 @@ from artigen.models.conditions import StructureCondition
 from artigen.types import Asset
 
 Scores = dict[str, float]
-"""Values by name; a name that does not apply is not there."""
+"""Values by name; names that do not apply are absent."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class ScoreConfig:
-    """How finely objects are sampled."""
+    """Sampling density of the scores."""
 
     per_part: int = 2048
-    """Points on a part, published protocol."""
+    """Points per part in the published protocol."""
     points: int = 20_000
-    """Points on an object, strict protocol. Particulate takes 100,000: ten times the time; on one pair of
-    objects, RS and AS came out 0.1 to 0.2 % lower, and 3 % without penalties."""
+    """Points per object in the strict protocol. Particulate uses 100,000, which takes ten times as long; on
+    one pair of objects, RS and AS came out 0.1 to 0.2 % lower, and 3 % lower without penalties."""
     poses: InstantiationConfig = field(default_factory=InstantiationConfig)
-    """Poses for the distance that sets are compared with."""
+    """Poses for the distances between sets."""
 
 
 def score_objects(
@@ -46,16 +46,16 @@ def score_objects(
 ) -> Scores:
     """Shares and mean distances over all objects; None counts as failed everywhere.
 
-    ``valid``: is a tree of parts. ``counts``: every count wanted is exact. ``size``: every extent within
-    5 % of the size wanted. ``category``: as the true object's (`artigen.metrics.categories`).
-    ``strict_rest`` and ``strict_articulated``: a failed draw costs what a missing part does; ``compat_*`` is
-    over valid objects only.
+    ``valid``: the object is a tree of parts. ``counts``: every requested count is exact. ``size``: every
+    extent is within 5 % of the requested size. ``category``: equals that of the true object
+    (`artigen.metrics.categories`). In ``strict_rest`` and ``strict_articulated``, a failed draw costs as much
+    as a missing part; other ``strict_*`` and ``compat_*`` average over valid objects only.
 
     Args:
-        wanted: What is to be met; counts or sizes that are open are not scored.
-        found: The answers.
-        truths: The objects meant.
-        cfg: How finely objects are sampled.
+        wanted: Conditions to be met; counts or sizes are scored only if every condition has them.
+        found: Objects of the method.
+        truths: True objects.
+        cfg: Sampling density.
     """
     pairs = list(zip(wanted, found, truths, strict=True))
     out: Scores = {
@@ -93,8 +93,8 @@ def score_objects(
 def score_set(found: Sequence[Asset | None], reference: PosedSet, cfg: InstantiationConfig) -> Scores:
     """MMD, COV and 1-NNA of objects against as many reference objects, posed with the same ``cfg``.
 
-    Where an object failed, the reference object of its place is left out as well: 1-NNA is 0.5 for like
-    sets of equal size only. Empty where fewer than two are left.
+    For every failed object, the reference object at its place is left out as well, because 1-NNA is 0.5 only
+    for indistinguishable sets of equal size. Empty if fewer than two objects are left.
     """
     places = np.array([place for place, one in enumerate(found) if one is not None], dtype=np.int64)
     if len(places) < 2:
@@ -115,7 +115,7 @@ def score_novelty(
 ) -> Scores:
     """``nearest_training``: median instantiation distance to the nearest training object of the category.
 
-    Far below that of held-out objects, it says that training objects are copied.
+    A value far below that of held-out objects means that training objects are copied.
     """
     posed = pose_library(library, cfg)
     nearest = [

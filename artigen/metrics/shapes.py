@@ -1,4 +1,4 @@
-"""Exact objects for conditions, whose boxes a structure model draws within when it is evaluated."""
+"""Exact objects for conditions, whose outlines a structure model takes in evaluations."""
 
 from collections.abc import Callable
 from contextlib import suppress
@@ -15,19 +15,19 @@ from artigen.sketch.request import SketchRequest
 ShapeSource = Callable[[StructureCondition, int], Shape]
 """Draws an object for a condition and a seed."""
 TRIES = 40
-"""Objects of the grammar among which the nearest is taken."""
+"""Objects of the grammar from which the nearest is chosen."""
 
 
 def grammar_source(*, tries: int = TRIES) -> ShapeSource:
-    """Objects of the grammar with the lengths that are asked for and the nearest counts among some draws.
+    """Objects of the grammar with the requested lengths and the nearest counts among several draws.
 
     Args:
-        tries: Draws per object, at most.
+        tries: Most draws per object.
     """
 
     def draw_grammar(asked: StructureCondition, seed: int) -> Shape:
         if asked.category is None:
-            raise ShapeError("no category is asked for, and the grammar reads none off pictures")
+            raise ShapeError("no category is given, and the grammar cannot read pictures; give a category")
         wanted = dict(asked.counts)
         depth, width, height = asked.size or (None, None, None)
         wish = Wish(depth=depth, width=width, height=height)
@@ -49,7 +49,7 @@ def grammar_source(*, tries: int = TRIES) -> ShapeSource:
 
 
 def sketch_source(network: SketchNetwork, cfg: SketchConfig | None = None) -> ShapeSource:
-    """Objects of the sketch network, by words or by pictures: what a condition leaves open is drawn."""
+    """Objects of the sketch network, by fields or by picture; open fields are sampled."""
 
     def draw_sketch(asked: StructureCondition, seed: int) -> Shape:
         depth, width, height = asked.size or (None, None, None)

@@ -1,7 +1,7 @@
 """Distance of Gaussians to the true surface, closed and in every joint state: RS and AS of whole objects.
 
-The paper does not say how it samples Gaussians. Here their centres are drawn with probabilities that go with
-their opacities, and the distance is Chamfer's over all points at once, in the unit cube at rest.
+The paper does not say how it samples Gaussians. Here centres are drawn with probability proportional to
+opacity, and the distance is the Chamfer distance over all points, in the unit cube at rest.
 """
 
 import numpy as np
@@ -13,7 +13,7 @@ from artigen.splats.render.splats import Splats
 from artigen.types import SurfaceSamples
 
 POINTS = 4096
-"""Of each cloud."""
+"""Points of each cloud."""
 
 
 def score_distances(
@@ -28,15 +28,15 @@ def score_distances(
     """``shape_rest`` in the first state, ``shape_articulated`` as a mean over all.
 
     Args:
-        splats: At rest, voxel after voxel.
+        splats: Gaussians at rest, voxel after voxel.
         part_ids: Part of each voxel.
         surface: True points at rest, with the same parts.
-        displacements: Of the parts, by state; the first is closed.
-        points: Of each cloud.
-        seed: Which points are drawn.
+        displacements: Displacements of the parts, by state; the first is closed.
+        points: Points of each cloud.
+        seed: Seed of the choice of points.
 
     Raises:
-        ValueError: If the Gaussians cannot be shared out among the voxels.
+        ValueError: If the Gaussians do not divide evenly among the voxels.
     """
     means, opacities = (value.detach().double().cpu().numpy() for value in (splats.means, splats.opacities))
     if not len(part_ids) or len(means) % len(part_ids):

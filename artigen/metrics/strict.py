@@ -1,8 +1,8 @@
 """RS and AS Chamfer distances with strict matching of parts, after Particulate's protocol (2026).
 
-Parts are paired one to one by their centroids, and a part without partner costs the diagonal of the
-unit cube; joints move within their own limits and the whole tree follows; nothing is rescaled. `compat`
-holds the published protocol; the two are never compared with each other.
+Parts are paired one to one by their centroids, and a part without partner costs `PENALTY`. Joints move
+within their own limits and the whole tree follows. Nothing is rescaled. `artigen.metrics.compat` holds the
+published protocol; the two are never compared with each other.
 """
 
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ from artigen.metrics.clouds import PartCloud, sample_cells
 from artigen.types import Asset
 
 PENALTY = 3.0**0.5
-"""What a part without partner costs."""
+"""Cost of a part without partner: the length of the diagonal of the unit cube."""
 POINTS = 100_000
 """Points on a whole object in the published protocol."""
 
@@ -30,13 +30,13 @@ class StrictDistance:
     articulated: float
     """AS: all joints at the ends of their ranges."""
     rest_matched: float
-    """RS of the parts that have a partner; 0 penalty."""
+    """RS of the parts that have a partner, without penalties."""
     articulated_matched: float
     """AS of the parts that have a partner."""
     whole_rest: float
-    """Of whole objects, parts forgotten, closed."""
+    """Distance of whole objects regardless of parts, closed."""
     whole_articulated: float
-    """The same, opened."""
+    """The same for open objects."""
 
 
 def strict_distance(found: Asset, truth: Asset, *, points: int = POINTS, seed: int = 0) -> StrictDistance:
@@ -45,8 +45,8 @@ def strict_distance(found: Asset, truth: Asset, *, points: int = POINTS, seed: i
     Args:
         found: Generated object with voxels.
         truth: True object with voxels.
-        points: On each whole object.
-        seed: Of the points.
+        points: Points on each whole object.
+        seed: Seed of the points.
     """
     clouds = sample_cells(found, points, seed), sample_cells(truth, points, seed)
     rest, opened = [(clouds[0].opened(share), clouds[1].opened(share)) for share in (0.0, 1.0)]
@@ -65,7 +65,7 @@ def strict_distance(found: Asset, truth: Asset, *, points: int = POINTS, seed: i
 
 
 def pair_parts(first: PartCloud, second: PartCloud) -> Int[np.ndarray, "K 2"]:
-    """Part ids paired one to one by the distance of their points' centroids, best total first."""
+    """Part ids paired one to one with the least total distance of centroids."""
     ids, centroids = zip(*(_centroids(cloud) for cloud in (first, second)), strict=True)
     cost = np.linalg.norm(centroids[0][:, None] - centroids[1][None], axis=2)
     rows, columns = linear_sum_assignment(cost)
@@ -91,5 +91,5 @@ def _matched(
 
 
 def _penalise(matched: list[float], numbers: list[int]) -> float:
-    """Mean over the parts of either object, missing partners at their price; then over both."""
+    """Mean over the parts of each object, with `PENALTY` for missing partners; then over both objects."""
     return float(np.mean([(sum(matched) + (count - len(matched)) * PENALTY) / count for count in numbers]))

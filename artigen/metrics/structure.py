@@ -1,6 +1,6 @@
-"""Reconstruction of articulated voxel fields: the rows of the paper's Tables 3 and 4, and more.
+"""Reconstruction of articulated voxel fields: the rows of the paper's Tables 3 and 4, and further scores.
 
-Cells that are occupied in the truth and in the reconstruction are compared; occupancy is measured on all.
+Attributes are compared on cells that are occupied in truth and reconstruction, occupancy on all cells.
 """
 
 from collections.abc import Sequence
@@ -26,8 +26,8 @@ def score_reconstruction(
 
     ``occupancy_recall`` is the share of occupied cells found, ``label`` and ``joint_type`` the share of
     common cells with the right class (``small_label``: those of handles and knobs), ``axis`` the mean angle
-    on cells of moving parts, ``origin`` the mean distance of the stated origins on turning ones and ``line``
-    that of the stated origin from the true axis line (along it, an origin is free), ``rotation`` (degrees)
+    on cells of moving parts, ``origin`` the mean distance of the stated origins on rotating ones and ``line``
+    that of the stated origin from the true axis line (along which it is arbitrary), ``rotation`` (degrees)
     and ``travel`` the mean errors of the ranges, ``box_center`` and ``box_size`` mean distances (Table 3),
     ``box`` the mean error of a component of the box.
     """
@@ -50,11 +50,12 @@ def score_reconstruction(
 def score_spread(
     vae: StructureVae, examples: Sequence[StructureExample], *, batch: int = 16
 ) -> dict[str, tuple[float, ...]]:
-    """Standard deviations of what the cells of one part say, averaged over parts: the rows of Table 4.
+    """Standard deviations of attributes over the cells of a part, averaged over parts: the rows of Table 4.
 
     Over the cells that are occupied in truth and reconstruction: ``box_center`` and ``box_size`` of all
-    parts, ``axis`` of moving ones, ``origin`` of turning ones (x, y, z; unit lengths), ``rotation`` (degrees)
-    of turning and ``travel`` (unit lengths) of sliding ones. A row that applies to no part is empty.
+    parts, ``axis`` of moving ones, ``origin`` of rotating ones (x, y, z; unit lengths), ``rotation``
+    (degrees) of rotating and ``travel`` (unit lengths) of sliding ones. A row that applies to no part is
+    empty.
     """
     layout = vae.layout
     device = next(vae.parameters()).device
@@ -94,9 +95,9 @@ def _subjects(examples: Sequence[StructureExample], device: torch.device) -> tup
     return patch_batch(examples).to(device), outline_batch(examples).to(device)
 
 
-def _compare(sums: dict[str, list[float]], said: Tensor, truth: Tensor, layout: FieldLayout) -> None:
+def _compare(sums: dict[str, list[float]], found: Tensor, truth: Tensor, layout: FieldLayout) -> None:
     def at(channels: slice) -> tuple[Tensor, Tensor]:
-        return said[:, after_occupancy(channels)], truth[:, after_occupancy(channels)]
+        return found[:, after_occupancy(channels)], truth[:, after_occupancy(channels)]
 
     label, right = (values.argmax(dim=1) for values in at(layout.label))
     _count(sums, "label", label == right)

@@ -14,12 +14,12 @@ from artigen.train.real import Split, read_reals
 from artigen.types import PART_LABELS, Asset
 
 Field = Literal["category", "counts", "size", "image"]
-"""What a condition may say."""
+"""Fields of a condition."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Subject:
-    """An object with voxels, and what training would be told about it."""
+    """An object with voxels, and its training example."""
 
     asset: Asset
     example: StructureExample
@@ -55,7 +55,7 @@ def read_subjects(
     workers: int,
     on_done: Callable[[], None] | None = None,
 ) -> tuple[list[Subject], dict[str, str]]:
-    """Real objects of a split in order, and why others are left out, by id.
+    """Real objects of a split in order, and the reasons why others are left out, by id.
 
     Raises:
         SourceError: If there is no such split, or none of its objects can be read.
@@ -69,7 +69,7 @@ def read_subjects(
 def describe_subject(subject: Subject, fields: Sequence[Field]) -> StructureCondition:
     """The condition that a subject meets, with only the given fields.
 
-    Counts are those of every label, so that a part of another kind is one too many.
+    Counts cover every label, so that any additional part violates the condition.
     """
     example = subject.example
     image = None

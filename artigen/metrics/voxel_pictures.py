@@ -21,9 +21,9 @@ HUES: dict[PartLabel, float | None] = {
     "shelf": 0.3,
     "wheel": 0.7,
 }
-"""Colour of a label on the circle of hues; None is grey."""
+"""Hue of each label, 0 to 1; None is grey."""
 LIGHTNESS = (0.6, 0.74, 0.5)
-"""Of the parts of one label in turn, so that neighbours can be told apart."""
+"""Lightness of the parts of one label in turn, so that neighbours are distinguishable."""
 VIEW = (-1.0, 0.55, 0.4)
 """Direction from the object to the camera: from the front left and above."""
 _CORNERS = np.array(
@@ -35,14 +35,14 @@ _CORNERS = np.array(
     ],
     dtype=np.float64,
 )  # fmt: skip
-"""Of the faces of a cell: low and high, along x, y and z."""
+"""Corners of the six faces of a cell: low and high, along x, y and z."""
 
 
 def draw_voxels(asset: Asset, opened: float, size: int) -> UInt8[np.ndarray, "H W 3"]:
-    """The cells of an asset in the colours of their parts, on white, seen from the front left.
+    """Renders the cells of an asset in the colours of their parts, on white, from the front left.
 
     Args:
-        asset: With voxels.
+        asset: Object with voxels.
         opened: Share of its range by which every joint is open, 0 to 1.
         size: Edge of the picture in pixels.
 
@@ -73,7 +73,7 @@ def draw_voxels(asset: Asset, opened: float, size: int) -> UInt8[np.ndarray, "H 
 
 
 def list_squares(voxels: VoxelGrid) -> tuple[Float[np.ndarray, "N 4 3"], Int[np.ndarray, "N"]]:
-    """Faces of cells beside which there is no cell of the same part, with the part of each; unit lengths."""
+    """Cell faces without a neighbouring cell of the same part, and the part of each; unit lengths."""
     edge = voxels.resolution + 2
     owners = np.full((edge, edge, edge), -1, dtype=np.int64)
     coords = voxels.coords.astype(np.int64)

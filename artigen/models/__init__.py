@@ -1,1 +1,1 @@
-"""What networks share: attention, conditions, rectified flow, stored weights, DINOv2 and CLIP."""
+"""Shared by all networks: attention, conditions, rectified flow, stored weights, DINOv2 and CLIP."""

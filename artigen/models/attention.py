@@ -85,7 +85,7 @@ def attend(
     v: Float[Tensor, "B M H D"],
     mask: Bool[Tensor, "B 1 1 M"] | None = None,
 ) -> Float[Tensor, "B L C"]:
-    """Softmax attention to the keys that ``mask`` leaves, heads side by side in the result."""
+    """Softmax attention to the keys where ``mask`` is True, heads side by side in the result."""
     q, k, v = (tensor.transpose(1, 2).to(v.dtype) for tensor in (q, k, v))
     out = functional.scaled_dot_product_attention(q, k, v, attn_mask=mask)
     return out.transpose(1, 2).flatten(2)

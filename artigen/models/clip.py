@@ -1,8 +1,8 @@
 """CLIP's text encoder: the public network, name by name, in plain torch, and its byte-pair tokenizer.
 
 Everything comes from a local folder as published for ViT-L/14: ``model.safetensors`` (or
-``pytorch_model.bin``), ``vocab.json`` and ``merges.txt``. What is used are the tokens after the last norm,
-before any projection, as TRELLIS' text models do.
+``pytorch_model.bin``), ``vocab.json`` and ``merges.txt``. The output is the tokens after the last norm,
+before any projection, as in TRELLIS' text models.
 """
 
 import json
@@ -24,7 +24,7 @@ from artigen.models.tensors import load_strictly, read_pickle, read_tensors
 FILES = ("model.safetensors", "pytorch_model.bin")
 VOCABULARY, MERGES = "vocab.json", "merges.txt"
 OTHERS = ("vision_model.", "visual_projection.", "text_projection.", "logit_scale")
-"""What else the published file holds; a text encoder does not need it."""
+"""Prefixes of tensors in the published file that a text encoder does not need."""
 START, END, WORD_END = "<|startoftext|>", "<|endoftext|>", "</w>"
 WORDS = re.compile(r"'s|'t|'re|'ve|'m|'ll|'d|[^\W\d_]+|\d|(?:[^\s\w]|_)+")
 
@@ -34,11 +34,11 @@ class ClipConfig:
     """Sizes; the defaults are those of ViT-L/14."""
 
     vocabulary: int = 49408
-    """Tokens that there are."""
+    """Size of the vocabulary."""
     length: int = 77
     """Tokens of a sentence, start, end and padding included."""
     width: int = 768
-    """Of a token."""
+    """Width of a token."""
     blocks: int = 12
     """Transformer blocks."""
     heads: int = 12
@@ -137,7 +137,7 @@ class ClipTokenizer:
         self.letters = _byte_letters()
 
     def __call__(self, sentences: Sequence[str]) -> Int[Tensor, "B N"]:
-        """Start, words, end, and as many more ends as it takes; what is too long is cut."""
+        """Ids of start, words and end, padded with further ends; long sentences are truncated."""
         return torch.tensor([self.encode(sentence) for sentence in sentences])
 
     def encode(self, sentence: str) -> list[int]:
@@ -152,7 +152,7 @@ class ClipTokenizer:
         return [*ids, *[end] * (self.length - len(ids))]
 
     def split(self, word: str) -> list[str]:
-        """A word as the pieces that the merges make of it, the earliest merge first."""
+        """Splits a word into the pieces of the published merges, applied in order of rank."""
         pieces = [*word[:-1], word[-1] + WORD_END]
         while len(pieces) > 1:
             best = min(pairwise(pieces), key=lambda pair: self.ranks.get(pair, len(self.ranks)))
@@ -193,7 +193,7 @@ def load_tokenizer(folder: Path, length: int) -> ClipTokenizer:
     """Reads the vocabulary and the merges.
 
     Raises:
-        SourceError: If a file is missing or something else.
+        SourceError: If a file is missing or has another form.
     """
     try:
         vocabulary = json.loads((folder / VOCABULARY).read_text())
@@ -202,7 +202,7 @@ def load_tokenizer(folder: Path, length: int) -> ClipTokenizer:
         raise SourceError(f"{folder}: {VOCABULARY} and {MERGES} cannot be read ({error})") from error
     merges = [tuple(line.split()) for line in lines if line and not line.startswith("#version")]
     if not isinstance(vocabulary, dict) or not {START, END} <= vocabulary.keys():
-        raise SourceError(f"{folder / VOCABULARY}: expected ids of tokens, {START} and {END} among them")
+        raise SourceError(f"{folder / VOCABULARY}: expected ids of tokens, including {START} and {END}")
     if any(len(pair) != 2 for pair in merges):
         raise SourceError(f"{folder / MERGES}: expected two pieces on every line")
     return ClipTokenizer(vocabulary, [(first, second) for first, second in merges], length)
@@ -210,7 +210,7 @@ def load_tokenizer(folder: Path, length: int) -> ClipTokenizer:
 
 @lru_cache
 def _byte_letters() -> dict[int, str]:
-    """A printable letter for every byte: its own where it has one, further ones for the rest."""
+    """A printable letter for every byte: its own where it has one, other letters for the rest."""
     own = [*range(ord("!"), ord("~") + 1), *range(0xA1, 0xAD), *range(0xAE, 0x100)]
     rest = [byte for byte in range(256) if byte not in own]
     return {byte: chr(byte) for byte in own} | {byte: chr(256 + number) for number, byte in enumerate(rest)}

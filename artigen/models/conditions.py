@@ -1,7 +1,7 @@
 """Conditions of the generative models: any subset of category, counts, size, sentence and picture.
 
-A condition becomes a row of tokens. Whatever is not asked for is a learned token of its own, so that one
-network answers every subset; dropping everything gives the unconditional velocity of guidance.
+A condition becomes a row of tokens. Every open field is a learned token of its own, so that one network
+serves every subset. Leaving everything open gives the unconditional velocity of guidance.
 """
 
 from collections.abc import Sequence
@@ -20,9 +20,9 @@ from artigen.shapes.shape import Shape
 from artigen.types import PAPER_CATEGORIES, PART_LABELS, PartLabel
 
 MAX_COUNT = 24
-"""Counts from here on are one token."""
+"""Counts from here on share one token."""
 ALONE = 0.25
-"""Share of the pictures in training of which nothing else is said."""
+"""Share of the pictures in training whose other conditions are all left open."""
 FIELDS = 1 + len(PART_LABELS) + 1
 
 
@@ -37,23 +37,23 @@ class StructureCondition:
     image: Float[np.ndarray, "4 H W"] | None = None
     """RGB and alpha in [0, 1], premultiplied on black."""
     text: str | None = None
-    """A sentence, for models that read sentences; others know of it what was made counts and sizes."""
+    """A sentence, for models that read sentences; for others, it must be parsed into counts and sizes."""
 
 
 def describe_shape(shape: Shape) -> StructureCondition:
     """Category, counts of every label and size of a shape."""
-    said = shape.condition
-    held = dict(said.counts)
+    exact = shape.condition
+    held = dict(exact.counts)
     return StructureCondition(
         category=shape.category,
         counts=tuple((label, held.get(label, 0)) for label in PART_LABELS),
-        size=(said.depth, said.width, said.height),
+        size=(exact.depth, exact.width, exact.height),
     )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ConditionBatch:
-    """Conditions as numbers: -1 where a class is open; ``has_`` says which fields are given."""
+    """Conditions as numbers: -1 where a class is open; ``has_`` marks the other fields that are given."""
 
     category: Int[Tensor, "B"]
     counts: Int[Tensor, "B L"]
@@ -90,22 +90,22 @@ class ConditionConfig:
     dino: DinoConfig | None = None
     """DINOv2 instead of the picture encoder; its width is that of all tokens."""
     clip: ClipConfig | None = None
-    """CLIP, which reads sentences; None leaves these out."""
+    """CLIP, which reads sentences; None for no sentences."""
 
     @property
     def image_margin(self) -> float:
-        """Free border around the object in a picture, as a share of the edge, as its reader has it."""
+        """Free border around the object in a picture, as a share of the edge, as its encoder expects."""
         return MARGIN if self.dino is None else 1 / 12
 
     def __post_init__(self) -> None:
         if self.dino is not None and self.dino.width != self.width:
             raise ValueError(
-                f"DINOv2 has tokens of {self.dino.width}, expected {self.width} as all conditions"
+                f"DINOv2 has tokens of width {self.dino.width}, expected {self.width}, that of all conditions"
             )
 
 
 def gather_conditions(asked: Sequence[StructureCondition], cfg: ConditionConfig) -> ConditionBatch:
-    """Conditions side by side.
+    """Batches conditions.
 
     Raises:
         ValueError: If a category has no token, a count is negative, or an image has another size.
@@ -138,7 +138,10 @@ def gather_conditions(asked: Sequence[StructureCondition], cfg: ConditionConfig)
 
 
 def drop_conditions(batch: ConditionBatch, share: float, generator: torch.Generator) -> ConditionBatch:
-    """Leaves conditions open at random: all of a sample with ``share``, and every field with the same."""
+    """Opens conditions at random: all of a sample with probability ``share``, and every field likewise.
+
+    Pictures are opened more often: two draws must both keep one.
+    """
     count, labels = batch.counts.shape
 
     def kept(*shape: int) -> Tensor:
@@ -157,10 +160,10 @@ def drop_conditions(batch: ConditionBatch, share: float, generator: torch.Genera
 
 
 def isolate_pictures(batch: ConditionBatch, share: float, generator: torch.Generator) -> ConditionBatch:
-    """Leaves open all but the picture, for a share of the samples that have one.
+    """Opens everything but the picture, for a share of the samples that have one.
 
-    Left open field by field, everything else hardly ever is at once, and a network that is never shown a
-    picture alone learns to look at the rest.
+    Opened field by field, all other fields are hardly ever open at once, and a network that never sees a
+    picture alone learns to rely on the other fields.
     """
     alone = (
         torch.rand(len(batch.counts), generator=generator, device=generator.device) < share
@@ -195,7 +198,7 @@ class ConditionEncoder(nn.Module):
         self.text = None if cfg.clip is None else PublicSentences(cfg.clip, cfg.width)
 
     def forward(self, batch: ConditionBatch) -> Float[Tensor, "B M C"]:
-        """One token per field, then the picture's, then the sentence's."""
+        """One token per field, then the tokens of the picture, then those of the sentence."""
         row = torch.arange(len(PART_LABELS), device=batch.counts.device) * (MAX_COUNT + 2)
         size = torch.where(batch.has_size[:, None], self.size(embed_sizes(batch.size)), self.no_size)
         fields = torch.cat(
@@ -234,9 +237,9 @@ class ImageEncoder(nn.Module):
         self.out_layer = nn.Linear(width, cfg.width)
 
     def forward(self, image: Float[Tensor, "B 4 H W"], given: Bool[Tensor, "B"]) -> Float[Tensor, "B M C"]:
-        rows = given.nonzero()[:, 0]  # a picture that is not there costs nothing
+        rows = given.nonzero()[:, 0]  # missing pictures cost no computation
         if not len(rows):
-            rows = rows.new_zeros(1)  # but every weight keeps a gradient, which several GPUs count on
+            rows = rows.new_zeros(1)  # every weight needs a gradient where several GPUs train
         tokens = self.patches(2.0 * image[rows] - 1.0).flatten(2).transpose(1, 2) + self.places
         seen = self.out_layer(self.blocks(tokens))
         every = self.missing.to(seen.dtype).expand(len(image), *seen.shape[1:])
@@ -244,7 +247,7 @@ class ImageEncoder(nn.Module):
 
 
 def embed_sizes(size: Float[Tensor, "B 3"]) -> Float[Tensor, "B W"]:
-    """Waves of the logarithm of lengths (m): equal steps are equal ratios."""
+    """Sines and cosines of the logarithms of lengths (m): equal steps are equal ratios."""
     rates = 2.0 ** torch.arange(8, device=size.device)
     angles = torch.log(size.clamp(min=1e-3))[:, :, None] * rates
     return torch.cat([angles.sin(), angles.cos()], dim=-1).flatten(1)

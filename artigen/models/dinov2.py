@@ -1,8 +1,8 @@
 """DINOv2 with registers as a feature extractor: the public network, name by name, in plain torch.
 
 Weights come from a local folder (`dinov2_vitl14_reg4_pretrain.pth` as published, or the same tensors as
-safetensors). Pictures go through TRELLIS' steps: black background, 518 pixels, ImageNet's mean and deviation,
-and out come the patch tokens before the last norm, on which TRELLIS' encoder was trained.
+safetensors). Pictures are prepared as in TRELLIS: black background, 518 pixels, ImageNet's mean and standard
+deviation. The output is the patch tokens before the last norm, on which TRELLIS' encoder was trained.
 """
 
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ from artigen.errors import SourceError
 from artigen.models.tensors import load_strictly, read_pickle, read_tensors
 
 MEAN, STD = (0.485, 0.456, 0.406), (0.229, 0.224, 0.225)
-"""ImageNet's."""
+"""Mean and standard deviation of ImageNet's RGB values."""
 FILES = ("dinov2_vitl14_reg4_pretrain.pth", "dinov2_vitl14_reg4_pretrain.safetensors")
 BATCH = 8
 """Pictures at once."""
@@ -28,7 +28,7 @@ class DinoConfig:
     """Sizes; the defaults are those of ViT-L/14 with four registers."""
 
     width: int = 1024
-    """Of a token."""
+    """Width of a token."""
     blocks: int = 24
     """Transformer blocks."""
     heads: int = 16

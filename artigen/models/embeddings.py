@@ -20,7 +20,7 @@ def embed_times(times: Float[Tensor, "B"], width: int = FREQUENCIES) -> Float[Te
 
 
 def embed_positions(places: Float[Tensor, "N 3"], channels: int) -> Float[Tensor, "N C"]:
-    """Sines, then cosines, per axis; the axes one after another, zeros at the end."""
+    """Sines, then cosines, per axis; axes are concatenated and padded with zeros."""
     half = channels // 3 // 2
     rates = 1.0 / 10000.0 ** (torch.arange(half, dtype=torch.float32, device=places.device) / half)
     angles = places.float()[:, :, None] * rates

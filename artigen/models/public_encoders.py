@@ -1,7 +1,7 @@
-"""DINOv2 and CLIP as readers of conditions: public networks that are not trained, from a local folder.
+"""DINOv2 and CLIP as encoders of conditions: public networks, frozen, from a local folder.
 
-They are no part of a model's weights. A network that can be asked by pictures or sentences is told where to
-find them (`attach_encoders`); without, it answers every other condition.
+They are not part of a model's weights. `attach_encoders` gives them to a network that takes pictures or
+sentences; without them, the network still takes every other condition.
 """
 
 from collections.abc import Sequence
@@ -19,17 +19,17 @@ from artigen.models.clip import ClipConfig, ClipText, ClipTokenizer, load_clip
 from artigen.models.dinov2 import DinoConfig, DinoV2, load_dinov2
 
 CLIP_FOLDER = "clip-vit-large-patch14"
-"""Where CLIP's files lie in the folder of encoders, beside the file of DINOv2."""
+"""Folder of CLIP's files within the folder of encoders, beside the file of DINOv2."""
 
 
 class PublicPictures(nn.Module):
-    """Pictures as DINOv2's tokens, normalised without weights; zeros where there is none, as in TRELLIS."""
+    """Pictures as DINOv2's tokens, normalised without weights; zeros for missing ones, as in TRELLIS."""
 
     def __init__(self, cfg: DinoConfig) -> None:
         super().__init__()
         self.cfg = cfg
         self.found: list[DinoV2] = []
-        """Not a module of this one: its weights are not the model's."""
+        """A list, so that its weights are not registered as those of the model."""
 
     def forward(self, image: Float[Tensor, "B 4 H W"], given: Bool[Tensor, "B"]) -> Float[Tensor, "B N C"]:
         """Class token, registers, patches; pictures are premultiplied on black."""
@@ -38,7 +38,7 @@ class PublicPictures(nn.Module):
             return tokens
         if not self.found:
             raise SourceError(
-                f"pictures are read by DINOv2, whose weights were not given: put one of "
+                f"pictures need DINOv2, whose weights were not given: put one of "
                 f"{', '.join(dinov2.FILES)} into a folder and name it (--encoders)"
             )
         reader = self.found[0].to(image.device)
@@ -49,7 +49,7 @@ class PublicPictures(nn.Module):
 
 
 class PublicSentences(nn.Module):
-    """Sentences as CLIP's tokens, brought to the width of the others; a missing one is a learned token."""
+    """Sentences as CLIP's tokens, projected to the width of the others; a missing one is a learned token."""
 
     def __init__(self, cfg: ClipConfig, width: int) -> None:
         super().__init__()
@@ -57,7 +57,7 @@ class PublicSentences(nn.Module):
         self.out_layer = nn.Linear(cfg.width, width)
         self.missing = nn.Parameter(torch.zeros(width))
         self.found: list[tuple[ClipTokenizer, ClipText]] = []
-        """Not a module of this one: its weights are not the model's."""
+        """A list, so that its weights are not registered as those of the model."""
 
     def forward(self, sentences: Sequence[str | None]) -> Float[Tensor, "B N C"]:
         """A row of tokens for every sentence."""
@@ -68,7 +68,7 @@ class PublicSentences(nn.Module):
             return every
         if not self.found:
             raise SourceError(
-                f"sentences are read by CLIP, whose files were not given: put {clip.FILES[0]}, "
+                f"sentences need CLIP, whose files were not given: put {clip.FILES[0]}, "
                 f"{clip.VOCABULARY} and {clip.MERGES} into a folder {CLIP_FOLDER}, and name the folder "
                 "that holds it (--encoders)"
             )
@@ -76,8 +76,8 @@ class PublicSentences(nn.Module):
         ids = tokenizer([sentence for sentence in sentences if sentence is not None]).to(device)
         with torch.no_grad():
             read = network.to(device)(ids).float()
-        told = self.out_layer(read)
-        return every.to(told.dtype).index_copy(0, torch.tensor(rows, device=device), told)
+        tokens = self.out_layer(read)
+        return every.to(tokens.dtype).index_copy(0, torch.tensor(rows, device=device), tokens)
 
 
 def find_encoders(folder: Path) -> tuple[Literal["image", "text"], ...]:
@@ -99,10 +99,10 @@ def find_encoders(folder: Path) -> tuple[Literal["image", "text"], ...]:
 
 
 def attach_encoders(network: nn.Module, folder: Path) -> None:
-    """Gives all parts of a network that read pictures or sentences with public networks what a folder has.
+    """Attaches the public encoders of a folder to all modules of a network that need them.
 
     Raises:
-        SourceError: If the folder has none, or one is not whole.
+        SourceError: If the folder has none, or one is incomplete.
     """
     found = find_encoders(folder)
     for part in network.modules():

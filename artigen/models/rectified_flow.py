@@ -22,7 +22,7 @@ VelocityPair = Callable[[Tensor, Tensor], tuple[Tensor, Tensor]]
 
 @dataclass(frozen=True, kw_only=True)
 class SamplerConfig:
-    """How a latent is drawn. The paper: 50 steps, strength 3, no interval, no rescaling."""
+    """Sampler of latents. The paper: 50 steps, strength 3, no interval, no rescaling."""
 
     steps: int = 12
     """Euler steps."""
@@ -86,12 +86,12 @@ def sample_flow(
     """Integrates the flow from noise to data.
 
     Args:
-        noise: start; one sample per row, unless ``samples`` says otherwise.
-        conditional: velocity under the condition.
-        pair: velocities with and without the condition; asked only where guidance applies.
-        cfg: steps and guidance.
-        samples: how many samples the rows of a sparse tensor belong to.
-        on_step: called with step, time and state after each step.
+        noise: Initial state; one sample per row, unless ``samples`` is given.
+        conditional: Velocity under the condition.
+        pair: Velocities with and without the condition; called only where guidance applies.
+        cfg: Steps and guidance.
+        samples: Number of samples to which the rows of a sparse tensor belong.
+        on_step: Called with step, time and state after each step.
     """
     x = noise
     times = plan_times(cfg)

@@ -19,10 +19,13 @@ def save_model(network: nn.Module, folder: Path, described: Mapping[str, object]
     """Writes the weights of a network beside a description of the model they belong to.
 
     Args:
-        network: its floating-point tensors are stored in float16.
-        folder: of the model; other networks may live there too.
-        described: what `model.json` says under ``name``: preset, training, data.
-        name: of the network; its files are called ``name-<number>.safetensors``.
+        network: Network; its floating-point tensors are stored in float16.
+        folder: Folder of the model, which may hold other networks.
+        described: Entry of the network in `model.json`: preset, training, data.
+        name: Name of the network; its files are called ``name-<number>.safetensors``.
+
+    Returns:
+        Paths of the files of weights.
     """
     from safetensors.torch import save_file
 
@@ -57,10 +60,10 @@ def load_model(
     """Loads the weights of a network, in float32, and returns it ready for use.
 
     Args:
-        network: That takes the weights.
-        folder: Of the model.
-        name: Of the network.
-        convert: Makes the network's tensors of the stored ones, where these are laid out otherwise.
+        network: Network that receives the weights.
+        folder: Folder of the model.
+        name: Name of the network.
+        convert: Converts stored tensors to those of the network, where the layout differs.
 
     Raises:
         SourceError: If files are missing or truncated, or tensors differ in name or shape.

@@ -1,4 +1,4 @@
-"""Files of tensors, and networks that take exactly what a file holds."""
+"""Reads files of tensors, and loads them into networks strictly."""
 
 from pathlib import Path
 from pickle import UnpicklingError
@@ -9,7 +9,7 @@ from torch import Tensor, nn
 from artigen.errors import SourceError
 
 SHOWN_KEYS = 6
-"""Keys that an error lists at most."""
+"""Most keys that an error lists."""
 
 
 def read_tensors(path: Path) -> dict[str, Tensor]:
@@ -26,19 +26,19 @@ def read_tensors(path: Path) -> dict[str, Tensor]:
     try:
         return load_file(path)
     except SafetensorError as error:
-        raise SourceError(f"{path}: is no whole safetensors file ({error}); download it again") from error
+        raise SourceError(f"{path}: is no complete safetensors file ({error}); download it again") from error
 
 
 def read_pickle(path: Path) -> dict[str, Tensor]:
     """All tensors of a torch file that holds nothing else.
 
     Raises:
-        SourceError: If the file is damaged, or holds other things.
+        SourceError: If the file is damaged, or holds anything else.
     """
     try:
         stored = torch.load(path, map_location="cpu", weights_only=True)
     except (UnpicklingError, RuntimeError, EOFError) as error:
-        raise SourceError(f"{path}: is no whole torch file of plain tensors ({error})") from error
+        raise SourceError(f"{path}: is no complete torch file of plain tensors ({error})") from error
     if not isinstance(stored, dict) or not all(isinstance(value, Tensor) for value in stored.values()):
         raise SourceError(f"{path}: expected a state dict, tensors by name")
     return stored
@@ -48,7 +48,7 @@ def load_strictly(network: nn.Module, tensors: dict[str, Tensor], owner: str) ->
     """Loads tensors that match a network exactly, in names and shapes.
 
     Raises:
-        SourceError: Lists what is missing, unexpected, of another shape or not finite.
+        SourceError: If tensors are missing, unexpected, of another shape or not finite; lists them.
     """
     expected = network.state_dict()
     shared = sorted(expected.keys() & tensors.keys())

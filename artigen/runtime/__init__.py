@@ -1,1 +1,1 @@
-"""How jobs run: supervised worker processes, Ray, journals, cores."""
+"""Execution of jobs: supervised worker processes, Ray, journals, cores."""

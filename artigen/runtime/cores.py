@@ -1,9 +1,9 @@
 """Number of worker processes of a run and of threads per worker.
 
-Every worker has one thread. Two processes of one thread use two cores better than one process of two
-threads, since much of the work is single-threaded Python; a pool of threads waits for its slowest
-member, so that one busy core slows all of them; and sums of floating-point numbers do not depend on
-how many cores a machine has. ``OMP_NUM_THREADS`` in the environment goes before all of this.
+Every worker has one thread, for three reasons. Much of the work is single-threaded Python, so two
+processes of one thread use two cores better than one process of two threads. A pool of threads waits for
+its slowest member, so one busy core slows all of them. And sums of floating-point numbers do not depend
+on the number of cores. ``OMP_NUM_THREADS`` in the environment takes precedence.
 """
 
 import math
@@ -22,29 +22,27 @@ THREAD_VARIABLES = (
     "NUMEXPR_NUM_THREADS",
     "NUMBA_NUM_THREADS",
 )
-"""What libraries read when they are loaded to size their pools of threads."""
+"""Variables that libraries read at load time to size their thread pools."""
 CGROUPS = Path("/sys/fs/cgroup")
 PEAK_MIB = 1500.0
 """Resident memory of a worker that draws, exports and checks objects, in MiB (see docs/reports/speed.md)."""
 MEMORY_SHARE = 0.9
-"""Part of the available memory that workers may use by default."""
-
-
+"""Share of the available memory that workers may use by default."""
 MEMORY_VARIABLES = {"MALLOC_MMAP_THRESHOLD_": str(2**32), "MALLOC_TRIM_THRESHOLD_": str(2**32)}
-"""Lets glibc keep freed memory for the next array instead of asking the kernel for pages again, which clears
-each of them: a third of the time of `artigen generate`, for 6 % more resident memory."""
+"""Lets glibc keep freed memory for the next array. Otherwise the kernel clears new pages each time, which
+takes a third of the time of `artigen generate`. Resident memory grows by 6 %."""
 
 
 def worker_environment(environ: Mapping[str, str]) -> dict[str, str]:
-    """The variables that a worker starts with; those that ``environ`` has already keep their values."""
+    """Environment variables for a worker; those already in ``environ`` keep their values."""
     kept = {name: environ.get(name, value) for name, value in MEMORY_VARIABLES.items()}
     return thread_environment(environ) | kept
 
 
 def thread_environment(environ: Mapping[str, str]) -> dict[str, str]:
-    """The variables that give a worker one thread; those that ``environ`` has already keep their values.
+    """Environment variables that give a worker one thread; those already in ``environ`` keep their values.
 
-    An ``OMP_NUM_THREADS`` of the user holds for every library that has no variable of its own set.
+    ``OMP_NUM_THREADS`` in ``environ`` applies to every library without a variable of its own.
     """
     threads = environ.get("OMP_NUM_THREADS") or "1"
     return {name: environ.get(name) or threads for name in THREAD_VARIABLES}
@@ -53,11 +51,11 @@ def thread_environment(environ: Mapping[str, str]) -> dict[str, str]:
 def start_pools(environ: Mapping[str, str]) -> None:
     """Starts the thread pools that no variable sizes, with as many threads as ``environ`` gives the others.
 
-    oneTBB, which manifold3d computes with, makes a thread for every core that the process may use at the time
-    of its first task. Solids as small as ours gain nothing from them, and they spin while they wait: a tenth
-    more processor time for `artigen convert` on two cores.
+    oneTBB, which manifold3d uses, creates a thread for every core that the process may use at the time of its
+    first task. Small solids gain nothing from these threads, which spin while they wait and cost `artigen
+    convert` a tenth more processor time on two cores.
 
-    Only Linux can hold a process to some of its cores.
+    Does nothing except on Linux, which alone can restrict a process to some of its cores.
     """
     if not hasattr(os, "sched_setaffinity"):
         return
@@ -74,14 +72,14 @@ def start_pools(environ: Mapping[str, str]) -> None:
 
 
 def choose_workers(asked: int | None, *, peak_mib: float = PEAK_MIB) -> int:
-    """The number of worker processes: what is asked for, else one per core that memory suffices for.
+    """Number of worker processes: the requested one, else one per core as far as memory suffices.
 
     Args:
-        asked: What the user says; None leaves it to the machine.
+        asked: Requested number; None derives it from the machine.
         peak_mib: Largest resident memory of one worker, in MiB.
 
     Raises:
-        ArtigenError: If fewer than one are asked for.
+        ArtigenError: If fewer than one are requested.
     """
     if asked is not None:
         if asked < 1:
@@ -94,15 +92,15 @@ def choose_workers(asked: int | None, *, peak_mib: float = PEAK_MIB) -> int:
 
 
 def count_cores() -> int:
-    """The cores that this process may use: its affinity, and the CPU quota of its cgroups."""
+    """Number of cores that this process may use, by its affinity and the CPU quotas of its cgroups."""
     affinity = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     return max(1, min([affinity, *(math.ceil(quota) for quota in _cpu_quotas(own_cgroups()))]))
 
 
 def available_mib() -> float | None:
-    """Memory that can be had without swapping, in MiB: of the machine and within the cgroups.
+    """Memory available without swapping, in MiB, on the machine and within the cgroups.
 
-    None where the system does not say (it is not Linux).
+    None if the system does not report it (other than Linux).
     """
     amounts = _cgroup_memory(own_cgroups())
     for line in _lines(Path("/proc/meminfo")):
@@ -114,10 +112,10 @@ def available_mib() -> float | None:
 def own_cgroups(
     listing: Path = Path("/proc/self/cgroup"), root: Path = CGROUPS
 ) -> tuple[tuple[str, Path], ...]:
-    """The folders of the cgroups of this process and of those around them, innermost first.
+    """Folders of the cgroups of this process and of their ancestors, innermost first.
 
-    Each comes with its controller: ``""`` (all) for version 2, ``"cpu"`` or ``"memory"`` for version 1.
-    In a container, where the path names a group that is not mounted, the root stands for it.
+    Each comes with its controller: ``""`` (all) for version 2, ``"cpu"`` or ``"memory"`` for version 1. If
+    the path is not mounted, as in a container, the root is used.
     """
     found: list[tuple[str, Path]] = []
     for line in _lines(listing):
@@ -131,7 +129,7 @@ def own_cgroups(
 
 
 def _cpu_quotas(groups: tuple[tuple[str, Path], ...]) -> list[float]:
-    """Cores that the groups may use, where they limit them."""
+    """CPU quotas of the groups that have one, in cores."""
     quotas = []
     for controller, folder in groups:
         if controller == "memory":
@@ -144,7 +142,7 @@ def _cpu_quotas(groups: tuple[tuple[str, Path], ...]) -> list[float]:
 
 
 def _cgroup_memory(groups: tuple[tuple[str, Path], ...]) -> list[float]:
-    """Bytes that the groups have left, where they limit them; cached files count as free."""
+    """Bytes left in the groups that have a memory limit; cached files count as free."""
     left = []
     for controller, folder in groups:
         if controller == "cpu":
@@ -163,7 +161,7 @@ def _cgroup_memory(groups: tuple[tuple[str, Path], ...]) -> list[float]:
 
 
 def _lines(path: Path) -> list[str]:
-    """The lines of a file of the kernel; none where it is not there or not ours to read."""
+    """Lines of a kernel file; none if it is missing or not readable."""
     try:
         return path.read_text().splitlines()
     except OSError:

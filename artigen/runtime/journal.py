@@ -1,4 +1,4 @@
-"""Journals: one JSON object per line, appended as work is done, so that a killed run can resume."""
+"""Journals: one JSON object per line, appended as work completes, so that a killed run can resume."""
 
 import json
 import os
@@ -8,9 +8,9 @@ from typing import Any
 
 
 def read_lines(path: Path) -> list[dict[str, Any]]:
-    """The lines of a journal, first to last; none where there is no file.
+    """Lines of a journal in order; none if there is no file.
 
-    A line cut short by a killed run is left out, so that what it stood for is done again.
+    A line truncated by a killed run is skipped, so that its work is repeated.
     """
     out = []
     for text in path.read_text().splitlines() if path.is_file() else []:
@@ -22,7 +22,7 @@ def read_lines(path: Path) -> list[dict[str, Any]]:
 
 
 def append_line(path: Path, line: Mapping[str, object]) -> None:
-    """Adds a line to a journal; one that a killed run has cut short before it stays a line of its own."""
+    """Appends a line to a journal; a truncated line before it is terminated first."""
     with path.open("a+b") as file:
         whole = file.seek(0, os.SEEK_END) == 0
         if not whole:

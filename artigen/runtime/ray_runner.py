@@ -1,9 +1,9 @@
 """Jobs as tasks of a Ray cluster (`pip install "artigen[ray]"`).
 
-A task calls its job's function with a supervised child process of the Ray worker, as a local run does,
-so that a library that aborts costs one object and not the Ray worker. Where Ray loses a worker or a
-machine, it does the task again elsewhere. All machines need artigen installed and the output folder
-at the same path (a shared file system).
+As in a local run, a task calls its job's function with a supervised child process of the Ray worker, so
+that a library that aborts costs one object and not the Ray worker. If Ray loses a worker or a machine, it
+repeats the task elsewhere. All machines need artigen installed and the output folder at the same path (a
+shared file system).
 """
 
 import logging
@@ -17,31 +17,31 @@ from typing import Any, TypeVar
 from artigen.errors import ArtigenError
 from artigen.runtime.workers import Worker
 
-# Ray is an extra, which may not be installed where types are checked.
+# Ray is an optional extra that may be missing where types are checked.
 # pyright: reportMissingImports=false
 
 Job = TypeVar("Job")
 Value = TypeVar("Value")
 AHEAD = 2
-"""Tasks in flight per core of the cluster: one at work, one that its worker can go on with at once."""
+"""Tasks in flight per core of the cluster: one running, one queued."""
 RETRIES = 20
-"""How often a task is done again whose worker or machine was lost."""
+"""Retries of a task whose worker or machine was lost."""
 WAIT = 5.0
-"""Seconds after which the cluster is asked again how many cores it has."""
+"""Seconds between queries of the cluster's number of cores."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class RayRunner:
-    """Tasks of one core each on the cluster that this process is connected to."""
+    """Runs jobs as tasks of one core each on the cluster that this process is connected to."""
 
     in_flight: int | None = None
-    """Tasks handed to Ray at one time; None for `AHEAD` per core of the cluster."""
+    """Most tasks submitted to Ray at a time; None for `AHEAD` per core of the cluster."""
 
     def run(self, handle: Callable[[Worker, Job], Value], jobs: Sequence[Job]) -> Iterator[Value]:
-        """As `artigen.runtime.runner.Runner.run`; jobs are handed out as others finish.
+        """As `artigen.runtime.runner.Runner.run`; jobs are submitted as others finish.
 
         Raises:
-            ArtigenError: After all others are done, if the workers of a job were lost again and again.
+            ArtigenError: If the workers of a job were lost at every retry; raised after all other jobs.
         """
         import ray
         from ray.exceptions import OutOfMemoryError, RayTaskError, WorkerCrashedError
@@ -73,16 +73,16 @@ class RayRunner:
         if lost:
             raise ArtigenError(
                 f"Ray lost the workers of {len(lost)} jobs {RETRIES + 1} times each: {', '.join(lost[:10])}; "
-                "look at the logs of Ray for what ended them, then run the same command again"
+                "see the logs of Ray for the reason, then run the same command again"
             )
 
     def begin_with(self, worker: Worker) -> "RayRunner":
-        """As `artigen.runtime.runner.Runner.begin_with`; jobs have workers of their own where they run."""
+        """As `artigen.runtime.runner.Runner.begin_with`; closes the worker, because Ray has its own."""
         worker.close()
         return self
 
     def _limit(self) -> int:
-        """Tasks that may be in flight now; the cluster may have grown."""
+        """Most tasks in flight now; queried each time, because the cluster may grow."""
         import ray
 
         if self.in_flight is not None:
@@ -94,10 +94,12 @@ def make_ray_runner(workers: int | None) -> RayRunner:
     """Connects to the cluster that ``RAY_ADDRESS`` names or this machine belongs to, or starts one here.
 
     Raises:
-        ArtigenError: If fewer than one worker are asked for, or Ray is not installed or not reached.
+        ArtigenError: If fewer than one worker is requested, or Ray is not installed or not reachable.
     """
     if workers is not None and workers < 1:
-        raise ArtigenError(f"{workers} workers: expected at least one, or none said for all of the cluster")
+        raise ArtigenError(
+            f"{workers} workers: expected at least one; leave --workers out to use the whole cluster"
+        )
     try:
         import ray
     except ImportError as error:
@@ -106,19 +108,19 @@ def make_ray_runner(workers: int | None) -> RayRunner:
         try:
             ray.init(log_to_driver=False, logging_level=logging.WARNING)
         except ConnectionError as error:
-            raise ArtigenError(f"no Ray cluster is reached: {error}") from error
+            raise ArtigenError(f"no Ray cluster is reachable: {error}") from error
     return RayRunner(in_flight=workers)
 
 
 def _do(handle: Callable[[Worker, Job], Value], job: Job) -> Value:
-    """The task: one job, in the supervised child of this Ray worker."""
+    """Runs one job in the supervised child of this Ray worker."""
     return handle(_own_worker(), job)
 
 
 @cache
 def _own_worker() -> Worker:
-    """The supervised child of this process, kept from task to task."""
-    # Spawned children run the script of their parent again. That of a Ray worker only loads Ray.
+    """The supervised child of this process, reused by all tasks."""
+    # Spawned children import the script of their parent, which for a Ray worker only loads Ray.
     script = sys.modules["__main__"]
     script.__spec__ = None
     vars(script).pop("__file__", None)

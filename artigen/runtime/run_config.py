@@ -1,4 +1,4 @@
-"""Ties a folder to the settings it was started with; others are refused."""
+"""Ties a folder to the settings that it was started with; other settings are rejected."""
 
 import json
 from collections.abc import Mapping
@@ -11,14 +11,14 @@ Setting = str | int | float | bool | None
 
 
 def claim_folder(path: Path, settings: Mapping[str, Setting]) -> None:
-    """Writes the settings of a new folder, or compares them with those it has.
+    """Writes the settings of a new folder, or compares them with the stored ones.
 
     Args:
-        path: File for the settings; its folder is made.
-        settings: What may not change from one start to the next.
+        path: File for the settings; its folder is created.
+        settings: Settings that may not change from one start to the next.
 
     Raises:
-        SourceError: If the folder was started with other settings or cannot be written; says which.
+        SourceError: If the folder was started with other settings (lists them) or cannot be written.
     """
     if path.is_file():
         try:
@@ -35,7 +35,7 @@ def claim_folder(path: Path, settings: Mapping[str, Setting]) -> None:
         if changed:
             raise SourceError(
                 f"{path.parent}: was started with {', '.join(changed)}; "
-                "ask for the same, or take another folder"
+                "use the same settings, or another folder"
             )
         return
     try:

@@ -1,6 +1,6 @@
 """Runners for jobs: supervised processes on this machine, or tasks of a Ray cluster.
 
-Both call the same function of a worker and a job for every job, and yield its answers as they come.
+Both call the same function of a worker and a job for every job, and yield its results as they arrive.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -16,14 +16,14 @@ RunnerName = Literal["local", "ray"]
 
 
 class Runner(Protocol):
-    """A place where jobs are done side by side."""
+    """Runs jobs in parallel."""
 
     def run(self, handle: Callable[[Worker, Job], Value], jobs: Sequence[Job]) -> Iterator[Value]:
         """Yields the result of ``handle`` for every job as it finishes, in no particular order."""
         ...
 
     def begin_with(self, worker: Worker) -> "Runner":
-        """The same runner, for one run, that uses a worker of this machine if it can, and closes it."""
+        """The same runner for one run; it uses a running worker of this machine if it can, and closes it."""
         ...
 
 
@@ -33,7 +33,7 @@ class LocalRunner:
 
     workers: int
     first: Worker | None = None
-    """One of these workers that is there already; without, all are started."""
+    """A running worker to use as one of them; when None, all are started."""
 
     def run(self, handle: Callable[[Worker, Job], Value], jobs: Sequence[Job]) -> Iterator[Value]:
         """As `Runner.run`."""
@@ -47,7 +47,7 @@ class LocalRunner:
 def choose_runner(
     name: RunnerName = "local", workers: int | None = None, *, peak_mib: float = PEAK_MIB
 ) -> Runner:
-    """Returns a runner by name.
+    """A runner by name.
 
     Args:
         name: ``local``, or ``ray`` for the cluster that ``RAY_ADDRESS`` names or this machine belongs to;
@@ -66,10 +66,10 @@ def choose_runner(
 
 
 def run_jobs(handle: Callable[[Worker, Job], Value], jobs: Sequence[Job], runner: Runner) -> Iterator[Value]:
-    """Yields what ``handle`` makes of every job as it is finished, in no particular order.
+    """Yields the result of ``handle`` for every job as it finishes, in no particular order.
 
     Args:
-        handle: A module-level function (or a ``partial`` of one) of a worker and a job. It calls the worker
+        handle: Module-level function (or a ``partial`` of one) of a worker and a job. It calls the worker
             for everything that may fail and returns a result for every job. It may be called again for a
             job whose machine was lost, so it must be idempotent.
         jobs: Picklable values.

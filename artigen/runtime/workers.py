@@ -1,9 +1,9 @@
 """Supervised worker processes: a failing item does not affect others.
 
-Some libraries that we call can abort the whole process (physics engines on a strange mesh, convex
-decomposition), and any stage may hang. So items run in spawned processes that are watched from
-outside: a death or a time-out becomes the outcome of that one item and the process is replaced. Each
-process has the threads that `artigen.runtime.cores` gives it, and ends when the process that started it does.
+Some libraries can abort the whole process (physics engines on a degenerate mesh, convex decomposition),
+and any stage may hang. Items therefore run in spawned processes that are supervised: a crash or a timeout
+becomes the outcome of that one item, and the process is replaced. Each process has the number of threads
+that `artigen.runtime.cores` chooses, and ends with the process that started it.
 """
 
 import multiprocessing
@@ -25,20 +25,20 @@ LESS_MEMORY = "free some, or run fewer --workers"
 Item = TypeVar("Item")
 Value = TypeVar("Value")
 _STARTING = threading.Lock()
-"""Held while the environment of this process is that of a child about to start."""
+"""Held while this process has the environment of a child that is about to start."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Outcome(Generic[Value]):
-    """A value, or one sentence that says why there is none."""
+    """A value, or one sentence with the reason why there is none."""
 
     value: Value | None = None
     error: str | None = None
 
 
 def _serve(connection: Connection) -> None:
-    """Runs in the child: answers (function, item) with an outcome until the pipe closes."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent decides what an interrupt means
+    """Runs in the child: replies to each (function, item) with an outcome until the pipe closes."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent handles interrupts
     threading.Thread(target=_end_with_parent, daemon=True).start()
     start_pools(os.environ)
     while True:
@@ -51,12 +51,12 @@ def _serve(connection: Connection) -> None:
         except ArtigenError as error:
             connection.send(Outcome(error=str(error)))
         except Exception as error:
-            # The boundary of the process: whatever it is, it is this item's outcome, with its type.
+            # The boundary of the process: any other exception is the outcome of this item, with its type.
             connection.send(Outcome(error=_explain(error)))
 
 
 def _end_with_parent() -> None:
-    """Ends this process as soon as its parent is gone: a run that goes on elsewhere must not be disturbed."""
+    """Ends this process as soon as its parent is gone, so that it does not disturb a resumed run."""
     parent = multiprocessing.parent_process()
     assert parent is not None
     wait([parent.sentinel])
@@ -64,7 +64,7 @@ def _end_with_parent() -> None:
 
 
 def _explain(error: Exception) -> str:
-    """One sentence; where memory ran out, with what to do. PyTorch says so by a `RuntimeError`."""
+    """One sentence; if memory ran out (a `RuntimeError` in PyTorch), with advice."""
     if isinstance(error, MemoryError) or "can't allocate memory" in str(error):
         return f"memory ran out; {LESS_MEMORY}"
     return f"{type(error).__name__}: {error}"
@@ -72,7 +72,7 @@ def _explain(error: Exception) -> str:
 
 @contextmanager
 def _environment(values: Mapping[str, str]) -> Iterator[None]:
-    """Sets environment variables for children that start meanwhile; libraries read them when loaded."""
+    """Sets environment variables for children started in the block; libraries read them at load time."""
     before = {name: os.environ.get(name) for name in values}
     os.environ.update(values)
     try:
@@ -86,7 +86,7 @@ def _environment(values: Mapping[str, str]) -> Iterator[None]:
 
 
 class Worker:
-    """One supervised process, started on first use; it has a lifetime, hence a class."""
+    """One supervised process, started on first use."""
 
     def __init__(self) -> None:
         self._process: BaseProcess | None = None
@@ -94,12 +94,12 @@ class Worker:
         self._closing = threading.Lock()
 
     def call(self, function: Callable[[Item], Value], item: Item, timeout: float) -> Outcome[Value]:
-        """Runs ``function(item)`` in the process; never raises for what happens in there.
+        """Runs ``function(item)`` in the process; failures there become outcomes, never exceptions.
 
         Args:
-            function: a module-level function, so that the child can import it.
-            item: its picklable argument.
-            timeout: seconds after which the process is stopped.
+            function: Module-level function, so that the child can import it.
+            item: Picklable argument.
+            timeout: Seconds after which the process is stopped.
         """
         connection = self._start()
         try:
@@ -114,7 +114,7 @@ class Worker:
             return Outcome(error=f"the worker process died: {code}")
 
     def close(self) -> None:
-        """Ends the process; the next call starts another. Any thread may close it, also twice."""
+        """Ends the process; the next call starts another. Idempotent and thread-safe."""
         with self._closing:
             connection, process = self._connection, self._process
             self._process = self._connection = None
@@ -154,14 +154,14 @@ def run_supervised(
     workers: int,
     first: Worker | None = None,
 ) -> Iterator[Value]:
-    """Yields what ``handle`` makes of every item as it is finished, in no particular order.
+    """Yields the result of ``handle`` for every item as it finishes, in no particular order.
 
     Args:
-        handle: called in a thread with a worker of its own; it calls the worker for everything that
-            may fail, so it has an answer for every item. What it raises ends the run.
-        items: anything.
-        workers: threads, each with one process, side by side.
-        first: a worker that is already there, used before any is started, and closed at the end.
+        handle: Called in a thread with a worker of its own. It calls the worker for everything that may
+            fail, so that it has a result for every item. An exception from it ends the run.
+        items: Items of any type.
+        workers: Number of threads, each with one process.
+        first: Running worker to use as the first one; closed at the end.
     """
     waiting: SimpleQueue[Item] = SimpleQueue()
     total = 0

@@ -1,1 +1,1 @@
-"""Gaussian splats: files, motion and links in numpy; `artigen.splats.render` draws them in torch."""
+"""Gaussian splats: files, motion and seams in numpy; `artigen.splats.render` renders them in torch."""

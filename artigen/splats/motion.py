@@ -1,7 +1,7 @@
 """Moves sets of Gaussians: rigid transforms and changes of unit.
 
-Gaussians that move with their parts: `artigen.kinematics.articulate_gaussians`. Colours are harmonics of
-degree 0, the same from everywhere, so that a rotation leaves them alone.
+`artigen.kinematics.articulate_gaussians` moves Gaussians with their parts. Colours are harmonics of degree 0,
+the same from all directions, so a rotation does not change them.
 """
 
 from dataclasses import replace

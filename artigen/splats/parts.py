@@ -27,7 +27,7 @@ def split_gaussians(gaussians: Gaussians, count: int) -> tuple[Gaussians, ...]:
 
 
 def merge_gaussians(sets: Sequence[Gaussians]) -> Gaussians:
-    """All of them, one set after the other; part ids are kept.
+    """Concatenates sets of Gaussians; part ids are kept.
 
     Raises:
         ValueError: If there is no set.

@@ -1,7 +1,7 @@
 """Gaussians as PLY files in the layout of 3D Gaussian Splatting, which common viewers open.
 
 Binary little-endian, one float32 property per number, colours as degree-0 spherical harmonics: position,
-a normal that nobody uses, ``f_dc`` (``sRGB = 0.5 + f_dc / sqrt(4 pi)``), ``opacity`` as logit, ``scale`` as
+an unused normal, ``f_dc`` (``sRGB = 0.5 + f_dc / sqrt(4 pi)``), ``opacity`` as logit, ``scale`` as
 natural logarithm, ``rot`` as wxyz (Kerbl et al., 3D Gaussian Splatting, 2023; the reference code's
 ``save_ply``). Harmonics of higher degree, ``f_rest``, are not written.
 """
@@ -24,9 +24,9 @@ FIELDS = (
 HARMONIC = 1.0 / math.sqrt(4.0 * math.pi)
 """The spherical harmonic of degree 0."""
 LARGEST_LOGIT = 20.0
-"""Opacity 1 in files; the nearest float32 of its sigmoid is 1."""
+"""Logit of opacity 1 in files; its sigmoid rounds to 1 in float32."""
 LEAST_LOGIT = -104.0
-"""Opacity 0 in files; the nearest float32 of its sigmoid is 0."""
+"""Logit of opacity 0 in files; its sigmoid rounds to 0 in float32."""
 
 _TYPES = {
     "char": "i1", "int8": "i1", "uchar": "u1", "uint8": "u1", "short": "<i2", "int16": "<i2",
@@ -36,7 +36,7 @@ _TYPES = {
 
 
 def encode_ply(gaussians: Gaussians) -> bytes:
-    """The file's content. Part ids are not in it.
+    """Content of a PLY file; it has no part ids.
 
     Raises:
         ValueError: If a scale is not above 0 or an opacity is outside [0, 1]: neither has an encoding.
@@ -70,12 +70,12 @@ def write_ply(gaussians: Gaussians, path: Path) -> None:
 
 
 def read_ply(path: Path, *, part_id: int = 0) -> Gaussians:
-    """Gaussians of a file, ours or one of the reference code; all get ``part_id``.
+    """Gaussians of a file written by `write_ply` or by the reference code; all get ``part_id``.
 
-    Quaternions are normalised, as viewers do it. Properties that are not among `FIELDS` are skipped.
+    Quaternions are normalised, as in viewers. Properties that are not among `FIELDS` are skipped.
 
     Raises:
-        SourceError: If the file is no such PLY, or its colours depend on the direction of view.
+        SourceError: If the file has another layout, or its colours depend on the viewing direction.
     """
     try:
         data = path.read_bytes()
@@ -88,7 +88,7 @@ def read_ply(path: Path, *, part_id: int = 0) -> Gaussians:
 
 
 def decode_ply(data: bytes, *, part_id: int = 0) -> Gaussians:
-    """As `read_ply`, from the file's content; raises `ValueError`."""
+    """Gaussians of the content of a file, as in `read_ply`; raises `ValueError`."""
     vertices = _read_vertices(data)
     names = vertices.dtype.names or ()
     absent = [name for name in FIELDS if name not in names and not name.startswith("n")]
@@ -97,8 +97,8 @@ def decode_ply(data: bytes, *, part_id: int = 0) -> Gaussians:
     turning = [name for name in names if name.startswith("f_rest_") and vertices[name].any()]
     if turning:
         raise ValueError(
-            f"{len(turning)} properties from {turning[0]} on are not zero: colours depend on the direction "
-            "of view, which these Gaussians cannot hold"
+            f"{len(turning)} properties from {turning[0]} on are not zero: colours depend on the viewing "
+            "direction, which these Gaussians cannot represent"
         )
     logits = _columns(vertices, "opacity")[:, 0]
     return Gaussians(
@@ -145,13 +145,13 @@ def _columns(vertices: np.ndarray, *names: str) -> Float[np.ndarray, "N C"]:
 
 
 def _sigmoid(logits: Float[np.ndarray, "N"]) -> Float[np.ndarray, "N"]:
-    """Without overflow, and with all digits near 0."""
+    """Logistic function without overflow, at full precision near 0."""
     falling = np.exp(-np.abs(logits))
     return np.where(logits < 0, falling, 1.0) / (1.0 + falling)
 
 
 def _normalize(quats: Float[np.ndarray, "N 4"]) -> Float[np.ndarray, "N 4"]:
-    """Unit quaternions; those that are so to within float32 keep their digits."""
+    """Unit quaternions; those of unit length within 1e-6 are returned unchanged."""
     lengths = np.linalg.norm(quats, axis=1, keepdims=True)
     if not (lengths > 0).all():
         raise ValueError("rotations of length 0 or NaN, expected quaternions")

@@ -1,7 +1,7 @@
 """Corrects Gaussians that stray into a neighbouring part: reassigns or shrinks them.
 
-A Gaussian moves with its part. One that lies in another part's cells, or stands far over the edge of its own,
-hardly shows while the object is closed; opened, it floats in front of what it covered or leaves a spot.
+A Gaussian moves with its part. One that lies in another part's cells, or reaches far beyond its own, hardly
+shows while the object is closed. When the object opens, it floats in the air or leaves a spot.
 """
 
 from dataclasses import dataclass, replace
@@ -20,12 +20,12 @@ class SeamConfig:
     """Thresholds for stray Gaussians; lengths in cells."""
 
     depth: float = 0.2
-    """A Gaussian in another part's cell, further than this from every cell of its own, goes to that part.
-    Surface may be told to lie up to 0.18 cells off (`artigen.voxels.surface`)."""
+    """A Gaussian in another part's cell, farther than this from every cell of its own, goes to that part.
+    Surface may lie up to 0.18 cells outside its cell (`artigen.voxels.surface`)."""
     reach: float = 1.0
-    """How far a Gaussian may stand over the cells of its part."""
+    """Distance by which a Gaussian may reach beyond the cells of its part."""
     deviations: float = 2.0
-    """Standard deviations at which a Gaussian is taken to end."""
+    """Standard deviations at which a Gaussian counts as ended."""
 
     def __post_init__(self) -> None:
         if not (self.depth >= 0 and self.reach > 0 and self.deviations > 0):
@@ -36,10 +36,10 @@ class SeamConfig:
 
 
 def settle_seams(asset: Asset, cfg: SeamConfig | None = None) -> Asset:
-    """The asset with every Gaussian in or near the cells of its own part; notes say how many were not.
+    """The asset with every Gaussian in or near the cells of its own part, with notes of what changed.
 
-    Gaussians keep their order, place, turn and colour; strays get another part, wide ones get smaller along
-    the axes that reach too far. A set without strays is returned as it is.
+    Gaussians keep their order, position, rotation and colour. Strays get another part; wide ones are shrunk
+    along the axes that reach too far. An asset without either is returned unchanged.
 
     Raises:
         ValueError: If the asset has no voxels or no Gaussians, or Gaussians of a part that has no cell.
@@ -69,7 +69,7 @@ def settle_seams(asset: Asset, cfg: SeamConfig | None = None) -> Asset:
 
 
 def _find_owners(gaussians: Gaussians, voxels: VoxelGrid, cfg: SeamConfig) -> Int[np.ndarray, "N"]:
-    """The part of each Gaussian: its own, unless it lies within another's cell and outside of its own."""
+    """The part of each Gaussian: its own, unless it lies in a cell of another part and far from its own."""
     grid = np.full((voxels.resolution,) * 3, -1)
     grid[tuple(voxels.coords.T)] = voxels.part_ids
     cells = np.floor((gaussians.means.astype(np.float64) + 0.5) * voxels.resolution).astype(np.int64)
@@ -87,7 +87,7 @@ def _find_owners(gaussians: Gaussians, voxels: VoxelGrid, cfg: SeamConfig) -> In
 def _find_shrink(gaussians: Gaussians, voxels: VoxelGrid, cfg: SeamConfig) -> Float[np.ndarray, "N 3"]:
     """Factors on the scales that bring both ends of every axis within reach of the part's own cells."""
     shrink = np.ones((len(gaussians.means), 3))
-    # Most Gaussians are small: only those that could reach out of the reach are looked at.
+    # Most Gaussians are small; only those that could exceed the reach are tested.
     large = np.flatnonzero(
         cfg.deviations * gaussians.scales.max(axis=1) * voxels.resolution > 0.5 * cfg.reach
     )
@@ -98,7 +98,7 @@ def _find_shrink(gaussians: Gaussians, voxels: VoxelGrid, cfg: SeamConfig) -> Fl
     columns = np.swapaxes(axes, 1, 2)
     ends = np.concatenate([columns, -columns], axis=1)
     factors = np.ones((len(large), 3))
-    for _ in range(32):  # a mean beyond reach of its part never gets there
+    for _ in range(32):  # bounded, because a mean beyond the reach of its part never comes within it
         beyond = distance_outside(some, voxels, ends * np.tile(factors, 2)[:, :, None]) > cfg.reach
         too_far: Bool[np.ndarray, "M 3"] = beyond[:, :3] | beyond[:, 3:]
         if not too_far.any():
@@ -111,9 +111,9 @@ def _find_shrink(gaussians: Gaussians, voxels: VoxelGrid, cfg: SeamConfig) -> Fl
 def distance_outside(
     gaussians: Gaussians, voxels: VoxelGrid, offsets: Float[np.ndarray, "N K 3"]
 ) -> Float[np.ndarray, "N K"]:
-    """How far places beside the means are from the nearest cell of the part, in cells; 0 inside of one.
+    """Distance in cells from points at ``offsets`` to the means to the nearest cell of the part; 0 inside.
 
-    Along the axis on which it is farthest: cells are cubes.
+    It is the maximum over the axes, because cells are cubes.
 
     Raises:
         ValueError: If a part has Gaussians and no cell.

@@ -1,9 +1,9 @@
 """Gaussians on a sampled surface: flat, opaque discs, one per sample, without a network.
 
-What they are: the look of an object whose surface is known (procedural, scanned, from PartNet-Mobility), in
-the same form as that of a generated one. They serve to look at, to move, to bake textures from, and as the
-truth that a model's Gaussians are measured against. What they are not: fitted to pictures. They hold one
-colour per sample, no light, nothing translucent, and no detail finer than the distance between samples.
+They give an object whose surface is known (procedural, scanned, from PartNet-Mobility) an appearance in the
+same form as a generated one: for rendering, motion, baking of textures, and as ground truth for a model's
+Gaussians. They are not fitted to pictures. They hold one colour per sample, no lighting, no translucency, and
+no detail finer than the distance between samples.
 """
 
 from dataclasses import dataclass
@@ -19,24 +19,23 @@ from artigen.types import Gaussians, SurfaceSamples
 
 @dataclass(frozen=True, kw_only=True)
 class SurfaceSplatConfig:
-    """How large the discs are."""
+    """Sizes of the discs, as multiples of the distance between samples where not stated otherwise."""
 
     spread: float = 0.7
-    """Standard deviation of a disc over the distance between samples: less leaves holes, more blurs."""
+    """Standard deviation of a disc; less leaves holes, more blurs."""
     flatness: float = 0.1
-    """Standard deviation along the normal over that distance."""
+    """Standard deviation along the normal."""
     neighbours: int = 10
-    """Samples of one part and facing that tell how far apart samples are and where the surface ends."""
+    """Number of samples of one part and facing from which spacing and edges of the surface are measured."""
     edge: float = 0.3
-    """How far the surface reaches beyond its outermost samples, over that distance: discs become narrow
-    there, so that they do not stand over."""
-
+    """Distance that the surface reaches beyond its outermost samples; discs there are narrow, so that they do
+    not protrude."""
     widest: float = 1.0
-    """Largest distance to other samples that a disc fills, over that distance: 1 for even samples; random
-    ones leave gaps."""
+    """Largest distance to other samples that a disc fills: 1 for even samples, more for random ones, which
+    leave gaps."""
     apart: float = 0.5
-    """How far discs move outward, over that distance, where one that faces the other way lies in their place:
-    sheets without thickness have two sides of different colours, and would show both."""
+    """Distance by which discs move outward where a disc of the opposite facing lies in their place: the two
+    sides of a sheet without thickness would otherwise both show."""
 
     def __post_init__(self) -> None:
         if (
@@ -57,7 +56,7 @@ RANDOM = SurfaceSplatConfig(spread=1.0, widest=2.0, apart=1.0)
 
 
 def splat_surface(surface: SurfaceSamples, cfg: SurfaceSplatConfig | None = None) -> Gaussians:
-    """A disc for every sample, in its order: at its point (or lifted off it), of its colour and part, opaque.
+    """One opaque disc per sample, in order: at its point (or lifted off it), with its colour and part.
 
     The third axis of each disc is its thin one and points along the sample's normal, outward.
 
@@ -88,8 +87,8 @@ def splat_surface(surface: SurfaceSamples, cfg: SurfaceSplatConfig | None = None
     spacing = float(np.median(distance))
     if not np.isfinite(spacing):
         raise ValueError(
-            f"discs on a surface: most of {len(quats)} samples have no other of their part that faces their "
-            "way; sample the surface more densely"
+            f"discs on a surface: most of {len(quats)} samples have no other sample of their part that faces "
+            "their way; sample the surface more densely"
         )
     usual = np.clip(distance, spacing, cfg.widest * spacing)
     across = np.clip(reach + cfg.edge * spacing, cfg.edge * spacing, usual[:, None])
@@ -107,13 +106,13 @@ def splat_surface(surface: SurfaceSamples, cfg: SurfaceSplatConfig | None = None
 
 
 def thin_samples(surface: SurfaceSamples, most: int) -> SurfaceSamples:
-    """Every n-th sample, n being the least that leaves at most ``most``."""
+    """Every n-th sample, with the least n that leaves at most ``most``."""
     rows = slice(None, None, max(1, -(-len(surface.points) // most)))
     return SurfaceSamples(**{name: value[rows] for name, value in vars(surface).items()})
 
 
 def _group_rows(surface: SurfaceSamples) -> list[Int[np.ndarray, "M"]]:
-    """Samples of one part that face the same of the six sides, group by group."""
+    """Rows of the samples of one part that face the same of six directions, group by group."""
     axis = np.abs(surface.normals).argmax(axis=1)
     ahead = np.take_along_axis(surface.normals, axis[:, None], axis=1)[:, 0] > 0
     groups = surface.part_ids.astype(np.int64) * 6 + 2 * axis + ahead
@@ -124,7 +123,7 @@ def _group_rows(surface: SurfaceSamples) -> list[Int[np.ndarray, "M"]]:
 def _find_backed(
     surface: SurfaceSamples, normals: Float[np.ndarray, "N 3"], reach: float
 ) -> Bool[np.ndarray, "N"]:
-    """Samples with one of their part beside them that faces the other way and lies within ``reach`` below."""
+    """Mask of samples near another of their part that faces the opposite way, within ``reach`` in height."""
     backed = np.zeros(len(normals), dtype=bool)
     if reach <= 0:
         return backed
@@ -142,14 +141,14 @@ def _find_backed(
 def _measure_reach(
     first: Float[np.ndarray, "K M"], second: Float[np.ndarray, "K M"]
 ) -> tuple[Float[np.ndarray, "M 2"], Float[np.ndarray, "M"]]:
-    """How far the surface goes on in the nearer of both ways along each axis of a turned frame, and the turn.
+    """Extent of the surface along each axis of a rotated frame, the lesser of both ways, and the rotation.
 
-    The turned axes are those along which the others are spread least and most: at the edge of a panel, and on
-    a narrow strip, across and along it.
+    The rotated axes are the principal directions of the neighbours: at the edge of a panel or on a narrow
+    strip, they lie across and along it.
 
     Args:
-        first: Where the K others lie along the first axis of each frame.
-        second: The same along the second axis.
+        first: Positions of the K neighbours along the first axis of each frame.
+        second: Positions along the second axis.
     """
     x, y = first - first.mean(axis=0), second - second.mean(axis=0)
     turn = 0.5 * np.arctan2(2.0 * (x * y).mean(axis=0), (x * x).mean(axis=0) - (y * y).mean(axis=0))
@@ -162,7 +161,7 @@ def _measure_reach(
 
 
 def _quats_from_normals(normals: Float[np.ndarray, "N 3"]) -> Float[np.ndarray, "N 4"]:
-    """The shortest turns (wxyz) that bring +z to unit normals."""
+    """The smallest rotations (wxyz) that map +z to unit normals."""
     x, y, z = normals.T
     quats = np.stack([1.0 + z, -y, x, np.zeros_like(x)], axis=1)
     quats[1.0 + z < 1e-6] = [0.0, 1.0, 0.0, 0.0]

@@ -36,7 +36,7 @@ class FieldBatch:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class LatentBatch:
-    """Posterior means and deviations of objects with the conditions and the outlines they answer."""
+    """Posterior means and standard deviations of objects, with their conditions and outlines."""
 
     mean: Tensor
     std: Tensor
@@ -54,12 +54,12 @@ class LatentBatch:
 
 
 def patch_batch(examples: Sequence[StructureExample]) -> PatchBatch:
-    """The fields of examples side by side."""
+    """Batch of the fields of examples."""
     return collate([example.field for example in examples])
 
 
 class Described(Protocol):
-    """An example that says what a condition can ask for; ``image`` is RGBA, premultiplied on black."""
+    """An example with the values of all conditions; ``image`` is RGBA, premultiplied on black."""
 
     @property
     def category(self) -> str: ...
@@ -75,19 +75,19 @@ class Described(Protocol):
 
 
 def field_batch(examples: Sequence[StructureExample]) -> FieldBatch:
-    """Fields and outlines of examples side by side."""
+    """Batch of the fields and outlines of examples."""
     return FieldBatch(patches=patch_batch(examples), outlines=outline_batch(examples))
 
 
 def outline_batch(examples: Sequence[StructureExample]) -> OutlineBatch:
-    """The outlines of examples side by side."""
+    """Batch of the outlines of examples."""
     return gather_outlines([example.field.table for example in examples])
 
 
 def condition_batch(examples: Sequence[Described], cfg: ConditionConfig) -> ConditionBatch:
-    """Everything that the examples say about themselves, as conditions.
+    """All conditions of the examples.
 
-    A category without a token, or an example without picture, leaves that field open.
+    The field of a category without a token, or of a missing picture, is left open.
     """
     size = max(cfg.image_size, 1)
     pictured = [example.image is not None and cfg.image_size > 0 for example in examples]
@@ -116,7 +116,7 @@ def draw_batches(
     size: int,
     seed: int,
 ) -> Iterator[Batch]:
-    """Endless batches; every epoch is a new order."""
+    """Endless batches; every epoch has a new random order."""
     rng = np.random.default_rng(seed)
     waiting: list[int] = []
     while True:

@@ -9,25 +9,25 @@ from artigen.runtime.journal import read_lines
 
 METRICS = "metrics.jsonl"
 WIDTH, HEIGHT, MARGIN, COLUMNS = 300, 170, 34, 3
-"""Of a panel, in pixels; panels in a row."""
+"""Size and margin of a panel in pixels; panels per row."""
 AXES = ("step", "minutes", "share")
-"""How far a run has come; not drawn."""
+"""Progress of a run; not plotted."""
 MAX_POINTS = 400
-"""Points drawn on a curve; longer ones are thinned."""
+"""Most points on a curve; longer ones are thinned."""
 
 
 def read_metrics(path: Path) -> list[dict[str, float]]:
-    """The lines of a stage in the order of their steps.
+    """Lines of metrics of a stage in the order of their steps.
 
-    A run that went on from a checkpoint has done some steps again: the later line counts. A line cut
-    short is left out.
+    A run that resumed from a checkpoint repeats some steps; the later line counts. Truncated lines are
+    skipped.
     """
     lines = {line["step"]: line for line in read_lines(path)}
     return [lines[step] for step in sorted(lines)]
 
 
 def draw_curves(lines: Sequence[Mapping[str, float]], title: str) -> str:
-    """An SVG with a panel for every metric, over steps; logarithmic where it can be."""
+    """An SVG with a panel for every metric over steps; logarithmic where all values are positive."""
     names = list(dict.fromkeys(name for line in lines for name in line if name not in AXES))
     rows = max(1, math.ceil(len(names) / COLUMNS))
     width, height = COLUMNS * WIDTH, rows * HEIGHT + 30
@@ -59,11 +59,11 @@ def _panel(points: Sequence[tuple[float, float]], name: str, x: int, y: int) -> 
         for (step, _), at in zip(points, heights, strict=True)
     )
     ends = [10**value if logarithmic else value for value in (high, low)]
-    said = f"{escape(name)}: {points[-1][1]:.4g}" if points else escape(name)
+    label = f"{escape(name)}: {points[-1][1]:.4g}" if points else escape(name)
     return [
         f'<rect x="{x + MARGIN}" y="{y + MARGIN}" width="{inner[0]}" height="{inner[1]}" fill="none" '
         'stroke="#bbbbbb"/>',
-        f'<text x="{x + MARGIN}" y="{y + MARGIN - 6}">{said}{" (log)" if logarithmic else ""}</text>',
+        f'<text x="{x + MARGIN}" y="{y + MARGIN - 6}">{label}{" (log)" if logarithmic else ""}</text>',
         f'<text x="{x + MARGIN - 3}" y="{y + MARGIN + 9}" text-anchor="end" font-size="8">'
         f"{ends[0]:.2g}</text>",
         f'<text x="{x + MARGIN - 3}" y="{y + MARGIN + inner[1]}" text-anchor="end" font-size="8">'

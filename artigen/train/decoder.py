@@ -1,7 +1,7 @@
 """Fine-tunes the decoder on the flow's estimates; encoder and flow are frozen.
 
-A decoder that has seen posteriors alone takes every error of a drawn latent for a shape. Here it sees the
-flow's guesses of clean latents, from anywhere on the path, and is asked for the object they came from.
+A decoder trained on posteriors alone decodes every error of a sampled latent into geometry. Here it is
+trained on the flow's estimates of clean latents, from anywhere on the path, towards the original object.
 """
 
 from collections.abc import Iterator, Sequence
@@ -25,12 +25,12 @@ from artigen.train.structure import latent_batch
 from artigen.train.structure_losses import StructureLossConfig, structure_losses
 
 AGAIN = 0.5
-"""Share of latents that are guessed a second time, from less noise, as a sampler does."""
+"""Share of latents that are estimated a second time, from less noise, as in sampling."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class EncodedFields:
-    """Fields of objects beside their latents."""
+    """Fields of objects with their latents."""
 
     fields: FieldBatch
     latents: LatentBatch
@@ -41,7 +41,7 @@ class EncodedFields:
 
 
 class Decoding(nn.Module):
-    """A VAE whose decoder alone learns."""
+    """A VAE whose encoder is frozen."""
 
     def __init__(self, vae: StructureVae) -> None:
         super().__init__()
@@ -51,7 +51,7 @@ class Decoding(nn.Module):
     def forward(
         self, z: Float[Tensor, "B D X Y Z"], fields: FieldBatch, outlines: OutlineBatch
     ) -> tuple[Float[Tensor, "N K"], Float[Tensor, "P K C"]]:
-        """Occupancy logits of every cell, and the channels of the patches that hold cells."""
+        """Occupancy logits of every cell, and the channels of the occupied patches."""
         logits, attributes, _ = self.vae.decode(z, fields.patches.index, outlines)
         return logits, attributes
 
@@ -69,18 +69,18 @@ def train_decoder(
     conditions: ConditionConfig,
     on_report: Report | None = None,
 ) -> StructureVae:
-    """Trains the decoder of a VAE on a flow's guesses.
+    """Trains the decoder of a VAE on a flow's estimates.
 
     Args:
-        vae: Trained; its encoder is left alone.
-        flow: Trained on the latents of that encoder.
+        vae: Trained VAE; its encoder is not changed.
+        flow: Flow trained on the latents of that encoder.
         latents: Posterior means and standard deviations of the examples.
-        examples: What was encoded.
-        folder: Of the stage.
+        examples: Encoded examples.
+        folder: Folder of the stage.
         cfg: Budget and rates.
         batch: Objects per step.
         losses: Weights of the terms.
-        conditions: What the flow can be asked.
+        conditions: Conditions of the flow.
         on_report: Called with every line of metrics.
     """
 

@@ -1,8 +1,7 @@
 """`python -m artigen.train.everything`: generates data, trains, evaluates and stores weights.
 
-Every stage is skipped or gone on with where the run folder already holds its result, so the same command
-can be given again after an interruption, or in portions of a budget. `artigen train` is the same with a
-progress bar.
+Stages whose result is already in the run folder are skipped or resumed, so the same command can be repeated
+after an interruption, or with a larger budget. `artigen train` does the same with a progress bar.
 """
 
 import argparse
@@ -43,33 +42,33 @@ Report = Callable[[str, Mapping[str, float]], None]
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class RunData:
-    """Examples to train with, and examples to measure with."""
+    """Examples for training and for evaluation."""
 
     trained: list[StructureExample]
     held_out: list[StructureExample]
     real: int
-    """Real objects among the trained ones."""
+    """Number of real objects among the training examples."""
 
 
 def train_everything(
     cfg: RunConfig, stage: Stage = "structure", *, on_report: Report | None = None
 ) -> dict[str, float]:
-    """Runs what is missing and returns the scores of the held-out objects.
+    """Runs the stages that are missing; returns the scores of the held-out objects.
 
     Args:
-        cfg: The run.
+        cfg: Configuration of the run.
         stage: All networks, or one of them; the flow needs a VAE in the same folder, the decoder both.
         on_report: Called with every line of metrics; logged when None.
 
     Raises:
-        ArtigenError: If the configuration or the folder does not allow it.
+        ArtigenError: If the configuration is invalid, or the folder lacks a stage or has other settings.
     """
     scores = cfg.folder / "reconstruction.json"  # written when the VAE is done
     if stage in ("structure-flow", "structure-decoder") and not scores.is_file():
         raise SourceError(f"{scores}: there is no finished VAE to train a flow on; train structure-vae first")
     flow_weights = cfg.folder / "flow" / "weights.safetensors"
     if stage == "structure-decoder" and not flow_weights.is_file():
-        raise SourceError(f"{flow_weights}: there is no flow that guesses; train structure-flow first")
+        raise SourceError(f"{flow_weights}: there is no trained flow; train structure-flow first")
     claim_run(cfg)
     report = on_report or log_metrics
     data = make_data(cfg)
@@ -86,7 +85,7 @@ def train_everything(
 
 
 def make_data(cfg: RunConfig) -> RunData:
-    """Makes the examples that are missing and reads all."""
+    """Makes missing examples and reads all."""
     preset = PRESETS[cfg.preset]
     trained = _examples(cfg, preset, "train", cfg.shards, HELD_OUT)
     held_out = _examples(cfg, preset, "held_out", cfg.held_out, 0)
@@ -106,7 +105,7 @@ def make_data(cfg: RunConfig) -> RunData:
 
 
 def train_vae(cfg: RunConfig, data: RunData, report: Report) -> StructureVae:
-    """Trains the VAE, stores it, and writes how well it reconstructs held-out objects."""
+    """Trains the VAE, stores it, and writes its reconstruction scores on held-out objects."""
     training = TRAINING[cfg.preset]
     torch.manual_seed(0)
     vae = begin_stage(StructureVae(PRESETS[cfg.preset].vae), cfg.start, "vae")
@@ -124,7 +123,7 @@ def train_vae(cfg: RunConfig, data: RunData, report: Report) -> StructureVae:
 
 
 def load_vae(cfg: RunConfig) -> StructureVae:
-    """The VAE that the run has trained, in full precision, its decoder not yet tuned.
+    """The VAE that the run has trained, in full precision, before the tuning of its decoder.
 
     Raises:
         SourceError: If its weights are damaged or of another preset.
@@ -161,7 +160,7 @@ def train_flow(
 def tune_decoder(
     cfg: RunConfig, vae: StructureVae, latents: tuple[Tensor, Tensor], data: RunData, report: Report
 ) -> None:
-    """Trains the decoder on the flow's guesses, stores and measures it, where the preset says so."""
+    """Trains the decoder on the flow's estimates, stores and scores it, if the preset includes this stage."""
     preset, training = PRESETS[cfg.preset], TRAINING[cfg.preset]
     if training.decoder is None:
         return
@@ -181,12 +180,12 @@ def tune_decoder(
 
 
 def _store_vae(cfg: RunConfig, vae: StructureVae, data: RunData) -> None:
-    """Stores a VAE, and writes how well it reconstructs held-out objects."""
+    """Stores a VAE, and writes its reconstruction scores on held-out objects."""
     _store(cfg, data, vae, "vae")
     scores = score_reconstruction(vae, data.held_out)
     spread = score_spread(vae, data.held_out)
-    for name, said in (("reconstruction", scores), ("spread", spread)):
-        write_whole(cfg.folder / f"{name}.json", json.dumps(said, indent=1) + "\n")
+    for name, values in (("reconstruction", scores), ("spread", spread)):
+        write_whole(cfg.folder / f"{name}.json", json.dumps(values, indent=1) + "\n")
     logger.info("held-out reconstruction %s", scores)
 
 
@@ -212,7 +211,7 @@ def _examples(
 
 
 def _store(cfg: RunConfig, data: RunData, network: nn.Module, name: str) -> None:
-    """Stores a network with what it was trained on and for how long."""
+    """Stores a network with a description of its training data and steps."""
     described = {
         "preset": cfg.preset,
         "objects": cfg.shards * cfg.objects,
@@ -224,7 +223,7 @@ def _store(cfg: RunConfig, data: RunData, network: nn.Module, name: str) -> None
 
 
 def main() -> None:
-    """Parses arguments with the standard library alone: training machines are bare."""
+    """Parses arguments with the standard library alone, because training machines may lack tyro."""
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(message)s", datefmt="%H:%M:%S")
     parser = argparse.ArgumentParser(prog="python -m artigen.train.everything", description=__doc__)
     parser.add_argument("folder", type=Path, help="run folder")
@@ -236,10 +235,10 @@ def main() -> None:
     parser.add_argument("--partnet", type=Path, help="folder with real objects to mix in")
     parser.add_argument("--real-share", type=float, default=0.1, help="share of real objects")
     parser.add_argument(
-        "--start", type=Path, help="folder of a model whose weights every network begins with"
+        "--start", type=Path, help="folder of a model with the initial weights of every network"
     )
     parser.add_argument(
-        "--trellis", type=Path, help="checkpoint of TRELLIS that the flow's network begins with"
+        "--trellis", type=Path, help="checkpoint of TRELLIS with the initial weights of the flow"
     )
     parser.add_argument("--encoders", type=Path, help="folder with the public weights of DINOv2 and CLIP")
     parser.add_argument("--workers", type=int, default=2, help="processes that make data")

@@ -1,6 +1,6 @@
 """One training example of the structure models: a packed field and its condition.
 
-Made of a procedural object by seed, or of a real one; the same arguments give the same example.
+It is made from a procedural object by seed, or from a real one; the same arguments give the same example.
 """
 
 from dataclasses import dataclass
@@ -29,7 +29,7 @@ class StructureExample:
 
 
 def example_of_asset(asset: Asset, photograph: Photograph | None = None) -> StructureExample:
-    """The example of an asset with voxels: parts counted, extent at rest in metres."""
+    """The example of an asset with voxels: its field, part counts, and extent at rest in metres."""
     voxels = asset.voxels
     if voxels is None:
         raise ValueError(f"asset {asset.name!r} has no voxels; voxelize its surface first")
@@ -46,14 +46,14 @@ def example_of_asset(asset: Asset, photograph: Photograph | None = None) -> Stru
 def draw_example(
     category: str, seed: int, *, resolution: int = 64, image_size: int = 128
 ) -> StructureExample:
-    """Draws a procedural object and looks at it from near its front; ``image_size`` 0 takes no picture."""
+    """Draws a procedural object and renders it from near its front; ``image_size`` 0 skips the picture."""
     return draw_example_of(category, seed, resolution=resolution, image_size=image_size)[1]
 
 
 def draw_example_of(
     category: str, seed: int, *, resolution: int = 64, image_size: int = 128
 ) -> tuple[Asset, StructureExample]:
-    """A procedural object with voxels, and its example as `draw_example` gives it."""
+    """A procedural object with voxels, and its example as from `draw_example`."""
     shape = draw_shape(category, seed)
     asset = shape_to_asset(shape, resolution)
     if not image_size:

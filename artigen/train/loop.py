@@ -1,6 +1,6 @@
 """The training loop: budgets in minutes or steps, EMA, checkpoints that resume, metrics on disk.
 
-A stage is a folder: ``metrics.jsonl``, ``curves.svg``, ``checkpoint.pt`` (everything needed to go on) and
+A stage is a folder: ``metrics.jsonl``, ``curves.svg``, ``checkpoint.pt`` (everything needed to resume) and
 ``weights.safetensors`` (the EMA weights); all but the first are written at the end and with every checkpoint.
 """
 
@@ -24,25 +24,25 @@ from artigen.models.tensors import load_strictly
 from artigen.train.curves import METRICS, draw_curves, read_metrics
 
 CHECKPOINT = {"network", "optimizer", "average", "generator", "step", "elapsed"}
-"""What a checkpoint holds."""
+"""Keys of a checkpoint."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class LoopConfig:
-    """How long and how fast."""
+    """Budget, learning rate and bookkeeping of a loop."""
 
     minutes: float | None = None
-    """Wall time of the run over all its starts; the learning rate ends at zero with it."""
+    """Wall time of the run over all its starts; the learning rate is zero at its end."""
     steps: int | None = None
     """Steps of the run; give minutes or steps."""
     learning_rate: float = 1e-3
     """Peak learning rate."""
     warmup: int = 100
-    """Steps over which it rises."""
+    """Steps over which the learning rate rises."""
     decay: float = 1.0
-    """Share of the run, at its end, over which it falls as a cosine."""
+    """Share of the run, at its end, over which the learning rate falls as a cosine."""
     weight_decay: float = 0.0
-    """AdamW's."""
+    """Weight decay of AdamW."""
     ema: float = 0.999
     """Decay of the averaged weights."""
     clip: float = 1.0
@@ -52,7 +52,7 @@ class LoopConfig:
     checkpoint_minutes: float = 3.0
     """Wall time between checkpoints."""
     seed: int = 0
-    """Seed of everything that is drawn on the way."""
+    """Seed of all random numbers of the loop."""
 
     def __post_init__(self) -> None:
         if (self.minutes is None) == (self.steps is None):
@@ -60,7 +60,7 @@ class LoopConfig:
 
 
 LossFunction = Callable[[nn.Module, Any, torch.Generator], dict[str, Tensor]]
-"""Named, weighted terms of the loss of one batch; whatever is drawn comes from the generator."""
+"""Named, weighted terms of the loss of one batch; all randomness comes from the generator."""
 Report = Callable[[Mapping[str, float]], None]
 """Called with every line of metrics."""
 
@@ -77,7 +77,7 @@ class _Progress:
 
 
 def process_seed(seed: int) -> int:
-    """A seed for the batches of this process: where several GPUs train, each sees other objects."""
+    """Seed for the batches of this process, so that several GPUs train on different objects."""
     from accelerate import PartialState
 
     return seed + PartialState().process_index
@@ -94,15 +94,19 @@ def train(
 ) -> nn.Module:
     """Trains until the budget is used and returns the network with its averaged weights.
 
-    A folder with a checkpoint is gone on with. Several GPUs are used when started by ``accelerate launch``.
+    Resumes from a checkpoint in the folder. Uses several GPUs when started by ``accelerate launch``.
 
     Args:
-        network: on the CPU; it is moved.
-        losses: the terms of a batch.
-        batches: endless.
-        folder: the run.
-        cfg: budget and rates.
-        on_report: called with every line of metrics.
+        network: Network on the CPU; it is moved to the device.
+        losses: Loss terms of a batch.
+        batches: Endless batches.
+        folder: Folder of the stage.
+        cfg: Budget and rates.
+        on_report: Called with every line of metrics.
+
+    Raises:
+        FloatingPointError: If the loss is not finite.
+        SourceError: If the checkpoint is damaged or does not fit.
     """
     from accelerate import Accelerator
 
@@ -176,7 +180,7 @@ def train(
 
 
 def finished_steps(folder: Path) -> int:
-    """Steps that the checkpoint of a stage has behind it; 0 where there is none."""
+    """Steps of the checkpoint of a stage; 0 if there is none."""
     checkpoint = folder / "checkpoint.pt"
     if not checkpoint.is_file():
         return 0
@@ -187,15 +191,16 @@ def _read_checkpoint(path: Path, device: torch.device | str) -> dict[str, Any]:
     """Reads a checkpoint of `_save`.
 
     Raises:
-        SourceError: If the file is damaged or something else.
+        SourceError: If the file is damaged or no checkpoint.
     """
     hint = "delete it to train this stage from its start"
-    if not zipfile.is_zipfile(path):  # torch's unpickler would raise anything on other files
-        raise SourceError(f"{path}: is no whole checkpoint; {hint}")
+    if not zipfile.is_zipfile(path):  # torch's unpickler may raise any exception on other files
+        raise SourceError(f"{path}: is no complete checkpoint; {hint}")
     try:
         stored = torch.load(path, map_location=device, weights_only=True)
     except (RuntimeError, pickle.UnpicklingError) as error:
-        raise SourceError(f"{path}: is no whole checkpoint ({str(error).splitlines()[0]}); {hint}") from error
+        reason = str(error).splitlines()[0]
+        raise SourceError(f"{path}: is no complete checkpoint ({reason}); {hint}") from error
     if not isinstance(stored, dict) or not stored.keys() >= CHECKPOINT:
         raise SourceError(
             f"{path}: is no checkpoint of this training, expected {', '.join(sorted(CHECKPOINT))}"

@@ -1,6 +1,6 @@
 """Renders any textured mesh with a depth buffer and a shadow map per light.
 
-The shading is that of procedural objects (`artigen.shapes.render`), so that pictures of both look alike.
+The shading is that of procedural objects (`artigen.shapes.render`), so pictures of both look alike.
 """
 
 from collections.abc import Sequence
@@ -28,13 +28,13 @@ from artigen.shapes.render.shadows import find_openness
 from artigen.shapes.surfaces.textures import KINDS
 
 FINE = 3
-"""Rays per pixel edge for meshes, whose textures are not filtered; odd, so that one is at the middle."""
+"""Rays per pixel edge for meshes, whose textures are not filtered; odd, so that one is at the centre."""
 SHADOW_EDGE = 384
 """Edge of the depth buffer of a light, in pixels."""
 SHADOW_FOV = 4.0
-"""Degrees: lights are so far away that their rays are nearly parallel."""
+"""Angle of view of a light (degrees): so small that its rays are nearly parallel."""
 SHADOW_OFFSET = 2.0
-"""Points look for shadows this many pixels of the light's buffer off their surface."""
+"""Offset of shadow tests from the surface, in pixels of the light's buffer."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -44,11 +44,11 @@ class MeshPicture:
     rgba: UInt8[np.ndarray, "h w 4"]
     """Premultiplied on black."""
     faces: Int[np.ndarray, "h w"]
-    """Seen in the middle of each pixel, counted over all tables; -1 where there is none."""
+    """Face at the centre of each pixel, counted over all tables; -1 where there is none."""
 
 
 def picture_mesh(tables: Sequence[FaceTable], scale: float, cameras: Cameras) -> MeshPicture:
-    """A mesh as it is placed.
+    """Renders a textured mesh through one camera.
 
     Args:
         tables: Triangles in the unit cube with their materials.
@@ -131,7 +131,7 @@ def _find_surface(
 
 
 def _matte(colors: UInt8[np.ndarray, "N 3"]) -> Material:
-    """Colours without gloss: the source says nothing about it that can be relied on."""
+    """Materials of the given colours without gloss, which sources do not state reliably."""
     count = len(colors)
     return Material(
         color=linear_from_srgb(torch.from_numpy(colors.astype(np.float32) / 255.0)),
@@ -144,7 +144,7 @@ def _matte(colors: UInt8[np.ndarray, "N 3"]) -> Material:
 def _find_lit(
     vertices: Float[np.ndarray, "V 3"], faces: Int[np.ndarray, "F 3"], surface: Surface, light: Vector
 ) -> Float[torch.Tensor, "N"]:
-    """1 where a point sees a distant light, 0 in its shadow."""
+    """1 where a point is lit by a distant light, 0 in shadow."""
     camera = _pinhole(
         frame_points(
             vertices[faces].reshape(-1, 3), light, fov=SHADOW_FOV, width=SHADOW_EDGE, height=SHADOW_EDGE

@@ -1,4 +1,4 @@
-"""Condition pictures of procedural and real objects, from near their front."""
+"""Renders condition pictures of procedural and real objects from near their front."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,25 +14,25 @@ from artigen.shapes.shape import Shape
 from artigen.train.mesh_pictures import FINE, join_tables, pack_picture, picture_mesh
 
 NEAR_FRONT = (0.6, 0.25)
-"""Largest turn to either side and largest lift of the camera (radians): pictures are near-frontal."""
+"""Largest yaw to either side and largest pitch of the camera (radians): pictures are near-frontal."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Photograph:
-    """A picture of a closed object, and what it shows."""
+    """A picture of a closed object, and the parts that it shows."""
 
     rgba: UInt8[np.ndarray, "H W 4"]
     """Premultiplied on black."""
     parts: UInt8[np.ndarray, "H W"]
-    """Part in the middle of each pixel, `NOTHING` where there is none."""
+    """Part at the centre of each pixel, `NOTHING` where there is none."""
 
 
 def draw_camera(points: Float[np.ndarray, "N 3"], seed: int, size: int) -> Cameras:
-    """A camera near the front from which all points are seen, as a batch of one.
+    """A camera near the front with all points in view, as a batch of one.
 
     Args:
         points: Corners of the object (m).
-        seed: Decides the direction.
+        seed: Seed of the direction.
         size: Edge of the picture in pixels.
     """
     rng = np.random.default_rng([seed, 1])
@@ -41,7 +41,7 @@ def draw_camera(points: Float[np.ndarray, "N 3"], seed: int, size: int) -> Camer
 
 
 def find_direction(turn: float, lift: float) -> Vector:
-    """From an object to a camera that stands aside from its front and above it (radians); unit."""
+    """Unit direction from an object to a camera at yaw ``turn`` and pitch ``lift`` to its front (radians)."""
     level = np.cos(lift)
     return float(-np.cos(turn) * level), float(np.sin(turn) * level), float(np.sin(lift))
 
@@ -49,13 +49,13 @@ def find_direction(turn: float, lift: float) -> Vector:
 def photograph_shape(
     shape: Shape, seed: int, size: int, owners: Int[np.ndarray, "P"] | None = None
 ) -> Photograph:
-    """A procedural object, closed.
+    """Renders a procedural object, closed.
 
     Args:
         shape: The object.
-        seed: Decides the direction of the camera.
+        seed: Seed of the direction of the camera.
         size: Edge of the picture in pixels.
-        owners: What each part of the shape is called; its own number without.
+        owners: Number that stands for each part of the shape in the picture; its own index when None.
     """
     points = np.concatenate([place_vertices(p) for part in shape.parts for p in part.primitives])
     camera = draw_camera(points, seed, size)
@@ -70,12 +70,12 @@ def photograph_shape(
 def photograph_mesh(
     tables: Sequence[FaceTable], scale: float, seed: int, size: int, owners: Int[np.ndarray, "F"]
 ) -> Photograph:
-    """A textured mesh as it is placed.
+    """Renders a textured mesh.
 
     Args:
         tables: Triangles in the unit cube with their materials.
         scale: Metres per unit-cube length.
-        seed: Decides the direction of the camera.
+        seed: Seed of the direction of the camera.
         size: Edge of the picture in pixels.
         owners: Part of each face, counted over all tables.
 
@@ -91,5 +91,5 @@ def photograph_mesh(
 def _mark(
     names: Int[np.ndarray, "N"], seen: Int[np.ndarray, "H W"], mask: Bool[np.ndarray, "H W"]
 ) -> UInt8[np.ndarray, "H W"]:
-    """Names of what is seen, `NOTHING` where nothing is; a name that is too large counts as nothing."""
+    """Part number per pixel, `NOTHING` at the background; numbers too large for a byte count as nothing."""
     return np.where(mask, np.minimum(names[seen], NOTHING), NOTHING).astype(np.uint8)

@@ -8,16 +8,16 @@ from artigen.train.structure_losses import PAPER_LOSS, StructureLossConfig
 
 @dataclass(frozen=True, kw_only=True)
 class StageConfig:
-    """How one network is trained: batch, rates, and the share of a budget that it gets."""
+    """Training of one network: batch, rates, and its share of the budget."""
 
     batch: int
     """Objects per step and process."""
     learning_rate: float
     """Peak learning rate."""
     warmup: int
-    """Steps over which it rises."""
+    """Steps over which the learning rate rises."""
     decay: float
-    """Share of the run, at its end, over which it falls."""
+    """Share of the run, at its end, over which the learning rate falls."""
     ema: float
     """Decay of the averaged weights."""
     share: float
@@ -26,19 +26,19 @@ class StageConfig:
 
 @dataclass(frozen=True, kw_only=True)
 class TrainingPreset:
-    """How the networks of a structure model are trained."""
+    """Training of the networks of a structure model."""
 
     vae: StageConfig
     """Training of the VAE."""
     flow: StageConfig
     """Training of the flow."""
     decoder: StageConfig | None = None
-    """Training of the decoder on the flow's guesses; the paper has none."""
+    """Training of the decoder on the flow's estimates; the paper has none."""
     losses: StructureLossConfig = field(default_factory=StructureLossConfig)
     """Weights of the VAE's loss terms."""
     time_mean: float = 2.0
-    """Mean of the logits of the flow's training times: what a draw will be is decided near pure noise, the
-    more so the more cells repeat what others say."""
+    """Mean of the logits of the flow's training times. A sample is decided near pure noise, the more so the
+    more redundant its cells are, so the mean lies above the 1 of TRELLIS."""
 
 
 TRAINING: dict[PresetName, TrainingPreset] = {

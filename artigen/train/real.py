@@ -1,6 +1,6 @@
 """Real objects as examples: a PartNet-Mobility folder with ``splits.json``.
 
-The data is licensed for non-commercial research: whatever is trained with it must say so.
+The data is licensed for non-commercial research; weights trained with it must state this.
 """
 
 import json
@@ -24,13 +24,13 @@ logger = logging.getLogger(__name__)
 SPLITS = "splits.json"
 OBJECTS = "partnet_mobility"
 TIMEOUT = 300.0
-"""Seconds after which an object is given up."""
+"""Seconds after which an object counts as unreadable."""
 Split = Literal["train", "val"]
 
 
 @dataclass(frozen=True, kw_only=True)
 class RealJob:
-    """One object to read; ``image_size`` 0 takes no picture."""
+    """One object to read; ``image_size`` 0 skips the picture."""
 
     folder: Path
     resolution: int
@@ -38,21 +38,21 @@ class RealJob:
 
 
 def list_split(folder: Path, split: Split) -> list[Path]:
-    """The objects of a split, in order.
+    """Folders of the objects of a split, in order.
 
     Raises:
         SourceError: If the folder has no readable ``splits.json``, or the split is empty.
     """
     path = folder / SPLITS
     try:
-        said = json.loads(path.read_text())
+        splits = json.loads(path.read_text())
     except OSError as error:
         raise SourceError(
             f"{path}: cannot be read ({error.strerror}); expected a folder with {SPLITS} and {OBJECTS}/"
         ) from error
     except json.JSONDecodeError as error:
         raise SourceError(f"{path}: is no JSON ({error})") from error
-    names = said.get(split) if isinstance(said, dict) else None
+    names = splits.get(split) if isinstance(splits, dict) else None
     if not isinstance(names, list) or not names:
         raise SourceError(f"{path}: split {split!r} holds {names!r}, expected a list of object ids")
     return [folder / OBJECTS / name for name in sorted(map(str, names))]
@@ -93,7 +93,7 @@ def read_reals(
     workers: int,
     on_done: Callable[[], None] | None = None,
 ) -> tuple[list[tuple[Asset, StructureExample]], dict[str, str]]:
-    """All readable objects of a split in order, and why the others are left out, by id.
+    """All readable objects of a split in order, and the reasons why others are left out, by id.
 
     Raises:
         SourceError: If there is no such split, or none of its objects can be read.
@@ -120,14 +120,14 @@ def read_reals(
 def real_examples(
     folder: Path, kept: Path, resolution: int, *, image_size: int, workers: int
 ) -> list[StructureExample]:
-    """The examples of the training split, read once and kept as a shard.
+    """The examples of the training split, read once and stored as a shard.
 
     Args:
-        folder: Holds ``splits.json`` and ``partnet_mobility/``; not looked at where the shard exists.
+        folder: Folder with ``splits.json`` and ``partnet_mobility/``; not read if the shard exists.
         kept: Folder for ``real.npz`` and ``left_out.json``.
         resolution: Edge of the fields.
-        image_size: Edge of the pictures; 0 takes none.
-        workers: Processes that read.
+        image_size: Edge of the pictures in pixels; 0 for none.
+        workers: Number of processes.
     """
     shard = kept / "real.npz"
     if not shard.is_file():

@@ -24,14 +24,14 @@ Stage = Literal[
 
 @dataclass(frozen=True, kw_only=True)
 class RunConfig:
-    """One run from nothing to weights."""
+    """One structure training run, from data to weights."""
 
     folder: Path
-    """Data, checkpoints and weights."""
+    """Folder for data, checkpoints and weights."""
     preset: PresetName = "compact"
-    """Sizes."""
+    """Sizes of the networks."""
     minutes: float = 30.0
-    """Budget of the training of all networks; making data comes on top."""
+    """Training time of all networks; making data takes additional time."""
     shards: int = 100
     """Shards of training data, 256 objects each."""
     held_out: int = 2
@@ -39,29 +39,29 @@ class RunConfig:
     objects: int = 256
     """Objects per shard."""
     partnet: Path | None = None
-    """Folder with partnet_mobility/ and splits.json: its training split is mixed in. Such weights are for
-    research only, as the data is."""
+    """Folder with partnet_mobility/ and splits.json, whose training split is mixed in. The weights are then
+    licensed for research only, like the data."""
     real_share: float = 0.1
     """Share of real objects among the examples, by repetition."""
     start: Path | None = None
-    """Folder of a model whose weights every network begins with."""
+    """Folder of a model with the initial weights of every network."""
     trellis: Path | None = None
-    """Public checkpoint of TRELLIS, without its suffix, whose weights the flow's network begins with."""
+    """Public checkpoint of TRELLIS, without its suffix, with the initial weights of the flow."""
     encoders: Path | None = None
-    """Folder with the public weights of DINOv2 and CLIP, for presets that read pictures and sentences with
-    these; without, both are left open in training."""
+    """Folder with the public weights of DINOv2 and CLIP, for presets that encode pictures and sentences with
+    them; without it, both conditions stay open in training."""
     workers: int = 2
     """Processes that make data."""
 
 
 def claim_run(cfg: RunConfig) -> None:
-    """Checks a configuration and the folder it goes on in; nothing is written if it cannot be.
+    """Checks a configuration and claims its folder; writes nothing if a check fails.
 
     Minutes and workers may change from one start to the next.
 
     Raises:
-        ArtigenError: If a number makes no sense, the preset is unknown, there are no real objects where they
-            are asked for, or the folder was started with other settings.
+        ArtigenError: If a number is out of range, the preset is unknown, real objects are requested but
+            missing, or the folder was started with other settings.
     """
     if cfg.preset not in PRESETS:
         raise ArtigenError(f"preset {cfg.preset!r}, expected one of {', '.join(PRESETS)}")
@@ -73,7 +73,7 @@ def claim_run(cfg: RunConfig) -> None:
     if not 0 < cfg.real_share < 1:
         raise ArtigenError(f"share of real objects {cfg.real_share:g}, expected between 0 and 1")
     if cfg.start is not None and cfg.trellis is not None:
-        raise ArtigenError(f"the flow cannot begin with both {cfg.start} and {cfg.trellis}; name one")
+        raise ArtigenError(f"the flow cannot start from both {cfg.start} and {cfg.trellis}; give one")
     if cfg.trellis is not None and not isinstance(PRESETS[cfg.preset].flow, StructureDitConfig):
         raise ArtigenError(f"{cfg.trellis}: preset {cfg.preset!r} has another flow than TRELLIS; train paper")
     if cfg.partnet is not None:
@@ -105,17 +105,17 @@ def run_conditions(cfg: RunConfig) -> ConditionConfig:
 
 
 def claim_start(start: Path | None, preset: str) -> str | None:
-    """The hash of the model that a run begins with, if it begins with one.
+    """Hash of the model that a run starts from; None if it starts from none.
 
     Raises:
         ArtigenError: If there is no such model, or one of its networks has another preset.
     """
     if start is None:
         return None
-    for name, said in read_description(start).items():
-        if said.get("preset") != preset:
+    for name, entry in read_description(start).items():
+        if entry.get("preset") != preset:
             raise ArtigenError(
-                f"{start}: {name} has the sizes of preset {said.get('preset')!r}, and the run those of "
-                f"{preset!r}; ask for the former, or leave --start out"
+                f"{start}: {name} has the sizes of preset {entry.get('preset')!r}, but the run has those of "
+                f"{preset!r}; use the former preset, or leave --start out"
             )
     return hash_model(start)

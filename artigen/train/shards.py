@@ -1,7 +1,6 @@
 """Shards of examples, written by worker processes, each from its own range of seeds.
 
-A shard appears whole or not at all, so a run that was stopped goes on where it was, and training reads
-what is there while the rest is being made.
+A shard appears whole or not at all, so an interrupted run resumes where it stopped.
 """
 
 import tempfile
@@ -25,9 +24,9 @@ from artigen.types import PAPER_CATEGORIES
 HELD_OUT = 10_000
 """Seeds below this are never trained on."""
 PER_OBJECT = ("counts", "size")
-"""Numbers that an example's condition has as many of, whatever the object."""
+"""Arrays of an example's condition that have the same shape for every object."""
 ARRAYS = ("names", "categories", "resolution", "patches", "parts", "index", "rows", "table", "counts", "size")
-"""What every shard holds; pictures, if all examples have one."""
+"""Arrays of every shard; there are also pictures if all examples have one."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,9 +42,9 @@ class ShardConfig:
     resolution: int = 64
     """Edge of the fields."""
     image_size: int = 128
-    """Edge of the pictures; 0 takes none."""
+    """Edge of the pictures in pixels; 0 for none."""
     timeout: float = 600.0
-    """Seconds after which a shard is given up."""
+    """Seconds after which a shard counts as failed."""
 
 
 Config = TypeVar("Config", bound=ShardConfig)
@@ -53,7 +52,7 @@ Example = TypeVar("Example")
 
 
 class Conditioned(Described, Protocol):
-    """An example with a name and what a condition can ask for."""
+    """An example with a name and the values of all conditions."""
 
     @property
     def name(self) -> str: ...
@@ -85,18 +84,18 @@ def make_shards(
     workers: int,
     on_done: Callable[[Path], None] | None = None,
 ) -> list[Path]:
-    """Makes the shards that are missing and returns all of them, in order.
+    """Makes the shards that are missing and returns the paths of all, in order.
 
     Args:
-        folder: Where they are.
-        count: How many there are to be.
-        cfg: What they hold.
-        make: Makes one, in a worker process.
-        workers: Processes.
-        on_done: Called after each.
+        folder: Folder of the shards.
+        count: Number of shards.
+        cfg: Configuration of their examples.
+        make: Makes one shard, in a worker process.
+        workers: Number of processes.
+        on_done: Called after each new shard.
 
     Raises:
-        SourceError: If a shard could not be made; names it and why.
+        SourceError: If a shard could not be made; gives its path and the reason.
     """
     folder.mkdir(parents=True, exist_ok=True)
     jobs = [
@@ -120,13 +119,13 @@ def draw_shard(
     """Draws the objects of one shard by category and seed, and writes it; for worker processes."""
     import torch
 
-    torch.set_num_threads(1)  # there is a process per core already
+    torch.set_num_threads(1)  # there is one process per core
     write(job.path, [draw(category, seed) for category, seed in job.objects()])
     return job.path
 
 
 def condition_arrays(examples: Sequence[Conditioned]) -> dict[str, np.ndarray]:
-    """Names and conditions of examples as arrays; pictures if all have one."""
+    """Names and conditions of examples as arrays, with pictures if all have one."""
     arrays = {
         "names": np.array([one.name for one in examples]),
         "categories": np.array([one.category for one in examples]),
@@ -137,7 +136,7 @@ def condition_arrays(examples: Sequence[Conditioned]) -> dict[str, np.ndarray]:
 
 
 def pick_condition(arrays: dict[str, np.ndarray], number: int) -> dict[str, Any]:
-    """The fields that `condition_arrays` has stored, of one example."""
+    """The fields of one example that `condition_arrays` has stored."""
     return {
         "name": str(arrays["names"][number]),
         "category": str(arrays["categories"][number]),
@@ -147,7 +146,7 @@ def pick_condition(arrays: dict[str, np.ndarray], number: int) -> dict[str, Any]
 
 
 def save_shard(path: Path, arrays: dict[str, np.ndarray], *, packed: bool) -> None:
-    """Writes arrays to one npz file, whole or not at all; ``packed`` takes time and saves room."""
+    """Writes arrays to one npz file, whole or not at all; ``packed`` compresses it."""
     save = np.savez_compressed if packed else np.savez
     with tempfile.NamedTemporaryFile(dir=path.parent, prefix=".shard", suffix=".npz", delete=False) as file:
         save(file, **arrays)  # type: ignore[arg-type]
@@ -170,13 +169,13 @@ def read_shard(path: Path) -> Iterator[StructureExample]:
     """The examples of a shard.
 
     Raises:
-        SourceError: If the file is damaged or something else.
+        SourceError: If the file is damaged or no shard.
     """
     try:
         with np.load(path) as stored:
             arrays = {name: stored[name] for name in stored.files}
     except (OSError, EOFError, ValueError, zipfile.BadZipFile, zlib.error) as error:
-        raise SourceError(f"{path}: is no whole shard ({error}); delete it to have it made again") from error
+        raise SourceError(f"{path}: is no complete shard ({error}); delete it to make it again") from error
     missing = [name for name in ARRAYS if name not in arrays]
     if missing:
         raise SourceError(f"{path}: is no shard of examples, it lacks {', '.join(missing)}")

@@ -34,21 +34,21 @@ SIZES: dict[str, SketchNetworkConfig] = {
 }
 """Sizes by preset."""
 MEASURED = 90
-"""Held-out objects that are measured."""
+"""Least number of held-out objects that are scored."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class SketchRunConfig:
-    """One run from nothing to weights."""
+    """One sketch training run, from data to weights."""
 
     folder: Path
-    """Data, checkpoints and weights."""
+    """Folder for data, checkpoints and weights."""
     preset: str = "small"
-    """Sizes."""
+    """Size of the network."""
     minutes: float = 90.0
-    """Budget of the training; making data comes on top."""
+    """Training time; making data takes additional time."""
     categories: tuple[str, ...] = CATEGORIES
-    """What is drawn."""
+    """Categories of the training objects."""
     shards: int = 24
     """Shards of training data, each of 100 objects of every category."""
     rows: int = 480
@@ -56,16 +56,17 @@ class SketchRunConfig:
     learning_rate: float = 1e-3
     """Peak learning rate; it falls over the last two fifths of the budget."""
     start: Path | None = None
-    """Folder of a model whose weights the network begins with."""
+    """Folder of a model with the initial weights."""
     workers: int = 2
     """Processes that make data."""
 
 
 def train_sketch(cfg: SketchRunConfig, *, on_report: Report | None = None) -> dict[str, float]:
-    """Makes what data is missing, trains, and stores the weights; returns the scores of held-out objects.
+    """Makes missing data, trains, and stores the weights; returns the scores of held-out objects.
 
     Raises:
-        ArtigenError: If a number makes no sense, or the folder was started with other settings.
+        ArtigenError: If a number is out of range, the preset is unknown or does not fit ``cfg.start``, or the
+            folder was started with other settings.
     """
     if cfg.preset not in SIZES:
         raise ArtigenError(f"preset {cfg.preset!r} of the sketch, expected one of {', '.join(SIZES)}")
@@ -98,7 +99,7 @@ def train_sketch(cfg: SketchRunConfig, *, on_report: Report | None = None) -> di
         ema=0.9995,
         weight_decay=0.02,
     )
-    seed = process_seed(loop.seed) + finished_steps(cfg.folder / "sketch")  # other batches at every start
+    seed = process_seed(loop.seed) + finished_steps(cfg.folder / "sketch")  # new batches after a resume
     batches = prefetch(draw_batches(trained, cfg.rows, seed))
     report = on_report or (lambda line: log_metrics("sketch", line))
     edge = EDGE if network.picture is None else network.picture.cfg.edge
@@ -121,7 +122,10 @@ def train_sketch(cfg: SketchRunConfig, *, on_report: Report | None = None) -> di
 
 @torch.no_grad()
 def score_examples(network: SketchNetwork, examples: Sequence[SketchExample]) -> dict[str, float]:
-    """Nats that a table costs on average and per field: asked for as in training, and by its picture."""
+    """Negative log-likelihood (nats) per table and per field, for requests as in training, and for pictures.
+
+    Scores for pictures are ``pictured`` and ``pictured_per_field``, if the network takes pictures.
+    """
     rng = np.random.default_rng(0)
     network.eval()
     scores = {}

@@ -1,8 +1,7 @@
 """Training examples of the sketch network: tables and photos in shards, and batches of them.
 
-Shards are made by worker processes before the training begins. A batch holds objects of about the same
-length, with their pictures or without; every object is asked for anew each time it is seen, as vaguely or
-exactly as chance has it.
+Worker processes make the shards before training begins. A batch holds objects of similar length, with or
+without pictures. Every time an object is used, a new request for it is sampled, from vague to exact.
 """
 
 import logging
@@ -36,13 +35,13 @@ Table = Int[np.ndarray, "T W"]
 SHARD = 100
 """Seeds per shard, each drawn for all categories."""
 TIMEOUT = 1800.0
-"""Seconds after which a shard is given up."""
+"""Seconds after which a shard counts as failed."""
 READ, HEADS = 0.5, 16
-"""Share of the batches that are of pictures with headers and finishes alone, and pictures in each."""
+"""Share of batches that hold pictures with headers and finishes alone, and number of pictures in each."""
 PICTURED, ALONE = 0.8, 0.6
-"""Share of the other batches that come with pictures, and of their objects of which nothing else is asked."""
+"""Share of the other batches with pictures, and share of their objects without any other request."""
 WINDOW = 6
-"""A batch is drawn from so many times its objects next to each other by length."""
+"""A batch is sampled from this many times its size of objects that are adjacent by length."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -64,7 +63,7 @@ class _ShardJob:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SketchExample:
-    """An object as a table, and what it looks like."""
+    """An object as a table, with its photo."""
 
     table: Table
     photo: PackedPhoto | None = None
@@ -72,7 +71,7 @@ class SketchExample:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SketchBatch:
-    """Objects side by side, with their pictures or without."""
+    """A batch of objects, with or without pictures."""
 
     rows: RowBatch
     photos: PhotoBatch | None
@@ -84,8 +83,11 @@ class SketchBatch:
 
 
 def draw_batches(examples: Sequence[SketchExample], rows: int, seed: int) -> Iterator[SketchBatch]:
-    """Endless batches: of about ``rows`` rows, of objects of like length, most with pictures; where there are
-    pictures, half the batches are of `HEADS` pictures with headers and finishes alone."""
+    """Endless batches of about ``rows`` rows, of objects of similar length, most with pictures.
+
+    If there are pictures, a share of `READ` of the batches holds `HEADS` pictures with headers and finishes
+    alone.
+    """
     rng = np.random.default_rng(seed)
     shown = [(head_of(example.table), example.photo) for example in examples if example.photo is not None]
     order = np.argsort([len(example.table) for example in examples], kind="stable")
@@ -133,13 +135,13 @@ def make_examples(
     """Makes the shards that are missing and reads all.
 
     Args:
-        folder: Of the shards.
+        folder: Folder of the shards.
         first: Seed of the first object of each category.
-        shards: How many.
-        categories: What is drawn.
+        shards: Number of shards.
+        categories: Categories of the objects.
         count: Seeds per shard, each drawn for all categories.
-        workers: Processes that make them.
-        photos: Whether objects are photographed, too.
+        workers: Number of processes that make shards.
+        photos: Whether photos of the objects are made as well.
 
     Raises:
         SourceError: If a shard cannot be made or read.
@@ -169,7 +171,7 @@ def _make_shard(worker: Worker, job: _ShardJob) -> Outcome[int]:
 
 
 def _write_shard(job: _ShardJob) -> int:
-    """Draws objects of the categories and writes their tables and photos; what is too long is left out."""
+    """Draws objects of the categories and writes their tables and photos; too long tables are left out."""
     tables, photos = [], []
     rng = np.random.default_rng([job.first, 1])
     for seed in range(job.first, job.first + job.count):
@@ -198,13 +200,13 @@ def _read_shard(job: _ShardJob) -> list[SketchExample]:
         with np.load(path) as stored:
             rows, ends = stored["rows"].astype(np.int64), stored["ends"]
     except (OSError, ValueError, KeyError) as error:
-        raise SourceError(f"{path}: no shard of tables ({error}); delete it to have it made anew") from error
+        raise SourceError(f"{path}: is no shard of tables ({error}); delete it to make it again") from error
     tables = np.split(rows, ends[:-1])
     if not job.photos:
         return [SketchExample(table=table) for table in tables]
     photos = read_photos(job.path("photos"))
     if len(photos) != len(tables):
         raise SourceError(
-            f"{path}: {len(tables)} tables, and {len(photos)} photos beside it; delete both to make them anew"
+            f"{path}: {len(tables)} tables, but {len(photos)} photos; delete both files to make them again"
         )
     return [SketchExample(table=t, photo=p) for t, p in zip(tables, photos, strict=True)]

@@ -20,20 +20,21 @@ from artigen.train.sketch_photos import (
 from artigen.types import PART_LABELS
 
 READING = 0.3
-"""Weight of what the encoder is to read off pictures, beside the likelihood of tables."""
+"""Weight of the auxiliary losses of the picture encoder, relative to the likelihood of tables."""
 HEADER = 10.0
-"""Weight of the fields of a header beside a picture: few among hundreds, and what the picture has to tell."""
+"""Weight of the fields of a header where there is a picture: they are few among hundreds, and the picture
+determines them."""
 
 
 class SketchLosses(nn.Module):
-    """The losses of a sketch network as a network of their own: likelihood, and what is read off pictures."""
+    """The losses of a sketch network as a module: likelihood, and auxiliary losses of the picture encoder."""
 
     def __init__(self, network: SketchNetwork) -> None:
         super().__init__()
         self.network = network
 
     def forward(self, batch: SketchBatch) -> dict[str, Tensor]:
-        """Negative log likelihood of what is said (nats), and what the encoder reads off pictures."""
+        """Negative log-likelihoods of symbols and numbers (nats), and the auxiliary terms, by name."""
         sight, terms = None, {}
         if batch.photos is not None:
             seen, sight = self.network.look(batch.photos.image)
@@ -47,7 +48,7 @@ class SketchLosses(nn.Module):
 
 
 def weigh_fields(rows: RowBatch) -> tuple[Float[Tensor, "M"], Float[Tensor, "N"]]:
-    """Weights of the symbols and of the numbers that a batch says, in the order of their likelihoods."""
+    """Weights of the symbols and of the numbers of a batch, in the order of their likelihoods."""
     weights = torch.where(find_headers(rows), HEADER, 1.0)[..., None].expand(rows.said.shape)
     return weights[rows.said & (rows.axes < 0)], weights[rows.said & (rows.axes >= 0)]
 
@@ -55,7 +56,7 @@ def weigh_fields(rows: RowBatch) -> tuple[Float[Tensor, "M"], Float[Tensor, "N"]
 def sketch_losses(
     network: nn.Module, batch: SketchBatch, generator: torch.Generator, edge: int = EDGE
 ) -> dict[str, Tensor]:
-    """The terms of a batch, its pictures varied and scaled to ``edge`` pixels."""
+    """Loss terms of a batch, after augmentation of its pictures to ``edge`` pixels."""
     if batch.photos is not None:
         batch = replace(batch, photos=vary_photos(batch.photos, generator, edge))
     return network(batch)
@@ -64,8 +65,8 @@ def sketch_losses(
 def reading_losses(seen: Seen, photos: PhotoBatch) -> dict[str, Tensor]:
     """Losses of the encoder's picture readings, each with its weight.
 
-    The map of parts is the rate of a Poisson process: unlike a squared error, its likelihood is not content
-    with zeros where parts are few.
+    The map of parts is the rate of a Poisson process: unlike a squared error, its likelihood penalises
+    predictions of zero where parts are few.
     """
     truth = spread_spots(photos, seen.density.shape[-1])
     off = seen.density.sum(dim=(2, 3)) - truth.sum(dim=(2, 3))
@@ -94,12 +95,12 @@ def guessing_losses(seen: Seen, rows: RowBatch) -> dict[str, Tensor]:
 
 
 def find_headers(rows: RowBatch) -> Bool[Tensor, "B T"]:
-    """The row of each object that says its category, counts and extents; not those of requests."""
+    """Mask of the rows with category, counts and extents of each object; those of requests are left out."""
     return (rows.rows[..., 0] == ROW_KINDS.index("object")) & ~rows.asked
 
 
 def spread_spots(photos: PhotoBatch, edge: int) -> Float[Tensor, "B L h w"]:
-    """Parts of each label per cell: around the middle of every part in view a bump whose sum is 1."""
+    """Density of parts of each label per cell: a bump of sum 1 around the middle of every part in view."""
     places = torch.arange(edge, device=photos.centers.device) + 0.5
     at = (photos.centers + 1.0) * (edge / 2)
     bumps = torch.exp(-0.5 * (places - at[..., None]) ** 2)

@@ -1,8 +1,8 @@
-"""Training photos of the sketch network: objects from many sides, some slightly open.
+"""Training photos of the sketch network: objects from many sides, some with one part open.
 
-What a picture shows is kept with it: the label seen in the middle of each cell, the middles of the parts in
-view, and the direction of the camera. Backgrounds, colour casts, blur and grain come when a picture is used
-(`vary_photos`).
+Each picture is stored with its labels: the part label at the centre of each cell, the middles of the parts in
+view, and the direction of the camera. `vary_photos` adds backgrounds, colour casts, blur and grain when a
+picture is used.
 """
 
 import io
@@ -31,37 +31,38 @@ EDGE = 256
 NOTHING = len(PART_LABELS)
 """Label of a cell that shows no part."""
 IN_VIEW = 4
-"""Pixels of a part, at least, for it to be in view."""
+"""Least number of pixels of a part for it to be in view."""
 NEAR, FAR = (0.6, 0.3), (0.9, 0.7)
-"""Turn to either side and lift (radians) within which half of the cameras stand, and all others."""
+"""Largest yaw to either side and largest pitch (radians) of half of the cameras, and of the others."""
 OPEN = 0.2
-"""Share of the objects of which one part is open, by any amount."""
+"""Share of the objects with one part open, by any amount."""
 PLAIN = 0.85
-"""Share of the pictures that are cut out; the others show a background."""
+"""Share of the pictures without a background."""
 ZOOM, SHIFT = 0.09, 0.05
-"""Largest change of scale, and shift as a share of the edge."""
+"""Largest change of scale, and largest shift as a share of the edge."""
 SMALL = 0.6
 """Least scale of an object before a background."""
 GAIN, CAST, GAMMA, GRAIN, BLUR = 0.2, 0.06, 0.25, 0.03, 1.2
-"""Largest change of brightness, of single colour channels and of contrast; noise; pixels."""
+"""Largest change of brightness, of single colour channels and of the logarithm of gamma; largest standard
+deviations of noise, and of the blur in pixels."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Photo:
-    """A picture of an object, and what it shows."""
+    """A picture of an object, with its labels."""
 
     rgba: UInt8[np.ndarray, "S S 4"]
     """Premultiplied on black."""
     labels: UInt8[np.ndarray, "s s"]
-    """Label in the middle of each cell, `NOTHING` where there is none."""
+    """Label at the centre of each cell, `NOTHING` where there is none."""
     spots: Float[np.ndarray, "N 3"]
-    """Parts in view: label, then the middle of what is seen of it, right and down from -1 to 1."""
+    """Parts in view: label, then the middle of the visible pixels, right and down from -1 to 1."""
     view: Float[np.ndarray, "3"]
     """Yaw and pitch of the camera (radians), and half the diagonal of the object over its distance."""
 
 
 def take_photo(shape: Shape, rng: np.random.Generator) -> Photo:
-    """Photographs an object from somewhere in front, in some light, closed or with one part open."""
+    """Renders an object from a random direction in front, in random light, closed or with one part open."""
     qpos = np.zeros(len(shape.parts))
     free = [k for k, part in enumerate(shape.parts) if part.motion is not None and not part.needs]
     if free and rng.random() < OPEN:
@@ -104,7 +105,7 @@ def take_photo(shape: Shape, rng: np.random.Generator) -> Photo:
 
 
 def _find_spots(parts: Int[np.ndarray, "S S"], names: Int[np.ndarray, "P"]) -> Float[np.ndarray, "N 3"]:
-    """Label and place of the parts in view; pixels without a part have their number."""
+    """Label and place of the parts in view; pixels without a part hold ``len(names)``."""
     count, flat = len(names) + 1, parts.ravel()
     pixels = np.bincount(flat, minlength=count)[: len(names)]
     seen = np.flatnonzero(pixels >= IN_VIEW)
@@ -114,7 +115,7 @@ def _find_spots(parts: Int[np.ndarray, "S S"], names: Int[np.ndarray, "P"]) -> F
 
 
 def write_photos(path: Path, photos: Sequence[Photo]) -> None:
-    """Writes photos side by side, their pictures as PNG; the file appears whole."""
+    """Writes photos to one file, their pictures as PNG; the file appears whole."""
     pictures = [_to_png(photo.rgba) for photo in photos]
     scratch = path.with_name("." + path.name)
     np.savez(
@@ -151,7 +152,7 @@ def read_photos(path: Path) -> list[PackedPhoto]:
             labels, views = stored["labels"], stored["views"]
             spots = np.split(stored["spots"], stored["spot_ends"][:-1])
     except (OSError, ValueError, KeyError) as error:
-        raise SourceError(f"{path}: no file of photos ({error}); delete it to have it made anew") from error
+        raise SourceError(f"{path}: is no file of photos ({error}); delete it to make it again") from error
     starts = [0, *ends[:-1]]
     return [
         PackedPhoto(png=blob[start:end], labels=labels[k], spots=spots[k], view=views[k])
@@ -161,7 +162,7 @@ def read_photos(path: Path) -> list[PackedPhoto]:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PhotoBatch:
-    """Photos side by side, and all that is to be read off them."""
+    """A batch of photos with their labels."""
 
     image: Float[Tensor, "B 4 S S"]
     labels: Int[Tensor, "B s s"]
@@ -169,7 +170,7 @@ class PhotoBatch:
     """Labels of the parts in view."""
     centers: Float[Tensor, "B N 2"]
     given: Tensor
-    """Which of the rows are parts."""
+    """Mask of the rows that are parts, bool [B, N]."""
     view: Float[Tensor, "B 3"]
 
     def to(self, device: torch.device | str) -> "PhotoBatch":
@@ -178,7 +179,7 @@ class PhotoBatch:
 
 
 def gather_photos(photos: Sequence[PackedPhoto]) -> PhotoBatch:
-    """Unpacks photos and lays them side by side."""
+    """Unpacks photos into a batch."""
     from PIL import Image
 
     most = max(1, *(len(photo.spots) for photo in photos))
@@ -198,12 +199,12 @@ def gather_photos(photos: Sequence[PackedPhoto]) -> PhotoBatch:
 
 
 def vary_photos(photos: PhotoBatch, generator: torch.Generator, edge: int = EDGE) -> PhotoBatch:
-    """The same objects scaled, shifted, recoloured, blurred, and some before a background.
+    """Augments photos: scale, shift, colours, blur, noise, and backgrounds for some.
 
     Args:
-        photos: as they were taken.
-        generator: of all chance.
-        edge: pixels of the edge of the pictures that are returned; a multiple of `CELL`.
+        photos: Photos as rendered.
+        generator: Source of all randomness.
+        edge: Edge of the returned pictures in pixels; a multiple of `CELL`.
     """
     count, _, taken, _ = photos.image.shape
 
@@ -221,7 +222,7 @@ def vary_photos(photos: PhotoBatch, generator: torch.Generator, edge: int = EDGE
     grid = functional.affine_grid(affine, [count, 1, edge, edge], align_corners=False)
     image = functional.grid_sample(photos.image, grid, align_corners=False)
     coarse = functional.affine_grid(affine, [count, 1, edge // CELL, edge // CELL], align_corners=False)
-    marks = (photos.labels[:, None] - NOTHING).to(image.dtype)  # beyond the edge there is nothing
+    marks = (photos.labels[:, None] - NOTHING).to(image.dtype)  # padding with 0 then means `NOTHING`
     labels = functional.grid_sample(marks, coarse, mode="nearest", align_corners=False).round().long()
     alpha = image[:, 3:]
     color = (image[:, :3] / alpha.clamp(min=1e-2)).clamp(0.0, 1.0)
@@ -243,7 +244,7 @@ def vary_photos(photos: PhotoBatch, generator: torch.Generator, edge: int = EDGE
 
 
 def _blur(image: Float[Tensor, "B 3 S S"], sigma: Float[Tensor, "B"]) -> Float[Tensor, "B 3 S S"]:
-    """Each picture with a Gaussian of its own."""
+    """Blurs each picture with a Gaussian of its own standard deviation (pixels)."""
     steps = torch.arange(-3, 4, device=image.device)
     weights = torch.exp(-0.5 * (steps / sigma.clamp(min=0.1)[:, None]) ** 2)
     weights = (weights / weights.sum(dim=1, keepdim=True)).repeat_interleave(3, dim=0)

@@ -19,7 +19,7 @@ Network = TypeVar("Network", bound=nn.Module)
 
 
 def plan_loop(stage: StageConfig, minutes: float) -> LoopConfig:
-    """The loop of a stage that has its share of a budget."""
+    """Loop configuration of a stage, with its share of the budget."""
     return LoopConfig(
         minutes=minutes * stage.share,
         learning_rate=stage.learning_rate,
@@ -30,12 +30,12 @@ def plan_loop(stage: StageConfig, minutes: float) -> LoopConfig:
 
 
 def begin_stage(network: Network, start: Path | None, name: str) -> Network:
-    """A network as its stage finds it: as it was made, or with the weights of a model to go on from.
+    """A network in training mode, with the weights of a model if there is one to start from.
 
     Args:
-        network: new.
-        start: Folder of the model; None leaves the network as it is.
-        name: What the model calls the network.
+        network: New network.
+        start: Folder of the model; None keeps the initial weights.
+        name: Name of the network in the model.
 
     Raises:
         SourceError: If the model has no such network, or one of other sizes.
@@ -46,13 +46,13 @@ def begin_stage(network: Network, start: Path | None, name: str) -> Network:
 
 
 def describe_stage(folder: Path, start: Path | None, name: str) -> dict[str, object]:
-    """How far a stage has come, and what the model it began with says of itself."""
+    """Steps of a stage, and the description of the network that it started from."""
     steps: dict[str, object] = {"steps": finished_steps(folder)}
     return steps if start is None else {**steps, "start": read_description(start)[name]}
 
 
 def load_stage(network: Network, folder: Path) -> Network:
-    """A network with the weights that its stage has left, in full precision, where it runs fastest.
+    """A network with the weights of its stage, in full precision, on the GPU if there is one.
 
     Raises:
         SourceError: If the weights are damaged or of another network.

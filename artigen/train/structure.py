@@ -28,7 +28,7 @@ from artigen.train.loop import LoopConfig, Report, process_seed, train
 from artigen.train.structure_losses import StructureLossConfig, structure_losses
 
 DROPOUT = 0.1
-"""Share of samples without condition, and of fields left open in the others."""
+"""Share of samples without any condition, and of open fields in the others."""
 
 
 def train_structure_vae(
@@ -44,9 +44,9 @@ def train_structure_vae(
     """Trains {E, D} on fields (paper section 4.1).
 
     Args:
-        vae: On the CPU; it is moved.
-        examples: What is reconstructed.
-        folder: Of the stage.
+        vae: VAE on the CPU; it is moved to the device.
+        examples: Training examples.
+        folder: Folder of the stage.
         cfg: Budget and rates.
         batch: Objects per step.
         losses: Weights of the terms.
@@ -104,13 +104,13 @@ def train_structure_flow(
     """Trains the conditional rectified flow on latents (paper section 4.3).
 
     Args:
-        flow: On the CPU; it is moved.
+        flow: Flow on the CPU; it is moved to the device.
         latents: Posterior means and standard deviations of the examples.
-        examples: What was encoded, with its conditions and outlines.
-        folder: Of the stage.
+        examples: Encoded examples, with their conditions and outlines.
+        folder: Folder of the stage.
         cfg: Budget and rates.
         batch: Objects per step.
-        conditions: What can be asked for.
+        conditions: Conditions of the flow.
         time_mean: Mean of the logits of the times, 1 in TRELLIS.
         on_report: Called with every line of metrics.
     """
@@ -126,8 +126,8 @@ def train_structure_flow(
         times = draw_times(len(x_0), generator, mean=time_mean)
         asked = drop_conditions(drawn.conditions, DROPOUT, generator)
         outlines = blur_outlines(drawn.outlines, DROPOUT, generator) if flow.takes_outlines else None
-        said = network(diffuse(x_0, noise, times), times, asked, outlines)
-        errors = ((said.float() - target_velocity(x_0, noise)) ** 2).mean(dim=(1, 2, 3, 4))
+        velocity = network(diffuse(x_0, noise, times), times, asked, outlines)
+        errors = ((velocity.float() - target_velocity(x_0, noise)) ** 2).mean(dim=(1, 2, 3, 4))
         return {"velocity": torch.mean(flow.weights(times) * errors)}
 
     make = partial(latent_batch, latents=latents, conditions=conditions)
@@ -142,7 +142,7 @@ def latent_batch(
     latents: tuple[Tensor, Tensor],
     conditions: ConditionConfig,
 ) -> LatentBatch:
-    """Numbered examples as a flow is trained on them: their rows of the latents, conditions and outlines."""
+    """Training batch of a flow from numbered examples: their latents, conditions and outlines."""
     rows = torch.tensor([number for number, _ in chosen], device=latents[0].device)
     examples = [example for _, example in chosen]
     return LatentBatch(

@@ -1,9 +1,9 @@
 """Losses of the structure VAE: the paper's terms (section 4.1), reweighted for small parts.
 
 The paper: Dice on occupancy, cross-entropies, squared errors, all with weight 1, KL 0.001. Dice alone
-settles on a solution one cell too thick, unit-cube squares are small beside cross-entropies, and handles
-and knobs are one cell in fifty; so ``compact`` adds a binary cross-entropy, weighs regressions by ten and
-small parts by up to eight. What each is worth is in docs/reports/structure.md.
+converges to a solution one cell too thick, squared errors in the unit cube are small beside cross-entropies,
+and handles and knobs are one cell in fifty. Therefore ``compact`` adds a binary cross-entropy, weights
+regressions by ten and small parts by up to eight. docs/reports/structure.md has the ablation.
 """
 
 from dataclasses import dataclass
@@ -69,15 +69,15 @@ def structure_losses(
     """The reconstruction terms, each with its weight, by name.
 
     Args:
-        logits: occupancy of every cell of the batch.
-        attributes: channels after occupancy of the cells of the occupied patches, classes as logits.
-        patches: the truth.
-        cfg: weights.
-        layout: channels.
+        logits: Occupancy logits of every cell of the batch.
+        attributes: Channels after occupancy of the cells of the occupied patches, classes as logits.
+        patches: Ground truth.
+        cfg: Weights.
+        layout: Layout of the channels.
     """
     weights = _row_weights(patches, cfg, layout)
     truth = patches.table[patches.rows[patches.occupied()]]
-    said = attributes[patches.occupied()]
+    predicted = attributes[patches.occupied()]
     cell_weight = weights[patches.rows[patches.occupied()]]
     dense_weight = torch.ones_like(logits)
     dense_weight[patches.index] = weights[patches.rows]
@@ -101,7 +101,7 @@ def structure_losses(
         ("category", layout.category, torch.ones_like(cell_weight)),
     ):
         right = truth[:, after_occupancy(channels)]
-        error = functional.cross_entropy(said[:, after_occupancy(channels)], right, reduction="none")
+        error = functional.cross_entropy(predicted[:, after_occupancy(channels)], right, reduction="none")
         out[name] = cfg.classes * _mean(error, weight)
     capped = cell_weight.clamp(max=REGRESSION_CAP)
     movable = 1.0 - truth[:, after_occupancy(layout.joint_type)][:, layout.joint_types.index("fixed")]
@@ -111,7 +111,8 @@ def structure_losses(
         ("range", layout.range, capped * movable),
         ("box", layout.box, capped),
     ):
-        error = ((said[:, after_occupancy(channels)] - truth[:, after_occupancy(channels)]) ** 2).sum(dim=1)
+        off = predicted[:, after_occupancy(channels)] - truth[:, after_occupancy(channels)]
+        error = (off**2).sum(dim=1)
         out[name] = cfg.regression * _mean(error, weight)
     return out
 

@@ -1,1 +1,1 @@
-"""Public TRELLIS checkpoints, read from local folders into our networks."""
+"""Public TRELLIS checkpoints, loaded from local folders."""

@@ -1,6 +1,6 @@
-"""What the arguments in TRELLIS' checkpoint descriptions mean for our networks.
+"""Converts the arguments in TRELLIS' checkpoint descriptions to network configurations.
 
-Arguments that ask for anything that no public checkpoint has are refused by name.
+Values that no public checkpoint has are rejected by name.
 """
 
 from collections.abc import Iterable
@@ -15,11 +15,11 @@ from artigen.latent.conv_vae import ConvVaeConfig
 from artigen.latent.structure_dit import StructureDitConfig
 
 HEAD_CHANNELS = 64
-"""Channels of an attention head where the number of heads is not given."""
+"""Channels of an attention head if the number of heads is not given."""
 
 
 def conv_config(args: dict[str, Any], channels_key: str) -> ConvVaeConfig:
-    """Arguments of a structure encoder or decoder; ``channels_key`` names the field's channels."""
+    """Configuration of a structure encoder or decoder; ``channels_key`` names the field's channels."""
     given = {"norm_type": "layer", **args}
     _require(given, norm_type="layer")
     known = {
@@ -35,25 +35,27 @@ def conv_config(args: dict[str, Any], channels_key: str) -> ConvVaeConfig:
 
 
 def structure_dit_config(args: dict[str, Any]) -> StructureDitConfig:
-    """Arguments of a structure flow."""
+    """Configuration of a structure flow."""
     given = _flow_args({"patch_size": 2, **args})
     _reject_unknown(given, {field.name for field in fields(StructureDitConfig)})
     return StructureDitConfig(**given)
 
 
 def slat_dit_config(args: dict[str, Any]) -> SlatDitConfig:
-    """Arguments of a sparse flow."""
+    """Configuration of a sparse flow."""
     given = _flow_args({"patch_size": 2, "share_mod": False, "io_block_channels": None, **args})
     _require(given, share_mod=False)
     channels, patch = tuple(given.pop("io_block_channels", ())), given.pop("patch_size")
     if patch != 2 ** len(channels):
-        raise SourceError(f"patch_size {patch} does not go with {len(channels)} io_block_channels")
+        raise SourceError(
+            f"patch_size {patch} with {len(channels)} io_block_channels, expected {2 ** len(channels)}"
+        )
     _reject_unknown(given, {field.name for field in fields(SlatDitConfig)})
     return SlatDitConfig(io_block_channels=channels, **given)
 
 
 def slat_vae_config(args: dict[str, Any]) -> SlatVaeConfig:
-    """Arguments of a structured-latent encoder, or of the trunk of a decoder."""
+    """Configuration of a structured-latent encoder, or of the trunk of a decoder."""
     given = _with_heads(
         {"attn_mode": "swin", "pe_mode": "ape", "qk_rms_norm": False, "window_size": 8, **args}
     )
@@ -63,10 +65,10 @@ def slat_vae_config(args: dict[str, Any]) -> SlatVaeConfig:
 
 
 def gaussian_decoder_config(args: dict[str, Any]) -> GaussianDecoderConfig:
-    """Arguments of a Gaussian decoder."""
+    """Configuration of a Gaussian decoder."""
     given = dict(args)
-    said = {"scaling_activation": "softplus", **given.pop("representation_config")}
-    _require(said, scaling_activation="softplus")
+    representation = {"scaling_activation": "softplus", **given.pop("representation_config")}
+    _require(representation, scaling_activation="softplus")
     rates = {
         "_xyz": "offset_rate",
         "_features_dc": "color_rate",
@@ -83,10 +85,10 @@ def gaussian_decoder_config(args: dict[str, Any]) -> GaussianDecoderConfig:
         "3d_filter_kernel_size": "filter_scale",
         "2d_filter_kernel_size": "screen_filter",
     }
-    factors = said.pop("lr", {})
+    factors = representation.pop("lr", {})
     _reject_unknown(factors, rates)
-    _reject_unknown(said, known)
-    renamed = {known[key]: value for key, value in said.items()}
+    _reject_unknown(representation, known)
+    renamed = {known[key]: value for key, value in representation.items()}
     renamed |= {rates[key]: value for key, value in factors.items()}
     return GaussianDecoderConfig(trunk=slat_vae_config(given), gaussians=GaussianConfig(**renamed))
 
@@ -105,13 +107,15 @@ def _with_heads(args: dict[str, Any]) -> dict[str, Any]:
 
 
 def _require(given: dict[str, Any], **supported: object) -> None:
-    """Takes out arguments of which only one value is supported."""
+    """Removes arguments with a single supported value; raises `SourceError` on any other."""
     for key, wanted in supported.items():
         if (value := given.pop(key)) != wanted:
-            raise SourceError(f"{key} {value!r}: supported, and in all public checkpoints, is {wanted!r}")
+            raise SourceError(f"{key} {value!r}: only {wanted!r}, as in all public checkpoints, is supported")
 
 
 def _reject_unknown(args: Iterable[str], known: Iterable[str]) -> None:
     unknown = sorted(set(args) - set(known))
     if unknown:
-        raise SourceError(f"checkpoint arguments {', '.join(unknown)} are not understood")
+        raise SourceError(
+            f"unknown checkpoint arguments {', '.join(unknown)}, expected some of {', '.join(sorted(known))}"
+        )

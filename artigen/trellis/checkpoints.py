@@ -1,6 +1,6 @@
 """Public TRELLIS checkpoints: ``<name>.json`` (class and arguments) beside ``<name>.safetensors``.
 
-Loading is strict: every tensor of the file must be there, have its shape and be expected.
+Loading is strict: names and shapes of the tensors in the file must match the network exactly.
 """
 
 import json
@@ -31,12 +31,12 @@ def load_trellis(path: Path, *, dtype: torch.dtype = torch.float32) -> nn.Module
     """Builds the network that a checkpoint describes and loads it.
 
     Args:
-        path: the checkpoint without its suffix, for example ``ckpts/ss_flow_img_dit_L_16l8_fp16``.
-        dtype: number type of the weights; float32 on a CPU, where half precision overflows in places.
+        path: Checkpoint without its suffix, for example ``ckpts/ss_flow_img_dit_L_16l8_fp16``.
+        dtype: Number type of the weights; float32 on a CPU, where half precision overflows in places.
 
     Raises:
-        SourceError: If a file is missing or truncated, the class is unknown, an argument is not understood,
-            or keys or shapes differ.
+        SourceError: If a file is missing or truncated, the class or an argument is unknown, or keys or shapes
+            differ.
     """
     described = _read_description(path.with_name(path.name + ".json"))
     network = build_trellis(described["name"], described["args"])
@@ -49,7 +49,7 @@ def build_trellis(name: str, args: dict[str, Any]) -> nn.Module:
     """The network of a class name (with or without "Elastic") and its arguments, freshly initialised.
 
     Raises:
-        SourceError: If the class is none of ours, or an argument asks for something else.
+        SourceError: If the class or an argument is unknown, or a value is not supported.
     """
     given = dict(args)
     given.pop("use_fp16", None)
@@ -76,7 +76,7 @@ def build_trellis(name: str, args: dict[str, Any]) -> nn.Module:
 
 
 def orient_kernels(network: nn.Module, tensors: dict[str, Tensor]) -> dict[str, Tensor]:
-    """Sparse kernels as (out, x, y, z, in), also where a file holds them as (out, in, x, y, z)."""
+    """Tensors with sparse kernels as (out, x, y, z, in), converted where a file has (out, in, x, y, z)."""
     out = dict(tensors)
     for name, module in network.named_modules():
         key = f"{name}.weight"

@@ -2,8 +2,8 @@
 
 A field is a dense ``C x X x Y x Z`` array (`encode`, float32) in which every occupied cell carries
 the attributes of the part that owns it, constant within the part (paper section 3.1.1). The channel
-layout is a value, `FieldLayout`. The paper states 35 channels and enumerates 28; that the other
-seven are the one-hot object category is our reading.
+layout is a value, `FieldLayout`. The paper states 35 channels and enumerates 28; the other seven
+are read here as the one-hot object category.
 """
 
 from dataclasses import dataclass
@@ -47,7 +47,7 @@ class FieldLayout:
     length_unit: float = 1.0
     """Unit-cube lengths that read 1.0 in the translation range channel."""
     extra: int = 0
-    """Channels left zero at the end, for what a caller adds (a parent vote, a signed distance)."""
+    """Trailing channels left zero for a caller's own values (a parent vote, a signed distance)."""
 
     def __post_init__(self) -> None:
         for name in ("labels", "joint_types", "categories"):
@@ -122,7 +122,7 @@ DEFAULT_LAYOUT = FieldLayout()
 
 
 def after_occupancy(channels: slice) -> slice:
-    """Where channels of a layout lie in rows and tables that leave occupancy out."""
+    """Slice of the same channels in rows that omit occupancy."""
     return slice(channels.start - 1, channels.stop - 1)
 
 
@@ -173,8 +173,8 @@ class VoxelFields:
 def canonical_origin(part: Part) -> Float[np.ndarray, "3"]:
     """The origin that a field states for a part's joint.
 
-    Only the line (or, for a translation, only the direction) of an axis has a meaning; the field
-    fixes the rest: for turning joints the point of the axis line nearest to the centre of the part's
+    A joint determines only the line of its axis (for a translation, only the direction). The field
+    fixes the rest: for rotating joints the point of the axis line nearest to the centre of the part's
     own box, for prismatic and fixed joints the box centre itself.
     """
     center = part.box[0]
@@ -188,13 +188,13 @@ def joint_ranges(part: Part) -> Float[np.ndarray, "2"]:
     """Rotation range (radians) and translation range (unit lengths) of a part's joint.
 
     Raises:
-        ValueError: If the rest pose is not the lower limit; a field cannot say so.
+        ValueError: If the rest pose is not the lower limit, which a field cannot express.
     """
     joint = part.joint
     if joint.lower != 0.0:
         raise ValueError(
             f"part {part.name!r}: joint limits [{joint.lower:.6g}, {joint.upper:.6g}] do not start at the "
-            "rest pose, a field states ranges from 0; move the rest pose to the lower limit first"
+            "rest pose, but a field states ranges from 0; move the rest pose to the lower limit first"
         )
     match joint.type:
         case "fixed":
@@ -212,8 +212,8 @@ def part_attributes(
 ) -> Float[np.ndarray, "C"]:
     """The channel values of every voxel of a part.
 
-    A part states its own joint only: a fixed handle on a drawer is fixed here, and moves because the
-    tree hangs it from the drawer.
+    A part states its own joint only: a handle on a drawer is fixed here, and moves because its parent
+    is the drawer.
 
     Raises:
         ValueError: If the layout has no channel for the label or the joint type.
@@ -254,9 +254,9 @@ def name_joints(
 
 
 def name_category(table: Float[np.ndarray, "P C"], layout: FieldLayout = DEFAULT_LAYOUT) -> str | None:
-    """Category of the object whose parts are the rows of `tabulate_parts`; None where they say none."""
-    said = table[0, after_occupancy(layout.category)]
-    return layout.categories[said.argmax()] if said.any() else None
+    """Category of the object whose parts are the rows of `tabulate_parts`; None if it has no channel."""
+    one_hot = table[0, after_occupancy(layout.category)]
+    return layout.categories[one_hot.argmax()] if one_hot.any() else None
 
 
 def encode(asset: Asset, layout: FieldLayout = DEFAULT_LAYOUT) -> Float[np.ndarray, "C X Y Z"]:

@@ -1,7 +1,7 @@
-"""Outer direction of each voxel, for boards that are thinner than a voxel and have two sides.
+"""Outward direction of each voxel: a board thinner than a voxel has two sides, an outer and an inner one.
 
-The direction is read off the voxels alone, so it is the same in training, where pictures say what either
-side looks like, and for a drawn structure, whose sides are to be coloured.
+The direction depends on the voxels alone. It is therefore the same in training, where pictures show both
+sides, and for a sampled structure, whose sides are yet to be coloured.
 """
 
 import numpy as np
@@ -11,13 +11,13 @@ from scipy.ndimage import uniform_filter
 FACINGS = 6
 """Directions: -x, +x, -y, +y, -z, +z."""
 SIDES = 2
-"""The outer one and the inner one."""
+"""Sides of a voxel: outer, inner."""
 AROUND = 4
-"""Neighbours of a voxel across its sides."""
+"""Neighbours of a voxel in the plane of its sides."""
 CLEAR = 3
-"""Cells off a voxel from which something stands before it: nearer is the other face of a board."""
+"""Distance in cells from which a voxel before a side covers it; nearer ones are the board's other face."""
 LONGEST = 5
-"""Cells of one part in a row beyond which a row is no thinner than another."""
+"""Cells at which run lengths are clipped, and coordinate span from which a part is not thin."""
 
 
 def find_facings(
@@ -25,8 +25,8 @@ def find_facings(
 ) -> Int[np.ndarray, "N"]:
     """Direction (0 to 5) that the outer side of each voxel faces.
 
-    Its axis is the one along which the part is thinnest thereabouts. Outside is where the middle of the part
-    is not; for a part that is thin itself, where the middle of the object is not.
+    Its axis is the one along which the part is locally thinnest. It points away from the middle of the part
+    or, along axes on which the part as a whole is thin, away from the middle of the object.
 
     Args:
         coords: Cells (x, y, z) of the grid, each at most once.
@@ -51,7 +51,7 @@ def find_facings(
 def find_outward(
     coords: Integer[np.ndarray, "N 3"], part_ids: Integer[np.ndarray, "N"], axes: Integer[np.ndarray, "N"]
 ) -> Int[np.ndarray, "N"]:
-    """Direction (0 to 5) along each voxel's axis that leads away from where the inside is.
+    """Direction (0 to 5) along each voxel's axis that points away from the inside.
 
     Args:
         coords: Cells (x, y, z) of the grid.
@@ -66,7 +66,7 @@ def find_outward(
 def find_covered(
     coords: Integer[np.ndarray, "N 3"], facings: Integer[np.ndarray, "N"], resolution: int
 ) -> Bool[np.ndarray, "N 2"]:
-    """Whether something of the object stands straight before the outer side of each voxel, and the inner one.
+    """Whether the object has a voxel straight before the outer and the inner side of each voxel.
 
     Args:
         coords: Cells (x, y, z) of the grid.
@@ -96,7 +96,7 @@ def find_joined(
     facings: Integer[np.ndarray, "N"],
     resolution: int,
 ) -> Bool[np.ndarray, "N 2 2"]:
-    """Whether the part of a voxel goes on next to it, across its sides.
+    """Whether the part of each voxel continues in the adjacent cells in the plane of its sides.
 
     Args:
         coords: Cells (x, y, z) of the grid.
@@ -105,7 +105,7 @@ def find_joined(
         resolution: Edge of the grid.
 
     Returns:
-        Along +y and +z of the frame of the outer side (`facing_frames`): before the voxel, and after it.
+        By axis (+y and +z of the frame of the outer side, `facing_frames`), then before and after the voxel.
     """
     grid = np.pad(mark_voxels(coords, part_ids, resolution), 1, constant_values=-1)
     cells = coords.astype(np.int64) + 1
@@ -122,7 +122,7 @@ def count_behind(
     facings: Integer[np.ndarray, "N"],
     resolution: int,
 ) -> Int[np.ndarray, "N"]:
-    """How many cells of its part lie in a row with each voxel, itself among them, from one side to the other.
+    """Thickness in cells of each voxel's part at the voxel, along the axis of its facing.
 
     Args:
         coords: Cells (x, y, z) of the grid.
@@ -137,14 +137,14 @@ def count_behind(
 def mark_voxels(
     coords: Integer[np.ndarray, "N 3"], numbers: Integer[np.ndarray, "N"], resolution: int
 ) -> Int[np.ndarray, "R R R"]:
-    """The number of every cell of the grid, such as its part's; -1 where nothing is."""
+    """Dense grid of the number of each voxel, such as its part id; -1 in empty cells."""
     grid = np.full((resolution,) * 3, -1)
     grid[tuple(coords.astype(np.int64).T)] = numbers
     return grid
 
 
 def facing_frames() -> Float[np.ndarray, "6 3 3"]:
-    """Rotations from the frame of an outer side, which faces its +x, to the grid's; by direction."""
+    """Rotation per direction from the frame of an outer side, which faces +x in it, to the grid's frame."""
     frames = np.zeros((FACINGS, 3, 3))
     for axis in range(3):
         for way, sign in enumerate((-1.0, 1.0)):
@@ -158,8 +158,7 @@ def facing_frames() -> Float[np.ndarray, "6 3 3"]:
 def _find_middles(
     points: Real[np.ndarray, "N 3"], part_ids: Integer[np.ndarray, "N"], thin: float
 ) -> Float[np.ndarray, "N 3"]:
-    """Where the inside is for each point: the middle of its part, or of the whole along the axes along which
-    the part is thinner than ``thin``."""
+    """Middle of each point's part, or of the object along axes on which the part spans less than ``thin``."""
     out = np.tile(_middle(points), (len(points), 1))
     for part in np.unique(part_ids):
         own = part_ids == part
@@ -173,7 +172,7 @@ def _middle(points: Real[np.ndarray, "N 3"]) -> Float[np.ndarray, "3"]:
 
 
 def _measure_runs(grid: Int[np.ndarray, "R R R"], axis: int) -> Int[np.ndarray, "R R R"]:
-    """How many cells in a row along an axis belong to what each cell belongs to."""
+    """Length of the run of equal values through each cell along an axis."""
     lines = np.moveaxis(grid, axis, 2)
     starts = np.ones(lines.shape, dtype=bool)
     starts[:, :, 1:] = lines[:, :, 1:] != lines[:, :, :-1]

@@ -1,8 +1,8 @@
 """Voxels for Gaussians and the direction of their sides, from the surface inside them.
 
-A cell of a grid belongs to one part. Where two parts touch, one of them may be left without cells, and its
-surface would be bare once the object opens: the inside of a door where it lies on the rim of its body. And a
-voxel has two sides, so the axis that most of its surface faces along is the one that shows most of it.
+A cell belongs to one part. Where two parts touch, one of them may be left without cells, and its surface
+would be bare once the object opens, like the inside of a door that lies on the rim of its body. Such surface
+gets a free cell beneath it. A voxel's sides face along the axis that most of its surface faces along.
 """
 
 from dataclasses import dataclass
@@ -15,35 +15,35 @@ from artigen.voxels.frames import find_facings, find_outward, mark_voxels
 from artigen.voxels.surface import SAMPLES, VoxelPlaces, find_voxels
 
 DEPTHS = (0.5, 1.0)
-"""Voxels beneath surface that lies in no voxel of its part at which a free cell is taken for it."""
+"""Depths in voxels, below surface in no voxel of its part, at which that part may take a free cell."""
 MORE = 1.5
-"""Times as much surface that must face along another axis for a voxel to turn, so that rims do not waver."""
+"""Factor by which more surface must face along another axis before a voxel turns; it steadies rims."""
 ENOUGH = SAMPLES**2 // 4
-"""Samples for which a cell is taken: of a quarter of a voxel's side."""
+"""Least number of samples for which a cell is taken: those of a quarter of a voxel's side."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Canvas:
-    """The voxels of a structure, which Gaussians are drawn for."""
+    """The voxels of a structure, for which Gaussians are predicted."""
 
     coords: Int[np.ndarray, "N 3"]
-    """In the model's resolution."""
+    """Cells (x, y, z) at the model's resolution."""
     part_ids: Int[np.ndarray, "N"]
-    """Part of each."""
+    """Part of each voxel."""
     facings: Int[np.ndarray, "N"]
-    """Direction of the outer side of each (`artigen.voxels.frames`)."""
+    """Direction of the outer side of each voxel (`artigen.voxels.frames`)."""
     table: Float[np.ndarray, "P C"]
     """Channels after occupancy of each part (`artigen.voxels.fields.tabulate_parts`)."""
     places: VoxelPlaces | None = None
-    """Where the surface of each lies, for models that are told."""
+    """Position of the surface within each voxel, for models that take it."""
 
 
 def lay_out(surface: SurfaceSamples, voxels: VoxelGrid) -> tuple[VoxelGrid, Int[np.ndarray, "N"]]:
-    """Voxels for all of a surface, and the direction (0 to 5) that the outer side of each faces.
+    """Voxels that cover all of a surface, and the direction (0 to 5) that the outer side of each faces.
 
     Args:
         surface: Samples, `artigen.voxels.surface.SAMPLES` along a voxel's edge.
-        voxels: Cells that it passes through.
+        voxels: Cells that the surface passes through.
     """
     covered = cover_surface(surface, voxels)
     facings = find_facings(covered.coords, covered.part_ids, covered.resolution)
@@ -51,11 +51,11 @@ def lay_out(surface: SurfaceSamples, voxels: VoxelGrid) -> tuple[VoxelGrid, Int[
 
 
 def cover_surface(surface: SurfaceSamples, voxels: VoxelGrid) -> VoxelGrid:
-    """The voxels, and free cells beneath surface that lies in cells of other parts alone.
+    """Adds free cells beneath surface that lies only in cells of other parts.
 
     Args:
         surface: Samples, `artigen.voxels.surface.SAMPLES` along a voxel's edge.
-        voxels: Cells that it passes through, each of one part.
+        voxels: Cells that the surface passes through, each of one part.
     """
     edge = voxels.resolution
     lost = ~find_voxels(surface, voxels)[1]
@@ -83,12 +83,12 @@ def cover_surface(surface: SurfaceSamples, voxels: VoxelGrid) -> VoxelGrid:
 def turn_facings(
     surface: SurfaceSamples, voxels: VoxelGrid, facings: Int[np.ndarray, "N"]
 ) -> Int[np.ndarray, "N"]:
-    """Facings along the axis that most of the surface in each voxel faces along, where it is `MORE`.
+    """Turns facings to the axis that most of the surface in each voxel faces along, by a factor of `MORE`.
 
     Args:
         surface: Samples, each of the same area.
         voxels: Cells of the same object.
-        facings: Directions of their outer sides as the voxels alone tell them (`artigen.voxels.frames`).
+        facings: Directions of their outer sides, found from the voxels alone (`artigen.voxels.frames`).
     """
     rows, own = find_voxels(surface, voxels)
     squares = surface.normals[own].astype(np.float64) ** 2

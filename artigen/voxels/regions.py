@@ -1,4 +1,4 @@
-"""Connected regions of voxels: faces (one part, one direction) and figures on them.
+"""Connected regions of voxels: faces (one part, one direction) and the shapes on them.
 
 Windows, trims and panels are rectangles, or discs on round doors.
 """
@@ -13,7 +13,7 @@ from artigen.voxels.cleanup.boxes import fill_boxes, find_boxes
 from artigen.voxels.frames import mark_voxels
 
 ROUND = 8
-"""Cells across a face, at least, for it to be round."""
+"""Least width in cells of a face that can count as round."""
 
 
 def find_edges(
@@ -43,20 +43,20 @@ def find_edges(
 
 
 def number_faces(count: int, edges: Int[np.ndarray, "E 2"]) -> Int[np.ndarray, "N"]:
-    """The face of each voxel: what is connected by pairs of neighbours."""
+    """Face number of each voxel: connected components of the neighbour pairs."""
     links = coo_array((np.ones(len(edges), dtype=bool), (edges[:, 0], edges[:, 1])), shape=(count, count))
     return connected_components(links, directed=False)[1]
 
 
 def is_round(face: Bool[np.ndarray, "H W"]) -> bool:
-    """Whether an ellipse says more of the outline of a face than a rectangle does."""
+    """Whether the inscribed ellipse matches the outline of a face better than its rectangle does."""
     whole, disc = np.asarray(binary_fill_holes(face)), draw_ellipse(*face.shape)
     alike = (whole & disc).sum() / (whole | disc).sum()
     return min(face.shape) >= ROUND and alike > whole.mean()
 
 
 def draw_ellipse(height: int, width: int) -> Bool[np.ndarray, "H W"]:
-    """The cells of a rectangle whose middles lie in its ellipse."""
+    """The cells of a rectangle whose centres lie in the inscribed ellipse."""
     y, z = (np.linspace(-1, 1, 2 * count + 1)[1::2] for count in (height, width))
     return y[:, None] ** 2 + z[None] ** 2 <= 1.0
 
@@ -66,6 +66,6 @@ def find_rectangles(evidence: Float[np.ndarray, "H W"], least: float) -> Bool[np
 
     Args:
         evidence: Above 0 for cells that belong to a rectangle, below 0 for others.
-        least: Sum over a rectangle for it to be one.
+        least: Least sum of evidence over a rectangle.
     """
     return fill_boxes((*evidence.shape, 1), find_boxes(evidence[..., None], least))[..., 0]

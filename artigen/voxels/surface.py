@@ -1,8 +1,9 @@
 """Surface position within voxels: height of either side and extent across.
 
-A voxel at the rim of a board, or on a wire, is filled in part; Gaussians that covered all of it would make
-boards thicker and wires bars. Read off samples of the surface, in the frame of the voxel's outer side: of the
-object itself in training, of the meshes that are made of the voxels of a drawn one.
+A voxel at the rim of a board, or on a wire, is only partly filled; Gaussians that covered all of it would
+thicken boards and turn wires into bars. Positions are measured on surface samples, in the frame of the
+voxel's outer side: samples of the object itself in training, of the meshes made from the voxels of a
+generated one.
 """
 
 from dataclasses import dataclass
@@ -17,47 +18,46 @@ from artigen.voxels.frames import facing_frames, mark_voxels
 SAMPLES = 3
 """Samples of the surface along a voxel's edge."""
 AHEAD = 0.5
-"""Cosine from which surface faces as the side does."""
+"""Least cosine between normal and side for surface to face the side's way."""
 BENEATH = (0.0, 0.5, 1.0)
-"""Voxels beneath a sample of surface at which its voxel is sought, where it lies in none of its part."""
+"""Depths in voxels beneath a sample at which a voxel of its part is sought, in this order."""
 HEIGHT = 0.3
-"""Voxels that a side lies off the middle of a voxel where no surface faces its way."""
+"""Distance in voxels of a side from the voxel's centre, assumed where no surface faces its way."""
 PLACES = 6
-"""Numbers that say where the surface of a voxel lies (`describe_places`)."""
+"""Numbers per voxel that describe the position of its surface (`describe_places`)."""
 HEIGHT_REACH = 0.75
-"""Voxels within which heights of sides are told, as the inverse hyperbolic tangent of their share in it."""
+"""Range of heights in voxels; they are encoded as the inverse hyperbolic tangent of their share of it."""
 MIDDLE_SPREAD = 0.25
-"""Voxels that middles are told in."""
+"""Unit of encoded middles, in voxels."""
 FARTHEST = 0.9
-"""Share of their reach that Gaussians are moved by at most."""
+"""Largest displacement of Gaussians, as a share of their reach."""
 APART = 0.3
-"""Voxels between the two sides of a voxel that are kept where they lie beyond it."""
+"""Distance in voxels, at most, that the two sides of a voxel keep when their heights are clipped."""
 NARROWEST = 0.1
-"""Least width of surface within a voxel: a narrower one would shrink Gaussians to nothing."""
+"""Least encoded width in voxels of the surface in a voxel: less would shrink Gaussians to nothing."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class VoxelPlaces:
-    """Surface within voxels, in voxels from their middles."""
+    """Position of the surface within voxels, in voxels from their centres."""
 
     heights: Float[np.ndarray, "N 2"]
-    """Of the outer side and of the inner one, outwards."""
+    """Heights of the outer and the inner side, positive outwards."""
     faced: Bool[np.ndarray, "N 2"]
-    """Whether there is surface that faces as either does; without, its height is only supposed."""
+    """Whether any surface faces the way of each side; if not, its height is assumed (`HEIGHT`)."""
     lowest: Float[np.ndarray, "N 2"]
-    """Where surface begins across, along the frame's +y and +z."""
+    """Start of the surface along the frame's +y and +z."""
     highest: Float[np.ndarray, "N 2"]
-    """Where it ends."""
+    """End of the surface along the frame's +y and +z."""
 
 
 @lru_cache(maxsize=1)
 def find_voxels(
     surface: SurfaceSamples, voxels: VoxelGrid
 ) -> tuple[Int[np.ndarray, "K"], Bool[np.ndarray, "S"]]:
-    """The voxels of those samples that lie in one of their own part or up to a voxel over it, and which
-    samples these are.
+    """Voxel of every sample that lies in, or up to a voxel above, one of its own part; and a mask of these.
 
-    The last answer is kept: facings, places and paint are read off the same samples one after another.
+    The last result is cached, because facings, places and paint use the same samples one after another.
     """
     edge = voxels.resolution
     grid = mark_voxels(voxels.coords, np.arange(len(voxels.coords)), edge)
@@ -72,10 +72,10 @@ def find_voxels(
 
 
 def measure_places(surface: SurfaceSamples, voxels: VoxelGrid, facings: Int[np.ndarray, "N"]) -> VoxelPlaces:
-    """Heights and reach of the surface in each voxel, as far as it is of the voxel's part.
+    """Heights and extent, within each voxel, of the surface of the voxel's own part.
 
-    A side is as high as the surface that faces its way. A voxel without samples of its part is taken to be
-    filled.
+    The height of a side is the mean over the surface that faces its way. A voxel without samples of its part
+    counts as filled.
 
     Args:
         surface: Samples, `SAMPLES` or more along a voxel's edge.
@@ -96,7 +96,7 @@ def measure_places(surface: SurfaceSamples, voxels: VoxelGrid, facings: Int[np.n
         faced[:, side] = number > 0
         heights[:, side] = np.where(faced[:, side], total / np.maximum(number, 1), sign * HEIGHT)
     low, high = np.full((count, 2), np.inf), np.full((count, 2), -np.inf)
-    for axis in (0, 1):  # one axis at a time is NumPy's fast way
+    for axis in (0, 1):  # NumPy is faster with one axis at a time
         np.minimum.at(low[:, axis], rows, off[:, 1 + axis])
         np.maximum.at(high[:, axis], rows, off[:, 1 + axis])
     empty = ~np.isfinite(low[:, 0])
@@ -111,8 +111,10 @@ def measure_places(surface: SurfaceSamples, voxels: VoxelGrid, facings: Int[np.n
 
 
 def _limit_heights(heights: Float[np.ndarray, "N 2"]) -> Float[np.ndarray, "N 2"]:
-    """Heights as far off as can be told, and sides apart as they were, by `APART` at most: of two sheets in
-    one place, one could not tell which is seen."""
+    """Clips heights to the encodable range; sides keep their distance up to `APART`.
+
+    Of two coincident sheets it would be undefined which one is visible.
+    """
     farthest = FARTHEST * HEIGHT_REACH
     limited = heights.clip(-farthest, farthest)
     lack = np.minimum(heights[:, 0] - heights[:, 1], APART) - (limited[:, 0] - limited[:, 1])
@@ -122,8 +124,11 @@ def _limit_heights(heights: Float[np.ndarray, "N 2"]) -> Float[np.ndarray, "N 2"
 
 
 def describe_places(places: VoxelPlaces) -> Float[np.ndarray, "N 6"]:
-    """The same, scaled as networks want it: heights of the outer side and of the inner one; of the surface
-    across, where its middle lies along +y and +z, and the logarithms of its widths."""
+    """Places encoded for networks, six numbers per voxel.
+
+    Heights of the outer and the inner side, then the middle of the surface along +y and +z, then the
+    logarithms of its widths.
+    """
     heights = np.arctanh((places.heights / HEIGHT_REACH).clip(-FARTHEST, FARTHEST))
     middles = (places.lowest + places.highest) / (2.0 * MIDDLE_SPREAD)
     widths = np.log(np.maximum(places.highest - places.lowest, NARROWEST))

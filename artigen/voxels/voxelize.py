@@ -1,6 +1,6 @@
 """Voxelises surfaces: labels by area majority, small parts preserved.
 
-`encode` and `decode` (the dense field and back) live in `artigen.voxels.fields` and are offered here too.
+`encode` and `decode` (the dense field and back) are re-exported from `artigen.voxels.fields`.
 """
 
 from collections.abc import Mapping
@@ -16,15 +16,15 @@ from artigen.voxels.frames import mark_voxels
 __all__ = ["assign_cells", "decode", "drop_unresolved", "encode", "find_heirs", "voxelize", "voxelize_again"]
 
 FAIR_SHARE = 0.5
-"""A part should own cells that hold this share of its area; below it the part may claim cells."""
+"""Share of its area that a part's own cells should hold; below it the part may claim cells."""
 TAKEN = 2.0
-"""What surface weighs whose next cell beneath is another part's, in voxels to a next cell that is free."""
+"""Loss, in voxels, of surface that has no usable cell beneath it (`weigh_losses`)."""
 
 
 def voxelize(surface: SurfaceSamples, resolution: int = 64) -> VoxelGrid:
     """Marks every cell that holds a sample and gives it to one part, as `assign_cells` does.
 
-    Samples count as area.
+    Every sample counts as the same area.
     """
     cells = find_cells(surface, resolution)
     return assign_cells(cells, surface.part_ids, np.ones(len(cells)), resolution)
@@ -37,8 +37,11 @@ def find_cells(surface: SurfaceSamples, resolution: int) -> Int[np.ndarray, "N 3
 
 
 def weigh_losses(surface: SurfaceSamples, resolution: int) -> Float[np.ndarray, "N"]:
-    """What each sample's part would lose if the sample's cell were another's: how far off the next cell
-    beneath it is, in voxels, and `TAKEN` where only other parts have surface in that."""
+    """Loss to each sample's part if the sample's cell went to another part, in voxels.
+
+    It is the distance to the next cell beneath the sample, or `TAKEN` where that cell lies outside the grid
+    or holds surface of other parts only.
+    """
     cells, part_ids = find_cells(surface, resolution), surface.part_ids.astype(np.int64)
     points = (surface.points.astype(np.float64) + 0.5) * resolution
     every, axes = np.arange(len(points)), np.abs(surface.normals).argmax(axis=1)
@@ -55,15 +58,15 @@ def weigh_losses(surface: SurfaceSamples, resolution: int) -> Float[np.ndarray, 
 
 
 def voxelize_again(surface: SurfaceSamples, voxels: VoxelGrid) -> VoxelGrid:
-    """Marks the cells that the surface made of voxels passes through, as `voxelize` does those of an object.
+    """Voxelises the surface of meshes that were made from voxels, as `voxelize` does that of an object.
 
-    Drawn voxels may be thick, and meshes made of them lie beside some. Of two parts in one cell, the one that
-    would lose more owns it (`weigh_losses`): the other's surface goes to the cell beneath
-    (`artigen.voxels.layout.cover_surface`). A part that no cell is left for keeps those that it had.
+    Generated voxels may be thick, so that the meshes made from them miss some. Of two parts in one cell, the
+    one that would lose more owns it (`weigh_losses`); the surface of the other goes to the cell beneath
+    (`artigen.voxels.layout.cover_surface`). A part that is left without a cell keeps the cells that it had.
 
     Args:
-        surface: Samples of the meshes that were made of the voxels.
-        voxels: What they were made of.
+        surface: Samples of the meshes.
+        voxels: Voxels that the meshes were made from.
     """
     cells, weights = find_cells(surface, voxels.resolution), weigh_losses(surface, voxels.resolution)
     found = assign_cells(cells, surface.part_ids, weights, voxels.resolution)
@@ -84,11 +87,11 @@ def assign_cells(
 ) -> VoxelGrid:
     """Gives every cell that surface passes through to one part.
 
-    The part with the largest area in a cell owns it; ties go to the lower part id. A part
-    smaller than a cell would lose every cell to the panel it sits on (the buttons of a microwave), so
-    then the parts whose cells hold less than `FAIR_SHARE` of their own area, smallest first, claim
-    the cells where they have most area until they reach that share. A claimed cell is not claimed
-    again. A part can still end up without a cell when several lie inside one; see `drop_unresolved`.
+    The part with the largest area in a cell owns it; ties go to the lower part id. A part smaller than
+    a cell would lose every cell to the panel it sits on (the buttons of a microwave). Therefore parts
+    whose cells hold less than `FAIR_SHARE` of their own area claim the cells where they have most area
+    until they reach that share, the smallest part first. A claimed cell is not claimed again. A part
+    can still end up without a cell when several lie inside one; see `drop_unresolved`.
 
     Args:
         cells: Cell of every piece of surface.
@@ -112,7 +115,7 @@ def assign_cells(
 
 
 def _claim(cell: np.ndarray, part: np.ndarray, areas: np.ndarray, owners: np.ndarray) -> np.ndarray:
-    """Lets starved parts take cells; rows of ``cell``, ``part``, ``areas`` are the pairs that meet."""
+    """Lets starved parts take cells; rows of ``cell``, ``part``, ``areas`` are the (cell, part) pairs."""
     totals = np.bincount(part, weights=areas)
     held = np.bincount(part, weights=areas * (owners[cell] == part), minlength=len(totals))
     starved = np.flatnonzero((totals > 0) & (held < FAIR_SHARE * totals))
@@ -131,11 +134,11 @@ def _claim(cell: np.ndarray, part: np.ndarray, areas: np.ndarray, owners: np.nda
 
 
 def find_heirs(parents: Mapping[str, str | None], asset: Asset) -> Int[np.ndarray, "P"]:
-    """The asset's part that each named part is: itself, or the ancestor that it was merged into.
+    """Index of the part that each named part became: itself, or the ancestor that it was merged into.
 
     Args:
-        parents: Of every part before, in order.
-        asset: What `drop_unresolved` has left of them.
+        parents: Name of the parent of every part before merging, in order; None for the root.
+        asset: Asset after `drop_unresolved`.
     """
     row = {part.name: index for index, part in enumerate(asset.parts)}
 
@@ -149,9 +152,8 @@ def find_heirs(parents: Mapping[str, str | None], asset: Asset) -> Int[np.ndarra
 def drop_unresolved(asset: Asset) -> Asset:
     """Merges every part that owns no voxel into its parent, and notes it.
 
-    Such a part is below the grid's resolution: nothing that looks at the voxels can find it again.
-    Its surface samples go to the parent and its children hang from the parent; a movable one stops
-    moving. Gaussians are relabelled likewise.
+    Such a part is below the grid's resolution and cannot be recovered from the voxels. Its surface
+    samples, Gaussians and children go to the parent; a movable part stops moving.
 
     Raises:
         ValueError: If the asset has no voxels, or the root owns none.

@@ -5,8 +5,8 @@ Along a pixel's list ``w_i = alpha_i (1 - alpha_1) ... (1 - alpha_{i-1})`` and t
 
     dL/dalpha_i = w_i / alpha_i (f_i . g) - sum_{j > i} w_j (f_j . g) / (1 - alpha_i),
 
-which needs the sum over what lies behind: the total, known from the picture, less what came before.
-Nothing but the picture is kept for the gradients, so memory does not grow with the lengths of the lists.
+which needs the sum over the splats behind: the total, known from the picture, less the sum so far. Only the
+picture is kept for the gradients, so memory does not grow with the lengths of the lists.
 """
 
 from collections.abc import Iterator
@@ -20,9 +20,9 @@ from artigen.splats.render.config import RasterConfig
 from artigen.splats.render.tiles import Grid, TileLists, find_boxes, iterate_lists
 
 STRIDE = 32
-"""List entries that a round takes of each tile as long as all of its tiles go on."""
+"""List entries per tile in a round while all of its tiles are active."""
 NOWHERE = -1e4
-"""Logarithm of the opacity of the splat that fills up short lists."""
+"""Logarithm of the opacity of the filler splat that pads short lists."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -35,7 +35,7 @@ class _Round:
     """From the splat to the middle of the tile (pixels)."""
     alpha: Float[Tensor, "A K P"]
     before: Float[Tensor, "A K P"]
-    """Light left before each entry."""
+    """Transmittance before each entry."""
     weights: Float[Tensor, "A K P"]
 
 
@@ -46,13 +46,13 @@ def blend(
     grid: Grid,
     cfg: RasterConfig,
 ) -> Float[Tensor, "H W F"]:
-    """Sums of features, weighted by how much of each splat is seen.
+    """Sums of features, weighted by the visibility of each splat.
 
     Args:
         ellipses: As in `Footprints`, nearest first.
-        features: What to sum up.
+        features: Features of each splat.
         reach: As in `Footprints`.
-        grid: The picture.
+        grid: Tiles of the picture.
         cfg: Cut-offs and working memory.
     """
     image = _Blend.apply(ellipses, features, reach, grid, cfg)
@@ -84,7 +84,7 @@ class _Blend(torch.autograd.Function):
 def _gradients(
     kept: tuple[Tensor, Tensor, Tensor, Tensor], grad: Float[Tensor, "T P F"], grid: Grid, cfg: RasterConfig
 ) -> tuple[Tensor, Tensor]:
-    """Gradients of both tables from that of the picture."""
+    """Gradients with respect to both tables from that of the picture."""
     table, features, reach, image = kept
     basis = _basis(grid, table)
     to_table, to_features = torch.zeros_like(table), torch.zeros_like(features)
@@ -106,7 +106,7 @@ def _gradients(
 
 
 def _rounds(table: Tensor, reach: Tensor, grid: Grid, cfg: RasterConfig) -> Iterator[_Round]:
-    """Walks all lists from the front, some tiles at a time, until nothing is left or seen."""
+    """Walks all lists from the front, some tiles at a time, until each list or its light is exhausted."""
     first, last = find_boxes(table[:-1, :2], reach, grid)
     basis = _basis(grid, table)
     together = max(1, cfg.fragments // (STRIDE * grid.tile**2))
@@ -143,9 +143,9 @@ def _walk(
 
 
 def _with_filler(ellipses: Tensor, features: Tensor) -> tuple[Tensor, Tensor]:
-    """The tables with one more splat that nobody sees."""
-    nobody = ellipses.new_tensor([[0.0, 0.0, 0.0, 0.0, 0.0, NOWHERE]])
-    return torch.cat([ellipses, nobody]), torch.cat([features, torch.zeros_like(features[:1])])
+    """Both tables with an invisible filler splat appended."""
+    filler = ellipses.new_tensor([[0.0, 0.0, 0.0, 0.0, 0.0, NOWHERE]])
+    return torch.cat([ellipses, filler]), torch.cat([features, torch.zeros_like(features[:1])])
 
 
 def _basis(grid: Grid, like: Tensor) -> Float[Tensor, "6 P"]:
@@ -169,7 +169,7 @@ def _terms(ellipses: Tensor, offsets: Tensor) -> Float[Tensor, "A K 6"]:
 
 
 def _chain(ellipses: Tensor, offsets: Tensor, terms: Tensor) -> Float[Tensor, "L 6"]:
-    """Gradients of the ellipses from those of their `_terms`."""
+    """Gradients with respect to the ellipses from those of their `_terms`."""
     (x, y), (a, b, c) = offsets.unbind(1), ellipses[:, 2:5].unbind(1)
     one, to_x, to_y, to_xx, to_xy, to_yy = terms.unbind(1)
     return torch.stack(

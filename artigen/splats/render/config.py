@@ -9,18 +9,18 @@ class RasterConfig:
     """Filter, cut-offs and working memory of the rasteriser; the defaults are those of TRELLIS."""
 
     backend: Literal["torch", "gsplat"] = "torch"
-    """Who draws: our own code, or the gsplat package (CUDA only, has its own ``max_alpha``)."""
+    """Implementation: artigen's own, or the gsplat package (CUDA only, with its own ``max_alpha``)."""
     filter_variance: float = 0.1
     """Variance (square pixels) that is added to every footprint; opacities fall so that its sum stays.
     Raise it when edges shimmer."""
     max_alpha: float = 0.99
-    """One splat covers a pixel by at most this share."""
+    """Largest coverage of a pixel by one splat."""
     min_alpha: float = 1.0 / 255.0
-    """Splats that cover a pixel by less are left out of it; lower it for finer tails and more time."""
+    """Least coverage of a pixel by a splat that counts; lower it for finer tails, at more time."""
     min_transmittance: float = 1e-4
-    """Tiles behind which less light than this is left in every pixel are finished."""
+    """A tile is finished when the transmittance of all its pixels has fallen to this."""
     near: float = 0.01
-    """Splats whose centre is nearer to the camera's plane than this are not drawn (scene units)."""
+    """Least depth of a splat's centre that is drawn (scene units)."""
     tile: int = 8
     """Edge of a tile in pixels."""
     fragments: int = 1 << 19

@@ -1,4 +1,4 @@
-"""The gsplat package (CUDA) behind the interface of our rasteriser; imported on demand."""
+"""The gsplat package (CUDA) behind the interface of the rasteriser; imported on demand."""
 
 import torch
 from jaxtyping import Float
@@ -12,10 +12,10 @@ from artigen.splats.render.splats import Rendering, Splats
 def rasterize_gsplat(
     splats: Splats, views: list[View], background: Float[Tensor, "B C"], cfg: RasterConfig
 ) -> Rendering:
-    """Pictures by gsplat 1.5's ``rasterization`` in its antialiased mode.
+    """Renders with ``rasterization`` of gsplat 1.5 in its antialiased mode.
 
-    It has fixed cut-offs: ``min_alpha`` 1 / 255, ``max_alpha`` 0.999, and it stops each pixel at a
-    transmittance of 1e-4; otherwise pictures are the same.
+    Its cut-offs are fixed: ``min_alpha`` 1 / 255, ``max_alpha`` 0.999, and a transmittance of 1e-4 per pixel.
+    Otherwise pictures are the same.
 
     Raises:
         ModuleNotFoundError: If gsplat is not installed.
@@ -25,7 +25,7 @@ def rasterize_gsplat(
     except ModuleNotFoundError as err:
         raise ModuleNotFoundError(
             "the gsplat backend needs the package gsplat and a CUDA device: pip install gsplat, "
-            'or take RasterConfig(backend="torch")'
+            'or use RasterConfig(backend="torch")'
         ) from err
     first = views[0]
     drawn, alpha, _ = rasterization(

@@ -24,16 +24,16 @@ def draw_gaussians(
     background: Sequence[float] = (1.0, 1.0, 1.0),
     cfg: RasterConfig | None = None,
 ) -> UInt8[np.ndarray, "H W 3"]:
-    """Renders Gaussians through a pinhole as sRGB levels, without lighting.
+    """Renders Gaussians through a pinhole camera as sRGB levels, without lighting.
 
     Args:
-        gaussians: In the unit of the camera.
-        position: Of the camera, z up.
-        target: What it looks at.
+        gaussians: Gaussians in the unit of the camera.
+        position: Position of the camera, z up.
+        target: Point at which the camera looks.
         fov: Vertical angle of view in degrees.
-        size: Pixels per row, and number of rows.
+        size: Width and height in pixels.
         background: sRGB in [0, 1].
-        cfg: Of the rasteriser.
+        cfg: Configuration of the rasteriser.
     """
     camera = Cameras(
         position=torch.tensor(position[None], dtype=torch.float64),

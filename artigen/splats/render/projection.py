@@ -1,9 +1,9 @@
 """Projects splats: elliptical weighted averaging with the filter of Mip-Splatting.
 
-A splat with covariance ``S`` at ``(x, y, z)`` before the camera leaves a Gaussian of covariance
-``J W S W^T J^T + k I`` in the picture, where ``W`` turns into the camera and ``J`` is the derivative of
-the projection (Zwicker et al., EWA Splatting, 2001). The filter ``k I`` makes it wider; its opacity falls
-by ``sqrt(det / det_filtered)``, so that it covers as much as before (Yu et al., Mip-Splatting, 2024).
+A splat with covariance ``S`` at ``(x, y, z)`` in front of the camera projects to a Gaussian of covariance
+``J W S W^T J^T + k I`` in the picture, where ``W`` rotates into the camera frame and ``J`` is the derivative
+of the projection (Zwicker et al., EWA Splatting, 2001). The filter ``k I`` widens it; its opacity falls by
+``sqrt(det / det_filtered)``, so that its total coverage stays (Yu et al., Mip-Splatting, 2024).
 """
 
 from dataclasses import dataclass

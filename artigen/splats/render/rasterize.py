@@ -22,12 +22,12 @@ def rasterize(
     background: Float[Tensor, "*B C"] | Sequence[float] | None = None,
     cfg: RasterConfig | None = None,
 ) -> Rendering:
-    """Pictures of one set of splats, one camera after the other.
+    """Renders one set of splats, one camera after the other.
 
     Args:
-        splats: What to draw.
-        cameras: Pinholes in the splats' unit.
-        background: Colour behind the splats, one for all pictures or one each; black without it.
+        splats: Splats to render.
+        cameras: Pinhole cameras in the splats' unit.
+        background: Colour behind the splats, one for all pictures or one each; black when None.
         cfg: Filter, cut-offs, working memory, backend.
 
     Raises:

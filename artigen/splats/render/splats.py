@@ -23,8 +23,8 @@ class Splats:
     opacities: Float[Tensor, "N"]
     """In [0, 1]."""
     colors: Float[Tensor, "N C"]
-    """Any number of channels, blended as they are. Viewers and TRELLIS blend sRGB values, so these are sRGB
-    where a picture is wanted."""
+    """Any number of channels, blended as they are. For pictures they are sRGB values, which viewers and
+    TRELLIS blend as well."""
 
     def __post_init__(self) -> None:
         fields = vars(self)
@@ -44,10 +44,10 @@ class Rendering:
     color: Float[Tensor, "B H W C"]
     """Splats over the background."""
     alpha: Float[Tensor, "B H W"]
-    """How much of a pixel the splats cover, 0 to 1."""
+    """Coverage of each pixel by the splats, 0 to 1."""
     depth: Float[Tensor, "B H W"]
-    """Mean depth of the splats along the viewing direction, weighted as their colours are; infinite where
-    there is none."""
+    """Mean depth of the splats along the viewing direction, weighted like their colours; infinite where there
+    is none."""
 
 
 def make_splats(

@@ -10,7 +10,7 @@ from torch import Tensor
 
 @dataclass(frozen=True, kw_only=True)
 class Grid:
-    """The tiles that cover a picture, row by row; the last ones may stand over."""
+    """The tiles that cover a picture, row by row; the last ones may extend beyond it."""
 
     width: int
     height: int
@@ -40,12 +40,12 @@ class TileLists:
 def find_boxes(
     centers: Float[Tensor, "V 2"], reach: Float[Tensor, "V 2"], grid: Grid
 ) -> tuple[Int[Tensor, "V 2"], Int[Tensor, "V 2"]]:
-    """First and last tile (column, row) with a pixel whose middle is within ``reach``; empty boxes end early.
+    """First and last tile (column, row) with a pixel whose centre is within ``reach``.
 
     A splat that reaches no pixel of the picture has a last tile before its first.
     """
     sizes = torch.tensor([grid.width, grid.height], device=centers.device)
-    # Bounded as floats: what lies far outside would not fit an integer.
+    # Clamped as floats: values far outside would overflow an integer.
     first = torch.ceil(centers - reach - 0.5).clamp(min=0).minimum(sizes).int()
     last = torch.floor(centers + reach - 0.5).clamp(min=-1).minimum(sizes - 1).int()
     first_tile = torch.div(first, grid.tile, rounding_mode="floor")
@@ -57,7 +57,7 @@ def find_boxes(
 def iterate_lists(
     first: Int[Tensor, "V 2"], last: Int[Tensor, "V 2"], grid: Grid, most: int
 ) -> Iterator[TileLists]:
-    """Lists of all tiles that have any, in bands of rows of tiles with at most ``most`` entries each.
+    """Non-empty lists of all tiles, in bands of rows of tiles with at most ``most`` entries each.
 
     A single row of tiles may have more. Splats keep their order; the longest lists of a band come first.
     """

@@ -1,4 +1,4 @@
-"""Batches for appearance training: voxels of several objects with some pictures of each."""
+"""Batches for appearance training: voxels of several objects with pictures of each."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from artigen.train.appearance.examples import AppearanceExample
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PictureBatch:
-    """Voxels of several objects, and as many pictures of each to be repeated."""
+    """Voxels of several objects, and target pictures, equally many of each."""
 
     coords: Int[Tensor, "N 4"]
     """Sample, x, y, z."""
@@ -22,15 +22,15 @@ class PictureBatch:
     facings: Int[Tensor, "N"]
     """Directions of outer sides."""
     part_ids: Int[Tensor, "N"]
-    """Counted within each sample."""
+    """Part of each voxel, counted within its sample."""
     rgb: Float[Tensor, "B M H W 3"]
     exposed: Bool[Tensor, "B M H W"]
     """Pixels of surface that the closed object hides."""
     background: Float[Tensor, "B M 3"]
     cameras: tuple[Cameras, ...]
-    """Of each sample."""
+    """Cameras of each sample."""
     displacements: tuple[Float[np.ndarray, "M P 4 4"], ...]
-    """Of each sample's parts, picture by picture."""
+    """Displacements of each sample's parts, picture by picture."""
 
     def to(self, device: torch.device | str) -> "PictureBatch":
         """The same batch on another device."""
@@ -45,7 +45,7 @@ class PictureBatch:
 def voxel_batch(
     examples: Sequence[AppearanceExample],
 ) -> tuple[Int[Tensor, "N 4"], Float[Tensor, "N C"], Int[Tensor, "N"]]:
-    """Places, features, and facings of all voxels, sample after sample."""
+    """Coordinates (sample, x, y, z), features and facings of all voxels, sample after sample."""
     feats, facings = (
         torch.from_numpy(np.concatenate([getattr(one, name) for one in examples]))
         for name in ("features", "facings")
@@ -65,7 +65,7 @@ def place_batch(examples: Sequence[AppearanceExample]) -> Int[Tensor, "N 4"]:
 def picture_batch(
     examples: Sequence[AppearanceExample], chosen: Sequence[Int[np.ndarray, "M"]]
 ) -> PictureBatch:
-    """Objects side by side with the chosen pictures of each, equally many."""
+    """Batch of objects with the chosen pictures of each, equally many."""
     coords, feats, facings = voxel_batch(examples)
     taken = [(one.pictures, rows) for one, rows in zip(examples, chosen, strict=True)]
     part_ids = np.concatenate([one.part_ids for one in examples]).astype(np.int64)
@@ -89,13 +89,13 @@ def picture_batch(
 def draw_picture_batches(
     examples: Sequence[AppearanceExample], size: int, pictures: int, seed: int, *, start: int = 0
 ) -> Iterator[PictureBatch]:
-    """Endless batches, each a function of its number: a run can go on with the one it would have had next.
+    """Endless batches, each a function of its number, so that a run can resume at any batch.
 
     Args:
-        examples: In memory.
-        size: Objects in a batch; every epoch holds each object once, in a new order.
-        pictures: Of each object, drawn without repetition while there are enough.
-        seed: Of orders and pictures.
+        examples: Examples in memory.
+        size: Objects per batch; every epoch holds each object once, in a new order.
+        pictures: Pictures of each object, drawn without repetition if there are enough.
+        seed: Seed of orders and pictures.
         start: Number of the first batch.
     """
     number = start

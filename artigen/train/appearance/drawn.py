@@ -1,6 +1,6 @@
-"""Voxels of procedural objects as sampled by a structure model, for training besides true ones.
+"""Voxels of procedural objects as sampled by a structure model, for training in addition to true ones.
 
-A flow of latents that has seen true voxels alone leaves gaps and smears on drawn ones.
+A latent flow trained on true voxels alone leaves gaps and smears on sampled ones.
 """
 
 from collections.abc import Callable, Iterator, Sequence
@@ -27,29 +27,29 @@ from artigen.voxels.layout import lay_out
 from artigen.voxels.voxelize import voxelize_again
 
 SHIFTED, STRAY, HOLES = 0.3, 0.03, 6
-"""Share of parts that are off, shares of cells that are off and that lack, and number of holes."""
+"""Share of displaced parts; share of displaced cells, and of missing ones; number of holes."""
 NEAR = 2.5
-"""Cells within which a drawn voxel looks as the nearest true one of its part that faces as it does."""
+"""Largest distance (cells) of a sampled voxel to the true one of its part and facing that it looks like."""
 STORED = {"coords": np.uint8, "part_ids": np.uint8, "facings": np.uint8, "rows": np.int32, "like": np.int32}
-"""Fields of `DrawnVoxels`, and as what they are written."""
+"""Fields of `DrawnVoxels` and their types in a file."""
 PER_ROW = ("rows", "like")
-"""Those of them that are not of every voxel."""
+"""Fields that do not have one entry per voxel."""
 
 Resurface = Callable[[Asset], SurfaceSamples]
-"""Samples of the surface that is made of an asset's voxels (`sim_export.geometry.surface.sample_surface`)."""
+"""Samples of the surface made from an asset's voxels (`sim_export.geometry.surface.sample_surface`)."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class DrawnVoxels:
-    """Voxels of an object, and which true ones they look like."""
+    """Sampled voxels of an object, and the true voxels that they look like."""
 
     coords: Int[np.ndarray, "N 3"]
     part_ids: Int[np.ndarray, "N"]
     facings: Int[np.ndarray, "N"]
     rows: Int[np.ndarray, "K"]
-    """Those that look like a true one."""
+    """Rows of the voxels that look like a true one."""
     like: Int[np.ndarray, "K"]
-    """Which one."""
+    """Row of that true voxel."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,18 +57,18 @@ class DrawnShardConfig(ShardConfig):
     """Configuration of the examples of a folder."""
 
     structure: Path | None = None
-    """Folder of the model that draws the voxels; without one, they are roughened."""
+    """Folder of the model that samples the voxels; without one, true voxels are roughened."""
     resurface: Resurface | None = None
-    """Makes the surface that drawn voxels stand for, as for a package; without, they are taken as drawn."""
+    """Makes the surface of sampled voxels, as for a package; without it, voxels are used as sampled."""
 
 
 def roughen(voxels: VoxelGrid, facings: Int[np.ndarray, "N"], rng: np.random.Generator) -> DrawnVoxels:
-    """Voxels as a model might have drawn them: parts a cell off, cells off their surface, holes.
+    """True voxels with errors like those of a model: parts a cell off, stray cells, holes.
 
     Args:
-        voxels: the true ones.
-        facings: directions of their outer sides, which are kept.
-        rng: of everything that is drawn.
+        voxels: True voxels.
+        facings: Directions of their outer sides, which are kept.
+        rng: Source of all randomness.
     """
     cells, part_ids = voxels.coords.astype(np.int64), voxels.part_ids.astype(np.int64)
     parts = np.unique(part_ids)
@@ -98,20 +98,20 @@ def redraw(
     rng: np.random.Generator,
     resurface: Resurface | None = None,
 ) -> DrawnVoxels:
-    """Voxels that a structure model draws within the outline of an object.
+    """Voxels that a structure model samples within the outline of an object.
 
-    Where their surface can be made and no part lacks voxels, they are those that it passes through, as when
-    an object is generated (`artigen.appearance.draw.generate_appearance`).
+    With ``resurface``, and if no part lacks voxels, the result is the voxels that the surface passes through,
+    as in generation (`artigen.appearance.draw.generate_appearance`).
 
     Args:
-        model: trained, one that draws within outlines.
-        asset: the object, with voxels in the model's resolution.
-        facings: directions of the outer sides of its voxels.
-        rng: of the noise.
-        resurface: makes the surface of what is drawn.
+        model: Trained model that takes outlines.
+        asset: Object with voxels at the model's resolution.
+        facings: Directions of the outer sides of its voxels.
+        rng: Source of the noise.
+        resurface: Makes the surface of the sampled voxels.
 
     Raises:
-        ValueError: If the model draws without outlines, or the asset has no voxels of its resolution.
+        ValueError: If the model takes no outlines, or the asset has no voxels at its resolution.
     """
     voxels, wanted = asset.voxels, model.preset.resolution
     if not model.preset.takes_outlines or voxels is None or voxels.resolution != wanted:
@@ -155,7 +155,7 @@ def draw_again(
     model: StructureModel | None,
     resurface: Resurface | None = None,
 ) -> DrawnVoxels:
-    """Voxels that a model draws (`redraw`); without one, roughened ones."""
+    """Voxels that a model samples (`redraw`); without a model, roughened ones."""
     if model is not None:
         return redraw(model, asset, facings, rng, resurface)
     assert asset.voxels is not None
@@ -163,7 +163,7 @@ def draw_again(
 
 
 def make_drawn_shard(job: ShardJob[DrawnShardConfig]) -> Path:
-    """Draws the voxels of the objects of one shard and writes them; runs in a worker process."""
+    """Samples the voxels of the objects of one shard and writes them; runs in a worker process."""
     model = None if job.cfg.structure is None else load_structure_model(job.cfg.structure)
     draw = partial(draw_drawn, resolution=job.cfg.resolution, model=model, resurface=job.cfg.resurface)
     return draw_shard(job, draw, write_drawn_shard)
@@ -177,7 +177,7 @@ def draw_drawn(
     model: StructureModel | None = None,
     resurface: Resurface | None = None,
 ) -> DrawnVoxels:
-    """Voxels of a procedural object, drawn again."""
+    """Voxels of a procedural object as a model samples them."""
     shape = draw_shape(category, seed)
     asset, facings = lay_true_voxels(shape, shape_to_asset(shape, resolution))
     return draw_again(asset, facings, np.random.default_rng(seed), model, resurface)
@@ -217,7 +217,7 @@ def read_drawn_shard(path: Path) -> Iterator[DrawnVoxels]:
 def _find_like(
     true: Int[np.ndarray, "N 5"], drawn: Int[np.ndarray, "M 5"]
 ) -> tuple[Int[np.ndarray, "K"], Int[np.ndarray, "K"]]:
-    """Drawn voxels (cell, part, facing) near true ones of their part and facing, and the nearest of these."""
+    """Rows of sampled voxels (cell, part, facing) near true ones of their part and facing; rows of these."""
     apart = np.array([1.0, 1.0, 1.0, 100.0, 100.0])
     distance, nearest = KDTree(true * apart).query(drawn * apart, distance_upper_bound=NEAR)
     near = np.flatnonzero(np.isfinite(distance))

@@ -1,7 +1,7 @@
 """`python -m artigen.train.appearance.everything`: generates data, trains and stores weights.
 
-Every stage is skipped or gone on with where the run folder already holds its result, so the same command
-can be given again after an interruption. `artigen train appearance` is the same with a progress bar.
+Stages whose result is already in the run folder are skipped or resumed, so the same command can be repeated
+after an interruption. `artigen train appearance` does the same with a progress bar.
 """
 
 import argparse
@@ -55,7 +55,7 @@ Report = Callable[[str, Mapping[str, float]], None]
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class AppearanceData:
-    """Examples to train with, and examples to measure with."""
+    """Examples for training and for evaluation."""
 
     trained: list[AppearanceExample]
     held_out: list[AppearanceExample]
@@ -68,17 +68,17 @@ def train_appearance(
     on_report: Report | None = None,
     resurface: Resurface | None = None,
 ) -> dict[str, float]:
-    """Runs what is missing and returns the scores of the held-out objects.
+    """Runs the stages that are missing; returns the scores of the held-out objects.
 
     Args:
-        cfg: The run.
+        cfg: Configuration of the run.
         stage: Both networks, or one of them; the flow needs a VAE in the same folder.
         on_report: Called with every line of metrics; logged when None.
-        resurface: Makes the surface of what a structure model draws, as for a package; without, the flow
-            learns on voxels as they are drawn.
+        resurface: Makes the surface of voxels that a structure model samples, as for a package; without it,
+            the flow is trained on voxels as sampled.
 
     Raises:
-        ArtigenError: If the configuration or the folder does not allow it.
+        ArtigenError: If the configuration is invalid, or the folder lacks a stage or has other settings.
     """
     scores = cfg.home / "reconstruction.json"  # written when the VAE is done
     if stage == "appearance-flow" and not scores.is_file():
@@ -86,7 +86,7 @@ def train_appearance(
             f"{scores}: there is no finished VAE to train a flow on; train appearance-vae first"
         )
     claim_appearance_run(cfg)
-    make_extractor(cfg.extractor)  # weights that do not fit are refused before data is made
+    make_extractor(cfg.extractor)  # rejects unfit weights before data is made
     report = on_report or log_metrics
     data = make_appearance_data(cfg)
     vae = _load_vae(cfg) if stage == "appearance-flow" else _train_vae(cfg, data, report)
@@ -96,7 +96,7 @@ def train_appearance(
 
 
 def make_appearance_data(cfg: AppearanceRunConfig) -> AppearanceData:
-    """Makes the examples that are missing and reads all."""
+    """Makes missing examples and reads all."""
     return AppearanceData(
         trained=_examples(cfg, "train", cfg.shards, HELD_OUT),
         held_out=_examples(cfg, "held_out", cfg.held_out, 0),
@@ -189,7 +189,7 @@ def _make_shards(
     shards: Config,
     make: Callable[[ShardJob[Config]], Path],
 ) -> list[Path]:
-    """The shards of a folder of the run; what is missing is made."""
+    """Makes the missing shards of a folder of the run; returns the paths of all."""
     started = time.monotonic()
     return make_shards(
         cfg.home / name,
@@ -202,7 +202,7 @@ def _make_shards(
 
 
 def _store(cfg: AppearanceRunConfig, network: nn.Module, name: str, objects: int) -> None:
-    """Stores a network with what it was trained on and for how long."""
+    """Stores a network with a description of its training data and steps."""
     described = {
         "preset": cfg.preset,
         "objects": objects,
@@ -215,7 +215,7 @@ def _store(cfg: AppearanceRunConfig, network: nn.Module, name: str, objects: int
 
 
 def main() -> None:
-    """Parses arguments with the standard library alone: training machines are bare."""
+    """Parses arguments with the standard library alone, because training machines may lack tyro."""
     logging.basicConfig(level=logging.INFO, format="%(asctime)s %(message)s", datefmt="%H:%M:%S")
     parser = argparse.ArgumentParser(
         prog="python -m artigen.train.appearance.everything", description=__doc__
@@ -236,10 +236,10 @@ def main() -> None:
     parser.add_argument("--features", choices=("pyramid", "dinov2"), default="pyramid")
     parser.add_argument("--dinov2", type=Path, help="folder with the weights of DINOv2")
     parser.add_argument(
-        "--start", type=Path, help="folder of a model whose weights every network begins with"
+        "--start", type=Path, help="folder of a model with the initial weights of every network"
     )
     parser.add_argument(
-        "--structure", type=Path, help="folder of the structure model that draws the voxels again"
+        "--structure", type=Path, help="folder of the structure model that samples additional voxels"
     )
     parser.add_argument("--workers", type=int, default=2, help="processes that make data")
     given = vars(parser.parse_args())

@@ -1,6 +1,6 @@
 """One training example of the appearance models: voxels with features, pictures, and its condition.
 
-Made of a procedural object by seed; the same arguments give the same example.
+It is made from a procedural object by seed; the same arguments give the same example.
 """
 
 from dataclasses import dataclass, replace
@@ -27,8 +27,8 @@ class AppearanceExample:
     """An object's voxels with features, its pictures, and its condition; ``image`` is RGBA, premultiplied.
 
     ``facings`` are the directions of the voxels' outer sides (`artigen.voxels.frames`), ``table`` holds the
-    field's channels after occupancy of each part; ``views`` counts the views that a voxel's features are the
-    mean of, ``paint`` holds the colours of its two sides and how clear it is (steps of 8 bits).
+    field's channels after occupancy of each part, ``views`` the number of views over which a voxel's features
+    are averaged, ``paint`` the colours of its two sides and its transmission (8 bits each).
     """
 
     name: str
@@ -52,7 +52,7 @@ class AppearanceExample:
         return describe_voxels(kinds, self.places(), self.paint / 255.0)
 
     def places(self) -> Float[np.ndarray, "N 6"]:
-        """Where surface lies in its voxels (`artigen.voxels.surface.describe_places`), off side features."""
+        """Surface positions (`artigen.voxels.surface.describe_places`), read from the side features."""
         return recall_places(self.features.astype(np.float32))
 
 
@@ -65,7 +65,7 @@ def draw_appearance(
     resolution: int = 64,
     image_size: int = 128,
 ) -> AppearanceExample:
-    """Draws a procedural object and photographs it; ``image_size`` 0 leaves the condition's picture out."""
+    """Draws a procedural object and renders it; ``image_size`` 0 skips the condition's picture."""
     return draw_appearance_of(category, seed, extractor, cfg, resolution=resolution, image_size=image_size)[1]
 
 
@@ -78,7 +78,7 @@ def draw_appearance_of(
     resolution: int = 64,
     image_size: int = 128,
 ) -> tuple[Asset, AppearanceExample]:
-    """A procedural object with voxels, and its example as `draw_appearance` gives it."""
+    """A procedural object with voxels, and its example as from `draw_appearance`."""
     asset, described = draw_example_of(category, seed, resolution=resolution, image_size=image_size)
     shape = draw_shape(category, seed)
     laid, facings, paint = lay_painted(shape, asset)
@@ -103,8 +103,9 @@ def draw_appearance_of(
 
 
 def lay_true_voxels(shape: Shape, asset: Asset) -> tuple[Asset, Int[np.ndarray, "N"]]:
-    """The asset of a procedural object with samples of its surface and the voxels that Gaussians are drawn on
-    (`artigen.voxels.layout`), and the directions of their outer sides.
+    """The asset of a procedural object with surface samples and the voxels for Gaussians, and their facings.
+
+    `artigen.voxels.layout` chooses these voxels and the directions of their outer sides.
 
     Raises:
         ValueError: If the asset has no voxels.

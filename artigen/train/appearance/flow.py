@@ -1,4 +1,4 @@
-"""Training of the sparse flow on latents of the appearance VAE, conditioned as the structure flow is."""
+"""Training of the sparse flow on latents of the appearance VAE, with the conditions of the structure flow."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -32,12 +32,12 @@ from artigen.types import PART_LABELS
 from artigen.voxels.frames import FACINGS
 
 BLUR = 0.02
-"""About the deviation of colours that are told in training from the true ones."""
+"""Approximate standard deviation of the noise on paint in training."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SlatBatch:
-    """Posteriors of the voxels of several objects, with the conditions they answer."""
+    """Posteriors of the voxels of several objects, with their conditions."""
 
     coords: Int[Tensor, "N 4"]
     mean: Float[Tensor, "N D"]
@@ -63,19 +63,19 @@ def train_appearance_flow(
     drawn: Sequence[DrawnVoxels] = (),
     on_report: Report | None = None,
 ) -> SlatFlow:
-    """Trains the conditional sparse flow on latents, on true voxels and on drawn ones alike.
+    """Trains the conditional sparse flow on the latents of true voxels and, if given, of sampled ones.
 
     Args:
-        flow: untrained, or what the folder's checkpoint continues.
-        latents: means and deviations of each example's voxels.
-        examples: the objects.
-        folder: of the stage.
-        cfg: budget and rates.
-        batch: objects per step.
-        conditions: what the flow can be asked for.
-        noisiness: mean of the logits of training times.
-        drawn: voxels of each object as a model draws them; may be left out.
-        on_report: called with every line of metrics.
+        flow: New flow; a checkpoint in the folder is resumed.
+        latents: Posterior means and standard deviations of each example's voxels.
+        examples: Training objects.
+        folder: Folder of the stage.
+        cfg: Budget and rates.
+        batch: Objects per step.
+        conditions: Conditions of the flow.
+        noisiness: Mean of the logits of training times.
+        drawn: Voxels of each object as a model samples them; optional.
+        on_report: Called with every line of metrics.
     """
     measured = measure_slats(
         *latents, [one.attributes() for one in examples] if flow.attribute_channels else None
@@ -105,8 +105,8 @@ def train_appearance_flow(
         plan = flow.plan(given.coords, samples)
         attributes = _blur(given.attributes, generator) if flow.attribute_channels else None
         x_0 = flow.normalise(given.mean + given.std * jitter, attributes)
-        said = network(diffuse(x_0, noise, row_times), times, asked, plan, attributes)
-        return {"velocity": torch.mean((said.float() - target_velocity(x_0, noise)) ** 2)}
+        velocity = network(diffuse(x_0, noise, row_times), times, asked, plan, attributes)
+        return {"velocity": torch.mean((velocity.float() - target_velocity(x_0, noise)) ** 2)}
 
     make = partial(slat_batch, latents=latents, conditions=conditions)
     batches: Iterator[SlatBatch] = prefetch(
@@ -119,12 +119,12 @@ def train_appearance_flow(
 def redraw_slats(
     flow: SlatFlow, example: AppearanceExample, posterior: tuple[Tensor, Tensor], drawn: DrawnVoxels
 ) -> tuple[AppearanceExample, Tensor, Tensor]:
-    """An object with voxels as a model draws them, and the posterior of these: mean and deviation."""
+    """An object with sampled voxels, and their posterior means and standard deviations."""
     models, sure = find_models(example, drawn)
     other = transfer_looks(example, drawn, models)
     mean, std = posterior
-    told = (example.attributes(), other.attributes())
-    return other, transfer_latents(flow, mean.float(), told, models, sure), std[models]
+    attributes = (example.attributes(), other.attributes())
+    return other, transfer_latents(flow, mean.float(), attributes, models, sure), std[models]
 
 
 def slat_batch(
@@ -132,7 +132,7 @@ def slat_batch(
     latents: tuple[Sequence[Tensor], Sequence[Tensor]],
     conditions: ConditionConfig,
 ) -> SlatBatch:
-    """Numbered examples side by side, with their rows of ``latents``."""
+    """Batch of numbered examples, with their rows of ``latents``."""
     examples = [example for _, example in chosen]
     mean, std = (torch.cat([part[number] for number, _ in chosen]).float() for part in latents)
     return SlatBatch(
@@ -146,12 +146,12 @@ def slat_batch(
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SlatMoments:
-    """Statistics of latents: mean, linear prior, and the deviation from it."""
+    """Statistics of latents: mean, linear prior, and the standard deviation from it."""
 
     mean: Float[Tensor, "D"]
     std: Float[Tensor, "D"]
     expected: Float[Tensor, "K T D"]
-    """Weights of an `artigen.appearance.linear_prior.Expectation`; none without attributes."""
+    """Weights of an `artigen.appearance.linear_prior.Expectation`; zero without attributes."""
 
 
 def measure_slats(
@@ -159,12 +159,12 @@ def measure_slats(
     stds: Sequence[Tensor],
     told: Sequence[Float[np.ndarray, "N A"]] | None = None,
 ) -> SlatMoments:
-    """Moments of draws from the posteriors of all voxels, given what is told of them.
+    """Moments of samples from the posteriors of all voxels, given their attributes.
 
     Args:
-        means: posterior means, object by object.
-        stds: posterior deviations.
-        told: attributes of the voxels; without them, mean and deviation alone.
+        means: Posterior means, object by object.
+        stds: Posterior standard deviations.
+        told: Attributes of the voxels; without them there is no linear prior.
     """
     count = sum(len(one) for one in means)
     mean = torch.stack([one.double().sum(dim=0) for one in means]).sum(dim=0) / count
@@ -182,7 +182,7 @@ def measure_slats(
 
 
 def _blur(attributes: Float[Tensor, "N A"], generator: torch.Generator) -> Float[Tensor, "N A"]:
-    """Attributes with paint that is a little off: for alike voxels of a label alike."""
+    """Attributes with noise on their paint: a random linear map of label and paint, alike for like voxels."""
     of_voxel = torch.cat([attributes[:, FACINGS : FACINGS + len(PART_LABELS)], attributes[:, -PAINT:]], dim=1)
     wave = torch.randn(of_voxel.shape[1], PAINT, generator=generator, device=generator.device)
     out = attributes.clone()

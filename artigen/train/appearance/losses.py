@@ -1,6 +1,6 @@
 """Losses of the appearance VAE: pictures of articulated Gaussians against the true ones (section 4.2.2).
 
-Weights are TRELLIS'; its perceptual term takes any feature extractor here and is left out by default.
+Weights are those of TRELLIS. Its perceptual term takes any feature extractor here and is off by default.
 """
 
 from dataclasses import dataclass
@@ -29,7 +29,7 @@ class AppearanceLossConfig:
     l1: float = 1.0
     """Mean absolute difference of pictures."""
     exposed: float = 1.0
-    """How many times it counts at pixels of newly exposed surface, of which there are few."""
+    """Factor on the L1 term at pixels of newly exposed surface, of which there are few."""
     ssim: float = 0.2
     """One minus structural similarity."""
     kl: float = 1e-6
@@ -53,11 +53,11 @@ def appearance_losses(
     """The terms, each with its weight, by name.
 
     Args:
-        encoded: what the networks say about the batch.
-        drawn: pictures of its Gaussians, as `draw_pictures` makes them.
-        batch: the truth.
-        cfg: weights.
-        extractor: of the perceptual term.
+        encoded: Output of the networks for the batch.
+        drawn: Pictures of its Gaussians, from `draw_pictures`.
+        batch: Ground truth.
+        cfg: Weights.
+        extractor: Extractor of the perceptual term.
 
     Raises:
         ValueError: If there is a perceptual term and no extractor.
@@ -84,9 +84,9 @@ def draw_pictures(splats: Splats, batch: PictureBatch, cfg: RasterConfig) -> Flo
     """Pictures of a batch: the Gaussians of each object, moved with their parts, from its cameras.
 
     Args:
-        splats: of all voxels of the batch, voxel after voxel.
-        batch: joint states, cameras and backgrounds.
-        cfg: of the rasteriser.
+        splats: Gaussians of all voxels of the batch, voxel after voxel.
+        batch: Joint states, cameras and backgrounds.
+        cfg: Configuration of the rasteriser.
     """
     return torch.stack(
         [
@@ -123,7 +123,7 @@ def draw_sample(
 
 
 def raster_config(vae: AppearanceVae, device: torch.device) -> RasterConfig:
-    """The rasteriser that a decoder's Gaussians are meant for, with a device's working memory."""
+    """Rasteriser configuration for a decoder's Gaussians, with working memory for the device."""
     return RasterConfig(
         filter_variance=vae.decoder.gaussians.screen_filter,
         fragments=GPU_FRAGMENTS if device.type == "cuda" else CPU_FRAGMENTS,

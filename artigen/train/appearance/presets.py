@@ -9,7 +9,7 @@ from artigen.train.presets import StageConfig
 
 @dataclass(frozen=True, kw_only=True)
 class AppearanceTraining:
-    """How the networks of an appearance model are trained."""
+    """Training of the networks of an appearance model."""
 
     vae: StageConfig
     """Training of the VAE."""
@@ -18,14 +18,15 @@ class AppearanceTraining:
     pictures: int
     """Pictures of an object per step of the VAE."""
     noisiness: float = 1.0
-    """Mean of the logits of the flow's training times: the higher, the nearer to pure noise, where a preset
-    that draws in one step has all to guess."""
+    """Mean of the logits of the flow's training times. Higher values are nearer to pure noise, which is all
+    that a preset with one sampling step sees."""
     losses: AppearanceLossConfig = field(default_factory=AppearanceLossConfig)
     """Weights of the VAE's loss terms."""
 
 
 TWO_SIDED = AppearanceLossConfig(volume=0.0)
-"""Of voxels with two sides, which are told how wide surface is: volume only shrinks what no picture shows."""
+"""Losses for voxels with two sides, which know the width of surface: a volume term would only shrink unseen
+Gaussians."""
 
 APPEARANCE_TRAINING: dict[PresetName, AppearanceTraining] = {
     "tiny": AppearanceTraining(

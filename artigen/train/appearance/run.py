@@ -19,12 +19,12 @@ AppearanceStage = Literal["appearance", "appearance-vae", "appearance-flow"]
 
 @dataclass(frozen=True, kw_only=True)
 class AppearanceRunConfig(FeatureInputs):
-    """One run from nothing to weights."""
+    """One appearance training run, from data to weights."""
 
     folder: Path
-    """Data and checkpoints in its `appearance/`, weights in its `model/`."""
+    """Folder with data and checkpoints in `appearance/`, weights in `model/`."""
     minutes: float = 30.0
-    """Budget of the training of both networks; making data comes on top."""
+    """Training time of both networks; making data takes additional time."""
     shards: int = 100
     """Shards of training data."""
     held_out: int = 2
@@ -32,26 +32,26 @@ class AppearanceRunConfig(FeatureInputs):
     objects: int = 16
     """Objects per shard."""
     start: Path | None = None
-    """Folder of a model whose weights every network begins with."""
+    """Folder of a model with the initial weights of every network."""
     structure: Path | None = None
-    """Folder of the structure model that draws the voxels which the flow learns on besides true ones;
-    without one, these are roughened."""
+    """Folder of the structure model that samples voxels for training the flow in addition to true ones;
+    without one, roughened true voxels are used."""
     workers: int = 2
     """Processes that make data."""
 
     @property
     def home(self) -> Path:
-        """Data and checkpoints of appearance."""
+        """Folder of data and checkpoints of the appearance model."""
         return self.folder / "appearance"
 
 
 def claim_appearance_run(cfg: AppearanceRunConfig) -> None:
-    """Checks a configuration and the folder it goes on in; nothing is written if it cannot be.
+    """Checks a configuration and claims its folder; writes nothing if a check fails.
 
     Minutes and workers may change from one start to the next.
 
     Raises:
-        ArtigenError: If a number makes no sense, the preset cannot be trained, features lack their weights,
+        ArtigenError: If a number is out of range, the preset cannot be trained, features lack their weights,
             or the folder was started with other settings.
     """
     if cfg.preset not in APPEARANCE_TRAINING:
@@ -82,10 +82,10 @@ def claim_appearance_run(cfg: AppearanceRunConfig) -> None:
 
 
 def _claim_structure(cfg: AppearanceRunConfig) -> str | None:
-    """The hash of the model that draws voxels again, if one does.
+    """Hash of the structure model that samples voxels; None if there is none.
 
     Raises:
-        ArtigenError: If there is no such model, or it draws in another resolution.
+        ArtigenError: If there is no such model, it takes no outlines, or its resolution differs.
     """
     if cfg.structure is None:
         return None
@@ -97,7 +97,7 @@ def _claim_structure(cfg: AppearanceRunConfig) -> str | None:
             key for key, one in PRESETS.items() if one.takes_outlines and one.resolution == wanted
         )
         raise ArtigenError(
-            f"{cfg.structure}: its structure is of preset {name!r}; voxels of {wanted}^3 within outlines are "
-            f"drawn by {able}: name such a model, or leave --structure out"
+            f"{cfg.structure}: its structure is of preset {name!r}, but voxels of {wanted}^3 within outlines "
+            f"need one of {able}; give such a model, or leave --structure out"
         )
     return hash_model(cfg.structure)

@@ -1,6 +1,6 @@
 """Examples of the appearance models on disk: shards written by worker processes.
 
-A shard appears whole or not at all, so a run that was stopped goes on where it was.
+A shard appears whole or not at all, so an interrupted run resumes where it stopped.
 """
 
 from collections.abc import Iterator, Sequence
@@ -27,7 +27,7 @@ from artigen.train.shards import (
 PER_VOXEL = ("coords", "part_ids", "facings", "paint", "features", "views")
 PER_PICTURE = tuple(one.name for one in fields(Pictures) if one.name != "displacements")
 PACKED = ("exposed",)
-"""Stored as bits."""
+"""Arrays stored as bits."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,15 +37,15 @@ class AppearanceShardConfig(ShardConfig):
     curation: CurationConfig
     """Joint states, views, and features."""
     extractor: ExtractorConfig = field(default_factory=ExtractorConfig)
-    """Where features come from."""
+    """Extractor of image features."""
     objects: int = 16
     """Objects per shard."""
     timeout: float = 3600.0
-    """Seconds after which a shard is given up."""
+    """Seconds after which a shard counts as failed."""
 
 
 def make_appearance_shard(job: ShardJob[AppearanceShardConfig]) -> Path:
-    """Draws and photographs the objects of one shard and writes it; runs in a worker process."""
+    """Draws and renders the objects of one shard and writes it; runs in a worker process."""
     cfg = job.cfg
     extractor = make_extractor(cfg.extractor)
     draw = partial(
@@ -59,7 +59,7 @@ def make_appearance_shard(job: ShardJob[AppearanceShardConfig]) -> Path:
 
 
 def write_appearance_shard(path: Path, examples: Sequence[AppearanceExample]) -> None:
-    """Writes examples, all with as many pictures and states, to one npz file, whole or not at all."""
+    """Writes examples, all with equally many pictures and states, to one npz file, whole or not at all."""
     arrays = condition_arrays(examples) | {
         "resolution": np.array([one.resolution for one in examples]),
         "voxel_counts": np.array([len(one.coords) for one in examples]),

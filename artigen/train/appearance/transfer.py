@@ -1,4 +1,4 @@
-"""Transfers paint and latents from true voxels to those that a model samples instead."""
+"""Transfers paint and latents from true voxels to those that a model samples."""
 
 from dataclasses import replace
 
@@ -17,9 +17,9 @@ from artigen.train.appearance.examples import AppearanceExample
 def find_models(
     example: AppearanceExample, drawn: DrawnVoxels
 ) -> tuple[Int[np.ndarray, "M"], Bool[np.ndarray, "M"]]:
-    """The true voxel that every drawn one takes its looks from, and whether it really looks like it.
+    """Row of the true voxel whose appearance each sampled one takes, and a mask of those that match it.
 
-    Strays, which look like none, take those of the nearest true voxel of their part, whatever it is.
+    Strays, which match none, take the nearest true voxel of their part.
     """
     count = len(drawn.coords)
     models, sure = np.zeros(count, dtype=np.int64), np.zeros(count, dtype=bool)
@@ -34,9 +34,9 @@ def find_models(
 def transfer_looks(
     example: AppearanceExample, drawn: DrawnVoxels, models: Int[np.ndarray, "M"]
 ) -> AppearanceExample:
-    """The example with drawn voxels, each with the paint and the places of its model.
+    """The example with sampled voxels, each with paint and surface position of its model voxel.
 
-    Of features those of sides remain, which say where surface lies (`AppearanceExample.places`).
+    Only the side features remain, because they hold the surface positions (`AppearanceExample.places`).
     """
     return replace(
         example,
@@ -57,14 +57,14 @@ def transfer_latents(
     models: Int[np.ndarray, "M"],
     sure: Bool[np.ndarray, "M"],
 ) -> Float[Tensor, "M D"]:
-    """Latents of drawn voxels: what is expected of them, and as far off as their models are; strays are not.
+    """Latents of sampled voxels: their linear prior plus the residual of their model voxel; zero for strays.
 
     Args:
-        flow: knows what is expected of voxels.
-        mean: latents of the true ones.
-        told: attributes of the true voxels and of the drawn ones.
-        models: the true voxel that each drawn one takes its looks from.
-        sure: whether it looks like it.
+        flow: Flow with the linear prior.
+        mean: Latents of the true voxels.
+        told: Attributes of the true voxels and of the sampled ones.
+        models: Row of the true voxel whose appearance each sampled one takes.
+        sure: Mask of the sampled voxels that match it.
     """
     true, drawn = (torch.from_numpy(one) for one in told)
     off = flow.normalise(mean, true)[models]

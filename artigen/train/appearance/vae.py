@@ -22,9 +22,9 @@ from artigen.train.batches import prefetch
 from artigen.train.loop import LoopConfig, Report, finished_steps, process_seed, train
 
 HIDDEN = 0.5
-"""How often what views show of the voxels beyond a plane is hidden in training."""
+"""Share of training steps in which view features of the voxels beyond a plane are hidden."""
 LEAST = 1e-2
-"""Least deviation of a feature: a smaller one would magnify what half precision rounds off its mean."""
+"""Least standard deviation of a feature: a smaller one would magnify rounding errors of half precision."""
 
 
 def train_appearance_vae(
@@ -42,29 +42,29 @@ def train_appearance_vae(
     """Trains {E, D} on pictures of objects in the joint states that the examples hold.
 
     Args:
-        vae: untrained, or what the folder's checkpoint continues.
-        examples: in memory; closed ones alone train without articulation.
-        folder: of the stage.
-        cfg: budget and rates.
-        batch: objects per step.
-        pictures: of each object per step.
-        losses: weights of the terms.
-        extractor: of the perceptual term, if it has a weight.
-        on_report: called with every line of metrics.
+        vae: New VAE; a checkpoint in the folder is resumed.
+        examples: Examples in memory; closed ones alone train without articulation.
+        folder: Folder of the stage.
+        cfg: Budget and rates.
+        batch: Objects per step.
+        pictures: Pictures of each object per step.
+        losses: Weights of the terms.
+        extractor: Extractor of the perceptual term, if that has a weight.
+        on_report: Called with every line of metrics.
     """
 
-    told = SIDE_CHANNELS if vae.encoder.cfg.sided else 0
+    scaled = SIDE_CHANNELS if vae.encoder.cfg.sided else 0
 
     def terms(network: nn.Module, drawn: PictureBatch, generator: torch.Generator) -> dict[str, Tensor]:
         shape = (len(drawn.coords), vae.encoder.cfg.latent_channels)
         noise = torch.randn(shape, generator=generator, device=generator.device)
-        feats = hide_views(drawn.coords, drawn.feats, generator, kept=told) if told else drawn.feats
+        feats = hide_views(drawn.coords, drawn.feats, generator, kept=scaled) if scaled else drawn.feats
         encoded = network(drawn.coords, feats, noise, drawn.facings)
-        with torch.autocast(drawn.coords.device.type, enabled=False):  # places need all of their digits
+        with torch.autocast(drawn.coords.device.type, enabled=False):  # positions need full precision
             made = draw_pictures(encoded.splats, drawn, raster_config(vae, drawn.coords.device))
             return appearance_losses(encoded, made, drawn, losses, extractor)
 
-    center, spread = measure_features(examples, scaled=told)
+    center, spread = measure_features(examples, scaled=scaled)
     vae.feature_mean.copy_(center)
     vae.feature_std.copy_(spread)
     start = finished_steps(folder)
@@ -77,16 +77,16 @@ def train_appearance_vae(
 def hide_views(
     coords: Int[Tensor, "N 4"], feats: Float[Tensor, "N C"], generator: torch.Generator, *, kept: int
 ) -> Float[Tensor, "N C"]:
-    """Every other time, the voxels beyond a plane have the features of voxels that no view shows.
+    """With probability `HIDDEN`, gives voxels beyond a random plane the features of unseen voxels.
 
-    Pictures cannot say how those look, and what pulls them apart from the others goes unpunished: boards are
-    seen through. So the networks learn on shown voxels what becomes of hidden ones.
+    Pictures do not constrain unseen voxels, so a network that recognised them could make boards transparent
+    at no cost. Hiding the views of seen voxels trains the network on such features.
 
     Args:
-        coords: sample, x, y, z of each voxel.
-        feats: its features.
-        generator: of the plane.
-        kept: last channels that are told of hidden voxels, too.
+        coords: Sample, x, y, z of each voxel.
+        feats: Features of each voxel.
+        generator: Source of all randomness.
+        kept: Number of last channels that hidden voxels keep.
     """
     chance, share, *normal = torch.randn(5, generator=generator, device=generator.device).split(1)
     heights = coords[:, 1:].float() @ torch.cat(normal)
@@ -98,11 +98,11 @@ def hide_views(
 def measure_features(
     examples: Sequence[AppearanceExample], *, scaled: int = 0
 ) -> tuple[Float[Tensor, "C"], Float[Tensor, "C"]]:
-    """Mean and standard deviation per channel over the voxels that any view counted for.
+    """Mean and standard deviation per channel over the voxels that any view shows.
 
     Args:
         examples: Objects.
-        scaled: Last channels that are scaled already: 0 and 1.
+        scaled: Number of last channels that are already scaled and get mean 0 and deviation 1.
 
     Raises:
         ValueError: If there is no such voxel.

@@ -1,8 +1,8 @@
 """Covers sampled cells with boxes, so that panels become flat, complete and straight at the rim.
 
-A network draws the panels of furniture with dents, pinholes and ragged rims. Every part is told anew as the
-boxes that its cells speak for most (`artigen.voxels.cleanup.boxes`): what is missing in one is filled, what
-sticks out of all of them goes, and recesses and openings, which are boxes too, are cut again.
+A network draws the panels of furniture with dents, pinholes and ragged rims. Every part is rebuilt from the
+boxes that its cells support most (`artigen.voxels.cleanup.boxes`): gaps in a box are filled, small pieces
+outside all boxes are removed, and recesses and openings, which are boxes too, are cut out again.
 """
 
 from dataclasses import dataclass
@@ -17,30 +17,30 @@ from artigen.voxels.cleanup.rows import Owners
 from artigen.voxels.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_joints, name_rows
 
 SLACK = 0.25
-"""Cells that a board may reach out of the box of its part."""
+"""Cells by which a board may exceed the box of its part."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class BoardsConfig:
-    """Thresholds for boards. Evidence is counted in certain cells."""
+    """Thresholds for boards. The unit of evidence is one certain cell."""
 
     certain: float = 4.0
-    """Logits beyond this count as certain."""
+    """Logits beyond this, either way, count as certain."""
     least_board: int = 20
-    """Certain cells in a board that no other holds."""
+    """Least evidence for a board, in cells that no other board holds."""
     least_cut: int = 100
-    """Certain empty cells in a recess or opening: smaller ones are dents."""
+    """Least evidence that a recess or opening is empty; smaller ones are dents."""
     empty: float = 0.85
-    """Share of a cut whose cells say empty."""
+    """Least share of the cells that a cut removes which are empty by their logits."""
     least_rest: int = 100
-    """Cells in a piece beside all boards that stays: what is round or slanted."""
+    """Least cells of a piece outside all boards that is kept: round or slanted geometry."""
     contested: float = 0.25
-    """What a cell of another part speaks against a board through it, in certain cells."""
+    """Evidence of each cell of another part against a board through it."""
     rounds: int = 2
-    """How often boards and cuts take turns."""
+    """Most rounds of cutting recesses and adding boards in them."""
     exempt: tuple[PartLabel, ...] = ("handle", "knob", "wheel")
-    """Parts that stay as they were drawn, within their boxes: small, or round. So do parts that turn without
-    end."""
+    """Labels of small or round parts, which keep their cells within their boxes. Continuously rotating parts
+    are exempt as well."""
 
 
 def make_boards(
@@ -50,14 +50,14 @@ def make_boards(
     cfg: BoardsConfig | None = None,
     layout: FieldLayout = DEFAULT_LAYOUT,
 ) -> tuple[Owners, tuple[str, ...]]:
-    """Owners by which parts are made of boards, and a note of how much that changed.
+    """Rebuilds parts from boards; returns the new owners and a note of how much changed.
 
     Args:
-        owners: a row per cell, -1 where nothing is.
-        logits: of occupancy, of all cells.
-        rows: an outline, the channels after occupancy, one row per part.
-        cfg: what counts as a board.
-        layout: channels.
+        owners: Row of the outline per cell, -1 where empty.
+        logits: Occupancy logits of all cells.
+        rows: The outline: channels after occupancy, one row per part.
+        cfg: Thresholds for boards; the defaults when None.
+        layout: Layout of the channels.
     """
     cfg, before = cfg or BoardsConfig(), owners
     after = np.full_like(before, -1)
@@ -71,7 +71,7 @@ def make_boards(
         )
         if label in cfg.exempt or joint == "continuous"
     ]
-    for number in np.argsort(-sizes):  # the smaller of two parts is drawn over the larger
+    for number in np.argsort(-sizes):  # smaller parts overwrite larger ones
         if number in exempt or not (before == number).any():
             continue
         box = reach_box(boxes[number], len(owners), SLACK)
@@ -94,13 +94,13 @@ def _make_part(
     evidence: Float[np.ndarray, "X Y Z"],
     cfg: BoardsConfig,
 ) -> Bool[np.ndarray, "X Y Z"]:
-    """The cells of a part made of boards, and of its larger pieces beside them."""
+    """The cells of a part's boards, and of its larger pieces outside them."""
     mine = owned == number
     evidence = np.where((owned >= 0) & ~mine, -cfg.contested, evidence)
     solid = fill_boxes(mine.shape, find_boxes(evidence, cfg.least_board))
     for _ in range(cfg.rounds):
-        unsaid = np.where(evidence < 0, 0.0, -1.0)
-        hollow = find_boxes(np.where(solid, -evidence, unsaid), cfg.least_cut)
+        outside = np.where(evidence < 0, 0.0, -1.0)
+        hollow = find_boxes(np.where(solid, -evidence, outside), cfg.least_cut)
         cuts = [box for box in hollow if (evidence[box][solid[box]] < 0).mean() >= cfg.empty]
         if not cuts:
             break

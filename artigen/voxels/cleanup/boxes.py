@@ -1,8 +1,8 @@
 """Greedy maximum-sum box cover of a 3D evidence grid.
 
-Furniture is made of boards, and evidence for a board is evidence for a box: single cells that say otherwise
-are outvoted. A box is grown from a cell by moving its faces, each to wherever the sum over the box is
-greatest, until no face moves. What a box holds counts as told, and the next is sought in the rest.
+Furniture is made of boards, so its cells are evidence for boxes, and single deviating cells are outvoted. A
+box grows from a cell by moving each face to where the sum over the box is greatest, until the sum stops
+growing. The evidence inside a box is then set to zero, and the next box is sought in the rest.
 """
 
 from itertools import permutations
@@ -14,25 +14,25 @@ from scipy.ndimage import uniform_filter
 Box = tuple[slice, slice, slice]
 Sums = tuple[np.ndarray, np.ndarray, np.ndarray]
 ORDERS = tuple(permutations(range(3)))
-"""In which faces are moved: a wall that meets a shelf is found along itself or along the shelf."""
+"""Orders of axes in which faces move: a wall that meets a shelf grows along itself or along the shelf."""
 SWEEPS = 12
-"""At most this often are all faces moved; they rest after three or four."""
+"""Most sweeps over all faces; they come to rest after three or four."""
 ROUNDING = 1e-3
-"""Cells that the box of a part may reach into a cell without being in it."""
+"""Cells by which the box of a part may reach into a cell without counting as in it."""
 MOST = 200
-"""No more boxes are sought: what takes so many is no furniture."""
+"""Most boxes sought; furniture needs fewer."""
 TRIES = 20
-"""So many starts that lead to no box of enough evidence end the search."""
-TOLD = -np.inf
-"""Where no box starts."""
+"""Starts without a box of enough evidence that end the search."""
+NO_SEED = -np.inf
+"""Seed value of cells where no box starts."""
 
 
 def find_boxes(evidence: Float[np.ndarray, "X Y Z"], least: float) -> list[Box]:
-    """Boxes that each hold at least ``least`` evidence that no box before holds, the surest cells first.
+    """Boxes that each hold at least ``least`` evidence outside earlier boxes, from the surest cells on.
 
     Args:
-        evidence: above 0 for cells that belong to a box, below 0 for others.
-        least: sum over a box for it to be one.
+        evidence: Above 0 for cells that belong to a box, below 0 for others.
+        least: Least sum of evidence over a box.
     """
     rest = evidence.astype(float)
     seeds, sums = _seeds(rest), _summed(rest)
@@ -40,22 +40,22 @@ def find_boxes(evidence: Float[np.ndarray, "X Y Z"], least: float) -> list[Box]:
     tries = 0
     while len(found) < MOST and tries < TRIES:
         start = np.unravel_index(int(seeds.argmax()), rest.shape)
-        if seeds[start] == TOLD:
+        if seeds[start] == NO_SEED:
             break
         gain, box = max((_grow(sums, start, order) for order in ORDERS), key=lambda grown: grown[0])
         if gain < least:
             in_vain[box] = True
-            seeds[box] = TOLD
+            seeds[box] = NO_SEED
             tries += 1
             continue
         found.append(box)
         rest[box] = 0.0
-        sums, seeds = _summed(rest), np.where(in_vain, TOLD, _seeds(rest))
+        sums, seeds = _summed(rest), np.where(in_vain, NO_SEED, _seeds(rest))
     return found
 
 
 def fill_boxes(shape: tuple[int, ...], boxes: list[Box]) -> Bool[np.ndarray, "X Y Z"]:
-    """The cells of any of the boxes."""
+    """Mask of the union of the boxes."""
     filled = np.zeros(shape, dtype=bool)
     for box in boxes:
         filled[box] = True
@@ -63,18 +63,18 @@ def fill_boxes(shape: tuple[int, ...], boxes: list[Box]) -> Bool[np.ndarray, "X 
 
 
 def _seeds(rest: Float[np.ndarray, "X Y Z"]) -> Float[np.ndarray, "X Y Z"]:
-    """How sure a cell is with its neighbours; cells that are not for a box start none."""
-    return np.where(rest > 0, uniform_filter(rest, 3, mode="constant", cval=-1.0), TOLD)
+    """Mean evidence around each cell; `NO_SEED` where the cell's own evidence is not positive."""
+    return np.where(rest > 0, uniform_filter(rest, 3, mode="constant", cval=-1.0), NO_SEED)
 
 
 def _summed(rest: Float[np.ndarray, "X Y Z"]) -> Sums:
-    """Sums over all boxes that start in the corner, seen along each axis."""
+    """Sums over all boxes that start in the corner (a 3D integral image), transposed for each axis."""
     sums = np.pad(rest.cumsum(axis=0).cumsum(axis=1).cumsum(axis=2), ((1, 0), (1, 0), (1, 0)))
     return sums, sums.transpose(1, 0, 2), sums.transpose(2, 0, 1)
 
 
 def _grow(sums: Sums, start: tuple[np.intp, ...], order: tuple[int, ...]) -> tuple[float, Box]:
-    """The box that grows from a cell when faces are moved in this order of axes, and its sum."""
+    """Sum and extent of the box that grows from a cell when faces are moved in this order of axes."""
     faces = [(int(at), int(at) + 1) for at in start]
     gain = -np.inf
     for _ in range(SWEEPS):
@@ -93,19 +93,19 @@ def _grow(sums: Sums, start: tuple[np.intp, ...], order: tuple[int, ...]) -> tup
 
 
 def _sums_along(sums: Sums, faces: list[tuple[int, int]], axis: int) -> np.ndarray:
-    """Sums over the cross-section of a box from the start of an axis to each place along it."""
+    """Sums over the cross-section of a box from the start of an axis up to each position along it."""
     (a, b), (c, d) = faces[:axis] + faces[axis + 1 :]
     lines = sums[axis]
     return lines[:, b, d] - lines[:, a, d] - lines[:, b, c] + lines[:, a, c]
 
 
 def reach_box(box: Float[np.ndarray, "6"], resolution: int, slack: float = 0.0) -> Box:
-    """The cells that a box of an outline (centre and edges, unit lengths) reaches, at least one each way.
+    """The cells that the box of a part reaches, at least one along each axis.
 
     Args:
-        box: of a part.
-        resolution: edge of the grid.
-        slack: share of a cell that it may lie short of one that still counts.
+        box: Centre and edges in unit-cube lengths.
+        resolution: Edge of the grid.
+        slack: Share of a cell by which the box may fall short of a cell that still counts.
     """
     low = (box[:3] - box[3:] / 2 + 0.5) * resolution
     high = (box[:3] + box[3:] / 2 + 0.5) * resolution

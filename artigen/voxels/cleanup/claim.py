@@ -9,20 +9,20 @@ from artigen.voxels.cleanup.rows import Owners
 from artigen.voxels.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_rows
 
 CLAIMING: frozenset[PartLabel] = frozenset({"handle", "knob", "wheel"})
-"""Parts that are as good as their box; a drawer is not."""
+"""Labels of parts that their box approximates well; a drawer's box does not."""
 
 
 def claim_cells(
     owners: Owners, rows: Float[np.ndarray, "N C"], layout: FieldLayout = DEFAULT_LAYOUT
 ) -> tuple[Owners, tuple[str, ...]]:
-    """Owners by which every handle, knob and wheel of an outline has a cell, and a note if one had none.
+    """Gives every handle, knob and wheel without cells those of its box; returns owners and a note.
 
     A push button of half a cell is easily decoded as a piece of the panel that it sits on.
 
     Args:
-        owners: A row per cell, -1 where nothing is.
-        rows: An outline, the channels after occupancy, one row per part.
-        layout: Channels.
+        owners: Row of the outline per cell, -1 where empty.
+        rows: The outline: channels after occupancy, one row per part.
+        layout: Layout of the channels.
     """
     owners = owners.copy()
     lost = [

@@ -19,7 +19,7 @@ from artigen.voxels.cleanup.revolve import revolve_parts
 from artigen.voxels.cleanup.rows import Owners
 
 Stage = Callable[[Owners], tuple[Owners, tuple[str, ...]]]
-"""Other owners of the cells, and notes of what was changed."""
+"""A clean-up stage: owners of the cells to new owners and notes of what changed."""
 
 
 def mend_cells(
@@ -28,13 +28,13 @@ def mend_cells(
     rows: Float[np.ndarray, "N C"],
     boards: BoardsConfig | None = None,
 ) -> tuple[Owners, tuple[str, ...]]:
-    """Cleans up drawn cells, with notes of what was changed.
+    """Cleans up sampled cells; returns the new owners and notes of what changed.
 
     Args:
-        owners: A row per cell, -1 where nothing is.
-        logits: Of occupancy, of all cells.
-        rows: An outline, the channels after occupancy, one row per part.
-        boards: What counts as a board; None leaves boards out.
+        owners: Row of the outline per cell, -1 where empty.
+        logits: Occupancy logits of all cells.
+        rows: The outline: channels after occupancy, one row per part.
+        boards: Thresholds for boards; None skips that stage.
     """
     stages: list[Stage] = [
         partial(round_portholes, rows=rows),
@@ -51,6 +51,6 @@ def mend_cells(
         stages.insert(0, partial(make_boards, logits=logits, rows=rows, cfg=boards))
     notes: list[str] = []
     for stage in stages:
-        owners, said = stage(owners)
-        notes += said
+        owners, new = stage(owners)
+        notes += new
     return owners, tuple(notes)

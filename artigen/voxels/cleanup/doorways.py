@@ -1,7 +1,7 @@
 """Removes cells of open doors that block what slides out behind them.
 
-A drawer in a fridge comes out past the open door. Where bins, or the edge at the hinge, were drawn at its
-height so deep that they stand before it then, they make way: all but the front of the panel does.
+A drawer in a fridge slides out past the open door. Door bins, or the edge at the hinge, may have been sampled
+so deep that they block it then. Such cells are removed, except in the front layer of the door's panel.
 """
 
 import numpy as np
@@ -16,12 +16,12 @@ from artigen.voxels.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, 
 def clear_doorways(
     owners: Owners, rows: Float[np.ndarray, "N C"], layout: FieldLayout = DEFAULT_LAYOUT
 ) -> tuple[Owners, tuple[str, ...]]:
-    """Owners by which doors, open, do not stand before what slides out behind them, and a note of what went.
+    """Removes cells of open doors before drawers and trays behind them; returns owners and a note.
 
     Args:
-        owners: a row per cell, -1 where nothing is.
-        rows: an outline, the channels after occupancy, one row per part.
-        layout: channels.
+        owners: Row of the outline per cell, -1 where empty.
+        rows: The outline: channels after occupancy, one row per part.
+        layout: Layout of the channels.
     """
     owners, labels = owners.copy(), name_rows(rows, layout)
     kinds = np.array(name_joints(rows, layout))
@@ -55,13 +55,13 @@ def clear_doorways(
 
 
 SLACK = 0.25
-"""Cells that a drawer may be missed by."""
+"""Cells of overlap with an open door that a drawer tolerates on each side."""
 BESIDE = 1 / 64
-"""Unit-cube lengths by which what lies beside a door may reach behind it."""
+"""Unit-cube lengths by which a part beside a door may reach behind it."""
 
 
 def _is_behind(inner: Float[np.ndarray, "6"], door: Float[np.ndarray, "6"]) -> bool:
-    """Whether a part lies behind a door, or behind that and the other of a pair."""
+    """Whether a part lies behind a door, alone or as one of a pair."""
     apart = np.abs(inner[1:3] - door[1:3])
     shared = (inner[4] + door[4]) / 2 - apart[0]
     return bool(shared > BESIDE and apart[1] <= door[5] / 2 and inner[0] > door[0])
@@ -70,7 +70,7 @@ def _is_behind(inner: Float[np.ndarray, "6"], door: Float[np.ndarray, "6"]) -> b
 def _open(
     cells: np.ndarray, row: Float[np.ndarray, "C"], resolution: int, layout: FieldLayout
 ) -> Float[np.ndarray, "K 3"]:
-    """The middles of cells of a door when it stands open, in cells."""
+    """Centres of a door's cells when it is fully open, in cells."""
     origin = (row[after_occupancy(layout.origin)] + 0.5) * resolution
     turn = row[layout.range.start - 1] * layout.rotation_unit
     rotation = Rotation.from_rotvec(turn * row[after_occupancy(layout.axis)])

@@ -1,13 +1,13 @@
 """Flattens faces: fills holes and removes steps, stains and frayed edges.
 
-The top, the sides and the back of a cabinet or an appliance are whole boards, and so are the fronts of doors
-and drawers, and that of a washing machine around its door. Where others overlap them, at an edge, they lie
-deeper or higher in a strip; fronts have panels in their middle, and grips. The front of another body is told
-in rectangles: its frame, its rails, and the openings between them. A network draws half of a board a cell
-deeper than the rest, and leaves corners out.
+The top, the sides and the back of a cabinet or an appliance are whole boards. So are the fronts of doors and
+drawers, and the front of a washing machine around its door. A strip along an edge may lie deeper or higher,
+where another board overlaps; doors and drawers have panels in their middle, and grips. The front of any other
+body consists of rectangles: frame, rails, and the openings between them. A network draws half of a board a
+cell deeper than the rest, and leaves corners out.
 
-Every face is told anew. Of each column of cells, evidence says how deep the part begins there
-(`weigh_depths`); the strips and rectangles that most of it speaks for are drawn, all else is the board.
+Every face is redrawn. The cells of each column are evidence for the depth at which the part begins there
+(`weigh_depths`). The strips and rectangles with the most evidence are drawn; the rest is the board.
 """
 
 from collections.abc import Iterator, Mapping
@@ -27,14 +27,14 @@ Kind = Literal["top", "side", "back", "front", "plate", "panel"]
 
 
 class Side(NamedTuple):
-    """Where a face is, and what is told of it."""
+    """Kind and viewing direction of a face."""
 
     kind: Kind
     """All but ``front`` are boards."""
     axis: int
-    """Along which it is looked at."""
+    """Axis along which the face is seen."""
     end: int
-    """From which end: 1 from the lower one, -1 from the higher one."""
+    """End of the axis from which it is seen: 1 the lower, -1 the higher."""
 
 
 PANEL = Side("panel", 0, 1)
@@ -49,40 +49,41 @@ SIDES: Mapping[str, tuple[Side, ...]] = {
     "door": (PANEL,),
     "drawer": (PANEL,),
 }
-"""The sides of parts that have faces, by label."""
+"""Faces to flatten, by part label."""
 PLATED = ("WashingMachine",)
-"""Categories whose bodies have a board in front, too."""
+"""Categories whose bodies have a board in front as well."""
 OPEN: Mapping[str, tuple[Kind, ...]] = {"Oven": ("top",), "Table": ("side", "back")}
-"""Faces that are no boards, by category: burners stand on cooktops, and tables stand on legs."""
+"""Faces that are not boards, by category: burners stand on cooktops, and tables stand on legs."""
 CERTAIN = 4.0
-"""Logits beyond this count as certain."""
+"""Logits beyond this, either way, count as certain."""
 DEPTH = 6
-"""Layers of cells that a face is sought in."""
+"""Layers of cells in which a face is sought."""
 LEAST, SHARE = 12.0, 0.03
-"""Evidence of a strip or rectangle, in certain cells, and per cell of the face: at least both."""
+"""Least evidence for a strip or rectangle: in certain cells, and per cell of the face; both must hold."""
 ON = 1
-"""Layers in which what is not of the part lies on it; deeper, it is seen through a hole."""
+"""Layers in which cells of other parts lie on the face; deeper ones are seen through a hole."""
 HALF = 0.5
-"""Share of a line across a face in which the part is seen, at least, for it to reach that far."""
+"""Least share of a line across a face in which the part is seen for the face to extend over that line."""
 BENEATH = ("drawer", "shelf")
-"""What gives way to a top."""
+"""Labels of parts that give way to a top."""
 SEEN = 0.6
-"""Share of a face in those layers for it to be one."""
+"""Least share of the columns in which the part begins within `DEPTH` layers for them to form a face."""
 SMALLEST: Mapping[Kind, int] = {"front": 4, "panel": 4, "plate": 16, "top": 16, "side": 16, "back": 16}
-"""Cells across a face at least: cooktops have no sides to speak of."""
+"""Least width of a face in cells; the low sides of a cooktop are not faces."""
 WIDE, NARROW = 0.35, 3
-"""Share of a face that a strip takes at most, where doors, plinths or worktops may be; else, in cells."""
+"""Largest width of a strip: a share of the face where doors, plinths or worktops may be, else in cells."""
 FILLED = 0.35
-"""Share of a face that is filled at most: what lacks more was meant to be open."""
+"""Largest share of a face that is filled; a face that lacks more was meant to be open."""
 CENTRED, SMALL = 0.06, 0.05
-"""Shares of a face: that a panel is off the middle across it at most, and that a grip has, which may be
-anywhere."""
+"""Shares of a face: largest offset of a panel from the middle across it, and largest area of a grip, which
+may lie anywhere."""
 SURE, WHOLE = 1.3, 0.7
-"""Evidence per cell of a panel or grip, of which two would be certain; its share of what is at its depth."""
+"""Least evidence per cell of a panel or grip (2 is certain), and least ratio of its area to that of the
+connected region which it covers."""
 ROUNDS = 2
-"""How often the depths of a front take turns."""
+"""Passes over the candidate depths of a front."""
 THICKEST = 3
-"""Cells that are filled behind a face, at most; as many as there are elsewhere."""
+"""Most cells filled behind a face; fewer where the face is thinner elsewhere."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -91,27 +92,27 @@ class Face:
 
     kind: Kind
     number: int
-    """The part."""
+    """Row of the part in the outline."""
     cells: Owners
-    """A view of the cells of the part's box, the nearest layer first."""
+    """View of the owners in the part's box, the nearest layer first."""
     mine: Bool[np.ndarray, "D H W"]
-    """Those of the part."""
+    """Cells of the part."""
     free: Bool[np.ndarray, "D H W"]
-    """Those that it may take: nothing is there, or what gives way to it."""
+    """Cells that the part may take: empty ones, and those of parts that give way."""
     weights: Float[np.ndarray, "K H W"]
-    """What speaks for each depth, and for none (`weigh_depths`)."""
+    """Log-evidence per candidate depth; the last entry means "no surface" (`weigh_depths`)."""
     covered: Bool[np.ndarray, "H W"]
-    """What is not told anew: other parts stand there."""
+    """Columns that are not redrawn: another part stands there, or the face does not extend that far."""
 
     @property
     def depths(self) -> Int[np.ndarray, "H W"]:
-        """How deep the part begins in each column; as many as there are depths where that is no deeper."""
+        """Depth at which the part begins in each column; the number of depths where it begins at none."""
         near = self.mine[: len(self.weights) - 1]
         return np.where(near.any(axis=0), near.argmax(axis=0), len(near))
 
     @property
     def least(self) -> float:
-        """Evidence that a strip or rectangle of it needs."""
+        """Least evidence for a strip or rectangle of this face."""
         return max(LEAST, SHARE * int((~self.covered).sum()))
 
 
@@ -121,13 +122,13 @@ def even_faces(
     rows: Float[np.ndarray, "N C"],
     layout: FieldLayout = DEFAULT_LAYOUT,
 ) -> tuple[Owners, tuple[str, ...]]:
-    """Owners by which faces are even, and a note of how many cells changed.
+    """Flattens the faces of all parts; returns the new owners and a note of how many cells changed.
 
     Args:
-        owners: a row per cell, -1 where nothing is.
-        logits: of occupancy, of all cells.
-        rows: an outline, the channels after occupancy, one row per part.
-        layout: channels.
+        owners: Row of the outline per cell, -1 where empty.
+        logits: Occupancy logits of all cells.
+        rows: The outline: channels after occupancy, one row per part.
+        layout: Layout of the channels.
     """
     before, owners = owners, owners.copy()
     category, names = name_category(rows, layout) or "", name_rows(rows, layout)
@@ -156,10 +157,11 @@ def even_faces(
 def weigh_depths(evidence: Float[np.ndarray, "D H W"]) -> Float[np.ndarray, "K H W"]:
     """Log-evidence per candidate depth of a column; the last entry means "no surface".
 
-    Nothing is before the first cell, whatever comes behind it: cells there speak for no depth.
+    A depth means that all cells before it are empty and that its own cell is occupied. Cells behind it may be
+    either, so each counts as if it agreed.
 
     Args:
-        evidence: From -1, certainly empty, to 1, certainly not.
+        evidence: From -1 (certainly empty) to 1 (certainly occupied).
     """
     empty = np.concatenate([np.zeros((1, *evidence.shape[1:])), -evidence.cumsum(axis=0)])
     behind = np.abs(evidence)[::-1].cumsum(axis=0)[::-1]
@@ -174,13 +176,13 @@ def _read_face(
     side: Side,
     beneath: Bool[np.ndarray, "N"],
 ) -> Face | None:
-    """A face of a part in its box; None where it is round, or too small or too open for one."""
+    """A face of a part in its box; None if it is round, too small or too open."""
     at = np.argwhere(owners == number)
     if not len(at):
         return None
     kind, axis, end = side
     box = tuple(slice(low, high) for low, high in zip(at.min(axis=0), at.max(axis=0) + 1, strict=True))
-    cells, said = (np.moveaxis(grid[box], axis, 0)[::end] for grid in (owners, logits))
+    cells, scores = (np.moveaxis(grid[box], axis, 0)[::end] for grid in (owners, logits))
     mine = cells == number
     seen = np.asarray(mine.any(axis=0))
     deep = min(DEPTH, len(cells))
@@ -191,15 +193,15 @@ def _read_face(
     line = tuple(slice(None) if i == axis else there for i, there in enumerate(box))
     lines = np.moveaxis(owners[line], axis, 0)[::end]
     others = (lines >= 0) & (lines != number)
-    if kind != "front":  # openings hold other parts, holes show them
+    if kind != "front":  # only parts on the face cover it; a front's openings hold parts at any depth
         first = box[axis].start if end > 0 else len(lines) - box[axis].stop
         near = np.where(seen, mine.argmax(axis=0), ON).clip(max=ON)
         others &= np.arange(len(lines))[:, None, None] < first + near
     covered = np.asarray(others.any(axis=0))
-    if kind in ("side", "back"):  # what one sees past stands beside the board
+    if kind in ("side", "back"):  # parts seen past the outline stand beside the board
         covered |= ~np.asarray(binary_fill_holes(seen))
     covered |= (seen.mean(axis=1, keepdims=True) < HALF) | (seen.mean(axis=0, keepdims=True) < HALF)
-    evidence = (said[:deep] / CERTAIN).clip(-1.0, 1.0) / 2 + np.where(mine[:deep], 0.5, -0.5)
+    evidence = (scores[:deep] / CERTAIN).clip(-1.0, 1.0) / 2 + np.where(mine[:deep], 0.5, -0.5)
     return Face(
         kind=kind,
         number=number,
@@ -212,7 +214,7 @@ def _read_face(
 
 
 def _draw_rectangles(face: Face) -> Int[np.ndarray, "H W"]:
-    """Depths in rectangles on that which most speaks for."""
+    """Depth of each column: rectangles of other depths on the one with the most evidence."""
     mass = face.weights.sum(axis=(1, 2))
     drawn = np.full(face.covered.shape, mass.argmax())
     for _ in range(ROUNDS):
@@ -223,24 +225,24 @@ def _draw_rectangles(face: Face) -> Int[np.ndarray, "H W"]:
 
 
 def _lay_board(face: Face) -> None:
-    """Makes a face one board with strips or panels on it, in place, unless it lacks too much."""
+    """Redraws a face as one board with strips along its edges, in place, unless too much of it is missing."""
     main = int(face.weights[:-1].sum(axis=(1, 2)).argmax())
-    drawn, told = _draw_strips(face, main)
+    drawn, redrawn = _draw_strips(face, main)
     beyond = len(face.weights) - 1
-    filled = told & (face.depths == beyond) & (drawn != beyond)
+    filled = redrawn & (face.depths == beyond) & (drawn != beyond)
     if filled.sum() <= FILLED * (~face.covered).sum():
-        _put(face, drawn, told)
+        _put(face, drawn, redrawn)
 
 
 def _lay_panels(face: Face) -> None:
-    """Makes a face a board with panels and grips, in place: that which most speaks for, of all depths."""
+    """Redraws a face as a board with panels and grips, in place, at the depth with the most evidence."""
     boards = [_draw_panels(face, main) for main in range(len(face.weights) - 1)]
     best = max(boards, key=lambda drawn: np.take_along_axis(face.weights, drawn[None], axis=0).sum())
     _put(face, best, ~face.covered)
 
 
 def _draw_panels(face: Face, main: int) -> Int[np.ndarray, "H W"]:
-    """Depths of a board with panels in its middle, and with grips, which are small."""
+    """Depth of each column of a board at depth ``main`` with panels in its middle and small grips."""
     drawn = np.full(face.covered.shape, main)
     for depth, weights in enumerate(face.weights):
         gain = weights - np.take_along_axis(face.weights, drawn[None], axis=0)[0]
@@ -248,25 +250,28 @@ def _draw_panels(face: Face, main: int) -> Int[np.ndarray, "H W"]:
         label(gain > 0, output=pieces)
         areas = np.bincount(pieces.ravel())
         for across, up, _ in find_boxes(gain[..., None], face.least):
-            told, piece = gain[across, up], int(np.median(pieces[across, up]))
+            inside, piece = gain[across, up], int(np.median(pieces[across, up]))
             off = abs(across.start + across.stop - len(gain)) / 2
-            meant = told.mean() >= SURE and told.size >= WHOLE * areas[piece]
-            if piece and meant and (off <= CENTRED * len(gain) or told.size <= SMALL * gain.size):
+            meant = inside.mean() >= SURE and inside.size >= WHOLE * areas[piece]
+            if piece and meant and (off <= CENTRED * len(gain) or inside.size <= SMALL * gain.size):
                 drawn[across, up] = depth
     return drawn
 
 
 def _draw_strips(face: Face, main: int) -> tuple[Int[np.ndarray, "H W"], Bool[np.ndarray, "H W"]]:
-    """Depths of a board with strips along its edges, and which are told: feet and plinths are not."""
-    drawn, told = np.full(face.covered.shape, main), ~face.covered
-    rest, gains = np.ones_like(told), face.weights - face.weights[main]
+    """Depth of each column of a board with strips along its edges, and a mask of the columns to redraw.
+
+    The mask leaves out feet and plinths.
+    """
+    drawn, redrawn = np.full(face.covered.shape, main), ~face.covered
+    rest, gains = np.ones_like(redrawn), face.weights - face.weights[main]
     while True:
         best = max(_find_strips(face.kind, gains, main), key=lambda found: found[0], default=None)
         if best is None or best[0] < face.least:
-            return drawn, told
+            return drawn, redrawn
         _, strip, depth = best
         if depth is None:
-            told[strip] &= ~rest[strip]
+            redrawn[strip] &= ~rest[strip]
         else:
             drawn[strip] = np.where(rest[strip], depth, drawn[strip])
         rest[strip] = False
@@ -276,10 +281,11 @@ def _draw_strips(face: Face, main: int) -> tuple[Int[np.ndarray, "H W"], Bool[np
 def _find_strips(
     kind: Kind, gains: Float[np.ndarray, "K H W"], main: int
 ) -> Iterator[tuple[float, tuple[slice, slice], int | None]]:
-    """The best strip along each edge at each depth that it may have: its gain, its place and its depth.
+    """Best strip along each edge for each depth that it may have: gain, place and depth.
 
-    Sides end at their front, behind doors, and tops do; below lie feet and plinths, which stay as they are
-    (None for a depth); above, worktops stand out. Elsewhere strips are narrow.
+    The front strip of a side or top may be wide and have no surface, where these end behind doors. The lowest
+    strip of a side or back holds feet or plinths, which stay as they are (depth None). The highest may be
+    wide, because worktops stand out. All others are narrow.
     """
     beyond = len(gains) - 1
     upright = kind in ("side", "back")
@@ -303,11 +309,11 @@ def _find_strips(
             yield float(sums[width - 1]), (across, slice(None)) if axis == 0 else (slice(None), across), depth
 
 
-def _put(face: Face, drawn: Int[np.ndarray, "H W"], told: Bool[np.ndarray, "H W"]) -> None:
-    """Makes the part begin where it is drawn, in place: what stands before goes, what lacks is filled."""
+def _put(face: Face, drawn: Int[np.ndarray, "H W"], redrawn: Bool[np.ndarray, "H W"]) -> None:
+    """Makes the part begin at the drawn depths, in place: clears cells before them, fills missing ones."""
     depths = face.depths
-    for depth in np.unique(drawn[told & (drawn != depths)]):
-        here = told & (drawn == depth) & (depths != depth)
+    for depth in np.unique(drawn[redrawn & (drawn != depths)]):
+        here = redrawn & (drawn == depth) & (depths != depth)
         near = face.cells[: min(depth, len(face.weights) - 1)]
         near[(near == face.number) & here] = -1
         if depth < len(face.weights) - 1:
@@ -316,8 +322,10 @@ def _put(face: Face, drawn: Int[np.ndarray, "H W"], told: Bool[np.ndarray, "H W"
 
 
 def _measure_thickness(face: Face, columns: Bool[np.ndarray, "H W"], depth: int) -> int:
-    """How many cells lie behind each other where a part begins at a depth: fewer than in most columns, for
-    where boards meet they are deep."""
+    """Thickness in cells of a part where it begins at a depth: the lower quartile over the columns.
+
+    Columns where boards meet are deep and must not set the thickness.
+    """
     if not columns.any():
         return 1
     runs = face.mine[depth : depth + THICKEST, columns].cumprod(axis=0).sum(axis=0)

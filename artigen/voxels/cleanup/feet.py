@@ -1,7 +1,7 @@
 """Adds feet to objects that would fall over because feet are missing or too short.
 
-Only what stands badly is changed. It gets a post under each corner of its body, as thick as a short foot,
-from the underside down to the floor.
+Objects that stand safely are left alone. Others get a post under each corner of their body, as thick as a
+short foot, from the underside down to the floor.
 """
 
 import numpy as np
@@ -14,11 +14,11 @@ from artigen.voxels.fields import DEFAULT_LAYOUT, FieldLayout, name_rows
 THICK = 2
 """Edge of a foot in cells."""
 REACH = 10
-"""Cells that a foot is long, at most."""
+"""Length of the longest foot in cells."""
 LAYERS = 3
-"""Lowest layers of cells that an object stands on; the exporter levels what is missing in them."""
+"""Lowest layers of cells that count as support; the exporter levels differences within them."""
 MARGIN = 2.5
-"""Cells between the middle of an object and the edge of what it stands on, at least."""
+"""Least distance in cells from the middle of an object to the edge of its support."""
 
 
 def extend_feet(
@@ -26,12 +26,12 @@ def extend_feet(
     rows: Float[np.ndarray, "N C"],
     layout: FieldLayout = DEFAULT_LAYOUT,
 ) -> tuple[Owners, tuple[str, ...]]:
-    """Owners by which the body stands, and a note of how many feet it was given.
+    """Adds or extends feet of a body that stands badly; returns owners and a note.
 
     Args:
-        owners: a row per cell, -1 where nothing is.
-        rows: an outline, the channels after occupancy, one row per part.
-        layout: channels.
+        owners: Row of the outline per cell, -1 where empty.
+        rows: The outline: channels after occupancy, one row per part.
+        layout: Layout of the channels.
     """
     bodies = np.flatnonzero(np.array(name_rows(rows, layout)) == "base")
     cells = np.argwhere(owners >= 0)
@@ -49,7 +49,7 @@ def extend_feet(
 
 
 def measure_stand(coords: Int[np.ndarray, "N 3"]) -> float:
-    """Cells from the mean of all cells to the edge of the hull of the lowest, below 0 outside of it.
+    """Distance in cells from the mean of all cells to the edge of the lowest ones' hull; negative outside.
 
     Args:
         coords: Cells (x, y, z), at least one.
@@ -62,7 +62,7 @@ def measure_stand(coords: Int[np.ndarray, "N 3"]) -> float:
 
 
 def _add_foot(owners: Owners, body: int, floor: int, corner: tuple[int, int]) -> int:
-    """Puts a foot under a corner of a body, in place, and says how long it is: 0 if there is none to add."""
+    """Adds a foot under a corner of a body, in place; returns its length in cells, 0 if none fits."""
     mine = owners == body
     under = _find_undersides(mine)
     x, y = np.nonzero((under >= 0) & (under <= floor + REACH))

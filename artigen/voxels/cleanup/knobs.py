@@ -1,6 +1,6 @@
 """Completes buttons and dials of which only fragments were sampled.
 
-A true button fills its box, as far as that sticks out of the panel. A dial fills about the disc in its box.
+A button fills its box as far as the box sticks out of the panel. A dial roughly fills the disc in its box.
 """
 
 import numpy as np
@@ -14,25 +14,24 @@ from artigen.voxels.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, 
 
 KNOB: PartLabel = "knob"
 RIM = 0.25
-"""Cells that the middle of a cell may lie outside of a disc that it belongs to."""
+"""Cells by which the centre of a cell may lie outside a disc that it belongs to."""
 SURROUNDED = 0.5
-"""Share of the ring around a knob that is panel in the layers that lie within the panel."""
+"""Share of the ring around a knob that is panel from which a layer counts as within the panel."""
 ALIKE = 0.5
-"""Intersection over union with its disc or its box below which a dial was drawn as a fragment: true ones have
-more than that."""
+"""Intersection over union with its disc or box below which a dial is a fragment; intact dials have more."""
 
 
 def shape_knobs(
     owners: Owners, rows: Float[np.ndarray, "N C"], layout: FieldLayout = DEFAULT_LAYOUT
 ) -> tuple[Owners, tuple[str, ...]]:
-    """Owners by which buttons fill their boxes and dials are no fragments, and a note of the change.
+    """Fills the boxes of buttons and the discs of fragmentary dials; returns owners and a note.
 
-    Where it sticks out of its panel, a knob may take cells of the panel; those of other parts stay theirs.
+    A knob may take cells of the panel where it sticks out of it, but no cells of other parts.
 
     Args:
-        owners: a row per cell, -1 where nothing is.
-        rows: an outline, the channels after occupancy, one row per part.
-        layout: channels.
+        owners: Row of the outline per cell, -1 where empty.
+        rows: The outline: channels after occupancy, one row per part.
+        layout: Layout of the channels.
     """
     before, owners = owners, owners.copy()
     kinds = name_joints(rows, layout)
@@ -64,7 +63,7 @@ def shape_knobs(
 def _find_within(
     panel: Bool[np.ndarray, "X Y Z"], cells: Bool[np.ndarray, "X Y Z"], along: int
 ) -> Bool[np.ndarray, "X Y Z"]:
-    """The layers across an axis in which what surrounds the cells of a box is panel."""
+    """Mask of the layers along an axis in which most of the ring around a box is panel."""
     across = tuple(axis for axis in range(3) if axis != along)
     square = np.ones([1 if axis == along else 3 for axis in range(3)])
     around = binary_dilation(cells, square) & ~cells
@@ -75,7 +74,7 @@ def _find_within(
 def _fill_disc(
     box: Float[np.ndarray, "6"], layers: slice, along: int, shape: tuple[int, ...]
 ) -> Bool[np.ndarray, "X Y Z"]:
-    """The cells of the disc (an ellipse) that a box holds, in given layers across an axis."""
+    """The cells of the disc (an ellipse) inscribed in a box, in given layers along an axis."""
     shares = []
     for axis in (axis for axis in range(3) if axis != along):
         away = np.abs(np.arange(shape[axis]) + 0.5 - (box[axis] + 0.5) * shape[0])

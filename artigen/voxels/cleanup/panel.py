@@ -1,4 +1,4 @@
-"""Depth of the panel of a front."""
+"""Layers of the front panel of a part."""
 
 import numpy as np
 from jaxtyping import Bool
@@ -6,11 +6,11 @@ from jaxtyping import Bool
 DEEP = 0.3
 """Share of a part's depth, from its front, in which its panel is sought."""
 NEAR = 3
-"""Layers of cells in which it is sought at least."""
+"""Least number of layers in which the panel is sought."""
 
 
 def find_panel(layers: Bool[np.ndarray, "D H W"]) -> slice:
-    """The layers of the panel: those around the fullest near the front that hold half as much as it."""
+    """The layers of the panel: the fullest near the front, and those around it at least half as full."""
     held = layers.sum(axis=(1, 2)).astype(float)
     there = np.flatnonzero(held)
     deepest = there[0] + max(NEAR, round(DEEP * (there[-1] - there[0] + 1)))

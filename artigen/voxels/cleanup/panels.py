@@ -1,7 +1,8 @@
 """Fills holes in the panel behind knobs.
 
-Where a network drew a row of knobs and no panel behind, or room was made for what turns, they hang by a
-corner. A patch closes the hole right behind such a knob, a cell wider than it, out of what carries it.
+Knobs hang by a corner where the network draws no panel behind them, or where an earlier stage cleared space
+for rotating parts. A patch right behind such a knob, one cell wider than it, closes the hole; it belongs to
+the part that carries the knob.
 """
 
 import numpy as np
@@ -13,22 +14,22 @@ from artigen.voxels.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, 
 from artigen.voxels.segmentation.tree import ALLOWED_PARENTS
 
 BEHIND = {0: 1, 2: -1}
-"""Axis of a knob and where its back lies: fronts face -x, and what faces up lies on what is below."""
+"""Direction of a knob's back along its axis: fronts face -x, and a knob that faces up lies on its carrier."""
 HELD = 1 / 3
-"""Faces of cells by which a knob touches what may carry it, over the cells of its back, at least."""
+"""Least ratio of possible carriers' cells that touch a knob to the cells of its back."""
 NEAR = np.ones((5, 5, 5), dtype=bool)
-"""Cells around a knob in which its carrier is sought."""
+"""Neighbourhood of a knob's cells in which its carrier is sought."""
 
 
 def back_knobs(
     owners: Owners, rows: Float[np.ndarray, "N C"], layout: FieldLayout = DEFAULT_LAYOUT
 ) -> tuple[Owners, tuple[str, ...]]:
-    """Owners by which every knob has a panel behind it, and a note of how many were given one.
+    """Adds a panel behind knobs that lack one; returns owners and a note of how many.
 
     Args:
-        owners: a row per cell, -1 where nothing is.
-        rows: an outline, the channels after occupancy, one row per part.
-        layout: channels.
+        owners: Row of the outline per cell, -1 where empty.
+        rows: The outline: channels after occupancy, one row per part.
+        layout: Layout of the channels.
     """
     owners, labels = owners.copy(), np.array(name_rows(rows, layout))
     carriers = np.flatnonzero(np.isin(labels, list(ALLOWED_PARENTS["knob"])))
@@ -54,7 +55,7 @@ def back_knobs(
 def _find_back(
     mine: Bool[np.ndarray, "X Y Z"], along: int
 ) -> tuple[Bool[np.ndarray, "X Y Z"], Bool[np.ndarray, "X Y Z"]]:
-    """The cells right behind the last layer of a knob, and those of a patch around them; none at the rim."""
+    """The cells right behind the last layer of a knob, and a patch around them; empty outside the grid."""
     layers = np.moveaxis(mine, along, 0)
     there = np.flatnonzero(layers.any(axis=(1, 2)))
     last = there[-1] if BEHIND[along] > 0 else there[0]

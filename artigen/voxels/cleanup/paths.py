@@ -1,8 +1,8 @@
 """Clears the path of sliding parts.
 
-A drawer whose back was drawn a cell too wide, or a rail that hangs in front of it, keeps it shut. In every
-line of cells along the way, either what of the part lies behind the obstacle goes, or the obstacle does:
-whichever fewer and less certain cells speak for.
+A drawer whose back was sampled a cell too wide, or a rail that hangs in front of it, keeps it shut. In every
+line of cells along the travel, cells of the part behind the obstacle or cells of the obstacle are removed,
+whichever are fewer and less certain.
 """
 
 import numpy as np
@@ -14,13 +14,13 @@ from artigen.voxels.cleanup.rows import Owners
 from artigen.voxels.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_joints, name_rows
 
 SLIDING: frozenset[PartLabel] = frozenset({"drawer", "tray"})
-"""Parts that are to come out."""
+"""Labels of parts that must slide out."""
 OBSTACLES: frozenset[PartLabel] = frozenset({"base", "shelf"})
-"""Parts that stay where they are; doors open first."""
+"""Labels of static parts that may block them; doors open first."""
 FITTINGS: frozenset[PartLabel] = frozenset({"handle", "knob"})
-"""Parts that come along with what they sit on."""
+"""Labels of parts that move with the part they sit on."""
 NEAR = 3 / 64
-"""Unit-cube lengths between the front of a part and what sits on it, at most."""
+"""Largest gap, in unit-cube lengths, between the front of a part and a fitting on it."""
 
 
 def clear_paths(
@@ -29,19 +29,19 @@ def clear_paths(
     rows: Float[np.ndarray, "N C"],
     layout: FieldLayout = DEFAULT_LAYOUT,
 ) -> tuple[Owners, tuple[str, ...]]:
-    """Owners by which what slides meets nothing that stays, and a note of how many cells went.
+    """Removes cells that keep sliding parts from coming out; returns owners and a note of how many.
 
     Args:
-        owners: a row per cell, -1 where nothing is.
-        logits: of occupancy, of all cells.
-        rows: an outline, the channels after occupancy, one row per part.
-        layout: channels.
+        owners: Row of the outline per cell, -1 where empty.
+        logits: Occupancy logits of all cells.
+        rows: The outline: channels after occupancy, one row per part.
+        layout: Layout of the channels.
     """
     owners, labels = owners.copy(), name_rows(rows, layout)
     slides = (np.array(name_joints(rows, layout)) == "prismatic") & np.isin(labels, list(SLIDING))
     stays = np.isin(owners, np.flatnonzero(np.isin(labels, list(OBSTACLES))))
     boxes, fittings = rows[:, after_occupancy(layout.box)], np.flatnonzero(np.isin(labels, list(FITTINGS)))
-    weights = np.abs(logits) + 1.0  # cells that no logit speaks for count, too
+    weights = np.abs(logits) + 1.0  # cells with a logit of 0 have a cost as well
     own = blocking = 0
     for number in np.flatnonzero(slides):
         axis = rows[number, after_occupancy(layout.axis)]
@@ -72,23 +72,23 @@ def _find_blocked(
     along: int,
     travel: float,
 ) -> Bool[np.ndarray, "X Y Z"]:
-    """The cells that go so that a part can move by ``travel`` cells along an axis: the cheapest of all ways.
+    """The cheapest cells to remove so that a part can move by ``travel`` cells along an axis.
 
-    In a line, the part keeps what lies beyond some place and the obstacle what lies before it.
+    In every line, the part keeps its cells beyond a cut and the obstacle keeps its cells before it.
     """
 
     def as_lines(cells: np.ndarray) -> np.ndarray:
-        """Lines along the way: the last axis points where the part goes."""
+        """Lines along the travel: the last axis points in the direction of motion."""
         return np.swapaxes(np.flip(cells, along) if travel < 0 else cells, along, 2)
 
     part, other, weight = as_lines(mine), as_lines(ahead), as_lines(weights)
     places = np.arange(part.shape[2])
     first = np.where(part.any(axis=2), part.argmax(axis=2), len(places))
     last = len(places) - 1 - part[..., ::-1].argmax(axis=2)
-    within = binary_erosion(part.any(axis=2))  # lines along the rim are a matter of rounding
+    within = binary_erosion(part.any(axis=2))  # at the rim, parts overlap by rounding
     met = other & (places > first[..., None]) & (places <= last[..., None] + np.ceil(abs(travel)))
     met &= within[..., None]
-    # Keep the part from place t on and the obstacle before it, t from 0 to the end: the part may go whole.
+    # Keep the part from cut t on and the obstacle before it. The last cut removes all of the part.
     kept = np.pad(np.cumsum(part * weight, axis=2), ((0, 0), (0, 0), (1, 0)))
     lost = np.pad(np.cumsum((met * weight)[..., ::-1], axis=2)[..., ::-1], ((0, 0), (0, 0), (0, 1)))
     cut = (kept + lost).argmin(axis=2)[..., None]

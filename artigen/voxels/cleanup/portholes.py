@@ -1,8 +1,8 @@
-"""Makes doors before drums, and the openings that they close, round.
+"""Rounds doors before drums, and the openings that they close.
 
-A network draws the mean of a ring and its box: doors with cut corners over ragged holes. What turns without
-end about an axis that faces the front is a drum; all procedural machines that are loaded there have a round
-door, with an opening of 0.72 to 0.80 of its radius. So have washing machines whose drum does not turn.
+A network draws the mean of a ring and its box: doors with cut corners over ragged holes. A tray that rotates
+continuously about a front-to-back axis is a drum. All procedural machines with a drum behind a door have a
+round door, whose opening has 0.72 to 0.80 of its radius. So have washing machines whose drum does not rotate.
 """
 
 import numpy as np
@@ -23,27 +23,26 @@ from artigen.voxels.fields import (
 OBLONG = 1.25
 """Largest ratio of width and height of a round door, either way."""
 MOUTH, RIM = 0.72, 0.80
-"""Shares of the door's radius within which the opening is free, and beyond which the plate around it is
-whole."""
+"""Shares of the door's radius: the opening is clear within the first, the plate whole beyond the second."""
 WASHING = "WashingMachine"
-"""Category whose doors are round, with a drum or without."""
+"""Category whose doors are round with or without a drum."""
 PLATE = 7
-"""Layers behind the panel of the door in which the plate of the body is sought: the fullest of them."""
+"""Layers behind the panel of the door in which the plate of the body is sought; the fullest is taken."""
 WHOLE = 0.7
-"""Share of the rim of a door in a layer from which on all of it is there."""
+"""Share of the rim of a door from which on a layer's rim is completed."""
 AROUND = 3
-"""Cells beyond the door in which the plate is looked at."""
+"""Cells beyond the door in which the plate is sought."""
 
 
 def round_portholes(
     owners: Owners, rows: Float[np.ndarray, "N C"], layout: FieldLayout = DEFAULT_LAYOUT
 ) -> tuple[Owners, tuple[str, ...]]:
-    """Owners by which doors before drums are round, and a note of how many cells that changed.
+    """Rounds doors before drums; returns owners and a note of how many cells changed.
 
     Args:
-        owners: a row per cell, -1 where nothing is.
-        rows: an outline, the channels after occupancy, one row per part.
-        layout: channels.
+        owners: Row of the outline per cell, -1 where empty.
+        rows: The outline: channels after occupancy, one row per part.
+        layout: Layout of the channels.
     """
     before, owners = owners, owners.copy()
     labels, kinds = np.array(name_rows(rows, layout)), np.array(name_joints(rows, layout))
@@ -63,9 +62,9 @@ def round_portholes(
 def _round_door(
     owners: Owners, door: int, bodies: Bool[np.ndarray, "N"], box: Float[np.ndarray, "6"]
 ) -> None:
-    """Makes a door that faces -x, and the plate of the body behind its panel, round, in place."""
+    """Rounds a door that faces -x, and the opening in the body's plate behind its panel, in place."""
     _, *sides = reach_box(box, len(owners), AROUND)
-    y, z = (  # from the middle of the door, in halves of its edges
+    y, z = (  # offsets from the door's centre, in half edges
         ((np.arange(side.start, side.stop) + 0.5) / len(owners) - 0.5 - box[axis]) / (box[3 + axis] / 2)
         for axis, side in enumerate(sides, start=1)
     )

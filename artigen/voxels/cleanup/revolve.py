@@ -1,8 +1,8 @@
 """Makes continuously rotating parts axisymmetric and clears their swept volume.
 
-What turns about an axis sweeps rings. A drum drawn with a dent here and a bulge there meets the tub that it
-turns in; so each ring of it becomes whole or goes, by what most of its cells say, and the body and the inside
-of doors leave the rings that a part sweeps. A dial sits on its panel, not in it.
+A rotating part sweeps rings. A drum that was sampled with dents and bulges collides with its tub. Each ring
+of a drum is therefore filled or removed by majority of its cells, and the body and the inside of doors are
+cut back from the rings that a part sweeps. A dial sits on its panel, not in it.
 """
 
 import numpy as np
@@ -14,30 +14,30 @@ from artigen.voxels.cleanup.rows import Owners
 from artigen.voxels.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_joints, name_rows
 
 DRUM: PartLabel = "tray"
-"""Bodies of revolution where they turn without end: drums and turntables. Paddles go."""
+"""Label of drums and turntables: solids of revolution where they rotate continuously. Paddles are removed."""
 DIAL: PartLabel = "knob"
-"""What keeps its shape and turns in its place, without end or not. A wheel is held by what it turns in."""
+"""Label of dials, which keep their shape. Wheels are left alone: the part that they turn in holds them."""
 CENTRED = 1 / 64
-"""Unit-cube lengths from the middle of a dial to its axis, at most: a lever turns about its end."""
+"""Largest distance (unit-cube length) from the centre of a dial to its axis; levers turn about their end."""
 WIDTH = 0.5
-"""Half the width of a ring, in cells: what is nearer than this to a radius speaks for it."""
+"""Half the width of a ring in cells: cells this near to a radius vote for it."""
 ROOM = 0.75
-"""Cells that stay free around what turns: convex hulls of the body round off what is hollow."""
+"""Clearance in cells around rotating parts: convex hulls of the body fill some of its concavities."""
 ALIKE = 0.8
-"""Share of the greatest radius from which layers count as of one."""
+"""Share of the largest radius from which a layer counts as having that radius."""
 AROUND = 1.5
-"""Cells around a dial in which its panel shows."""
+"""Width in cells of the ring around a dial in which its panel is sought."""
 
 
 def revolve_parts(
     owners: Owners, rows: Float[np.ndarray, "N C"], layout: FieldLayout = DEFAULT_LAYOUT
 ) -> tuple[Owners, tuple[str, ...]]:
-    """Owners by which what turns without end is round and does not meet the body, and a note of the change.
+    """Makes drums round and clears what drums and dials sweep; returns owners and a note.
 
     Args:
-        owners: a row per cell, -1 where nothing is.
-        rows: an outline, the channels after occupancy, one row per part.
-        layout: channels.
+        owners: Row of the outline per cell, -1 where empty.
+        rows: The outline: channels after occupancy, one row per part.
+        layout: Layout of the channels.
     """
     before, owners, labels = owners, owners.copy(), np.array(name_rows(rows, layout))
     base = labels == "base"
@@ -67,7 +67,7 @@ def revolve_parts(
 
 
 def _find_turning(rows: np.ndarray, labels: np.ndarray, layout: FieldLayout) -> Bool[np.ndarray, "N"]:
-    """Drums that turn without end, and dials that turn about their middle."""
+    """Mask of continuously rotating drums and of dials that turn about their centre."""
     kinds = np.array(name_joints(rows, layout))
     off = rows[:, after_occupancy(layout.origin)] - rows[:, after_occupancy(layout.box)][:, :3]
     across = np.where(np.abs(rows[:, after_occupancy(layout.axis)]) < 0.5, np.abs(off), 0.0).max(axis=1)
@@ -76,7 +76,7 @@ def _find_turning(rows: np.ndarray, labels: np.ndarray, layout: FieldLayout) -> 
 
 
 def _clear_doors(owners: Owners, labels: np.ndarray, swept: Bool[np.ndarray, "X Y Z"]) -> None:
-    """Takes what a drum or turntable sweeps from the doors before it, in place, but for their fronts."""
+    """Removes cells of doors that a drum or turntable sweeps, in place, except those of their fronts."""
     for door in np.flatnonzero(labels == "door"):
         mine = owners == door
         if (mine & swept).any():
@@ -87,7 +87,7 @@ def _clear_doors(owners: Owners, labels: np.ndarray, swept: Bool[np.ndarray, "X 
 def _part_dials(
     owners: Owners, number: np.intp, dials: Bool[np.ndarray, "N"], swept: Bool[np.ndarray, "X Y Z"]
 ) -> None:
-    """Takes what a dial sweeps from other dials, in place, where it leaves them the greater part."""
+    """Removes cells of other dials that a dial sweeps, in place, where more than half of each remains."""
     for other in np.flatnonzero(dials & (np.arange(len(dials)) != number)):
         met = swept & (owners == other)
         if 0 < 2 * np.count_nonzero(met) < np.count_nonzero(owners == other):
@@ -101,7 +101,7 @@ def _lift_off_panel(
     radii: Float[np.ndarray, "X Y Z"],
     along: int,
 ) -> None:
-    """Gives the layers of a dial that lie within its panel to the panel, in place, where others are left."""
+    """Gives the layers of a dial that lie within its panel to the panel, in place, if other layers remain."""
     mine, panel = owners == number, (owners >= 0) & base[owners]
     sides = tuple(axis for axis in range(3) if axis != along)
     most = radii[mine].max()
@@ -114,7 +114,7 @@ def _lift_off_panel(
 
 
 def _radii(shape: tuple[int, ...], origin: Float[np.ndarray, "3"], along: int) -> Float[np.ndarray, "X Y Z"]:
-    """Distances of the middles of all cells from an axis, in cells."""
+    """Distance of every cell's centre from an axis, in cells."""
     sides = [axis for axis in range(3) if axis != along]
     off = np.indices(shape) + 0.5 - ((np.asarray(origin) + 0.5) * shape[0])[:, None, None, None]
     return np.hypot(off[sides[0]], off[sides[1]])
@@ -123,7 +123,7 @@ def _radii(shape: tuple[int, ...], origin: Float[np.ndarray, "3"], along: int) -
 def _make_round(
     mine: Bool[np.ndarray, "X Y Z"], radii: Float[np.ndarray, "X Y Z"], along: int
 ) -> Bool[np.ndarray, "X Y Z"]:
-    """In every layer, the rings of which a part holds the greater share."""
+    """In every layer, the rings of which a part holds at least half."""
     layers, ring = np.moveaxis(mine, along, 0), np.moveaxis(radii, along, 0)[0]
     out = np.zeros_like(layers)
     order = np.argsort(ring, axis=None)
@@ -141,8 +141,11 @@ def _make_round(
 def _find_swept(
     mine: Bool[np.ndarray, "X Y Z"], radii: Float[np.ndarray, "X Y Z"], along: int
 ) -> Bool[np.ndarray, "X Y Z"]:
-    """In every layer, all from the least to the greatest distance of a part's cells from its axis, and what
-    stays free around. Layers of nearly one radius have one: hulls reach over many."""
+    """The cells that a part sweeps in every layer, with clearance around them.
+
+    They reach from the least to the greatest distance of the layer's cells from the axis, plus `ROOM`. Layers
+    of nearly the largest radius get that radius, because a hull spans several layers.
+    """
     sides = tuple(axis for axis in range(3) if axis != along)
     least = np.where(mine, radii, np.inf).min(axis=sides, keepdims=True)
     most = np.where(mine, radii, -np.inf).max(axis=sides, keepdims=True)

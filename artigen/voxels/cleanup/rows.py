@@ -6,11 +6,11 @@ from jaxtyping import Float, Int
 from artigen.voxels.fields import VoxelFields, after_occupancy
 
 Owners = Int[np.ndarray, "X Y Z"]
-"""The row of an outline that every cell belongs to; -1 where nothing is."""
+"""Row of the outline that every cell belongs to; -1 where empty."""
 
 
 def read_owners(found: VoxelFields, rows: Float[np.ndarray, "N C"]) -> Owners:
-    """The row whose box every occupied cell says, or says most nearly; -1 where nothing is."""
+    """Row whose box is nearest to the box that each occupied cell states; -1 where empty."""
     layout = found.layout
     box = rows[:, after_occupancy(layout.box)]
     owners = np.full((found.resolution,) * 3, -1)

@@ -14,7 +14,7 @@ from artigen.voxels.fields import VoxelFields, canonical_origin
 Aggregation = Literal["mean", "robust"]
 
 SLACK_VOXELS = 1.0
-"""A voted face is believed within this distance of the span where the voxels allow it."""
+"""Distance in voxels that a voted face may lie outside the span that the voxels allow."""
 
 
 def dominant_axis(axes: Float[np.ndarray, "N 3"]) -> Float[np.ndarray, "3"]:
@@ -79,10 +79,10 @@ def voxel_extent(coords: Int[np.ndarray, "N 3"], resolution: int) -> Float[np.nd
 def fuse_box(
     voted: Float[np.ndarray, "6"], coords: Int[np.ndarray, "N 3"], resolution: int
 ) -> Float[np.ndarray, "2 3"]:
-    """The voted box, with every face brought to where the voxels allow it.
+    """The voted box, with every face clamped to the span that the voxels allow.
 
-    The lowest cell of a part holds its lowest face, so that face lies inside this cell; `SLACK_VOXELS`
-    more are granted on both sides because a cell shared by two parts goes to one of them.
+    The lowest cell of a part holds its lowest face, so that face lies inside this cell. `SLACK_VOXELS`
+    are added on both sides, because a cell shared by two parts goes to one of them.
     """
     center, size = voted[:3].astype(np.float64), np.maximum(voted[3:].astype(np.float64), 0.0)
     low_cell, high_cell = voxel_extent(coords, resolution)
@@ -127,7 +127,7 @@ def standard_errors(
 ) -> tuple[float, float]:
     """Standard errors of a part's axis (radians) and of its origin across the axis (unit lengths).
 
-    As if every voxel voted on its own; for votes that agree exactly, zero.
+    Votes count as independent; the errors are zero where votes agree exactly.
     """
     sides = np.linalg.svd(axis[None])[2][1:]  # 2 3, across the axis
     spread = [
@@ -139,13 +139,13 @@ def standard_errors(
 
 @dataclass(frozen=True, kw_only=True)
 class AggregatedPart:
-    """A part that is not yet in a tree, with how sure its votes are and what was repaired."""
+    """A part that is not yet in a tree, with the standard errors of its votes and notes of repairs."""
 
     part: Part
     axis_error: float = 0.0
     """Standard error of the axis, radians."""
     origin_error: float = 0.0
-    """Standard error of the axis line's place, unit lengths."""
+    """Standard error of the position of the axis line, unit lengths."""
     notes: tuple[str, ...] = ()
 
 
@@ -154,7 +154,7 @@ def aggregate_part(
 ) -> AggregatedPart:
     """Aggregates the votes of the voxels in ``rows``.
 
-    The part labelled base carries the object and is fixed whatever its voxels vote.
+    The part labelled base carries the object, so it is fixed whatever its voxels vote.
 
     Raises:
         SegmentationError: If a movable part has no axis.

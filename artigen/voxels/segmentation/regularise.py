@@ -1,7 +1,7 @@
 """Snaps nearly regular values to regular ones; recorded in the asset's notes.
 
-Networks and voxels give axes that are a degree or two off; furniture is built square. Whatever is
-farther from square than the tolerances is taken as meant and left alone. Limits need no snapping:
+Networks and voxels give axes that are a degree or two off; furniture is built square. An axis that is
+farther off than the tolerances is taken as intended and kept. Limits need no snapping:
 `artigen.voxels.segmentation.segment` states ranges from zero, and full turns of continuous joints.
 """
 
@@ -24,11 +24,11 @@ class RegulariseConfig:
     """The axis of a continuous joint that passes its part's box centre within this many unit lengths
     is moved through the centre."""
     sigmas: float = 3.0
-    """Where the standard error of a vote is known, its tolerance is at least this many of them."""
+    """Where the standard error of a vote is known, the tolerance is at least this multiple of it."""
     most_degrees: float = 8.0
-    """However uncertain, no axis is turned by more than this."""
+    """Largest angle by which an axis is turned, however uncertain it is."""
     most_offset: float = 1.5 / 64.0
-    """However uncertain, no axis is moved by more than this."""
+    """Largest distance, in unit lengths, by which an axis is moved, however uncertain it is."""
 
     def __post_init__(self) -> None:
         if not 0 <= self.axis_degrees <= self.most_degrees < 45:
@@ -64,9 +64,9 @@ def regularise(
     for part, (axis_error, line_error) in zip(asset.parts, errors, strict=True):
         degrees = min(max(cfg.axis_degrees, cfg.sigmas * float(np.degrees(axis_error))), cfg.most_degrees)
         offset = min(max(cfg.center_offset, cfg.sigmas * line_error), cfg.most_offset)
-        part, said = _regular_part(part, degrees, offset)
+        part, new = _regular_part(part, degrees, offset)
         parts.append(part)
-        notes += said
+        notes += new
     return replace(asset, parts=tuple(parts), notes=asset.notes + tuple(notes))
 
 

@@ -1,10 +1,10 @@
 """The robust recipe: voxels vote for boxes, and a part must fill the box it votes for.
 
-Semantics and connectivity give a first grouping; a group whose votes scatter more than the noise of
-the field is split; groups are merged when their votes agree and the box they vote for is filled by
-both together better than by each alone; at last every voxel goes to the part that explains it best:
-its votes, its label, its joint type, its place in the part's box, and its neighbours.
-The noise is measured on the field itself: the base is one part, whatever its votes scatter is noise.
+Semantics and connectivity give a first grouping. A group whose votes scatter more than the noise of
+the field is split. Groups are merged when their votes agree and they fill the box that they vote for
+better together than each alone. Finally every voxel goes to the part that best explains its votes, its
+label, its joint type, its place in the part's box, and its neighbours.
+The noise is measured on the field itself: the base is one part, so the scatter of its votes is noise.
 """
 
 from dataclasses import dataclass
@@ -46,9 +46,9 @@ class RobustConfig:
     """A group is split across an axis when it is longer than its voted box by this many voxels and twice
     the standard error of that vote."""
     seed_voxels: int = 24
-    """Fewer voxels than this are a part of their own only when no larger part explains them."""
+    """A group of fewer voxels is a part of its own only when no larger part explains it."""
     absorb_sigmas: float = 8.0
-    """How improbable, in standard deviations, the votes of a small group may be in the group that
+    """Largest deviation, in standard deviations, of the votes of a small group from the group that
     absorbs it. Raise it when single stray voxels become parts."""
     extent_tolerance: float = 0.75
     """Voxels by which a part may fall short of or exceed the box it votes for."""
@@ -66,7 +66,7 @@ class RobustConfig:
     rounds: int = 2
     """Rounds of merging and reassignment."""
     max_groups: int = 2500
-    """Votes that fall into more groups than this are noise, and are refused: time grows as their square."""
+    """Votes that fall into more groups than this are rejected as noise; time grows as their square."""
 
 
 def partition_robust(fields: VoxelFields, cfg: RobustConfig) -> Partition:
@@ -88,7 +88,7 @@ def partition_robust(fields: VoxelFields, cfg: RobustConfig) -> Partition:
     if groups.max() > cfg.max_groups:
         raise SegmentationError(
             f"the votes of {len(labels)} voxels fall into {groups.max()} groups, expected at most "
-            f"{cfg.max_groups}: neighbouring voxels say too different things to be parts"
+            f"{cfg.max_groups}: the votes of neighbouring voxels differ too much to form parts"
         )
     groups = _absorb(votes, groups, base, cfg, np.inf)
     for _ in range(cfg.rounds):
@@ -161,7 +161,7 @@ def _absorb(
 ) -> Int[np.ndarray, "N"]:
     """Gives small groups to larger ones that explain them by noise, whatever their classes.
 
-    Larger is what has `seed_voxels`, or ``share`` times the voxels. See `_explained_below` for the limit.
+    A larger group has `seed_voxels`, or ``share`` times the voxels. `_explained_below` gives the limit.
     """
     groups = _without_gaps(groups)
     stats = summarise(votes, groups, base)
@@ -193,8 +193,8 @@ def _absorb(
 def _explained_below(number: Int[np.ndarray, "K"], cfg: RobustConfig) -> Float[np.ndarray, "K"]:
     """Mean cost below which ``number`` voxels may be in a group by noise alone.
 
-    A half chi squared of d votes has mean d / 2 and standard deviation sqrt(2 d) / 2. Allowance falls faster
-    with the number than that of a mean does, because chi squared has its long tail for single voxels.
+    A half chi squared of d votes has mean d / 2 and standard deviation sqrt(2 d) / 2. The allowance falls
+    faster with the number than that of a mean would, because single voxels have a long chi-squared tail.
     """
     return (WIDTH + cfg.absorb_sigmas * np.sqrt(2 * WIDTH) / number**0.75) / 2
 
@@ -216,7 +216,7 @@ def _return_to_base(
 def _merge(
     votes: Votes, groups: Int[np.ndarray, "N"], pieces: Int[np.ndarray, "N"], base: int, cfg: RobustConfig
 ) -> Int[np.ndarray, "N"]:
-    """Merges groups that look like one part, the most alike first, until none do."""
+    """Merges groups that look like one part, the most similar first, until none are left."""
     while True:
         groups = _without_gaps(groups)
         stats = summarise(votes, groups, base)

@@ -11,11 +11,9 @@ BOX, PLACE, ORIGIN, MOTION = slice(0, 6), slice(0, 3), slice(6, 9), slice(9, 14)
 WIDTH = 14
 """Columns of a vote: box centre 3, box size 3, joint origin 3, axis 3, normalised ranges 2."""
 FACE_CAP, OUTSIDE_CAP, SEPARATE_JOINTS = 25.0, 24.0, 10.0
-"""Most that a coordinate of a box, a voxel outside it, and unequal joint types count as evidence."""
-
-
+"""Evidence: caps per coordinate of a box and per voxel outside a box, and weight of unequal joint types."""
 WITNESSES = 40
-"""Voxels that are asked whether their group lies in another group's box."""
+"""Most voxels per group that are tested against another group's box."""
 SPLIT_BIAS = 6.0
 """Variance that splitting a group by its votes puts between the means of the two halves."""
 TRIM = 0.01
@@ -103,24 +101,24 @@ def collect_votes(
 
 
 def placed_votes(votes: Votes, rows: Int[np.ndarray, "n"]) -> Float[np.ndarray, "n 14"]:
-    """Votes of voxels thought to be one part, their own places counted as votes for its centre.
+    """Votes of voxels assumed to be one part, with their own positions as additional votes for its centre.
 
-    A voxel lies in its part's box, so its place tells the centre to about ``size / sqrt(6)`` (between
-    evenly filled and shell), which for small parts is better than what a network says.
+    A voxel lies in its part's box, so its position gives the centre to about ``size / sqrt(6)`` (between
+    evenly filled and shell). For small parts this is more precise than the network.
     """
     values = votes.whitened[rows].copy()
     size = np.maximum(values[:, 3:6].mean(axis=0) * votes.sigma[3:6], 1 / votes.resolution)
     place = (votes.coords[rows] + 0.5) / votes.resolution - 0.5
-    said, seen = votes.sigma[:3] ** -2, 6 / size**2
-    values[:, PLACE] = (values[:, PLACE] * votes.sigma[:3] * said + place * seen) / np.sqrt(said + seen)
+    voted, seen = votes.sigma[:3] ** -2, 6 / size**2
+    values[:, PLACE] = (values[:, PLACE] * votes.sigma[:3] * voted + place * seen) / np.sqrt(voted + seen)
     return values
 
 
 def overlong_axis(votes: Votes, rows: Int[np.ndarray, "n"], excess: float) -> int | None:
-    """The axis along which voxels reach farthest beyond the size they vote for, if beyond doubt.
+    """The axis along which voxels reach farthest beyond the size they vote for; None if none clearly does.
 
-    Cells exceed a box by half a voxel on average; ``excess`` voxels and two standard errors more are
-    taken for a row of parts.
+    Cells exceed a box by half a voxel on average. ``excess`` voxels and two standard errors more mean a
+    row of parts.
     """
     size = votes.whitened[rows, 3:6].mean(axis=0) * votes.sigma[3:6]
     error = votes.sigma[3:6] / np.sqrt(max(1.0, len(rows) / votes.patch))
@@ -235,8 +233,9 @@ def _disagreement(
 ) -> Float[np.ndarray, "G G"]:
     """Squared number of standard deviations by which the mean votes differ more than by chance.
 
-    The most telling of: centre, centre and origin, all. The split of one piece itself pulls the means
-    apart, by 1.6 standard deviations of a vote and more after several splits; that is allowed for.
+    The largest over three sets of votes: centre; centre and origin; all. Splitting one piece itself pulls
+    the means apart, by 1.6 standard deviations of a vote and more after several splits; `SPLIT_BIAS`
+    allows for that.
     """
     spread = 1 / stats.draws[:, None] + 1 / stats.draws + SPLIT_BIAS * same_piece  # G G
     apart = (stats.mean[:, None] - stats.mean) ** 2 / (spread[..., None] + votes.drift)  # G G 14
@@ -252,7 +251,7 @@ def _strangeness(
 ) -> Float[np.ndarray, "G G"]:
     """How much worse the voxels of the smaller group lie in the other's box than in their own.
 
-    At most `WITNESSES` voxels of a group, evenly chosen, speak for it.
+    At most `WITNESSES` evenly chosen voxels represent a group.
     """
     order = np.argsort(groups, kind="stable")
     starts = np.cumsum(stats.count) - stats.count

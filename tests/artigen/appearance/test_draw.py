@@ -162,9 +162,9 @@ def test_what_does_not_fit_is_said(folder: Path, structure: Asset, tmp_path: Pat
     with pytest.raises(ValueError, match="voxels are none"):
         generate_appearance(model, replace(structure, voxels=None), ASKED, 0)
     finer = replace(structure.voxels, resolution=64)
-    with pytest.raises(ValueError, match=r"of 64\^3, this model draws on those of 32\^3"):
+    with pytest.raises(ValueError, match=r"of 64\^3, this model needs some of 32\^3"):
         generate_appearance(model, replace(structure, voxels=finer), ASKED, 0)
-    with pytest.raises(ValueError, match="came without painted samples of its surface"):
+    with pytest.raises(ValueError, match="has no painted samples of its surface"):
         generate_appearance(model, structure, ASKED, 0)
     with pytest.raises(SourceError, match="there is no such model"):
         load_appearance_model(tmp_path)

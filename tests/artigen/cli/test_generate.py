@@ -229,7 +229,7 @@ def test_a_folder_without_a_model_is_named(tmp_path: Path):
 @pytest.mark.parametrize(
     ("spoil", "message"),
     [
-        (lambda folder: cut(folder / "sketch-0.safetensors"), "no whole safetensors"),
+        (lambda folder: cut(folder / "sketch-0.safetensors"), "no complete safetensors"),
         (
             lambda folder: save_model(SketchNetwork(OTHER), folder, {}, "other")[0].replace(
                 folder / "sketch-0.safetensors"

@@ -306,7 +306,7 @@ def test_what_cannot_be_measured_is_said_and_nothing_written(
         (lambda folder: (folder / "model.json").unlink(), "no such model"),
         (lambda folder: (folder / "model.json").write_text("[1]"), "expected what a model says"),
         (lambda folder: (folder / "model.json").write_text('{"flow": {"preset": "huge"}}'), "preset 'huge'"),
-        (lambda folder: (folder / "flow-0.safetensors").write_bytes(b"x"), "no whole safetensors"),
+        (lambda folder: (folder / "flow-0.safetensors").write_bytes(b"x"), "no complete safetensors"),
         (lambda folder: (folder / "vae-0.safetensors").unlink(), r"holds no vae-\*"),
     ],
 )

@@ -258,7 +258,7 @@ def test_models_are_stored_and_loaded(tmp_path: Path):
     for key, value in flow.state_dict().items():
         torch.testing.assert_close(again.state_dict()[key], value, atol=1e-3, rtol=1e-3)
     (tmp_path / "flow-0.safetensors").write_bytes(b"\0" * 100)
-    with pytest.raises(SourceError, match="no whole safetensors file"):
+    with pytest.raises(SourceError, match="no complete safetensors file"):
         load_model(flow, tmp_path, "flow")
     with pytest.raises(SourceError, match=r"holds no vae-\*"):
         load_model(flow, tmp_path, "vae")

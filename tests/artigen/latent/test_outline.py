@@ -137,7 +137,7 @@ def test_cells_get_the_attributes_of_the_part_they_choose(cabinet: Asset, outlin
     assert (
         torch.cdist(said, known, compute_mode="donot_use_mm_for_euclid_dist").min(dim=1).values.max() < 1e-5
     )
-    with pytest.raises(ValueError, match="in view of outlines"):
+    with pytest.raises(ValueError, match="under outlines"):
         vae.decode(z)
     changed = replace(outlines, rows=outlines.rows.roll(1, dims=-1))
     assert not torch.allclose(vae.decode(z, every, changed)[0], vae.decode(z, every, outlines)[0])

@@ -91,7 +91,7 @@ def test_files_that_are_missing_or_cut_short_are_named(tmp_path: Path):
     write_clip(tmp_path)
     whole = (tmp_path / "model.safetensors").read_bytes()
     (tmp_path / "model.safetensors").write_bytes(whole[:-100])
-    with pytest.raises(SourceError, match="no whole safetensors file"):
+    with pytest.raises(SourceError, match="no complete safetensors file"):
         load_clip(tmp_path, SMALL)
     (tmp_path / "model.safetensors").write_bytes(whole)
     (tmp_path / "merges.txt").write_text("a b c\n")

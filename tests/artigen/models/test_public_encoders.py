@@ -102,7 +102,7 @@ def test_what_cannot_be_read_is_said_and_the_rest_is_answered(tmp_path: Path, fo
     write_clip(tmp_path / "clip-vit-large-patch14")
     assert find_encoders(tmp_path) == ("text",)
     assert find_encoders(folder) == ("image", "text")
-    with pytest.raises(ValueError, match="tokens of 48, expected 64"):
+    with pytest.raises(ValueError, match="tokens of width 48, expected 64"):
         ConditionConfig(width=64, dino=DINO)
 
 
@@ -158,7 +158,7 @@ def test_a_flow_is_trained_from_a_public_checkpoint_with_public_encoders(
     assert (said["encoders"], said["trellis"]) == ("image and text", "ss_flow")
     with pytest.raises(ArtigenError, match="has another flow than TRELLIS"):
         train_everything(replace(cfg, folder=tmp_path / "other", preset="tiny", encoders=None))
-    with pytest.raises(ArtigenError, match="cannot begin with both"):
+    with pytest.raises(ArtigenError, match="cannot start from both"):
         train_everything(replace(cfg, start=tmp_path))
 
 

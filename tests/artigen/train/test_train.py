@@ -65,7 +65,7 @@ def test_what_is_no_whole_shard_is_named(tmp_path: Path, examples: list[Structur
     whole = path.read_bytes()
     for content in (whole[: len(whole) // 2], b"", b"hello"):
         path.write_bytes(content)
-        with pytest.raises(SourceError, match=r"shard.npz: is no whole shard .* delete it"):
+        with pytest.raises(SourceError, match=r"shard.npz: is no complete shard .* delete it"):
             list(read_shard(path))
     np.savez(path, names=np.array(["one"]))
     with pytest.raises(SourceError, match="it lacks categories, resolution"):
@@ -150,7 +150,7 @@ def test_a_checkpoint_that_is_cut_short_or_of_something_else_is_named(tmp_path: 
     whole = path.read_bytes()
     for content in (whole[: len(whole) // 2], b"", b"hello"):
         path.write_bytes(content)
-        with pytest.raises(SourceError, match=r"checkpoint.pt: is no whole checkpoint; delete it"):
+        with pytest.raises(SourceError, match=r"checkpoint.pt: is no complete checkpoint; delete it"):
             fit(tmp_path / "run", 2, 4)
         assert path.read_bytes() == content
     torch.save({"step": 3}, path)

@@ -200,7 +200,7 @@ def test_foreign_checkpoints_are_refused_by_name(tmp_path: Path):
     path = write_checkpoint(tmp_path)
     whole = (tmp_path / "flow.safetensors").read_bytes()
     (tmp_path / "flow.safetensors").write_bytes(whole[: len(whole) // 2])
-    with pytest.raises(SourceError, match="no whole safetensors file"):
+    with pytest.raises(SourceError, match="no complete safetensors file"):
         load_trellis(path)
     with pytest.raises(SourceError, match="no such description"):
         load_trellis(tmp_path / "other")

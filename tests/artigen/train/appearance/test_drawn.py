@@ -118,6 +118,6 @@ def test_a_run_says_which_model_draws_and_refuses_one_that_cannot(tmp_path: Path
     with pytest.raises(ArtigenError, match="structure"):
         claim_appearance_run(replace(run, structure=None))
     tiny = AppearanceRunConfig(folder=tmp_path / "tiny", preset="tiny", structure=SHIPPED)
-    with pytest.raises(ArtigenError, match=r"voxels of 32\^3 within outlines are drawn by tiny"):
+    with pytest.raises(ArtigenError, match=r"voxels of 32\^3 within outlines need one of tiny"):
         claim_appearance_run(tiny)
     assert not tiny.home.exists()
