@@ -3,6 +3,7 @@
 from dataclasses import replace
 from pathlib import Path
 
+import hypothesis
 import numpy as np
 import pytest
 from jaxtyping import install_import_hook
@@ -13,6 +14,11 @@ with install_import_hook(["artigen", "sim_export", "envs"], "beartype.beartype")
     from artigen.voxels.cleanup.rows import Owners, read_owners
     from artigen.voxels.fields import VoxelFields, decode, encode, tabulate_parts
     from artigen.voxels.voxelize import voxelize
+
+hypothesis.settings.register_profile(
+    "busy machine", deadline=None, suppress_health_check=[hypothesis.HealthCheck.too_slow]
+)
+hypothesis.settings.load_profile("busy machine")
 
 REAL_OBJECTS = Path(__file__).resolve().parents[2] / "shared" / "data"
 

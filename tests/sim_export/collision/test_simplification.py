@@ -105,7 +105,7 @@ def test_a_cone_is_no_cylinder():
     assert kinds(simplify_hulls([cone])) == ["mesh"]
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(SEEDS)
 def test_what_is_taken_lies_around_the_piece_and_near_it(seed: int):
     """Boxes whose corners were moved by up to twice the tolerance, anywhere in space."""
@@ -126,7 +126,7 @@ def test_what_is_taken_lies_around_the_piece_and_near_it(seed: int):
     assert hull_volume(simple) >= hull_volume(hull)
 
 
-@settings(max_examples=20, deadline=None)
+@settings(max_examples=20)
 @given(SEEDS)
 def test_poses_do_not_matter(seed: int):
     rng = np.random.default_rng(seed)
