@@ -44,6 +44,9 @@ class ConvertSettings:
     """Seed of the surface samples."""
     splats: bool = False
     """Whether packages also hold Gaussians: flat discs on the surface, one PLY per link."""
+    mend: bool = False
+    """Whether faults of the source itself are mended first: hinges off the edge of their door, parts inside each
+    other, ranges that run into the body. The package's provenance names every change."""
     validation: Literal["full", "none"] = "full"
     """Whether every package is tried (L0 to L3) as soon as it is written."""
 
@@ -78,6 +81,7 @@ def convert_object(job: ConvertJob) -> Made:
 
     watch = [("start", time.perf_counter())]
     source = read_object(job.source, ReaderConfig(size=job.cfg.size, seed=job.cfg.seed))
+    source = mend_object(source) if job.cfg.mend else source
     watch.append(("read", time.perf_counter()))
     provenance = {
         "generator": f"artigen {__version__} convert",
@@ -101,6 +105,35 @@ def convert_object(job: ConvertJob) -> Made:
         seconds=(*laps, *exported.seconds, ("write", time.perf_counter() - written)),
         peak_mib=resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024,
         notes=package.records,
+    )
+
+
+def mend_object(source):
+    """A source object with its own faults mended; the same one where it has none."""
+    from artigen.datasets.partnet_mobility import TriangleMesh
+    from sim_export.mend.mends import mend_source
+    from sim_export.mend.source import open_source
+
+    asset, triangles = source.asset, source.triangles
+    mended = mend_source(open_source(asset, tuple(place_source_surfaces(source, asset))))
+    if not mended.records:
+        return source
+    shifts = mended.shifts / asset.scale
+    visuals = []
+    for visual in source.visuals:
+        T = np.array(visual.T_unit_file)
+        T[:3, 3] += shifts[visual.part]
+        visuals.append(replace(visual, T_unit_file=T))
+    corners = triangles.vertices[triangles.faces] + shifts[triangles.part_ids][:, None]
+    return replace(
+        source,
+        asset=replace(mended.asset, notes=asset.notes + mended.records),
+        visuals=tuple(visuals),
+        triangles=TriangleMesh(
+            vertices=corners.reshape(-1, 3),
+            faces=np.arange(3 * len(corners)).reshape(-1, 3),
+            part_ids=triangles.part_ids,
+        ),
     )
 
 
@@ -129,8 +162,8 @@ def rebuild_from_voxels(asset: "Asset", recipe: Literal["robust", "paper"] = "ro
 def export_source(source, asset: "Asset", provenance: dict[str, str]) -> "Exported":
     """A package that shows the object's own meshes, with the collision that stands the static checks best.
 
-    Hulls come from the surface of the meshes. Where they fail a check, hulls from the 64^3 voxels are tried as
-    well: they are fewer, and closed where the meshes are open.
+    Hulls come from the surface of the meshes. Where they fail a check, hulls from the 64^3 voxels are tried,
+    too: they are fewer, and closed where the meshes are open.
     """
     from sim_export.export import export_asset
 
@@ -217,6 +250,7 @@ def explain_failures(job: tuple[ConvertJob, tuple[str, ...]]) -> tuple[str, ...]
 
     (source_job, failed), cfg = job, job[0].cfg
     source = read_object(source_job.source, ReaderConfig(size=cfg.size, seed=cfg.seed))
+    source = mend_object(source) if cfg.mend else source
     asset = voxelize_object(source.asset)
     package = export_asset(asset, source_meshes=place_source_meshes(source, asset)).package
     surfaces = dict(

@@ -16,8 +16,8 @@ from sim_export.checks.grid import Grid, make_grid, mark_surface
 CELLS = 128
 """Cells along the longest edge of a link, as many as the check of cavities counts."""
 ASIDE = np.array([-0.31, 0.22])
-"""Cells by which the grid reaches beyond the surface: its outermost faces, and those half-way between them, lie
-within cells, and not between them where rounding would decide."""
+"""Cells by which the grid reaches beyond the surface, so that its outermost faces, and those half-way between
+them, lie within cells: between two, rounding would decide."""
 FINEST = 0.0025
 """Least edge of a cell, over the object's diagonal."""
 LODGED = 0.1
