@@ -45,8 +45,8 @@ class ConvertSettings:
     splats: bool = False
     """Whether packages also hold Gaussians: flat discs on the surface, one PLY per link."""
     mend: bool = False
-    """Whether faults of the source itself are mended first: hinges off the edge of their door, parts inside each
-    other, ranges that run into the body. The package's provenance names every change."""
+    """Whether faults of the source itself are mended first: hinges off the edge of their door, parts inside
+    each other, ranges that run into the body. The package's provenance names every change."""
     validation: Literal["full", "none"] = "full"
     """Whether every package is tried (L0 to L3) as soon as it is written."""
 

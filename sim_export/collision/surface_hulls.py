@@ -60,7 +60,7 @@ class SurfaceConfig:
     """Share of its volume that a hull may take of free space beyond."""
     sheet: float = 0.002
     """Thickness (m) of the hulls of sheets."""
-    thickest: float = 0.008
+    thickest: float = 0.004
     """Thickness to which long thin hulls are thickened rather than divided."""
     most_of_link: int = 72
     """Hulls of a link, at most; what clearance cuts them to comes on top."""

@@ -8,7 +8,7 @@ from sim_export.collision.requirements import sweep_coordinates
 from sim_export.mend.source import Source, leading_part, link_surfaces, set_joint, source_package
 from sim_export.source_faults import POSES, overlap_along, show_links
 
-LEAST = 0.25
+LEAST = 0.5
 """Share of its range that must be free for a joint to be shortened."""
 
 
