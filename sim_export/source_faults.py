@@ -2,7 +2,8 @@
 
 V203 and V204 are measured again on the source's own meshes and joints. For V201, V202 and V308 points of one
 link's surface are looked for inside of closed surfaces of the other, and edges of one that pierce the other,
-closed or not, at rest and along the joints.
+closed or not, at rest and along the joints. Where
+they share more room than V103 lets hulls stay off their surface, its failure is the source's, too.
 """
 
 from collections.abc import Collection, Iterator, Mapping
@@ -17,19 +18,19 @@ from artigen.transforms import inverse, transform_points
 from sim_export.checks.config import CheckConfig
 from sim_export.checks.suite import run_checks
 from sim_export.collision.free_space import FreeSpace, find_free_space, find_inside
-from sim_export.collision.hulls import convex_hull
+from sim_export.collision.hulls import wrap_surface
 from sim_export.collision.motion import driven_joints, link_displacements, moved_links
 from sim_export.collision.requirements import required_openings, sweep_coordinates
-from sim_export.errors import DegeneratePart
 from sim_export.files.write import write_package
 from sim_export.geometry.piercing import PiercedSurface, find_edges, piercing_depth
 from sim_export.geometry.sampling import sample_triangles
-from sim_export.package import Hull, PackageJoint, SimPackage
+from sim_export.package import PackageJoint, SimPackage
 
 SAMPLES = 4000
 """Points on the surface of each link."""
 POSES = 21
 """Poses of every joint."""
+NOTHING = np.zeros((0, 3, 3))
 Surfaces = Mapping[str, Float[np.ndarray, "F 3 3"]]
 
 
@@ -47,31 +48,35 @@ def find_source_faults(
     cfg = cfg or CheckConfig()
     out = {}
     if {"V203", "V204"} & set(failed):
-        around = tuple(replace(link, hulls=_wrap(surfaces.get(link.name))) for link in package.links)
+        around = tuple(
+            replace(link, hulls=wrap_surface(surfaces.get(link.name, NOTHING))) for link in package.links
+        )
         with TemporaryDirectory() as scratch:
             folder = write_package(replace(package, links=around), Path(scratch) / package.name)
             found = {check.id: check for check in run_checks(folder, ("L2",), cfg)}
         for name in ("V203", "V204"):
             if name in failed and found[name].verdict == "fail":
                 out[name] = f"as in the source, by its own meshes: {found[name].message}"
-    if at_rest := [name for name in ("V202", "V308") if name in failed]:
-        worst = max(overlaps_at_rest(surfaces), default=(0.0, ""))
-        for name in at_rest:
-            out |= _explain(name, worst, cfg.max_rest_overlap_parent)
-    if "V201" in failed:
-        worst = max(overlaps_on_the_way(package, surfaces), default=(0.0, ""))
-        out |= _explain("V201", worst, cfg.max_penetration)
+    if not {"V103", "V201", "V202", "V308"} & set(failed):
+        return out
+    shown = show_links(surfaces)
+    at_rest = max(overlaps_at_rest(shown), default=(0.0, ""))
+    for name in ("V202", "V308"):
+        if name in failed:
+            out |= _explain(name, at_rest, cfg.max_rest_overlap_parent)
+    if {"V103", "V201"} & set(failed):
+        on_the_way = max(overlaps_on_the_way(package, shown), default=(0.0, ""))
+        if "V201" in failed:
+            out |= _explain("V201", on_the_way, cfg.max_penetration)
+        if "V103" in failed:  # hulls of one of two that share so much room must give way
+            out |= _explain("V103", max(at_rest, on_the_way), cfg.max_hausdorff * _diagonal(surfaces))
     return out
 
 
-def _wrap(triangles: Float[np.ndarray, "F 3 3"] | None) -> tuple[Hull, ...]:
-    """One convex hull of triangles, if they span a volume."""
-    if triangles is None or not len(triangles):
-        return ()
-    try:
-        return (convex_hull(triangles.reshape(-1, 3)),)
-    except DegeneratePart:
-        return ()
+def _diagonal(surfaces: Surfaces) -> float:
+    """Diagonal (m) of the box around all surfaces."""
+    corners = np.concatenate([triangles.reshape(-1, 3) for triangles in surfaces.values()])
+    return float(np.linalg.norm(np.ptp(corners, axis=0)))
 
 
 def _explain(check: str, found: tuple[float, str], least: float) -> dict[str, str]:
@@ -99,8 +104,7 @@ class Shown:
 def show_links(surfaces: Surfaces) -> dict[str, Shown]:
     """What overlaps are measured by, for every link with a surface."""
     shown = {name: triangles for name, triangles in surfaces.items() if len(triangles)}
-    corners = np.concatenate([triangles.reshape(-1, 3) for triangles in shown.values()])
-    diagonal = float(np.linalg.norm(np.ptp(corners, axis=0)))
+    diagonal = _diagonal(shown)
     return {
         name: Shown(
             points=sample_triangles(triangles, SAMPLES)[0],
@@ -112,18 +116,16 @@ def show_links(surfaces: Surfaces) -> dict[str, Shown]:
     }
 
 
-def overlaps_at_rest(surfaces: Surfaces) -> Iterator[tuple[float, str]]:
+def overlaps_at_rest(shown: Mapping[str, Shown]) -> Iterator[tuple[float, str]]:
     """Depth (m) to which one link's surface is within another's, or through it, and which."""
-    shown = show_links(surfaces)
     for name, link in shown.items():
         for other in shown.keys() - {name}:
             depth, how = link.entered(shown[other], np.eye(4))
             yield depth, f"the surface of {other} {how} {name}"
 
 
-def overlaps_on_the_way(package: SimPackage, surfaces: Surfaces) -> Iterator[tuple[float, str]]:
+def overlaps_on_the_way(package: SimPackage, shown: Mapping[str, Shown]) -> Iterator[tuple[float, str]]:
     """The same along every joint, less what it is at rest."""
-    shown = show_links(surfaces)
     for joint in driven_joints(package.joints):
         opened = required_openings(joint, package.joints, package.requires_open)
         moved = {package.links[index].name for index in moved_links(package.links, package.joints, joint)}

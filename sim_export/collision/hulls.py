@@ -26,6 +26,14 @@ def convex_hull(points: Float[np.ndarray, "N 3"]) -> Hull:
     return hull if _is_manifold(hull) else _close_hull(points)
 
 
+def wrap_surface(triangles: Float[np.ndarray, "F 3 3"]) -> tuple[Hull, ...]:
+    """One convex hull of triangles; none where they span no volume."""
+    try:
+        return (convex_hull(triangles.reshape(-1, 3)),)
+    except DegeneratePart:
+        return ()
+
+
 def _close_hull(points: Float[np.ndarray, "N 3"]) -> Hull:
     """Convex hull of points some of which Qhull cannot tell apart."""
     import manifold3d

@@ -22,7 +22,8 @@ def move_hinges(source: Source, cfg: CheckConfig) -> Source:
         off, allowed = hinge_offset(panel, cfg)
         if off <= allowed:
             continue
-        nearer = min(panel.low, panel.high, key=lambda edge: abs(edge - panel.hinge))
+        middle = (panel.low + panel.high) / 2.0
+        nearer = panel.low if panel.hinge < middle else panel.high
         part = leading_part(source, joint.child)
         shift = (nearer - panel.hinge) * panel.across / source.asset.scale
         source = set_joint(

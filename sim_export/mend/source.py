@@ -6,9 +6,8 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.types import Asset
-from sim_export.collision.hulls import convex_hull
-from sim_export.errors import DegeneratePart
-from sim_export.package import Hull, Inertial, Mesh, SimPackage
+from sim_export.collision.hulls import wrap_surface
+from sim_export.package import Inertial, Mesh, SimPackage
 from sim_export.physics.links import PartGeometry, build_links, link_names, link_owners
 
 
@@ -36,7 +35,7 @@ def source_package(source: Source) -> SimPackage:
     geometry = [
         PartGeometry(
             visuals=(_as_mesh(triangles),) if len(triangles) else (),
-            hulls=wrap(triangles),
+            hulls=wrap_surface(triangles),
             inertial=Inertial(mass=1.0, com=source.asset.scale * part.box[0], inertia=0.01 * np.eye(3)),
         )
         for part, triangles in zip(source.asset.parts, source.surfaces, strict=True)
@@ -53,16 +52,6 @@ def source_package(source: Source) -> SimPackage:
 
 def _as_mesh(triangles: Float[np.ndarray, "F 3 3"]) -> Mesh:
     return Mesh(vertices=triangles.reshape(-1, 3), faces=np.arange(3 * len(triangles)).reshape(-1, 3))
-
-
-def wrap(triangles: Float[np.ndarray, "F 3 3"]) -> tuple[Hull, ...]:
-    """One convex hull of triangles, if they span a volume."""
-    if not len(triangles):
-        return ()
-    try:
-        return (convex_hull(triangles.reshape(-1, 3)),)
-    except DegeneratePart:
-        return ()
 
 
 def leading_part(source: Source, link: str) -> int:

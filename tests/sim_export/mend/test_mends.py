@@ -11,7 +11,7 @@ from sim_export.collision.hulls import box_hull
 from sim_export.files.write import write_package
 from sim_export.mend.mends import mend_source
 from sim_export.mend.source import link_surfaces, open_source, source_package
-from sim_export.source_faults import overlaps_at_rest, overlaps_on_the_way
+from sim_export.source_faults import overlaps_at_rest, overlaps_on_the_way, show_links
 
 CFG = CheckConfig()
 FIXED = Joint(type="fixed", axis=np.array([0, 0, 1.0]), origin=np.zeros(3))
@@ -83,9 +83,9 @@ def test_a_sound_source_is_returned_as_it_is(source):
 
 def test_a_part_inside_its_neighbour_moves_out_by_a_short_way():
     source = chest(box((-0.25, -0.2, -0.1), (-0.192, 0.2, 0.1)))  # 8 mm in the block
-    before = max(overlaps_at_rest(link_surfaces(source)))[0]
+    before = max(overlaps_at_rest(show_links(link_surfaces(source))))[0]
     mended = mend_source(source)
-    after = max(overlaps_at_rest(link_surfaces(mended)))[0]
+    after = max(overlaps_at_rest(show_links(link_surfaces(mended))))[0]
     assert before > CFG.max_rest_overlap_parent >= after
     assert 0.007 < np.linalg.norm(mended.shifts[1]) < 0.012
     assert mended.shifts[1][0] < 0.0  # out of the block
@@ -104,11 +104,11 @@ def test_a_range_that_runs_into_the_body_ends_before_it():
     mended = mend_source(source)
     upper = mended.asset.parts[1].joint.upper
     assert 0.15 < upper <= 0.202
-    found = max(overlaps_on_the_way(source_package(mended), link_surfaces(mended)))[0]
+    found = max(overlaps_on_the_way(source_package(mended), show_links(link_surfaces(mended))))[0]
     assert (
         found
         <= CFG.max_penetration
-        < max(overlaps_on_the_way(source_package(source), link_surfaces(source)))[0]
+        < max(overlaps_on_the_way(source_package(source), show_links(link_surfaces(source))))[0]
     )
 
 
