@@ -1,9 +1,9 @@
-"""Failed checks that fail on the source, too: the object is so, and no conversion may hide it.
+"""Failed checks of a conversion that the source object fails as well.
 
 V203 and V204 are measured again on the source's own meshes and joints. For V201, V202 and V308 points of one
-link's surface are looked for inside of closed surfaces of the other, and edges of one that pierce the other,
-closed or not, at rest and along the joints. Where
-they share more room than V103 lets hulls stay off their surface, its failure is the source's, too.
+link's surface are looked for inside closed surfaces of the other, and edges of one that pierce the other,
+closed or not, at rest and along the joints. Where links share more room than V103 allows hulls to stay off
+the surface, its failure is the source's, too.
 """
 
 from collections.abc import Collection, Iterator, Mapping
