@@ -1,11 +1,13 @@
 """Failed checks of a conversion that the source object fails as well.
 
-V107, V203 and V204 are measured again on the source's own meshes and joints. For V201 and V202 points of one
-link's surface are looked for inside of closed surfaces of the other, at rest and along the joints.
+V107, V203 and V204 are measured again on the source's own meshes and joints. For V201, V202 and V308, points of
+one link's surface are looked for inside closed surfaces of the other, and edges that pierce the other, closed or
+not, at rest and along the joints. Where links share more room than V103 lets hulls stay off the surface, its
+failure is the source's, too.
 """
 
 from collections.abc import Collection, Iterator, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -17,18 +19,19 @@ from sim_export.checks.config import CheckConfig
 from sim_export.checks.islands import visual_islands
 from sim_export.checks.suite import run_checks
 from sim_export.collision.free_space import FreeSpace, find_free_space, find_inside
-from sim_export.collision.hulls import convex_hull
+from sim_export.collision.hulls import wrap_surface
 from sim_export.collision.motion import driven_joints, link_displacements, moved_links
 from sim_export.collision.requirements import required_openings, sweep_coordinates
-from sim_export.errors import DegeneratePart
 from sim_export.files.write import write_package
+from sim_export.geometry.piercing import PiercedSurface, find_edges, piercing_depth
 from sim_export.geometry.sampling import sample_triangles
-from sim_export.package import Hull, SimPackage
+from sim_export.package import PackageJoint, SimPackage
 
 SAMPLES = 4000
 """Points on the surface of each link."""
 POSES = 21
 """Poses of every joint."""
+NOTHING = np.zeros((0, 3, 3))
 Surfaces = Mapping[str, Float[np.ndarray, "F 3 3"]]
 
 
@@ -46,19 +49,30 @@ def find_source_faults(
     cfg = cfg or CheckConfig()
     out = {}
     if {"V203", "V204"} & set(failed):
-        around = tuple(replace(link, hulls=_wrap(surfaces.get(link.name))) for link in package.links)
+        around = tuple(
+            replace(link, hulls=wrap_surface(surfaces.get(link.name, NOTHING))) for link in package.links
+        )
         with TemporaryDirectory() as scratch:
             folder = write_package(replace(package, links=around), Path(scratch) / package.name)
             found = {check.id: check for check in run_checks(folder, ("L2",), cfg)}
         for name in ("V203", "V204"):
             if name in failed and found[name].verdict == "fail":
                 out[name] = f"as in the source, by its own meshes: {found[name].message}"
-    if "V202" in failed:
-        out |= _deepest("V202", _overlaps_at_rest(surfaces), cfg.max_rest_overlap_parent)
     if "V107" in failed:
         out |= _farthest_island(surfaces, cfg.max_island)
-    if "V201" in failed:
-        out |= _deepest("V201", _overlaps_on_the_way(package, surfaces), cfg.max_penetration)
+    if not {"V103", "V201", "V202", "V308"} & set(failed):
+        return out
+    shown = show_links(surfaces)
+    at_rest = max(overlaps_at_rest(shown), default=(0.0, ""))
+    for name in ("V202", "V308"):
+        if name in failed:
+            out |= _explain(name, at_rest, cfg.max_rest_overlap_parent)
+    if {"V103", "V201"} & set(failed):
+        on_the_way = max(overlaps_on_the_way(package, shown), default=(0.0, ""))
+        if "V201" in failed:
+            out |= _explain("V201", on_the_way, cfg.max_penetration)
+        if "V103" in failed:  # hulls of one of two that share so much room must give way
+            out |= _explain("V103", max(at_rest, on_the_way), cfg.max_hausdorff * _diagonal(surfaces))
     return out
 
 
@@ -71,56 +85,79 @@ def _farthest_island(surfaces: Surfaces, reach: float) -> dict[str, str]:
     return {"V107": f"as in the source: a piece of {name} is {1000 * gap:.0f} mm from the rest of it"}
 
 
-def _wrap(triangles: Float[np.ndarray, "F 3 3"] | None) -> tuple[Hull, ...]:
-    """One convex hull of triangles, if they span a volume."""
-    if triangles is None or not len(triangles):
-        return ()
-    try:
-        return (convex_hull(triangles.reshape(-1, 3)),)
-    except DegeneratePart:
-        return ()
+def _diagonal(surfaces: Surfaces) -> float:
+    """Diagonal (m) of the box around all surfaces."""
+    corners = np.concatenate([triangles.reshape(-1, 3) for triangles in surfaces.values()])
+    return float(np.linalg.norm(np.ptp(corners, axis=0)))
 
 
-def _deepest(check: str, found: Iterator[tuple[float, str]], least: float) -> dict[str, str]:
-    """The deepest overlap, where it is deeper than a check allows."""
-    depth, where = max(found, default=(0.0, ""))
-    if depth <= least:
-        return {}
-    return {check: f"as in the source: {where}, {1000 * depth:.0f} mm deep"}
+def _explain(check: str, found: tuple[float, str], least: float) -> dict[str, str]:
+    """An overlap in words, where it is deeper than a check allows."""
+    depth, where = found
+    return {check: f"as in the source: {where}, {1000 * depth:.0f} mm deep"} if depth > least else {}
 
 
-def _overlaps_at_rest(surfaces: Surfaces) -> Iterator[tuple[float, str]]:
-    """Depth (m) to which points of one link lie within closed surfaces of another, and which."""
-    points, spaces = _prepare(surfaces)
-    for name, inside in spaces.items():
-        for other in points.keys() - {name}:
-            depth = float(find_inside(points[other], inside).max(initial=0.0))
-            yield depth, f"the surface of {other} lies inside {name}"
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Shown:
+    """A link's surface: points spread over it, its edges, the space that it encloses, and what it meets."""
+
+    points: Float[np.ndarray, "N 3"]
+    edges: Float[np.ndarray, "E 2 3"]
+    space: FreeSpace
+    surface: PiercedSurface
+
+    def entered(self, other: "Shown", T: Float[np.ndarray, "4 4"]) -> tuple[float, str]:
+        """How deep (m) another surface, moved by ``T``, lies inside of this one or pierces it, and which."""
+        inside = float(find_inside(transform_points(T, other.points), self.space).max(initial=0.0))
+        pierced = piercing_depth((self.surface, self.edges), (other.surface, other.edges), T)
+        return (inside, "lies inside") if inside >= pierced else (pierced, "pierces")
 
 
-def _overlaps_on_the_way(package: SimPackage, surfaces: Surfaces) -> Iterator[tuple[float, str]]:
+def show_links(surfaces: Surfaces) -> dict[str, Shown]:
+    """What overlaps are measured by, for every link with a surface."""
+    shown = {name: triangles for name, triangles in surfaces.items() if len(triangles)}
+    diagonal = _diagonal(shown)
+    return {
+        name: Shown(
+            points=sample_triangles(triangles, SAMPLES)[0],
+            edges=find_edges(triangles),
+            space=find_free_space(triangles, diagonal),
+            surface=PiercedSurface(triangles),
+        )
+        for name, triangles in shown.items()
+    }
+
+
+def overlaps_at_rest(shown: Mapping[str, Shown]) -> Iterator[tuple[float, str]]:
+    """Depth (m) to which one link's surface is within another's, or through it, and which."""
+    for name, link in shown.items():
+        for other in shown.keys() - {name}:
+            depth, how = link.entered(shown[other], np.eye(4))
+            yield depth, f"the surface of {other} {how} {name}"
+
+
+def overlaps_on_the_way(package: SimPackage, shown: Mapping[str, Shown]) -> Iterator[tuple[float, str]]:
     """The same along every joint, less what it is at rest."""
-    points, spaces = _prepare(surfaces)
-    slot = {link.name: index for index, link in enumerate(package.links)}
     for joint in driven_joints(package.joints):
         opened = required_openings(joint, package.joints, package.requires_open)
-        q = sweep_coordinates(joint, POSES)
-        T = link_displacements(package.links, package.joints, {**opened, joint.name: q})
         moved = {package.links[index].name for index in moved_links(package.links, package.joints, joint)}
-        for name, inside in spaces.items():
-            for other in (o for o in points if (o in moved) != (name in moved)):
-                relative = inverse(T[:, slot[name]]) @ T[:, slot[other]]
-                depths = [
-                    float(find_inside(transform_points(pose, points[other]), inside).max(initial=0.0))
-                    for pose in relative
-                ]
-                yield max(depths) - depths[0], f"{other} enters {name} along {joint.name}"
+        for name in shown:
+            for other in (o for o in shown if (o in moved) != (name in moved)):
+                depths = overlap_along(package, shown, joint, (name, other), opened)
+                yield float(depths.max() - depths[0]), f"{other} enters {name} along {joint.name}"
 
 
-def _prepare(surfaces: Surfaces) -> tuple[dict[str, np.ndarray], dict[str, FreeSpace]]:
-    """Points on every link's surface, and the space around and inside it."""
-    shown = {name: triangles for name, triangles in surfaces.items() if len(triangles)}
-    corners = np.concatenate([triangles.reshape(-1, 3) for triangles in shown.values()])
-    diagonal = float(np.linalg.norm(np.ptp(corners, axis=0)))
-    points = {name: sample_triangles(triangles, SAMPLES)[0] for name, triangles in shown.items()}
-    return points, {name: find_free_space(triangles, diagonal) for name, triangles in shown.items()}
+def overlap_along(
+    package: SimPackage,
+    shown: Mapping[str, Shown],
+    joint: PackageJoint,
+    pair: tuple[str, str],
+    opened: Mapping[str, float],
+) -> Float[np.ndarray, "P"]:
+    """How deep (m) the second link of a pair is in the first at `POSES` places of a joint."""
+    slot = {link.name: index for index, link in enumerate(package.links)}
+    T = link_displacements(
+        package.links, package.joints, {**opened, joint.name: sweep_coordinates(joint, POSES)}
+    )
+    relative = inverse(T[:, slot[pair[0]]]) @ T[:, slot[pair[1]]]
+    return np.array([shown[pair[0]].entered(shown[pair[1]], pose)[0] for pose in relative])

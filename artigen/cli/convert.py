@@ -52,6 +52,9 @@ class ConvertSettings:
     """Seed of the surface samples."""
     splats: bool = False
     """Add 3D Gaussians to the package: flat discs on the surface, one PLY per link."""
+    mend: bool = False
+    """Mend faults of the source before converting it: hinges off the edge of their door, parts inside each
+    other, ranges that run into the body. The package's provenance names every change."""
     validation: Literal["full", "none"] = "full"
     """Run checks L0 to L3 on every package right after it is written."""
 
@@ -77,13 +80,14 @@ class ConvertJob:
         return f"{self.source.resolve()} {self.cfg}"
 
     def read(self, scratch: Path) -> "SourceObject":
-        """Reads the source; meshes that cannot stay as they are go into ``scratch``."""
+        """Reads the source and mends it if asked; meshes that cannot stay as they are go into ``scratch``."""
         from artigen.datasets.source_object import ReaderConfig
         from artigen.datasets.sources import read_source
 
         cfg = self.cfg
         reader = ReaderConfig(size=cfg.size, seed=cfg.seed, category=cfg.category, up=cfg.up, front=cfg.front)
-        return read_source(self.source, scratch, reader)
+        source = read_source(self.source, scratch, reader)
+        return mend_object(source) if cfg.mend else source
 
 
 def convert_object(job: ConvertJob) -> Made:
@@ -130,6 +134,35 @@ def _convert(job: ConvertJob, scratch: Path) -> Made:
     )
 
 
+def mend_object(source: "SourceObject") -> "SourceObject":
+    """A source object with its own faults mended; the same one where it has none."""
+    from artigen.datasets.source_object import TriangleMesh
+    from sim_export.mend.mends import mend_source
+    from sim_export.mend.source import open_source
+
+    asset, triangles = source.asset, source.triangles
+    mended = mend_source(open_source(asset, tuple(place_source_surfaces(source, asset))))
+    if not mended.records:
+        return source
+    shifts = mended.shifts / asset.scale
+    visuals = []
+    for visual in source.visuals:
+        T = np.array(visual.T_unit_file)
+        T[:3, 3] += shifts[visual.part]
+        visuals.append(replace(visual, T_unit_file=T))
+    corners = triangles.vertices[triangles.faces] + shifts[triangles.part_ids][:, None]
+    return replace(
+        source,
+        asset=replace(mended.asset, notes=asset.notes + mended.records),
+        visuals=tuple(visuals),
+        triangles=TriangleMesh(
+            vertices=corners.reshape(-1, 3),
+            faces=np.arange(3 * len(corners)).reshape(-1, 3),
+            part_ids=triangles.part_ids,
+        ),
+    )
+
+
 def voxelize_object(asset: "Asset") -> "Asset":
     """Adds the voxels of the surface; parts below the grid's resolution join their parents."""
     from artigen.voxels.voxelize import drop_unresolved, voxelize
@@ -160,18 +193,17 @@ def rebuild_from_voxels(asset: "Asset", recipe: Literal["robust", "paper"] = "ro
 def export_source(source, asset: "Asset", provenance: dict[str, str]) -> "Exported":
     """A package that shows the object's own meshes, with the collision that stands the static checks best.
 
-    Hulls from the 64^3 voxels are few and quickly made. Where they fail a check, hulls from the surface of
-    the meshes are tried as well.
+    Hulls come from the surface of the meshes. Where they fail a check, hulls from the 64^3 voxels are tried,
+    too: they are fewer, and closed where the meshes are open.
     """
     from sim_export.export import export_asset
 
-    meshes = place_source_meshes(source, asset)
-    first = export_asset(asset, source_meshes=meshes, provenance=provenance)
+    meshes, surfaces = place_source_meshes(source, asset), place_source_surfaces(source, asset)
+    first = export_asset(asset, source_meshes=meshes, surfaces=surfaces, provenance=provenance)
     before = judge_package(first.package)
     if not before[0]:
         return first
-    surfaces = place_source_surfaces(source, asset)
-    second = export_asset(asset, source_meshes=meshes, surfaces=surfaces, provenance=provenance)
+    second = export_asset(asset, source_meshes=meshes, provenance=provenance)
     chosen = second if judge_package(second.package) < before else first
     return replace(chosen, seconds=_add_seconds(first.seconds, second.seconds))
 

@@ -10,6 +10,7 @@ from sim_export.checks.registry import CheckSpec, Finding
 from sim_export.checks.subject import Subject
 from sim_export.checks.surface import inside_hulls, surface_distances
 from sim_export.errors import PackageError
+from sim_export.geometry.exposure import find_outside, is_exposed, triangle_normals
 from sim_export.geometry.sampling import sample_triangles, triangle_areas
 
 _LEAST_SAMPLES = 64
@@ -49,7 +50,7 @@ def check_likeness(subject: Subject, cfg: CheckConfig) -> Finding:
     solid = {name: _hull_triangles(subject, name) for name in links}
     grid = make_grid(subject.bounds, cfg.grid_resolution)
     volumes = [_link_volumes(subject, grid, visual[name], solid[name]) for name in links]
-    measures = _distances(subject, cfg, visual, solid)
+    measures = _distances(subject, cfg, visual, solid, dict(zip(links, volumes, strict=True)))
     if subject.visual_source == "voxels":
         measures.append(_volume_overlap(cfg, grid, volumes))
     cavities = [
@@ -75,24 +76,34 @@ def _hull_triangles(subject: Subject, link: str) -> np.ndarray:
 
 
 def _distances(
-    subject: Subject, cfg: CheckConfig, visual: dict[str, np.ndarray], solid: dict[str, np.ndarray]
+    subject: Subject,
+    cfg: CheckConfig,
+    visual: dict[str, np.ndarray],
+    solid: dict[str, np.ndarray],
+    volumes: dict[str, "Volumes"],
 ) -> list[Measure]:
-    """Two-sided distances of the surfaces, link by link, so that one link cannot stand in for another."""
+    """Two-sided distances of the surfaces, link by link, so that one link cannot stand in for another.
+
+    Only surface counts that can be reached from outside of what the link shows.
+    """
     areas = {name: triangle_areas(visual[name]).sum() + triangle_areas(solid[name]).sum() for name in visual}
     total = sum(areas.values())
     forth, back = {}, {}
     for name in visual:
         count = int(np.ceil(cfg.surface_samples * areas[name] / total)) + _LEAST_SAMPLES
         hulls = subject.hull_sets[name].hulls
-        seen, _ = sample_triangles(visual[name], count)
+        outside = volumes[name].outside
+        seen, face = sample_triangles(visual[name], count)
+        normals = triangle_normals(visual[name])[face]
+        shown = is_exposed(seen, normals, *outside) | is_exposed(seen, -normals, *outside)
+        seen = seen[shown]
         free = seen[~inside_hulls(seen, hulls)]
         forth[name] = np.zeros(len(seen))
         forth[name][: len(free)] = surface_distances(free, solid[name], _DENSER * count)
         felt, face = sample_triangles(solid[name], count)
-        corners = solid[name][face]
-        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
-        outer = felt[~inside_hulls(felt + _SKIN * normals, hulls)]
+        normals = triangle_normals(solid[name])[face]
+        touched = ~inside_hulls(felt + _SKIN * normals, hulls) & is_exposed(felt, normals, *outside)
+        outer = felt[touched]
         back[name] = surface_distances(outer, visual[name], _DENSER * count)
     worst = {name: max(np.max(forth[name], initial=0.0), np.max(back[name], initial=0.0)) for name in visual}
     where = max(worst, key=lambda name: worst[name])
@@ -115,11 +126,15 @@ def _distances(
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Volumes:
-    """Cells of one link that are seen as wall and that are felt as solid, in a window of the grid."""
+    """Cells of one link that are seen as wall and that are felt as solid, in a window of the grid.
+
+    ``outside`` are those that can be reached from outside of what is seen, and the grid of the window.
+    """
 
     window: tuple[slice, slice, slice]
     seen: np.ndarray
     felt: np.ndarray
+    outside: tuple[np.ndarray, Grid]
 
 
 def _link_volumes(subject: Subject, grid: Grid, visual: np.ndarray, solid: np.ndarray) -> Volumes:
@@ -131,10 +146,12 @@ def _link_volumes(subject: Subject, grid: Grid, visual: np.ndarray, solid: np.nd
         low=grid.low + low * grid.cell, cell=grid.cell, shape=(int(size[0]), int(size[1]), int(size[2]))
     )
     closed = subject.visual_source == "voxels"
+    seen = fill_solid(visual, part) if closed else mark_surface(visual, part)
     return Volumes(
         window=(slice(low[0], high[0]), slice(low[1], high[1]), slice(low[2], high[2])),
-        seen=fill_solid(visual, part) if closed else mark_surface(visual, part),
+        seen=seen,
         felt=fill_solid(solid, part),
+        outside=(find_outside(seen), part),
     )
 
 

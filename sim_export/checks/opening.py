@@ -129,8 +129,12 @@ def hit_hulls(
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Panel:
-    """A door seen along its hinge: extent ``low..high`` across it, thickness, and hinge position (m)."""
+    """A door seen along its hinge: extent ``low..high`` across it, thickness, and hinge position (m).
 
+    ``across`` is the direction in the panel, upright to the hinge, along which these are measured.
+    """
+
+    across: Float[np.ndarray, "3"]
     low: float
     high: float
     thickness: float
@@ -148,6 +152,7 @@ def door_panel(subject: Subject, joint: PackageJoint) -> Panel | None:
     across /= np.linalg.norm(across)
     extent = points @ across
     return Panel(
+        across=across,
         low=float(extent.min()),
         high=float(extent.max()),
         thickness=float(np.ptp(points @ normal)),
@@ -163,19 +168,23 @@ def thin_direction(points: np.ndarray) -> np.ndarray:
     return np.linalg.svd(points, full_matrices=False)[2][2]
 
 
+def hinge_offset(panel: Panel, cfg: CheckConfig) -> tuple[float, float]:
+    """Distance of a hinge from the nearer edge of its door, and what is allowed (m)."""
+    off = min(abs(panel.hinge - panel.low), abs(panel.hinge - panel.high))
+    # A thick door turns about the middle of its thickness and clears its frame on both sides.
+    return off, max(cfg.max_edge_ratio * (panel.high - panel.low), panel.thickness / 2.0)
+
+
 def _hinge_faults(subject: Subject, joint: PackageJoint, cfg: CheckConfig) -> list[str]:
     panel = door_panel(subject, joint)
     if panel is None:
         return []
-    width = panel.high - panel.low
-    off = min(abs(panel.hinge - panel.low), abs(panel.hinge - panel.high))
-    # A thick door may turn about the middle of its thickness and clear its frame on both sides.
-    allowed = max(cfg.max_edge_ratio * width, panel.thickness / 2.0)
+    off, allowed = hinge_offset(panel, cfg)
     if off <= allowed:
         return []
     return [
-        f"turns about a line {1e3 * off:.3g} mm from the edge of its {1e3 * width:.3g} mm wide door, "
-        f"allowed are {1e3 * allowed:.3g} mm"
+        f"turns about a line {1e3 * off:.3g} mm from the edge of its {1e3 * (panel.high - panel.low):.3g} mm "
+        f"wide door, allowed are {1e3 * allowed:.3g} mm"
     ]
 
 

@@ -6,7 +6,14 @@ from scipy.spatial import ConvexHull
 from scipy.spatial.distance import pdist
 
 from sim_export.collision.hull_limits import HullLimits, comply_hull, hull_aspect, thicken_hull
-from sim_export.collision.hulls import clip_hull, convex_hull, hull_length, hull_volume, hull_width
+from sim_export.collision.hulls import (
+    clip_hull,
+    convex_hull,
+    hull_length,
+    hull_planes,
+    hull_volume,
+    hull_width,
+)
 from sim_export.package import Hull
 
 ALIKE = 1.12
@@ -18,7 +25,12 @@ _SPARE = 0.97
 
 
 def compact_hull(
-    hull: Hull, limits: HullLimits, thickest: float, alike: float = ALIKE, halvings: int = HALVINGS
+    hull: Hull,
+    limits: HullLimits,
+    thickest: float,
+    alike: float = ALIKE,
+    halvings: int = HALVINGS,
+    reach: float = np.inf,
 ) -> list[Hull]:
     """A hull, or what stands for it within the limits: its box, a thicker hull, or halves of these.
 
@@ -28,11 +40,15 @@ def compact_hull(
         thickest: Thickness (m) up to which a hull is thickened rather than divided.
         alike: Volume of its box over that of a hull up to which the box is taken.
         halvings: Times that it may be divided; what is left oblong then is left out.
+        reach: How far (m) its box may stand out of it.
     """
-    if hull_aspect(hull) <= limits.max_aspect:
-        return [comply_hull(hull, limits)]
+    proper = comply_hull(hull, limits)
+    if hull_aspect(proper) <= limits.max_aspect:
+        return [proper]
     box = around_box(hull)
-    if hull_volume(box) <= alike * hull_volume(hull):
+    planes = hull_planes(hull)
+    beyond = float((box.vertices @ planes[:, :3].T - planes[:, 3]).max())
+    if hull_volume(box) <= alike * hull_volume(hull) and beyond <= reach:
         return [box]
     if not halvings:  # the tip of a wedge is thinner the shorter it is
         return []
@@ -40,7 +56,9 @@ def compact_hull(
     # Its longest diagonal, because thickening turns the directions along which its length is measured.
     needed = max(length, float(pdist(hull.vertices).max())) / (_SPARE * limits.max_aspect)
     if needed <= max(thickest, hull_width(hull)[0]):
-        return [comply_hull(thicken_hull(hull, needed), limits)]
+        thick = comply_hull(thicken_hull(hull, needed), limits)
+        if hull_aspect(thick) <= limits.max_aspect:
+            return [thick]
     heights = hull.vertices @ along
     middle = float(heights.min() + heights.max()) / 2
     halves = (clip_hull(hull, along, middle), clip_hull(hull, -along, -middle))
@@ -48,7 +66,7 @@ def compact_hull(
         part
         for half in halves
         if half is not None and hull_width(half)[0] >= 0.5 * limits.min_width
-        for part in compact_hull(half, limits, thickest, alike, halvings - 1)
+        for part in compact_hull(half, limits, thickest, alike, halvings - 1, reach)
     ]
 
 

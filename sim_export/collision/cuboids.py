@@ -47,7 +47,7 @@ def largest_cuboids(
 
 def _greedy_cuboids(occupancy: np.ndarray, ends: tuple[np.ndarray, ...]) -> Iterator[np.ndarray]:
     """Of the maximal boxes around some uncovered cells, the one that covers most that is new comes next."""
-    compressed, edges = _compress(occupancy)
+    compressed, edges = compress(occupancy)
     sizes = [np.diff(end[edge]) for end, edge in zip(ends, edges, strict=True)]
     weights = sizes[0][:, None, None] * sizes[1][:, None] * sizes[2]
     filled = count_filled(compressed)
@@ -60,7 +60,7 @@ def _greedy_cuboids(occupancy: np.ndarray, ends: tuple[np.ndarray, ...]) -> Iter
         cells = cells[np.argsort(-weights[tuple(cells.T)], kind="stable")]
         cells = cells[:: max(1, len(cells) // seeds)][: 2 * seeds]
         candidates = np.concatenate([candidates, grow_boxes(filled, cells)])
-        gains = _box_sums(count_filled(missing * weights), candidates)
+        gains = box_sums(count_filled(missing * weights), candidates)
         candidates, gains = candidates[gains > 0], gains[gains > 0]
         seeds = MORE_SEEDS
         best = candidates[gains.argmax()]
@@ -166,7 +166,7 @@ def _new_planes(
     return new
 
 
-def _compress(occupancy: np.ndarray) -> tuple[np.ndarray, list[np.ndarray]]:
+def compress(occupancy: np.ndarray) -> tuple[np.ndarray, list[np.ndarray]]:
     """Merges equal neighbouring slices along every axis; returns the small grid and its cell edges."""
     edges = []
     for axis in range(3):
@@ -184,7 +184,7 @@ def count_filled(values: np.ndarray) -> np.ndarray:
     return sums
 
 
-def _box_sums(integral: np.ndarray, boxes: np.ndarray) -> np.ndarray:
+def box_sums(integral: np.ndarray, boxes: np.ndarray) -> np.ndarray:
     """Sum of the values in every box ``[K 2 3]``."""
     (x0, y0, z0), (x1, y1, z1) = boxes[:, 0].T, boxes[:, 1].T
     return (

@@ -5,7 +5,7 @@ the surface crosses are wall, those that can be reached from outside without cro
 rest is enclosed, where hulls may be.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
@@ -15,10 +15,11 @@ from sim_export.checks.grid import Grid, make_grid, mark_surface
 
 CELLS = 128
 """Cells along the longest edge of a link, as many as the check of cavities counts."""
+ASIDE = np.array([-0.31, 0.22])
+"""Cells by which the grid reaches beyond the surface, so that its outermost faces, and those half-way between
+them, lie within cells: between two, rounding would decide."""
 FINEST = 0.0025
 """Least edge of a cell, over the object's diagonal."""
-FAR = 0.012
-"""Distance from a surface at which nothing of its hulls should be, over the object's diagonal."""
 LODGED = 0.1
 """Share of an enclosed space that others pass through, above which the space is free."""
 BLOCK = 6
@@ -38,20 +39,12 @@ class FreeSpace:
 
     ``away`` is the distance of a cell's centre from the surface (m, to half a cell), ``depth`` the same
     where the cell is free and 0 where it is enclosed. Where other links are or pass, and none of the surface
-    is, ``depth`` is at least `TAKEN_DEPTH`. Faces of hulls in enclosed space should not be ``far`` (m) from
-    the surface.
+    is, ``depth`` is at least `TAKEN_DEPTH`.
     """
 
     grid: Grid
-    far: float
     away: Float[np.ndarray, "X Y Z"]
     depth: Float[np.ndarray, "X Y Z"]
-
-    def without_rooms(self) -> "FreeSpace":
-        """The same with enclosed space ``far`` from the surface as free: rooms, not the inside of boards."""
-        return replace(
-            self, depth=np.where(self.away > self.far, np.maximum(self.depth, self.away), self.depth)
-        )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,7 +68,8 @@ def find_free_space(
     """
     bounds = np.stack([triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1))])
     longest = max(float(np.ptp(bounds, axis=0).max()), 1e-6)
-    grid = make_grid(bounds, int(np.clip(longest / (FINEST * diagonal), 8, CELLS)))
+    count = int(np.clip(longest / (FINEST * diagonal), 8, CELLS))
+    grid = make_grid(bounds + longest / count * ASIDE[:, None], count)
     wall = mark_surface(triangles, grid)
     away = np.asarray(ndimage.distance_transform_edt(~wall), dtype=np.float32) * np.float32(grid.cell)
     regions = np.zeros(wall.shape, dtype=np.int32)
@@ -95,7 +89,6 @@ def find_free_space(
     depth = np.where(free, away, np.float32(0.0))
     return FreeSpace(
         grid=grid,
-        far=FAR * diagonal,
         away=away,
         depth=np.where(taken & free, np.maximum(depth, TAKEN_DEPTH), depth),
     )

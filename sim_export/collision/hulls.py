@@ -11,8 +11,6 @@ from sim_export.package import Hull
 
 FLAT = 1e-6
 """Points (m) that span less than this in some direction have no hull."""
-CLOSE = 1e-9
-"""Points (m) nearer than this may be one."""
 _KEPT = 4096
 """Hulls whose planes, width and length are kept: each is asked for them many times in a row."""
 
@@ -20,19 +18,30 @@ _KEPT = 4096
 def convex_hull(points: Float[np.ndarray, "N 3"]) -> Hull:
     """Convex hull of points, faces counter-clockwise from outside.
 
-    Where corners lie so close together that their faces cannot be told apart, one of them stays.
-
     Raises:
         DegeneratePart: if the points are flat (thinner than ``FLAT``) or fewer than four.
     """
     points = np.asarray(points, dtype=np.float64)
-    hull, apart = _find_hull(points), CLOSE
-    while not _is_manifold(hull):
-        if apart > FLAT:
-            raise DegeneratePart(f"a hull of {len(points)} points: its faces do not close")
-        first = np.unique(np.round(points / apart), axis=0, return_index=True)[1]
-        hull, apart = _find_hull(points[np.sort(first)]), 10 * apart
-    return hull
+    hull = _find_hull(points)
+    return hull if _is_manifold(hull) else _close_hull(points)
+
+
+def wrap_surface(triangles: Float[np.ndarray, "F 3 3"]) -> tuple[Hull, ...]:
+    """One convex hull of triangles; none where they span no volume."""
+    try:
+        return (convex_hull(triangles.reshape(-1, 3)),)
+    except DegeneratePart:
+        return ()
+
+
+def _close_hull(points: Float[np.ndarray, "N 3"]) -> Hull:
+    """Convex hull of points some of which Qhull cannot tell apart."""
+    import manifold3d
+
+    mesh = manifold3d.Manifold.hull_points(points).to_mesh64()
+    return Hull(
+        vertices=np.array(mesh.vert_properties)[:, :3], faces=np.array(mesh.tri_verts).astype(np.int64)
+    )
 
 
 def _is_manifold(hull: Hull) -> bool:

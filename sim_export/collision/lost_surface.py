@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from sim_export.checks.surface import inside_hulls, surface_distances
+from sim_export.geometry.exposure import triangle_normals
 from sim_export.geometry.sampling import sample_triangles
 from sim_export.geometry.solids import as_solid, solid_arrays
 from sim_export.package import Hull
@@ -32,10 +33,7 @@ def find_lost(
     seen = seen[~inside_hulls(seen, tuple(hulls))]
     forth = surface_distances(seen, solid, _DENSER * samples, least)
     felt, face = sample_triangles(solid, samples)
-    corners = solid[face]
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
-    felt = felt[~inside_hulls(felt + _SKIN * normals, tuple(hulls))]
+    felt = felt[~inside_hulls(felt + _SKIN * triangle_normals(solid)[face], tuple(hulls))]
     back = surface_distances(felt, triangles, _DENSER * samples, least)
     far = np.flatnonzero(back > least)
     far = far[inside_mesh(felt[far], triangles)]

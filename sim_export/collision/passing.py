@@ -25,8 +25,9 @@ def find_passing(
 ) -> dict[str, Float[np.ndarray, "N 3"]]:
     """Points (m, object frame at rest) where other links are, by link.
 
-    Links on one branch of the tree, like a drawer and its body, are followed along their joints. Those of
-    different branches count at rest only: one may have to be opened before the other.
+    Only smaller links count: a panel leaves room for its knob, and the knob stays whole. Links on one branch
+    of the tree, like a drawer and its body, are followed along their joints. Those of different branches
+    count at rest only: one may have to be opened before the other.
 
     Args:
         links: The links.
@@ -36,14 +37,18 @@ def find_passing(
     points = {name: sample_triangles(triangles, SAMPLES)[0] for name, triangles in surfaces.items()}
     below = {link.name: set(hanging_links(joints, link.name)) for link in links}
     slot = {link.name: index for index, link in enumerate(links)}
-    out = {name: [other for key, other in points.items() if key != name] for name in points}
+    size = {name: float(np.linalg.norm(np.ptp(found, axis=0))) for name, found in points.items()}
+    smaller = {
+        name: [other for other in points if (size[other], other) < (size[name], name)] for name in points
+    }
+    out = {name: [points[other] for other in others] for name, others in smaller.items()}
     for joint in driven_joints(joints):
         moved = {links[index].name for index in moved_links(links, joints, joint)}
         T = link_displacements(links, joints, {joint.name: sweep_coordinates(joint, POSES)[1:]})
         for name in points:
-            for other in points:
+            for other in smaller[name]:
                 related = other in below[name] or name in below[other]
-                if name != other and related and (name in moved) != (other in moved):
+                if related and (name in moved) != (other in moved):
                     relative = inverse(T[:, slot[name]]) @ T[:, slot[other]]
                     out[name].append(transform_points(relative, points[other]).reshape(-1, 3))
     return {name: np.concatenate(found) for name, found in out.items() if found}

@@ -1,9 +1,8 @@
-"""Collision hulls of a link from its own surface: a cover of the triangles by convex pieces.
+"""Collision hulls of links from their own surface: boxes, and convex pieces of what these leave.
 
-The surface is taken apart into connected components, those whose hulls take free space are cut, and pieces
-are joined as long as their common hull takes none. So a board becomes one box whatever its faces look like,
-closed bodies one hull, and what can be reached stays free. Pieces that are cut keep out of enclosed rooms,
-too: a face in the middle of one would be far from anything that can be seen.
+Boxes cover the axis-aligned surface (`sim_export.collision.box_cover`). What is left is taken apart into
+connected components, those whose hulls take free space are cut, and pieces are joined as long as their
+common hull takes none, and coarser where there are too many hulls. Only surface that can be reached counts.
 """
 
 import heapq
@@ -12,17 +11,31 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
+from sim_export.collision.box_cover import cover_with_boxes
 from sim_export.collision.compact import compact_hull
 from sim_export.collision.decompose import Decomposition
 from sim_export.collision.free_space import TAKEN_DEPTH, FreeSpace, find_free_space, is_open_between, look_up
 from sim_export.collision.hull_limits import HullLimits, thicken_hull
 from sim_export.collision.hulls import convex_hull
-from sim_export.collision.surface_pieces import Piece, join_pieces, make_piece, measure_again, split_piece
+from sim_export.collision.surface_pieces import Piece, join_pieces, make_piece, split_piece
 from sim_export.errors import DegeneratePart
+from sim_export.geometry.exposure import is_exposed, triangle_normals
 from sim_export.package import Hull
 
+HALVED = 8
+"""Times that triangles which boxes cover in part are halved, at most."""
+SMALLEST = 4.0
+"""Edge of such triangles over the slack, below which they are not halved any more."""
+_PLACES = np.array(
+    [
+        [0.96, 0.02, 0.02], [0.02, 0.96, 0.02], [0.02, 0.02, 0.96],
+        [0.50, 0.48, 0.02], [0.02, 0.50, 0.48], [0.48, 0.02, 0.50],
+        [0.66, 0.17, 0.17], [0.17, 0.66, 0.17], [0.17, 0.17, 0.66], [1 / 3, 1 / 3, 1 / 3],
+    ]
+)  # fmt: skip
+"""Barycentric coordinates of the points by which a triangle is judged."""
 UNLIKE = 0.3
 """Difference of openness from which on a sheet grows to one side only."""
 
@@ -31,30 +44,41 @@ UNLIKE = 0.3
 class SurfaceConfig:
     """How true to the surface hulls are; lengths are shares of the object's diagonal."""
 
+    least_cells: int = 24
+    """Cells along the longest edge of a link below which it gets no boxes."""
+    slack: float = 0.006
+    """Surface this near to a box is covered by it."""
     bulge: float = 0.004
     """How far hulls may reach from the surface into free space."""
     coarser: float = 1.5
-    """Factor by which that grows until there are few enough hulls."""
-    coarsest: float = 0.008
-    """It grows no further than this for the sake of one part."""
-    loosest: float = 0.02
-    """It grows no further than this where the whole object has too many hulls."""
+    """Factor by which that grows while there are too many hulls."""
+    coarsest: float = 0.012
+    """It grows no further than this."""
     most_pieces: int = 96
-    """Pieces into which the surface of a part is cut, at most."""
+    """Pieces into which the surface of a link is cut, at most."""
     taken: float = 0.004
     """Share of its volume that a hull may take of free space beyond."""
-    bare: float = 0.005
-    """Share of the area of a joint hull that may newly lie in enclosed space, away from the surface."""
     sheet: float = 0.002
     """Thickness (m) of the hulls of sheets."""
-    thickest: float = 0.008
+    thickest: float = 0.004
     """Thickness to which long thin hulls are thickened rather than divided."""
-    most_of_part: int = 80
-    """Hulls of a part, at most; a part of a quarter of the object's diagonal gets half of them."""
-    most: int = 224
-    """Hulls of the whole object, at most; a few less than checked, for what clearance may have to split."""
+    most_of_link: int = 72
+    """Hulls of a link, at most; what clearance cuts them to comes on top."""
+    most: int = 192
+    """Hulls of the whole object, at most."""
     limits: HullLimits = field(default_factory=HullLimits)
     """What each hull must be like."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Cover:
+    """What covers a link's surface: boxes, and pieces that reach ``least`` (m) into free space at most."""
+
+    space: FreeSpace
+    boxes: tuple[Hull, ...]
+    pieces: tuple[Piece, ...]
+    least: float
+    hulls: tuple[Hull, ...] = ()
 
 
 def cover_parts(
@@ -63,7 +87,7 @@ def cover_parts(
     passing: Mapping[int, Float[np.ndarray, "N 3"]],
     cfg: SurfaceConfig | None = None,
 ) -> tuple[Decomposition, ...]:
-    """Hulls of all parts of an object from their triangles (m); a part without any gets none.
+    """Hulls of an object from the triangles (m) of its parts; a link's are those of the part that leads it.
 
     Args:
         surfaces: Triangles of every part.
@@ -74,70 +98,138 @@ def cover_parts(
     cfg = cfg or SurfaceConfig()
     everything = np.concatenate([surface.reshape(-1, 3) for surface in surfaces])
     diagonal = float(np.linalg.norm(np.ptp(everything, axis=0)))
-    shown = {owner: np.zeros((0, 3, 3)) for owner in sorted(set(owners))}
-    for surface, owner in zip(surfaces, owners, strict=True):
-        shown[owner] = np.concatenate([shown[owner], surface])
-    spaces = {
-        owner: find_free_space(found, diagonal, passing.get(owner))
-        for owner, found in shown.items()
-        if len(found)
-    }
-    out: list[Decomposition] = []
-    for surface, owner in zip(surfaces, owners, strict=True):
-        size = float(np.linalg.norm(np.ptp(surface.reshape(-1, 3), axis=0))) if len(surface) else 0.0
-        most = max(8, int(cfg.most_of_part * min(1.0, 2.0 * size / diagonal)))
-        out.append(_cover_part(surface, spaces.get(owner), diagonal, most, cfg))
-    while sum(len(found.hulls) for found in out) > cfg.most:
-        index = max(range(len(out)), key=lambda index: len(out[index].hulls))
-        count = len(out[index].hulls)
-        loose = replace(cfg, coarsest=cfg.loosest)
-        fewer = _cover_part(surfaces[index], spaces[owners[index]], diagonal, int(0.7 * count), loose)
-        if len(fewer.hulls) >= count:
-            break
-        out[index] = fewer
-    return tuple(out)
+    covers: dict[int, Cover] = {}
+    seconds = dict.fromkeys(range(len(surfaces)), 0.0)
+    for owner in sorted(set(owners)):
+        started = time.perf_counter()
+        shown = [surface for surface, other in zip(surfaces, owners, strict=True) if other == owner]
+        triangles = np.concatenate(shown)
+        if len(triangles):
+            space = find_free_space(triangles, diagonal, passing.get(owner))
+            covers[owner] = cover_surface(triangles, space, diagonal, cfg)
+        seconds[owner] = time.perf_counter() - started
+    while (owner := _most_in_excess(covers, diagonal, cfg)) is not None:
+        covers[owner] = _join_again(covers[owner], cfg.coarser * covers[owner].least, diagonal, cfg)
+    return tuple(
+        Decomposition(
+            hulls=covers[index].hulls if index in covers else (),
+            method="surface",
+            volume_error=0.0,
+            kept_cavity=1.0,
+            seconds=seconds[index],
+        )
+        for index in range(len(surfaces))
+    )
 
 
-def _cover_part(
-    surface: Float[np.ndarray, "F 3 3"],
-    space: FreeSpace | None,
-    diagonal: float,
-    most: int,
-    cfg: SurfaceConfig,
-) -> Decomposition:
-    started = time.perf_counter()
-    hulls: tuple[Hull, ...] = ()
-    if len(surface) and space is not None:
-        pieces = cover_surface(surface, space, diagonal, most, cfg)
-        found = [hull for piece in pieces if (hull := piece_hull(piece, space, cfg)) is not None]
-        thickest = cfg.thickest * diagonal
-        thick = [thicken_hull(hull, cfg.limits.min_width) for hull in found]
-        hulls = tuple(part for hull in thick for part in compact_hull(hull, cfg.limits, thickest))
-    seconds = time.perf_counter() - started
-    return Decomposition(hulls=hulls, method="surface", volume_error=0.0, kept_cavity=1.0, seconds=seconds)
+def _most_in_excess(covers: Mapping[int, Cover], diagonal: float, cfg: SurfaceConfig) -> int | None:
+    """The link with most pieces where it, or the object, has too many hulls; none that is coarse already."""
+    everywhere = sum(len(cover.hulls) for cover in covers.values()) > cfg.most
+    able = [
+        owner
+        for owner, cover in covers.items()
+        if (everywhere or len(cover.hulls) > cfg.most_of_link)
+        and len(cover.pieces) > 1
+        and cover.least < cfg.coarsest * diagonal
+    ]
+    return max(able, key=lambda owner: len(covers[owner].pieces), default=None)
 
 
 def cover_surface(
-    triangles: Float[np.ndarray, "F 3 3"],
-    space: FreeSpace,
-    diagonal: float,
-    most: int,
-    cfg: SurfaceConfig | None = None,
-) -> list[Piece]:
-    """Convex pieces that together cover a part's triangles (m), few of them and at most about ``most``."""
+    triangles: Float[np.ndarray, "F 3 3"], space: FreeSpace, diagonal: float, cfg: SurfaceConfig | None = None
+) -> Cover:
+    """Hulls that together cover what can be reached of a link's triangles (m)."""
     cfg = cfg or SurfaceConfig()
     least = cfg.bulge * diagonal
     whole = make_piece(triangles, space, least)
     if _fits(whole, least, cfg):
-        return [whole]
-    pieces = [make_piece(group, space, least) for group in split_components(triangles)]
-    pieces = _cut(_uncovered(pieces, least), space.without_rooms(), least, cfg)
-    pieces = [measure_again(piece, space, least) for piece in pieces]
-    while True:
-        pieces = _join(_uncovered(pieces, least), space, least, cfg)
-        if len(pieces) <= most or least >= cfg.coarsest * diagonal:
-            return pieces
-        least *= cfg.coarser
+        return _finish(Cover(space=space, boxes=(), pieces=(whole,), least=least), diagonal, cfg)
+    exposed = find_exposed(triangles, space)
+    large = np.ptp(triangles.reshape(-1, 3), axis=0).max() >= cfg.least_cells * space.grid.cell
+    boxes = cover_with_boxes(exposed, space) if large else ()
+    left = find_uncovered(exposed, boxes, cfg.slack * diagonal)
+    pieces = [make_piece(group, space, least) for group in split_components(left)] if len(left) else []
+    cut = tuple(_cut(_uncovered(pieces, least), space, least, cfg))
+    return _join_again(Cover(space=space, boxes=boxes, pieces=cut, least=least), least, diagonal, cfg)
+
+
+def _join_again(cover: Cover, least: float, diagonal: float, cfg: SurfaceConfig) -> Cover:
+    """A cover whose pieces are joined as far as they may take ``least`` (m) of free space."""
+    pieces = _join(_uncovered(cover.pieces, least), cover.space, least, cfg)
+    return _finish(replace(cover, pieces=tuple(pieces), least=least), diagonal, cfg)
+
+
+def _finish(cover: Cover, diagonal: float, cfg: SurfaceConfig) -> Cover:
+    """A cover with its hulls, within the limits of engines."""
+    found = [hull for piece in cover.pieces if (hull := piece_hull(piece, cover.space, cfg)) is not None]
+    thick = [thicken_hull(hull, cfg.limits.min_width) for hull in found]
+    proper = [
+        part
+        for hull in thick
+        for part in compact_hull(hull, cfg.limits, cfg.thickest * diagonal, reach=2.0 * cover.least)
+    ]
+    return replace(cover, hulls=(*cover.boxes, *proper))
+
+
+def find_exposed(triangles: Float[np.ndarray, "F 3 3"], space: FreeSpace) -> Float[np.ndarray, "G 3 3"]:
+    """The triangles before which there is free space: those that a gripper can reach."""
+    normals = triangle_normals(triangles)
+    points = _spread(triangles)
+    free = space.depth > 0.0
+    shown = np.zeros(len(triangles), dtype=bool)
+    for corner in range(points.shape[1]):
+        for side in (1.0, -1.0):
+            shown |= is_exposed(points[:, corner], side * normals, free, space.grid)
+    return triangles[shown]
+
+
+def find_uncovered(
+    triangles: Float[np.ndarray, "F 3 3"], boxes: Sequence[Hull], slack: float
+) -> Float[np.ndarray, "G 3 3"]:
+    """What of some triangles lies farther than ``slack`` (m) outside of boxes, in smaller triangles."""
+    out = []
+    left = triangles
+    for halving in range(HALVED + 1):
+        points = _spread(left)
+        inside = _in_boxes(points.reshape(-1, 3), boxes, slack).reshape(points.shape[:2])
+        left, inside = left[~inside.all(axis=1)], inside[~inside.all(axis=1)]
+        longest = np.linalg.norm(np.roll(left, -1, axis=1) - left, axis=2).max(axis=1)
+        partly = inside.any(axis=1)
+        more = partly & (halving < HALVED) & (longest > SMALLEST * slack)
+        out.append(left[~more & (inside.mean(axis=1) < 0.5)])
+        left = _halve(left[more])
+        if not len(left):
+            break
+    return np.concatenate(out)
+
+
+def _in_boxes(points: Float[np.ndarray, "N 3"], boxes: Sequence[Hull], slack: float) -> Bool[np.ndarray, "N"]:
+    """Points in boxes that are ``slack`` (m) larger on all sides."""
+    out = np.zeros(len(points), dtype=bool)
+    for box in boxes:
+        rows = np.flatnonzero(~out)
+        for axis, (low, high) in enumerate(
+            zip(box.vertices.min(axis=0) - slack, box.vertices.max(axis=0) + slack, strict=True)
+        ):
+            at = points[rows, axis]
+            rows = rows[(at >= low) & (at <= high)]
+        out[rows] = True
+    return out
+
+
+def _spread(triangles: Float[np.ndarray, "F 3 3"]) -> Float[np.ndarray, "F 10 3"]:
+    """Points on every triangle, from its corners to its middle."""
+    return np.einsum("kc,fcd->fkd", _PLACES, triangles)
+
+
+def _halve(triangles: Float[np.ndarray, "F 3 3"]) -> Float[np.ndarray, "G 3 3"]:
+    """Two triangles for each, divided across its longest edge."""
+    edges = np.linalg.norm(np.roll(triangles, -1, axis=1) - triangles, axis=2)
+    first = edges.argmax(axis=1)
+    turned = triangles[np.arange(len(triangles))[:, None], (first[:, None] + np.arange(3)) % 3]
+    a, b, c = turned[:, 0], turned[:, 1], turned[:, 2]
+    middle = (a + b) / 2
+    return np.concatenate([np.stack([a, middle, c], axis=1), np.stack([middle, b, c], axis=1)])
 
 
 def split_components(triangles: Float[np.ndarray, "F 3 3"]) -> list[Float[np.ndarray, "G 3 3"]]:
@@ -232,7 +324,7 @@ def _join(pieces: Sequence[Piece], space: FreeSpace, least: float, cfg: SurfaceC
             fits = _fits(both, least, cfg) or (
                 both.intrusion.volume <= before and both.intrusion.depth <= 2.0 * least
             )
-            if fits and both.bare <= both.most_bare + cfg.bare * both.area:
+            if fits:
                 grown = both.volume - alive[i].volume - alive[j].volume
                 heapq.heappush(queue, (grown, i, j, both))
 

@@ -3,7 +3,7 @@
 Nothing is assumed of the triangles: they may be open, doubled, or pass through each other.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
@@ -45,8 +45,7 @@ class Piece:
     """Triangles and their convex hull.
 
     ``corners`` are the hull's vertices, ``planes`` its faces (none of a sheet), ``samples`` points on the
-    triangles, ``bare`` the area of hull faces (m^2) far from the surface, as where a room was cut.
-    ``most_bare`` is that of the barest piece that was joined to this one.
+    triangles.
     """
 
     triangles: Float[np.ndarray, "F 3 3"]
@@ -54,8 +53,6 @@ class Piece:
     planes: Float[np.ndarray, "K 4"]
     volume: float
     area: float
-    bare: float
-    most_bare: float
     intrusion: Intrusion
     samples: Float[np.ndarray, "N 3"]
 
@@ -119,34 +116,25 @@ def join_pieces(first: Piece, second: Piece, space: FreeSpace, least: float) -> 
     """One piece of two."""
     around = wrap(np.concatenate([first.corners, second.corners]), skin=SKIN)
     triangles = np.concatenate([first.triangles, second.triangles])
-    both = _finish(around, triangles, np.concatenate([first.samples, second.samples]), space, least)
-    return replace(both, most_bare=max(first.most_bare, second.most_bare))
-
-
-def measure_again(piece: Piece, space: FreeSpace, least: float) -> Piece:
-    """A piece measured against another free space."""
-    return make_piece(piece.triangles, space, least)
+    return _finish(around, triangles, np.concatenate([first.samples, second.samples]), space, least)
 
 
 def _finish(
     around: Around, triangles: np.ndarray, samples: np.ndarray, space: FreeSpace, least: float
 ) -> Piece:
-    intrusion, bare = _measure(around, space, least)
     return Piece(
         triangles=triangles,
         corners=around.corners,
         planes=around.planes,
         volume=around.volume,
         area=around.area,
-        bare=bare,
-        most_bare=bare,
-        intrusion=intrusion,
+        intrusion=_measure(around, space, least),
         samples=samples,
     )
 
 
-def _measure(around: Around, space: FreeSpace, least: float) -> tuple[Intrusion, float]:
-    """What a hull takes of free space, and the area of its faces (m^2) that are far from the surface.
+def _measure(around: Around, space: FreeSpace, least: float) -> Intrusion:
+    """What a hull takes of free space.
 
     Hulls thinner than two cells contain few centres of cells, so points on their faces are tested: the hull
     of a frame must not close its opening.
@@ -156,18 +144,14 @@ def _measure(around: Around, space: FreeSpace, least: float) -> tuple[Intrusion,
     if len(around.planes):
         bounds = np.stack([around.corners.min(axis=0), around.corners.max(axis=0)])
         intrusion = measure_intrusion(around.planes, bounds, space, least)
-    if not len(around.skin):
-        return intrusion, 0.0
-    bare = around.area * float((look_up(around.skin, space.away, space.grid) > space.far).mean())
-    if around.volume < cell * around.area:
+    if len(around.skin) and around.volume < cell * around.area:
         depth = look_up(around.skin, space.depth, space.grid)
-        inside = depth > least + 0.5 * cell
-        share = float(inside.mean())
+        share = float((depth > least + 0.5 * cell).mean())
         if share > FEW:
             taken = 0.5 * share * around.area * cell
             deepest = max(intrusion.depth, float(depth.max()))
-            return Intrusion(volume=max(intrusion.volume, taken), depth=deepest), bare
-    return intrusion, bare
+            return Intrusion(volume=max(intrusion.volume, taken), depth=deepest)
+    return intrusion
 
 
 def cut_triangles(
@@ -258,4 +242,4 @@ def _main_triangles(triangles: Float[np.ndarray, "F 3 3"]) -> Float[np.ndarray, 
 
 def _taken(triangles: np.ndarray, space: FreeSpace, least: float) -> float:
     """Free volume (m^3) in the hull of some triangles."""
-    return _measure(wrap(triangles.reshape(-1, 3), skin=SAMPLES), space, least)[0].volume
+    return _measure(wrap(triangles.reshape(-1, 3), skin=SAMPLES), space, least).volume

@@ -1,0 +1,111 @@
+"""A source object as mends see it: parts, joints and surfaces, and how far parts were moved."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Float
+
+from artigen.types import Asset
+from sim_export.collision.hulls import wrap_surface
+from sim_export.package import Inertial, Mesh, SimPackage
+from sim_export.physics.links import PartGeometry, build_links, link_names, link_owners
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Source:
+    """An object before it is converted.
+
+    ``surfaces`` are the triangles of every part (m, object frame at rest), ``shifts`` how far each part was
+    moved (m), ``records`` what was mended, one sentence each.
+    """
+
+    asset: Asset
+    surfaces: tuple[Float[np.ndarray, "F 3 3"], ...]
+    shifts: Float[np.ndarray, "P 3"]
+    records: tuple[str, ...] = ()
+
+
+def open_source(asset: Asset, surfaces: tuple[Float[np.ndarray, "F 3 3"], ...]) -> Source:
+    """An object of which nothing has been mended yet."""
+    return Source(asset=asset, surfaces=tuple(surfaces), shifts=np.zeros((len(surfaces), 3)))
+
+
+def source_package(source: Source) -> SimPackage:
+    """The object as a package that checks can judge: its own surface, and one convex hull of every part."""
+    geometry = [
+        PartGeometry(
+            visuals=(_as_mesh(triangles),) if len(triangles) else (),
+            hulls=wrap_surface(triangles),
+            inertial=Inertial(mass=1.0, com=source.asset.scale * part.box[0], inertia=0.01 * np.eye(3)),
+        )
+        for part, triangles in zip(source.asset.parts, source.surfaces, strict=True)
+    ]
+    tree = build_links(source.asset, geometry)
+    return SimPackage(
+        name=source.asset.name,
+        category=source.asset.category,
+        visual="source",
+        links=tree.links,
+        joints=tree.joints,
+    )
+
+
+def _as_mesh(triangles: Float[np.ndarray, "F 3 3"]) -> Mesh:
+    return Mesh(vertices=triangles.reshape(-1, 3), faces=np.arange(3 * len(triangles)).reshape(-1, 3))
+
+
+def leading_part(source: Source, link: str) -> int:
+    """The part that leads a link."""
+    return next(part for part, name in link_names(source.asset).items() if name == link)
+
+
+def link_surfaces(source: Source) -> dict[str, Float[np.ndarray, "F 3 3"]]:
+    """Triangles of every link that has any."""
+    owners = link_owners(source.asset)
+    found = {
+        name: np.concatenate([s for s, owner in zip(source.surfaces, owners, strict=True) if owner == part])
+        for part, name in link_names(source.asset).items()
+    }
+    return {name: triangles for name, triangles in found.items() if len(triangles)}
+
+
+def set_joint(source: Source, part: int, record: str, **changes: object) -> Source:
+    """The object with one joint changed; its fields are in lengths of the unit cube."""
+    parts = list(source.asset.parts)
+    parts[part] = replace(parts[part], joint=replace(parts[part].joint, **changes))  # pyright: ignore[reportArgumentType]
+    return replace(source, asset=replace(source.asset, parts=tuple(parts)), records=(*source.records, record))
+
+
+def move_part(source: Source, part: int, shift: Float[np.ndarray, "3"], record: str) -> Source:
+    """The object with a part, and all that hangs from it, moved by ``shift`` (m), joints included."""
+    asset, step = source.asset, np.asarray(shift) / source.asset.scale
+    moved = np.zeros(len(asset.parts), dtype=bool)
+    moved[part] = True
+    for index in range(len(asset.parts)):
+        at = index
+        while at != -1 and at != part:
+            at = asset.parts[at].parent
+        moved[index] = at == part
+    parts = tuple(
+        replace(
+            old,
+            box=np.stack([old.box[0] + step, old.box[1]]),
+            joint=replace(old.joint, origin=old.joint.origin + step),
+        )
+        if moved[index]
+        else old
+        for index, old in enumerate(asset.parts)
+    )
+    surface = asset.surface
+    if surface is not None:
+        points = surface.points + np.where(moved[surface.part_ids][:, None], step, 0.0)
+        surface = replace(surface, points=points)
+    return replace(
+        source,
+        asset=replace(asset, parts=parts, surface=surface),
+        surfaces=tuple(
+            s + shift if moved[index] else s for index, s in enumerate(source.surfaces)
+        ),
+        shifts=source.shifts + np.where(moved[:, None], shift, 0.0),
+        records=(*source.records, record),
+    )  # fmt: skip

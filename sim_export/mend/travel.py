@@ -1,0 +1,43 @@
+"""A joint whose part runs into what carries it ends before it does."""
+
+import numpy as np
+
+from sim_export.checks.config import CheckConfig
+from sim_export.collision.motion import driven_joints
+from sim_export.collision.requirements import sweep_coordinates
+from sim_export.mend.source import Source, leading_part, link_surfaces, set_joint, source_package
+from sim_export.source_faults import POSES, overlap_along, show_links
+
+LEAST = 0.5
+"""Share of its range that must be free for a joint to be shortened."""
+
+
+def cut_travel(source: Source, cfg: CheckConfig) -> Source:
+    """Lowers upper limits to where a link enters one that carries it, by more than V201 allows."""
+    package = source_package(source)
+    shown = show_links(link_surfaces(source))
+    parents = {joint.child: joint.parent for joint in package.joints}
+    for joint in driven_joints(package.joints):
+        if joint.type == "continuous" or joint.child not in shown:
+            continue
+        depth, above = np.zeros(POSES), parents.get(joint.child)
+        while above is not None:
+            if above in shown:
+                found = overlap_along(package, shown, joint, (above, joint.child), {})
+                depth = np.maximum(depth, found - found[0])
+            above = parents.get(above)
+        blocked = np.flatnonzero(depth > cfg.max_penetration)
+        last = int(blocked[0]) - 1 if len(blocked) else POSES
+        q = sweep_coordinates(joint, POSES)
+        if last >= POSES or q[last] - q[0] < LEAST * (q[-1] - q[0]):
+            continue
+        part = leading_part(source, joint.child)
+        share = float(q[last] / q[-1])
+        source = set_joint(
+            source,
+            part,
+            f"{source.asset.parts[part].name}: its range was cut to {share:.0%}, beyond which it enters what "
+            f"carries it by {1e3 * depth.max():.1f} mm",
+            upper=source.asset.parts[part].joint.upper * share,
+        )
+    return source

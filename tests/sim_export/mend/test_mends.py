@@ -1,0 +1,117 @@
+"""A mended source passes the check that it failed, and a sound one is left as it is."""
+
+import numpy as np
+import pytest
+
+from artigen.types import Asset, Joint, Part
+from sim_export.checks.config import CheckConfig
+from sim_export.checks.opening import door_panel, hinge_offset
+from sim_export.checks.subject import Subject
+from sim_export.collision.hulls import box_hull
+from sim_export.files.write import write_package
+from sim_export.mend.mends import mend_source
+from sim_export.mend.source import link_surfaces, open_source, source_package
+from sim_export.source_faults import overlaps_at_rest, overlaps_on_the_way, show_links
+
+CFG = CheckConfig()
+FIXED = Joint(type="fixed", axis=np.array([0, 0, 1.0]), origin=np.zeros(3))
+
+
+def box(low, high):
+    hull = box_hull(np.array(low, dtype=float), np.array(high, dtype=float))
+    return hull.vertices[hull.faces]
+
+
+def part_of(triangles, name, label, parent, joint):
+    low, high = triangles.min(axis=(0, 1)), triangles.max(axis=(0, 1))
+    return Part(
+        name=name, label=label, parent=parent, joint=joint, box=np.stack([(low + high) / 2, high - low])
+    )
+
+
+def cabinet(door, hinge):
+    """A block with a door of 20 mm in front of it (-x); the object is 1 m high, so units are metres."""
+    body = box((-0.2, -0.25, -0.5), (0.3, 0.25, 0.5))
+    joint = Joint(
+        type="revolute", axis=np.array([0, 0, 1.0]), origin=np.array(hinge, dtype=float), upper=1.5
+    )  # fmt: skip
+    parts = (part_of(body, "base", "base", -1, FIXED), part_of(door, "door_0", "door", 0, joint))
+    return open_source(
+        Asset(name="cabinet", category="StorageFurniture", scale=1.0, parts=parts), (body, door)
+    )
+
+
+DOOR = box((-0.222, -0.25, -0.5), (-0.202, 0.25, 0.5))
+CHEST = box((-0.2, -0.25, -0.5), (0.3, 0.25, 0.5))
+
+
+def chest(drawer, upper=0.3, axis=(-1.0, 0, 0)):
+    """The same block with something that slides."""
+    joint = Joint(type="prismatic", axis=np.array(axis), origin=np.zeros(3), upper=upper)
+    parts = (part_of(CHEST, "base", "base", -1, FIXED), part_of(drawer, "drawer_0", "drawer", 0, joint))
+    return open_source(
+        Asset(name="chest", category="StorageFurniture", scale=1.0, parts=parts), (CHEST, drawer)
+    )
+
+
+def hinge_ratio(source, tmp_path):
+    package = source_package(source)
+    subject = Subject(write_package(package, tmp_path / package.name, "replace"))
+    panel = door_panel(subject, subject.driven[0])
+    assert panel is not None
+    off, allowed = hinge_offset(panel, CFG)
+    return off / allowed
+
+
+def test_a_hinge_inside_its_door_moves_to_the_edge_and_nowhere_else(tmp_path):
+    source = cabinet(DOOR, (-0.222, -0.2, 0.1))
+    assert hinge_ratio(source, tmp_path) > 1.0
+    mended = mend_source(source)
+    assert hinge_ratio(mended, tmp_path) < 1e-6
+    assert mended.asset.parts[1].joint.origin == pytest.approx([-0.222, -0.25, 0.1])
+    assert [record.split(":")[0] for record in mended.records] == ["mend hinge (V203)"]
+
+
+@pytest.mark.parametrize(
+    "source",
+    [cabinet(DOOR, (-0.222, -0.25, 0.0)), chest(box((-0.25, -0.2, -0.1), (-0.205, 0.2, 0.1)))],
+    ids=["door", "drawer"],
+)
+def test_a_sound_source_is_returned_as_it_is(source):
+    assert mend_source(source) is source
+
+
+def test_a_part_inside_its_neighbour_moves_out_by_a_short_way():
+    source = chest(box((-0.25, -0.2, -0.1), (-0.192, 0.2, 0.1)))  # 8 mm in the block
+    before = max(overlaps_at_rest(show_links(link_surfaces(source))))[0]
+    mended = mend_source(source)
+    after = max(overlaps_at_rest(show_links(link_surfaces(mended))))[0]
+    assert before > CFG.max_rest_overlap_parent >= after
+    assert 0.007 < np.linalg.norm(mended.shifts[1]) < 0.012
+    assert mended.shifts[1][0] < 0.0  # out of the block
+    assert np.allclose(mended.asset.parts[1].box[0] - source.asset.parts[1].box[0], mended.shifts[1])
+    assert (mended.shifts[0] == 0.0).all()
+
+
+def test_a_part_deep_inside_its_neighbour_stays_and_is_not_said_to_be_mended():
+    source = chest(box((-0.25, -0.2, -0.1), (0.1, 0.2, 0.1)))
+    assert (mend_source(source).shifts == 0.0).all()
+
+
+def test_a_range_that_runs_into_the_body_ends_before_it():
+    """A slide beside the block that has 0.2 m to go, and says 0.3."""
+    source = chest(box((-0.5, -0.2, -0.1), (-0.4, 0.2, 0.1)), upper=0.3, axis=(1.0, 0, 0))
+    mended = mend_source(source)
+    upper = mended.asset.parts[1].joint.upper
+    assert 0.15 < upper <= 0.202
+    found = max(overlaps_on_the_way(source_package(mended), show_links(link_surfaces(mended))))[0]
+    assert (
+        found
+        <= CFG.max_penetration
+        < max(overlaps_on_the_way(source_package(source), show_links(link_surfaces(source))))[0]
+    )
+
+
+def test_a_range_of_which_hardly_any_is_free_is_left_alone():
+    source = chest(box((-0.3, -0.2, -0.1), (-0.21, 0.2, 0.1)), upper=0.3, axis=(1.0, 0, 0))
+    assert mend_source(source).asset.parts[1].joint.upper == pytest.approx(0.3)
