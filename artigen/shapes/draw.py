@@ -1,7 +1,7 @@
 """`draw_shape`: a procedural object of any category, a pure function of category, seed and wish.
 
-A category is a module of `artigen.shapes.categories` with ``CATEGORY``, its name, and
-``draw(rng, wish) -> Draft``; putting a file there is all it takes to add one.
+A category is a module of `artigen.shapes.categories` with ``CATEGORY``, its name, ``STYLES``, the styles
+that can be wished for, and ``draw(rng, wish) -> Draft``; putting a file there is all it takes to add one.
 """
 
 from collections import Counter
@@ -16,6 +16,7 @@ from zlib import crc32
 import numpy as np
 
 from artigen.errors import ArtigenError
+from artigen.shapes.fittings.handles import HandleKind
 from artigen.shapes.shape import Shape, ShapePart
 from artigen.shapes.surfaces.finishes import Finish
 from artigen.types import PartLabel
@@ -53,6 +54,21 @@ class Wish:
     style: str | None = None
     counts: tuple[tuple[PartLabel, int], ...] = ()
     """Parts wanted, exactly, by label; labels not named are free."""
+    handles: tuple[HandleKind, ...] = ()
+    """Kinds of handles, the most wanted first; an object has the first that its category offers."""
+    suite: int | None = None
+    """Seed of what objects of one suite share: handles, how fronts are fitted, stands, worktops."""
+
+    def shared_stream(self, rng: np.random.Generator) -> np.random.Generator:
+        """The stream of choices that objects of a suite share; ``rng`` where there is no suite."""
+        return rng if self.suite is None else np.random.default_rng(self.suite)
+
+    def choose_handles(self, offered: tuple[HandleKind, ...]) -> tuple[HandleKind, ...]:
+        """The kinds of handles to draw from: as many as offered, all of the one wanted most."""
+        for kind in self.handles:
+            if kind in offered:
+                return (kind,) * len(offered)
+        return offered
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -79,8 +95,8 @@ def draw_shape(category: str, seed: int, wish: Wish | None = None) -> Shape:
     fewer where they are out of all proportion.
 
     Raises:
-        ShapeError: If the category is unknown, a length is out of bounds, or no draw has the counts
-            wished for.
+        ShapeError: If the category or its style is unknown, a length is out of bounds, or no draw has the
+            counts wished for.
     """
     wish = wish or Wish()
     draft, _ = _draw_draft(category, seed, wish)
@@ -190,6 +206,10 @@ def _draw_draft(category: str, seed: int, wish: Wish) -> tuple[Draft, int]:
     known = categories()
     if category not in known:
         raise ShapeError(f"category {category!r} is not known, expected one of {', '.join(known)}")
+    if wish.style is not None and wish.style not in (styles := known[category].STYLES):
+        raise ShapeError(
+            f"{category}: style {wish.style!r} is not known, expected one of {', '.join(styles)}"
+        )
     seen: Counter[str] = Counter()
     most: Counter[str] = Counter()
     free = None in (wish.width, wish.depth, wish.height)
@@ -230,18 +250,10 @@ def check_wish(wish: Wish) -> None:
             raise ShapeError(f"{count} parts called base: every object has one")
 
 
-def choose_style(
-    rng: np.random.Generator, category: str, styles: Mapping[str, float], wished: str | None = None
-) -> str:
-    """The wished style, or one drawn by weight; every call takes one number from ``rng``, wished or not.
-
-    Raises:
-        ShapeError: If the category has no such style.
-    """
+def choose_style(rng: np.random.Generator, styles: Mapping[str, float], wished: str | None = None) -> str:
+    """The wished style, or one drawn by weight; every call takes one number from ``rng``, wished or not."""
     chances = np.array(list(styles.values()))
     drawn = list(styles)[int(rng.choice(len(styles), p=chances / chances.sum()))]
-    if wished is not None and wished not in styles:
-        raise ShapeError(f"{category}: style {wished!r} is not known, expected one of {', '.join(styles)}")
     return drawn if wished is None else wished
 
 

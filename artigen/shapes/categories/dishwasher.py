@@ -82,7 +82,9 @@ def _draw_plan(rng: np.random.Generator, wish: Wish) -> _Plan:
     longest = max(width, depth, height)
     paired = rng.random() < 0.06
     length = float(rng.uniform(0.12, 0.16)) if paired else float(rng.uniform(0.55, 0.86)) * width
-    grip = draw_grip(rng, ("bar", "bar", "pull", "arch", "edge"), length=length, longest=longest)
+    grip = draw_grip(
+        rng, wish.choose_handles(("bar", "bar", "pull", "arch", "edge")), length=length, longest=longest
+    )
     return _Plan(
         width=width,
         depth=depth,

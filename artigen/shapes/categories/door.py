@@ -47,7 +47,7 @@ GRIDS = {
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """Draws a door."""
-    style = choose_style(rng, CATEGORY, STYLES, wish.style)
+    style = choose_style(rng, STYLES, wish.style)
     count = 2 if style == "double" else 1
     wide = float(rng.choice(PAIRS if count == 2 else WIDTHS)) + 2 * BORDER
     tall = float(rng.choice(HEIGHTS)) + BORDER

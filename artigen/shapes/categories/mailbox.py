@@ -48,7 +48,7 @@ KEY = 0.026
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """A mailbox that meets the wish."""
-    style = choose_style(rng, CATEGORY, STYLES, wish.style)
+    style = choose_style(rng, STYLES, wish.style)
     width, depth, height = choose_lengths(rng, wish, SIZES[style])
     build = {
         "rural": _build_rural,

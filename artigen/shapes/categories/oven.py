@@ -125,7 +125,7 @@ def _draw_plan(rng: np.random.Generator, wish: Wish, style: str) -> _Plan:
     if built_in:
         foot = 0.02 if kind == "rangetop" else 0.0
     length = float(rng.uniform(0.62, 0.86)) * width
-    grip = draw_grip(rng, ("bar", "bar", "pull", "arch"), length=length, longest=longest)
+    grip = draw_grip(rng, wish.choose_handles(("bar", "bar", "pull", "arch")), length=length, longest=longest)
     heat: tuple[CooktopKind, ...] = ("gas", "glass", "coil")
     drawn = heat[int(rng.choice(3, p=(0.55, 0.35, 0.10)))]
     look = FrontLook(

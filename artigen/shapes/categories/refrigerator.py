@@ -109,7 +109,8 @@ def _draw_plan(rng: np.random.Generator, wish: Wish) -> _Plan:
     x = -depth / 2
     longest = max(width, depth, height)
     kinds = ("bar", "bar", "pull", "edge", "arch") if kind != "display" else ("bar", "pull", "edge")
-    grip = draw_grip(rng, kinds, length=float(rng.uniform(0.24, 0.62)) * min(1.0, height), longest=longest)
+    length = float(rng.uniform(0.24, 0.62)) * min(1.0, height)
+    grip = draw_grip(rng, wish.choose_handles(kinds), length=length, longest=longest)
     return _Plan(
         kind=kind,
         outer=Space(x=(x + thickness + GAP, depth / 2), y=(-width / 2, width / 2), z=(foot, height)),

@@ -52,7 +52,7 @@ CARDBOARD: Color = (0.72, 0.57, 0.40)
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """A box that meets the wish."""
-    style = choose_style(rng, CATEGORY, STYLES, wish.style)
+    style = choose_style(rng, STYLES, wish.style)
     width, depth, height = choose_lengths(rng, wish, SIZES[style])
     build = {"chest": _build_chest, "trunk": _build_trunk, "plastic": _build_tub, "carton": _build_carton}[
         style

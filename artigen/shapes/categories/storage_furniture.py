@@ -6,7 +6,7 @@ how its front is divided comes from the grammar of `artigen.shapes.furniture.spl
 
 import numpy as np
 
-from artigen.shapes.draw import CrowdedError, Draft, ShapeError, Wish, choose
+from artigen.shapes.draw import CrowdedError, Draft, Wish, choose
 from artigen.shapes.fittings.hardware import Space
 from artigen.shapes.furniture.cabinet import Looks, count_fronts, draw_layout
 from artigen.shapes.furniture.carcass import fits_engines
@@ -27,8 +27,6 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     It is drawn again while engines could not hold it, and while nothing moves unless counts are wished for.
     """
     style = wish.style or pick(rng, {name: look.weight for name, look in STYLES.items()})
-    if style not in STYLES:
-        raise ShapeError(f"{CATEGORY}: style {style!r} is not known, expected one of {', '.join(STYLES)}")
     kind = _choose_kind(rng, wish, STYLES[style])
     finishes = tuple(sorted(draw_palette(rng, "furniture", style).items()))
     size = (
@@ -37,7 +35,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
         choose(rng, *kind.height, wish.height),
     )
     for _ in range(MAX_LAYOUTS):
-        parts = _build(rng, kind, draw_plan(rng, kind, STYLES[style], size), size, wish)
+        parts = _build(rng, kind, draw_plan(rng, kind, STYLES[style], size, wish), size, wish)
         shown = not STYLES[style].closed or any(part.label == "door" for part in parts)
         moves = wish.counts or any(part.motion for part in parts)
         if shown and moves and fits_engines(parts):

@@ -47,7 +47,7 @@ SLENDER = 57
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """A suitcase that meets the wish."""
-    style = choose_style(rng, CATEGORY, STYLES, wish.style)
+    style = choose_style(rng, STYLES, wish.style)
     width, depth, height = choose_lengths(rng, wish, SIZES[style])
     build = _build_standing if style in ("cabin", "large") else _build_lying
     built = build(rng, width, depth, height)

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from artigen.shapes.categories.storage_furniture import STYLES
-from artigen.shapes.draw import CrowdedError, Draft, ShapeError, Wish, choose
+from artigen.shapes.draw import CrowdedError, Draft, Wish, choose
 from artigen.shapes.fittings.feet import LEG_KINDS, LegKind, make_castors, make_legs
 from artigen.shapes.fittings.hardware import GAP, Range, Space, fill_space, lift
 from artigen.shapes.furniture.cabinet import Looks, draw_layout, draw_looks, make_cabinet
@@ -83,8 +83,6 @@ class _Built:
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """A table that meets the wish."""
     style = wish.style or pick(rng, {name: look.weight for name, look in STYLES.items() if not look.closed})
-    if style not in STYLES:
-        raise ShapeError(f"{CATEGORY}: style {style!r} is not known, expected one of {', '.join(STYLES)}")
     kind = _choose_kind(rng, wish)
     finishes = tuple(sorted(draw_palette(rng, "furniture", style).items()))
     width = choose(rng, *kind.width, wish.width)
@@ -95,7 +93,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
         choose(rng, *kind.height, wish.height),
     )
     for _ in range(MAX_LAYOUTS):
-        built = kind.build(rng, _draw_plan(rng, style, size))
+        built = kind.build(rng, _draw_plan(wish.shared_stream(rng), style, size, wish))
         body = ShapePart(name=BODY, label="base", parent=None, primitives=built.primitives)
         parts = (body, *built.parts)
         if fits_engines(parts) and (wish.counts or any(part.motion for part in parts)):
@@ -105,11 +103,11 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     )
 
 
-def _draw_plan(rng: np.random.Generator, style: str, size: tuple[float, float, float]) -> _Plan:
+def _draw_plan(rng: np.random.Generator, style: str, size: tuple[float, float, float], wish: Wish) -> _Plan:
     look = STYLES[style]
-    if "knob" in look.handles and rng.random() < 0.45:  # most tables have small handles
+    if not wish.handles and "knob" in look.handles and rng.random() < 0.45:  # most tables have small handles
         look = replace(look, handles=("knob",))
-    looks = draw_looks(rng, look, max(size))
+    looks = draw_looks(rng, look, max(size), wish)
     return _Plan(
         size=size,
         looks=replace(looks, carcass=replace(looks.carcass, lid=False), lock=False, margin=GAP),

@@ -27,7 +27,7 @@ KNOB = 0.024
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """Draws a toaster."""
-    style = choose_style(rng, CATEGORY, STYLES, wish.style)
+    style = choose_style(rng, STYLES, wish.style)
     four = bool(rng.random() < 0.3) if wish.width is None else wish.width > 0.24
     wide: Range = (0.29, 0.33) if four else (0.165, 0.195)
     width, depth, height = choose_size(

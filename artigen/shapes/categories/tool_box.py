@@ -54,7 +54,7 @@ WALL = 0.007
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """A tool box that meets the wish."""
-    style = choose_style(rng, CATEGORY, STYLES, wish.style)
+    style = choose_style(rng, STYLES, wish.style)
     width, depth, height = choose_lengths(rng, wish, SIZES[style])
     build = {
         "plastic": _build_plastic,

@@ -48,7 +48,7 @@ TWO_LEAVES = 1.12
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """Draws a window on its sill."""
-    style = choose_style(rng, CATEGORY, STYLES, wish.style)
+    style = choose_style(rng, STYLES, wish.style)
     wide, tall = SIZES[style]
     width, depth, height = choose_size(rng, CATEGORY, wish, width=wide, depth=(0.19, 0.28), height=tall)
     deep = 0.084 if style == "casement" else STOP + SASH + APART + SASH + STOP

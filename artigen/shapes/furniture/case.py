@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from artigen.shapes.draw import Wish
 from artigen.shapes.fittings.feet import StandDesign, design_stand, make_stand
 from artigen.shapes.fittings.hardware import Space
 from artigen.shapes.furniture.cabinet import Looks, draw_looks, has_fronts, list_cells, make_cabinet
@@ -31,10 +32,14 @@ class CasePlan:
     """Of the worktop, in front and at each side."""
 
 
-def draw_plan(rng: np.random.Generator, kind: Kind, style: Style, size: Size) -> CasePlan:
-    """The choices for an object of a kind and a style in a size."""
-    looks = draw_looks(rng, style, max(size), kind.hand)
-    covered = bool(rng.random() < kind.worktop)
+def draw_plan(rng: np.random.Generator, kind: Kind, style: Style, size: Size, wish: Wish) -> CasePlan:
+    """The choices for an object of a kind and a style in a size.
+
+    They are the same throughout a suite, in which cabinets that are made for a worktop have one.
+    """
+    rng = wish.shared_stream(rng)
+    looks = draw_looks(rng, style, max(size), wish, hand=kind.hand)
+    covered = bool(rng.random() < kind.worktop) or (wish.suite is not None and kind.rails > 0.0)
     overhang = (float(rng.uniform(0.0, 0.02)), float(rng.choice((0.0, 0.012))))
     frame, recess = float(rng.uniform(0.036, 0.045)), float(rng.uniform(0.012, 0.019))
     carcass = replace(
