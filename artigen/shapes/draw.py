@@ -28,6 +28,8 @@ CROWDED_DRAWS = 10
 """Draws of an object whose lengths are free, each with other lengths, before it is given up as too large."""
 VARIANTS = 100
 """Draws of an object that is to be built as another one; the last has its very lengths."""
+SHARED_DRAWS = 20
+"""Draws of an object with the choices of its suite, before others are taken."""
 SEARCHED = 500
 """Seeds that are searched for an object with counts that come as they come."""
 SIZE_MARGIN = 0.2
@@ -59,9 +61,12 @@ class Wish:
     suite: int | None = None
     """Seed of what objects of one suite share: handles, how fronts are fitted, stands, worktops."""
 
-    def shared_stream(self, rng: np.random.Generator) -> np.random.Generator:
-        """The stream of choices that objects of a suite share; ``rng`` where there is no suite."""
-        return rng if self.suite is None else np.random.default_rng(self.suite)
+    def shared_stream(self, rng: np.random.Generator, attempt: int = 0) -> np.random.Generator:
+        """The stream of choices that objects of a suite share; ``rng`` where there is no suite.
+
+        An object that has not come out right in `SHARED_DRAWS` attempts goes on to the suite's next choices.
+        """
+        return rng if self.suite is None else np.random.default_rng([self.suite, attempt // SHARED_DRAWS])
 
     def choose_handles(self, offered: tuple[HandleKind, ...]) -> tuple[HandleKind, ...]:
         """The kinds of handles to draw from: as many as offered, all of the one wanted most."""

@@ -84,8 +84,8 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     finishes = draw_palette(rng, "furniture", look.palettes[int(rng.integers(len(look.palettes)))])
     if style == "midcentury":
         finishes["leg"] = finishes["top"]
-    for _ in range(MAX_LAYOUTS):
-        plan = draw_plan(rng, kind, LOOKS[look.fronts], size, wish)
+    for attempt in range(MAX_LAYOUTS):
+        plan = draw_plan(wish.shared_stream(rng, attempt), kind, LOOKS[look.fronts], size, wish)
         leg = look.legs[int(rng.integers(len(look.legs)))]
         frame = plan.looks.carcass.frame if style in ("shaker", "classic") else 0.0
         looks = replace(plan.looks, carcass=replace(plan.looks.carcass, frame=frame), lock=False)

@@ -34,8 +34,9 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
         choose(rng, *kind.depth, wish.depth),
         choose(rng, *kind.height, wish.height),
     )
-    for _ in range(MAX_LAYOUTS):
-        parts = _build(rng, kind, draw_plan(rng, kind, STYLES[style], size, wish), size, wish)
+    for attempt in range(MAX_LAYOUTS):
+        plan = draw_plan(wish.shared_stream(rng, attempt), kind, STYLES[style], size, wish)
+        parts = _build(rng, kind, plan, size, wish)
         shown = not STYLES[style].closed or any(part.label == "door" for part in parts)
         moves = wish.counts or any(part.motion for part in parts)
         if shown and moves and fits_engines(parts):

@@ -92,8 +92,8 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
         width if kind.round and wish.depth is None else depth,
         choose(rng, *kind.height, wish.height),
     )
-    for _ in range(MAX_LAYOUTS):
-        built = kind.build(rng, _draw_plan(wish.shared_stream(rng), style, size, wish))
+    for attempt in range(MAX_LAYOUTS):
+        built = kind.build(rng, _draw_plan(wish.shared_stream(rng, attempt), style, size, wish))
         body = ShapePart(name=BODY, label="base", parent=None, primitives=built.primitives)
         parts = (body, *built.parts)
         if fits_engines(parts) and (wish.counts or any(part.motion for part in parts)):

@@ -54,8 +54,9 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     finishes = draw_palette(rng, "furniture", style) | {"mirror": MIRROR}
     look = LOOKS[{"mirrored": "framed_glass", "sliding": "flat"}.get(style, style)]
     mirrored = style == "mirrored" or (slides and bool(rng.random() < 0.5))
-    for _ in range(MAX_LAYOUTS):
-        plan = draw_plan(rng, KIND, replace(look, frame=0.0 if slides else 0.5 * look.frame), size, wish)
+    look = replace(look, frame=0.0 if slides else 0.5 * look.frame)
+    for attempt in range(MAX_LAYOUTS):
+        plan = draw_plan(wish.shared_stream(rng, attempt), KIND, look, size, wish)
         fronts = replace(plan.looks.doors, style="framed_glass", glass="mirror")
         carcass = replace(plan.looks.carcass, back=BACK, recess=0.0)
         doors_look = fronts if mirrored else plan.looks.doors

@@ -37,7 +37,6 @@ def draw_plan(rng: np.random.Generator, kind: Kind, style: Style, size: Size, wi
 
     They are the same throughout a suite, in which cabinets that are made for a worktop have one.
     """
-    rng = wish.shared_stream(rng)
     looks = draw_looks(rng, style, max(size), wish, hand=kind.hand)
     covered = bool(rng.random() < kind.worktop) or (wish.suite is not None and kind.rails > 0.0)
     overhang = (float(rng.uniform(0.0, 0.02)), float(rng.choice((0.0, 0.012))))
