@@ -117,6 +117,18 @@ def build_reference(
     )
 
 
+def weigh_shape(shape: Shape) -> float:
+    """Mass (kg) of an object, that of its package, without making the package."""
+    kinds: dict[str, FinishKind] = {name: finish.kind for name, finish in shape.finishes}
+    return sum(
+        _weigh(
+            _solids(part, np.zeros(3)),
+            [_material(part, primitive, kinds, shape.category) for primitive in part.primitives],
+        ).mass
+        for part in shape.parts
+    )
+
+
 def describe_build(shape: Shape) -> list[object]:
     """What decides the topology of an object's package, without making the package."""
     limits = HullLimits()

@@ -11,6 +11,7 @@ from functools import cache
 from importlib import import_module
 from pkgutil import iter_modules
 from types import ModuleType
+from typing import TypeVar
 from zlib import crc32
 
 import numpy as np
@@ -21,6 +22,7 @@ from artigen.shapes.shape import Shape, ShapePart
 from artigen.shapes.surfaces.finishes import Finish
 from artigen.types import PartLabel
 
+Word = TypeVar("Word", bound=str)
 MAX_DRAWS = 1000
 FEW_DRAWS = 100
 """After so many, a count of more than twice the most seen is given up."""
@@ -255,10 +257,33 @@ def check_wish(wish: Wish) -> None:
             raise ShapeError(f"{count} parts called base: every object has one")
 
 
+def pick(rng: np.random.Generator, weights: Mapping[Word, float]) -> Word:
+    """One of the words, as likely as its weight."""
+    chances = np.array(list(weights.values()))
+    return list(weights)[int(rng.choice(len(chances), p=chances / chances.sum()))]
+
+
+def find_nearest(wish: Wish, sizes: Mapping[Word, Sequence[tuple[float, float]]]) -> tuple[Word, ...]:
+    """The words whose ranges of width, depth and height (m) hold the lengths wished for, or come nearest.
+
+    All of them where no length is wished for.
+    """
+    wanted = (wish.width, wish.depth, wish.height)
+    misses = {
+        word: sum(
+            max(low - length, length - high, 0.0)
+            for length, (low, high) in zip(wanted, spans, strict=True)
+            if length is not None
+        )
+        for word, spans in sizes.items()
+    }
+    least = min(misses.values())
+    return tuple(word for word, miss in misses.items() if miss <= least)
+
+
 def choose_style(rng: np.random.Generator, styles: Mapping[str, float], wished: str | None = None) -> str:
     """The wished style, or one drawn by weight; every call takes one number from ``rng``, wished or not."""
-    chances = np.array(list(styles.values()))
-    drawn = list(styles)[int(rng.choice(len(styles), p=chances / chances.sum()))]
+    drawn = pick(rng, styles)
     return drawn if wished is None else wished
 
 

@@ -9,14 +9,14 @@ from typing import Literal
 
 import numpy as np
 
-from artigen.shapes.draw import CrowdedError, Draft, Wish, choose
+from artigen.shapes.draw import CrowdedError, Draft, Wish, choose, pick
 from artigen.shapes.fittings.drawers import BoxDesign, make_tray
 from artigen.shapes.fittings.feet import make_castors
 from artigen.shapes.fittings.hardware import GAP, Range, Space, fill_space
 from artigen.shapes.furniture.cabinet import Looks, draw_layout, draw_looks, make_cabinet
 from artigen.shapes.furniture.carcass import fits_engines
 from artigen.shapes.furniture.furniture_kinds import STYLES as LOOKS
-from artigen.shapes.furniture.splits import Cell, Node, Split, Taste, pick
+from artigen.shapes.furniture.splits import Cell, Node, Split, Taste
 from artigen.shapes.primitives import Primitive, box, cylinder, rounded_box
 from artigen.shapes.shape import ShapePart
 from artigen.shapes.surfaces.palette import draw_palette

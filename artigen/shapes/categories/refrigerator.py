@@ -17,7 +17,7 @@ from artigen.shapes.appliances.cold_storage import (
     plan_bins,
     reach_inwards,
 )
-from artigen.shapes.draw import Draft, Wish, choose
+from artigen.shapes.draw import Draft, Wish, choose, find_nearest, pick
 from artigen.shapes.fittings.handles import HandleDesign
 from artigen.shapes.fittings.hardware import GAP, Edge, Panel, Range, Space, hinge, slide, sweep_gap
 from artigen.shapes.primitives import Primitive, box
@@ -98,7 +98,8 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
 
 
 def _draw_plan(rng: np.random.Generator, wish: Wish) -> _Plan:
-    kind = tuple(KINDS)[int(rng.choice(len(KINDS), p=tuple(KINDS.values())))]
+    weights: dict[Kind, float] = {name: KINDS[name] for name in find_nearest(wish, SIZES)}
+    kind = pick(rng, weights)
     widths, depths, heights = SIZES[kind]
     width = choose(rng, *widths, wish.width)
     depth = choose(rng, *depths, wish.depth)

@@ -10,13 +10,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from artigen.shapes.categories.storage_furniture import STYLES
-from artigen.shapes.draw import CrowdedError, Draft, Wish, choose
+from artigen.shapes.draw import CrowdedError, Draft, Wish, choose, find_nearest, pick
 from artigen.shapes.fittings.feet import LEG_KINDS, LegKind, make_castors, make_legs
 from artigen.shapes.fittings.hardware import GAP, Range, Space, fill_space, lift
 from artigen.shapes.furniture.cabinet import Looks, draw_layout, draw_looks, make_cabinet
 from artigen.shapes.furniture.carcass import fits_engines, open_carcass
 from artigen.shapes.furniture.sinks import TAP_HEIGHT, make_sink
-from artigen.shapes.furniture.splits import Cell, Node, Split, Taste, lay_out, pick
+from artigen.shapes.furniture.splits import Cell, Node, Split, Taste, lay_out
 from artigen.shapes.furniture.table_frames import (
     PANEL,
     SIDES,
@@ -384,19 +384,10 @@ KINDS: dict[str, _Kind] = {
 
 def _choose_kind(rng: np.random.Generator, wish: Wish) -> _Kind:
     """A kind whose sizes include those wished for, or come nearest."""
-    wanted = (wish.width, wish.depth, wish.height)
-    misses = {
-        name: sum(
-            max(low - want, want - high, 0.0)
-            for want, (low, high) in zip(wanted, (kind.width, kind.depth, kind.height), strict=True)
-            if want is not None
-        )
-        + (
-            abs((wish.depth or 0.0) - (wish.width or 0.0))
-            if kind.round and wish.depth and wish.width
-            else 0.0
-        )
+    known = {
+        name: kind
         for name, kind in KINDS.items()
+        if not (kind.round and wish.width and wish.depth and wish.width != wish.depth)
     }
-    least = min(misses.values())
-    return KINDS[pick(rng, {name: kind.weight for name, kind in KINDS.items() if misses[name] <= least})]
+    sizes = {name: (kind.width, kind.depth, kind.height) for name, kind in known.items()}
+    return known[pick(rng, {name: known[name].weight for name in find_nearest(wish, sizes)})]

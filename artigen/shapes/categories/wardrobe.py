@@ -24,6 +24,8 @@ CATEGORY = "Wardrobe"
 STYLES = {"flat": 3.0, "shaker": 2.2, "country": 1.0, "louvre": 0.8, "mirrored": 1.4, "sliding": 2.4}
 """Styles and how often they are sold."""
 MAX_LAYOUTS = 100
+MIRRORED = 10
+"""Layouts with mirrors on sliding doors before they are plain: panes of wide ones are too many hulls."""
 DOOR = 0.5
 """Usual width (m) of a door."""
 BACK = 0.014
@@ -59,7 +61,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
         plan = draw_plan(wish.shared_stream(rng, attempt), KIND, look, size, wish)
         fronts = replace(plan.looks.doors, style="framed_glass", glass="mirror")
         carcass = replace(plan.looks.carcass, back=BACK, recess=0.0)
-        doors_look = fronts if mirrored else plan.looks.doors
+        doors_look = fronts if mirrored and (not slides or attempt < MIRRORED) else plan.looks.doors
         plan = replace(plan, looks=replace(plan.looks, doors=doors_look, carcass=carcass, lock=False))
         if slides:
             parts = _build_sliding(rng, plan, size)

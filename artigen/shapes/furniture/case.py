@@ -4,12 +4,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from artigen.shapes.draw import Wish
+from artigen.shapes.draw import Wish, pick
 from artigen.shapes.fittings.feet import StandDesign, design_stand, make_stand
 from artigen.shapes.fittings.hardware import Space
 from artigen.shapes.furniture.cabinet import Looks, draw_looks, has_fronts, list_cells, make_cabinet
 from artigen.shapes.furniture.furniture_kinds import Kind, Style
-from artigen.shapes.furniture.splits import Node, pick
+from artigen.shapes.furniture.splits import Node
 from artigen.shapes.primitives import rounded_box
 from artigen.shapes.shape import ShapePart
 
