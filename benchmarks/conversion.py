@@ -21,7 +21,7 @@ from tqdm import tqdm
 from artigen.cli.batch import Finished, read_journal
 from artigen.cli.convert import ConvertSettings, convert
 from artigen.cli.validate import validate_folder
-from artigen.workers import Outcome, Worker, run_supervised
+from artigen.runtime.workers import Outcome, Worker, run_supervised
 from sim_export.report import Report, report_from_json, report_to_json
 
 Stage = Literal["convert", "originals", "likeness", "table"]

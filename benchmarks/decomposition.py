@@ -27,7 +27,7 @@ import tyro
 from artigen.datasets.partnet_mobility import read_object
 from artigen.datasets.sample import sample_asset
 from artigen.types import Asset
-from artigen.voxels import voxelize
+from artigen.voxels.voxelize import voxelize
 from sim_export.collision.coacd_process import CoacdConfig, run_coacd
 from sim_export.collision.decompose import DecomposeConfig, decompose_part
 from sim_export.collision.hulls import convex_hull

@@ -17,9 +17,8 @@ from pathlib import Path
 import torch
 import tyro
 
-from artigen.claim import claim_folder
 from artigen.errors import ArtigenError
-from artigen.generate import GenerateConfig, StructureModel, load_structure_model
+from artigen.latent.draw import GenerateConfig, StructureModel, load_structure_model
 from artigen.metrics.draws import DrawJob, draw_all, draw_latent
 from artigen.metrics.instantiation import PosedSet, pose_set
 from artigen.metrics.report import ROWS, format_score, format_table
@@ -28,7 +27,8 @@ from artigen.metrics.score import ScoreConfig, Scores, score_objects, score_set
 from artigen.metrics.shapes import grammar_source
 from artigen.metrics.subjects import Subject, describe_subject, draw_subjects
 from artigen.models.description import hash_model
-from artigen.sampling import SamplerConfig, is_guided, plan_times
+from artigen.models.rectified_flow import SamplerConfig, is_guided, plan_times
+from artigen.runtime.run_config import claim_folder
 from artigen.types import Asset
 
 SHOWN = ("valid", "counts", "size", "strict_rest", "strict_articulated", "mmd", "coverage", "one_nna")

@@ -14,7 +14,7 @@ from scipy.spatial import ConvexHull, cKDTree
 from artigen.datasets.partnet_mobility import read_object
 from artigen.kinematics import displacements, movable_parts
 from artigen.types import Asset
-from artigen.voxels import voxelize
+from artigen.voxels.voxelize import voxelize
 from sim_export.collision.hulls import hull_planes
 from sim_export.collision.motion import driven_joints, link_displacements
 from sim_export.files.read import read_package

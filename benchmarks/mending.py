@@ -20,18 +20,18 @@ from jaxtyping import Int
 from scipy.ndimage import binary_dilation
 from torch import Tensor
 
-from artigen.fields import decode, encode
-from artigen.generate import StructureModel, load_structure_model
-from artigen.mending.boards import make_boards
-from artigen.mending.rows import read_owners
+from artigen.latent.draw import StructureModel, load_structure_model
+from artigen.latent.outline import OutlineBatch, blur_outlines
+from artigen.latent.smoothing import SteadyConfig
+from artigen.latent.structure_vae import decode_cells
 from artigen.metrics.report import format_table
 from artigen.metrics.roughness import measure_roughness
 from artigen.metrics.subjects import Subject, draw_subjects
-from artigen.models.outline import OutlineBatch, blur_outlines
-from artigen.models.steady import SteadyConfig
-from artigen.models.structure_vae import decode_cells
-from artigen.sampling import diffuse
+from artigen.models.rectified_flow import diffuse
 from artigen.train.batches import condition_batch, outline_batch, patch_batch
+from artigen.voxels.cleanup.boards import make_boards
+from artigen.voxels.cleanup.rows import read_owners
+from artigen.voxels.fields import decode, encode
 from artigen.weights import SHIPPED
 
 Owners = Int[np.ndarray, "X Y Z"]

@@ -17,7 +17,10 @@ import torch
 import tyro
 from jaxtyping import Bool, Float, Int
 
-from artigen.facings import facing_frames
+from artigen.appearance.exposure import rest_surface
+from artigen.appearance.photographs import State, look_at_surface, photograph
+from artigen.appearance.states import plan_fractions
+from artigen.appearance.views import ViewConfig
 from artigen.metrics.appearance import compare_pictures, reconstruct_splats
 from artigen.metrics.evaluate_appearance import (
     EvaluateAppearanceConfig,
@@ -26,17 +29,14 @@ from artigen.metrics.evaluate_appearance import (
     load_trained,
 )
 from artigen.metrics.report import format_table
-from artigen.places import AHEAD, find_voxels
 from artigen.shapes.asset import frame_shape
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.render import Images, build_scene
 from artigen.shapes.render.scene import Scene
 from artigen.train.appearance.examples import AppearanceExample
-from artigen.train.appearance.exposure import rest_surface
-from artigen.train.appearance.photographs import State, look_at_surface, photograph
-from artigen.train.appearance.states import plan_fractions
-from artigen.train.appearance.views import ViewConfig
 from artigen.types import SurfaceSamples, VoxelGrid
+from artigen.voxels.frames import facing_frames
+from artigen.voxels.surface import AHEAD, find_voxels
 from artigen.weights import SHIPPED
 
 SORTS = ("glass", "bare", "ends", "edges", "faces")

@@ -20,12 +20,12 @@ import tyro
 
 from artigen.datasets.partnet_mobility import read_object
 from artigen.errors import ArtigenError, SourceError
-from artigen.fields import VoxelFields, decode, encode
-from artigen.segment import SegmentConfig, segment
-from artigen.segmentation.field_noise import TABLE_4, TABLES_3_AND_4, FieldNoise, add_noise
-from artigen.segmentation.segment_score import PartScore, score_segmentation
 from artigen.types import Asset
-from artigen.voxels import drop_unresolved, voxelize
+from artigen.voxels.fields import VoxelFields, decode, encode
+from artigen.voxels.segmentation.field_noise import TABLE_4, TABLES_3_AND_4, FieldNoise, add_noise
+from artigen.voxels.segmentation.segment import SegmentConfig, segment
+from artigen.voxels.segmentation.segment_score import PartScore, score_segmentation
+from artigen.voxels.voxelize import drop_unresolved, voxelize
 
 NOISES: dict[str, FieldNoise | None] = {
     "true fields": None,

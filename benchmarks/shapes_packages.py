@@ -18,7 +18,7 @@ from tqdm import tqdm
 
 from artigen.cli.batch import Finished, run_batch
 from artigen.cli.shape import ShapeJob, ShapeSettings, export_and_validate
-from artigen.runner import choose_runner
+from artigen.runtime.runner import choose_runner
 from artigen.shapes.draw import categories
 
 Source = Literal["reference", "voxels"]

@@ -18,11 +18,11 @@ import numpy as np
 import tyro
 from PIL import Image
 
-from artigen.appearance import generate_appearance, load_appearance_model
-from artigen.generate import generate_structure, load_structure_model
+from artigen.appearance.draw import generate_appearance, load_appearance_model
+from artigen.appearance.paint import paint_surface, repaint
 from artigen.kinematics import articulate_gaussians, displacements, qlimits
+from artigen.latent.draw import generate_structure, load_structure_model
 from artigen.models.conditions import describe_shape
-from artigen.paint import paint_surface, repaint
 from artigen.shapes.asset import frame_shape, shape_to_asset
 from artigen.shapes.draw import draw_shape
 from artigen.splats.colors import srgb_from_linear

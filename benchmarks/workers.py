@@ -21,7 +21,7 @@ from typing import Literal
 
 import tyro
 
-from artigen.cores import count_cores
+from artigen.runtime.cores import count_cores
 
 Command = Literal["shape", "generate", "convert"]
 

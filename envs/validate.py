@@ -6,7 +6,7 @@ from functools import partial
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
-from artigen.workers import Worker
+from artigen.runtime.workers import Worker
 from sim_export.errors import PackageError
 from sim_export.report import CheckResult, Report, write_report
 

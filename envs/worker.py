@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from artigen.workers import Worker
+from artigen.runtime.workers import Worker
 from sim_export.checks import CheckConfig
 from sim_export.report import CheckResult
 

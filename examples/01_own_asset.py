@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from artigen.types import FIXED, Asset, Joint, Part, SurfaceSamples
-from artigen.voxels import voxelize
+from artigen.voxels.voxelize import voxelize
 from sim_export.export import export_asset
 from sim_export.files.write import write_package
 

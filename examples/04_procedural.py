@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from artigen.fields import encode
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.draw import Wish, draw_shape
 from artigen.shapes.sheet import draw_sheet
+from artigen.voxels.fields import encode
 from sim_export.files.write import write_package
 from sim_export.reference import build_reference
 

@@ -9,10 +9,10 @@ from jaxtyping import install_import_hook
 
 with install_import_hook(["artigen", "sim_export", "envs"], "beartype.beartype"):
     from artigen.datasets.sample import sample_asset
-    from artigen.fields import VoxelFields, decode, encode, tabulate_parts
-    from artigen.mending.rows import Owners, read_owners
     from artigen.types import Asset
-    from artigen.voxels import voxelize
+    from artigen.voxels.cleanup.rows import Owners, read_owners
+    from artigen.voxels.fields import VoxelFields, decode, encode, tabulate_parts
+    from artigen.voxels.voxelize import voxelize
 
 REAL_OBJECTS = Path(__file__).resolve().parents[2] / "shared" / "data"
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from artigen.fields import DEFAULT_LAYOUT
 from artigen.types import JointType, PartLabel
+from artigen.voxels.fields import DEFAULT_LAYOUT
 
 EDGE = 32
 CARCASS = [

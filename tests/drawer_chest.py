@@ -2,16 +2,16 @@
 
 import numpy as np
 
-from artigen.models.features import PyramidFeatures
-from artigen.paint import lay_painted
+from artigen.appearance.curation import CurationConfig, curate
+from artigen.appearance.features import PyramidFeatures
+from artigen.appearance.paint import lay_painted
+from artigen.appearance.views import ViewConfig
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.primitives import box
 from artigen.shapes.render import RenderConfig
 from artigen.shapes.shape import Motion, Need, Shape, ShapePart
 from artigen.shapes.surfaces.finishes import Finish
-from artigen.train.appearance.curation import CurationConfig, curate
 from artigen.train.appearance.examples import AppearanceExample
-from artigen.train.appearance.views import ViewConfig
 from artigen.types import Asset
 
 COLOR = (0.7, 0.4, 0.2)

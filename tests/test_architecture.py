@@ -9,26 +9,40 @@ from graphlib import TopologicalSorter
 from pathlib import Path
 
 import pytest
+from project import ROOT
 
-ROOT = Path(__file__).resolve().parents[1]
 PACKAGES = ("artigen", "sim_export", "envs")
-SHARED = {"types", "transforms", "kinematics", "io", "errors", "workers", "shapes", "splats"}
+SHARED = {"types", "transforms", "kinematics", "io", "errors", "runtime", "shapes", "splats"}
 """Modules of artigen that the other two packages may use."""
 MODEL_CODE = (
     "artigen.appearance",
     "artigen.conditioning",
     "artigen.models",
-    "artigen.train",
-    "artigen.generate",
+    "artigen.latent",
     "artigen.metrics",
-    "artigen.sampling",
-    "artigen.shape_appearance",
     "artigen.shapes.render",
     "artigen.sketch",
+    "artigen.train",
+    "artigen.trellis",
     "envs.maniskill",
     "artigen.splats.render",
 )
 """The only places where torch is imported."""
+LAYERS = (
+    {"errors", "types", "transforms", "kinematics", "io"},
+    {"runtime"},
+    {"voxels"},
+    {"shapes"},
+    {"splats", "datasets", "conditioning"},
+    {"models"},
+    {"sketch"},
+    {"latent"},
+    {"appearance"},
+    {"trellis"},
+    {"train", "metrics"},
+    {"cli", "weights"},
+)
+"""Folders and loose modules of artigen, lowest first: a layer imports from itself and from below."""
 HEAVY = (
     "torch",
     "gsplat",
@@ -145,6 +159,20 @@ def test_imports_go_from_envs_to_sim_export_to_the_shared_part_of_artigen():
             parts = item.module.split(".")[1:2] or item.names
             wrong += [str(item) for part in parts if part not in SHARED | {"__version__"}]
     assert not wrong
+
+
+def test_artigen_is_a_stack_of_layers():
+    floor = {name: number for number, names in enumerate(LAYERS) for name in names}
+    wrong = []
+    for item in IMPORTS:
+        if not item.importer.startswith("artigen.") or item.module.split(".")[0] != "artigen":
+            continue
+        source = item.importer.split(".")[1]
+        if source == "__main__":
+            continue
+        targets = item.module.split(".")[1:2] or [name for name in item.names if name != "__version__"]
+        wrong += [str(item) for target in targets if floor[target] > floor[source]]
+    assert wrong == []
 
 
 def test_only_the_command_line_composes_and_only_when_it_runs():

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import tyro
 
-from artigen.runner import RunnerName
+from artigen.runtime.runner import RunnerName
 
 Out = Annotated[Path, tyro.conf.arg(aliases=["-o"])]
 Count = Annotated[int, tyro.conf.arg(aliases=["-n"])]

@@ -20,9 +20,9 @@ from tqdm import tqdm
 
 from artigen.cli.shard import Part, name_part, take_part
 from artigen.errors import ArtigenError
-from artigen.journal import append_line, read_lines
-from artigen.runner import Runner, run_jobs
-from artigen.workers import Worker
+from artigen.runtime.journal import append_line, read_lines
+from artigen.runtime.runner import Runner, run_jobs
+from artigen.runtime.workers import Worker
 
 JOURNAL = "run.jsonl"
 
@@ -147,7 +147,7 @@ def run_batch(
     """Runs every job that no journal knows as good; returns all, in the order of ``jobs``.
 
     Args:
-        handle: See `artigen.runner.run_jobs`.
+        handle: See `artigen.runtime.runner.run_jobs`.
         jobs: All jobs of the run.
         out: Folder of all packages and of the journals.
         runner: Where jobs are done.

@@ -16,8 +16,8 @@ import tyro
 from artigen.cli.arguments import Out, RunnerChoice, Shard, Workers
 from artigen.cli.batch import Finished, Made, make_and_validate, run_shown
 from artigen.cli.shard import read_shard
-from artigen.runner import choose_runner
-from artigen.workers import Worker
+from artigen.runtime.runner import choose_runner
+from artigen.runtime.workers import Worker
 
 if TYPE_CHECKING:
     from artigen.types import Asset
@@ -106,7 +106,7 @@ def convert_object(job: ConvertJob) -> Made:
 
 def voxelize_object(asset: "Asset") -> "Asset":
     """Adds the voxels of the surface; parts below the grid's resolution join their parents."""
-    from artigen.voxels import drop_unresolved, voxelize
+    from artigen.voxels.voxelize import drop_unresolved, voxelize
 
     if asset.surface is None:
         raise ValueError(f"asset {asset.name!r} has no surface to voxelize")
@@ -115,9 +115,9 @@ def voxelize_object(asset: "Asset") -> "Asset":
 
 def rebuild_from_voxels(asset: "Asset", recipe: Literal["robust", "paper"] = "robust") -> "Asset":
     """Object to 35-channel field and back: all that is kept besides is the colour of the surface."""
-    from artigen.carry_over import carry_surface
-    from artigen.fields import DEFAULT_LAYOUT, decode, encode
-    from artigen.segment import SegmentConfig, segment
+    from artigen.datasets.relabel import carry_surface
+    from artigen.voxels.fields import DEFAULT_LAYOUT, decode, encode
+    from artigen.voxels.segmentation.segment import SegmentConfig, segment
 
     fields = decode(encode(asset, DEFAULT_LAYOUT), DEFAULT_LAYOUT)
     found = segment(

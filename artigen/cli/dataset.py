@@ -33,7 +33,7 @@ from artigen.datasets.recipe import Entry, Recipe, RecipeError, digest_recipe, r
 from artigen.datasets.shards import INDEX, Shards, open_shards
 from artigen.datasets.verify import verify_dataset
 from artigen.errors import ArtigenError
-from artigen.runner import Runner, choose_runner
+from artigen.runtime.runner import Runner, choose_runner
 from artigen.weights import SHIPPED
 
 WORK = "work"
@@ -348,7 +348,7 @@ def _prove(shards: Shards, count: int) -> list[str]:
     """Tries objects again, evenly spread over the data set."""
     if count == 0:
         return []
-    from artigen.workers import Worker
+    from artigen.runtime.workers import Worker
     from envs.config import ValidateConfig
     from envs.validate import validate
 

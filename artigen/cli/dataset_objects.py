@@ -32,9 +32,9 @@ from artigen.datasets.samples import (
     sample_json,
 )
 from artigen.io import whole_folder
+from artigen.runtime.workers import Worker
 from artigen.types import PartLabel
 from artigen.weights import SHIPPED
-from artigen.workers import Worker
 
 if TYPE_CHECKING:
     from sim_export.package import SimPackage

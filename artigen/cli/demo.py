@@ -6,7 +6,7 @@ from typing import Literal
 
 from artigen.cli.arguments import Out, Workers
 from artigen.cli.batch import Finished, run_batch
-from artigen.runner import choose_runner
+from artigen.runtime.runner import choose_runner
 from artigen.weights import SHIPPED
 
 OBJECTS = (("StorageFurniture", 3), ("Oven", 2), ("Refrigerator", 1), ("Table", 4))

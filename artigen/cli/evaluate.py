@@ -10,8 +10,8 @@ import tyro
 from tqdm import tqdm
 
 from artigen.cli.arguments import Out, Workers
-from artigen.cores import choose_workers
 from artigen.errors import ArtigenError
+from artigen.runtime.cores import choose_workers
 from artigen.weights import SHIPPED
 
 
@@ -76,7 +76,7 @@ def evaluate(
     from artigen.metrics.asks import EvaluateConfig
     from artigen.metrics.evaluate import evaluate_sketch, evaluate_structure
     from artigen.metrics.report import write_report
-    from artigen.sampling import SamplerConfig
+    from artigen.models.rectified_flow import SamplerConfig
 
     if cfg.steps < 1 or cfg.strength < 0 or cfg.seed < 0:
         raise ArtigenError(

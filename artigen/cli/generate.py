@@ -18,20 +18,20 @@ from artigen.cli.batch import Finished, Made, make_and_validate, run_shown
 from artigen.cli.shape import read_counts
 from artigen.cli.shard import read_shard
 from artigen.errors import ArtigenError
-from artigen.runner import choose_runner
+from artigen.runtime.runner import choose_runner
+from artigen.runtime.workers import Worker
 from artigen.weights import SHIPPED
-from artigen.workers import Worker
 
 if TYPE_CHECKING:
-    from artigen.appearance import AppearanceModel
-    from artigen.conditioning.request import Request, Understood
-    from artigen.generate import StructureModel
-    from artigen.paint import PaintedSurface
-    from artigen.shape_appearance import ShapeAppearanceModel
+    from artigen.appearance.draw import AppearanceModel
+    from artigen.appearance.exact import ShapeAppearanceModel
+    from artigen.appearance.paint import PaintedSurface
+    from artigen.latent.draw import StructureModel
     from artigen.shapes.shape import Shape
     from artigen.sketch.model import Drawn
     from artigen.sketch.network import SketchNetwork
     from artigen.sketch.request import SketchRequest
+    from artigen.sketch.understand import Request, Understood
     from artigen.types import Asset
     from sim_export.package import SimPackage
 
@@ -104,16 +104,16 @@ class GenerateJob:
 
 def _understand(job: GenerateJob) -> "Understood":
     """A job's request in the words of its model's sketches."""
-    from artigen.conditioning.request import understand
     from artigen.sketch.request import list_learned
+    from artigen.sketch.understand import understand
 
     return understand(read_job(job), list_learned(job.model))
 
 
 def read_job(job: GenerateJob) -> "Request":
     """What a job asks for."""
-    from artigen.conditioning.request import Request
     from artigen.shapes.draw import Wish
+    from artigen.sketch.understand import Request
 
     cfg = job.cfg
     wish = Wish(
@@ -146,16 +146,16 @@ def _load_network(folder: Path, name: str) -> "SketchNetwork":
 @lru_cache(maxsize=1)
 def _load_appearance(folder: Path) -> "ShapeAppearanceModel | None":
     """None where the folder has no weights of appearance."""
-    from artigen.models.appearance_vae import APPEARANCE_VAE
+    from artigen.appearance.exact import load_shape_appearance
+    from artigen.appearance.vae import APPEARANCE_VAE
     from artigen.models.description import read_description
-    from artigen.shape_appearance import load_shape_appearance
 
     return load_shape_appearance(folder) if APPEARANCE_VAE in read_description(folder) else None
 
 
 @lru_cache(maxsize=1)
 def _load_structure(folder: Path, encoders: Path | None) -> "StructureModel":
-    from artigen.generate import load_structure_model
+    from artigen.latent.draw import load_structure_model
     from artigen.models.public_encoders import attach_encoders
 
     structure = load_structure_model(folder)
@@ -167,7 +167,7 @@ def _load_structure(folder: Path, encoders: Path | None) -> "StructureModel":
 @lru_cache(maxsize=1)
 def _load_drawer(folder: Path) -> "AppearanceModel | None":
     """None where the folder has no weights of appearance."""
-    from artigen.appearance import has_appearance, load_appearance_model
+    from artigen.appearance.draw import has_appearance, load_appearance_model
 
     return load_appearance_model(folder) if has_appearance(folder) else None
 
@@ -291,12 +291,12 @@ def _make_latent(
     Raises:
         ArtigenError: If the parts are not those of the sketch, or its surface has no sample of one.
     """
+    from artigen.appearance.paint import paint_surface, repaint
     from artigen.cli.shape import SPACING
-    from artigen.generate import GenerateConfig, generate_structure
+    from artigen.conditioning.image import read_picture
+    from artigen.latent.draw import GenerateConfig, generate_structure
     from artigen.models.conditions import StructureCondition
-    from artigen.paint import paint_surface, repaint
-    from artigen.pictures import read_picture
-    from artigen.sampling import SamplerConfig
+    from artigen.models.rectified_flow import SamplerConfig
     from artigen.shapes.asset import shape_to_asset
     from sim_export.export import export_asset
     from sim_export.geometry.surface import sample_surface
@@ -333,7 +333,7 @@ def _attach_drawn(
     seed: int,
 ) -> "SimPackage":
     """The package with Gaussians that the sparse flow draws on the painted surface of an asset's meshes."""
-    from artigen.appearance import generate_appearance
+    from artigen.appearance.draw import generate_appearance
     from artigen.models.conditions import describe_shape
     from sim_export.appearance.splats import attach_splats
 

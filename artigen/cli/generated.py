@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
 if TYPE_CHECKING:
-    from artigen.shape_appearance import ShapeAppearanceModel
+    from artigen.appearance.exact import ShapeAppearanceModel
     from artigen.shapes.shape import Shape
     from artigen.types import Asset
     from sim_export.package import SimPackage
@@ -19,7 +19,7 @@ class Generated:
     """What simulators read."""
     asset: "Asset"
     """Parts, joints, exact articulated voxels (64^3) and, where there is a decoder, Gaussians;
-    `artigen.fields.encode` makes the 35 channels of it."""
+    `artigen.voxels.fields.encode` makes the 35 channels of it."""
 
 
 def make_generated_package(
@@ -42,7 +42,7 @@ def make_generated_package(
     Raises:
         ExportError: If parts cannot be links or have no mass; names the part.
     """
-    from artigen.shape_appearance import decode_gaussians, voxelize_shape
+    from artigen.appearance.exact import decode_gaussians, voxelize_shape
     from sim_export.appearance.splats import attach_splats
     from sim_export.reference import ReferenceConfig, build_reference
 

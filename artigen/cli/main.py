@@ -6,8 +6,8 @@ import sys
 from collections.abc import Callable
 from importlib import import_module
 
-from artigen.cores import thread_environment
 from artigen.errors import ArtigenError
+from artigen.runtime.cores import thread_environment
 
 COMMANDS = {
     "convert": "convert",

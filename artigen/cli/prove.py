@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from artigen.cli.batch import Finished, Made, make_and_validate
-from artigen.runner import LocalRunner, run_jobs
-from artigen.workers import Worker
+from artigen.runtime.runner import LocalRunner, run_jobs
+from artigen.runtime.workers import Worker
 
 if TYPE_CHECKING:
     from artigen.metrics.packages import Proof

@@ -13,7 +13,7 @@ from artigen.cli.arguments import Out, Workers
 from artigen.cli.batch import run_shown
 from artigen.cli.shape import ShapeJob, ShapeSettings, export_and_validate
 from artigen.errors import ArtigenError
-from artigen.runner import Runner, choose_runner
+from artigen.runtime.runner import Runner, choose_runner
 
 if TYPE_CHECKING:
     from envs.maniskill.rooms.catalogue import Catalogue

@@ -16,9 +16,9 @@ from artigen.cli.arguments import Count, Out, RunnerChoice, Shard, Workers
 from artigen.cli.batch import Finished, Made, make_and_validate, run_shown
 from artigen.cli.shard import read_shard, take_part
 from artigen.errors import ArtigenError
-from artigen.runner import choose_runner
+from artigen.runtime.runner import choose_runner
+from artigen.runtime.workers import Worker
 from artigen.types import PartLabel
-from artigen.workers import Worker
 
 if TYPE_CHECKING:
     from artigen.shapes.draw import Wish

@@ -13,8 +13,8 @@ from tqdm import tqdm
 from tqdm.contrib.logging import logging_redirect_tqdm
 
 from artigen.cli.arguments import Workers
-from artigen.cores import choose_workers
 from artigen.errors import ArtigenError
+from artigen.runtime.cores import choose_workers
 
 
 @dataclass(frozen=True, kw_only=True)

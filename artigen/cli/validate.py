@@ -10,8 +10,8 @@ from tqdm import tqdm
 from artigen.cli.arguments import Packages, RunnerChoice, Shard, Workers
 from artigen.cli.shard import name_part, read_shard, take_part
 from artigen.errors import ArtigenError
-from artigen.runner import choose_runner, run_jobs
-from artigen.workers import Worker
+from artigen.runtime.runner import choose_runner, run_jobs
+from artigen.runtime.workers import Worker
 
 if TYPE_CHECKING:
     from envs.config import EngineChoice

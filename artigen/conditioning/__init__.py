@@ -1,1 +1,1 @@
-"""What was asked for: categories, words, counts, lengths and pictures as one request."""
+"""Words and pictures as they come in, and whether an object delivers what was asked."""

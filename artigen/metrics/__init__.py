@@ -1,1 +1,1 @@
-"""Measures of generated and reconstructed objects."""
+"""Measurements of models: geometry, pictures, packages, and the reports of them."""

@@ -11,9 +11,9 @@ import torch
 from jaxtyping import Bool, Float
 from torch import Tensor
 
+from artigen.appearance.features import FeatureExtractor
+from artigen.appearance.vae import AppearanceVae
 from artigen.metrics.pictures import frechet_distance, kernel_distance, measure_psnr, measure_ssim
-from artigen.models.appearance_vae import AppearanceVae
-from artigen.models.features import FeatureExtractor
 from artigen.splats.render.splats import Splats
 from artigen.train.appearance.batches import PictureBatch, picture_batch, voxel_batch
 from artigen.train.appearance.examples import AppearanceExample

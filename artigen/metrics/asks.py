@@ -13,7 +13,7 @@ from artigen.metrics.packages import PackageReport, Prove, prove_draws
 from artigen.metrics.retrieval import retrieve
 from artigen.metrics.score import ScoreConfig, Scores, score_novelty, score_objects, score_set
 from artigen.metrics.subjects import Field, Subject, describe_subject
-from artigen.sampling import SamplerConfig
+from artigen.models.rectified_flow import SamplerConfig
 from artigen.types import Asset
 
 ASKS: dict[str, tuple[Field, ...]] = {

@@ -7,19 +7,19 @@ from pathlib import Path
 
 import torch
 
+from artigen.conditioning.image import resize_picture
 from artigen.errors import ArtigenError, SegmentationError
-from artigen.generate import GenerateConfig, StructureModel, generate_structure
 from artigen.io import read_asset, write_asset
-from artigen.journal import append_line, read_lines
+from artigen.latent.draw import GenerateConfig, StructureModel, generate_structure
+from artigen.latent.structure_vae import decode_fields
 from artigen.metrics.shapes import ShapeSource
 from artigen.metrics.subjects import Subject
 from artigen.models.conditions import StructureCondition
-from artigen.models.structure_vae import decode_fields
-from artigen.pictures import resize_picture
-from artigen.segment import segment
+from artigen.runtime.journal import append_line, read_lines
 from artigen.shapes.asset import shape_to_asset
 from artigen.train.batches import outline_batch, patch_batch
 from artigen.types import Asset
+from artigen.voxels.segmentation.segment import segment
 
 JOURNAL = "draws.jsonl"
 DrawAsset = Callable[[StructureCondition, int], Asset]

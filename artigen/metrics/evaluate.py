@@ -6,9 +6,8 @@ from pathlib import Path
 
 import torch
 
-from artigen.claim import claim_folder
 from artigen.errors import ArtigenError
-from artigen.generate import GenerateConfig, load_structure_model
+from artigen.latent.draw import GenerateConfig, load_structure_model
 from artigen.metrics.asks import (
     ASKS,
     REAL_ASKS,
@@ -31,6 +30,7 @@ from artigen.metrics.shapes import ShapeSource, sketch_source
 from artigen.metrics.structure import score_reconstruction, score_spread
 from artigen.metrics.subjects import Subject, describe_subject, draw_subjects, read_subjects
 from artigen.models.description import hash_model, read_description
+from artigen.runtime.run_config import claim_folder
 from artigen.sketch.model import load_sketch_network
 from artigen.train.real import list_split
 from artigen.train.shards import HELD_OUT

@@ -7,8 +7,18 @@ from pathlib import Path
 import numpy as np
 import torch
 
-from artigen.appearance import AppearanceConfig, AppearanceModel, has_appearance, load_appearance_model
+from artigen.appearance.curation import CurationConfig
+from artigen.appearance.draw import AppearanceConfig, AppearanceModel, has_appearance, load_appearance_model
+from artigen.appearance.extractors import ExtractorConfig, make_extractor
+from artigen.appearance.features import FeatureExtractor, PyramidFeatures
+from artigen.appearance.inputs import FeatureInputs
+from artigen.appearance.photographs import take_pictures
+from artigen.appearance.presets import APPEARANCE_PRESETS
+from artigen.appearance.states import plan_fractions
+from artigen.appearance.vae import APPEARANCE_VAE, AppearanceVae
+from artigen.appearance.views import ViewConfig
 from artigen.errors import ArtigenError, SourceError
+from artigen.latent.presets import PresetName
 from artigen.metrics.appearance import (
     Comparison,
     Scores,
@@ -21,22 +31,12 @@ from artigen.metrics.appearance import (
 from artigen.metrics.painted import draw_painted
 from artigen.metrics.part_colors import score_colors
 from artigen.metrics.splat_distance import score_distances
-from artigen.models.appearance_presets import APPEARANCE_PRESETS
-from artigen.models.appearance_vae import APPEARANCE_VAE, AppearanceVae
 from artigen.models.conditions import ConditionConfig
 from artigen.models.description import hash_model, read_description
-from artigen.models.extractors import ExtractorConfig, make_extractor
-from artigen.models.features import FeatureExtractor, PyramidFeatures
-from artigen.models.presets import PresetName
+from artigen.models.rectified_flow import SamplerConfig
 from artigen.models.store import load_model
-from artigen.sampling import SamplerConfig
 from artigen.shapes.draw import draw_shape
-from artigen.train.appearance.curation import CurationConfig
 from artigen.train.appearance.examples import AppearanceExample, draw_appearance_of, sample_parts
-from artigen.train.appearance.photographs import take_pictures
-from artigen.train.appearance.run import AppearanceRunConfig, run_curation, run_encoder, run_extractor
-from artigen.train.appearance.states import plan_fractions
-from artigen.train.appearance.views import ViewConfig
 from artigen.types import Asset, SurfaceSamples
 
 SPACING = 0.02
@@ -120,21 +120,20 @@ def load_trained(folder: Path, device: torch.device, dinov2: Path | None = None)
             f"{folder}: {APPEARANCE_VAE} is of preset {said.get('preset')!r}, expected one of "
             f"{', '.join(APPEARANCE_PRESETS)}"
         )
-    run = AppearanceRunConfig(
-        folder=folder,
+    inputs = FeatureInputs(
         preset=preset,
         articulated=bool(said["articulated"]),
         weighting="plain" if said["weighting"] == "plain" else "seen",
         features="dinov2" if said["features"] == "dinov2" else "pyramid",
         dinov2=dinov2,
     )
-    vae = AppearanceVae(run_encoder(run), APPEARANCE_PRESETS[preset].decoder)
+    vae = AppearanceVae(inputs.encoder, APPEARANCE_PRESETS[preset].decoder)
     load_model(vae, folder, APPEARANCE_VAE)
     return TrainedAppearance(
         vae=vae.to(device),
         drawer=load_appearance_model(folder, device) if has_appearance(folder) else None,
-        curation=replace(run_curation(run), kept=0),
-        extractor=make_extractor(run_extractor(run)),
+        curation=replace(inputs.curation, kept=0),
+        extractor=make_extractor(inputs.extractor),
         conditions=APPEARANCE_PRESETS[preset].conditions,
         description=said,
     )

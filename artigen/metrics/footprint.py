@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from artigen.errors import SegmentationError, SourceError
-from artigen.generate import GenerateConfig, generate_structure, load_structure_model
+from artigen.latent.draw import GenerateConfig, generate_structure, load_structure_model
 from artigen.models.conditions import StructureCondition
+from artigen.runtime.workers import Worker
 from artigen.types import Asset
-from artigen.workers import Worker
 
 TIMEOUT = 1800.0
 STATUS = Path("/proc/self/status")

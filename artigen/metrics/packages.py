@@ -13,8 +13,8 @@ from pathlib import Path
 
 import numpy as np
 
-from artigen.journal import append_line, read_lines
 from artigen.metrics.draws import DrawAsset, DrawJob, draw_all
+from artigen.runtime.journal import append_line, read_lines
 
 JOURNAL = "packages.jsonl"
 

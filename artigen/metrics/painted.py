@@ -2,14 +2,14 @@
 
 import numpy as np
 
-from artigen.appearance import AppearanceConfig, AppearanceModel, draw_splats
-from artigen.canvas import Canvas
+from artigen.appearance.draw import AppearanceConfig, AppearanceModel, draw_splats
 from artigen.models.conditions import StructureCondition
-from artigen.places import measure_places
 from artigen.shapes.draw import draw_shape
 from artigen.splats.render.splats import Splats
 from artigen.train.appearance.examples import AppearanceExample, lay_true_voxels
 from artigen.types import Asset
+from artigen.voxels.layout import Canvas
+from artigen.voxels.surface import measure_places
 
 
 def draw_painted(

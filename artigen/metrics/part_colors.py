@@ -8,9 +8,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from jaxtyping import Float, UInt8
 
+from artigen.appearance.photographs import NOTHING
 from artigen.metrics.appearance import Comparison
 from artigen.train.appearance.examples import AppearanceExample
-from artigen.train.photographs import NOTHING
 
 MIN_PIXELS = 12
 """Pixels, over all pictures, that a part must have to be counted."""

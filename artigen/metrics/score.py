@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from artigen.conditioning.delivery import SIZE_TOLERANCE, has_counts, size_error
 from artigen.metrics.compat import compat_distance
-from artigen.metrics.delivery import SIZE_TOLERANCE, has_counts, size_error
 from artigen.metrics.distribution import coverage, minimum_matching_distance, nearest_neighbour_accuracy
 from artigen.metrics.instantiation import (
     InstantiationConfig,

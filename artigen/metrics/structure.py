@@ -9,13 +9,13 @@ import numpy as np
 import torch
 from torch import Tensor
 
-from artigen.fields import FieldLayout, after_occupancy
+from artigen.latent.outline import OutlineBatch
+from artigen.latent.patches import PatchBatch
+from artigen.latent.structure_vae import StructureVae
 from artigen.metrics.deviations import part_deviations
-from artigen.models.outline import OutlineBatch
-from artigen.models.patches import PatchBatch
-from artigen.models.structure_vae import StructureVae
 from artigen.train.batches import outline_batch, patch_batch
 from artigen.train.examples import StructureExample
+from artigen.voxels.fields import FieldLayout, after_occupancy
 
 
 @torch.no_grad()

@@ -1,1 +1,1 @@
-"""Networks: structure VAE and flow, conditioning, and the layout of public TRELLIS checkpoints."""
+"""What networks share: attention, conditions, rectified flow, stored weights, DINOv2 and CLIP."""

@@ -19,7 +19,7 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 from artigen.errors import SourceError
-from artigen.models.trellis import load_strictly, read_pickle, read_tensors
+from artigen.models.tensors import load_strictly, read_pickle, read_tensors
 
 FILES = ("model.safetensors", "pytorch_model.bin")
 VOCABULARY, MERGES = "vocab.json", "merges.txt"

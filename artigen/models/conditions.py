@@ -12,10 +12,10 @@ import torch
 from jaxtyping import Bool, Float, Int
 from torch import Tensor, nn
 
+from artigen.conditioning.image import MARGIN
 from artigen.models.clip import ClipConfig
 from artigen.models.dinov2 import DinoConfig
 from artigen.models.public_encoders import PublicPictures, PublicSentences
-from artigen.pictures import MARGIN
 from artigen.shapes.shape import Shape
 from artigen.types import PAPER_CATEGORIES, PART_LABELS, PartLabel
 

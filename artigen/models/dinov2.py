@@ -14,7 +14,7 @@ from torch import Tensor, nn
 from torch.nn import functional
 
 from artigen.errors import SourceError
-from artigen.models.trellis import load_strictly, read_pickle, read_tensors
+from artigen.models.tensors import load_strictly, read_pickle, read_tensors
 
 MEAN, STD = (0.485, 0.456, 0.406), (0.229, 0.224, 0.225)
 """ImageNet's."""

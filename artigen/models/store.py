@@ -10,7 +10,7 @@ from torch import Tensor, nn
 from artigen.errors import SourceError
 from artigen.io import write_whole
 from artigen.models.description import DESCRIPTION, read_description
-from artigen.models.trellis import load_strictly, read_tensors
+from artigen.models.tensors import load_strictly, read_tensors
 
 FILE_LIMIT = 16 * 2**20
 

@@ -7,7 +7,7 @@ from artigen.shapes.rasterize import rasterize_shape
 from artigen.shapes.sampling import sample_shape
 from artigen.shapes.shape import Motion, Shape
 from artigen.types import FIXED, Asset, Joint, Part
-from artigen.voxels import assign_cells, drop_unresolved, find_heirs
+from artigen.voxels.voxelize import assign_cells, drop_unresolved, find_heirs
 
 
 def shape_parts(shape: Shape, center: Float[np.ndarray, "3"], scale: float) -> tuple[Part, ...]:

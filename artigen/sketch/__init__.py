@@ -1,1 +1,1 @@
-"""Objects written as sequences of primitives: the sketch of an articulated shape."""
+"""The learned generator of exact shapes: objects as rows of primitives, network, rules, faults."""

@@ -106,7 +106,7 @@ def fit_camera(shape: Shape, picture: Float[np.ndarray, "4 S S"], near: View | N
 
     Args:
         shape: The object, at rest.
-        picture: RGBA in [0, 1], premultiplied on black, as `artigen.pictures.read_picture` gives it.
+        picture: RGBA in [0, 1], premultiplied on black (`artigen.conditioning.image.read_picture`).
         near: About where the camera is; what is beyond `BOUNDS` is taken to be at their edge. None looks for
             it everywhere in front.
 

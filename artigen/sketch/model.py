@@ -10,10 +10,10 @@ import numpy as np
 import torch
 from jaxtyping import Float
 
+from artigen.conditioning.image import Picture, read_picture
 from artigen.errors import SourceError
 from artigen.models.description import read_description
 from artigen.models.store import load_model, save_model
-from artigen.pictures import Picture, read_picture
 from artigen.shapes.shape import Shape
 from artigen.sketch.alignment import View, fit_camera
 from artigen.sketch.blocks import Sight

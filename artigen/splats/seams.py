@@ -21,7 +21,7 @@ class SeamConfig:
 
     depth: float = 0.2
     """A Gaussian in another part's cell, further than this from every cell of its own, goes to that part.
-    Surface may be told to lie up to 0.18 cells off (`artigen.places`)."""
+    Surface may be told to lie up to 0.18 cells off (`artigen.voxels.surface`)."""
     reach: float = 1.0
     """How far a Gaussian may stand over the cells of its part."""
     deviations: float = 2.0

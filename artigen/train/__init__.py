@@ -1,1 +1,1 @@
-"""Training: data in shards, losses, the loop."""
+"""Training runs: data in shards, losses, the loop."""

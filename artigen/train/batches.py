@@ -11,10 +11,10 @@ import torch
 from jaxtyping import Float, UInt8
 from torch import Tensor
 
+from artigen.conditioning.prompt import write_text
+from artigen.latent.outline import OutlineBatch, gather_outlines
+from artigen.latent.patches import PatchBatch, collate
 from artigen.models.conditions import ConditionBatch, ConditionConfig
-from artigen.models.outline import OutlineBatch, gather_outlines
-from artigen.models.patches import PatchBatch, collate
-from artigen.text import write_text
 from artigen.train.examples import StructureExample
 from artigen.types import PART_LABELS
 

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from pathlib import Path
 
-from artigen.journal import read_lines
+from artigen.runtime.journal import read_lines
 
 METRICS = "metrics.jsonl"
 WIDTH, HEIGHT, MARGIN, COLUMNS = 300, 170, 34, 3

@@ -13,11 +13,11 @@ import torch
 from jaxtyping import Float
 from torch import Tensor, nn
 
+from artigen.latent.outline import OutlineBatch, blur_outlines
+from artigen.latent.structure_flow import StructureFlow
+from artigen.latent.structure_vae import StructureVae
 from artigen.models.conditions import ConditionConfig
-from artigen.models.outline import OutlineBatch, blur_outlines
-from artigen.models.structure_flow import StructureFlow
-from artigen.models.structure_vae import StructureVae
-from artigen.sampling import diffuse, predict_data
+from artigen.models.rectified_flow import diffuse, predict_data
 from artigen.train.batches import FieldBatch, LatentBatch, draw_batches, field_batch, prefetch
 from artigen.train.examples import StructureExample
 from artigen.train.loop import LoopConfig, Report, process_seed, train

@@ -18,13 +18,13 @@ from torch import Tensor, nn
 
 from artigen.errors import SourceError
 from artigen.io import write_whole
+from artigen.latent.presets import PRESETS, StructurePreset
+from artigen.latent.structure_flow import StructureFlow
+from artigen.latent.structure_vae import StructureVae
 from artigen.metrics.structure import score_reconstruction, score_spread
-from artigen.models.presets import PRESETS, StructurePreset
 from artigen.models.public_encoders import attach_encoders
 from artigen.models.store import save_model
-from artigen.models.structure_flow import StructureFlow
-from artigen.models.structure_vae import StructureVae
-from artigen.models.trellis import load_strictly, load_trellis
+from artigen.models.tensors import load_strictly
 from artigen.train.decoder import train_decoder
 from artigen.train.examples import StructureExample
 from artigen.train.loop import finished_steps
@@ -34,6 +34,7 @@ from artigen.train.run import RunConfig, Stage, claim_run, run_conditions
 from artigen.train.shards import HELD_OUT, ShardConfig, make_shard, make_shards, read_shard
 from artigen.train.stage import begin_stage, describe_stage, load_stage, log_metrics, plan_loop
 from artigen.train.structure import encode_examples, train_structure_flow, train_structure_vae
+from artigen.trellis.checkpoints import load_trellis
 
 logger = logging.getLogger(__name__)
 Report = Callable[[str, Mapping[str, float]], None]

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float, UInt8
 
-from artigen.metrics.delivery import asset_size, part_counts
-from artigen.models.patches import PackedField, pack_asset
+from artigen.conditioning.delivery import asset_size, part_counts
+from artigen.latent.patches import PackedField, pack_asset
 from artigen.shapes.asset import part_owners, shape_to_asset
 from artigen.shapes.draw import draw_shape
 from artigen.train.photographs import Photograph, photograph_shape

@@ -20,7 +20,7 @@ from torch import Tensor, nn
 from artigen.errors import SourceError
 from artigen.io import write_whole
 from artigen.models.precision import autocast_type
-from artigen.models.trellis import load_strictly
+from artigen.models.tensors import load_strictly
 from artigen.train.curves import METRICS, draw_curves, read_metrics
 
 CHECKPOINT = {"network", "optimizer", "average", "generator", "step", "elapsed"}

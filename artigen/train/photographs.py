@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float, Int, UInt8
 
+from artigen.appearance.photographs import NOTHING
 from artigen.datasets.partnet_surface import FaceTable
 from artigen.shapes.primitives import Vector, place_vertices
 from artigen.shapes.render import Cameras, build_scene, frame_points, render
@@ -14,9 +15,6 @@ from artigen.train.mesh_pictures import FINE, join_tables, pack_picture, picture
 
 NEAR_FRONT = (0.6, 0.25)
 """Largest turn to either side and largest lift of the camera (radians): pictures are near-frontal."""
-
-NOTHING = 255
-"""Part of a pixel that shows the background."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -1,8 +1,8 @@
-"""How the presets of `artigen.models.presets` are trained."""
+"""How the presets of `artigen.latent.presets` are trained."""
 
 from dataclasses import dataclass, field
 
-from artigen.models.presets import PresetName
+from artigen.latent.presets import PresetName
 from artigen.train.structure_losses import PAPER_LOSS, StructureLossConfig
 
 

@@ -12,12 +12,12 @@ from pathlib import Path
 from typing import Literal
 
 from artigen.errors import SourceError
+from artigen.runtime.workers import Outcome, Worker, run_supervised
 from artigen.train.examples import StructureExample, example_of_asset
 from artigen.train.photographs import photograph_mesh
 from artigen.train.shards import read_shard, write_shard
 from artigen.types import PAPER_CATEGORIES, Asset
-from artigen.voxels import drop_unresolved, find_heirs, voxelize
-from artigen.workers import Outcome, Worker, run_supervised
+from artigen.voxels.voxelize import drop_unresolved, find_heirs, voxelize
 
 logger = logging.getLogger(__name__)
 

@@ -4,13 +4,13 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Literal
 
-from artigen.claim import claim_folder
 from artigen.errors import ArtigenError
+from artigen.latent.presets import PRESETS, PresetName
+from artigen.latent.structure_dit import StructureDitConfig
 from artigen.models.conditions import ConditionConfig
 from artigen.models.description import hash_model, read_description
-from artigen.models.presets import PRESETS, PresetName
 from artigen.models.public_encoders import find_encoders
-from artigen.models.structure_dit import StructureDitConfig
+from artigen.runtime.run_config import claim_folder
 from artigen.train.real import list_split
 
 Stage = Literal[

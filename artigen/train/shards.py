@@ -16,11 +16,11 @@ from typing import Any, Generic, Protocol, TypeVar
 import numpy as np
 
 from artigen.errors import SourceError
-from artigen.models.patches import PackedField
+from artigen.latent.patches import PackedField
+from artigen.runtime.workers import Outcome, Worker, run_supervised
 from artigen.train.batches import Described
 from artigen.train.examples import StructureExample, draw_example
 from artigen.types import PAPER_CATEGORIES
-from artigen.workers import Outcome, Worker, run_supervised
 
 HELD_OUT = 10_000
 """Seeds below this are never trained on."""

@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import torch
 
-from artigen.claim import claim_folder
 from artigen.errors import ArtigenError
 from artigen.models.description import hash_model
+from artigen.runtime.run_config import claim_folder
 from artigen.sketch.batch import ask_for, make_batch
 from artigen.sketch.model import load_sketch_network, save_sketch_network
 from artigen.sketch.network import SketchNetwork, SketchNetworkConfig

@@ -15,6 +15,7 @@ import torch
 from jaxtyping import Int
 
 from artigen.errors import SourceError
+from artigen.runtime.workers import Outcome, Worker, run_supervised
 from artigen.shapes.draw import draw_shape
 from artigen.sketch.batch import RowBatch, ask_for, make_batch
 from artigen.sketch.request import nothing_asked
@@ -29,7 +30,6 @@ from artigen.train.sketch_photos import (
     take_photo,
     write_photos,
 )
-from artigen.workers import Outcome, Worker, run_supervised
 
 logger = logging.getLogger(__name__)
 Table = Int[np.ndarray, "T W"]

@@ -10,7 +10,7 @@ from torch import nn
 
 from artigen.models.description import read_description
 from artigen.models.store import load_model
-from artigen.models.trellis import load_strictly, read_tensors
+from artigen.models.tensors import load_strictly, read_tensors
 from artigen.train.loop import LoopConfig, finished_steps
 from artigen.train.presets import StageConfig
 

@@ -7,12 +7,12 @@ from pathlib import Path
 import torch
 from torch import Tensor, nn
 
+from artigen.latent.conv_vae import kl_divergence
+from artigen.latent.outline import blur_outlines
+from artigen.latent.structure_flow import StructureFlow
+from artigen.latent.structure_vae import StructureVae
 from artigen.models.conditions import ConditionConfig, drop_conditions
-from artigen.models.conv_vae import kl_divergence
-from artigen.models.outline import blur_outlines
-from artigen.models.structure_flow import StructureFlow
-from artigen.models.structure_vae import StructureVae
-from artigen.sampling import diffuse, draw_times, target_velocity
+from artigen.models.rectified_flow import diffuse, draw_times, target_velocity
 from artigen.train.batches import (
     FieldBatch,
     LatentBatch,

@@ -13,9 +13,9 @@ from jaxtyping import Float
 from torch import Tensor
 from torch.nn import functional
 
-from artigen.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy
-from artigen.models.patches import PatchBatch
+from artigen.latent.patches import PatchBatch
 from artigen.types import JointType, PartLabel
+from artigen.voxels.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy
 
 LABEL_WEIGHTS: dict[PartLabel, float] = {
     "base": 1.0,

@@ -13,18 +13,18 @@ import torch
 from jaxtyping import Int
 from scipy.spatial import KDTree
 
-from artigen.canvas import lay_out
-from artigen.facings import find_facings
-from artigen.generate import GenerateConfig, StructureModel, draw_cells, load_structure_model
 from artigen.io import read_arrays
+from artigen.latent.draw import GenerateConfig, StructureModel, draw_cells, load_structure_model
+from artigen.latent.outline import outline_rows
 from artigen.models.conditions import StructureCondition, gather_conditions
-from artigen.models.outline import outline_rows
 from artigen.shapes.asset import shape_to_asset
 from artigen.shapes.draw import draw_shape
 from artigen.train.appearance.examples import lay_true_voxels
 from artigen.train.shards import ShardConfig, ShardJob, draw_shard, save_shard
 from artigen.types import Asset, SurfaceSamples, VoxelGrid
-from artigen.voxels import voxelize_again
+from artigen.voxels.frames import find_facings
+from artigen.voxels.layout import lay_out
+from artigen.voxels.voxelize import voxelize_again
 
 SHIFTED, STRAY, HOLES = 0.3, 0.03, 6
 """Share of parts that are off, shares of cells that are off and that lack, and number of holes."""
@@ -101,7 +101,7 @@ def redraw(
     """Voxels that a structure model draws within the outline of an object.
 
     Where their surface can be made and no part lacks voxels, they are those that it passes through, as when
-    an object is generated (`artigen.appearance.generate_appearance`).
+    an object is generated (`artigen.appearance.draw.generate_appearance`).
 
     Args:
         model: trained, one that draws within outlines.

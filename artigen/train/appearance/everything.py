@@ -16,13 +16,13 @@ from typing import get_args
 import torch
 from torch import nn
 
+from artigen.appearance.extractors import make_extractor
+from artigen.appearance.presets import APPEARANCE_PRESETS
+from artigen.appearance.slat_flow import SlatFlow
+from artigen.appearance.vae import APPEARANCE_FLOW, APPEARANCE_VAE, AppearanceVae
 from artigen.errors import SourceError
 from artigen.io import write_whole
 from artigen.metrics.appearance import score_vae
-from artigen.models.appearance_presets import APPEARANCE_PRESETS
-from artigen.models.appearance_vae import APPEARANCE_FLOW, APPEARANCE_VAE, AppearanceVae
-from artigen.models.extractors import make_extractor
-from artigen.models.slat_flow import SlatFlow
 from artigen.models.store import save_model
 from artigen.train.appearance.drawn import (
     DrawnShardConfig,
@@ -38,9 +38,6 @@ from artigen.train.appearance.run import (
     AppearanceRunConfig,
     AppearanceStage,
     claim_appearance_run,
-    run_curation,
-    run_encoder,
-    run_extractor,
 )
 from artigen.train.appearance.shards import (
     AppearanceShardConfig,
@@ -89,7 +86,7 @@ def train_appearance(
             f"{scores}: there is no finished VAE to train a flow on; train appearance-vae first"
         )
     claim_appearance_run(cfg)
-    make_extractor(run_extractor(cfg))  # weights that do not fit are refused before data is made
+    make_extractor(cfg.extractor)  # weights that do not fit are refused before data is made
     report = on_report or log_metrics
     data = make_appearance_data(cfg)
     vae = _load_vae(cfg) if stage == "appearance-flow" else _train_vae(cfg, data, report)
@@ -109,7 +106,7 @@ def make_appearance_data(cfg: AppearanceRunConfig) -> AppearanceData:
 def _train_vae(cfg: AppearanceRunConfig, data: AppearanceData, report: Report) -> AppearanceVae:
     training = APPEARANCE_TRAINING[cfg.preset]
     torch.manual_seed(0)
-    vae = AppearanceVae(run_encoder(cfg), APPEARANCE_PRESETS[cfg.preset].decoder)
+    vae = AppearanceVae(cfg.encoder, APPEARANCE_PRESETS[cfg.preset].decoder)
     begin_stage(vae, cfg.start, APPEARANCE_VAE)
     train_appearance_vae(
         vae,
@@ -130,7 +127,7 @@ def _train_vae(cfg: AppearanceRunConfig, data: AppearanceData, report: Report) -
 
 def _load_vae(cfg: AppearanceRunConfig) -> AppearanceVae:
     """The VAE that the run has trained, in full precision."""
-    vae = AppearanceVae(run_encoder(cfg), APPEARANCE_PRESETS[cfg.preset].decoder)
+    vae = AppearanceVae(cfg.encoder, APPEARANCE_PRESETS[cfg.preset].decoder)
     return load_stage(vae, cfg.home / "vae")
 
 
@@ -174,8 +171,8 @@ def _train_flow(
 def _examples(cfg: AppearanceRunConfig, name: str, count: int, first_seed: int) -> list[AppearanceExample]:
     preset = APPEARANCE_PRESETS[cfg.preset]
     shards = AppearanceShardConfig(
-        curation=run_curation(cfg),
-        extractor=run_extractor(cfg),
+        curation=cfg.curation,
+        extractor=cfg.extractor,
         first_seed=first_seed,
         objects=cfg.objects,
         resolution=preset.encoder.resolution,

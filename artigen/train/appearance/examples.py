@@ -8,16 +8,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float, Int, UInt8
 
-from artigen.attributes import describe_voxels, read_kinds
-from artigen.models.features import FeatureExtractor
-from artigen.paint import lay_painted
+from artigen.appearance.attributes import describe_voxels, read_kinds
+from artigen.appearance.curation import CurationConfig, curate
+from artigen.appearance.features import FeatureExtractor
+from artigen.appearance.paint import lay_painted
+from artigen.appearance.photographs import Pictures
+from artigen.appearance.sides import recall_places
 from artigen.shapes.asset import part_owners
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.sampling import sample_shape
 from artigen.shapes.shape import Shape
-from artigen.train.appearance.curation import CurationConfig, curate
-from artigen.train.appearance.photographs import Pictures
-from artigen.train.appearance.sides import recall_places
 from artigen.train.examples import draw_example_of
 from artigen.types import Asset, SurfaceSamples
 
@@ -26,9 +26,9 @@ from artigen.types import Asset, SurfaceSamples
 class AppearanceExample:
     """An object's voxels with features, its pictures, and its condition; ``image`` is RGBA, premultiplied.
 
-    ``facings`` are the directions of the voxels' outer sides (`artigen.facings`), ``table`` holds the field's
-    channels after occupancy of each part; ``views`` counts the views that a voxel's features are the mean
-    of, ``paint`` holds the colours of its two sides and how clear it is (steps of 8 bits).
+    ``facings`` are the directions of the voxels' outer sides (`artigen.voxels.frames`), ``table`` holds the
+    field's channels after occupancy of each part; ``views`` counts the views that a voxel's features are the
+    mean of, ``paint`` holds the colours of its two sides and how clear it is (steps of 8 bits).
     """
 
     name: str
@@ -52,7 +52,7 @@ class AppearanceExample:
         return describe_voxels(kinds, self.places(), self.paint / 255.0)
 
     def places(self) -> Float[np.ndarray, "N 6"]:
-        """Where the surface of its voxels lies (`artigen.places.describe_places`), off side features."""
+        """Where surface lies in its voxels (`artigen.voxels.surface.describe_places`), off side features."""
         return recall_places(self.features.astype(np.float32))
 
 
@@ -104,7 +104,7 @@ def draw_appearance_of(
 
 def lay_true_voxels(shape: Shape, asset: Asset) -> tuple[Asset, Int[np.ndarray, "N"]]:
     """The asset of a procedural object with samples of its surface and the voxels that Gaussians are drawn on
-    (`artigen.canvas`), and the directions of their outer sides.
+    (`artigen.voxels.layout`), and the directions of their outer sides.
 
     Raises:
         ValueError: If the asset has no voxels.

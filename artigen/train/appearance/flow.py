@@ -10,7 +10,9 @@ import torch
 from jaxtyping import Float, Int
 from torch import Tensor, nn
 
-from artigen.facings import FACINGS
+from artigen.appearance.linear_prior import Expectation, fit_expectation
+from artigen.appearance.paint import PAINT
+from artigen.appearance.slat_flow import SlatFlow
 from artigen.models.conditions import (
     ALONE,
     ConditionBatch,
@@ -18,10 +20,7 @@ from artigen.models.conditions import (
     drop_conditions,
     isolate_pictures,
 )
-from artigen.models.expectation import Expectation, fit_expectation
-from artigen.models.slat_flow import SlatFlow
-from artigen.paint import PAINT
-from artigen.sampling import diffuse, draw_times, target_velocity
+from artigen.models.rectified_flow import diffuse, draw_times, target_velocity
 from artigen.train.appearance.batches import place_batch
 from artigen.train.appearance.drawn import DrawnVoxels
 from artigen.train.appearance.examples import AppearanceExample
@@ -30,6 +29,7 @@ from artigen.train.batches import condition_batch, draw_batches, prefetch
 from artigen.train.loop import LoopConfig, Report, process_seed, train
 from artigen.train.structure import DROPOUT
 from artigen.types import PART_LABELS
+from artigen.voxels.frames import FACINGS
 
 BLUR = 0.02
 """About the deviation of colours that are told in training from the true ones."""
@@ -151,7 +151,7 @@ class SlatMoments:
     mean: Float[Tensor, "D"]
     std: Float[Tensor, "D"]
     expected: Float[Tensor, "K T D"]
-    """Weights of an `artigen.models.expectation.Expectation`; none without attributes."""
+    """Weights of an `artigen.appearance.linear_prior.Expectation`; none without attributes."""
 
 
 def measure_slats(

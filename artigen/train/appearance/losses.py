@@ -9,15 +9,15 @@ import torch
 from jaxtyping import Float, Int
 from torch import Tensor
 
+from artigen.appearance.features import FeatureExtractor
+from artigen.appearance.gaussian_decoder import select_voxels
+from artigen.appearance.vae import AppearanceVae, Encoded
+from artigen.appearance.views import pick_cameras
+from artigen.latent.conv_vae import kl_divergence
 from artigen.metrics.pictures import ssim_map
-from artigen.models.appearance_vae import AppearanceVae, Encoded
-from artigen.models.conv_vae import kl_divergence
-from artigen.models.features import FeatureExtractor
-from artigen.models.gaussian_decoder import select_voxels
 from artigen.splats.render import RasterConfig, move_splats, rasterize
 from artigen.splats.render.splats import Splats
 from artigen.train.appearance.batches import PictureBatch
-from artigen.train.appearance.views import pick_cameras
 
 CPU_FRAGMENTS, GPU_FRAGMENTS = 1 << 19, 1 << 24
 

@@ -1,11 +1,9 @@
-"""How the presets of `artigen.models.appearance_presets` are trained, and on what."""
+"""How the presets of `artigen.appearance.presets` are trained."""
 
 from dataclasses import dataclass, field, replace
 
-from artigen.models.presets import PresetName
-from artigen.train.appearance.curation import CurationConfig
+from artigen.latent.presets import PresetName
 from artigen.train.appearance.losses import AppearanceLossConfig
-from artigen.train.appearance.views import ViewConfig
 from artigen.train.presets import StageConfig
 
 
@@ -13,8 +11,6 @@ from artigen.train.presets import StageConfig
 class AppearanceTraining:
     """How the networks of an appearance model are trained."""
 
-    curation: CurationConfig
-    """Joint states, views, and features."""
     vae: StageConfig
     """Training of the VAE."""
     flow: StageConfig
@@ -33,14 +29,12 @@ TWO_SIDED = AppearanceLossConfig(volume=0.0)
 
 APPEARANCE_TRAINING: dict[PresetName, AppearanceTraining] = {
     "tiny": AppearanceTraining(
-        curation=CurationConfig(states=3, views=ViewConfig(count=8, size=48), kept=4),
         vae=StageConfig(batch=2, learning_rate=2e-3, warmup=5, decay=1.0, ema=0.9, share=0.75),
         flow=StageConfig(batch=4, learning_rate=1e-3, warmup=5, decay=0.5, ema=0.9, share=0.25),
         pictures=2,
         losses=TWO_SIDED,
     ),
     "small": AppearanceTraining(
-        curation=CurationConfig(states=4, views=ViewConfig(count=6, sharpness=2), kept=3),
         vae=StageConfig(batch=1, learning_rate=2e-3, warmup=50, decay=1.0, ema=0.99, share=0.6),
         flow=StageConfig(batch=1, learning_rate=8e-4, warmup=100, decay=0.5, ema=0.995, share=0.4),
         pictures=2,
@@ -48,16 +42,12 @@ APPEARANCE_TRAINING: dict[PresetName, AppearanceTraining] = {
         losses=replace(TWO_SIDED, exposed=3.0),
     ),
     "compact": AppearanceTraining(
-        curation=CurationConfig(views=ViewConfig(count=12, sharpness=2), kept=4),
         vae=StageConfig(batch=4, learning_rate=1e-3, warmup=200, decay=1.0, ema=0.999, share=0.7),
         flow=StageConfig(batch=16, learning_rate=4e-4, warmup=300, decay=0.3, ema=0.999, share=0.3),
         pictures=3,
         losses=replace(TWO_SIDED, exposed=3.0),
     ),
     "paper": AppearanceTraining(
-        curation=CurationConfig(
-            staggered=False, views=ViewConfig(size=512, sharpness=2), kept=48, weighting="plain"
-        ),
         vae=StageConfig(batch=4, learning_rate=1e-4, warmup=0, decay=0.0, ema=0.9999, share=0.5),
         flow=StageConfig(batch=4, learning_rate=1e-4, warmup=0, decay=0.0, ema=0.9999, share=0.5),
         pictures=1,

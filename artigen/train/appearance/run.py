@@ -1,21 +1,16 @@
 """What a run of appearance training is: its configuration, and the folder that belongs to it."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-from artigen.claim import claim_folder
+from artigen.appearance.inputs import FeatureInputs
+from artigen.appearance.presets import APPEARANCE_PRESETS
 from artigen.errors import ArtigenError
-from artigen.models.appearance_presets import APPEARANCE_PRESETS
-from artigen.models.appearance_vae import SIDE_CHANNELS
+from artigen.latent.presets import PRESETS
 from artigen.models.description import hash_model, read_description
-from artigen.models.dinov2 import DinoConfig
-from artigen.models.extractors import ExtractorConfig, ExtractorName
-from artigen.models.presets import PRESETS, PresetName
-from artigen.models.slat_vae import SlatVaeConfig
-from artigen.train.appearance.curation import CurationConfig
+from artigen.runtime.run_config import claim_folder
 from artigen.train.appearance.presets import APPEARANCE_TRAINING
-from artigen.train.appearance.visibility import Weighting
 from artigen.train.run import claim_start
 
 AppearanceStage = Literal["appearance", "appearance-vae", "appearance-flow"]
@@ -23,13 +18,11 @@ AppearanceStage = Literal["appearance", "appearance-vae", "appearance-flow"]
 
 
 @dataclass(frozen=True, kw_only=True)
-class AppearanceRunConfig:
+class AppearanceRunConfig(FeatureInputs):
     """One run from nothing to weights."""
 
     folder: Path
     """Data and checkpoints in its `appearance/`, weights in its `model/`."""
-    preset: PresetName = "compact"
-    """Sizes."""
     minutes: float = 30.0
     """Budget of the training of both networks; making data comes on top."""
     shards: int = 100
@@ -38,15 +31,6 @@ class AppearanceRunConfig:
     """Shards of held-out data."""
     objects: int = 16
     """Objects per shard."""
-    articulated: bool = True
-    """Whether objects are seen in all joint states; without, in as many pictures of the closed one (the
-    ablation of the paper's Table 2)."""
-    weighting: Weighting = "seen"
-    """Which views count for a voxel: those that show it, or all."""
-    features: ExtractorName = "pyramid"
-    """What is read off pictures."""
-    dinov2: Path | None = None
-    """Folder with the weights of DINOv2, where they are the features."""
     start: Path | None = None
     """Folder of a model whose weights every network begins with."""
     structure: Path | None = None
@@ -59,36 +43,6 @@ class AppearanceRunConfig:
     def home(self) -> Path:
         """Data and checkpoints of appearance."""
         return self.folder / "appearance"
-
-
-def run_curation(cfg: AppearanceRunConfig) -> CurationConfig:
-    """States and views of a run: without articulation, as many pictures of the closed object."""
-    sided = APPEARANCE_PRESETS[cfg.preset].encoder.sided
-    curation = replace(APPEARANCE_TRAINING[cfg.preset].curation, weighting=cfg.weighting, sided=sided)
-    if cfg.articulated:
-        return curation
-    return close_curation(curation)
-
-
-def close_curation(curation: CurationConfig) -> CurationConfig:
-    """As many views, and as many of them kept, of the closed state alone; what it hides is not told."""
-    views = replace(curation.views, count=curation.states * curation.views.count)
-    return replace(curation, states=1, views=views, kept=curation.states * curation.kept, painted=False)
-
-
-def run_extractor(cfg: AppearanceRunConfig) -> ExtractorConfig:
-    """The extractor of a run; a pyramid has the channels that the preset's encoder reads."""
-    encoder = APPEARANCE_PRESETS[cfg.preset].encoder
-    channels = encoder.in_channels - (SIDE_CHANNELS if encoder.sided else 0)
-    return ExtractorConfig(name=cfg.features, channels=channels, folder=cfg.dinov2)
-
-
-def run_encoder(cfg: AppearanceRunConfig) -> SlatVaeConfig:
-    """The encoder of a run: the preset's, for the channels that its features have."""
-    encoder = APPEARANCE_PRESETS[cfg.preset].encoder
-    if cfg.features == "pyramid":
-        return encoder
-    return replace(encoder, in_channels=DinoConfig().width + (SIDE_CHANNELS if encoder.sided else 0))
 
 
 def claim_appearance_run(cfg: AppearanceRunConfig) -> None:

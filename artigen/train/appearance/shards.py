@@ -10,11 +10,11 @@ from pathlib import Path
 
 import numpy as np
 
+from artigen.appearance.curation import CurationConfig
+from artigen.appearance.extractors import ExtractorConfig, make_extractor
+from artigen.appearance.photographs import Pictures
 from artigen.io import read_arrays
-from artigen.models.extractors import ExtractorConfig, make_extractor
-from artigen.train.appearance.curation import CurationConfig
 from artigen.train.appearance.examples import AppearanceExample, draw_appearance
-from artigen.train.appearance.photographs import Pictures
 from artigen.train.shards import (
     ShardConfig,
     ShardJob,

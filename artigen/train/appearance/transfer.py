@@ -8,8 +8,8 @@ from jaxtyping import Bool, Float, Int
 from scipy.spatial import KDTree
 from torch import Tensor
 
-from artigen.models.appearance_vae import SIDE_CHANNELS
-from artigen.models.slat_flow import SlatFlow
+from artigen.appearance.slat_flow import SlatFlow
+from artigen.appearance.vae import SIDE_CHANNELS
 from artigen.train.appearance.drawn import DrawnVoxels
 from artigen.train.appearance.examples import AppearanceExample
 

@@ -8,8 +8,8 @@ import torch
 from jaxtyping import Float, Int
 from torch import Tensor, nn
 
-from artigen.models.appearance_vae import SIDE_CHANNELS, AppearanceVae
-from artigen.models.features import FeatureExtractor
+from artigen.appearance.features import FeatureExtractor
+from artigen.appearance.vae import SIDE_CHANNELS, AppearanceVae
 from artigen.train.appearance.batches import PictureBatch, draw_picture_batches, voxel_batch
 from artigen.train.appearance.examples import AppearanceExample
 from artigen.train.appearance.losses import (

@@ -1,0 +1,205 @@
+"""An articulated structure to one with Gaussians: sample latents on its voxels, decode, settle seams."""
+
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+import torch
+from jaxtyping import Float
+
+from artigen.appearance.attributes import describe_voxels, read_kinds
+from artigen.appearance.color_pooling import even_sides
+from artigen.appearance.gaussian_decoder import GaussianDecoder, to_gaussians
+from artigen.appearance.paint import PaintedSurface, gather_paint
+from artigen.appearance.presets import APPEARANCE_PRESETS, AppearancePreset
+from artigen.appearance.slat_flow import SlatFlow, sample_slats
+from artigen.appearance.vae import APPEARANCE_FLOW, APPEARANCE_VAE
+from artigen.errors import SourceError
+from artigen.models.conditions import StructureCondition, gather_conditions
+from artigen.models.description import DESCRIPTION, read_description
+from artigen.models.rectified_flow import SamplerConfig
+from artigen.models.store import load_model
+from artigen.models.tensors import load_strictly, read_tensors
+from artigen.splats.render.splats import Splats
+from artigen.splats.seams import SeamConfig, settle_seams
+from artigen.types import Asset
+from artigen.voxels.fields import tabulate_parts
+from artigen.voxels.frames import find_facings
+from artigen.voxels.layout import Canvas, lay_out
+from artigen.voxels.regions import find_edges
+from artigen.voxels.surface import describe_places, measure_places
+from artigen.voxels.voxelize import voxelize_again
+
+DECODER = "decoder."
+"""What the decoder's tensors are called by in a stored VAE; the encoder is not needed to generate."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class AppearanceModel:
+    """Trained networks, ready to sample."""
+
+    preset: AppearancePreset
+    decoder: GaussianDecoder
+    flow: SlatFlow
+
+
+@dataclass(frozen=True, kw_only=True)
+class AppearanceConfig:
+    """How an appearance is drawn for a structure."""
+
+    sampler: SamplerConfig | None = None
+    """Steps and guidance; None leaves them to the model's preset."""
+    seams: SeamConfig = field(default_factory=SeamConfig)
+    """What counts as a Gaussian that strays over a neighbouring part."""
+
+
+def has_appearance(folder: Path) -> bool:
+    """Whether a model folder holds what appearance needs, besides or without a structure model.
+
+    Raises:
+        SourceError: If the folder describes no model.
+    """
+    return {APPEARANCE_VAE, APPEARANCE_FLOW} <= set(read_description(folder))
+
+
+def load_appearance_model(folder: Path, device: torch.device | str = "cpu") -> AppearanceModel:
+    """Loads the decoder and the flow of a model folder that `artigen train appearance` wrote.
+
+    Raises:
+        SourceError: If the folder holds no whole model, or one of a preset we do not know.
+    """
+    said = read_description(folder)
+    if not has_appearance(folder):
+        raise SourceError(
+            f"{folder / DESCRIPTION}: describes {', '.join(sorted(said)) or 'nothing'}, expected "
+            f"{APPEARANCE_VAE} and {APPEARANCE_FLOW}; train them with artigen train appearance"
+        )
+    names = [said[network].get("preset") for network in (APPEARANCE_VAE, APPEARANCE_FLOW)]
+    preset = next((known for key, known in APPEARANCE_PRESETS.items() if [key, key] == names), None)
+    if preset is None:
+        raise SourceError(
+            f"{folder}: presets {names[0]!r} (VAE) and {names[1]!r} (flow), expected one of "
+            f"{', '.join(APPEARANCE_PRESETS)} for both"
+        )
+    decoder, flow = GaussianDecoder(preset.decoder), SlatFlow(preset.flow, preset.conditions)
+    tensors = {
+        key.removeprefix(DECODER): value.float() if value.is_floating_point() else value
+        for path in sorted(folder.glob(f"{APPEARANCE_VAE}-*.safetensors"))
+        for key, value in read_tensors(path).items()
+        if key.startswith(DECODER)
+    }
+    load_strictly(decoder, tensors, f"{folder / APPEARANCE_VAE} ({DECODER}*)")
+    load_model(flow, folder, APPEARANCE_FLOW)
+    return AppearanceModel(preset=preset, decoder=decoder.to(device).eval(), flow=flow.to(device))
+
+
+@torch.no_grad()
+def draw_splats(
+    model: AppearanceModel,
+    canvas: Canvas,
+    asked: StructureCondition,
+    seed: int,
+    cfg: AppearanceConfig,
+    *,
+    paint: Float[np.ndarray, "N 7"] | None = None,
+) -> Splats:
+    """Draws the Gaussians of given voxels, voxel after voxel.
+
+    Args:
+        model: trained networks.
+        canvas: the voxels.
+        asked: the condition.
+        seed: of the noise.
+        cfg: sampler.
+        paint: colours of both sides of each voxel, and how clear it is (`artigen.appearance.paint`); all
+            models but ``paper`` are told.
+
+    Raises:
+        ValueError: If the model is to be told paint and where surface lies, and is not.
+    """
+    device = next(model.flow.parameters()).device
+    generator = torch.Generator().manual_seed(seed)
+    known, nothing = (
+        gather_conditions([condition], model.preset.conditions).to(device)
+        for condition in (asked, StructureCondition())
+    )
+    attributes = None
+    edge = model.preset.decoder.trunk.resolution
+    coords, part_ids, facings, table = canvas.coords, canvas.part_ids, canvas.facings, canvas.table
+    if model.flow.attribute_channels:
+        if canvas.places is None or paint is None:
+            lacks = "places" if canvas.places is None else "paint"
+            raise ValueError(
+                f"{len(coords)} voxels without {lacks}; this model is told where surface lies and its paint"
+            )
+        kinds = read_kinds(coords, part_ids, facings, table, edge)
+        attributes = torch.from_numpy(describe_voxels(kinds, describe_places(canvas.places), paint)).to(
+            device
+        )
+    places = torch.from_numpy(np.pad(coords.astype(np.int32), ((0, 0), (1, 0)))).to(device)
+    noise = torch.randn((len(coords), model.flow.channels), generator=generator).to(device)
+    sampler = cfg.sampler or model.preset.sampler
+    latents = sample_slats(model.flow, places, known, nothing, noise, sampler, attributes=attributes)
+    if attributes is not None and paint is not None:
+        edges = find_edges(coords, part_ids, facings, edge)
+        latents = even_sides(latents, model.flow.expect(attributes), paint, edges)
+    faced = torch.from_numpy(facings).to(device) if model.preset.decoder.trunk.sided else None
+    return model.decoder(places, latents, facings=faced)
+
+
+def generate_appearance(
+    model: AppearanceModel,
+    asset: Asset,
+    asked: StructureCondition,
+    seed: int,
+    cfg: AppearanceConfig | None = None,
+    *,
+    surface: PaintedSurface | None = None,
+) -> Asset:
+    """Draws Gaussians for the surface of an asset; the same arguments give the same ones on one machine.
+
+    Given painted samples of its surface, they are drawn in these colours on the voxels that it passes
+    through, as those of true objects are; else on the asset's own. Every Gaussian belongs to the part of its
+    voxel, but for those that stray (`artigen.splats.seams`).
+
+    Args:
+        model: trained networks.
+        asset: with voxels in the model's resolution.
+        asked: the condition that the structure was drawn from.
+        seed: of the noise.
+        cfg: sampler and seams.
+        surface: painted samples of the surface that the voxels stand for, of a drawn structure those of its
+            meshes (`sim_export.geometry.surface`, `artigen.appearance.paint.repaint`); ``paper`` needs none.
+
+    Raises:
+        ValueError: If the asset has no voxels, has them in another resolution, or samples are missing.
+    """
+    cfg = cfg or AppearanceConfig()
+    edge, voxels = model.preset.decoder.trunk.resolution, asset.voxels
+    if voxels is None or not len(voxels.coords) or voxels.resolution != edge:
+        found = "none" if voxels is None else f"{len(voxels.coords)} of {voxels.resolution}^3"
+        raise ValueError(f"asset {asset.name!r}: voxels are {found}, this model draws on those of {edge}^3")
+    places = paint = None
+    if surface is not None:
+        samples = surface.samples
+        voxels, facings = lay_out(samples, voxelize_again(samples, voxels))
+        places = measure_places(samples, voxels, facings)
+        paint = (gather_paint(surface, voxels, facings).packed() / 255.0).astype(np.float32)
+    elif model.flow.attribute_channels:
+        raise ValueError(
+            f"asset {asset.name!r} came without painted samples of its surface, which say where in its "
+            "voxels Gaussians belong and in which colours; take some of its meshes "
+            "(sim_export.geometry.surface) and paint them (artigen.appearance.paint.repaint)"
+        )
+    else:
+        facings = find_facings(voxels.coords, voxels.part_ids, edge)
+    canvas = Canvas(
+        coords=voxels.coords,
+        part_ids=voxels.part_ids,
+        facings=facings,
+        table=tabulate_parts(asset),
+        places=places,
+    )
+    splats = draw_splats(model, canvas, asked, seed, cfg, paint=paint)
+    painted = replace(asset, voxels=voxels, gaussians=to_gaussians(splats, voxels.part_ids))
+    return replace(settle_seams(painted, cfg.seams), voxels=asset.voxels)

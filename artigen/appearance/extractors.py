@@ -1,0 +1,36 @@
+"""Feature extractors by name: which one a model was trained with has to be said in its description."""
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+from artigen.appearance.features import BASE, FeatureExtractor, PyramidFeatures
+from artigen.errors import SourceError
+from artigen.models.dinov2 import load_dinov2
+
+ExtractorName = Literal["pyramid", "dinov2"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class ExtractorConfig:
+    """Where features come from."""
+
+    name: ExtractorName = "pyramid"
+    """`pyramid` needs nothing; `dinov2` needs a folder with the public weights."""
+    channels: int = BASE
+    """Of a pyramid."""
+    folder: Path | None = None
+    """Weights of DINOv2."""
+
+
+def make_extractor(cfg: ExtractorConfig) -> FeatureExtractor:
+    """The extractor of a configuration, on the CPU.
+
+    Raises:
+        SourceError: If weights are asked for and there is no folder, or its weights do not fit.
+    """
+    if cfg.name == "pyramid":
+        return PyramidFeatures(cfg.channels)
+    if cfg.folder is None:
+        raise SourceError("features of DINOv2 need the folder of its weights; give one, or take the pyramid")
+    return load_dinov2(cfg.folder)

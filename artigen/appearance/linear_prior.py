@@ -1,0 +1,90 @@
+"""What paint and places let one expect of the latent of a voxel, by what kind of voxel it is.
+
+How a painted side looks follows mostly from its colour, from the part's label, from where the side faces and
+from whether something stands before it; where its Gaussians lie, from where the surface does. So each kind of
+voxel has its own linear map from its paint, its places and its neighbours, fitted by least squares, and the
+flow draws what is left.
+"""
+
+from collections.abc import Iterable
+
+import torch
+from jaxtyping import Float, Int
+from torch import Tensor, nn
+
+from artigen.appearance.paint import PAINT
+from artigen.types import PART_LABELS
+from artigen.voxels.frames import AROUND, FACINGS, SIDES
+from artigen.voxels.surface import PLACES
+
+KINDS = len(PART_LABELS) * 2**SIDES * FACINGS
+"""Labels, whether either side is covered, directions."""
+TERMS = 2 * PAINT + AROUND + PLACES
+"""1, two colours, clearness, clearness times colours, whether the part goes on around, and places."""
+FEW = 50.0
+"""Voxels that a kind needs before it is believed more than all kinds together."""
+
+
+class Expectation(nn.Module):
+    """Expected latents of voxels; zero until it is fitted."""
+
+    weight: Tensor
+
+    def __init__(self, channels: int) -> None:
+        super().__init__()
+        self.register_buffer("weight", torch.zeros(KINDS, TERMS, channels))
+
+    def forward(self, attributes: Float[Tensor, "N A"]) -> Float[Tensor, "N C"]:
+        """Of voxels described by `artigen.appearance.attributes.describe_voxels`."""
+        kinds, terms = find_kinds(attributes), list_terms(attributes)
+        out = attributes.new_empty(len(attributes), self.weight.shape[2])
+        with torch.autocast(attributes.device.type, enabled=False):  # latents are measured from it
+            for kind in kinds.unique():
+                own = kinds == kind
+                out[own] = terms[own] @ self.weight[kind].to(terms.dtype)
+        return out
+
+
+def find_kinds(attributes: Float[Tensor, "N A"]) -> Int[Tensor, "N"]:
+    """Which kind of voxel each is."""
+    told = [FACINGS, len(PART_LABELS), SIDES, AROUND + PLACES + PAINT]
+    facing, label, covered, _ = attributes.split(told, dim=1)
+    outer, inner = (covered > 0.5).long().unbind(1)
+    return ((label.argmax(dim=1) * 2 + outer) * 2 + inner) * FACINGS + facing.argmax(dim=1)
+
+
+def list_terms(attributes: Float[Tensor, "N A"]) -> Float[Tensor, "N 24"]:
+    """What expected latents are linear in."""
+    told = attributes[:, -AROUND - PLACES - PAINT :].split([AROUND + PLACES, PAINT - 1, 1], dim=1)
+    certain, colors, clear = told
+    return torch.cat([torch.ones_like(clear), colors, clear, clear * colors, certain], dim=1)
+
+
+def fit_expectation(
+    voxels: Iterable[tuple[Float[Tensor, "N A"], Float[Tensor, "N C"]]], blur: float
+) -> Float[Tensor, "K T C"]:
+    """Weights by least squares, each kind's drawn towards those of all voxels while it has few.
+
+    Args:
+        voxels: attributes and latents, object by object.
+        blur: deviation of the paint that will be given from the true one, which shrinks what can be
+            concluded from them.
+    """
+    squares = products = None
+    for attributes, latents in voxels:
+        kinds, terms, wanted = find_kinds(attributes), list_terms(attributes).double(), latents.double()
+        if squares is None or products is None:
+            squares = torch.zeros(KINDS, TERMS, TERMS, dtype=torch.float64)
+            products = torch.zeros(KINDS, TERMS, wanted.shape[1], dtype=torch.float64)
+        for kind in kinds.unique():
+            own = kinds == kind
+            squares[kind] += terms[own].T @ terms[own]
+            products[kind] += terms[own].T @ wanted[own]
+    if squares is None or products is None:
+        raise ValueError("no voxels to fit expected latents to")
+    uncertain = blur**2 * torch.eye(TERMS, dtype=torch.float64)
+    uncertain[0] = uncertain[-AROUND - PLACES :] = 0.0
+    squares = squares + squares[:, :1, :1] * uncertain
+    whole = torch.linalg.solve(squares.sum(dim=0) + torch.eye(TERMS), products.sum(dim=0))
+    apart = torch.linalg.solve(squares + FEW * torch.eye(TERMS), products - squares @ whole)
+    return (whole + apart).float()

@@ -1,0 +1,146 @@
+"""Paint: own colours of surface and how clear it is, and what that makes of the two sides of voxels."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Float, Int, UInt8
+from scipy.spatial import KDTree
+
+from artigen.errors import ArtigenError
+from artigen.shapes.asset import part_owners
+from artigen.shapes.sampling import paint_points, place_points, read_clear
+from artigen.shapes.shape import Shape
+from artigen.types import Asset, SurfaceSamples, VoxelGrid
+from artigen.voxels.frames import SIDES, facing_frames
+from artigen.voxels.layout import lay_out
+from artigen.voxels.surface import AHEAD, SAMPLES, find_voxels
+
+PAINT = 3 * SIDES + 1
+"""Numbers of a painted voxel: the colours of its outer and its inner side, and how clear it is."""
+TURNED = 1 / 32
+"""Unit-cube length that a difference of 1 between normals counts for: the nearest sample of a thin board is
+one of the same face, even where that lies a voxel off."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class PaintedSurface:
+    """Coloured samples of a surface."""
+
+    samples: SurfaceSamples
+    clear: Float[np.ndarray, "S"]
+    """Share of what is behind that the surface lets through at each."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class VoxelPaint:
+    """Own colours (sRGB) of the outer side and of the inner one of every voxel."""
+
+    colors: Float[np.ndarray, "N 2 3"]
+    known: Int[np.ndarray, "N 2"]
+    """Samples that say so; where there is none, a side has the colour of the other one, or of its part."""
+    clear: Float[np.ndarray, "N"]
+    """Share of what is behind that its surface lets through."""
+
+    def packed(self) -> UInt8[np.ndarray, "N 7"]:
+        """Colours and clearness in steps of 8 bits, a row for every voxel."""
+        values = np.concatenate([self.colors.reshape(len(self.clear), -1), self.clear[:, None]], axis=1)
+        return np.rint(255.0 * values).astype(np.uint8)
+
+
+def lay_painted(shape: Shape, asset: Asset) -> tuple[Asset, Int[np.ndarray, "N"], VoxelPaint]:
+    """The voxels that Gaussians of a procedural object are drawn on, all read off one set of samples.
+
+    Args:
+        shape: The object.
+        asset: The same object, with voxels.
+
+    Returns:
+        The asset with samples of its surface and voxels for all of it (`artigen.voxels.layout`), the
+        directions of their outer sides, and the paint of both sides.
+
+    Raises:
+        ValueError: If the asset has no voxels.
+    """
+    if asset.voxels is None:
+        raise ValueError(f"asset {asset.name!r} has no voxels; voxelize its surface first")
+    surface = paint_surface(shape, asset, 1.0 / (SAMPLES * asset.voxels.resolution))
+    voxels, facings = lay_out(surface.samples, asset.voxels)
+    laid = replace(asset, voxels=voxels, surface=surface.samples)
+    return laid, facings, gather_paint(surface, voxels, facings)
+
+
+def paint_surface(shape: Shape, asset: Asset, spacing: float) -> PaintedSurface:
+    """Painted samples of the surface, ``spacing`` apart (unit-cube length), with their parts of the asset."""
+    found = place_points(shape, spacing * asset.scale)
+    surface = paint_points(shape, found, footprint=spacing * asset.scale)
+    owned = replace(surface, part_ids=part_owners(shape, asset)[surface.part_ids])
+    return PaintedSurface(samples=owned, clear=read_clear(shape, found))
+
+
+def gather_paint(surface: PaintedSurface, voxels: VoxelGrid, facings: Int[np.ndarray, "N"]) -> VoxelPaint:
+    """Means of the samples that lie in a voxel, are of its part, and face as one of its sides does.
+
+    Args:
+        surface: Samples; a part without any is black.
+        voxels: Cells of the same object.
+        facings: Directions of their outer sides.
+    """
+    count, samples = len(voxels.coords), surface.samples
+    rows, own = find_voxels(samples, voxels)
+    normals, colors = samples.normals[own], samples.colors[own] / 255.0
+    ahead = np.einsum("ki,ki->k", facing_frames()[facings][rows][:, :, 0], normals)
+    known, means = np.empty((count, SIDES), dtype=np.int64), np.empty((count, SIDES, 3))
+    for side, sign in enumerate((1.0, -1.0)):
+        facing = sign * ahead > AHEAD
+        known[:, side] = np.bincount(rows[facing], minlength=count)
+        means[:, side] = _average(rows[facing], colors[facing], known[:, side])
+    whole = np.bincount(rows, minlength=count)
+    parts = np.bincount(samples.part_ids, minlength=int(voxels.part_ids.max()) + 1)
+    of_part = _average(samples.part_ids, samples.colors / 255.0, parts)[voxels.part_ids]
+    every = np.where(whole[:, None] > 0, _average(rows, colors, whole), of_part)
+    for side in range(SIDES):
+        lost, shown = known[:, side] == 0, known[:, 1 - side] > 0
+        means[lost, side] = np.where(shown[:, None], means[:, 1 - side], every)[lost]
+    clear = _average(rows, surface.clear[own][:, None], whole)[:, 0]
+    return VoxelPaint(colors=means, known=known, clear=clear)
+
+
+def repaint(surface: SurfaceSamples, like: PaintedSurface, names: Sequence[str]) -> PaintedSurface:
+    """Samples of a surface, painted as another surface of the same object is.
+
+    Each takes the paint of the nearest sample of its own part that faces as it does (`TURNED`).
+
+    Args:
+        surface: Samples, such as those of meshes that were made of voxels.
+        like: The other surface, painted.
+        names: Of the parts of both.
+
+    Raises:
+        ArtigenError: If the other surface has no sample of a part.
+    """
+    parts: list[int] = np.unique(surface.part_ids).tolist()
+    lost = [names[part] for part in parts if not (like.samples.part_ids == part).any()]
+    if lost:
+        raise ArtigenError(
+            f"{', '.join(lost)}: none of {len(like.samples.points)} painted samples of {len(names)} parts to "
+            "take colours from, expected at least one of each part; sample the painted surface more densely"
+        )
+    places, wanted = (
+        np.concatenate([one.points, TURNED * one.normals], axis=1) for one in (like.samples, surface)
+    )
+    nearest = np.empty(len(wanted), dtype=np.int64)
+    for part in parts:
+        own, rows = (np.flatnonzero(one.part_ids == part) for one in (like.samples, surface))
+        nearest[rows] = own[np.asarray(KDTree(places[own]).query(wanted[rows])[1])]
+    return PaintedSurface(
+        samples=replace(surface, colors=like.samples.colors[nearest]), clear=like.clear[nearest]
+    )
+
+
+def _average(
+    rows: Int[np.ndarray, "S"], values: Float[np.ndarray, "S C"], number: Int[np.ndarray, "N"]
+) -> Float[np.ndarray, "N C"]:
+    """Means of values by row; 0 where a row has none."""
+    sums = [np.bincount(rows, weights=one, minlength=len(number)) for one in values.T]
+    return np.stack(sums, axis=1) / np.maximum(number, 1)[:, None]

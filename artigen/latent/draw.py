@@ -1,0 +1,182 @@
+"""An exact outline and a seed to an `Asset`: draws one latent, decodes it, cleans it up; nothing else."""
+
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+import torch
+from jaxtyping import Float
+from torch import Tensor
+
+from artigen.conditioning.delivery import asset_size, part_counts
+from artigen.errors import SegmentationError, SourceError
+from artigen.latent.outline import gather_outlines, outline_rows
+from artigen.latent.presets import PRESETS, StructurePreset
+from artigen.latent.smoothing import SteadyConfig
+from artigen.latent.structure_flow import StructureFlow, sample_latents
+from artigen.latent.structure_vae import StructureVae, decode_cells
+from artigen.models.conditions import ConditionBatch, StructureCondition, gather_conditions
+from artigen.models.description import read_description
+from artigen.models.rectified_flow import SamplerConfig
+from artigen.models.store import load_model
+from artigen.shapes.asset import shape_to_asset
+from artigen.shapes.shape import Shape
+from artigen.types import PART_LABELS, Asset, VoxelGrid
+from artigen.voxels.cleanup.boards import BoardsConfig
+from artigen.voxels.cleanup.clean import mend_cells
+from artigen.voxels.cleanup.rows import Owners, read_owners
+from artigen.voxels.fields import VoxelFields
+from artigen.voxels.segmentation.segment import SegmentConfig, segment
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class StructureModel:
+    """Trained networks, ready to sample."""
+
+    preset: StructurePreset
+    vae: StructureVae
+    flow: StructureFlow
+
+
+@dataclass(frozen=True, kw_only=True)
+class GenerateConfig:
+    """How a structure is drawn."""
+
+    sampler: SamplerConfig = field(default_factory=lambda: SamplerConfig(steps=6, strength=0.0))
+    """Steps and guidance of the latent; an outline says what the condition says, and more."""
+    steady: SteadyConfig | None = field(default_factory=SteadyConfig)
+    """How much cells follow their neighbours in line, where outlines are given; None: not at all."""
+    boards: BoardsConfig | None = field(default_factory=BoardsConfig)
+    """What counts as a board in the clean-up; None leaves boards out."""
+    segment: SegmentConfig | None = None
+    """How the votes of decoded cells are clustered into parts and joints, as in the paper (section 3.3).
+
+    None: every cell belongs to the part of the outline that it chooses, and cells are cleaned up. Models that
+    take no outline always cluster."""
+
+
+def build_structure_model(preset: StructurePreset) -> StructureModel:
+    """The networks of a preset, untrained."""
+    return StructureModel(
+        preset=preset,
+        vae=StructureVae(preset.vae).eval(),
+        flow=StructureFlow(preset.flow, preset.conditions).eval(),
+    )
+
+
+def load_structure_model(folder: Path, device: torch.device | str = "cpu") -> StructureModel:
+    """Loads a model folder that `artigen.train.everything` wrote.
+
+    Raises:
+        SourceError: If the folder holds no whole model, or one of a preset we do not know.
+    """
+    said = read_description(folder)
+    name = said.get("flow", {}).get("preset")
+    preset = next((known for key, known in PRESETS.items() if key == name), None)
+    if preset is None:
+        raise SourceError(f"{folder}: preset {name!r}, expected one of {', '.join(PRESETS)}")
+    model = build_structure_model(preset)
+    for key, network in (("vae", model.vae), ("flow", model.flow)):
+        load_model(network, folder, key)
+        network.to(device)
+    return model
+
+
+def generate_structure(
+    model: StructureModel,
+    asked: StructureCondition,
+    seed: int,
+    cfg: GenerateConfig | None = None,
+    *,
+    boxes: Asset | Shape,
+) -> Asset:
+    """Draws one articulated object within the boxes of an exact one, once.
+
+    The same arguments give the same object on one machine. Category, counts, size and scale are those of
+    ``boxes``; so are parts, joints and tree, unless ``cfg.segment`` finds these by voting.
+
+    Args:
+        model: Trained networks.
+        asked: Its picture and sentence are conditions, too, where the model reads them.
+        seed: Of the noise.
+        cfg: Sampler, clean-up, segmentation.
+        boxes: The object whose parts, boxes and joints are told to the model; its surfaces are not.
+
+    Raises:
+        SegmentationError: If a part is left without a cell, or voting finds no articulated object.
+        ValueError: If the model does not know the category.
+    """
+    cfg = cfg or GenerateConfig()
+    told = shape_to_asset(boxes, model.preset.resolution) if isinstance(boxes, Shape) else boxes
+    told = replace(told, name=f"{told.category}_{seed}", surface=None, gaussians=None)
+    counts = part_counts(told).tolist()
+    depth, width, height = asset_size(told).tolist()
+    asked = replace(
+        asked,
+        category=told.category,
+        counts=tuple(zip(PART_LABELS, counts, strict=True)),
+        size=(depth, width, height),
+    )
+    device, edge = next(model.flow.parameters()).device, model.flow.edge
+    generator = torch.Generator().manual_seed(seed)
+    noise = torch.randn((1, model.flow.channels, edge, edge, edge), generator=generator).to(device)
+    known = gather_conditions([asked], model.preset.conditions).to(device)
+    rows = outline_rows(told) if model.flow.takes_outlines else None
+    if rows is None or cfg.segment is not None:
+        fields, _ = _decode(model, known, noise, rows, cfg)
+        found = segment(fields, cfg.segment, name=told.name, scale=told.scale, category=told.category)
+        return replace(found, notes=(*told.notes, *found.notes))
+    owners, notes = draw_cells(model, known, noise, rows, cfg)
+    return _place_parts(told, owners, notes)
+
+
+def draw_cells(
+    model: StructureModel,
+    known: ConditionBatch,
+    noise: Float[Tensor, "1 C X Y Z"],
+    rows: Float[np.ndarray, "P C"],
+    cfg: GenerateConfig,
+) -> tuple[Owners, tuple[str, ...]]:
+    """Draws the cells of one object within its outline and cleans them up, with notes of what changed.
+
+    Args:
+        model: Trained networks that take outlines.
+        known: The condition.
+        noise: Start of the latent, standard normal.
+        rows: The outline.
+        cfg: Sampler and clean-up.
+    """
+    fields, logits = _decode(model, known, noise, rows, cfg)
+    return mend_cells(read_owners(fields, rows), logits, rows, cfg.boards)
+
+
+def _decode(
+    model: StructureModel,
+    known: ConditionBatch,
+    noise: Float[Tensor, "1 C X Y Z"],
+    rows: Float[np.ndarray, "P C"] | None,
+    cfg: GenerateConfig,
+) -> tuple[VoxelFields, Float[np.ndarray, "X Y Z"]]:
+    """Draws one latent: what its occupied cells say, and the logits of all cells."""
+    device, outlines = noise.device, None
+    nothing = gather_conditions([StructureCondition()], model.preset.conditions).to(device)
+    if rows is not None:
+        outlines = gather_outlines([rows]).to(device)
+    latent = sample_latents(model.flow, known, nothing, noise, cfg.sampler, outlines)
+    decoded, logits = decode_cells(model.vae, latent, outlines, cfg.steady)
+    return decoded[0], logits[0].cpu().numpy()
+
+
+def _place_parts(told: Asset, owners: Owners, notes: tuple[str, ...]) -> Asset:
+    """The parts of an object with other cells.
+
+    Raises:
+        SegmentationError: If a part has none.
+    """
+    coords = np.argwhere(owners >= 0)
+    part_ids = owners[tuple(coords.T)]
+    lost = [part.name for number, part in enumerate(told.parts) if not (part_ids == number).any()]
+    if lost:
+        raise SegmentationError(f"no voxel was drawn for {', '.join(lost)} of {len(told.parts)} parts")
+    voxels = VoxelGrid(resolution=len(owners), coords=coords, part_ids=part_ids)
+    return replace(told, voxels=voxels, notes=(*told.notes, *notes))

@@ -1,0 +1,193 @@
+"""Outlines: one row per part with label, joint, axis, origin, range and box, and hints made of them.
+
+An outline is what a voxel field says about its parts and leaves out their shapes. The flow of latents and the
+decoder are told the outline of the object that they draw (`outline_rows`).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import torch
+from jaxtyping import Bool, Float, Int
+from torch import Tensor
+from torch.nn import functional
+
+from artigen.shapes.asset import shape_to_asset
+from artigen.shapes.shape import Shape
+from artigen.types import Asset
+from artigen.voxels.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, tabulate_parts
+
+BLUR = 0.25 / 64
+"""Standard deviation of the noise on boxes in training, in unit-cube lengths."""
+FACES = 6
+"""Distances to the faces of a box, in a hint."""
+DEPTH = 4
+"""How many parts a cell is told about: the smallest that reach into it."""
+MARGIN = 0.5 / 64
+"""How far beyond its box a part reaches, in unit-cube lengths: boxes may be a little off."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Candidates:
+    """The parts that the cells of a grid may belong to: rows of the outlines, smallest box first."""
+
+    chosen: Int[Tensor, "B D V"]
+    """Part of each candidate; 0 where there is none."""
+    found: Bool[Tensor, "B D V"]
+    """Whether there is one."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class OutlineBatch:
+    """Outlines side by side: the channels after occupancy, a row per part; rows not ``given`` are padding."""
+
+    rows: Float[Tensor, "B N C"]
+    given: Bool[Tensor, "B N"]
+
+    def to(self, device: torch.device | str) -> "OutlineBatch":
+        """The same batch on another device."""
+        return OutlineBatch(rows=self.rows.to(device), given=self.given.to(device))
+
+
+def outline_rows(source: Asset | Shape, resolution: int = 64) -> Float[np.ndarray, "N C"]:
+    """The outline of an exact object: a row per part that the grid resolves, in the order of the parts.
+
+    Args:
+        source: The object; the parts of an asset are taken as they are.
+        resolution: Cells along the longest edge; parts of a shape that own none join their parents.
+    """
+    return tabulate_parts(shape_to_asset(source, resolution) if isinstance(source, Shape) else source)
+
+
+def sort_rows(
+    table: Float[np.ndarray, "N C"], layout: FieldLayout = DEFAULT_LAYOUT
+) -> Float[np.ndarray, "N C"]:
+    """Parts in the order of reading: by label, then from top to bottom, left to right, front to back."""
+    label = table[:, after_occupancy(layout.label)].argmax(axis=1)
+    box = table[:, after_occupancy(layout.box)]
+    center = np.round(box[:, :3] * 32)  # what is level to half a cell is level
+    return table[np.lexsort((center[:, 0], -center[:, 1], -center[:, 2], label))]
+
+
+def gather_outlines(tables: Sequence[Float[np.ndarray, "N C"]]) -> OutlineBatch:
+    """Outlines of several objects, in the order of reading, padded to the longest."""
+    longest = max(len(table) for table in tables)
+    rows = np.zeros((len(tables), longest, tables[0].shape[1]), dtype=np.float32)
+    given = np.zeros((len(tables), longest), dtype=bool)
+    for number, table in enumerate(tables):
+        rows[number, : len(table)] = sort_rows(table)
+        given[number, : len(table)] = True
+    return OutlineBatch(rows=torch.from_numpy(rows), given=torch.from_numpy(given))
+
+
+def blur_outlines(outlines: OutlineBatch, share: float, generator: torch.Generator) -> OutlineBatch:
+    """Outlines with boxes off by a quarter of a 64th, and with ``share`` none at all.
+
+    A network that is trained with exact boxes alone relies on their last digit.
+    """
+    rows, box = outlines.rows.clone(), after_occupancy(DEFAULT_LAYOUT.box)
+    noise = torch.randn(rows[..., box].shape, generator=generator, device=generator.device)
+    rows[..., box] += BLUR * noise
+    kept = torch.rand(len(rows), generator=generator, device=generator.device) >= share
+    return OutlineBatch(rows=rows, given=outlines.given & kept[:, None])
+
+
+def hint_channels(layout: FieldLayout = DEFAULT_LAYOUT) -> int:
+    """Channels of a hint."""
+    return DEPTH * (_said_of_parts(layout) + FACES + 1)
+
+
+def find_candidates(outlines: OutlineBatch, edge: int, layout: FieldLayout = DEFAULT_LAYOUT) -> Candidates:
+    """The `DEPTH` smallest parts that reach into each cell of a grid of ``edge`` over the unit cube."""
+    low, high = _faces(outlines, layout)
+    inside = touched_cells(outlines, edge, layout).flatten(2)
+    volume = (high - low).clamp(min=1e-4).prod(dim=-1)
+    rank = torch.where(inside, volume[..., None], torch.inf)
+    rank = functional.pad(rank, (0, 0, 0, max(DEPTH - rank.shape[1], 0)), value=torch.inf)
+    size, chosen = rank.topk(DEPTH, dim=1, largest=False)
+    return Candidates(chosen=torch.where(size.isfinite(), chosen, 0), found=size.isfinite())
+
+
+def touched_cells(
+    outlines: OutlineBatch, edge: int, layout: FieldLayout = DEFAULT_LAYOUT
+) -> Bool[Tensor, "B N X Y Z"]:
+    """The cells of a grid of ``edge`` over the unit cube that each part's box reaches, or nearly does."""
+    low, high = _faces(outlines, layout)
+    line, half = _cell_line(edge, outlines.rows.device), 0.5 / edge + MARGIN
+    near = [(low[..., axis, None] < line + half) & (high[..., axis, None] > line - half) for axis in range(3)]
+    inside = near[0][..., :, None, None] & near[1][..., None, :, None] & near[2][..., None, None, :]
+    return inside & outlines.given[..., None, None, None]
+
+
+def reach_cells(
+    outlines: OutlineBatch,
+    candidates: Candidates,
+    edge: int,
+    patch: int,
+    layout: FieldLayout = DEFAULT_LAYOUT,
+) -> tuple[Float[Tensor, "N D C"], Bool[Tensor, "N K D"]]:
+    """The candidates of every cell of a grid, and whether its finer cells touch their boxes, or nearly do.
+
+    Args:
+        outlines: of the batch.
+        candidates: of the cells of the grid.
+        edge: cells of the grid along an edge.
+        patch: finer cells in one of them, along an edge.
+        layout: channels.
+    """
+    batch = torch.arange(len(outlines.rows), device=outlines.rows.device)[:, None, None]
+    rows = outlines.rows[batch, candidates.chosen]  # B D cells C
+    low, high = (face[batch, candidates.chosen] for face in _faces(outlines, layout))
+    fine, half = _cell_line(edge * patch, rows.device).reshape(edge, patch), 0.5 / (edge * patch) + MARGIN / 2
+    inside = candidates.found[..., None, None, None]
+    places = torch.stack(torch.meshgrid(*[torch.arange(edge, device=rows.device)] * 3, indexing="ij"), dim=-1)
+    for axis, place in enumerate(places.reshape(-1, 3).T):
+        line = fine[place]  # cells patch
+        near = (low[..., axis, None] < line + half) & (high[..., axis, None] > line - half)
+        shape = [1, 1, 1]
+        shape[axis] = patch
+        inside = inside & near.reshape(*near.shape[:3], *shape)
+    return rows.movedim(1, 2).flatten(0, 1), inside.flatten(3).movedim(1, 3).flatten(0, 1)
+
+
+def draw_hint(
+    outlines: OutlineBatch, candidates: Candidates, edge: int, layout: FieldLayout = DEFAULT_LAYOUT
+) -> Float[Tensor, "B H X Y Z"]:
+    """What is known of the cells of a grid: the parts they may belong to, one after another.
+
+    Each is told by its attributes (places relative to the cell), the distances from the cell's centre to
+    the six faces of its box in cells, at most 2, and a one. Zero where there is no such part.
+    """
+    line = _cell_line(edge, outlines.rows.device)
+    center = torch.stack(torch.meshgrid(line, line, line, indexing="ij"), dim=-1).reshape(-1, 3)
+    batch = torch.arange(len(outlines.rows), device=line.device)[:, None, None]
+    said = outlines.rows[batch, candidates.chosen][..., : _said_of_parts(layout)].clone()
+    said[..., after_occupancy(layout.origin)] -= center
+    said[..., after_occupancy(layout.box)][..., :3] -= center
+    low, high = (face[batch, candidates.chosen] for face in _faces(outlines, layout))
+    faces = torch.cat([center - low, high - center], dim=-1)
+    told = torch.cat([said, (faces * edge).clamp(-2.0, 2.0), torch.ones_like(faces[..., :1])], dim=-1)
+    told = told * candidates.found[..., None]
+    return told.permute(0, 1, 3, 2).reshape(len(told), -1, edge, edge, edge)
+
+
+def part_labels(rows: Float[Tensor, "B N C"], layout: FieldLayout = DEFAULT_LAYOUT) -> Int[Tensor, "B N"]:
+    """Label of each row."""
+    return rows[..., after_occupancy(layout.label)].argmax(dim=-1)
+
+
+def _said_of_parts(layout: FieldLayout) -> int:
+    """Channels that tell parts apart: all but occupancy and category, which come first and last."""
+    return layout.box.stop - 1
+
+
+def _faces(outlines: OutlineBatch, layout: FieldLayout) -> tuple[Float[Tensor, "B N 3"], ...]:
+    """Lowest and highest corners of the boxes."""
+    box = outlines.rows[..., after_occupancy(layout.box)]
+    return box[..., :3] - box[..., 3:] / 2, box[..., :3] + box[..., 3:] / 2
+
+
+def _cell_line(edge: int, device: torch.device) -> Float[Tensor, "E"]:
+    """Centres of cells along an edge."""
+    return (torch.arange(edge, device=device) + 0.5) / edge - 0.5

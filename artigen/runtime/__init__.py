@@ -1,0 +1,1 @@
+"""How jobs run: supervised worker processes, Ray, journals, cores."""

@@ -1,0 +1,78 @@
+"""Where the jobs of a run are done: in supervised processes on this machine, or as tasks of a Ray cluster.
+
+Both call the same function of a worker and a job for every job, and yield its answers as they come.
+"""
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal, Protocol, TypeVar
+
+from artigen.runtime.cores import PEAK_MIB, choose_workers
+from artigen.runtime.workers import Worker, run_supervised
+
+Job = TypeVar("Job")
+Value = TypeVar("Value")
+RunnerName = Literal["local", "ray"]
+
+
+class Runner(Protocol):
+    """A place where jobs are done side by side."""
+
+    def run(self, handle: Callable[[Worker, Job], Value], jobs: Sequence[Job]) -> Iterator[Value]:
+        """Yields what ``handle`` makes of every job as it is finished, in no particular order."""
+        ...
+
+    def begin_with(self, worker: Worker) -> "Runner":
+        """The same runner, for one run, that uses a worker of this machine if it can, and closes it."""
+        ...
+
+
+@dataclass(frozen=True, kw_only=True)
+class LocalRunner:
+    """Supervised processes on this machine."""
+
+    workers: int
+    first: Worker | None = None
+    """One of these workers that is there already; without, all are started."""
+
+    def run(self, handle: Callable[[Worker, Job], Value], jobs: Sequence[Job]) -> Iterator[Value]:
+        """As `Runner.run`."""
+        return run_supervised(handle, jobs, workers=self.workers, first=self.first)
+
+    def begin_with(self, worker: Worker) -> "LocalRunner":
+        """As `Runner.begin_with`."""
+        return replace(self, first=worker)
+
+
+def choose_runner(
+    name: RunnerName = "local", workers: int | None = None, *, peak_mib: float = PEAK_MIB
+) -> Runner:
+    """The runner of a name.
+
+    Args:
+        name: ``local``, or ``ray`` for the cluster that ``RAY_ADDRESS`` names or this machine belongs to; one
+            is started here where there is none.
+        workers: Jobs done at one time; None leaves it to the machine or to the cluster.
+        peak_mib: Largest resident memory of one worker, in MiB.
+
+    Raises:
+        ArtigenError: If there are no workers, or Ray is not installed.
+    """
+    if name == "local":
+        return LocalRunner(workers=choose_workers(workers, peak_mib=peak_mib))
+    from artigen.runtime.ray_runner import make_ray_runner
+
+    return make_ray_runner(workers)
+
+
+def run_jobs(handle: Callable[[Worker, Job], Value], jobs: Sequence[Job], runner: Runner) -> Iterator[Value]:
+    """Yields what ``handle`` makes of every job as it is finished, in no particular order.
+
+    Args:
+        handle: A module-level function (or a ``partial`` of one) of a worker of its own and a job. It calls
+            the worker for everything that may fail, so it has an answer for every job. It may be called
+            again for a job whose machine was lost, so doing a job twice must be as good as once.
+        jobs: Picklable values.
+        runner: Where; see `choose_runner`.
+    """
+    return runner.run(handle, jobs)

@@ -1,0 +1,199 @@
+"""Supervised worker processes: one bad item never harms the others.
+
+Some libraries that we call can abort the whole process (physics engines on a strange mesh, convex
+decomposition), and any stage may hang. So items run in spawned processes that are watched from
+outside: a death or a time-out becomes the outcome of that one item and the process is replaced. Each
+process has the threads that `artigen.runtime.cores` gives it, and ends when the process that started it does.
+"""
+
+import multiprocessing
+import os
+import signal
+import threading
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from multiprocessing.connection import Connection, wait
+from multiprocessing.process import BaseProcess
+from queue import Empty, SimpleQueue
+from typing import Generic, TypeVar
+
+from artigen.errors import ArtigenError
+from artigen.runtime.cores import start_pools, worker_environment
+
+LESS_MEMORY = "free some, or run fewer --workers"
+Item = TypeVar("Item")
+Value = TypeVar("Value")
+_STARTING = threading.Lock()
+"""Held while the environment of this process is that of a child about to start."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Outcome(Generic[Value]):
+    """A value, or one sentence that says why there is none."""
+
+    value: Value | None = None
+    error: str | None = None
+
+
+def _serve(connection: Connection) -> None:
+    """Runs in the child: answers (function, item) with an outcome until the pipe closes."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # the parent decides what an interrupt means
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+    start_pools(os.environ)
+    while True:
+        try:
+            function, item = connection.recv()
+        except EOFError:
+            return
+        try:
+            connection.send(Outcome(value=function(item)))
+        except ArtigenError as error:
+            connection.send(Outcome(error=str(error)))
+        except Exception as error:
+            # The boundary of the process: whatever it is, it is this item's outcome, with its type.
+            connection.send(Outcome(error=_explain(error)))
+
+
+def _end_with_parent() -> None:
+    """Ends this process as soon as its parent is gone: a run that goes on elsewhere must not be disturbed."""
+    parent = multiprocessing.parent_process()
+    assert parent is not None
+    wait([parent.sentinel])
+    os._exit(1)
+
+
+def _explain(error: Exception) -> str:
+    """One sentence; where memory ran out, with what to do. PyTorch says so by a `RuntimeError`."""
+    if isinstance(error, MemoryError) or "can't allocate memory" in str(error):
+        return f"memory ran out; {LESS_MEMORY}"
+    return f"{type(error).__name__}: {error}"
+
+
+@contextmanager
+def _environment(values: Mapping[str, str]) -> Iterator[None]:
+    """Sets environment variables for children that start meanwhile; libraries read them when loaded."""
+    before = {name: os.environ.get(name) for name in values}
+    os.environ.update(values)
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value
+
+
+class Worker:
+    """One supervised process, started on first use; it has a lifetime, hence a class."""
+
+    def __init__(self) -> None:
+        self._process: BaseProcess | None = None
+        self._connection: Connection | None = None
+        self._closing = threading.Lock()
+
+    def call(self, function: Callable[[Item], Value], item: Item, timeout: float) -> Outcome[Value]:
+        """Runs ``function(item)`` in the process; never raises for what happens in there.
+
+        Args:
+            function: a module-level function, so that the child can import it.
+            item: its picklable argument.
+            timeout: seconds after which the process is stopped.
+        """
+        connection = self._start()
+        try:
+            connection.send((function, item))
+            if not connection.poll(timeout):
+                self.close()
+                return Outcome(error=f"took longer than {timeout:g} s and was stopped")
+            return connection.recv()
+        except (EOFError, ConnectionError):
+            code = self._exit_code()
+            self.close()
+            return Outcome(error=f"the worker process died: {code}")
+
+    def close(self) -> None:
+        """Ends the process; the next call starts another. Any thread may close it, also twice."""
+        with self._closing:
+            connection, process = self._connection, self._process
+            self._process = self._connection = None
+        if connection is not None:
+            connection.close()
+        if process is not None and process.is_alive():
+            process.kill()
+            process.join()
+
+    def _start(self) -> Connection:
+        if self._connection is None:
+            context = multiprocessing.get_context("spawn")
+            self._connection, child = context.Pipe()
+            self._process = context.Process(target=_serve, args=(child,), daemon=False)
+            with _STARTING, _environment(worker_environment(os.environ)):
+                self._process.start()
+            child.close()
+        return self._connection
+
+    def _exit_code(self) -> str:
+        if self._process is None:
+            return "not started"
+        self._process.join(timeout=5)
+        code = self._process.exitcode
+        if code is None or code >= 0:
+            return f"exit code {code}"
+        killed = (
+            f", which is what systems out of memory send; {LESS_MEMORY}" if -code == signal.SIGKILL else ""
+        )
+        return f"signal {signal.Signals(-code).name}{killed}"
+
+
+def run_supervised(
+    handle: Callable[[Worker, Item], Value],
+    items: Iterable[Item],
+    *,
+    workers: int,
+    first: Worker | None = None,
+) -> Iterator[Value]:
+    """Yields what ``handle`` makes of every item as it is finished, in no particular order.
+
+    Args:
+        handle: called in a thread with a worker of its own; it calls the worker for everything that
+            may fail, so it has an answer for every item. What it raises ends the run.
+        items: anything.
+        workers: threads, each with one process, side by side.
+        first: a worker that is already there, used before any is started, and closed at the end.
+    """
+    waiting: SimpleQueue[Item] = SimpleQueue()
+    total = 0
+    for item in items:
+        waiting.put(item)
+        total += 1
+    finished: SimpleQueue[tuple[Value | None, BaseException | None]] = SimpleQueue()
+    stop = threading.Event()
+
+    def drain(worker: Worker) -> None:
+        while not stop.is_set():
+            try:
+                item = waiting.get_nowait()
+            except Empty:
+                break
+            try:
+                finished.put((handle(worker, item), None))
+            except BaseException as error:  # raised again where the results are read
+                finished.put((None, error))
+        worker.close()
+
+    crew = [first or Worker(), *(Worker() for _ in range(workers - 1))]
+    for spare in crew[total:]:
+        spare.close()
+    threads = [threading.Thread(target=drain, args=(worker,), daemon=True) for worker in crew[:total]]
+    for thread in threads:
+        thread.start()
+    try:
+        for _ in range(total):
+            value, error = finished.get()
+            if error is not None:
+                raise error
+            yield value  # type: ignore[misc]
+    finally:
+        stop.set()

@@ -1,1 +1,0 @@
-"""Voxel fields back to parts, joints and a tree."""

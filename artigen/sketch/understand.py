@@ -1,0 +1,105 @@
+"""What a person asks for (category, words, counts, lengths, a picture), checked and brought together."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TypeVar
+
+from artigen.conditioning.prompt import COLORS, ParsedText, parse_text
+from artigen.errors import ArtigenError
+from artigen.shapes.draw import Wish, check_wish
+from artigen.sketch.request import ALSO_OF, MATERIAL_OF, ROLES_OF, AskedFinish, SketchRequest, check_category
+from artigen.sketch.rows import CATEGORIES
+from artigen.types import PartLabel
+
+Value = TypeVar("Value")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Request:
+    """What is asked for; everything but one of category, text and picture may be left open. Metres."""
+
+    category: str | None = None
+    text: str | None = None
+    image: Path | None = None
+    wish: Wish = field(default_factory=Wish)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Understood:
+    """A request in the words of the sketch, and what it says besides."""
+
+    request: SketchRequest
+    stretch: tuple[tuple[str, float], ...] = ()
+    """Factors by which extents that are left open differ from usual ones: a tall cabinet."""
+    notes: tuple[str, ...] = ()
+
+
+def understand(request: Request, learned: Sequence[str] = CATEGORIES) -> Understood:
+    """Reads the words of a request and joins them with what is asked for otherwise.
+
+    Args:
+        request: What a person asks for.
+        learned: Categories that can be drawn.
+
+    Raises:
+        ArtigenError: If nothing, an unknown category or twice different things are asked for, or the text
+            cannot be read.
+    """
+    text = ParsedText() if request.text is None else parse_text(request.text)
+    category = _agree("category", request.category, text.category)
+    if category is None and request.image is None:
+        raise ArtigenError("no category is asked for: name one, in words if you like, or give a picture")
+    if category is not None:
+        check_category(category, learned)
+    wish = request.wish
+    counts = dict(wish.counts)
+    for label, count in text.counts:
+        counts[label] = _agree(f"number of {label}s", counts.get(label), count) or 0
+    asked = Wish(
+        depth=_agree("depth", wish.depth, text.depth),
+        width=_agree("width", wish.width, text.width),
+        height=_agree("height", wish.height, text.height),
+        style=wish.style,
+        counts=tuple(sorted(counts.items())),
+    )
+    check_wish(asked)
+    said = SketchRequest(
+        category=category,
+        style=asked.style,
+        counts=asked.counts,
+        depth=asked.depth,
+        width=asked.width,
+        height=asked.height,
+        finishes=find_finishes(text.colors, category),
+        some=tuple(label for label, _ in text.colors if label != "base"),
+    )
+    open_axes = tuple(
+        (axis, factor) for axis, factor in text.stretch if getattr(asked, axis) is None
+    )  # "tall" says nothing where a height is given
+    notes = (f"no meaning was found in: {', '.join(text.unused)}",) if text.unused else ()
+    return Understood(request=said, stretch=open_axes, notes=notes)
+
+
+def find_finishes(
+    colors: tuple[tuple[PartLabel, str], ...], category: str | None = None
+) -> tuple[AskedFinish, ...]:
+    """The finishes that colour words ask for; a word for a part goes before that for the whole object.
+
+    Args:
+        colors: Colour words by what they are said of; ``base`` is the whole object.
+        category: Of the object, if it is known.
+    """
+    also = ALSO_OF.get(category or "", ())
+    found: dict[str, AskedFinish] = {}
+    for label, word in sorted(colors, key=lambda named: named[0] != "base"):
+        for role in (*ROLES_OF[label], *(also if label == "base" else ())):
+            found[role] = AskedFinish(role=role, color=COLORS[word], material=MATERIAL_OF.get(word))
+    return tuple(found.values())
+
+
+def _agree(what: str, first: Value | None, second: Value | None) -> Value | None:
+    """The one that is given, or either if both are the same."""
+    if first is not None and second is not None and first != second:
+        raise ArtigenError(f"{what}: both {first} and {second} are asked for")
+    return second if first is None else first

@@ -1,0 +1,1 @@
+"""Public TRELLIS checkpoints, read from local folders into our networks."""

@@ -1,0 +1,56 @@
+"""All stages of the clean-up of drawn cells, in their order."""
+
+from collections.abc import Callable
+from functools import partial
+
+import numpy as np
+from jaxtyping import Float
+
+from artigen.voxels.cleanup.boards import BoardsConfig, make_boards
+from artigen.voxels.cleanup.claim import claim_cells
+from artigen.voxels.cleanup.doorways import clear_doorways
+from artigen.voxels.cleanup.faces import even_faces
+from artigen.voxels.cleanup.feet import extend_feet
+from artigen.voxels.cleanup.knobs import shape_knobs
+from artigen.voxels.cleanup.panels import back_knobs
+from artigen.voxels.cleanup.paths import clear_paths
+from artigen.voxels.cleanup.portholes import round_portholes
+from artigen.voxels.cleanup.revolve import revolve_parts
+from artigen.voxels.cleanup.rows import Owners
+
+Stage = Callable[[Owners], tuple[Owners, tuple[str, ...]]]
+"""Other owners of the cells, and notes of what was changed."""
+
+
+def mend_cells(
+    owners: Owners,
+    logits: Float[np.ndarray, "X Y Z"],
+    rows: Float[np.ndarray, "N C"],
+    boards: BoardsConfig | None = None,
+) -> tuple[Owners, tuple[str, ...]]:
+    """Cleans up drawn cells, with notes of what was changed.
+
+    Args:
+        owners: A row per cell, -1 where nothing is.
+        logits: Of occupancy, of all cells.
+        rows: An outline, the channels after occupancy, one row per part.
+        boards: What counts as a board; None leaves boards out.
+    """
+    stages: list[Stage] = [
+        partial(round_portholes, rows=rows),
+        partial(even_faces, logits=logits, rows=rows),
+        partial(clear_paths, logits=logits, rows=rows),
+        partial(clear_doorways, rows=rows),
+        partial(claim_cells, rows=rows),
+        partial(shape_knobs, rows=rows),
+        partial(extend_feet, rows=rows),
+        partial(revolve_parts, rows=rows),
+        partial(back_knobs, rows=rows),
+    ]
+    if boards is not None:
+        stages.insert(0, partial(make_boards, logits=logits, rows=rows, cfg=boards))
+    notes: list[str] = []
+    for stage in stages:
+        owners, said = stage(owners)
+        notes += said
+    return owners, tuple(notes)

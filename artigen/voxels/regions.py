@@ -1,0 +1,71 @@
+"""Faces and figures: voxels of one part that face one way, and what stands out on them.
+
+Windows, trims and panels are rectangles, or discs on round doors.
+"""
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+from scipy.ndimage import binary_fill_holes
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from artigen.voxels.cleanup.boxes import fill_boxes, find_boxes
+from artigen.voxels.frames import mark_voxels
+
+ROUND = 8
+"""Cells across a face, at least, for it to be round."""
+
+
+def find_edges(
+    coords: Int[np.ndarray, "N 3"],
+    part_ids: Int[np.ndarray, "N"],
+    facings: Int[np.ndarray, "N"],
+    resolution: int,
+) -> Int[np.ndarray, "E 2"]:
+    """Pairs of voxels that share a face, a part, and the direction of their outer sides.
+
+    Args:
+        coords: Cells (x, y, z) of the grid, each at most once.
+        part_ids: Part of each.
+        facings: Directions of their outer sides (`artigen.voxels.frames`).
+        resolution: Edge of the grid.
+    """
+    grid = np.pad(mark_voxels(coords, np.arange(len(coords)), resolution), (0, 1), constant_values=-1)
+    pairs = []
+    for axis in range(3):
+        step = np.eye(3, dtype=np.int64)[axis]
+        other = grid[tuple((coords.astype(np.int64) + step).T)]
+        (one,) = np.nonzero(other >= 0)
+        other = other[one]
+        alike = (part_ids[one] == part_ids[other]) & (facings[one] == facings[other])
+        pairs.append(np.stack([one[alike], other[alike]], axis=1))
+    return np.concatenate(pairs)
+
+
+def number_faces(count: int, edges: Int[np.ndarray, "E 2"]) -> Int[np.ndarray, "N"]:
+    """The face of each voxel: what is connected by pairs of neighbours."""
+    links = coo_array((np.ones(len(edges), dtype=bool), (edges[:, 0], edges[:, 1])), shape=(count, count))
+    return connected_components(links, directed=False)[1]
+
+
+def is_round(face: Bool[np.ndarray, "H W"]) -> bool:
+    """Whether an ellipse says more of the outline of a face than a rectangle does."""
+    whole, disc = np.asarray(binary_fill_holes(face)), draw_ellipse(*face.shape)
+    alike = (whole & disc).sum() / (whole | disc).sum()
+    return min(face.shape) >= ROUND and alike > whole.mean()
+
+
+def draw_ellipse(height: int, width: int) -> Bool[np.ndarray, "H W"]:
+    """The cells of a rectangle whose middles lie in its ellipse."""
+    y, z = (np.linspace(-1, 1, 2 * count + 1)[1::2] for count in (height, width))
+    return y[:, None] ** 2 + z[None] ** 2 <= 1.0
+
+
+def find_rectangles(evidence: Float[np.ndarray, "H W"], least: float) -> Bool[np.ndarray, "H W"]:
+    """The cells of the rectangles that hold enough evidence.
+
+    Args:
+        evidence: Above 0 for cells that belong to a rectangle, below 0 for others.
+        least: Sum over a rectangle for it to be one.
+    """
+    return fill_boxes((*evidence.shape, 1), find_boxes(evidence[..., None], least))[..., 0]

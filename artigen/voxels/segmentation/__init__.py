@@ -1,0 +1,1 @@
+"""Voxel fields to parts, joints and a tree."""

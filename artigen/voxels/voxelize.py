@@ -1,0 +1,196 @@
+"""Surfaces to voxels: labels by area majority, without losing the small parts.
+
+`encode` and `decode` (the dense field and back) live in `artigen.voxels.fields` and are offered here too.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+from jaxtyping import Float, Int
+
+from artigen.types import Asset, SurfaceSamples, VoxelGrid
+from artigen.voxels.fields import decode, encode
+from artigen.voxels.frames import mark_voxels
+
+__all__ = ["assign_cells", "decode", "drop_unresolved", "encode", "find_heirs", "voxelize", "voxelize_again"]
+
+FAIR_SHARE = 0.5
+"""A part should own cells that hold this share of its area; below it the part may claim cells."""
+TAKEN = 2.0
+"""What surface weighs whose next cell beneath is another part's, in voxels to a next cell that is free."""
+
+
+def voxelize(surface: SurfaceSamples, resolution: int = 64) -> VoxelGrid:
+    """Marks every cell that holds a sample and gives it to one part, as `assign_cells` does.
+
+    Samples count as area.
+    """
+    cells = find_cells(surface, resolution)
+    return assign_cells(cells, surface.part_ids, np.ones(len(cells)), resolution)
+
+
+def find_cells(surface: SurfaceSamples, resolution: int) -> Int[np.ndarray, "N 3"]:
+    """The cell of every sample; points on the far faces of the unit cube count to the last one."""
+    cells = np.floor((surface.points.astype(np.float64) + 0.5) * resolution).astype(np.int64)
+    return np.clip(cells, 0, resolution - 1)
+
+
+def weigh_losses(surface: SurfaceSamples, resolution: int) -> Float[np.ndarray, "N"]:
+    """What each sample's part would lose if the sample's cell were another's: how far off the next cell
+    beneath it is, in voxels, and `TAKEN` where only other parts have surface in that."""
+    cells, part_ids = find_cells(surface, resolution), surface.part_ids.astype(np.int64)
+    points = (surface.points.astype(np.float64) + 0.5) * resolution
+    every, axes = np.arange(len(points)), np.abs(surface.normals).argmax(axis=1)
+    signs = np.where(surface.normals[every, axes] > 0, 1, -1)
+    into = points[every, axes] - cells[every, axes]
+    beneath = cells.copy()
+    beneath[every, axes] -= signs
+    inside = ((beneath >= 0) & (beneath < resolution)).all(axis=1)
+    shape, parts = (resolution,) * 3, int(part_ids.max(initial=0)) + 1
+    here = np.ravel_multi_index(tuple(cells.T), shape)
+    there = np.ravel_multi_index(tuple(beneath.clip(0, resolution - 1).T), shape)
+    free = ~np.isin(there, here) | np.isin(there * parts + part_ids, here * parts + part_ids)
+    return np.where(inside & free, np.where(signs > 0, into, 1.0 - into), TAKEN)
+
+
+def voxelize_again(surface: SurfaceSamples, voxels: VoxelGrid) -> VoxelGrid:
+    """Marks the cells that the surface made of voxels passes through, as `voxelize` does those of an object.
+
+    Drawn voxels may be thick, and meshes made of them lie beside some. Of two parts in one cell, the one that
+    would lose more owns it (`weigh_losses`): the other's surface goes to the cell beneath
+    (`artigen.voxels.layout.cover_surface`). A part that no cell is left for keeps those that it had.
+
+    Args:
+        surface: Samples of the meshes that were made of the voxels.
+        voxels: What they were made of.
+    """
+    cells, weights = find_cells(surface, voxels.resolution), weigh_losses(surface, voxels.resolution)
+    found = assign_cells(cells, surface.part_ids, weights, voxels.resolution)
+    lost = np.isin(voxels.part_ids, np.setdiff1d(voxels.part_ids, found.part_ids))
+    if not lost.any():
+        return found
+    owners = mark_voxels(found.coords, found.part_ids, voxels.resolution)
+    owners[tuple(voxels.coords[lost].T)] = voxels.part_ids[lost]
+    coords = np.argwhere(owners >= 0)
+    return VoxelGrid(resolution=voxels.resolution, coords=coords, part_ids=owners[tuple(coords.T)])
+
+
+def assign_cells(
+    cells: Int[np.ndarray, "N 3"],
+    part_ids: Int[np.ndarray, "N"],
+    areas: Float[np.ndarray, "N"],
+    resolution: int,
+) -> VoxelGrid:
+    """Gives every cell that surface passes through to one part.
+
+    The part with the largest area in a cell owns it; ties go to the lower part id. A part
+    smaller than a cell would lose every cell to the panel it sits on (the buttons of a microwave), so
+    then the parts whose cells hold less than `FAIR_SHARE` of their own area, smallest first, claim
+    the cells where they have most area until they reach that share. A claimed cell is not claimed
+    again. A part can still end up without a cell when several lie inside one; see `drop_unresolved`.
+
+    Args:
+        cells: Cell of every piece of surface.
+        part_ids: Part that the piece belongs to.
+        areas: Its area, in any unit.
+        resolution: Cells along an edge of the grid.
+    """
+    shape = (resolution,) * 3
+    parts = int(part_ids.max()) + 1 if len(part_ids) else 1
+    pairs = np.ravel_multi_index(tuple(cells.T), shape) * parts + part_ids
+    keys, row = np.unique(pairs, return_inverse=True)
+    held = np.bincount(row.ravel(), weights=areas, minlength=len(keys))
+    flat, part = np.divmod(keys, parts)  # one row per (cell, part) that meet, sorted by cell, then part
+    order = np.lexsort((part, -held, flat))
+    owned, first = np.unique(flat[order], return_index=True)
+    cell = np.searchsorted(owned, flat)
+    owners = _claim(cell, part, held, part[order][first])
+    return VoxelGrid(
+        resolution=resolution, coords=np.stack(np.unravel_index(owned, shape), axis=1), part_ids=owners
+    )
+
+
+def _claim(cell: np.ndarray, part: np.ndarray, areas: np.ndarray, owners: np.ndarray) -> np.ndarray:
+    """Lets starved parts take cells; rows of ``cell``, ``part``, ``areas`` are the pairs that meet."""
+    totals = np.bincount(part, weights=areas)
+    held = np.bincount(part, weights=areas * (owners[cell] == part), minlength=len(totals))
+    starved = np.flatnonzero((totals > 0) & (held < FAIR_SHARE * totals))
+    owners = owners.copy()
+    claimed = np.zeros(len(owners), dtype=bool)
+    for index in starved[np.argsort(totals[starved], kind="stable")]:
+        rows = np.flatnonzero(part == index)
+        have = areas[rows][owners[cell[rows]] == index].sum()
+        rows = rows[(owners[cell[rows]] != index) & ~claimed[cell[rows]]]
+        rows = rows[np.argsort(-areas[rows], kind="stable")]
+        before = have + np.cumsum(areas[rows]) - areas[rows]
+        taken = cell[rows[before < FAIR_SHARE * totals[index]]]
+        owners[taken] = index
+        claimed[taken] = True
+    return owners
+
+
+def find_heirs(parents: Mapping[str, str | None], asset: Asset) -> Int[np.ndarray, "P"]:
+    """The asset's part that each named part is: itself, or the ancestor that it was merged into.
+
+    Args:
+        parents: Of every part before, in order.
+        asset: What `drop_unresolved` has left of them.
+    """
+    row = {part.name: index for index, part in enumerate(asset.parts)}
+
+    def heir(name: str) -> int:
+        parent = parents[name]
+        return row[name] if name in row or parent is None else heir(parent)
+
+    return np.array([heir(name) for name in parents])
+
+
+def drop_unresolved(asset: Asset) -> Asset:
+    """Merges every part that owns no voxel into its parent, and notes it.
+
+    Such a part is below the grid's resolution: nothing that looks at the voxels can find it again.
+    Its surface samples go to the parent and its children hang from the parent; a movable one stops
+    moving. Gaussians are relabelled likewise.
+
+    Raises:
+        ValueError: If the asset has no voxels, or the root owns none.
+    """
+    if asset.voxels is None:
+        raise ValueError(f"asset {asset.name!r} has no voxels; voxelize its surface first")
+    counts = np.bincount(asset.voxels.part_ids, minlength=len(asset.parts))
+    if counts[asset.root] == 0:
+        raise ValueError(
+            f"asset {asset.name!r}: the root part {asset.parts[asset.root].name!r} owns no voxel"
+        )
+    if (counts > 0).all():
+        return asset
+
+    def heir(index: int) -> int:
+        while counts[index] == 0:
+            index = asset.parts[index].parent
+        return index
+
+    kept = np.flatnonzero(counts)
+    renumber = np.full(len(asset.parts), -1)
+    renumber[kept] = np.arange(len(kept))
+    new_ids = np.array([renumber[heir(index)] for index in range(len(asset.parts))])
+    parts = tuple(
+        replace(part, parent=-1 if part.parent == -1 else int(new_ids[part.parent]))
+        for part in (asset.parts[index] for index in kept)
+    )
+    notes = tuple(
+        f"{part.name} ({part.label}, {part.joint.type}) is below the voxel resolution "
+        f"{asset.voxels.resolution} and was merged into {asset.parts[heir(index)].name}"
+        for index, part in enumerate(asset.parts)
+        if counts[index] == 0
+    )
+    holders = {
+        name: None if holder is None else replace(holder, part_ids=new_ids[holder.part_ids])
+        for name, holder in (
+            ("voxels", asset.voxels),
+            ("surface", asset.surface),
+            ("gaussians", asset.gaussians),
+        )
+    }
+    return replace(asset, parts=parts, notes=asset.notes + notes, **holders)

@@ -1,0 +1,115 @@
+"""Boards out of cells: what is exact stays, what is torn is mended, parts keep to themselves."""
+
+import numpy as np
+import pytest
+from cupboard import BASE, DOOR, EDGE, KNOB, carcass, row
+
+from artigen.voxels.cleanup.boards import BoardsConfig, make_boards
+from artigen.voxels.cleanup.boxes import fill_boxes, find_boxes
+
+ROWS = np.stack([BASE, row("door", DOOR), row("knob", KNOB)])
+
+
+@pytest.fixture
+def cupboard() -> np.ndarray:
+    """Owner of every cell of an open carcass with a door before it and a knob on that."""
+    owners = carcass()
+    owners[DOOR], owners[KNOB] = 1, 2
+    return owners
+
+
+def remake(owners: np.ndarray, cfg: BoardsConfig | None = None) -> np.ndarray:
+    logits = np.where(owners >= 0, 6.0, -6.0)
+    return make_boards(owners, logits, ROWS, cfg)[0]
+
+
+def test_what_is_made_of_boards_stays_and_is_not_noted(cupboard: np.ndarray):
+    made, notes = make_boards(cupboard, np.where(cupboard >= 0, 6.0, -6.0), ROWS)
+    assert (made == cupboard).all()
+    assert notes == ()
+
+
+@pytest.mark.parametrize("axes", [(0, 2, 1), (2, 1, 0), (1, 2, 0)])
+def test_boxes_do_not_depend_on_the_axes(cupboard: np.ndarray, axes: tuple[int, int, int]):
+    evidence = np.where(cupboard == 0, 1.0, -1.0)
+    turned = evidence.transpose(axes)
+    assert (fill_boxes(turned.shape, find_boxes(turned, 10)) == (turned > 0)).all()
+
+
+def test_dents_pinholes_and_ragged_rims_are_mended(cupboard: np.ndarray):
+    generator = np.random.default_rng(0)
+    torn = cupboard.copy()
+    torn[(cupboard == 1) & (generator.random(cupboard.shape) < 0.15)] = -1
+    torn[1:3, 4:8, 4:9] = -1  # a corner
+    torn[1:3, 28, 4:28][:, generator.random(24) < 0.3] = 1  # a rim
+    assert (torn != cupboard).sum() > 150
+    assert (remake(torn) == cupboard).all()
+
+
+def test_cells_of_the_body_within_a_door_become_the_doors(cupboard: np.ndarray):
+    speckled = cupboard.copy()
+    speckled[1:3, 10:13, 10:13] = 0
+    assert (remake(speckled) == cupboard).all()
+
+
+def test_a_window_stays_open_and_a_dent_does_not(cupboard: np.ndarray):
+    window = cupboard.copy()
+    window[1:3, 8:20, 8:20] = -1
+    assert (remake(window) == window).all()
+    assert (remake(window, BoardsConfig(least_cut=400)) == cupboard).all()
+
+
+def test_the_gap_between_door_and_body_stays_empty(cupboard: np.ndarray):
+    assert (remake(cupboard)[3] == -1).all()
+
+
+def test_small_and_round_parts_stay_as_they_were_drawn(cupboard: np.ndarray):
+    worn = cupboard.copy()
+    worn[0, 14, 14] = -1
+    assert (remake(worn) == worn).all()
+
+
+def test_small_parts_keep_within_their_boxes(cupboard: np.ndarray):
+    swollen = cupboard.copy()
+    swollen[0, 13:17, 13:17] = 2
+    assert (remake(swollen) == cupboard).all()
+
+
+def test_a_turntable_stays_round():
+    across, along = np.meshgrid(np.arange(EDGE) - 15.5, np.arange(EDGE) - 15.5, indexing="ij")
+    owners = np.full((EDGE,) * 3, -1)
+    owners[..., 8:10][np.hypot(across, along) < 11] = 0
+    logits = np.where(owners >= 0, 6.0, -6.0)
+    for joint, stays in (("continuous", True), ("fixed", False)):
+        rows = np.stack([row("tray", (slice(5, 27), slice(5, 27), slice(8, 10)), joint)])
+        made, _ = make_boards(owners, logits, rows)
+        assert (made == owners).all() == stays
+
+
+def test_a_part_without_cells_is_not_made_up(cupboard: np.ndarray):
+    without = np.where(cupboard == 1, -1, cupboard)
+    assert not (remake(without) == 1).any()
+
+
+def test_a_slanted_piece_stays_beside_the_boards():
+    owners = np.full((EDGE,) * 3, -1)
+    for step in range(20):  # a slope that no box of ten cells holds
+        owners[4 + step, 4:9, 4 + step] = 0
+    rows = np.stack([row("base", (slice(4, 28), slice(4, 28), slice(4, 28)))])
+    made, _ = make_boards(owners, np.where(owners >= 0, 6.0, -6.0), rows)
+    assert (made == owners).all()
+
+
+def test_the_note_counts_what_changed(cupboard: np.ndarray):
+    torn = cupboard.copy()
+    torn[1, 10:12, 10:12] = -1
+    torn[3, 20, 20] = 1
+    _, notes = make_boards(torn, np.where(torn >= 0, 6.0, -6.0), ROWS)
+    assert notes == (f"boards: 4 cells were filled and 1 cleared, of {(torn >= 0).sum()}",)
+
+
+def test_evidence_that_is_too_little_makes_no_box():
+    evidence = np.full((8, 8, 8), -1.0)
+    evidence[2:4, 2:4, 2:4] = 1.0
+    assert find_boxes(evidence, 8.5) == []
+    assert find_boxes(evidence, 8.0) == [(slice(2, 4),) * 3]

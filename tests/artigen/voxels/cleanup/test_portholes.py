@@ -1,0 +1,84 @@
+"""Doors before drums are round, with a round opening behind them; all other doors stay."""
+
+import numpy as np
+import pytest
+from cupboard import EDGE, row
+
+from artigen.shapes.asset import shape_to_asset
+from artigen.shapes.draw import draw_shape
+from artigen.voxels.cleanup.portholes import MOUTH, RIM, round_portholes
+from artigen.voxels.fields import tabulate_parts
+
+BODY = (slice(5, 28), slice(2, 30), slice(2, 30))
+DOOR = (slice(2, 5), slice(6, 26), slice(6, 26))
+DRUM = (slice(8, 24), slice(8, 24), slice(8, 24))
+PLATE = 5
+"""The layer of cells behind the door."""
+
+
+def outline(axis: tuple[float, float, float] = (1, 0, 0)) -> np.ndarray:
+    return np.stack(
+        [
+            row("base", BODY),
+            row("door", DOOR, "revolute", axis=(0, 0, 1), turn=0.4),
+            row("tray", DRUM, "continuous", axis=axis, turn=1.0),
+        ]
+    )
+
+
+@pytest.fixture
+def machine() -> np.ndarray:
+    """A square door over a square hole that is ragged at one side."""
+    owners = np.full((EDGE,) * 3, -1)
+    owners[PLATE, 2:30, 2:30] = 0
+    owners[PLATE, 10:22, 10:22] = -1
+    owners[PLATE, 20:26, 12:16] = -1
+    owners[DOOR] = 1
+    return owners
+
+
+def radii() -> np.ndarray:
+    """Of the cells of a layer about the middle of the door, whose radius is 10 cells."""
+    across = np.arange(EDGE) + 0.5 - 16.0
+    return np.hypot(across[:, None], across[None]) / 10.0
+
+
+def test_a_square_door_before_a_drum_becomes_a_disc_over_a_round_hole(machine: np.ndarray):
+    made, notes = round_portholes(machine, outline())
+    radius = radii()
+    for layer in range(DOOR[0].start, DOOR[0].stop):
+        assert ((made[layer] == 1) == (radius <= 1.0)).all()
+    plate = made[PLATE, 2:30, 2:30] == 0
+    inner = radius[2:30, 2:30]
+    assert plate[inner > RIM].all()
+    assert not plate[inner < MOUTH].any()
+    assert notes == (f"{(made != machine).sum()} cells were changed to make a door and its opening round",)
+    again, nothing = round_portholes(made, outline())
+    assert (again == made).all()
+    assert nothing == ()
+
+
+def test_a_disc_with_a_lost_rim_is_whole_again(machine: np.ndarray):
+    whole, _ = round_portholes(machine, outline())
+    torn = whole.copy()
+    torn[DOOR[0], 6:10] = -1
+    made, _ = round_portholes(torn, outline())
+    assert ((made == 1).any(axis=0) == (whole == 1).any(axis=0)).all()
+
+
+def test_a_lid_over_a_drum_that_stands_stays(machine: np.ndarray):
+    made, notes = round_portholes(machine, outline(axis=(0, 0, 1)))
+    assert (made == machine).all()
+    assert notes == ()
+
+
+def test_true_objects_hardly_change():
+    for category, seeds in (("WashingMachine", (1, 2, 8)), ("Microwave", (0,)), ("Oven", (0,))):
+        for seed in seeds:
+            asset = shape_to_asset(draw_shape(category, seed), 64)
+            assert asset.voxels is not None
+            owners = np.full((64,) * 3, -1)
+            owners[tuple(asset.voxels.coords.T)] = asset.voxels.part_ids
+            made, _ = round_portholes(owners, tabulate_parts(asset))
+            allowed = 0.004 if category == "WashingMachine" else 0.0
+            assert (made != owners).sum() <= allowed * len(asset.voxels.coords)

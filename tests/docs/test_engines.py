@@ -1,0 +1,117 @@
+"""docs/how_to_engines.md: its blocks are Python, and run where their engine is installed."""
+
+import importlib.util
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from project import ROOT
+
+from artigen.shapes.draw import draw_shape, draw_variant, find_seed
+from envs.validate import validate_here
+from sim_export.files.folders import find_packages
+from sim_export.files.read import read_package
+from sim_export.files.write import write_package
+from sim_export.reference import build_reference, describe_build
+
+PAGE = ROOT / "docs" / "how_to_engines.md"
+BLOCKS = {
+    (section.splitlines()[0], number): block
+    for section in PAGE.read_text().split("\n## ")[1:]
+    for number, block in enumerate(re.findall(r"```python\n(.*?)```", section, re.DOTALL))
+}
+NEEDS = {
+    "MuJoCo": "mujoco",
+    "SAPIEN": "sapien",
+    "ManiSkill": "mani_skill",
+    "PyBullet": "pybullet",
+    "Newton": "newton",
+    "RoboCasa": "mujoco",
+}
+"""What must be installed for a section's blocks; those of other sections are only compiled."""
+
+
+@pytest.fixture(scope="module")
+def cabinets(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with two cabinets of one topology in out/cabinets."""
+    folder = tmp_path_factory.mktemp("how_to")
+    seed = find_seed("StorageFurniture", (("drawer", 3), ("door", 0)))
+    first = draw_shape("StorageFurniture", seed)
+    build = describe_build(first)
+    other = draw_variant("StorageFurniture", seed, 0, lambda shape: describe_build(shape) == build)
+    for number, drawn in enumerate((first, other)):
+        write_package(build_reference(drawn), folder / "out" / "cabinets" / f"StorageFurniture_{number}")
+    return folder
+
+
+def test_every_engine_has_ten_lines_or_so():
+    assert len({section for section, _ in BLOCKS}) == 10
+    assert set(NEEDS) < {section for section, _ in BLOCKS}
+    for (section, _), block in BLOCKS.items():
+        compile(block, section, "exec")
+        assert len(block.splitlines()) <= 25, section
+
+
+@pytest.mark.sim
+@pytest.mark.parametrize(("section", "number"), [key for key in BLOCKS if key[0] in NEEDS])
+def test_what_is_marked_so_runs(cabinets: Path, monkeypatch: pytest.MonkeyPatch, section: str, number: int):
+    if importlib.util.find_spec(NEEDS[section]) is None:
+        pytest.skip(f"no module {NEEDS[section]} here: its block in {PAGE.name} was not run")
+    monkeypatch.chdir(cabinets)
+    if section == "ManiSkill":  # takes packages that passed, and says so of others
+        assert all(validate_here(folder).passed for folder in find_packages([cabinets / "out" / "cabinets"]))
+    names: dict = {"__name__": "page"}
+    exec(compile(BLOCKS[section, number], section, "exec"), names)
+    opened = {
+        ("MuJoCo", 0): lambda: names["data"].qpos[0],
+        ("MuJoCo", 1): lambda: names["states"][:, -1, 1 : 1 + names["models"][0].nq].max(axis=1).min(),
+        ("SAPIEN", 0): lambda: max(names["loaded"].articulation.qpos),
+        ("ManiSkill", 0): lambda: float(np.isfinite(names["reward"].numpy()).all()),
+        ("PyBullet", 0): lambda: names["p"].getJointState(names["body"], 0)[0],
+        ("Newton", 0): lambda: names["now"].joint_q.numpy().max(),
+        ("RoboCasa", 0): lambda: float(open_fixture(names["folder"] / "model.xml")),
+    }
+    assert opened[section, number]() > 0.05
+
+
+def open_fixture(file: Path) -> float:
+    """How far (m) the first drawer of a fixture comes out towards -y, its front; 0 if its box is none."""
+    import mujoco
+
+    model = mujoco.MjModel.from_xml_path(str(file))
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    corner = {name: data.site(f"ext_{name}").xpos.copy() for name in ("p0", "px", "py", "pz")}
+    sizes = [corner[name][axis] - corner["p0"][axis] for axis, name in enumerate(("px", "py", "pz"))]
+    if min(sizes) <= 0.0:
+        return 0.0
+    before = data.body("link_0").xpos[1]
+    data.joint("joint_0").qpos[0] = 0.1
+    mujoco.mj_forward(model, data)
+    return before - data.body("link_0").xpos[1]
+
+
+def test_cabinets_have_one_structure_in_usd(cabinets: Path):
+    pytest.importorskip("pxr")
+    from pxr import Usd, UsdGeom, UsdPhysics
+
+    from sim_export.usd.write import write_usd
+
+    structures = []
+    for folder in find_packages([cabinets / "out" / "cabinets"]):
+        main = write_usd(read_package(folder), cabinets / "out" / "usd")
+        stage = Usd.Stage.Open(str(main))
+        root = stage.GetDefaultPrim()
+        prims = [prim for prim in Usd.PrimRange(root) if prim != root]
+        structures.append(
+            [
+                (str(prim.GetPath().MakeRelativePath(root.GetPath())), prim.GetTypeName())
+                for prim in prims
+                if prim.HasAPI(UsdPhysics.CollisionAPI)
+                or prim.IsA(UsdPhysics.Joint)
+                or prim.IsA(UsdGeom.Xform)
+            ]
+        )
+    assert len(structures) == 2
+    assert structures[0] == structures[1]
