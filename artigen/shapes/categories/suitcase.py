@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from artigen.shapes.appliances.assembly import Assembly, draw_styled
+from artigen.shapes.appliances.assembly import Assembly, Build, draw_styled
 from artigen.shapes.draw import Draft, Wish
 from artigen.shapes.fittings.bowls import build_bowl
 from artigen.shapes.fittings.carrying import CHANNEL, build_channel, make_grip, make_pull_handle
@@ -47,9 +47,10 @@ SLENDER = 57
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """A suitcase that meets the wish."""
-    builders = dict.fromkeys(("cabin", "large"), _build_standing) | dict.fromkeys(
-        ("leather", "aluminium"), _build_lying
-    )
+    builders: dict[str, Build] = dict.fromkeys(STYLES, _build_lying) | {
+        "cabin": _build_standing,
+        "large": _build_standing,
+    }
     return draw_styled(rng, wish, STYLES, SIZES, builders, _draw_finishes)
 
 
