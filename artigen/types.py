@@ -198,8 +198,8 @@ class Gaussians:
 class Asset:
     """An articulated object: parts in a tree, plus whatever geometry a stage has produced.
 
-    ``scale`` is metres per unit-cube length. ``notes`` records, stage by stage, everything that
-    was repaired, snapped or dropped on the way here, one sentence each.
+    ``scale`` is metres per unit-cube length. ``notes`` lists everything that was repaired, snapped
+    or dropped by earlier stages, one sentence each.
     """
 
     name: str

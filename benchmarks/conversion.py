@@ -3,7 +3,7 @@
     python benchmarks/conversion.py OBJECTS -o out/bench --stages convert originals likeness table
 
 ``OBJECTS`` holds ``partnet_mobility/`` and ``splits.json``. Stages are resumable; the table is made of
-what the others left in the output folder, and is what docs/benchmarks.md shows.
+what the others left in the output folder, and is what docs/reports/benchmarks.md shows.
 """
 
 import json

@@ -4,7 +4,7 @@
 
 reads every object of ``splits.json``, voxelises and encodes it, adds the noise of each row of
 `NOISES`, segments the field with each recipe, and compares with the truth. Writes ``segmentation.json``
-(every object) and ``segmentation.md`` (the tables of docs/segmentation.md). One seed per object.
+(every object) and ``segmentation.md`` (the tables of docs/reports/structure.md). One seed per object.
 """
 
 import json

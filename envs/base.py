@@ -1,4 +1,4 @@
-"""What the three environments share: a package in a scene of its own, built anew at every reset."""
+"""Common base of the three environments: a package in its own scene, rebuilt at every reset."""
 
 from pathlib import Path
 from typing import Any

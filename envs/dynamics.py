@@ -1,4 +1,4 @@
-"""Checks V301 to V309: does the object load, rest, stand, open, close and stay closed in a physics engine?
+"""Checks V301 to V309: load, rest, stability, opening, closing and holding in a physics engine.
 
 Everything here runs in the present process, which SAPIEN may abort: `envs.validate` calls it in a
 supervised child. Each function states what it measures, what is allowed, and where it applies.

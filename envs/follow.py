@@ -1,4 +1,4 @@
-"""Joints that follow others and springs, played at every step: SAPIEN's URDF loader has neither.
+"""Plays follower joints and springs at every step, since SAPIEN's URDF loader supports neither.
 
 Its coupling, a stiff tendon, pushes energy into joints; a tendon as a spring pulls several times too much.
 """

@@ -1,4 +1,4 @@
-"""Joint friction, damping and top speed in SI units, for a loader that knows none of them.
+"""Sets joint friction, damping and top speed in SI units, which the loader ignores.
 
 SAPIEN ignores a URDF's ``<dynamics friction>`` and ``<limit velocity>``, and PhysX's own joint friction
 is a unitless coefficient whose holding force depends on the time step and on the number of solver
@@ -20,7 +20,7 @@ below its friction creeps this slowly, and one that moves faster feels the whole
 def apply_friction(joint: "PhysxArticulationJoint", friction: float) -> None:
     """Replaces a joint's resistance by Coulomb friction of ``friction`` newtons or newton metres.
 
-    Uses the joint's drive; whoever drives the joint later replaces the friction with it.
+    Uses the joint's drive; setting another drive on the joint later replaces the friction.
     """
     if not friction >= 0.0:
         raise ValueError(f"joint {joint.name!r}: friction {friction}, expected >= 0")

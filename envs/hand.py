@@ -1,4 +1,4 @@
-"""What a hand does to a joint: how hard it may pull, where, and in which direction.
+"""Forces that a hand applies to a joint: magnitude, place and direction.
 
 A person pulls a drawer with at most 30 N and turns a door with at most 10 N m, and never with more
 than 30 N at its handle, which is what limits a small lid. Fingers push a button with 10 N and turn a
@@ -56,7 +56,7 @@ def shape_vertices(shape: "PhysxCollisionShape") -> Float[np.ndarray, "V 3"]:
 
 
 def measure_moved(loaded: LoadedPackage, joint: LoadedJoint) -> Moved:
-    """What ``joint`` moves at the articulation's present pose."""
+    """Mass properties of what ``joint`` moves in the present pose."""
     frame = pose_matrix(joint.engine.global_pose)
     axis, origin = frame[:3, 0], frame[:3, 3]  # SAPIEN puts the axis on the joint frame's x
     masses, centers, inertias, vertices = [], [], [], [np.zeros((0, 3))]

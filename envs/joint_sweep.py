@@ -1,4 +1,4 @@
-"""``ArtiGen/JointSweep-v0``: move every joint through its range without anything cutting into anything."""
+"""``ArtiGen/JointSweep-v0``: move every joint through its range without penetration."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,7 +18,7 @@ from .package import LoadConfig
 
 @dataclass(frozen=True, kw_only=True)
 class JointSweepConfig:
-    """What a sweep allows and counts."""
+    """Thresholds of a sweep."""
 
     step: float = 0.1
     """Part of its range that a full action moves a joint by."""

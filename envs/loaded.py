@@ -1,4 +1,4 @@
-"""A package in a scene as a value, and what one does with it: pose it, step it, ask what moves."""
+"""A loaded package: poses, stepping, moving links."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -87,8 +87,7 @@ class LoadedPackage:
 
 
 def advance(loaded: LoadedPackage) -> None:
-    """One physics step in which followers follow and springs pull; an object that has neither needs no more
-    than ``scene.step()``."""
+    """Makes one physics step with followers and springs; objects without them need only ``scene.step()``."""
     if loaded.followers:
         qpos = loaded.articulation.qpos
         for each in loaded.followers:

@@ -1,4 +1,4 @@
-"""A second engine's opinion: MuJoCo compiles a package's URDF and MJCF and finds nothing to push apart."""
+"""MuJoCo compiles the URDF and MJCF of a package and finds no forces at rest."""
 
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""A package in SAPIEN: loaded strictly, with friction and damping in SI units, and nothing lost silently.
+"""Loads a package into SAPIEN strictly, with friction and damping in SI units.
 
 SAPIEN's own loader drops collision shapes that it cannot read, invents masses where a URDF has none,
 ignores joint friction, and needs (or aborts without) a render device as soon as there is a visual.
@@ -49,7 +49,7 @@ def load_package(
     """Loads ``mobility.urdf`` of a package folder into ``scene``, at rest, its frame on the world's.
 
     Args:
-        scene: where the articulation is built; its time step is the caller's business.
+        scene: where the articulation is built, with any time step.
         folder: the package; an original PartNet-Mobility folder will do.
         cfg: base, visuals and joint resistance.
         package: the folder's content where it has been read already.

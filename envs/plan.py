@@ -1,4 +1,4 @@
-"""Which joints may be tried at the same time, and what each needs: effort, requirements, direction.
+"""Joints that can be tested at the same time, and effort, requirements and direction of each.
 
 Trying every joint alone is exact but slow. Joints whose swept volumes stay apart cannot help or
 hinder one another, so they move together; everything else keeps to separate runs.

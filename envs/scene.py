@@ -43,8 +43,8 @@ def reset_physx() -> None:
 def create_scene(timestep: float, *, ground: bool = False, render: bool = False) -> "sapien.Scene":
     """An empty scene with gravity (0, 0, -9.81) m/s^2.
 
-    Settings of PhysX are global to the process, and ManiSkill changes them: those that SAPIEN starts with are
-    set again, so that what is loaded into the scene moves the same whatever ran before.
+    PhysX settings are global to the process, and ManiSkill changes them. SAPIEN's defaults are therefore
+    restored, so that results do not depend on what ran before.
 
     Args:
         timestep: seconds per step.

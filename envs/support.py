@@ -1,4 +1,4 @@
-"""Does an object stand: is its centre of mass above the polygon of what touches the floor?"""
+"""Static stability: is the centre of mass above the support polygon?"""
 
 import numpy as np
 from jaxtyping import Float

@@ -284,7 +284,7 @@ def local_vertices(loaded: LoadedPackage) -> tuple[Float[np.ndarray, "V 3"], ...
 def world_vertices(
     loaded: LoadedPackage, local: Sequence[Float[np.ndarray, "V 3"]]
 ) -> Float[np.ndarray, "W 3"]:
-    """What `local_vertices` gave, all in one, where the links are now."""
+    """All vertices of `local_vertices` at the present poses of the links."""
     pairs = zip(loaded.articulation.links, local, strict=True)
     chunks = [transform_points(pose_matrix(link.entity_pose), points) for link, points in pairs]
     return np.concatenate([np.zeros((0, 3)), *chunks])

@@ -1,4 +1,4 @@
-"""The verdict on a package folder: checks L0 to L3, and L4 and L5 where asked for, as one report."""
+"""Validates a package folder: checks L0 to L3, and L4 and L5 on request, as one report."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -32,8 +32,8 @@ SEED = 0
 def validate(folder: Path, cfg: ValidateConfig | None = None, worker: Worker | None = None) -> Report:
     """Runs every check on a package folder in a supervised child process.
 
-    Whatever the engines do to the child becomes a failed check. The report holds how long each check
-    took; the file does not, so that validating twice gives the same bytes.
+    A crash of the child becomes a failed check. The report holds the time of each check; the file does
+    not, so that validating twice gives the same bytes.
 
     Args:
         folder: a package, or any folder in PartNet-Mobility's layout.
@@ -41,7 +41,7 @@ def validate(folder: Path, cfg: ValidateConfig | None = None, worker: Worker | N
         worker: a process to reuse for package after package; without one a process is started and ended.
 
     Raises:
-        PackageError: if there is no such folder; what is wrong inside of it is for the checks to say.
+        PackageError: if there is no such folder; problems inside it are reported by the checks.
     """
     cfg = ValidateConfig() if cfg is None else cfg
     job = _job(folder, cfg)

@@ -1,4 +1,4 @@
-"""What can go wrong on the way to a package; messages carry part, measured and allowed values."""
+"""Errors of the export; messages carry part, measured and allowed values."""
 
 from artigen.errors import ArtigenError
 

@@ -74,10 +74,10 @@ def export_asset(
         asset: parts, joints and voxels; its Gaussians, or else its surface samples, colour the textures,
             and Gaussians go into the package link by link.
         cfg: settings of all stages.
-        source_meshes: meshes to show instead of those made from the voxels, by part; a part without
-            any is invisible. Mass and annotations come from the voxels all the same.
-        surfaces: the triangles of these meshes, part by part (metres); collision is made from them. Without
-            them it comes from the voxels.
+        source_meshes: visual meshes by part, in place of those made from the voxels; a part without
+            any is invisible. Mass and annotations still come from the voxels.
+        surfaces: the triangles of these meshes by part (metres), from which collision is made; without
+            them it is made from the voxels.
         provenance: where the object comes from, for ``provenance.json``.
         cache: folder for results of slow convex decompositions.
 

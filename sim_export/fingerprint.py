@@ -1,4 +1,4 @@
-"""What tells the geometry of packages apart: an exact hash, and a descriptor whose distances have a meaning.
+"""Fingerprints of package geometry: an exact hash, and a descriptor with a meaningful distance.
 
 The descriptor is where the surface is: the share of its area in each cell of a grid over the closed object's
 box, counted apart for what is fixed and what moves. Areas go to the eight nearest cells with linear weights,

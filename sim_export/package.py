@@ -186,10 +186,10 @@ class Requirement:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SimPackage:
-    """Everything a simulator needs, plus what a person or a policy wants to know about it.
+    """An object ready for simulation: links, joints, handles, opening order, materials, provenance.
 
     The root of the ``links`` is the body; ``joints`` are in the order of their child links.
-    ``records`` says stage by stage what was repaired or left out, one sentence each.
+    ``records`` lists what each stage repaired or omitted, one sentence each.
     """
 
     name: str

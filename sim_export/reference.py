@@ -1,4 +1,4 @@
-"""`build_reference`: a package straight from a procedural object, the best that any exporter could make.
+"""`build_reference`: an exact package straight from a `Shape`.
 
 Collision is the object's own convex primitives, as boxes and cylinders where they nearly are such; visuals
 are the exact unions of each part's primitives with textures evaluated at every texel; joints and what must
@@ -66,11 +66,11 @@ class _Union:
 def build_reference(
     shape: Shape, cfg: ReferenceConfig | None = None, *, provenance: Mapping[str, str] | None = None
 ) -> SimPackage:
-    """The simulation package of a procedural object, in metres about the centre of the closed object.
+    """Builds the exact package of a shape, in metres about the centre of the closed object.
 
     Args:
         shape: The object.
-        cfg: How fine its textures are, and what its hulls must comply with.
+        cfg: Texture resolution and limits of hulls.
         provenance: Where the object comes from, for ``provenance.json``.
 
     Raises:

@@ -1,4 +1,4 @@
-"""The verdict on a package: one `CheckResult` for every check, written as ``validation.json``."""
+"""The report on a package: one `CheckResult` per check, written as ``validation.json``."""
 
 import json
 import math
@@ -12,7 +12,7 @@ Level = Literal["L0", "L1", "L2", "L3", "L4", "L5"]
 
 @dataclass(frozen=True, kw_only=True)
 class CheckResult:
-    """What one check measured. ``value`` and ``threshold`` share ``unit``; ``where`` names the worst
+    """Result of one check. ``value`` and ``threshold`` share ``unit``; ``where`` names the worst
     link, joint or file; ``message`` is one sentence, also for a check that does not apply."""
 
     id: str

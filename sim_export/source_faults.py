@@ -1,4 +1,4 @@
-"""Failed checks that fail on the source, too: the object is so, and no conversion may hide it.
+"""Failed checks of a conversion that the source object fails as well.
 
 V203 and V204 are measured again on the source's own meshes and joints. For V201 and V202 points of one link's
 surface are looked for inside of closed surfaces of the other, at rest and along the joints.

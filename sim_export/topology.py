@@ -1,4 +1,4 @@
-"""What packages must share to be simulated side by side in one batch: links, joints and kinds of hulls.
+"""Topology of packages, equal for those that fit into one batch: links, joints, kinds of hulls.
 
 Engines that step many worlds at once take different objects where only numbers differ: the same links and
 joints by name and order, and as many collision shapes of the same kinds. `find_topology` is a hash of these.

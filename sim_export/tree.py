@@ -1,4 +1,4 @@
-"""What hangs from a link, and what must be open before a joint moves: followed to the end."""
+"""Descendants of links, and the transitive closure of what must be open first."""
 
 from collections.abc import Sequence
 

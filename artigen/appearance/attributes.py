@@ -1,4 +1,4 @@
-"""Attributes: what the flow of structured latents is told of every voxel.
+"""Attributes of every voxel that condition the flow of structured latents.
 
 Kind of voxel, where surface lies in it (`artigen.voxels.surface`), its paint (`artigen.appearance.paint`).
 """
@@ -21,7 +21,7 @@ def describe_kinds(
     covered: Bool[np.ndarray, "N 2"],
     joined: Bool[np.ndarray, "N 2 2"],
 ) -> Float[np.ndarray, "N 20"]:
-    """What kind of voxel each is (float32).
+    """Kind of each voxel as features (float32).
 
     Which way its outer side faces (one of 6), the label of its part, whether something stands before its
     outer side and its inner one, and whether its part goes on around it.
@@ -45,7 +45,7 @@ def read_kinds(
     table: Float[np.ndarray, "P C"],
     resolution: int,
 ) -> Float[np.ndarray, "N 20"]:
-    """What kind of voxel each of an object is (`describe_kinds`), read off the voxels alone.
+    """Kind of each voxel of an object (`describe_kinds`), from the voxels alone.
 
     Args:
         coords: Cells (x, y, z) of the grid.
@@ -64,7 +64,7 @@ def describe_voxels(
     places: Float[np.ndarray, "N 6"],
     paint: Float[np.ndarray, "N 7"],
 ) -> Float[np.ndarray, "N A"]:
-    """What the flow of structured latents is told of every voxel (float32).
+    """Conditioning features of every voxel for the flow of structured latents (float32).
 
     Args:
         kinds: Of the voxels (`describe_kinds`).

@@ -1,4 +1,4 @@
-"""Sides that are painted alike on one face look alike: what the flow adds to their colours is shared.
+"""Averages the residual colours of neighbouring sides that are painted alike.
 
 Light comes evenly from all around in the pictures of training, so a figure has one colour. The flow, which
 guesses patch by patch, mottles it.

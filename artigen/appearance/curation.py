@@ -1,4 +1,4 @@
-"""From a procedural object to what appearance is learnt from: voxel features, and pictures to be repeated.
+"""Training data of a procedural object: voxel features and target pictures.
 
 Every joint state is photographed once; features are read off all pictures, and some are kept (section 4.2.1
 of the paper: 8 states, 48 views each).

@@ -1,4 +1,4 @@
-"""An articulated structure to one with Gaussians: sample latents on its voxels, decode, settle seams."""
+"""Samples Gaussians for an articulated structure: latents on its voxels, decoding, seams."""
 
 from dataclasses import dataclass, field, replace
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""An exact shape to one with Gaussians: a VAE is told its surfaces and colours, and decodes them.
+"""Gaussians of an exact shape: the VAE decoder applied to its known surfaces and colours.
 
 Nothing is drawn: where surface lies, which way it faces and what colour either side has are the shape's own.
 They are read off on a grid finer than that of the voxels, and encoded and decoded in tiles of the edge that
@@ -115,12 +115,12 @@ def voxelize_shape(shape: Shape, resolution: int = VOXELS) -> Asset:
 def decode_gaussians(
     model: ShapeAppearanceModel, shape: Shape, cfg: ShapeAppearanceConfig | None = None
 ) -> Asset:
-    """The asset of a shape with exact voxels (64^3) and its Gaussians; the same shape gives the same ones.
+    """Samples a shape as an asset with exact voxels (64^3) and decodes its Gaussians, deterministically.
 
     Args:
         model: The trained VAE.
         shape: The object.
-        cfg: How fine, and what is left out.
+        cfg: Sampling density and omitted parts.
     """
     cfg = cfg or ShapeAppearanceConfig()
     told = shape_to_asset(shape, cfg.zoom * model.vae.encoder.cfg.resolution)

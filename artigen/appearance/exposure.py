@@ -1,4 +1,4 @@
-"""Newly exposed surface: what no straight line from outside reaches while the object is closed.
+"""Newly exposed surface: not reached by any straight line from outside while the object is closed.
 
 Exact up to the number of directions that are tried: every visible point is moved back to rest with its part
 and looked for from there, past all solids but glass.
@@ -79,7 +79,7 @@ def rest_surface(
 
 
 def _without_glass(scene: Scene, instances: Instances) -> Instances:
-    """What one cannot look through."""
+    """The opaque part of a shape."""
     clear = scene.paint.opacity.reshape(-1, 2).amin(dim=1) < 1
     kept = ~clear[instances.primitive]
     rows: dict[str, Any] = {

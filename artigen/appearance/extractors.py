@@ -1,4 +1,4 @@
-"""Feature extractors by name: which one a model was trained with has to be said in its description."""
+"""Feature extractors by name, as recorded in the description of a model."""
 
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""What is read off a picture for the voxels it shows: feature extractors behind one interface.
+"""Image features for voxels: feature extractors behind one interface.
 
 `PyramidFeatures` needs no weights and no training; `artigen.models.dinov2` has the paper's DINOv2.
 """
@@ -28,7 +28,7 @@ class FeatureExtractor(Protocol):
 
     @property
     def channels(self) -> int:
-        """Of a map."""
+        """Number of channels of a feature map."""
         ...
 
     def __call__(self, pictures: Float[Tensor, "V 4 H W"]) -> Float[Tensor, "V C h w"]:
@@ -60,12 +60,12 @@ class PyramidFeatures(nn.Module):
 
     @property
     def name(self) -> str:
-        """Of the features."""
+        """Name of the features."""
         return f"pyramid-{self._channels}"
 
     @property
     def channels(self) -> int:
-        """Of a map."""
+        """Number of channels of a feature map."""
         return self._channels
 
     def forward(self, pictures: Float[Tensor, "V 4 H W"]) -> Float[Tensor, "V C H W"]:

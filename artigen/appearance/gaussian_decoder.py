@@ -1,4 +1,4 @@
-"""Latents of voxels to 3D Gaussians: TRELLIS' decoder, its parametrisation and its order.
+"""Voxel latents to 3D Gaussians: TRELLIS' decoder with its parametrisation and order.
 
 Voxel ``i`` owns the Gaussians ``n i`` to ``n i + n - 1``, so a Gaussian moves with the joint of its voxel
 (section 4.2 of the paper). The output layer says, for the ``n`` Gaussians of a voxel, three offsets each,

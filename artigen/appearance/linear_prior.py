@@ -1,4 +1,4 @@
-"""What paint and places let one expect of the latent of a voxel, by what kind of voxel it is.
+"""Linear prediction of voxel latents from paint and geometry, per kind of voxel.
 
 How a painted side looks follows mostly from its colour, from the part's label, from where the side faces and
 from whether something stands before it; where its Gaussians lie, from where the surface does. So each kind of
@@ -35,7 +35,7 @@ class Expectation(nn.Module):
         self.register_buffer("weight", torch.zeros(KINDS, TERMS, channels))
 
     def forward(self, attributes: Float[Tensor, "N A"]) -> Float[Tensor, "N C"]:
-        """Of voxels described by `artigen.appearance.attributes.describe_voxels`."""
+        """Expected latents of voxels described by `artigen.appearance.attributes.describe_voxels`."""
         kinds, terms = find_kinds(attributes), list_terms(attributes)
         out = attributes.new_empty(len(attributes), self.weight.shape[2])
         with torch.autocast(attributes.device.type, enabled=False):  # latents are measured from it
@@ -54,7 +54,7 @@ def find_kinds(attributes: Float[Tensor, "N A"]) -> Int[Tensor, "N"]:
 
 
 def list_terms(attributes: Float[Tensor, "N A"]) -> Float[Tensor, "N 24"]:
-    """What expected latents are linear in."""
+    """Regressors of the linear prior."""
     told = attributes[:, -AROUND - PLACES - PAINT :].split([AROUND + PLACES, PAINT - 1, 1], dim=1)
     certain, colors, clear = told
     return torch.cat([torch.ones_like(clear), colors, clear, clear * colors, certain], dim=1)

@@ -1,4 +1,4 @@
-"""Paint: own colours of surface and how clear it is, and what that makes of the two sides of voxels."""
+"""Paint: surface colour and clearness, and their means on both sides of a voxel."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""Photographs of a procedural object in its joint states, and what is kept of them as plain values."""
+"""Pictures of a procedural object in its joint states, as plain values."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -120,7 +120,7 @@ def shown_parts(state: State) -> UInt8[np.ndarray, "V H W"]:
 
 
 def look_at_surface(scene: Scene, state: State) -> tuple[Float[Tensor, "V H W 3"], Float[Tensor, "V H W"]]:
-    """What the nearest surface alone looks like, without what shines through it.
+    """Renders the nearest surface alone, without what shines through it.
 
     Returns:
         Its own colour, and the share of what is behind that one sees through it.

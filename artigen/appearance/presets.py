@@ -1,4 +1,4 @@
-"""The sizes that the appearance models come in, named as those of the structure models.
+"""Sizes of the appearance models by preset, named as those of the structure models.
 
 ``small`` decodes 4 Gaussians per voxel instead of 32, ``compact`` 8. Their voxels have two sides, and what
 features say of those leads around the transformers. ``paper`` has the sizes of TRELLIS, from whose public

@@ -1,4 +1,4 @@
-"""What the two sides of voxels look like: a thin board shows both of them in one voxel.
+"""Colours and geometry of the two sides of voxels, for boards that are thinner than a voxel.
 
 A mean over all views mixes the two, and an encoder would have to learn to take them apart. Here every view
 counts for the side that it looks at, the more the less it looks along the board.
@@ -33,7 +33,7 @@ PLACED = (4, 8, 9, 10, 11, 12)
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SideLooks:
-    """What views show of voxels: outer sides first, then inner ones."""
+    """Appearance of voxel sides in views: outer sides first, then inner ones."""
 
     colors: Float[Tensor, "2 N 3"]
     clear: Float[Tensor, "N"]
@@ -65,7 +65,7 @@ class SideMean:
             self.clear[seen.rows] += weight * seen.clear
 
     def finish(self, paint: VoxelPaint | None) -> SideLooks:
-        """What was added, as means.
+        """Means of what was added.
 
         The less a side was seen, the more it has the colour in which sides that are painted alike are seen:
         few views look into what is open, and pixels at its rim show what stands there. What shines on glass
@@ -104,7 +104,7 @@ class SideMean:
         return nearest
 
     def _share_clear(self, clear: Float[Tensor, "N"]) -> Float[Tensor, "N"]:
-        """What each voxel lets through where several share a pane that lets ``clear`` through."""
+        """Transmission of each voxel where several share a pane that transmits ``clear``."""
         pane = (clear > CLEAR).numpy()
         cells, part_ids = self.voxels.coords[pane], self.voxels.part_ids[pane]
         behind = count_behind(cells, part_ids, self.facings[pane], self.voxels.resolution)
@@ -148,5 +148,5 @@ def describe_sides(looks: SideLooks, places: VoxelPlaces) -> Float[Tensor, "N 13
 
 
 def recall_places(features: Float[np.ndarray, "N C"]) -> Float[np.ndarray, "N 6"]:
-    """What features that end with those of `describe_sides` say of where surface lies."""
+    """Surface position from features that end with those of `describe_sides`."""
     return features[:, -SIDE_CHANNELS:][:, PLACED]

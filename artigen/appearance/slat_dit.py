@@ -60,7 +60,7 @@ class SlatDitConfig:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SlatDitPlan:
-    """What the network needs to know about a set of voxels, finest level first."""
+    """Precomputed neighbourhoods of a set of voxels, finest level first."""
 
     coords: tuple[Int[Tensor, "_ 4"], ...]
     neighbours: tuple[Neighbours, ...]

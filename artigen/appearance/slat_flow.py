@@ -66,7 +66,7 @@ class SlatFlow(nn.Module):
         self.expectation = Expectation(self.channels) if self.attribute_channels else None
 
     def plan(self, coords: Int[Tensor, "N 4"], samples: int) -> SlatDitPlan | PatchPlan:
-        """What the network needs to know about voxels (sample, x, y, z): compute once per set.
+        """Plans the network for voxels (sample, x, y, z); compute once per set.
 
         Raises:
             ValueError: If a sample is empty, a voxel comes twice, or one lies outside of the grid.

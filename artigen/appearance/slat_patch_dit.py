@@ -3,7 +3,7 @@
 It differs from TRELLIS' network (`artigen.appearance.slat_dit`) where that buys speed on two CPU cores:
 tokens of 4^3 voxels (several times fewer), narrow convolutions on the voxels before and after, one modulation
 for all blocks, and its output is the clean latent, from which the velocity follows. It also reads what the
-structure model says about each voxel. See docs/structured_latents.md.
+structure model says about each voxel. See docs/explanation/appearance.md.
 """
 
 from dataclasses import dataclass
@@ -55,7 +55,7 @@ class SlatPatchDitConfig:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PatchPlan:
-    """What the network needs to know about a set of voxels.
+    """Precomputed tokens and neighbourhoods of a set of voxels.
 
     ``slots`` is each voxel's cell, counted through the cells of all tokens; ``places`` are the tokens'.
     """

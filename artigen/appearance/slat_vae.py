@@ -105,7 +105,7 @@ class SlatTrunk(nn.Module):
         plans: WindowPlans | None = None,
         facings: Int[Tensor, "N"] | None = None,
     ) -> Float[Tensor, "N D"]:
-        """What the output layer says, in the number type of ``feats``.
+        """Output of the last layer, in the number type of ``feats``.
 
         Raises:
             ValueError: If the facings of the voxels are missing, or are not expected.

@@ -1,4 +1,4 @@
-"""Active voxels as plain tensors: places ``[N, 4]`` (sample, x, y, z) and features ``[N, C]``, in any order.
+"""Active voxels as plain tensors: positions ``[N, 4]`` (sample, x, y, z), features ``[N, C]``, any order.
 
 What depends on the places alone (neighbours, parents, how tokens are padded) is computed once per set of
 voxels and handed to the layers, which then only see rows. No sparse library is needed.
@@ -16,7 +16,7 @@ SPAN = 1024
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Neighbours:
-    """Who lies next to whom: per cell of the 3x3x3 kernel, rows that receive and rows that are read.
+    """Neighbour lists: per cell of the 3x3x3 kernel, receiving rows and rows that are read.
 
     The kernel's cells are in the order of its axes, last one fastest; the middle one, where every row reads
     itself, is left out.

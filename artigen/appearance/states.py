@@ -1,4 +1,4 @@
-"""The joint states that an object is photographed in, over the full range of every joint.
+"""Joint states for training pictures, over the full range of every joint.
 
 The paper opens all joints together (section 4.2.1). Then a drawer hides the inside of the one below it in
 every picture, so states can be staggered: every joint still visits the same shares of its range once each,

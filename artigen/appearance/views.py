@@ -1,4 +1,4 @@
-"""Cameras around an object in any joint state, and the light it is photographed in."""
+"""Cameras and lights for an object in any joint state."""
 
 from dataclasses import dataclass, field
 

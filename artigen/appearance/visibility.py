@@ -1,4 +1,4 @@
-"""Features of voxels: means over the views and joint states that show them (section 4.2.1 of the paper).
+"""Voxel features as means over the views and states that show them (section 4.2.1 of the paper).
 
 The paper averages over all views, also those in which something else stands in front of a voxel. Here, a
 view counts for a voxel if the depth that was rendered there is the voxel's own; ``weighting="plain"`` is the

@@ -1,4 +1,4 @@
-"""Attention of active voxels within windows of the grid, shifted or not.
+"""Windowed attention of active voxels, shifted or not.
 
 Windows hold very different numbers of voxels. They are sorted by that number and padded to the next of a few
 sizes, so that all windows of a size go through one call of `scaled_dot_product_attention`.

@@ -14,14 +14,14 @@ Workers = Annotated[
     int | None,
     tyro.conf.arg(
         metavar="INT",
-        help="Processes side by side, of one thread each; left out, one per core that may be used.",
+        help="Single-threaded worker processes; default: one per available core.",
     ),
 ]
 RunnerChoice = Annotated[
     RunnerName,
-    tyro.conf.arg(help="``local`` processes, or tasks of a ``ray`` cluster (docs/scale.md)."),
+    tyro.conf.arg(help="``local`` processes or the tasks of a ``ray`` cluster."),
 ]
 Shard = Annotated[
     str | None,
-    tyro.conf.arg(metavar="K/N", help="Do the K-th of N equal parts of the run only, such as 3/64."),
+    tyro.conf.arg(metavar="K/N", help="Run only the K-th of N equal parts, such as 3/64."),
 ]

@@ -1,4 +1,4 @@
-"""Long runs: many objects, several processes or machines, a progress bar, and journals to resume from.
+"""Runs over many objects: workers or machines, a progress bar, journals to resume from.
 
 A journal in the output folder holds one line per finished object, written as it finishes: ``run.jsonl``,
 or ``run.03-of-64.jsonl`` for the part of a run. All journals of the folder count, so a rerun with the same
@@ -28,7 +28,7 @@ JOURNAL = "run.jsonl"
 
 
 class Job(Protocol):
-    """What a batch needs to know about one piece of work."""
+    """One job of a batch."""
 
     @property
     def key(self) -> str:
@@ -74,7 +74,7 @@ class Finished:
 
 @dataclass(frozen=True, kw_only=True)
 class Made:
-    """What making one package took and noted."""
+    """Time, memory and notes of making one package."""
 
     seconds: tuple[tuple[str, float], ...]
     peak_mib: float

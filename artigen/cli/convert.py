@@ -1,4 +1,4 @@
-"""`artigen convert`: real articulated objects to proven packages, many at once, resumable."""
+"""`artigen convert`: objects in the PartNet-Mobility layout to validated packages."""
 
 import resource
 import sys
@@ -31,21 +31,21 @@ COLLISION_CHECKS = ("V006", "V102", "V103", "V104", "V105", "V201", "V202")
 
 @dataclass(frozen=True, kw_only=True)
 class ConvertSettings:
-    """What decides how an object is converted; equal settings give equal packages."""
+    """How objects are converted; equal settings give equal packages."""
 
     visual: Literal["voxels", "source"] = "voxels"
-    """``voxels`` rebuilds the object from its 64^3 articulated voxels, as for a generated one;
-    ``source`` keeps the object's own textured meshes and adds collision, mass, friction and proof."""
+    """``voxels`` reconstructs the object from its 64^3 articulated voxels; ``source`` keeps its own textured
+    meshes and adds collision hulls, mass, friction and validation."""
     recipe: Literal["robust", "paper"] = "robust"
-    """How parts are found in the voxels: the robust recipe, or the paper's."""
+    """Segmentation of the voxels into parts: our robust recipe or that of the paper."""
     size: float | None = None
-    """Longest edge of the closed object in metres; None takes it from the category's usual size."""
+    """Longest edge of the closed object in metres; default: the usual size of its category."""
     seed: int = 0
     """Seed of the surface samples."""
     splats: bool = False
-    """Whether packages also hold Gaussians: flat discs on the surface, one PLY per link."""
+    """Add 3D Gaussians to the package: flat discs on the surface, one PLY per link."""
     validation: Literal["full", "none"] = "full"
-    """Whether every package is tried (L0 to L3) as soon as it is written."""
+    """Run checks L0 to L3 on every package right after it is written."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -249,18 +249,18 @@ def convert(
     runner: RunnerChoice = "local",
     shard: Shard = None,
 ) -> int:
-    """Turns objects in the PartNet-Mobility layout into simulation packages and proves them.
+    """Convert objects in the PartNet-Mobility layout into validated simulation packages.
 
-    A killed or failed run is finished by running the same command again.
+    Running the same command again resumes an interrupted run and retries failed objects.
 
     Args:
-        sources: Object folders, or folders full of them.
-        out: Folder for the packages and the journal run.jsonl.
+        sources: Object folders, or folders that contain object folders.
+        out: Output folder for the packages and the journal run.jsonl.
         cfg: How objects are converted.
-        workers: Processes side by side, of one thread each; left out, one per core that may be used.
-        timeout: Seconds that one stage of one object may take.
-        runner: Where objects are made: processes here, or tasks of a Ray cluster.
-        shard: K/N converts the K-th of N parts of the objects.
+        workers: Single-threaded worker processes; default: one per available core.
+        timeout: Time limit in seconds for one stage of one object.
+        runner: Local processes or the tasks of a Ray cluster.
+        shard: Run only the K-th of N equal parts, such as 3/64.
     """
     jobs = [ConvertJob(source=source, out=out, cfg=cfg) for source in find_sources(sources)]
     handle, chosen = partial(convert_and_validate, timeout=timeout), choose_runner(runner, workers)

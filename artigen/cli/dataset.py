@@ -1,4 +1,4 @@
-"""`artigen dataset`: from a recipe to a data set that others load; and to verify, merge and unpack such."""
+"""`artigen dataset`: builds, verifies, merges and unpacks data sets."""
 
 import shutil
 import sys
@@ -50,22 +50,22 @@ def dataset(
     shard: Shard = None,
     prove: int = 0,
 ) -> int:
-    """Makes a data set from a recipe: shards, manifest, card and metadata (docs/datasets.md).
+    """Build a data set from a recipe: tar shards, manifest, card and metadata.
 
-    A killed or failed run is finished by running the same command again.
+    Running the same command again resumes an interrupted run and retries failed objects.
 
-    ``artigen dataset RECIPE.yaml -o OUT`` makes one;
-    ``artigen dataset verify FOLDER`` checks every byte of one;
-    ``artigen dataset merge FOLDER FOLDER ... -o OUT`` makes one of several, without duplicates;
+    ``artigen dataset RECIPE.yaml -o OUT`` builds a data set;
+    ``artigen dataset verify FOLDER`` checks every byte of it;
+    ``artigen dataset merge FOLDER FOLDER ... -o OUT`` merges several and drops duplicates;
     ``artigen dataset unpack FOLDER ID ... -o OUT`` writes objects as package folders.
 
     Args:
-        words: A recipe; or ``verify``, ``merge`` or ``unpack`` and what these take.
-        out: Folder of the data set, or of unpacked packages.
-        workers: Processes side by side, of one thread each; left out, one per core that may be used.
-        runner: Where objects are made: processes here, or tasks of a Ray cluster.
-        shard: K/N makes the K-th of N parts of the objects and packs nothing; a run without it packs.
-        prove: With ``verify``: this many objects are tried again (L0 to L3).
+        words: A recipe file; or ``verify``, ``merge`` or ``unpack`` with their arguments.
+        out: Output folder: the data set, or the unpacked packages.
+        workers: Single-threaded worker processes; default: one per available core.
+        runner: Local processes or the tasks of a Ray cluster.
+        shard: Make only the K-th of N equal parts, such as 3/64; a run without it packs all parts.
+        prove: With ``verify``: run checks L0 to L3 again on this many objects.
     """
     if not words:
         raise ArtigenError("a recipe, or one of verify, merge and unpack; see --help")
@@ -94,7 +94,7 @@ class _Pool:
 
 @dataclass(frozen=True, kw_only=True)
 class _Chosen:
-    """What of the objects that were made belongs to the data set, and how many each pool lacks."""
+    """Objects selected for the data set, and the number that each pool lacks."""
 
     ids: tuple[str, ...]
     full: frozenset[str]
@@ -147,7 +147,7 @@ def _make(path: Path, out: Path, runner: Runner, shard: str | None) -> int:
 
 
 def _failed_before(jobs: list[ObjectJob], work: Path) -> dict[str, Finished]:
-    """Of the jobs, those whose objects have failed a check, as they would again; errors are tried again."""
+    """Jobs whose objects failed a check, which would fail again; errors are retried."""
     journal = read_journal(work)
     return {
         job.key: line

@@ -1,4 +1,4 @@
-"""Objects of a data set on their way: made, proven, described and packed, one small folder each."""
+"""Objects of a data set: made, validated, described and packed, one folder each."""
 
 import json
 import os
@@ -174,7 +174,7 @@ def load_object(work: Path, name: str) -> PackedObject:
 
 
 def read_fingerprint(work: Path, name: str) -> tuple[Sample, Fingerprint]:
-    """What is said of a packed object, and what its duplicates are found by."""
+    """Description and fingerprint of a packed object."""
     sample = sample_from_json((work / name / SAMPLE).read_bytes())
     return sample, Fingerprint(
         id=sample.id,
@@ -214,7 +214,7 @@ def describe_object(
     files: dict[str, bytes],
     packed: PackedFiles,
 ) -> Sample:
-    """What the data set says of an object."""
+    """Description of an object in the data set."""
     import numpy as np
 
     from sim_export.fingerprint import hash_geometry

@@ -1,4 +1,4 @@
-"""`artigen demo`: the whole way on objects drawn and generated on the spot, with everything to look at."""
+"""`artigen demo`: procedural and generated objects, exported, validated and rendered."""
 
 import sys
 from pathlib import Path
@@ -16,11 +16,11 @@ GENERATED = (("StorageFurniture", 20), ("Oven", 20))
 
 
 def demo(out: Out = Path("out/demo"), workers: Workers = None) -> int:
-    """Draws four objects, exports them exactly and rebuilt from voxels, generates two, proves all.
+    """Sample four objects, export them exactly and from voxels, generate two with the model, validate all.
 
     Args:
-        out: Folder for packages, reports and pictures.
-        workers: Processes side by side, of one thread each; left out, one per core that may be used.
+        out: Output folder for packages, reports and pictures.
+        workers: Single-threaded worker processes; default: one per available core.
     """
     from artigen.cli.generate import GenerateJob, generate_and_validate
     from artigen.cli.shape import ShapeJob, ShapeSettings, export_and_validate, write_sheet

@@ -1,4 +1,4 @@
-"""`artigen eval`: measures a trained model on held-out objects, beside retrieval and the training set."""
+"""`artigen eval`: evaluates a trained model beside retrieval and the training set."""
 
 import sys
 from dataclasses import dataclass
@@ -17,39 +17,38 @@ from artigen.weights import SHIPPED
 
 @dataclass(frozen=True, kw_only=True)
 class EvaluateSettings:
-    """With what, and how many."""
+    """Number of objects and sampler settings."""
 
     held_out: int = 70
-    """Held-out procedural objects, categories in turn."""
+    """Number of held-out procedural objects, spread over the categories."""
     training: int = 350
-    """Training objects that the baselines of structure look in."""
+    """Number of training objects that the retrieval baselines search."""
     partnet: Path | None = None
-    """Folder with partnet_mobility/ and splits.json: its validation split is measured too."""
+    """Folder with partnet_mobility/ and splits.json, whose validation split is measured too."""
     steps: int = 6
-    """Steps of the structure's sampler; appearance is drawn as the model's preset says."""
+    """Sampler steps of structure; appearance uses those of the preset."""
     strength: float = 0.0
-    """Guidance; 0 is none."""
+    """Guidance strength, 0 for none."""
     seed: int = 0
-    """Of the noise."""
+    """Seed of the noise."""
     packages: int = 14
-    """Held-out objects whose draws of structure by counts and size are exported and checked (L0 to L3); 0
-    skips that."""
+    """Number of structure draws, by counts and size, to export and check (L0 to L3); 0 skips this."""
     redraws: int = 3
-    """How often such an object is drawn again where its package fails."""
+    """Maximum number of new draws for such an object that fails a check."""
     pictured: int = 14
-    """Draws by category that nearest.png shows beside their nearest training objects."""
+    """Number of draws by category that nearest.png shows beside their nearest training objects."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class AppearanceViews:
-    """What only appearance asks for."""
+    """Settings of appearance only."""
 
     states: int = 5
-    """Joint states, from closed to the limits."""
+    """Number of joint states, from closed to fully open."""
     views: int = 8
-    """Pictures of each state."""
+    """Number of pictures per state."""
     dinov2: Path | None = None
-    """Folder with the weights of DINOv2, where the model or the distances between sets use it."""
+    """Folder with the weights of DINOv2, for models and set distances that use it."""
 
 
 def evaluate(
@@ -60,17 +59,17 @@ def evaluate(
     workers: Workers = None,
     appearance: tyro.conf.OmitArgPrefixes[AppearanceViews] = AppearanceViews(),
 ) -> int:
-    """Measures a trained model and writes evaluation.json, evaluation.md and nearest.png.
+    """Evaluate a trained model; writes evaluation.json, evaluation.md and nearest.png.
 
-    Objects that were drawn already are not drawn again when the same command is run again.
+    Running the same command again reuses the objects that were already drawn.
 
     Args:
-        what: What to measure: the sketch network, the paper's latents within its boxes, or appearance.
-        out: Folder for the results and the drawn objects.
-        model: Folder of a trained model, model.json and its weights; left out, the one that ships.
-        cfg: With what, and how many.
-        workers: Processes that read real objects and make packages; left out, one per core that may be used.
-        appearance: What only appearance asks for.
+        what: Model to evaluate: the sketch network, the structure latents or appearance.
+        out: Output folder for the results and the drawn objects.
+        model: Folder of a trained model (model.json and weights); default: the shipped one.
+        cfg: Number of objects and sampler settings.
+        workers: Worker processes that read real objects and make packages; default: one per available core.
+        appearance: Settings of appearance only.
     """
     from artigen.cli.prove import prove_assets
     from artigen.metrics.asks import EvaluateConfig

@@ -12,12 +12,12 @@ from artigen.cli.arguments import Out
 def export(
     asset: tyro.conf.Positional[Path], out: Out, existing: Literal["refuse", "replace"] = "refuse"
 ) -> int:
-    """Meshes, collision, mass and URDF for an asset that has voxels.
+    """Export an asset of your own (parts, joints and 64^3 voxels) as a package.
 
     Args:
-        asset: Asset folder (asset.json and arrays), as `artigen.io.write_asset` leaves it.
-        out: The package folder to make.
-        existing: What to do where the folder already holds a package.
+        asset: Asset folder (asset.json and arrays) as written by `artigen.io.write_asset`.
+        out: Package folder to write.
+        existing: Refuse or replace a package that is already there.
     """
     from artigen import __version__
     from artigen.io import read_asset

@@ -1,4 +1,4 @@
-"""`artigen generate`: from a category, words or a picture to proven packages, drawn again where one fails."""
+"""`artigen generate`: category, words or a photo to validated packages; failures are redrawn."""
 
 import json
 import math
@@ -41,41 +41,40 @@ TIMEOUT = 300.0
 
 @dataclass(frozen=True, kw_only=True)
 class GenerateSettings:
-    """What is asked for (what is not said is drawn), and how objects are drawn."""
+    """The condition and the sampling settings; unset properties are sampled."""
 
     text: str | None = None
     """A description in English, such as "a tall cabinet with three drawers and two doors"."""
     image: Path | None = None
-    """A picture of one object from near its front, cut out or before a plain background."""
+    """Photo of one object, taken from near its front; cut out or before a plain background."""
     width: float | None = None
-    """Metres, as seen from the front."""
+    """Width in metres, seen from the front."""
     depth: float | None = None
-    """Metres, handles included."""
+    """Depth in metres, including handles."""
     height: float | None = None
-    """Metres."""
+    """Height in metres."""
     style: str | None = None
-    """A word of the category, such as shaker or steel (docs/shapes.md)."""
+    """Style of the category, such as shaker or steel; docs/reference/kinds.md lists them."""
     counts: tuple[str, ...] = ()
-    """Parts wanted, such as drawer=3 door=0."""
+    """Number of parts by label, such as drawer=3 door=0."""
     structure: Literal["sketch", "latent"] = "sketch"
-    """``sketch`` exports the exact primitives of the sketch network; ``latent`` draws 64^3 voxels
-    from the paper's latents within the sketch's boxes, and exports what they show in its colours."""
+    """``sketch`` exports the exact primitives of the sketch network; ``latent`` samples 64^3 voxels from
+    the paper's latents within the boxes of the sketch and exports those in its colours."""
     temperature: float = 0.6
-    """Of the sketch: 1 is as varied as the training data, less is more usual."""
+    """Sampling temperature of the sketch network; 1 matches the training data, lower is less varied."""
     redraws: int = 3
-    """How often an object that fails a check is drawn again."""
+    """Maximum number of new draws for an object that fails a check."""
     steps: int = 6
-    """Of the latent's sampler."""
+    """Sampler steps; only with --structure latent."""
     strength: float = 0.0
-    """Guidance of the latent; 0 is none, since the condition is in the boxes. The paper: 3."""
+    """Guidance strength, 0 for none (the paper uses 3); only with --structure latent."""
     encoders: Path | None = None
-    """Folder with the public weights of DINOv2 and CLIP, for latent models that read with these."""
+    """Folder with the public weights of DINOv2 and CLIP, for latent models that were trained with them."""
     textures: Literal["own", "shared"] = "own"
-    """``own`` bakes an image per part, exact at every texel; with ``shared``, parts of the same finishes
-    have the same image (with structure sketch only)."""
+    """``own`` bakes one texture per part; ``shared`` gives parts of the same finish one common texture (only
+    with --structure sketch)."""
     gaussians: bool = True
-    """Whether packages also hold Gaussians, one PLY per link: decoded from the sketch's exact surfaces, or
-    drawn by the paper's sparse flow on the surface of latent structures."""
+    """Add 3D Gaussians to the package, one PLY per link."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -111,7 +110,7 @@ def _understand(job: GenerateJob) -> "Understood":
 
 
 def read_job(job: GenerateJob) -> "Request":
-    """What a job asks for."""
+    """The request of a job."""
     from artigen.shapes.draw import Wish
     from artigen.sketch.understand import Request
 
@@ -368,21 +367,20 @@ def generate(
     runner: RunnerChoice = "local",
     shard: Shard = None,
 ) -> int:
-    """Generates articulated objects from a category, words or a picture, as proven packages.
+    """Generate objects from a category, a sentence or a photo with a trained model.
 
-    A killed or failed run is finished by running the same command again.
+    Running the same command again resumes an interrupted run and retries failed objects.
 
     Args:
-        out: Folder for the packages and the journal run.jsonl.
-        model: Folder of a trained model, model.json and its weights; left out, the one that comes with
-            artigen.
-        category: What to generate, such as StorageFurniture; not needed beside --text or --image.
+        out: Output folder for the packages and the journal run.jsonl.
+        model: Folder of a trained model (model.json and weights); default: the shipped one.
+        category: Category to generate, such as StorageFurniture; optional with --text or --image.
         seed: Seed of the first object.
-        count: Number of objects; seeds follow each other.
-        cfg: What is asked for, and how objects are drawn.
-        workers: Processes side by side, of one thread each; left out, one per core that may be used.
-        runner: Where objects are made: processes here, or tasks of a Ray cluster.
-        shard: K/N makes the K-th of N parts of the objects.
+        count: Number of objects, with consecutive seeds.
+        cfg: The condition and the sampling settings.
+        workers: Single-threaded worker processes; default: one per available core.
+        runner: Local processes or the tasks of a Ray cluster.
+        shard: Run only the K-th of N equal parts, such as 3/64.
     """
     from artigen.sketch.request import ask
 

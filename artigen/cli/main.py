@@ -1,4 +1,4 @@
-"""`artigen`: subcommands built from typed functions; each imports what it needs when it runs."""
+"""The `artigen` command: subcommands built from typed functions that are imported when they are called."""
 
 import logging
 import os
@@ -10,22 +10,25 @@ from artigen.errors import ArtigenError
 from artigen.runtime.cores import thread_environment
 
 COMMANDS = {
-    "convert": "convert",
     "shape": "shape",
     "generate": "generate",
-    "dataset": "dataset",
-    "train": "train",
-    "eval": "evaluate",
-    "export": "export",
-    "usd": "usd",
+    "convert": "convert",
     "validate": "validate",
     "preview": "preview",
     "view": "view",
+    "export": "export",
+    "usd": "usd",
     "sets": "sets",
     "scene": "scene",
+    "dataset": "dataset",
+    "train": "train",
+    "eval": "evaluate",
     "demo": "demo",
 }
 """Subcommands, and for each the module of `artigen.cli` that holds a function of the module's name."""
+DESCRIPTION = (
+    "Articulated objects for robot simulation, as validated packages. `artigen COMMAND --help` lists options."
+)
 THREADED = ("train", "eval")
 """Subcommands that use all cores in this process; the others use them by worker processes."""
 
@@ -41,7 +44,7 @@ def main() -> None:
     asked = [name for name in sys.argv[1:2] if name in COMMANDS]
     commands = {name: load_command(name) for name in asked or COMMANDS}
     try:
-        code = tyro.extras.subcommand_cli_from_dict(commands, prog="artigen", description=__doc__)
+        code = tyro.extras.subcommand_cli_from_dict(commands, prog="artigen", description=DESCRIPTION)
     except ArtigenError as error:
         sys.stderr.write(f"artigen: {error}\n")
         sys.exit(1)

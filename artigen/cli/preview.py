@@ -14,14 +14,14 @@ if TYPE_CHECKING:
 
 
 def preview(packages: Packages, out: Out = Path("preview.png")) -> int:
-    """Draws packages: one in detail (closed, half open, open, exploded, collision), several as a sheet.
+    """Render one package in detail (closed, open, exploded, collision) or several as a contact sheet.
 
-    Packages that hold Gaussians show them below their meshes, from the same cameras.
+    Gaussians, where a package has them, are shown below the meshes from the same cameras.
 
     Args:
-        packages: Packages, or folders that hold some at any depth.
-        out: The PNG to write; or a .gif in which all joints open and close; or, for one package, a .glb with
-            its textured meshes, a node per link.
+        packages: Package folders, or folders that contain packages at any depth.
+        out: File to write: a .png; a .gif of opening and closing; or, for one package, a .glb with its
+            textured meshes and one node per link.
     """
     from sim_export.files.folders import find_packages
 

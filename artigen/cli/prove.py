@@ -1,4 +1,4 @@
-"""Drawn assets to proven packages, for `artigen eval`: exported and checked (L0 to L3) by workers."""
+"""Exports and checks drawn assets (L0 to L3) in workers, for `artigen eval`."""
 
 import resource
 import time

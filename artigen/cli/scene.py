@@ -1,4 +1,4 @@
-"""`artigen scene`: a furnished room from a kind and a seed, its objects given or drawn on the spot."""
+"""`artigen scene`: a furnished room from a kind and a seed."""
 
 import sys
 import time
@@ -36,24 +36,24 @@ FAMILIES = {
 
 @dataclass(frozen=True, kw_only=True)
 class SceneSettings:
-    """What the room should be like; what is not said is left to the seed."""
+    """Properties of the room; unset properties are sampled from the seed."""
 
     width: float | None = None
-    """Metres along the wall with the entrance, inside."""
+    """Inner width in metres, along the wall with the entrance."""
     depth: float | None = None
-    """Metres from that wall to the opposite one, inside."""
+    """Inner depth in metres, from that wall to the opposite one."""
     least: int = 10
-    """Objects at least."""
+    """Minimum number of objects."""
     most: int = 30
-    """Objects at most."""
+    """Maximum number of objects."""
     sweeps: Literal["free", "any"] = "free"
-    """``free`` keeps what doors and drawers pass through free; ``any`` only avoids overlaps at rest."""
+    """``free`` keeps the swept volume of doors and drawers clear; ``any`` only avoids overlaps at rest."""
     standing_radius: float = 0.3
-    """Metres of the robot's disc that stays free in front of every door and drawer; 0 asks for none."""
+    """Radius in metres of the disc kept free for a robot in front of every door and drawer; 0 for none."""
     ajar: float = 0.0
-    """Part of the doors and drawers that stand open."""
+    """Fraction of the doors and drawers that stand open."""
     family: str | None = None
-    """Look of everything that is drawn, such as shaker, slab or industrial; left out, one by the seed."""
+    """Look of everything that is drawn, such as shaker, slab or industrial; sampled if unset."""
 
 
 def scene(
@@ -65,17 +65,17 @@ def scene(
     pictures: Literal["both", "plan", "none"] = "both",
     workers: Workers = None,
 ) -> int:
-    """Furnishes a room in which everything opens: scene.json, and pictures of it.
+    """Furnish a room in which every door and drawer opens; writes scene.json and pictures.
 
     Args:
-        kind: What room.
-        out: Folder for scene.json, room.png and plan.png.
-        seed: Decides everything that is not said.
-        packages: Folder of packages that passed `artigen validate`; without one, objects are drawn on the
-            spot and proven, which takes minutes.
-        cfg: What the room should be like.
-        pictures: Which ones to draw.
-        workers: Processes side by side where objects are drawn; left out, one per core that may be used.
+        kind: Kind of room.
+        out: Output folder for scene.json, room.png and plan.png.
+        seed: Seed of everything that is not set.
+        packages: Folder of packages that passed `artigen validate`; without it, objects are sampled and
+            validated first, which takes minutes.
+        cfg: Properties of the room.
+        pictures: Pictures to render: room and plan, the plan only, or none.
+        workers: Worker processes that sample objects; default: one per available core.
     """
     from envs.maniskill.populate import PopulateConfig, populate
     from envs.maniskill.rooms.ajar import open_some

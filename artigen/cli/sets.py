@@ -1,4 +1,4 @@
-"""`artigen sets`: which packages share a topology, and so fit in one batch of an engine."""
+"""`artigen sets`: groups packages by topology."""
 
 import json
 import sys
@@ -9,12 +9,12 @@ from artigen.cli.arguments import Packages
 
 
 def sets(packages: Packages, json_file: Path | None = None, least: int = 1) -> int:
-    """Groups packages that have the same links, joints and kinds of collision shapes by name and order.
+    """Group packages by topology: same links, joints and kinds of collision shapes, by name and order.
 
     Args:
-        packages: Packages, or folders that hold some at any depth.
-        json_file: Also write the sets to this file: folders by topology.
-        least: Leave out sets of fewer packages.
+        packages: Package folders, or folders that contain packages at any depth.
+        json_file: Also write the groups to this file, as a mapping from topology to folders.
+        least: Omit groups with fewer packages than this.
     """
     from sim_export.files.folders import find_packages
     from sim_export.files.read import read_package

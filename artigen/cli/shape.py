@@ -1,4 +1,4 @@
-"""`artigen shape`: procedural objects to proven packages, as many as wanted."""
+"""`artigen shape`: procedural objects to validated packages."""
 
 import resource
 import sys
@@ -34,38 +34,38 @@ SPACING = 1 / 192
 
 @dataclass(frozen=True, kw_only=True)
 class ShapeSettings:
-    """What the objects should be like (what is not said is left to the seed), and how they are exported."""
+    """Properties of the objects and how they are exported; unset properties are sampled from the seed."""
 
     width: float | None = None
-    """Metres, as seen from the front."""
+    """Width in metres, seen from the front."""
     depth: float | None = None
-    """Metres, with fronts and without handles where the category can tell them apart."""
+    """Depth in metres, including fronts; excluding handles where the category separates them."""
     height: float | None = None
-    """Metres."""
+    """Height in metres."""
     style: str | None = None
-    """A word of the category, as its objects state it."""
+    """Style of the category, such as shaker; docs/reference/kinds.md lists them."""
     family: str | None = None
-    """A look across kinds, such as shaker, slab or industrial: style, handles and materials."""
+    """Look across kinds, such as shaker, slab or industrial: style, handles and materials."""
     suite: int | None = None
-    """Which choice of the family's materials and hardware: objects of one suite belong together. Left out,
-    it is the seed of the object; 0 with ``like`` or ``topology``."""
+    """Choice of the family's materials and hardware; objects of one suite match. The object's seed if unset,
+    or 0 with ``--like`` or ``--topology``."""
     counts: tuple[str, ...] = ()
-    """Parts wanted, such as drawer=3 door=0."""
+    """Number of parts by label, such as drawer=3 door=0."""
     like: int | None = None
-    """Seed of an object that all are built as: the same links, joints and kinds of collision shapes by name
-    and order, in other sizes and materials. One batch of an engine holds them all."""
+    """Seed of a template object: every object gets its links, joints and kinds of collision shapes, in other
+    sizes and materials, so that one simulation batch can hold them all."""
     topology: tuple[str, ...] = ()
-    """Parts, such as drawer=3 door=0: as ``like``, with the first seed whose object has exactly these."""
+    """Number of parts by label, such as drawer=3 door=0: like ``--like``, with the first seed whose
+    object has these counts as its template."""
     source: Literal["reference", "voxels"] = "reference"
-    """``reference`` takes the object's own primitives as collision; ``voxels`` rebuilds the object from
-    its 64^3 articulated voxels, as for a generated one."""
+    """``reference`` exports the exact primitives; ``voxels`` reconstructs the object from its 64^3 voxels."""
     textures: Literal["own", "shared"] = "own"
-    """``own`` bakes an image per part, exact at every texel; with ``shared``, parts of the same finishes
-    have the same image (with source reference only)."""
+    """``own`` bakes one texture per part; ``shared`` gives parts of the same finish one common texture (only
+    with --source reference)."""
     splats: bool = False
-    """Whether packages also hold Gaussians: flat discs on the surface, one PLY per link."""
+    """Add 3D Gaussians to the package: flat discs on the surface, one PLY per link."""
     validation: Literal["full", "none"] = "full"
-    """Whether every package is tried (L0 to L3) as soon as it is written."""
+    """Run checks L0 to L3 on every package right after it is written."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -287,20 +287,20 @@ def shape(
     runner: RunnerChoice = "local",
     shard: Shard = None,
 ) -> int:
-    """Draws procedural objects and writes their simulation packages, proven.
+    """Sample objects from the procedural grammar and export them as validated packages.
 
-    A killed or failed run is finished by running the same command again.
+    Running the same command again resumes an interrupted run and retries failed objects.
 
     Args:
-        category: What to draw, such as StorageFurniture.
-        out: Folder for the packages and the journal run.jsonl.
+        category: Category to sample, such as StorageFurniture.
+        out: Output folder for the packages and the journal run.jsonl.
         seed: Seed of the first object.
-        count: Number of objects; seeds follow each other.
-        cfg: What the objects should be like, and how they are exported.
-        sheet: PNG of all objects, closed above and open below.
-        workers: Processes side by side, of one thread each; left out, one per core that may be used.
-        runner: Where objects are made: processes here, or tasks of a Ray cluster.
-        shard: K/N makes the K-th of N parts of the objects.
+        count: Number of objects, with consecutive seeds.
+        cfg: Properties of the objects and how they are exported.
+        sheet: Write a PNG contact sheet: all objects closed in the top row, open in the bottom row.
+        workers: Single-threaded worker processes; default: one per available core.
+        runner: Local processes or the tasks of a Ray cluster.
+        shard: Run only the K-th of N equal parts, such as 3/64.
     """
     if count < 1 or seed < 0:
         raise ArtigenError(f"{count} objects from seed {seed}: at least one object, and no seed below 0")

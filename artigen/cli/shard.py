@@ -1,4 +1,4 @@
-"""Parts of a run that machines do without knowing of each other: ``--shard 3/64``."""
+"""Independent parts of a run: ``--shard 3/64``."""
 
 import re
 from collections.abc import Sequence

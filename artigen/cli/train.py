@@ -1,4 +1,4 @@
-"""`artigen train`: from nothing to weights, in as many runs as it takes."""
+"""`artigen train`: data generation and training, resumable."""
 
 import logging
 import sys
@@ -19,47 +19,46 @@ from artigen.runtime.cores import choose_workers
 
 @dataclass(frozen=True, kw_only=True)
 class TrainSettings:
-    """What is trained, on what, and for how long."""
+    """What to train, on which data and for how long."""
 
     preset: Literal["tiny", "small", "compact", "paper"] = "compact"
-    """Sizes."""
+    """Network sizes."""
     minutes: float = 30.0
-    """Budget of the training of all networks; making data comes on top."""
+    """Training time of all networks together; data generation is not included."""
     shards: int = 100
-    """Shards of training data."""
+    """Number of training shards."""
     held_out: int = 2
-    """Shards of held-out data."""
+    """Number of held-out shards."""
     objects: int | None = None
-    """Objects per shard; left out, 256, and 16 of appearance."""
+    """Objects per shard; default: 256, or 16 for appearance."""
     partnet: Path | None = None
-    """Folder with partnet_mobility/ and splits.json: its training split is mixed in. Such weights are for
-    research only, as the data is."""
+    """Folder with partnet_mobility/ and splits.json, whose training split is mixed in. The licence of the
+    data restricts such weights to research."""
     real_share: float = 0.1
-    """Share of real objects among the examples, by repetition."""
+    """Share of real objects among the examples, reached by repeating them."""
     start: Path | None = None
-    """Folder of a model whose weights every network begins with, artigen's own for instance."""
+    """Folder of a model to initialise from, such as artigen/weights/small."""
     trellis: Path | None = None
-    """Of the structure's preset paper: public checkpoint of TRELLIS, without its suffix, that the flow begins
-    with."""
+    """Public TRELLIS checkpoint, without suffix, to initialise the flow from (structure, preset paper)."""
     encoders: Path | None = None
-    """Of the structure's preset paper: folder with the public weights of DINOv2 and CLIP."""
+    """Folder with the public weights of DINOv2 and CLIP; only structure, preset paper."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class AppearanceSettings:
-    """What only appearance asks for."""
+    """Settings of appearance only."""
 
     articulated: bool = True
-    """Whether objects are seen in all joint states, or in as many pictures of the closed one."""
+    """Render objects in all joint states, or closed only (as many pictures)."""
     weighting: Literal["seen", "plain"] = "seen"
-    """Which views count for a voxel: those that show it, or all."""
+    """Views that count for the features of a voxel: those that see it, or all."""
     features: Literal["pyramid", "dinov2"] = "pyramid"
-    """What is read off pictures."""
+    """Image features."""
     dinov2: Path | None = None
-    """Folder with the weights of DINOv2, where they are the features."""
+    """Folder with the weights of DINOv2, for --features dinov2."""
     structure: Path | None = None
-    """Folder of the structure model that draws the voxels which the flow learns on besides true ones,
-    artigen's own for instance; without one, these are roughened."""
+    """Folder of a structure model whose samples the flow is trained on besides true voxels; without one, true
+    voxels are perturbed instead."""
 
 
 What = Literal[
@@ -81,17 +80,16 @@ def train(
     workers: Workers = None,
     appearance: tyro.conf.OmitArgPrefixes[AppearanceSettings] = AppearanceSettings(),
 ) -> int:
-    """Makes data, trains, measures held-out objects and stores the weights in RUN/model.
+    """Generate data, train networks, score held-out objects and store the weights in RUN/model.
 
-    A run that was stopped goes on where it was when the same command is given again.
+    Running the same command again resumes an interrupted run.
 
     Args:
-        what: The sketch network; all networks of the structure or the appearance model, or one of them: a
-            flow needs its VAE.
-        run: Folder for data, checkpoints, curves and weights.
-        cfg: What is trained, on what, and for how long.
-        workers: Processes that make data; left out, one per core that may be used.
-        appearance: What only appearance asks for.
+        what: A model (sketch, structure, appearance) or one of its networks; a flow needs its VAE.
+        run: Run folder for data, checkpoints, curves and weights.
+        cfg: What to train, on which data and for how long.
+        workers: Worker processes that generate data; default: one per available core.
+        appearance: Settings of appearance only.
     """
     begin = _prepare(what, run, cfg, choose_workers(workers), appearance)
     logging.getLogger("artigen.train").setLevel(logging.INFO)

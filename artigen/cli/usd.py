@@ -7,14 +7,14 @@ from artigen.cli.arguments import Out, Packages
 
 
 def usd(packages: Packages, out: Out, existing: Literal["refuse", "replace"] = "refuse") -> int:
-    """Writes packages as USD for Isaac Sim, Isaac Lab and Newton, in the layout of SimReady assets.
+    """Write packages as OpenUSD for Isaac Sim, Isaac Lab and Newton, in the SimReady layout.
 
-    Needs usd-core: pip install "artigen[usd]".
+    Requires usd-core: pip install "artigen[usd]".
 
     Args:
-        packages: Packages, or folders that hold some at any depth.
-        out: Folder for the assets; each gets a folder of its own, named after its package in lower case.
-        existing: What to do where an asset is there already.
+        packages: Package folders, or folders that contain packages at any depth.
+        out: Output folder; each asset gets a subfolder named after its package, in lower case.
+        existing: Refuse or replace an asset that is already there.
     """
     from sim_export.files.folders import find_packages
     from sim_export.files.read import read_package

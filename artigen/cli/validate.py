@@ -1,4 +1,4 @@
-"""`artigen validate`: the proof, on any folder with a ``mobility.urdf``."""
+"""`artigen validate`: checks any folder with a ``mobility.urdf``."""
 
 import sys
 from functools import partial
@@ -83,19 +83,19 @@ def validate(
     runner: RunnerChoice = "local",
     shard: Shard = None,
 ) -> int:
-    """Runs the checks L0 to L3 and says which failed, where, by how much; exits 1 if any did.
+    """Run checks L0 to L3 on packages and report failures; exits with 1 if a check fails.
 
     Args:
-        packages: Folders with a mobility.urdf, or folders that hold some at any depth.
-        json_file: Also write all reports to this file; with a shard K/N, to one of its own beside it.
-        report: Leave validation.json in each folder, or nothing.
-        workers: Processes side by side, of one thread each; left out, one per core that may be used.
-        task: Also run the checks L4: the object at work in ManiSkill tasks.
-        engines: Also ask these engines (checks L5), with commas between: mujoco, mujoco-urdf, sapien,
-            pybullet, newton, newton-urdf. One that is not installed is skipped.
-        engine_python: Interpreters of environments that have an engine: newton=/path/to/python.
-        runner: Where packages are checked: processes here, or tasks of a Ray cluster.
-        shard: K/N checks the K-th of N parts of the packages.
+        packages: Folders with a mobility.urdf, or folders that contain such folders at any depth.
+        json_file: Also write all reports to this file; with --shard K/N, the part is added to its name.
+        report: Write validation.json into each package, or nothing.
+        workers: Single-threaded worker processes; default: one per available core.
+        task: Also run checks L4: a robot uses the object in ManiSkill tasks.
+        engines: Also run checks L5 in these engines, comma-separated: mujoco, mujoco-urdf, sapien, pybullet,
+            newton, newton-urdf. Engines that are not installed are skipped.
+        engine_python: Python interpreters of environments that have an engine: newton=/path/to/python.
+        runner: Local processes or the tasks of a Ray cluster.
+        shard: Run only the K-th of N equal parts, such as 3/64.
     """
     from sim_export.files.folders import list_packages
     from sim_export.report import report_to_json

@@ -8,11 +8,11 @@ import tyro
 
 
 def view(package: tyro.conf.Positional[Path], port: int = 8080) -> int:
-    """Serves a page with joint sliders, visual and collision meshes, Gaussians, and handle annotations.
+    """Show a package in the browser: joint sliders, visual and collision meshes, Gaussians, handles.
 
     Args:
-        package: A package folder.
-        port: TCP port on this machine.
+        package: Package folder.
+        port: TCP port of the local server.
     """
     from sim_export.picture.view import view_package
 

@@ -1,4 +1,4 @@
-"""Whether an object is what was asked for: numbers of parts, and size in metres."""
+"""Agreement of an object with the requested counts and size."""
 
 import numpy as np
 from jaxtyping import Float, Int

@@ -1,4 +1,4 @@
-"""Photos as conditions: any picture file to a small premultiplied RGBA square, the object filling it."""
+"""Photos as conditions: any picture file to a small premultiplied RGBA square filled by the object."""
 
 import warnings
 from dataclasses import dataclass
@@ -91,7 +91,7 @@ def resize_picture(rgba: Float[np.ndarray, "4 S S"], size: int) -> Float[np.ndar
 
 
 def find_object(rgb: Float[np.ndarray, "H W 3"]) -> tuple[Bool[np.ndarray, "H W"], str]:
-    """What differs from a plain background, and a sentence about it; everything when there is none."""
+    """Mask of what differs from a plain background, with a note; everything if there is none."""
     border = np.concatenate([rgb[0], rgb[-1], rgb[:, 0], rgb[:, -1]])
     background = np.median(border, axis=0)
     plain = np.abs(border - background).max(axis=1) < BACKGROUND_TOLERANCE

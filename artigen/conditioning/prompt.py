@@ -1,4 +1,4 @@
-"""English words to a condition: category, part counts, sizes, colours; no model, no guessing.
+"""Parses English into a condition: category, part counts, sizes, colours; rule-based, no model.
 
 "A tall white cabinet with three drawers and two black handles, 80 cm wide" says category StorageFurniture,
 three drawers, two handles, a width of 0.8 m, that it is tall, and which colours it has. Words that say

@@ -1,4 +1,4 @@
-"""What a data set says of itself besides its objects."""
+"""Description of a data set besides its objects."""
 
 from dataclasses import dataclass
 

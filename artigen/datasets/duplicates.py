@@ -19,7 +19,7 @@ LEVELS = 65535
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Fingerprint:
-    """What duplicates are found by."""
+    """Fingerprint of an object, for finding duplicates."""
 
     id: str
     category: str

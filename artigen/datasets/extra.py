@@ -1,4 +1,4 @@
-"""Libraries of the extra ``dataset``, loaded where they are used."""
+"""Libraries of the extra ``dataset``, imported on demand."""
 
 from importlib import import_module
 from types import ModuleType

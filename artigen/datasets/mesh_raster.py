@@ -1,4 +1,4 @@
-"""Which triangle each pixel of a picture sees: a depth buffer over any mesh, in numpy."""
+"""Rasterises any mesh in numpy: the visible triangle of each pixel."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -29,7 +29,7 @@ class Pinhole:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SeenFaces:
-    """What the pixels see that see anything, in the order of the pixels."""
+    """Visible faces of the covered pixels, in the order of the pixels."""
 
     pixel: Int[np.ndarray, "N"]
     """Row times width plus column."""

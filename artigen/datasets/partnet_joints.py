@@ -1,4 +1,4 @@
-"""From PartNet's joint annotation to ours: which pose is closed, and the joint counted from there.
+"""Converts PartNet's joint annotation: finds the closed pose and counts joints from there.
 
 PartNet states limits ``[a, b]`` relative to the pose in which the artist modelled the part, which
 may be half open; limits may start below zero, run backwards, or leave the modelled pose out.

@@ -1,6 +1,6 @@
-"""PartNet's many names for parts, mapped to our eight labels by one table.
+"""Maps PartNet's part names to our eight labels by one table.
 
-`LABEL_TABLE` is the whole truth; ``docs/partnet_mobility.md`` shows it, and a test keeps them equal.
+A test keeps `LABEL_TABLE` and docs/reference/partnet_mobility.md equal.
 """
 
 from dataclasses import dataclass

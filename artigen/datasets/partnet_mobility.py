@@ -2,7 +2,7 @@
 
 ``mobility_v2.json`` is the truth about parts and joints, mesh files are drawn where they lie, and
 everything that was decided on the way (a rest pose moved, a mesh missing, a URDF that disagrees) is
-a sentence in ``asset.notes``. See docs/partnet_mobility.md.
+a sentence in ``asset.notes``. See docs/reference/partnet_mobility.md.
 """
 
 import logging

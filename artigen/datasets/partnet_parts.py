@@ -1,4 +1,4 @@
-"""Annotated nodes and their meshes become parts: placed at rest, handles and shelves split off."""
+"""Builds parts from annotated nodes and meshes: placed at rest, handles and shelves split off."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Triangles placed in the unit cube: separate pieces told apart, surfaces sampled with colours."""
+"""Places triangles in the unit cube, separates components and samples coloured surfaces."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

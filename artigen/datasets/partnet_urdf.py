@@ -34,7 +34,7 @@ class UrdfVisual:
 
 @dataclass(frozen=True, kw_only=True)
 class UrdfJoint:
-    """What a URDF joint says."""
+    """A URDF joint."""
 
     name: str
     type: str
@@ -46,7 +46,7 @@ class UrdfJoint:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class UrdfFile:
-    """What matters here of a URDF; ``primitives`` names visuals that are no mesh files."""
+    """Relevant contents of a URDF; ``primitives`` names visuals that are not mesh files."""
 
     links: tuple[str, ...]
     joints: tuple[UrdfJoint, ...]

@@ -1,4 +1,4 @@
-"""Takes the look of a source object over to the parts that were found in its voxels."""
+"""Transfers the colours of a source object to the parts found in its voxels."""
 
 from dataclasses import replace
 

@@ -35,7 +35,7 @@ class StoredObject:
 
     @cached_property
     def sample(self) -> Sample:
-        """What is said of the object."""
+        """Description of the object."""
         return sample_from_json(self.members[JSON])
 
     @property
@@ -152,10 +152,10 @@ def open_shards(folder: Path | str) -> Shards:
     """Opens a data set that `artigen dataset` has made.
 
     Args:
-        folder: Its folder.
+        folder: Folder of the data set.
 
     Raises:
-        PackingError: If the folder holds none, or one of another version.
+        PackingError: If the folder holds no data set, or one of another version.
     """
     folder = Path(folder)
     path = folder / INDEX

@@ -1,4 +1,4 @@
-"""Tar files whose bytes follow from what is put into them, and where in them it lies."""
+"""Tar files with reproducible bytes, and the offsets of their members."""
 
 import io
 import tarfile

@@ -1,4 +1,4 @@
-"""`verify_dataset`: whether a data set is whole, byte for byte, and what it says is so."""
+"""`verify_dataset`: checks every byte and statement of a data set."""
 
 import hashlib
 from collections.abc import Callable, Iterator

@@ -1,4 +1,4 @@
-"""An exact outline and a seed to an `Asset`: draws one latent, decodes it, cleans it up; nothing else."""
+"""Samples one latent for an exact outline, decodes it and cleans it up: outline and seed to `Asset`."""
 
 from dataclasses import dataclass, field, replace
 from pathlib import Path

@@ -4,7 +4,7 @@ It differs from TRELLIS' network (`artigen.latent.structure_dit`) in five ways: 
 blocks with a small table per block (a third fewer weights); tokens of 2^3 cells (eight times fewer);
 convolutions before and behind them, because what a cell holds follows mostly from the boxes and the cells
 around it; its output is the clean latent, from which the velocity follows (a narrow network cannot carry
-the noise that a velocity holds); and it can be told where the parts lie. See docs/training.md.
+the noise that a velocity holds); and it can be told where the parts lie. See docs/explanation/structure.md.
 """
 
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Outlines: one row per part with label, joint, axis, origin, range and box, and hints made of them.
+"""Outlines: one row per part with label, joint, axis, origin, range and box, and the hints derived from them.
 
 An outline is what a voxel field says about its parts and leaves out their shapes. The flow of latents and the
 decoder are told the outline of the object that they draw (`outline_rows`).
@@ -154,7 +154,7 @@ def reach_cells(
 def draw_hint(
     outlines: OutlineBatch, candidates: Candidates, edge: int, layout: FieldLayout = DEFAULT_LAYOUT
 ) -> Float[Tensor, "B H X Y Z"]:
-    """What is known of the cells of a grid: the parts they may belong to, one after another.
+    """Hints for the cells of a grid: the parts that they may belong to, in order.
 
     Each is told by its attributes (places relative to the cell), the distances from the cell's centre to
     the six faces of its box in cells, at most 2, and a one. Zero where there is no such part.

@@ -1,11 +1,11 @@
-"""The compact structure VAE: patches in and out, convolutions at 16^3 only, one look at the whole.
+"""The compact structure VAE: patch embedding in and out, convolutions at 16^3, one global attention.
 
 It differs from the paper's network (`artigen.latent.conv_vae`) where that buys speed on two CPU cores:
 4^3 patches instead of convolutions at 64^3 and 32^3 (ten times fewer operations); a stem and a head for
 occupancy of their own; places relative to the patch; attention over 8^3 tokens, because what a part is for
 lies beyond a convolution's reach. And it decodes in view of an outline (`artigen.latent.outline`): what a
 part is called, its joint and its box are known, the latent says where its cells are, and each cell only
-chooses which of the parts that reach it it belongs to. See docs/training.md.
+chooses which of the parts that reach it it belongs to. See docs/explanation/structure.md.
 """
 
 from dataclasses import dataclass

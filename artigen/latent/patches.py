@@ -1,4 +1,4 @@
-"""Articulated voxel fields as the blocks of cells that hold anything: what the compact networks read.
+"""Articulated voxel fields as their non-empty blocks of cells, the input of the compact networks.
 
 A field of edge 64 is 16^3 patches of 4^3 cells, and about a fifth of them hold a cell. Attributes are
 constant within a part, so a patch only says which part each cell belongs to, and a table says the rest.

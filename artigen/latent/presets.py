@@ -1,4 +1,4 @@
-"""The sizes that the generative models come in.
+"""Sizes of the structure models by preset.
 
 ``tiny`` is for tests, ``small`` for training on two CPU cores, ``compact`` for half an hour of a GPU, and
 ``paper`` has the sizes of TRELLIS, from whose public weights the paper starts (sections 4.1 and 4.3).

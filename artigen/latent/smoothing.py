@@ -1,4 +1,4 @@
-"""Occupancy that agrees along lines: a drawn cell is doubted where the cells in line with it say otherwise.
+"""Smooths occupancy logits along the three axes.
 
 Furniture is made of panels and bars. A hole in a panel has neighbours in line along two axes, the ragged
 rim of one has them along its edge, a bar along itself; what is drawn wrongly has them nowhere. The decoder

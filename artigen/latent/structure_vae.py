@@ -1,4 +1,4 @@
-"""The structure VAE {E, D} as training and generation use it: patches in, occupancy and attributes out.
+"""The structure VAE {E, D} for training and generation: patches in, occupancy and attributes out.
 
 Two networks behind one interface: the compact one (`artigen.latent.patch_vae`), and the paper's
 convolutions over the dense field (`artigen.latent.conv_vae`, section 4.1).
@@ -21,7 +21,7 @@ from artigen.voxels.fields import DEFAULT_LAYOUT, FieldLayout, VoxelFields, afte
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Reconstruction:
-    """What a pass through the VAE gives: logits of all cells, channels of the occupied patches, posterior."""
+    """Result of a pass through the VAE: logits of all cells, channels of the occupied patches, posterior."""
 
     logits: Float[Tensor, "N K"]
     attributes: Float[Tensor, "P K C"]

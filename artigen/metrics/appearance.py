@@ -1,4 +1,4 @@
-"""Pictures of what an appearance model makes of objects, against the true ones, in every joint state.
+"""Compares pictures of autoencoded and sampled objects with true ones, in every joint state.
 
 The newly exposed surface, hidden while an object is closed, is measured apart from the rest of the object.
 """

@@ -1,4 +1,4 @@
-"""What a structure model is asked for when it is measured, and what becomes of the answers."""
+"""Conditions of an evaluation of the structure model, and collection of its draws."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -35,7 +35,7 @@ Progress = Callable[[str, int, int], None]
 
 @dataclass(frozen=True, kw_only=True)
 class EvaluateConfig:
-    """What is measured."""
+    """Scope of an evaluation."""
 
     held_out: int = 70
     """Held-out procedural objects, categories in turn."""
@@ -82,7 +82,7 @@ class HeldOut:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Bench:
-    """What every question is asked with."""
+    """Model and settings shared by all questions of an evaluation."""
 
     draw_asset: DrawAsset
     """Draws an object for a condition."""

@@ -1,4 +1,4 @@
-"""Articulated objects as points that know their part, at rest and opened.
+"""Articulated objects as points with part ids, at rest and opened.
 
 All objects are sampled from their voxels in the same way, true ones too: a generated object has nothing
 else, and what a finer surface would add is below a cell in any case.

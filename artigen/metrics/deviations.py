@@ -1,4 +1,4 @@
-"""Standard deviations of what the cells of one part say: the rows of the paper's Table 4."""
+"""Standard deviations of cell attributes within a part: the rows of the paper's Table 4."""
 
 import numpy as np
 from jaxtyping import Float, Int

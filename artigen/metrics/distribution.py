@@ -1,4 +1,4 @@
-"""How alike two sets of objects are, from pairwise distances: MMD, COV and 1-NNA.
+"""Distances between two sets of objects, from pairwise distances: MMD, COV and 1-NNA.
 
 After PointFlow (and NAP's ``compute_metrics.ipynb``); the distance is `artigen.metrics.instantiation`'s.
 """

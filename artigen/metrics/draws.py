@@ -1,4 +1,4 @@
-"""Objects drawn to be measured: one draw for each condition, kept on disk as it is made."""
+"""Objects drawn for evaluation: one draw per condition, stored as it is made."""
 
 import time
 from collections.abc import Callable, Sequence
@@ -54,7 +54,7 @@ class DrawJob:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Draw:
-    """What became of a first draw: an object, or why it is none."""
+    """Result of a first draw: an object, or the reason of failure."""
 
     asset: Asset | None
     error: str | None

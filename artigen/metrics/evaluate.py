@@ -1,4 +1,4 @@
-"""Whole measurements: the sketch, and the structure model with reconstruction, packages, time and memory."""
+"""Complete evaluations of the sketch and of the structure model."""
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field

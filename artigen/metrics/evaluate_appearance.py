@@ -1,4 +1,4 @@
-"""The whole measurement of an appearance model on held-out procedural objects."""
+"""Complete evaluation of an appearance model on held-out procedural objects."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
@@ -47,7 +47,7 @@ Progress = Callable[[str, int, int], None]
 
 @dataclass(frozen=True, kw_only=True)
 class EvaluateAppearanceConfig:
-    """What is measured."""
+    """Scope of an evaluation."""
 
     held_out: int = 14
     """Held-out procedural objects, categories in turn."""

@@ -1,4 +1,4 @@
-"""What drawing one object takes: seconds and memory, measured in a process that does nothing else."""
+"""Seconds and memory for drawing one object, measured in a separate process."""
 
 import statistics
 import time
@@ -18,7 +18,7 @@ STATUS = Path("/proc/self/status")
 
 @dataclass(frozen=True, kw_only=True)
 class Footprint:
-    """Of one object, latent to parts."""
+    """Time and memory of drawing one object, latent to parts."""
 
     seconds: float
     """Median of the repeats, after one draw that warms up."""
@@ -30,7 +30,7 @@ class Footprint:
 
 @dataclass(frozen=True, kw_only=True)
 class FootprintJob:
-    """What to draw, and how often."""
+    """Object to draw, and number of repetitions."""
 
     model: Path
     asked: StructureCondition

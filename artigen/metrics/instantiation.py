@@ -1,4 +1,4 @@
-"""Instantiation distance between articulated objects: how alike the poses are that they can take.
+"""Instantiation distance between articulated objects, over the poses that they can take.
 
 After NAP (``eval/instantiation_distance.py``): both objects are posed at random several times, and every
 pose is compared with its nearest one of the other object. NAP also tries every part as the frame of

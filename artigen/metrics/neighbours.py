@@ -1,4 +1,4 @@
-"""Drawn objects beside the training objects that they are nearest to, as numbers and as a picture.
+"""Drawn objects and their nearest training objects, as numbers and as a picture.
 
 A model that copies shows the same object twice in a row of the sheet.
 """

@@ -1,4 +1,4 @@
-"""How many drawn objects become packages that pass every check: at the first draw, and when drawn again.
+"""Pass rates of packages of drawn objects, at the first draw and after redraws.
 
 Making and checking packages is no business of this package: whoever measures passes in a function that
 does it. Draws go in rounds, as `artigen generate` does for a single object: what fails is drawn again with
@@ -21,7 +21,7 @@ JOURNAL = "packages.jsonl"
 
 @dataclass(frozen=True, kw_only=True)
 class Proof:
-    """What became of one draw; ``causes`` holds ids of failed checks, or why there was nothing to check."""
+    """Result of one draw; ``causes`` holds ids of failed checks, or why there was nothing to check."""
 
     key: str
     passed: bool
@@ -34,7 +34,7 @@ Prove = Callable[[Sequence[Path]], Iterable[Proof]]
 
 @dataclass(frozen=True, kw_only=True)
 class PackageScores:
-    """Of the objects of one category, or of all."""
+    """Pass rates of the objects of one category, or of all."""
 
     objects: int
     valid: float

@@ -1,4 +1,4 @@
-"""What the sparse flow draws on true voxels, told their true paint: does it look like the object?"""
+"""Evaluates what the sparse flow draws on true voxels with true paint."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Whether the parts of an object have its colours in pictures: mean colours, part by part.
+"""Error of the mean colour of each part in pictures.
 
 Only parts count that the closed object shows: of the others, a picture says nothing.
 """

@@ -1,4 +1,4 @@
-"""How alike pictures are, one by one (PSNR, SSIM) and as sets (Fréchet and kernel distance of features).
+"""Similarity of pictures (PSNR, SSIM) and of sets of pictures (Fréchet and kernel distance of features).
 
 Set distances depend on the features and on the number of pictures: name both beside a result, and compare
 only results with the same.

@@ -1,4 +1,4 @@
-"""How well pictures are read: category, counts of parts, proportions."""
+"""Accuracy of reading pictures: category, part counts, proportions."""
 
 from collections.abc import Sequence
 

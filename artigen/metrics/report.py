@@ -1,4 +1,4 @@
-"""An evaluation as files: everything as JSON, and the tables that a person reads as Markdown."""
+"""Writes an evaluation: everything as JSON, tables as Markdown."""
 
 import json
 from collections.abc import Iterable, Mapping, Sequence
@@ -144,7 +144,7 @@ def _format_reconstruction(evaluation: Evaluation) -> list[str]:
 
 
 def _format_packages(report: PackageReport | None) -> list[str]:
-    """What became of draws as packages, by category, and why some failed."""
+    """Pass rates of packages by category, and causes of failures."""
     if report is None:
         return []
     lines = ["", "## Packages (counts and size asked for, checks L0 to L3)", ""]

@@ -1,4 +1,4 @@
-"""An evaluation of an appearance model as files: everything as JSON, and a table to read as Markdown."""
+"""Writes an evaluation of an appearance model: everything as JSON, a table as Markdown."""
 
 from dataclasses import asdict
 from pathlib import Path

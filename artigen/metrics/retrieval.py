@@ -1,4 +1,4 @@
-"""The baseline of looking up: the training object nearest to a condition, as SINGAPO-like systems do."""
+"""The retrieval baseline: the training object nearest to a condition, as in SINGAPO-like systems."""
 
 from collections.abc import Sequence
 

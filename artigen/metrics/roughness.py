@@ -1,4 +1,4 @@
-"""How rough cells are: how often their surface bends. What networks draw badly, hulls cannot follow."""
+"""Roughness of cells: how often their surface bends."""
 
 from itertools import combinations
 

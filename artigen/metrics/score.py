@@ -1,4 +1,4 @@
-"""Scores of objects against what was asked and what was meant, one by one and as a set."""
+"""Scores of objects against their condition and the object meant, singly and as a set."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field

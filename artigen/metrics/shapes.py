@@ -1,4 +1,4 @@
-"""Exact objects for conditions: a structure model that is measured draws within their boxes."""
+"""Exact objects for conditions, whose boxes a structure model draws within when it is evaluated."""
 
 from collections.abc import Callable
 from contextlib import suppress

@@ -1,4 +1,4 @@
-"""How far Gaussians lie from the true surface, closed and in every joint state: RS and AS of whole objects.
+"""Distance of Gaussians to the true surface, closed and in every joint state: RS and AS of whole objects.
 
 The paper does not say how it samples Gaussians. Here their centres are drawn with probabilities that go with
 their opacities, and the distance is Chamfer's over all points at once, in the unit cube at rest.

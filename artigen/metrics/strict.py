@@ -1,4 +1,4 @@
-"""RS and AS Chamfer distances that a user can trust, after Particulate's protocol (2026).
+"""RS and AS Chamfer distances with strict matching of parts, after Particulate's protocol (2026).
 
 Parts are paired one to one by their centroids, and a part without partner costs the diagonal of the
 unit cube; joints move within their own limits and the whole tree follows; nothing is rescaled. `compat`

@@ -1,4 +1,4 @@
-"""Reconstruction of articulated voxel fields: the rows of the paper's Tables 3 and 4, and then some.
+"""Reconstruction of articulated voxel fields: the rows of the paper's Tables 3 and 4, and more.
 
 Cells that are occupied in the truth and in the reconstruction are compared; occupancy is measured on all.
 """

@@ -1,4 +1,4 @@
-"""Objects to measure with: procedural ones by their seeds, real ones from a PartNet-Mobility folder.
+"""Objects for evaluation: procedural ones by seed, real ones from a PartNet-Mobility folder.
 
 The training objects of a run are a pure function of their seeds, so they can be drawn again anywhere.
 """

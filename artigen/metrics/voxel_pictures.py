@@ -1,4 +1,4 @@
-"""Pictures of an asset's voxels: parts told apart by colour, closed or open."""
+"""Pictures of an asset's voxels, parts in different colours, closed or open."""
 
 import colorsys
 

@@ -1,4 +1,4 @@
-"""Conditions of the generative models: any subset of category, counts, size, a sentence and one picture.
+"""Conditions of the generative models: any subset of category, counts, size, sentence and picture.
 
 A condition becomes a row of tokens. Whatever is not asked for is a learned token of its own, so that one
 network answers every subset; dropping everything gives the unconditional velocity of guidance.
@@ -28,7 +28,7 @@ FIELDS = 1 + len(PART_LABELS) + 1
 
 @dataclass(frozen=True, kw_only=True)
 class StructureCondition:
-    """What is asked of a structure; None is left open. Metres."""
+    """Condition of a structure; None is unconstrained. Metres."""
 
     category: str | None = None
     counts: tuple[tuple[PartLabel, int], ...] = ()

@@ -1,4 +1,4 @@
-"""What a model folder says about its networks, read without PyTorch."""
+"""Description of the networks of a model folder, read without PyTorch."""
 
 import hashlib
 import json
@@ -10,7 +10,7 @@ DESCRIPTION = "model.json"
 
 
 def read_description(folder: Path) -> dict[str, dict[str, object]]:
-    """What a model folder says about its networks.
+    """Reads the description of the networks of a model folder.
 
     Raises:
         SourceError: If there is no such folder, or its description is no JSON, or another one.

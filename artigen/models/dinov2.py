@@ -62,12 +62,12 @@ class DinoV2(nn.Module):
 
     @property
     def name(self) -> str:
-        """Of the features."""
+        """Name of the features."""
         return f"dinov2-{self.cfg.width}"
 
     @property
     def channels(self) -> int:
-        """Of a map."""
+        """Number of channels of a feature map."""
         return self.cfg.width
 
     def forward(self, pictures: Float[Tensor, "V 4 H W"]) -> Float[Tensor, "V C h w"]:

@@ -1,4 +1,4 @@
-"""Embeddings of time and place."""
+"""Embeddings of time and position."""
 
 import math
 

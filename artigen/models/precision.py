@@ -1,4 +1,4 @@
-"""Which number type a device computes fast in."""
+"""Number types that a device computes fast."""
 
 import torch
 

@@ -81,7 +81,7 @@ class PublicSentences(nn.Module):
 
 
 def find_encoders(folder: Path) -> tuple[Literal["image", "text"], ...]:
-    """What a folder has encoders of.
+    """Finds the encoders in a folder.
 
     Raises:
         SourceError: If it has none.

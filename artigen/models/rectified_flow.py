@@ -59,7 +59,7 @@ def diffuse(x_0: Tensor, noise: Tensor, times: Float[Tensor, "B"]) -> Tensor:
 
 
 def target_velocity(x_0: Tensor, noise: Tensor) -> Tensor:
-    """What a network should say anywhere on the path."""
+    """Target of the network anywhere on the path."""
     return (1.0 - SIGMA_MIN) * noise - x_0
 
 

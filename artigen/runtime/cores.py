@@ -1,4 +1,4 @@
-"""How many worker processes a run has and how many threads each of them: decided here and nowhere else.
+"""Number of worker processes of a run and of threads per worker.
 
 Every worker has one thread. Two processes of one thread use two cores better than one process of two
 threads, since much of the work is single-threaded Python; a pool of threads waits for its slowest
@@ -25,7 +25,7 @@ THREAD_VARIABLES = (
 """What libraries read when they are loaded to size their pools of threads."""
 CGROUPS = Path("/sys/fs/cgroup")
 PEAK_MIB = 1500.0
-"""Resident memory of a worker that draws, exports and checks objects, in MiB (docs/scale.md has numbers)."""
+"""Resident memory of a worker that draws, exports and checks objects, in MiB (see docs/reports/speed.md)."""
 MEMORY_SHARE = 0.9
 """Part of the available memory that workers may use by default."""
 

@@ -1,4 +1,4 @@
-"""Journals: a JSON object per line, appended as work is done, so that a killed run can go on."""
+"""Journals: one JSON object per line, appended as work is done, so that a killed run can resume."""
 
 import json
 import os

@@ -1,4 +1,4 @@
-"""Jobs as tasks of a Ray cluster (`pip install "artigen[ray]"`): the same functions, on many machines.
+"""Jobs as tasks of a Ray cluster (`pip install "artigen[ray]"`).
 
 A task calls its job's function with a supervised child process of the Ray worker, as a local run does,
 so that a library that aborts costs one object and not the Ray worker. Where Ray loses a worker or a

@@ -1,4 +1,4 @@
-"""A folder belongs to the settings it was started with: going on with others is refused, not mixed."""
+"""Ties a folder to the settings it was started with; others are refused."""
 
 import json
 from collections.abc import Mapping

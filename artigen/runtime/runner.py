@@ -1,4 +1,4 @@
-"""Where the jobs of a run are done: in supervised processes on this machine, or as tasks of a Ray cluster.
+"""Runners for jobs: supervised processes on this machine, or tasks of a Ray cluster.
 
 Both call the same function of a worker and a job for every job, and yield its answers as they come.
 """
@@ -19,7 +19,7 @@ class Runner(Protocol):
     """A place where jobs are done side by side."""
 
     def run(self, handle: Callable[[Worker, Job], Value], jobs: Sequence[Job]) -> Iterator[Value]:
-        """Yields what ``handle`` makes of every job as it is finished, in no particular order."""
+        """Yields the result of ``handle`` for every job as it finishes, in no particular order."""
         ...
 
     def begin_with(self, worker: Worker) -> "Runner":
@@ -47,12 +47,12 @@ class LocalRunner:
 def choose_runner(
     name: RunnerName = "local", workers: int | None = None, *, peak_mib: float = PEAK_MIB
 ) -> Runner:
-    """The runner of a name.
+    """Returns a runner by name.
 
     Args:
-        name: ``local``, or ``ray`` for the cluster that ``RAY_ADDRESS`` names or this machine belongs to; one
-            is started here where there is none.
-        workers: Jobs done at one time; None leaves it to the machine or to the cluster.
+        name: ``local``, or ``ray`` for the cluster that ``RAY_ADDRESS`` names or this machine belongs to;
+            without one, a local cluster is started.
+        workers: Number of concurrent jobs; None derives it from the machine or the cluster.
         peak_mib: Largest resident memory of one worker, in MiB.
 
     Raises:
@@ -69,10 +69,10 @@ def run_jobs(handle: Callable[[Worker, Job], Value], jobs: Sequence[Job], runner
     """Yields what ``handle`` makes of every job as it is finished, in no particular order.
 
     Args:
-        handle: A module-level function (or a ``partial`` of one) of a worker of its own and a job. It calls
-            the worker for everything that may fail, so it has an answer for every job. It may be called
-            again for a job whose machine was lost, so doing a job twice must be as good as once.
+        handle: A module-level function (or a ``partial`` of one) of a worker and a job. It calls the worker
+            for everything that may fail and returns a result for every job. It may be called again for a
+            job whose machine was lost, so it must be idempotent.
         jobs: Picklable values.
-        runner: Where; see `choose_runner`.
+        runner: See `choose_runner`.
     """
     return runner.run(handle, jobs)

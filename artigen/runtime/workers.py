@@ -1,4 +1,4 @@
-"""Supervised worker processes: one bad item never harms the others.
+"""Supervised worker processes: a failing item does not affect others.
 
 Some libraries that we call can abort the whole process (physics engines on a strange mesh, convex
 decomposition), and any stage may hang. So items run in spawned processes that are watched from

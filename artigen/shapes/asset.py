@@ -35,12 +35,12 @@ def frame_shape(shape: Shape) -> tuple[Float[np.ndarray, "3"], float]:
 
 
 def shape_to_asset(shape: Shape, resolution: int | None = 64, spacing: float | None = None) -> Asset:
-    """The asset of a shape; parts too small to own a cell join their parents, and a note says so.
+    """Samples a shape as an asset. Parts too small to own a cell are merged into their parents, with a note.
 
     Args:
         shape: The object.
-        resolution: Cells along the longest edge; None leaves voxels out.
-        spacing: Mean distance (m) of coloured surface samples; None leaves them out.
+        resolution: Cells along the longest edge; None omits voxels.
+        spacing: Mean distance (m) of coloured surface samples; None omits them.
     """
     center, scale = frame_shape(shape)
     voxels = None

@@ -50,14 +50,14 @@ class CrowdedError(ShapeError):
 
 @dataclass(frozen=True, kw_only=True)
 class Wish:
-    """What a caller asks for; None leaves it to the seed. Lengths in metres."""
+    """Requested properties; None is sampled from the seed. Lengths in metres."""
 
     width: float | None = None
     depth: float | None = None
     height: float | None = None
     style: str | None = None
     counts: tuple[tuple[PartLabel, int], ...] = ()
-    """Parts wanted, exactly, by label; labels not named are free."""
+    """Exact number of parts by label; labels that are not named are free."""
     handles: tuple[HandleKind, ...] = ()
     """Kinds of handles, the most wanted first; an object has the first that its category offers."""
     suite: int | None = None
@@ -98,12 +98,12 @@ def categories() -> dict[str, ModuleType]:
 def draw_shape(category: str, seed: int, wish: Wish | None = None) -> Shape:
     """Draws one object; the same arguments give the same object on every run.
 
-    Counts are met by drawing again, at most `MAX_DRAWS` times, from streams that follow from the seed; far
-    fewer where they are out of all proportion.
+    Counts are met by rejection: at most `MAX_DRAWS` draws from streams derived from the seed, and far fewer
+    where the counts are unlikely to be met.
 
     Raises:
-        ShapeError: If the category or its style is unknown, a length is out of bounds, or no draw has the
-            counts wished for.
+        ShapeError: If the category or its style is unknown, a length is out of bounds, or no draw has
+            the requested counts.
     """
     wish = wish or Wish()
     draft, _ = _draw_draft(category, seed, wish)
@@ -117,20 +117,20 @@ def draw_variant(
     fits: Callable[[Shape], bool],
     wish: Wish | None = None,
 ) -> Shape:
-    """Draws an object that is built as another one, in other sizes and other materials.
+    """Draws an object with the topology of another one, in other sizes and materials.
 
-    Its choices are made again, its lengths are drawn anew. Where that changes what the object is made of,
-    lengths nearer to those of the other one are tried, in `VARIANTS` steps.
+    The choices of the template are repeated and its lengths drawn anew. Where that changes the topology,
+    lengths nearer to those of the template are tried, in `VARIANTS` steps.
 
     Args:
         category: What to draw.
-        like: Seed of the object that it is built as.
-        seed: Of the lengths and the materials.
-        fits: Whether an object counts as built like the other one.
-        wish: What both are asked to be.
+        like: Seed of the template object.
+        seed: Seed of lengths and materials.
+        fits: Decides whether an object has the topology of the template.
+        wish: Requested properties of both.
 
     Raises:
-        ShapeError: As `draw_shape`; and if nothing fits, which ``fits`` of the other object itself rules out.
+        ShapeError: As `draw_shape`; and if nothing fits, not even the template itself.
     """
     wish = wish or Wish()
     _, attempt = _draw_draft(category, like, wish)
@@ -153,13 +153,13 @@ def draw_variant(
 def find_seed(
     category: str, counts: tuple[tuple[PartLabel, int], ...], wish: Wish | None = None, most: int = SEARCHED
 ) -> int:
-    """The first seed whose object has these counts of parts, labels not named being free.
+    """Finds the first seed whose object has these part counts; labels that are not named are free.
 
     Args:
         category: What to draw.
-        counts: Parts wanted, exactly, by label.
-        wish: What else the objects are asked to be.
-        most: Seeds to try, from 0 on.
+        counts: Exact number of parts by label.
+        wish: Other requested properties.
+        most: Number of seeds to try, from 0 on.
 
     Raises:
         ShapeError: As `draw_shape`; and if none of the seeds has the counts, with those that were most

@@ -84,7 +84,7 @@ class ShapePart:
 
 @dataclass(frozen=True, kw_only=True)
 class Condition:
-    """What a person would ask for to get this object."""
+    """The condition that a person would state to get this object."""
 
     category: str
     counts: tuple[tuple[PartLabel, int], ...]
@@ -112,7 +112,7 @@ def _check_followers(name: str, parts: tuple[ShapePart, ...]) -> None:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Shape:
-    """A procedural articulated object: a pure function of category, seed and wishes."""
+    """An exact articulated object: parts made of convex primitives, joints and finishes, in metres."""
 
     category: str
     seed: int

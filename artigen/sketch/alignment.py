@@ -1,4 +1,4 @@
-"""The camera that a picture was taken with, found by laying a shape over it, and how alike the two are.
+"""Fits the camera under which a shape agrees best with a picture.
 
 A picture of one object, cut out, says where its silhouette and the edges between its parts are. A camera is
 fitted that makes the closed shape's agree. It begins with a view that is given, such as the one that

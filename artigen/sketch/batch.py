@@ -1,4 +1,4 @@
-"""Tables of rows and requests to the batches that the network reads."""
+"""Batches of rows and requests for the network."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -120,7 +120,7 @@ def find_anchors(
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Planes:
-    """What rows describe: corners, and the range of joints in the last column."""
+    """Planes named by rows: corners, and the range of joints in the last column."""
 
     low: Int[np.ndarray, "N 4"]
     high: Int[np.ndarray, "N 4"]

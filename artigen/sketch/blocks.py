@@ -12,13 +12,13 @@ from torch.nn import functional
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Sight:
-    """What blocks attend to of pictures: keys and values of each that looks."""
+    """Picture memory: keys and values for each block that attends to pictures."""
 
     keys: tuple[Float[Tensor, "B H N E"], ...]
     values: tuple[Float[Tensor, "B H N E"], ...]
 
     def take(self, objects: Sequence[int]) -> "Sight":
-        """That of some of the objects, in this order."""
+        """Picture memory of some of the objects, in this order."""
         rows = list(objects)
         return Sight(
             keys=tuple(one[rows] for one in self.keys), values=tuple(one[rows] for one in self.values)
@@ -26,7 +26,7 @@ class Sight:
 
 
 def join_sights(sights: Sequence[Sight]) -> Sight | None:
-    """Those of several objects side by side; None for none."""
+    """Joins the picture memory of several objects; None for none."""
     if not sights:
         return None
     keys, values = ([getattr(one, name) for one in sights] for name in ("keys", "values"))

@@ -1,4 +1,4 @@
-"""How deep convex primitives reach into each other, and how far apart they are: exact, many pairs at once.
+"""Exact penetration depths and distances between convex primitives, many pairs at once.
 
 All that is measured is the closed surface of a primitive, which for a cylinder is the prism that stands for
 it in collision. Distances are those of separating axes: normals of faces, and of pairs of edges where two

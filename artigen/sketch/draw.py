@@ -1,4 +1,4 @@
-"""Tables of rows drawn from the network within the rules: several side by side, in any number of steps."""
+"""Samples tables of rows from the network within the rules, several in parallel."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -298,7 +298,7 @@ def _list_places(writers: Sequence[Writer]) -> Places:
 def _slice_cache(
     cache: Sequence[Cache], index: int
 ) -> tuple[tuple[Float[Tensor, "1 H T E"], Float[Tensor, "1 H T E"]], ...]:
-    """What every block remembers of one table."""
+    """Cache of every block for one table."""
     out = []
     for block in cache:
         assert block.keys is not None

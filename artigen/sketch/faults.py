@@ -1,4 +1,4 @@
-"""Faults of shapes: what would make the exported package fail its checks, found on the primitives.
+"""Faults of shapes that would make the package fail its checks, found on the primitives.
 
 A shape is written in a moment, exported and checked in a second or more. `find_faults` says in milliseconds
 whether it is worth it; procedural shapes have no fault. Each id stands for what one check measures:
@@ -172,7 +172,7 @@ class _Subject:
 
 
 def find_faults(shape: Shape) -> tuple[Fault, ...]:
-    """What would make the package of a shape fail its checks; nothing, if nothing would.
+    """Finds faults that would make the package of a shape fail its checks.
 
     Stricter than they are in one thing: a screw is followed through all of its turns, not through one. Parts
     of a shape with more than `HOPELESS` faults at rest are not moved: that takes long where all overlaps.
@@ -253,7 +253,7 @@ def _blocked(subject: _Subject, course: _Course) -> Iterator[Fault]:
 
 
 def _judge_meetings(subject: _Subject, course: _Course, rows: Int[np.ndarray, "M"]) -> Iterator[Fault]:
-    """What two bodies do to each other along one way."""
+    """Faults between two bodies along one motion."""
     placed, found = course.placed, course.found
     depth, at = deepest(placed, found, rows)
     one, other = sorted((int(placed.links[found.first[rows[0]]]), int(placed.links[found.second[rows[0]]])))
@@ -381,7 +381,7 @@ def _ranges(subject: _Subject) -> Iterator[Fault]:
 
 
 def _trees(subject: _Subject) -> Iterator[Fault]:
-    """What no exporter takes: a root that moves, a part that waits for one that cannot move."""
+    """Faults of the tree: a root that moves, a part that needs one that cannot move."""
     moving = {part.name for part in subject.shape.parts if part.motion is not None}
     for part in subject.shape.parts:
         if part.parent is None and part.motion is not None:

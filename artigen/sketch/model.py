@@ -87,11 +87,11 @@ def save_sketch_network(
 
 
 def load_sketch_network(folder: Path, like: SketchNetwork | None = None, name: str = NAME) -> SketchNetwork:
-    """Loads the network of a model folder, which draws no category and uses no word that it has not learned.
+    """Loads a sketch network; it draws only categories and words that it has learned.
 
     Args:
-        folder: Of the model.
-        like: Network whose weights it has for words that it has not learned; fresh ones without.
+        folder: Model folder.
+        like: Network that provides weights for words not learned; without it they are initialised anew.
         name: One of `artigen.sketch.request.NETWORKS`.
 
     Raises:
@@ -139,22 +139,22 @@ def draw_object(
 ) -> Drawn:
     """Draws an object that meets a request; the same arguments give the same object on one machine.
 
-    The header is drawn first; then the object grows part by part. Every part is drawn several times side by
-    side, and the first that has no fault beside those before it stays. Where all have one, the object is cut
-    back to before the part that most of these faults involve (conflict-directed backjumping, Prosser 1993),
-    and at each further dead end of as many parts by at least one part more. When the budget is used up, the
-    object is finished with the fewest faults that a batch has, and these are returned with it.
+    The header is drawn first; then the object grows part by part. Several continuations are drawn for every
+    part, and the first without a new fault is kept. If all have one, the object is cut back to before the
+    part that most of these faults involve (conflict-directed backjumping, Prosser 1993); repeated dead ends
+    at the same number of parts cut back further. When the budget is used up, the object is finished with the
+    fewest faults of a batch, which are returned with it.
 
     Args:
-        network: trained.
-        request: what is asked for.
-        seed: of all chance.
-        cfg: temperature and budget.
-        sight: what is seen of its picture (`SketchNetwork.look`), if it has one.
+        network: A trained network.
+        request: The condition.
+        seed: Seed of all sampling.
+        cfg: Temperature and budget.
+        sight: Tokens of the picture (`SketchNetwork.look`), if there is one.
 
     Raises:
-        SketchError: If the request is none that sketches can say, its category is none that the network
-            draws, or no object could be read.
+        SketchError: If sketches cannot express the request, the network does not draw its category, or no
+            valid object was drawn.
     """
     cfg = cfg or SketchConfig()
     hand = _Hand(network=network, rng=np.random.default_rng(seed), cfg=cfg)
@@ -205,7 +205,7 @@ def read_object_picture(network: SketchNetwork, path: Path) -> Picture:
 
 @torch.no_grad()
 def look_at(network: SketchNetwork, picture: Float[np.ndarray, "4 S S"]) -> tuple[Seen, Sight]:
-    """What a network sees in one picture (RGBA in [0, 1], premultiplied on black)."""
+    """Encodes one picture (RGBA in [0, 1], premultiplied on black)."""
     return network.look(torch.from_numpy(np.ascontiguousarray(picture, dtype=np.float32))[None])
 
 

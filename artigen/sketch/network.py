@@ -129,7 +129,7 @@ class SketchNetwork(nn.Module):
     def embed_cells(
         self, rows: Int[Tensor, "*N W"], known: Bool[Tensor, "*N W"], axes: Int[Tensor, "*N W"]
     ) -> Float[Tensor, "*N W D"]:
-        """What every cell says; nothing where a row has no such field."""
+        """Embeds every cell; zero where a row has no such field."""
         slot = self.of_cell[rows[..., 0]]
         exists, number = slot >= 0, axes >= 0
         slot = slot.clamp(min=0)
@@ -144,7 +144,7 @@ class SketchNetwork(nn.Module):
     def embed_values(
         self, slot: Int[Tensor, "N"], value: Int[Tensor, "N"], number: Bool[Tensor, "N"]
     ) -> Float[Tensor, "N D"]:
-        """What single cells say: as `embed_cells`, for known ones."""
+        """Embeds single cells, as `embed_cells` does, for known values."""
         said = self.symbols(self.base[slot] + torch.where(number, 0, value))
         if not number.any():
             return said
@@ -156,7 +156,7 @@ class SketchNetwork(nn.Module):
         return self.numbers(torch.cat([angle.sin(), angle.cos()], dim=-1)) * self.gates(slot)
 
     def look(self, image: Float[Tensor, "B 4 S S"]) -> tuple[Seen, Sight]:
-        """What pictures show, and what the blocks attend to of it.
+        """Encodes pictures: predictions, and the memory that blocks attend to.
 
         Args:
             image: RGB and alpha in [0, 1], premultiplied on black; scaled to the encoder's edge.
@@ -207,7 +207,7 @@ class SketchNetwork(nn.Module):
         before: Float[Tensor, "N D"],
         slot: Int[Tensor, "N"],
     ) -> Float[Tensor, "N D"]:
-        """What to say in a slot, from the state before the row and the cells said so far."""
+        """Predicts a slot from the state before the row and the cells so far."""
         x = self.state(states) + before + self.slots(slot)
         for feed in self.inner:
             x = feed(x)

@@ -48,7 +48,7 @@ class Faces:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Target:
-    """What a picture shows, at one size; the box is that of the object (pixels)."""
+    """A target picture at one size; the box is that of the object (pixels)."""
 
     rgb: Float[np.ndarray, "S S 3"]
     alpha: Float[np.ndarray, "S S"]

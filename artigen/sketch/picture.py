@@ -1,4 +1,4 @@
-"""`PictureEncoder`: what one picture shows, as tokens that a network attends to.
+"""`PictureEncoder`: a picture as tokens for the network.
 
 A convolutional pyramid sees the picture at a quarter, an eighth and a sixteenth of its resolution. How many
 drawers a cabinet has is seen where the drawers are, so counting is learnt there: a map for each label whose
@@ -53,7 +53,7 @@ class PictureConfig:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Seen:
-    """What pictures seem to show."""
+    """Predictions from pictures."""
 
     tokens: Float[Tensor, "B N D"]
     """One for every square of the picture, and two for all of it: what it looks like, and what is guessed."""

@@ -1,4 +1,4 @@
-"""Colours of finishes, read off a picture over which a shape was laid.
+"""Reads colours of finishes off a picture over an aligned shape.
 
 A pixel shows its finish's colour under some light. The light is taken to be that of a bright room, in which
 shapes are drawn too; how bright each side of the object is in this picture follows from the finishes that
@@ -241,7 +241,7 @@ def _trace(
 def _light(
     shape: Shape, points: Float[np.ndarray, "N 3"], camera: Pinhole
 ) -> tuple[Float[np.ndarray, "N"], Float[np.ndarray, "N"]]:
-    """What the room's light makes of points (m) that are seen: shares scattered, and light mirrored.
+    """Illumination of visible points (m): diffuse shares and mirrored light.
 
     The shape is drawn twice, all black and all grey: black shows what is mirrored, shadows and all.
     """

@@ -141,7 +141,7 @@ def number_axes(kind: PieceKind, axis: int) -> tuple[int | None, ...]:
 
 
 class Surface(TypedDict):
-    """What a piece says of its surface."""
+    """Finish of a piece."""
 
     finish: str
     lining: str | None

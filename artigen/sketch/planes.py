@@ -1,4 +1,4 @@
-"""Planes: the coordinates that earlier rows name, by which the network says the numbers of later ones.
+"""Planes: coordinates named by earlier rows, by which the network states later ones.
 
 A number is said as one of these planes, as a plane and an offset, or by two digits; the chances of the three
 ways add up (`NumberParts`).

@@ -60,7 +60,7 @@ class AskedFinish:
 
 @dataclass(frozen=True, kw_only=True)
 class SketchRequest:
-    """Any subset of what an object's header says; metres."""
+    """A condition: any subset of category, style, counts, extents (m) and finishes."""
 
     category: str | None = None
     style: str | None = None
@@ -70,7 +70,7 @@ class SketchRequest:
     height: float | None = None
     finishes: tuple[AskedFinish, ...] = ()
     some: tuple[PartLabel, ...] = ()
-    """Labels of which there is at least one part, where ``counts`` does not say how many."""
+    """Labels with at least one part, where ``counts`` gives no number."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

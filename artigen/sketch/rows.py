@@ -373,7 +373,7 @@ MAY_FOLLOW = frozenset(
 
 
 def _read_key(row: Sequence[int]) -> tuple[int, ...]:
-    """What decides which fields of a row follow from others."""
+    """Key that decides which fields of a row follow from others."""
     kind = ROW_KINDS[row[0]]
     if kind == "joint":
         return (row[column(kind, "type")], *(min(row[column(kind, name)], 1) for name in ("need0", "holds")))

@@ -1,4 +1,4 @@
-"""`Writer`: what may be said next in a table of rows, so that what is said can always be read.
+"""`Writer`: masks the next symbol so that every finished table is valid.
 
 The header is a contract: every label comes as often as it was counted, every coordinate lies within the
 extents, parts hang on parts that exist, pieces have finishes of the table and edges longer than nothing.
@@ -118,12 +118,12 @@ class Writer:
 
     @property
     def kind(self) -> str:
-        """Of the row that is being written."""
+        """Kind of the row that is being written."""
         return ROW_KINDS[self.row[0]]
 
     @property
     def name(self) -> str:
-        """Of the field that comes next."""
+        """Name of the field that comes next."""
         return "kind" if not self.row else FIELDS[self.kind][len(self.row) - 1].name
 
     def value(self, name: str) -> int:
@@ -253,7 +253,7 @@ class Writer:
         return self.row + [0] * (WIDTH - len(self.row))
 
     def _forced(self) -> int | None:
-        """What the request says of the next field."""
+        """Value of the next field that the request forces, if any."""
         if not self.row:
             return None
         asked, at = self.asked, len(self.row)
@@ -338,7 +338,7 @@ class Writer:
         return [0, *(index for index in movable if index != taken)]
 
     def _elbow_span(self, start: str, high: int) -> tuple[int, int]:
-        """Of an elbow's high side: it reaches at least as far as its tube is thick."""
+        """Range of an elbow's high side, at least as far as its tube is thick."""
         own, axis, first = self.value("axis"), self.axis(), column("elbow", "x0")
         sizes = {side: self.row[first + 3 + side] - self.row[first + side] for side in range(axis)}
         low = self.value(start)
@@ -390,7 +390,7 @@ class Writer:
         return 1, max(int((3 if name == "inner0" else 1) * radius * flat) - 1, 1)
 
     def _shell_span(self, name: str, length: int, room: int) -> tuple[int, int]:
-        """Of a shell so long along u, with so much room within each of its sides."""
+        """Range of a shell of this length along u, with this room within each of its sides."""
         if name == "cut0":
             return 1, max(length - 1, 1)
         if name == "cut1":

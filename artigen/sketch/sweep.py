@@ -1,4 +1,4 @@
-"""What stands in the way of a moving part, along the whole range of its joint.
+"""Obstacles of a moving part along the range of its joint.
 
 Few pairs of primitives can ever meet. Slides of upright boxes are judged by closed formulas; for what turns,
 pairs are left out whose heights along the axis, distances from it or angles about it never coincide. The rest

@@ -1,4 +1,4 @@
-"""Which parts of a shape are one rigid body, and which bodies carry which."""
+"""Rigid bodies of a shape and their tree."""
 
 from dataclasses import dataclass
 

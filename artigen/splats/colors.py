@@ -1,4 +1,4 @@
-"""sRGB values and linear light (IEC 61966-2-1); values beyond [0, 1] follow the same curve."""
+"""Conversion between sRGB and linear light (IEC 61966-2-1), extended beyond [0, 1]."""
 
 import numpy as np
 from jaxtyping import Float

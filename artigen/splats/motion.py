@@ -1,4 +1,4 @@
-"""Moves Gaussians as a whole: rigid transforms, and changes of unit.
+"""Moves sets of Gaussians: rigid transforms and changes of unit.
 
 Gaussians that move with their parts: `artigen.kinematics.articulate_gaussians`. Colours are harmonics of
 degree 0, the same from everywhere, so that a rotation leaves them alone.

@@ -1,4 +1,4 @@
-"""Takes Gaussians apart by part, and puts sets of them together."""
+"""Splits Gaussians by part and joins sets of them."""
 
 from collections.abc import Sequence
 from dataclasses import fields
@@ -10,7 +10,7 @@ from artigen.types import Gaussians
 
 
 def select_gaussians(gaussians: Gaussians, rows: Int[np.ndarray, "M"] | Bool[np.ndarray, "N"]) -> Gaussians:
-    """Those of the given rows, in their order."""
+    """Selects the Gaussians of the given rows, in their order."""
     return Gaussians(**{field.name: getattr(gaussians, field.name)[rows] for field in fields(Gaussians)})
 
 

@@ -1,4 +1,4 @@
-"""Gaussians that stray over a neighbouring part: given to it, or drawn back to their own.
+"""Corrects Gaussians that stray into a neighbouring part: reassigns or shrinks them.
 
 A Gaussian moves with its part. One that lies in another part's cells, or stands far over the edge of its own,
 hardly shows while the object is closed; opened, it floats in front of what it covered or leaves a spot.
@@ -17,7 +17,7 @@ from artigen.types import Asset, Gaussians, VoxelGrid
 
 @dataclass(frozen=True, kw_only=True)
 class SeamConfig:
-    """What counts as straying; lengths in cells."""
+    """Thresholds for stray Gaussians; lengths in cells."""
 
     depth: float = 0.2
     """A Gaussian in another part's cell, further than this from every cell of its own, goes to that part.

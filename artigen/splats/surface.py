@@ -1,4 +1,4 @@
-"""Gaussians that lie on a sampled surface: flat, opaque discs, one per sample. No network is needed.
+"""Gaussians on a sampled surface: flat, opaque discs, one per sample, without a network.
 
 What they are: the look of an object whose surface is known (procedural, scanned, from PartNet-Mobility), in
 the same form as that of a generated one. They serve to look at, to move, to bake textures from, and as the

@@ -1,4 +1,4 @@
-"""Examples in memory and endless random batches of them, prepared ahead in a thread."""
+"""Examples in memory and endless random batches of them, prefetched in a thread."""
 
 import queue
 import threading
@@ -106,7 +106,7 @@ def condition_batch(examples: Sequence[Described], cfg: ConditionConfig) -> Cond
 
 
 def describe_example(example: Described) -> str:
-    """What an example is, in a sentence."""
+    """Describes an example in a sentence."""
     return write_text(example.category, dict(zip(PART_LABELS, example.counts.tolist(), strict=True)))
 
 

@@ -1,4 +1,4 @@
-"""The metrics of a stage as curves: one small panel each, as SVG, drawn with nothing but text."""
+"""Plots the metrics of a stage as SVG: one small panel each."""
 
 import math
 from collections.abc import Mapping, Sequence

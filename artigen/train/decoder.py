@@ -1,4 +1,4 @@
-"""Training of the decoder once more, on what the flow makes of latents; encoder and flow stay as they are.
+"""Fine-tunes the decoder on the flow's estimates; encoder and flow are frozen.
 
 A decoder that has seen posteriors alone takes every error of a drawn latent for a shape. Here it sees the
 flow's guesses of clean latents, from anywhere on the path, and is asked for the object they came from.
@@ -103,7 +103,7 @@ def train_decoder(
 def guess_latents(
     flow: StructureFlow, drawn: LatentBatch, outlines: OutlineBatch, generator: torch.Generator
 ) -> Float[Tensor, "B C X Y Z"]:
-    """What a flow takes for the latents of a batch, from times between data and noise, each as likely."""
+    """The flow's estimates of the latents of a batch, from times uniform between data and noise."""
     tokens, hint = flow.conditions(drawn.conditions), flow.hint(outlines)
     jitter, first, second = (
         torch.randn(drawn.mean.shape, generator=generator, device=generator.device) for _ in range(3)

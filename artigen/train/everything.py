@@ -1,4 +1,4 @@
-"""From nothing to weights: `python -m artigen.train.everything` makes data, trains, evaluates and stores.
+"""`python -m artigen.train.everything`: generates data, trains, evaluates and stores weights.
 
 Every stage is skipped or gone on with where the run folder already holds its result, so the same command
 can be given again after an interruption, or in portions of a budget. `artigen train` is the same with a

@@ -1,4 +1,4 @@
-"""One training example of the structure models: a packed field and the condition it answers.
+"""One training example of the structure models: a packed field and its condition.
 
 Made of a procedural object by seed, or of a real one; the same arguments give the same example.
 """

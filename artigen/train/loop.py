@@ -184,7 +184,7 @@ def finished_steps(folder: Path) -> int:
 
 
 def _read_checkpoint(path: Path, device: torch.device | str) -> dict[str, Any]:
-    """What `_save` has stored.
+    """Reads a checkpoint of `_save`.
 
     Raises:
         SourceError: If the file is damaged or something else.

@@ -1,4 +1,4 @@
-"""Any textured mesh as a picture: a depth buffer for what is seen, another for the shadow of each light.
+"""Renders any textured mesh with a depth buffer and a shadow map per light.
 
 The shading is that of procedural objects (`artigen.shapes.render`), so that pictures of both look alike.
 """
@@ -106,7 +106,7 @@ def _pinhole(cameras: Cameras) -> Pinhole:
 def _find_surface(
     vertices: Float[np.ndarray, "V 3"], faces: Int[np.ndarray, "F 3"], seen: SeenFaces, cameras: Cameras
 ) -> Surface:
-    """What shading asks for: the source's triangles have no reliable orientation, so normals face us."""
+    """Surface for shading; normals face the camera, since source triangles have no reliable orientation."""
     corners = vertices[faces[seen.face]]
     point = np.einsum("nk,nkd->nd", seen.weights, corners)
     view = point - cameras.position[0].double().numpy()

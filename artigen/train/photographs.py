@@ -1,4 +1,4 @@
-"""Pictures that examples are conditioned on: procedural and real objects alike, from near their front."""
+"""Condition pictures of procedural and real objects, from near their front."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

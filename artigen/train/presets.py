@@ -1,4 +1,4 @@
-"""How the presets of `artigen.latent.presets` are trained."""
+"""Training settings of the presets of `artigen.latent.presets`."""
 
 from dataclasses import dataclass, field
 

@@ -1,4 +1,4 @@
-"""Real objects as examples: a PartNet-Mobility folder with ``splits.json`` beside the procedural ones.
+"""Real objects as examples: a PartNet-Mobility folder with ``splits.json``.
 
 The data is licensed for non-commercial research: whatever is trained with it must say so.
 """

@@ -1,4 +1,4 @@
-"""What a run from nothing to weights is: its configuration, and the folder that belongs to it."""
+"""Configuration and folder of a structure training run."""
 
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -94,7 +94,7 @@ def claim_run(cfg: RunConfig) -> None:
 
 
 def run_conditions(cfg: RunConfig) -> ConditionConfig:
-    """What examples of a run can be asked by: pictures and sentences only where something reads them."""
+    """Conditions of a run's examples: pictures and sentences only where an encoder reads them."""
     conditions = PRESETS[cfg.preset].conditions
     found = () if cfg.encoders is None else find_encoders(cfg.encoders)
     if conditions.dino is not None and "image" not in found:

@@ -1,4 +1,4 @@
-"""Examples on disk: shards written by worker processes, each from its own range of seeds.
+"""Shards of examples, written by worker processes, each from its own range of seeds.
 
 A shard appears whole or not at all, so a run that was stopped goes on where it was, and training reads
 what is there while the rest is being made.
@@ -32,7 +32,7 @@ ARRAYS = ("names", "categories", "resolution", "patches", "parts", "index", "row
 
 @dataclass(frozen=True, kw_only=True)
 class ShardConfig:
-    """What the examples of a folder are."""
+    """Configuration of the examples of a folder."""
 
     categories: tuple[str, ...] = PAPER_CATEGORIES
     """Categories, taken in turn."""
@@ -126,7 +126,7 @@ def draw_shard(
 
 
 def condition_arrays(examples: Sequence[Conditioned]) -> dict[str, np.ndarray]:
-    """What examples are called and can be asked for, as arrays; pictures if all have one."""
+    """Names and conditions of examples as arrays; pictures if all have one."""
     arrays = {
         "names": np.array([one.name for one in examples]),
         "categories": np.array([one.category for one in examples]),

@@ -1,4 +1,4 @@
-"""Objects that the sketch network learns from: tables and photos in shards, and batches of them.
+"""Training examples of the sketch network: tables and photos in shards, and batches of them.
 
 Shards are made by worker processes before the training begins. A batch holds objects of about the same
 length, with their pictures or without; every object is asked for anew each time it is seen, as vaguely or

@@ -1,4 +1,4 @@
-"""Losses of the sketch network: the likelihood of tables, and what is to be read off pictures."""
+"""Losses of the sketch network: the likelihood of tables, and auxiliary losses of the image encoder."""
 
 from dataclasses import replace
 from itertools import permutations
@@ -92,7 +92,7 @@ def swap_channels(
 
 
 def reading_losses(seen: Seen, photos: PhotoBatch) -> dict[str, Tensor]:
-    """What the encoder says of pictures against what they show, each with its weight.
+    """Losses of the encoder's picture readings, each with its weight.
 
     The map of parts is the rate of a Poisson process: unlike a squared error, its likelihood is not content
     with zeros where parts are few.
@@ -111,7 +111,7 @@ def reading_losses(seen: Seen, photos: PhotoBatch) -> dict[str, Tensor]:
 
 
 def guessing_losses(seen: Seen, rows: RowBatch) -> dict[str, Tensor]:
-    """What the encoder guesses of objects against their headers, each with its weight."""
+    """Losses of the encoder's header predictions, each with its weight."""
     header = rows.rows[find_headers(rows)]
     first = column("object", COUNTED[0])
     counts = functional.pad(header[:, first : first + len(COUNTED)], (1, 0), value=1)  # one base

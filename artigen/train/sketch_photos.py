@@ -1,4 +1,4 @@
-"""Pictures that the sketch network learns to read: objects from many sides, some of them a little open.
+"""Training photos of the sketch network: objects from many sides, some slightly open.
 
 What a picture shows is kept with it: the label seen in the middle of each cell, the middles of the parts in
 view, and the direction of the camera. Backgrounds, colour casts, blur and grain come when a picture is used

@@ -1,4 +1,4 @@
-"""A stage of a run, whatever is trained in it: its loop, the weights it begins with and those it leaves."""
+"""One stage of a training run: its loop, initial weights and resulting weights."""
 
 import logging
 from collections.abc import Mapping

@@ -1,9 +1,9 @@
-"""Losses of the structure VAE: the paper's terms (section 4.1), with the weights that small parts need.
+"""Losses of the structure VAE: the paper's terms (section 4.1), reweighted for small parts.
 
 The paper: Dice on occupancy, cross-entropies, squared errors, all with weight 1, KL 0.001. Dice alone
 settles on a solution one cell too thick, unit-cube squares are small beside cross-entropies, and handles
 and knobs are one cell in fifty; so ``compact`` adds a binary cross-entropy, weighs regressions by ten and
-small parts by up to eight. What each is worth is in docs/training.md.
+small parts by up to eight. What each is worth is in docs/reports/structure.md.
 """
 
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""The articulated voxel field: which channel means what, and the way in and out of it.
+"""The articulated voxel field: layout of its channels, encoding and decoding.
 
 A field is a dense ``C x X x Y x Z`` array (`encode`, float32) in which every occupied cell carries
 the attributes of the part that owns it, constant within the part (paper section 3.1.1). The channel
@@ -128,7 +128,7 @@ def after_occupancy(channels: slice) -> slice:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class VoxelFields:
-    """What the occupied cells say, in meaningful units: radians and unit-cube lengths.
+    """Values of the occupied cells in meaningful units: radians and unit-cube lengths.
 
     Probabilities are non-negative and sum to one per voxel, except that category rows may be zero
     (an object outside the layout's categories).

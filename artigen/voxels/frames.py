@@ -1,4 +1,4 @@
-"""Which way the outer side of each voxel faces: furniture is made of boards, and a thin one has two sides.
+"""Outer direction of each voxel, for boards that are thinner than a voxel and have two sides.
 
 The direction is read off the voxels alone, so it is the same in training, where pictures say what either
 side looks like, and for a drawn structure, whose sides are to be coloured.

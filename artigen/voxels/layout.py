@@ -1,4 +1,4 @@
-"""The voxels that Gaussians are drawn on, and which way their sides face: read off the surface in them.
+"""Voxels for Gaussians and the direction of their sides, from the surface inside them.
 
 A cell of a grid belongs to one part. Where two parts touch, one of them may be left without cells, and its
 surface would be bare once the object opens: the inside of a door where it lies on the rim of its body. And a

@@ -1,4 +1,4 @@
-"""Faces and figures: voxels of one part that face one way, and what stands out on them.
+"""Connected regions of voxels: faces (one part, one direction) and figures on them.
 
 Windows, trims and panels are rectangles, or discs on round doors.
 """

@@ -1,4 +1,4 @@
-"""Where surface lies within voxels: how high either side is, and how far it reaches across.
+"""Surface position within voxels: height of either side and extent across.
 
 A voxel at the rim of a board, or on a wire, is filled in part; Gaussians that covered all of it would make
 boards thicker and wires bars. Read off samples of the surface, in the frame of the voxel's outer side: of the

@@ -1,4 +1,4 @@
-"""Surfaces to voxels: labels by area majority, without losing the small parts.
+"""Voxelises surfaces: labels by area majority, small parts preserved.
 
 `encode` and `decode` (the dense field and back) live in `artigen.voxels.fields` and are offered here too.
 """

@@ -1,4 +1,4 @@
-"""Weights that come with artigen; what they were trained on and what they measure: docs/model_card.md."""
+"""The shipped weights, described in docs/reports/model_card.md."""
 
 from pathlib import Path
 

@@ -1,1 +1,1 @@
-"""Other engines as witnesses: what becomes of a package in each, every engine in a process of its own."""
+"""Packages in other engines, each engine in its own process."""

@@ -1,4 +1,4 @@
-"""What an engine answered, against what the package says: checks V501 to V506."""
+"""Compares an engine's answer with the package: checks V501 to V506."""
 
 from collections.abc import Callable
 

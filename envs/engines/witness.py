@@ -1,4 +1,4 @@
-"""Asking other engines about a package, each in a process of its own, in whatever environment has it."""
+"""Runs trials in other engines, each in its own process, in whatever environment has it."""
 
 import json
 import os

@@ -101,7 +101,7 @@ STOCK_TYPES = (
 
 
 def _stock_problem(folder: Path, name: str) -> str:
-    """What ManiSkill's own task makes of the package that it should not, "" if nothing."""
+    """Problem of ManiSkill's own task with the package, or ""."""
     env = gym.make(name, packages=str(folder), robot_uids="fetch", **CPU)
     task: Any = env.unwrapped
     env.action_space.seed(SEED)

@@ -1,4 +1,4 @@
-"""Room for something: the inside of an open drawer, or a floor of the compartment behind an open door.
+"""Room for an object: inside of an open drawer, or a floor of the compartment behind an open door.
 
 Found in the collision hulls, column by column: what a physics engine will let an object rest on.
 """

@@ -1,4 +1,4 @@
-"""Folders of packages: which are there, and whether they may be used."""
+"""Finds packages in folders and decides whether tasks may use them."""
 
 from collections.abc import Sequence
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Hulls of an object where its joints put them."""
+"""Collision hulls of an object at given joint coordinates."""
 
 from collections.abc import Mapping, Sequence
 

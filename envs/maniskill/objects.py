@@ -1,4 +1,4 @@
-"""What a task knows of a package before any simulator runs: the parts it may use, and where to hold them.
+"""Parts of a package that a task may use, and where to grasp them, found without a simulator.
 
 A part is usable if one joint moves it and nothing else follows. Everything else that moves is left out by
 name, with the reason, instead of turning into a NaN later.
@@ -267,7 +267,7 @@ def _read_part(package: SimPackage, joint: PackageJoint, label: PartLabel) -> Ta
 
 
 def _read_latches(package: SimPackage, needs: dict[str, float]) -> tuple[Latching, ...]:
-    """Those of the needed joints that move knobs and handles; what one of them needs comes before it.
+    """Needed joints that move knobs and handles, each after what it needs itself.
 
     What hangs from another leaf that stands open has nothing to hold any more.
     """

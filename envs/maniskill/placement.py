@@ -1,4 +1,4 @@
-"""Where a robot stands to work on a part: near the whole path of its handle, clear of everything it sweeps.
+"""Places a robot within reach of a handle's whole path and clear of what it sweeps.
 
 A search over positions in front of the part; every candidate is judged by the distances and heights of the
 handle along its path, and by how near the moving part and the object come to its base.

@@ -1,4 +1,4 @@
-"""Where a robot stands best to put something down: found from many postures of its arm, not from distances.
+"""Finds the base from which a robot can best put something down, from many arm postures.
 
 Every sampled posture fixes a base once its hand is to be at a given place and to point in a given
 direction. Those in which the arm touches nothing, with the base clear of everything, are compared by how much

@@ -23,7 +23,7 @@ class Reach:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class RobotSpec:
-    """What placing and driving a robot needs to know, metres and radians.
+    """Data for placing and driving a robot, in metres and radians.
 
     ``forward`` and ``down`` are the reach of a gripper that points there.
     ``clearance`` is the free radius around the base and ``column`` the height over which it is needed.

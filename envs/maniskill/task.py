@@ -255,7 +255,7 @@ class PackageTask(BaseEnv):
         return quaternion_apply(pose.q, self._grips) + pose.p
 
     def _part_info(self) -> dict[str, torch.Tensor]:
-        """What every task wants to know of its part."""
+        """State of the part, common to all tasks."""
         speed = self.object.get_qvel()[self._rows, self._columns].abs()
         return {
             "open_fraction": self.open_fraction,

@@ -1,4 +1,4 @@
-"""What one does to a moving part: a name for the motion of the place where it is taken or touched."""
+"""Verbs for moving parts, from the motion of the place that is held or touched."""
 
 from typing import Literal
 

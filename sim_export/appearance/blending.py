@@ -1,4 +1,4 @@
-"""What Gaussians look like at places of a surface, each seen from straight outside.
+"""Blends Gaussians into texels, each seen along its surface normal.
 
 Every place is a pixel of an orthographic picture taken along the axis that the surface faces most: the
 Gaussians nearby are projected, filtered as the rasteriser filters them, and blended front to back. So a

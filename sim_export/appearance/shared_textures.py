@@ -1,4 +1,4 @@
-"""Textures that objects share: one image per set of finishes, laid on by coordinates in metres.
+"""Shared textures: one image per set of finishes, mapped by coordinates in metres.
 
 `make_sheet` stacks a band per finish; a band is as large as furniture gets and shows the finish as it looks
 from board to board, whatever the object. A part's faces are laid flat into the bands along their grain, so

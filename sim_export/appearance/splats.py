@@ -1,4 +1,4 @@
-"""The Gaussians of an asset, shared out to the links of its package."""
+"""Distributes the Gaussians of an asset to the links of its package."""
 
 from collections.abc import Sequence
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""Carries the colours of Gaussians, or of surface samples, over to part meshes as textures.
+"""Bakes the colours of Gaussians or surface samples into textures of part meshes.
 
 Vertex colours are ignored by the engines we write for, so every mesh gets an image. Each texel shows the
 Gaussians of its own part as they are seen from straight outside (`sim_export.appearance.blending`), inside

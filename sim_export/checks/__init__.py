@@ -1,9 +1,8 @@
 """Static checks of a package folder: files (L0), geometry (L1) and motion (L2), without a simulator.
 
-``docs/checks.md`` lists every check with its threshold, where it applies and why. The checks are not
-imported here, so that readers of packages can share the URDF parser without loading them: take
-`run_checks` and `CHECKS` from `sim_export.checks.suite`. Nor is anything else but the settings before it is
-asked for, so that a process that only hands them on need not load SciPy.
+docs/reference/checks.md lists every check with its threshold, where it applies and why. `run_checks` and
+`CHECKS` are in `sim_export.checks.suite`; they are not imported here, so that readers of packages can use the
+URDF parser, and other processes the settings, without loading the checks or SciPy.
 """
 
 from importlib import import_module

@@ -1,4 +1,4 @@
-"""L1, the look: textures lie under the whole mesh and show a color everywhere (V106)."""
+"""L1: textures cover the whole mesh and are filled everywhere (V106)."""
 
 from pathlib import PurePosixPath
 

@@ -1,4 +1,4 @@
-"""Thresholds of the checks L0 to L2: one value for each number of docs/checks.md."""
+"""Thresholds of the checks L0 to L2: one value for each number of docs/reference/checks.md."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Triangles on a grid of cells: which cells a surface crosses, encloses, or leaves as cavities.
+"""Cells that a triangle surface crosses, encloses, or leaves as cavities.
 
 A column is the line through the centres of cells along one axis. Where it crosses a triangle, the
 direction of the crossing says whether it enters or leaves a solid, so the winding number of every

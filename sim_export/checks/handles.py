@@ -1,4 +1,4 @@
-"""L2, handles can be taken hold of (V204).
+"""L2: handles can be grasped (V204).
 
 A handle is a visual whose name contains ``handle`` inside the link it opens: the rule by which
 ManiSkill finds it. It is measured as seen, along the direction in which it starts to move; on a door that

@@ -1,4 +1,4 @@
-"""L2, doors, drawers and trays open as such things do (V203, V205, V206)."""
+"""L2: opening directions of doors, drawers and trays (V203, V205, V206)."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""The list of checks, and running them: every check gives a verdict, none brings the suite down."""
+"""Registry and runner of checks: each gives a verdict, none can abort the suite."""
 
 import logging
 from collections.abc import Callable, Sequence

@@ -1,4 +1,4 @@
-"""The folder under test: everything the checks share, parsed once and only when asked for.
+"""The package folder under test; what checks share is parsed once, on demand.
 
 Works on our packages and on original PartNet-Mobility folders. All geometry comes out in metres in
 the object frame: the frame of the URDF's root link with every joint at 0. What cannot be had raises

@@ -1,4 +1,4 @@
-"""How far apart two surfaces are."""
+"""Distance between two surfaces."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING

@@ -1,4 +1,4 @@
-"""L2, through the whole range: nothing enters anything else, at rest or on the way (V201, V202).
+"""L2: no penetration at rest or through the range of any joint (V201, V202).
 
 Simulators cannot tell: they filter contacts of parent and child. Here every pair of links counts,
 measured by exact hull distances.

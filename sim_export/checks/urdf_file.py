@@ -1,4 +1,4 @@
-"""A URDF as it stands in the file, broken or not: what the checks look at before anything is believed.
+"""A URDF as written in the file, valid or not, for the checks.
 
 `read_package` refuses what it cannot use; a check has to say what is wrong. So this reader keeps
 NaN limits, axes of any length, unknown joint types, cycles and missing files, and raises only where

@@ -1,1 +1,1 @@
-"""Convex hulls: offered, chosen, cut free, added."""
+"""Convex collision hulls: candidates, selection, clearance, additions."""

@@ -1,4 +1,4 @@
-"""Adding a hull to a link late in the export, without disturbing any sweep."""
+"""Adds a hull to a link late in the export, clear of every sweep."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field

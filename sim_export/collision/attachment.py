@@ -1,4 +1,4 @@
-"""Gaps between a link and the one that carries it, closed by small hulls.
+"""Bridges gaps between a link and its carrier by small hulls.
 
 Parts that touch can end up apart in collision: a hull stays short of the surface it stands for, or
 room for a moving part was cut out of the face that a knob sits on. A peg, a box of a few millimetres,

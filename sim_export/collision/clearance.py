@@ -1,4 +1,4 @@
-"""Room to move: collision hulls are cut back until joints sweep their range without penetration.
+"""Cuts collision hulls back until joints sweep their range without penetration.
 
 Parent and child are included, because simulators never report contact between them and a package
 should not depend on that. Where hulls overlap, the contact's separating plane cuts the one that

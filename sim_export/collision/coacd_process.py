@@ -1,4 +1,4 @@
-"""CoACD in a process of its own: it may abort or run for minutes, and neither may reach the caller.
+"""Runs CoACD in a separate process, which may abort or time out.
 
 ``python -m sim_export.collision.coacd_process IN.npz OUT.npz`` is the child's side.
 """

@@ -1,4 +1,4 @@
-"""Long thin hulls as engines take them: boxes of any length, other hulls up to a length per thickness."""
+"""Makes long thin hulls acceptable to engines: replaced by a box, thickened or halved."""
 
 import numpy as np
 from jaxtyping import Float

@@ -1,4 +1,4 @@
-"""Exact signed distances between convex hulls: what clearance, requirements and the sweep check measure.
+"""Exact signed distances between convex hulls.
 
 Depths are those of GJK/EPA (`coal`): the length of the shortest translation that separates two
 hulls. Simulators filter parent-child contacts and report speculative ones; these do neither.

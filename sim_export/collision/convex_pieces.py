@@ -1,4 +1,4 @@
-"""Solids of any shape as few convex pieces: cut at concave edges, then join what hardly grows.
+"""Convex decomposition: cuts a solid at concave edges and merges pieces whose hull hardly grows.
 
 Cutting top-down with exact booleans makes small, nearly convex pieces; joining bottom-up measures
 concavity as volume, ``hull(A and B) - A - B``, and always takes the pair that adds least. Both

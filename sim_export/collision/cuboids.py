@@ -1,4 +1,4 @@
-"""Blocky meshes as few boxes, with their faces where the mesh has its own.
+"""Decomposes blocky meshes into few boxes with faces on the mesh.
 
 Boxes may overlap. That needs fewer of them than a partition, leaves no seam between neighbours,
 and costs nothing: mass comes from the part's own volume, and no simulator collides the hulls of

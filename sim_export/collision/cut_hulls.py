@@ -1,4 +1,4 @@
-"""The hulls of an object while they are cut: what is left of each, and what it may still lose."""
+"""State of the hulls of an object while they are cut: remainder and allowed loss."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

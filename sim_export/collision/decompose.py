@@ -1,4 +1,4 @@
-"""Collision hulls of a part: as few and as true to its mesh as possible, and never across a cavity.
+"""Collision hulls of a part: few, close to its mesh, and never across a cavity.
 
 `sim_export.collision.hull_methods` proposes hulls, this module holds them to what physics engines ask and to
 what a hand or a thing must be able to enter. Volume error is the symmetric difference of hulls and

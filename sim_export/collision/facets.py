@@ -1,4 +1,4 @@
-"""Facets that engines would take for one, made one: inside of the hull, where engines go outside.
+"""Merges nearly coplanar facets inside the hull, before engines merge them outside.
 
 Cuts along a swing leave fans of facets a degree or two apart. PhysX merges facets that differ by less
 than 0.7 mm per metre and moves the common plane outwards until it holds all corners, a fan at a

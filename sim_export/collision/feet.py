@@ -1,4 +1,4 @@
-"""Feet that the collision geometry lacks.
+"""Adds hulls for feet that the collision geometry lacks.
 
 Feet are few, low and small, so hulls of a whole body may end above them, and the object would hover
 when it stands. Where the mesh reaches further down than every hull, what of it is lowest becomes feet.

@@ -1,4 +1,4 @@
-"""Meshes take in what hulls fill, where that is no thicker than the voxels that the meshes came from.
+"""Fills the mesh where hulls fill it, up to the size of a voxel.
 
 A slot between two bars or the gap between four low feet can be one voxel wide. It takes a hull a bar to
 leave it open, and a link has few. Where hulls fill such gaps by more than a little of a link's

@@ -1,4 +1,4 @@
-"""The space around a link that its collision must leave free: reachable from outside, and off its surface.
+"""Free space around a link: reachable from outside and off its surface.
 
 A surface of separate, open or intersecting triangles encloses no exact volume. Cells of a grid do: those that
 the surface crosses are wall, those that can be reached from outside without crossing wall are free, and the

@@ -1,4 +1,4 @@
-"""Few hulls out of many: a greedy cover of a solid, with hulls from a pool, within a budget.
+"""Greedy cover of a solid by few hulls from a pool.
 
 Again and again, the one is taken that gains most per hull, by what `sim_export.collision.hull_offers` has
 measured. What the budget leaves out is what volume and surface miss least.

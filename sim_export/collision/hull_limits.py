@@ -1,4 +1,4 @@
-"""What physics engines ask of every hull, and how hulls are changed to comply."""
+"""Limits of physics engines on hulls, and how hulls are changed to comply."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

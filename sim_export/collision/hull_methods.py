@@ -1,4 +1,4 @@
-"""Ways to turn a part's solid into convex hulls, and the order in which `auto` tries them.
+"""Decomposition methods, and the order in which `auto` tries them.
 
 From cheap to dear: one ``hull`` where the part is convex; ``boxes`` where few of them are enough; a
 ``cover`` by boxes, convex pieces and what joins to more, of which those are taken that gain most. CoACD

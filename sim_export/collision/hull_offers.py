@@ -1,4 +1,4 @@
-"""How hulls of a pool stand against a solid: what each holds, misses, and fills besides.
+"""Scores of pool hulls against a solid: covered, missed and excess volume.
 
 Every hull is measured once: which cells of a grid it holds, which points of the solid's surface it misses,
 how far it bulges into free space, and as how many hulls it counts once it has been cut to a length that

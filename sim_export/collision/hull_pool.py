@@ -1,4 +1,4 @@
-"""Hulls to choose from for a part: boxes from coarse to fine, convex pieces, and what joins to more."""
+"""Candidate hulls of a part: boxes from coarse to fine, convex pieces and their unions."""
 
 import numpy as np
 from jaxtyping import Bool

@@ -1,4 +1,4 @@
-"""Levelling feet for objects that would topple, or stand on a door.
+"""Adds levelling feet to objects that would topple or stand on a door.
 
 Sources are drawn without a floor: a front trim hangs below the body, two legs are shorter than the others,
 or a leaf is the lowest of all. Where the centre of mass lies outside of what touches the floor, or what

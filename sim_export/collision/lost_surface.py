@@ -1,4 +1,4 @@
-"""Where a link is seen but not felt, and what its solids have there."""
+"""Surface of a link that lost its collision, and the solids there."""
 
 from collections.abc import Sequence
 

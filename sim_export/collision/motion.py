@@ -1,4 +1,4 @@
-"""Forward kinematics of package links: where every link is at given joint coordinates.
+"""Forward kinematics of package links.
 
 Links and joints are given in the object frame at rest, so that the displacement of a link is its
 parent's displacement times its own joint's motion, as in `artigen.kinematics`.

@@ -1,4 +1,4 @@
-"""Where other links are at rest, and where they pass as joints move, seen from each link."""
+"""Space that other links occupy at rest and while joints move, in the frame of each link."""
 
 from collections.abc import Mapping, Sequence
 

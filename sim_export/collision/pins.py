@@ -1,4 +1,4 @@
-"""`pin_carriers`: collision for the link between the two joints of a screw, which shows nothing.
+"""`pin_carriers`: a collision pin for the link between the two joints of a screw.
 
 Loaders want collision on every link. The pin lies on the screw's axis inside of what the screw moves, and
 engines let no link collide with those it is joined to, so nothing ever meets it.

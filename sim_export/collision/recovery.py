@@ -1,4 +1,4 @@
-"""What a link shows but would not be felt any more, put back by small hulls.
+"""Adds small hulls where visible surface lost its collision.
 
 Few hulls cannot follow every ledge, and cutting for clearance takes boards off whole. Where a link's
 mesh lies far from all of its hulls, the solid there becomes a hull of its own, cut back from everything

@@ -1,4 +1,4 @@
-"""Freeing two overlapping hulls of each other, at all poses in which they meet.
+"""Separates two overlapping hulls at all poses in which they meet.
 
 Three ways, the one that costs least volume wins: half-space cuts pose by pose (a door's edge gets a
 chamfer), one half-space cut for all poses at once (a knob is cut off where it dips into a door), and

@@ -1,4 +1,4 @@
-"""Which joint must be open before another can move: a drawer or tray behind a door.
+"""Finds which joint must be open before another can move, such as a door before a drawer.
 
 A joint *requires* another when its sweep runs deep into that other's closed link and is free of it
 once the other is open. Requirements never form a cycle; shallow contact is none of them, but

@@ -1,4 +1,4 @@
-"""Drawers and trays that stay held when they are open: limits that do not let them fall out."""
+"""Limits travel so that open drawers and trays stay in their runners."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""`simplify_hulls`: boxes and cylinders in place of convex pieces that nearly are such.
+"""`simplify_hulls`: replaces convex pieces by boxes and cylinders within a tolerance.
 
 Engines load primitives without cooking, and importers keep them. The pieces of a part are judged together:
 the box around a wedge of a ring reaches only into the neighbouring wedges, so the ring stays what it is.

@@ -1,4 +1,4 @@
-"""Pieces of a surface, cut and joined by what their convex hulls would take of free space.
+"""Cuts and joins pieces of a surface by the free space that their convex hulls would fill.
 
 Nothing is assumed of the triangles: they may be open, doubled, or pass through each other.
 """

@@ -1,4 +1,4 @@
-"""Sweeps of joints, sampled so closely that nothing is jumped over."""
+"""Samples joint motions finely enough that no contact is skipped."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What is shown of a link although no hull stands for it.
+"""Trims the mesh where no hull stands for it.
 
 Where parts of the source overlap, at rest or on their way, the hulls of one give way; its mesh would still
 show what is not felt. Such surface is left out of the mesh, too, so that both tell the same story: a door

@@ -1,4 +1,4 @@
-"""Where packages lie below folders."""
+"""Finds packages below folders."""
 
 from collections.abc import Sequence
 from pathlib import Path

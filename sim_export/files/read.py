@@ -76,13 +76,12 @@ class _Foreign:
 def read_package(folder: Path, *, appearance: bool = True) -> SimPackage:
     """Reads our own package, or any folder with a `mobility.urdf` in PartNet-Mobility's layout.
 
-    A foreign folder's labels come from `semantics.txt` where we know the word; its visuals stay
-    files (`SourceMesh`); its package has no handles, materials or provenance.
+    Labels of a foreign folder come from `semantics.txt` where the word is known. Its visuals stay
+    files (`SourceMesh`), and it has no handles, materials or provenance.
 
     Args:
         folder: The folder.
-        appearance: Whether visuals and splats are read. What only moves and collides is there much
-            sooner without them; no link has any then.
+        appearance: Read visuals and splats; without them, reading is much faster.
 
     Raises:
         PackageError: If something is missing or broken; names the file, the element and the value.

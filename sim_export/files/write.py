@@ -44,7 +44,7 @@ def package_files(package: SimPackage) -> dict[str, bytes]:
     """All files of a package by their path in it, the manifest included.
 
     Raises:
-        InvalidKinematics: If links and joints are not a tree that URDF can say.
+        InvalidKinematics: If links and joints are not a tree that URDF can express.
         PackageError: If a source mesh or one of its images cannot be read.
     """
     check_kinematics(package)
@@ -173,7 +173,7 @@ def _read(path: Path) -> bytes:
 
 
 def write_package(package: SimPackage, folder: Path, overwrite: Overwrite = "refuse") -> Path:
-    """Writes a package to ``folder`` and returns it; on any error nothing is there.
+    """Writes a package to ``folder`` and returns it; on any error nothing is left behind.
 
     Args:
         package: What to write.

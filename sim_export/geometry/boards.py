@@ -1,4 +1,4 @@
-"""Boards are solid: the thin space between the two faces of a panel belongs to the panel.
+"""Fills the thin space between the two faces of a panel.
 
 Voxels hold surfaces only. A board three cells thick is two sheets with a gap, and where its edge
 touches another part (a shelf behind a door) the gap is open towards that part and no cavity of its

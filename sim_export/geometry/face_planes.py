@@ -1,4 +1,4 @@
-"""Where the faces of a blocky part really lie: fitted planes for its exposed cell faces.
+"""Fits planes to the exposed cell faces of a blocky part.
 
 Marking every cell that a surface touches makes a solid half a cell too thick on average, and says
 nothing about where inside its cell a wall lies. This module groups exposed cell faces into coplanar

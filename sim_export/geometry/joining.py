@@ -1,4 +1,4 @@
-"""Making a set of cells well-composed: adding cells where two touch only along an edge or in a corner."""
+"""Makes a set of cells well-composed: adds cells where two touch only along an edge or at a corner."""
 
 import numpy as np
 from jaxtyping import Bool

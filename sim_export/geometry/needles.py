@@ -1,4 +1,4 @@
-"""Edge flips that turn needles of flat regions into better triangles without moving any point."""
+"""Flips edges to remove needle triangles from flat regions without moving points."""
 
 import numpy as np
 from jaxtyping import Bool, Float, Int

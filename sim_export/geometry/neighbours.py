@@ -1,4 +1,4 @@
-"""Where other parts end at the faces of a part's cells.
+"""Extent of other parts at the faces of a part's cells.
 
 A voxel says which cell a surface is in; a box says exactly where a part ends. Where a knob's back
 meets a panel, the knob's box so tells where in its cell the panel lies.

@@ -1,4 +1,4 @@
-"""A part's cells as a solid that can be meshed: contested, enclosed and ill-connected cells settled.
+"""A part's cells as a meshable solid: contested, enclosed and badly connected cells resolved.
 
 Three things stand between labelled surface cells and a solid. A cell that two parts touch is owned
 by one of them, which leaves ragged layers where owners alternate; a closed box is hollow; and cells

@@ -1,4 +1,4 @@
-"""Boxes, cylinders and spheres of URDF: as closed meshes, and found again in hulls that are exactly these."""
+"""Boxes, cylinders and spheres of URDF: as closed meshes, and detected in exact hulls."""
 
 from dataclasses import dataclass
 from functools import lru_cache

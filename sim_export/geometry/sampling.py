@@ -1,4 +1,4 @@
-"""Evenly spread points on surfaces, always the same ones."""
+"""Deterministic, evenly spread points on surfaces."""
 
 import numpy as np
 from jaxtyping import Float, Int

@@ -1,4 +1,4 @@
-"""Drawers and trays that are sunk into what carries them: each cell belongs to one of the two.
+"""Separates drawers and trays from the carrier that they overlap.
 
 Where surfaces of two parts run through the same layer of cells, both parts may complete it
 (`sim_export.geometry.occupancy`), and clearance trims the overlap later. A flat drawer whose front

@@ -1,4 +1,4 @@
-"""Slanted planes among the terraces of a blocky surface: tapered legs, sloping lids, turned boxes.
+"""Detects slanted planes in stepped surfaces: tapered legs, sloping lids, rotated boxes.
 
 A slightly slanted wall becomes long terraces one cell apart, too long for smoothing to level. Chains
 of terraces that one plane explains are found by growing, and their vertices put on that plane.

@@ -1,4 +1,4 @@
-"""Smoothing of blocky surfaces that keeps locked coordinates, sharp rims and thin walls."""
+"""Smooths blocky surfaces while keeping locked coordinates, sharp rims and thin walls."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Samples of the surface of an object that has voxels alone: of the meshes that are made of them."""
+"""Samples the exported meshes of an object that has voxels only."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Meshes of what exact booleans leave: without the needles and hair-wide edges that these make."""
+"""Removes needles and tiny edges from meshes after exact booleans."""
 
 import manifold3d
 import numpy as np

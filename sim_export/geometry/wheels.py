@@ -1,4 +1,4 @@
-"""Wheels are round: a few voxels are not, and what stands on corners rolls until it lies on a flat side."""
+"""Makes wheels round, so that they do not rest on a flat side."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

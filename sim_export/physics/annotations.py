@@ -1,4 +1,4 @@
-"""Handles and knobs: where they are, which way they face, how a gripper takes them and where they go.
+"""Annotates handles and knobs: position, direction, grasp and motion.
 
 Everything is measured on the part meshes at rest. The outward normal is the direction in which the
 carrier lies behind the handle and nothing in front of it; the box is the smallest one around the

@@ -1,4 +1,4 @@
-"""From parts to rigid bodies: which parts weld together, what the links and joints are called.
+"""From parts to rigid bodies: welded parts, names of links and joints.
 
 Every movable part becomes a link, in part order, together with everything fixed to it; the root part
 with everything fixed to that is the last link and the root. Only where nothing moves is it fixed to an

@@ -1,4 +1,4 @@
-"""What parts are made of, and how their joints resist: densities, friction, damping.
+"""Materials of parts and resistance of joints: densities, friction, damping.
 
 The tables are engineering handbook values. Which material a part gets follows from its label and
 the object's category (`part_material`); how its joint resists follows from its label, its type and

@@ -1,4 +1,4 @@
-"""What things are, for people and for training: semantic labels, Wikidata codes, non-visual materials.
+"""Semantic labels, Wikidata codes and non-visual materials.
 
 Codes are given only where they are known for certain; an object of another category is labelled as
 furniture or as a physical object, which it is, and a part of another kind has no code.

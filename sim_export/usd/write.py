@@ -32,7 +32,7 @@ def write_usd(package: SimPackage, out: Path, overwrite: Overwrite = "refuse") -
     """Writes a package as USD to a folder of its own in ``out`` and returns the path of the USD file.
 
     Args:
-        package: What to write. A screw becomes one joint that only turns.
+        package: What to write.
         out: The folder for USD assets; the asset's folder has the package's name in lower case.
         overwrite: ``refuse`` raises where the asset's folder exists, ``replace`` puts the new asset in
             the place of an old one (only of a USD asset: another folder is never removed).

@@ -1,4 +1,4 @@
-"""docs/how_to_engines.md: its blocks are Python, and run where their engine is installed."""
+"""docs/how-to/engines.md: its blocks are Python, and run where their engine is installed."""
 
 import importlib.util
 import re
@@ -15,7 +15,7 @@ from sim_export.files.read import read_package
 from sim_export.files.write import write_package
 from sim_export.reference import build_reference, describe_build
 
-PAGE = ROOT / "docs" / "how_to_engines.md"
+PAGE = ROOT / "docs" / "how-to" / "engines.md"
 BLOCKS = {
     (section.splitlines()[0], number): block
     for section in PAGE.read_text().split("\n## ")[1:]

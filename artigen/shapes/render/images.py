@@ -49,7 +49,7 @@ class Images:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _View:
-    """What the cameras of a batch see."""
+    """View of the cameras of a batch."""
 
     scene: Scene
     cameras: Cameras

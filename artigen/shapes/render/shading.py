@@ -57,7 +57,7 @@ class RenderConfig:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Material:
-    """What shading needs of the surface at some points."""
+    """Surface properties that shading needs at some points."""
 
     color: Float[Tensor, "N 3"]
     """Linear light."""
@@ -68,7 +68,7 @@ class Material:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Light:
-    """What reaches some points: 0 none, 1 all."""
+    """Light that reaches some points: 0 none, 1 all."""
 
     lamp: Float[Tensor, "N"]
     sky: Float[Tensor, "N"]
@@ -102,7 +102,7 @@ def shade(
 
 
 def _room_light(direction: Float[Tensor, "N 3"], gloss: Float[Tensor, "N"]) -> Float[Tensor, "N"]:
-    """What a mirror sees: a bright ceiling, a band of windows in front, a floor in half-light."""
+    """Radiance of the room by direction: a bright ceiling, a band of windows in front, a dim floor."""
     height = direction[:, 2]
     softness = 0.55 - 0.4 * gloss
     ceiling = torch.sigmoid((height - 0.25) / (0.25 * softness))
@@ -116,6 +116,6 @@ def linear_from_srgb(color: Float[Tensor, "*S 3"]) -> Float[Tensor, "*S 3"]:
 
 
 def srgb_from_linear(light: Float[Tensor, "*S 3"]) -> Float[Tensor, "*S 3"]:
-    """What a screen is told, from light."""
+    """Linear RGB to sRGB."""
     light = light.clamp(0.0, 1.0)
     return torch.where(light <= 0.0031308, 12.92 * light, 1.055 * light.clamp(min=1e-8) ** (1 / 2.4) - 0.055)

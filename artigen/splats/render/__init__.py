@@ -1,4 +1,4 @@
-"""Pictures of Gaussian splats in torch, differentiable: colour, coverage, depth.
+"""Differentiable rendering of Gaussian splats in torch: colour, coverage, depth.
 
     splats = make_splats(asset.gaussians)
     pictures = rasterize(splats, cameras, cfg=RasterConfig())

@@ -1,4 +1,4 @@
-"""Blends footprints front to back, tile by tile, and goes the same way again for the gradients.
+"""Blends footprints front to back, tile by tile; the backward pass repeats the traversal.
 
 Along a pixel's list ``w_i = alpha_i (1 - alpha_1) ... (1 - alpha_{i-1})`` and the picture is the sum of
 ``w_i f_i``. With ``g`` the gradient at the pixel,

@@ -1,4 +1,4 @@
-"""`RasterConfig`: what a pixel is made of, and how much memory may be used for it."""
+"""`RasterConfig`: pixel filter and memory limits of the rasteriser."""
 
 from dataclasses import dataclass
 from typing import Literal

@@ -1,4 +1,4 @@
-"""The gsplat package (CUDA) behind the signature of our own rasteriser; imported when it is asked for."""
+"""The gsplat package (CUDA) behind the interface of our rasteriser; imported on demand."""
 
 import torch
 from jaxtyping import Float

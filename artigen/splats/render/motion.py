@@ -1,4 +1,4 @@
-"""Moves splats with the parts they belong to, keeping their gradients."""
+"""Moves splats with their parts, preserving gradients."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""One finished picture of Gaussians, from plain values: for sheets, viewers and measurements."""
+"""One finished picture of Gaussians from plain values, for sheets, viewers and measurements."""
 
 from collections.abc import Sequence
 
@@ -24,7 +24,7 @@ def draw_gaussians(
     background: Sequence[float] = (1.0, 1.0, 1.0),
     cfg: RasterConfig | None = None,
 ) -> UInt8[np.ndarray, "H W 3"]:
-    """What a pinhole sees, as sRGB levels; the colours are those the Gaussians hold, without light.
+    """Renders Gaussians through a pinhole as sRGB levels, without lighting.
 
     Args:
         gaussians: In the unit of the camera.

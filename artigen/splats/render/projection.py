@@ -1,4 +1,4 @@
-"""Projects splats into pictures: elliptical weighted averaging with the filter of Mip-Splatting.
+"""Projects splats: elliptical weighted averaging with the filter of Mip-Splatting.
 
 A splat with covariance ``S`` at ``(x, y, z)`` before the camera leaves a Gaussian of covariance
 ``J W S W^T J^T + k I`` in the picture, where ``W`` turns into the camera and ``J`` is the derivative of
@@ -35,7 +35,7 @@ class View:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Footprints:
-    """What a camera may see of the splats: ``alpha = exp(f - (a dx^2 + 2 b dx dy + c dy^2) / 2)``."""
+    """Projected splats of a camera: ``alpha = exp(f - (a dx^2 + 2 b dx dy + c dy^2) / 2)``."""
 
     ellipses: Float[Tensor, "V 6"]
     """Column and row of the centre (pixels), a, b, c (per square pixel), f."""

@@ -1,4 +1,4 @@
-"""`rasterize`: pictures of splats, differentiable in everything that a splat is."""
+"""`rasterize`: pictures of splats, differentiable in all splat parameters."""
 
 from collections.abc import Sequence
 

@@ -1,4 +1,4 @@
-"""`Splats`: Gaussians as tensors that gradients flow through, and `Rendering`: pictures of them."""
+"""`Splats`: Gaussians as differentiable tensors, and `Rendering`: pictures of them."""
 
 from dataclasses import dataclass
 

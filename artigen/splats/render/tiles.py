@@ -1,4 +1,4 @@
-"""Which splats each tile of a picture has to blend, in the order of their depth."""
+"""Depth-sorted lists of the splats of each tile."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

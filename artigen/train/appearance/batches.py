@@ -1,4 +1,4 @@
-"""Examples side by side as tensors: voxels of several objects, and some pictures of each."""
+"""Batches for appearance training: voxels of several objects with some pictures of each."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass

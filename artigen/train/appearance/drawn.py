@@ -1,4 +1,4 @@
-"""Voxels of procedural objects as a model draws them, which networks learn on besides true ones.
+"""Voxels of procedural objects as sampled by a structure model, for training besides true ones.
 
 A flow of latents that has seen true voxels alone leaves gaps and smears on drawn ones.
 """
@@ -54,7 +54,7 @@ class DrawnVoxels:
 
 @dataclass(frozen=True, kw_only=True)
 class DrawnShardConfig(ShardConfig):
-    """What the examples of a folder are."""
+    """Configuration of the examples of a folder."""
 
     structure: Path | None = None
     """Folder of the model that draws the voxels; without one, they are roughened."""

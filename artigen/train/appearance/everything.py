@@ -1,4 +1,4 @@
-"""From nothing to weights: `python -m artigen.train.appearance.everything` makes data, trains and stores.
+"""`python -m artigen.train.appearance.everything`: generates data, trains and stores weights.
 
 Every stage is skipped or gone on with where the run folder already holds its result, so the same command
 can be given again after an interruption. `artigen train appearance` is the same with a progress bar.

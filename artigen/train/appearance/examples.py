@@ -47,7 +47,7 @@ class AppearanceExample:
     image: UInt8[np.ndarray, "H W 4"] | None = None
 
     def attributes(self) -> Float[np.ndarray, "N A"]:
-        """What the flow is told of every voxel."""
+        """Conditioning features of every voxel."""
         kinds = read_kinds(self.coords, self.part_ids, self.facings, self.table, self.resolution)
         return describe_voxels(kinds, self.places(), self.paint / 255.0)
 

@@ -146,7 +146,7 @@ def slat_batch(
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SlatMoments:
-    """What latents are like: their mean, what is expected of them beyond it, and the deviation from that."""
+    """Statistics of latents: mean, linear prior, and the deviation from it."""
 
     mean: Float[Tensor, "D"]
     std: Float[Tensor, "D"]

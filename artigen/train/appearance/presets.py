@@ -1,4 +1,4 @@
-"""How the presets of `artigen.appearance.presets` are trained."""
+"""Training settings and data of the presets of `artigen.appearance.presets`."""
 
 from dataclasses import dataclass, field, replace
 

@@ -1,4 +1,4 @@
-"""What a run of appearance training is: its configuration, and the folder that belongs to it."""
+"""Configuration and folder of an appearance training run."""
 
 from dataclasses import dataclass
 from pathlib import Path

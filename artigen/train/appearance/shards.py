@@ -32,7 +32,7 @@ PACKED = ("exposed",)
 
 @dataclass(frozen=True, kw_only=True)
 class AppearanceShardConfig(ShardConfig):
-    """What the examples of a folder are."""
+    """Configuration of the examples of a folder."""
 
     curation: CurationConfig
     """Joint states, views, and features."""

@@ -1,4 +1,4 @@
-"""What true voxels look like, put on those that a model draws instead of them."""
+"""Transfers paint and latents from true voxels to those that a model samples instead."""
 
 from dataclasses import replace
 

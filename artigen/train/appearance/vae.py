@@ -1,4 +1,4 @@
-"""Training of the appearance VAE: encode, decode, articulate, draw, compare (section 4.2.2 of the paper)."""
+"""Training of the appearance VAE: encode, decode, articulate, render, compare (paper, section 4.2.2)."""
 
 from collections.abc import Sequence
 from pathlib import Path

@@ -1,1 +1,1 @@
-"""Clean-up of drawn cells, one stage per file; `artigen.voxels.cleanup.clean` runs them in order."""
+"""Clean-up of sampled cells, one stage per file; `artigen.voxels.cleanup.clean` runs them in order."""

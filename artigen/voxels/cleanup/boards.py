@@ -1,4 +1,4 @@
-"""Boards out of drawn cells, a stage of its own: panels become flat, whole and straight at the rim.
+"""Covers sampled cells with boxes, so that panels become flat, complete and straight at the rim.
 
 A network draws the panels of furniture with dents, pinholes and ragged rims. Every part is told anew as the
 boxes that its cells speak for most (`artigen.voxels.cleanup.boxes`): what is missing in one is filled, what
@@ -22,7 +22,7 @@ SLACK = 0.25
 
 @dataclass(frozen=True, kw_only=True)
 class BoardsConfig:
-    """What counts as a board. Evidence is counted in certain cells."""
+    """Thresholds for boards. Evidence is counted in certain cells."""
 
     certain: float = 4.0
     """Logits beyond this count as certain."""

@@ -1,4 +1,4 @@
-"""Boxes of greatest sum in a volume of evidence: what is solid there, told in as few words as it takes.
+"""Greedy maximum-sum box cover of a 3D evidence grid.
 
 Furniture is made of boards, and evidence for a board is evidence for a box: single cells that say otherwise
 are outvoted. A box is grown from a cell by moving its faces, each to wherever the sum over the box is

@@ -1,4 +1,4 @@
-"""Small parts without cells get those of their boxes, as in the truth a part smaller than a cell does."""
+"""Gives small parts without cells the cells of their boxes."""
 
 import numpy as np
 from jaxtyping import Float

@@ -1,4 +1,4 @@
-"""All stages of the clean-up of drawn cells, in their order."""
+"""Runs all clean-up stages of sampled cells in order."""
 
 from collections.abc import Callable
 from functools import partial

@@ -1,4 +1,4 @@
-"""Open doors leave the way free for what slides out behind them: a stage of its own for bins of doors.
+"""Removes cells of open doors that block what slides out behind them.
 
 A drawer in a fridge comes out past the open door. Where bins, or the edge at the hinge, were drawn at its
 height so deep that they stand before it then, they make way: all but the front of the panel does.

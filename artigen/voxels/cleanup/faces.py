@@ -1,4 +1,4 @@
-"""Faces are boards: a stage of its own for holes, stairs, stains and frayed edges.
+"""Flattens faces: fills holes and removes steps, stains and frayed edges.
 
 The top, the sides and the back of a cabinet or an appliance are whole boards, and so are the fronts of doors
 and drawers, and that of a washing machine around its door. Where others overlap them, at an edge, they lie
@@ -154,7 +154,7 @@ def even_faces(
 
 
 def weigh_depths(evidence: Float[np.ndarray, "D H W"]) -> Float[np.ndarray, "K H W"]:
-    """What speaks for a column to begin at each depth, and for none of them, the last.
+    """Log-evidence per candidate depth of a column; the last entry means "no surface".
 
     Nothing is before the first cell, whatever comes behind it: cells there speak for no depth.
 

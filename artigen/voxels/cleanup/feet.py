@@ -1,4 +1,4 @@
-"""What would fall over gets feet: a stage of its own for feet that a network forgot or drew too short.
+"""Adds feet to objects that would fall over because feet are missing or too short.
 
 Only what stands badly is changed. It gets a post under each corner of its body, as thick as a short foot,
 from the underside down to the floor.

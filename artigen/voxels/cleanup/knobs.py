@@ -1,4 +1,4 @@
-"""Whole buttons and dials: a stage of its own for knobs, of which a few cells are easily drawn as fragments.
+"""Completes buttons and dials of which only fragments were sampled.
 
 A true button fills its box, as far as that sticks out of the panel. A dial fills about the disc in its box.
 """

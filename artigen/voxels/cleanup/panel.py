@@ -1,4 +1,4 @@
-"""Where the panel of a front lies in its depth."""
+"""Depth of the panel of a front."""
 
 import numpy as np
 from jaxtyping import Bool

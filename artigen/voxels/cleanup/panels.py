@@ -1,4 +1,4 @@
-"""Knobs sit on something: a stage of its own for holes in the panel behind them.
+"""Fills holes in the panel behind knobs.
 
 Where a network drew a row of knobs and no panel behind, or room was made for what turns, they hang by a
 corner. A patch closes the hole right behind such a knob, a cell wider than it, out of what carries it.

@@ -1,4 +1,4 @@
-"""Parts that slide have a way out: a stage of its own for drawers and trays.
+"""Clears the path of sliding parts.
 
 A drawer whose back was drawn a cell too wide, or a rail that hangs in front of it, keeps it shut. In every
 line of cells along the way, either what of the part lies behind the obstacle goes, or the obstacle does:

@@ -1,4 +1,4 @@
-"""Portholes: the door before a drum is round, and so is the opening that it closes, a stage of its own.
+"""Makes doors before drums, and the openings that they close, round.
 
 A network draws the mean of a ring and its box: doors with cut corners over ragged holes. What turns without
 end about an axis that faces the front is a drum; all procedural machines that are loaded there have a round

@@ -1,4 +1,4 @@
-"""Parts that turn without end have room to: a stage of its own for drums, turntables and dials.
+"""Makes continuously rotating parts axisymmetric and clears their swept volume.
 
 What turns about an axis sweeps rings. A drum drawn with a dent here and a bulge there meets the tub that it
 turns in; so each ring of it becomes whole or goes, by what most of its cells say, and the body and the inside

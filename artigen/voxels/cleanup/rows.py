@@ -1,4 +1,4 @@
-"""Which row of an outline every cell belongs to."""
+"""Maps every cell to its row of the outline."""
 
 import numpy as np
 from jaxtyping import Float, Int

@@ -1,1 +1,1 @@
-"""Voxel fields to parts, joints and a tree."""
+"""Segmentation of voxel fields into parts, joints and a tree."""

@@ -1,4 +1,4 @@
-"""What a group of voxels says about its part: joint, range and box, voted for by many voxels."""
+"""Joint, range and box of a group of voxels, by vote."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace

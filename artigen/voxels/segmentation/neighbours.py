@@ -1,4 +1,4 @@
-"""Which voxels touch, and which hang together."""
+"""Neighbouring voxels and connected components."""
 
 import numpy as np
 from jaxtyping import Bool, Int

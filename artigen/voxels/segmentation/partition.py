@@ -1,4 +1,4 @@
-"""Voxels divided among parts: what every segmentation recipe returns."""
+"""Assignment of voxels to parts, the result of every segmentation recipe."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Snaps what is almost regular: a stage of its own, recorded in the asset's notes.
+"""Snaps nearly regular values to regular ones; recorded in the asset's notes.
 
 Networks and voxels give axes that are a degree or two off; furniture is built square. Whatever is
 farther from square than the tolerances is taken as meant and left alone. Limits need no snapping:

@@ -1,4 +1,4 @@
-"""Voxel fields back to parts, joints and a tree.
+"""Segments voxel fields into parts, joints and a tree.
 
 Three steps: a recipe divides the voxels among parts (`partition_paper`, `partition_robust`), every
 part's attributes are aggregated over its voxels, and each part is hung from another one
@@ -31,7 +31,7 @@ class SegmentConfig:
 
     recipe: Literal["robust", "paper"] = "robust"
     """`paper`: semantics, DBSCAN on boxes, mean. `robust`: the default, measured against it in
-    docs/segmentation.md."""
+    docs/explanation/structure.md."""
     paper: PaperConfig = field(default_factory=PaperConfig)
     """Parameters of the paper's recipe."""
     robust: RobustConfig = field(default_factory=RobustConfig)

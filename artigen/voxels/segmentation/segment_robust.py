@@ -1,4 +1,4 @@
-"""The robust recipe: many voxels vote for a box, and a part must fill the box it votes for.
+"""The robust recipe: voxels vote for boxes, and a part must fill the box it votes for.
 
 Semantics and connectivity give a first grouping; a group whose votes scatter more than the noise of
 the field is split; groups are merged when their votes agree and the box they vote for is filled by

@@ -1,4 +1,4 @@
-"""How well a segmented asset agrees with the true one: parts, joints, tree."""
+"""Agreement of a segmented asset with the true one: parts, joints, tree."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Who hangs from whom: each part from a part it touches and that its meaning allows.
+"""Kinematic tree: each part gets a parent that it touches and that its label allows.
 
 The paper is silent on the tree. The rule here is explicit: `ALLOWED_PARENTS` says which labels a
 part may hang from and how strongly it prefers them; of the parts that it touches, the one with the

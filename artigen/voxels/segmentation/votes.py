@@ -1,4 +1,4 @@
-"""What voxels vote for, in units of the field's own noise, and how well groups and votes agree."""
+"""Votes of voxels in units of the field's noise, and agreement of groups and votes."""
 
 from dataclasses import dataclass
 

@@ -24,14 +24,14 @@ BISECTIONS = 10
 
 
 class LinkFacts(TypedDict):
-    """What an engine has of a link; ``None`` where it does not say."""
+    """A link as the engine reports it; ``None`` where it does not."""
 
     mass: float | None
     shapes: int | None
 
 
 class JointFacts(TypedDict):
-    """What an engine has of a joint; ``None`` where it does not say, or where a joint has no limits."""
+    """A joint as the engine reports it; ``None`` where it does not, or where there are no limits."""
 
     lower: float | None
     upper: float | None

@@ -1,4 +1,4 @@
-"""Some doors and drawers of a room left open, as people leave them: nothing touches anything."""
+"""Leaves some doors and drawers of a room open without contact."""
 
 from dataclasses import replace
 

@@ -62,7 +62,7 @@ class Plan:
 
     @property
     def doorway(self) -> Float[np.ndarray, "1 2 3"]:
-        """What the entrance needs."""
+        """Space that the entrance needs."""
         start, stop = self.entrance.start - 0.05, self.entrance.start + self.entrance.width + 0.05
         box = along_wall(self.entrance.side, self.size, (start, -0.2, 0.0), (stop, DOORWAY, 2.0))
         return box[None]

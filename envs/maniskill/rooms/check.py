@@ -1,4 +1,4 @@
-"""Whether a room keeps its promises, measured on the collision hulls and not on what the planner knew.
+"""Checks the guarantees of a room on collision hulls, independently of the planner.
 
 A sweep is checked piece by piece: between two poses every hull stays within the convex hull of both, grown
 by the arc's height above its chord. So what is called free is free, and something closer to a sweep than
@@ -150,7 +150,7 @@ def _meet_grid(boxes: Float[np.ndarray, "S H 2 3"], near: Float[np.ndarray, "M 2
 
 
 def _blocked_standing(room: Room, placement: Placement, solids: Sequence[Solid]) -> list[Problem]:
-    """What stands where the robot should, the object itself included."""
+    """Obstacles where the robot should stand, the object itself included."""
     problems = []
     radius = room.standing_radius
     for x, y in placement.standing:

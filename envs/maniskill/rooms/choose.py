@@ -20,7 +20,7 @@ TALL = 1.02
 
 @dataclass(frozen=True, kw_only=True)
 class ChooseConfig:
-    """What a good run is; every number weighs one wish against the others."""
+    """Weights of the wishes for a run of cabinets."""
 
     empty: float = 2.5
     """Cost of a metre of wall without a unit."""

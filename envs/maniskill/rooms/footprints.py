@@ -1,4 +1,4 @@
-"""What an arrangement needs to know of a package: its box, what it opens into, where one stands, its top."""
+"""Footprint of a package for planning: box, swept space, standing places, top."""
 
 from dataclasses import dataclass
 from functools import lru_cache

@@ -27,7 +27,7 @@ SHIFTS = np.arange(0.0, 0.62, 0.04)
 
 @dataclass(frozen=True, kw_only=True)
 class Chooser:
-    """What one arrangement draws from: packages by role, random numbers, and what must stay free."""
+    """Inputs of one arrangement: packages by role, random numbers, and space to keep free."""
 
     shortlists: Mapping[str, tuple[Entry, ...]]
     rng: np.random.Generator

@@ -1,4 +1,4 @@
-"""What a package's doors and drawers pass through, as poses and as bounds that hold between them."""
+"""Swept space of doors and drawers: sampled poses and bounds between them."""
 
 from dataclasses import dataclass
 

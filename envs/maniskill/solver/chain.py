@@ -159,7 +159,7 @@ def _forward(chain: Chain, q: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def held_motion(kind: str, value: float) -> Float[np.ndarray, "4 4"]:
-    """What a joint of SAPIEN's does, whose axis is x, at a coordinate in m or rad."""
+    """Motion of a SAPIEN joint (axis x) at a coordinate in m or rad."""
     T = np.eye(4)
     if kind == "prismatic":
         T[0, 3] = value

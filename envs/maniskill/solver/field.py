@@ -1,4 +1,4 @@
-"""How far points are from solid hulls, looked up in a grid of distances: thousands of arm poses at once."""
+"""Distances of points to solid hulls from a grid, for thousands of arm poses at once."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

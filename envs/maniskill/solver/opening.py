@@ -1,4 +1,4 @@
-"""An arm in front of a part that it is to move: what stands still, and what moves along."""
+"""The scene of an arm and the part to move: static and moving geometry."""
 
 from dataclasses import dataclass, replace
 

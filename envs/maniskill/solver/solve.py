@@ -84,9 +84,9 @@ def solve_open_part(env: gym.Env, seed: int) -> Outcome:
     """Plays one episode of ``ArtiGen-OpenPart-v1``, or of one of its verbs, with the control mode
     ``pd_joint_pos``.
 
-    Latches that are not the part's own handle come first. The part is taken by its handle, or by its edge,
-    and led all the way; where the arm cannot go along with a door, it pulls it ajar and pushes from behind.
-    What is there to be pressed, or cannot be held, is pushed with closed fingers.
+    Latches other than the part's own handle are opened first. The part is gripped by its handle or edge and
+    moved along its path; a door that the arm cannot follow is pulled ajar and pushed from behind. Parts that
+    are pressed or cannot be held are pushed with closed fingers.
 
     Args:
         env: the task, one scene on the CPU, wrapped or not.

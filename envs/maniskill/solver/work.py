@@ -1,4 +1,4 @@
-"""An arm among things that it must not touch: what every plan that looks at obstacles begins with."""
+"""An arm among obstacles, the common start of all collision-aware plans."""
 
 from dataclasses import dataclass
 

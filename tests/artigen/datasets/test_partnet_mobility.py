@@ -24,7 +24,7 @@ from artigen.transforms import transform_points
 from artigen.types import PAPER_CATEGORIES, PART_LABELS
 
 FAST = ReaderConfig(samples=20_000, size=1.0)
-DOCS = ROOT / "docs" / "partnet_mobility.md"
+DOCS = ROOT / "docs" / "reference" / "partnet_mobility.md"
 
 
 @pytest.fixture(scope="session")

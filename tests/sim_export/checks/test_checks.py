@@ -255,7 +255,7 @@ def test_original_folders_get_verdicts(real_objects, name):
 
 
 def test_documentation_lists_every_check_once():
-    text = (ROOT / "docs" / "checks.md").read_text()
+    text = (ROOT / "docs" / "reference" / "checks.md").read_text()
     rows = [line.split("|")[1].strip() for line in text.splitlines() if line.startswith("| V")]
     assert [row for row in rows if row < "V300"] == [spec.id for spec in CHECKS]
 

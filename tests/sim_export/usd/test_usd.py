@@ -420,7 +420,7 @@ def test_names_are_what_usd_and_simready_allow():
 
 @pytest.mark.skipif(
     VALIDATOR is None,
-    reason="no simready-validate on PATH or in SIMREADY_VALIDATE; docs/usd.md says how to install it",
+    reason="no simready-validate on PATH or in SIMREADY_VALIDATE; docs/reports/engines.md names its version",
 )
 def test_simready_accepts_the_asset(main: Path):
     assert VALIDATOR is not None
