@@ -32,7 +32,8 @@ from sim_export.physics.annotations import annotate_handles
 from sim_export.physics.followers import couple_followers
 from sim_export.physics.inertia import combine, mesh_inertial
 from sim_export.physics.links import LinkTree, PartGeometry, build_links
-from sim_export.physics.masses import subtract
+from sim_export.physics.makes import HARDWARE, Make, find_make
+from sim_export.physics.masses import mean_thickness, subtract
 from sim_export.physics.materials import MATERIALS, MaterialName, finish_material
 from sim_export.topology import hull_kinds
 
@@ -82,6 +83,7 @@ def build_reference(
     table = make_paint(shape)
     first = np.cumsum([0, *(len(part.primitives) for part in shape.parts)])
     kinds: dict[str, FinishKind] = {name: finish.kind for name, finish in shape.finishes}
+    make = find_make(shape.category, shape.style)
     geometry, meshes, records = [], [], []
     materials: list[tuple[str, str]] = []
     for part, start in zip(shape.parts, first, strict=False):
@@ -102,7 +104,8 @@ def build_reference(
             _material(part, primitive, kinds, shape.category) for primitive in part.primitives
         ]
         materials.append((part.name, Counter(sorted(made_of)).most_common(1)[0][0]))
-        geometry.append(PartGeometry(visuals=(meshes[-1],), hulls=hulls, inertial=_weigh(solids, made_of)))
+        inertial = _weigh(part, solids, made_of, make)
+        geometry.append(PartGeometry(visuals=(meshes[-1],), hulls=hulls, inertial=inertial))
     tree = _couple(shape, build_links(asset, geometry, find_latched(shape)))
     return SimPackage(
         name=asset.name,
@@ -116,6 +119,19 @@ def build_reference(
         provenance=tuple(sorted((provenance or {}).items())),
         records=(*records, *tree.records),
     )
+
+
+def weigh_shape(shape: Shape) -> float:
+    """Mass (kg) of an object without making its package, which only makes small parts heavier."""
+    kinds: dict[str, FinishKind] = {name: finish.kind for name, finish in shape.finishes}
+    make = find_make(shape.category, shape.style)
+    total = 0.0
+    for part in shape.parts:
+        made_of: list[MaterialName] = [
+            _material(part, primitive, kinds, shape.category) for primitive in part.primitives
+        ]
+        total += _weigh(part, _solids(part, np.zeros(3)), made_of, make).mass
+    return total
 
 
 def describe_build(shape: Shape) -> list[object]:
@@ -219,15 +235,22 @@ def _material(
     return finish_material(kinds[primitive.finish], part.label, category, (x, y, z))
 
 
-def _weigh(solids: Sequence[Hull], made_of: Sequence[MaterialName]) -> Inertial:
-    """Mass of the union; what two materials share belongs to the one that comes first by name."""
+def _weigh(part: ShapePart, solids: Sequence[Hull], made_of: Sequence[MaterialName], make: Make) -> Inertial:
+    """Mass of the union; what two materials share belongs to the one that comes first by name.
+
+    Hardware weighs what its material does, everything else what the category's make says.
+    """
+    hardware = part.label in HARDWARE
     names = sorted(set(made_of))
     inertials: list[Inertial] = []
     before: Mesh | None = None
     for count, name in enumerate(names, start=1):
-        density = MATERIALS[name].density
         chosen = [solid for solid, made in zip(solids, made_of, strict=True) if made in names[:count]]
         mesh = _unite(chosen).mesh
+        density = MATERIALS[name].density if hardware else make.wall_density(name)
+        if name in make.wall and not hardware:
+            own = [solid for solid, made in zip(solids, made_of, strict=True) if made == name]
+            density = make.wall_density(name, mean_thickness(_unite(own).mesh))
         added = mesh_inertial(mesh, density)
         known = None if before is None else mesh_inertial(before, density)
         before = mesh
@@ -235,7 +258,11 @@ def _weigh(solids: Sequence[Hull], made_of: Sequence[MaterialName]) -> Inertial:
             inertials.append(added)
         elif added.mass > (1.0 + 1e-6) * known.mass:  # else it lies inside of the others
             inertials.append(subtract(added, known))
-    return combine(inertials)
+    drawn = combine(inertials)
+    if part.parent is not None:
+        return drawn
+    points = np.concatenate([solid.vertices for solid in solids])
+    return make.fill_base(drawn, np.stack([points.min(axis=0), points.max(axis=0)]))
 
 
 def _couple(shape: Shape, tree: LinkTree) -> LinkTree:

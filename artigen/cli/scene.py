@@ -24,8 +24,14 @@ PACKAGES = "packages"
 """Folder, inside the room's, of objects that are drawn on the spot."""
 ROUNDS = 3
 """How often objects are drawn again for a role that has none which passed."""
-STYLES = ("flat", "shaker", "handleless", "classic")
-"""Looks of storage furniture; a room that is drawn has one of them throughout."""
+FAMILIES = {
+    "kitchen": ("shaker", "slab", "rustic", "industrial", "midcentury"),
+    "office": ("slab", "industrial", "midcentury", "laboratory"),
+    "bedroom": ("shaker", "slab", "rustic", "midcentury", "nursery"),
+    "bathroom": ("shaker", "slab", "rustic", "laboratory"),
+    "workshop": ("industrial", "laboratory"),
+}
+"""Families that the seed chooses from, where none is asked for."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,6 +52,8 @@ class SceneSettings:
     """Radius in metres of the disc kept free for a robot in front of every door and drawer; 0 for none."""
     ajar: float = 0.0
     """Fraction of the doors and drawers that stand open."""
+    family: str | None = None
+    """Look of everything that is drawn, such as shaker, slab or industrial; sampled if unset."""
 
 
 def scene(
@@ -84,8 +92,16 @@ def scene(
         )  # fmt: skip
     except ValueError as error:
         raise ArtigenError(str(error)) from error
+    if packages is not None and cfg.family is not None:
+        raise ArtigenError(
+            f"family {cfg.family} beside packages {packages}: objects of a folder keep their looks; leave "
+            "one of them out"
+        )
     if packages is None:
-        catalogue = draw_packages(RECIPES[kind], seed, out / PACKAGES, choose_runner("local", workers))
+        family = cfg.family or choose_family(kind, seed)
+        catalogue = draw_packages(
+            RECIPES[kind], seed, family, out / PACKAGES, choose_runner("local", workers)
+        )
     else:
         catalogue = read_catalogue(packages)
     started = time.perf_counter()
@@ -104,16 +120,25 @@ def scene(
     return 0
 
 
-def draw_packages(recipe: "Recipe", seed: int, out: Path, runner: Runner) -> "Catalogue":
-    """Draws and proves objects for every role of a room; a role without one that passed is drawn again."""
+def choose_family(kind: str, seed: int) -> str:
+    """The family of a room of which none is asked for."""
+    families = FAMILIES[kind]
+    return families[int(np.random.default_rng(seed).integers(len(families)))]
+
+
+def draw_packages(recipe: "Recipe", seed: int, family: str, out: Path, runner: Runner) -> "Catalogue":
+    """Draws and proves objects for every role of a room, all of one suite of a family.
+
+    A role without one that passed is drawn again.
+    """
     from envs.maniskill.rooms.catalogue import read_catalogue
 
-    style = STYLES[int(np.random.default_rng(seed).integers(len(STYLES)))]
+    look = ShapeSettings(family=family, suite=seed)
     waiting = list(recipe.all_roles)
     jobs: list[ShapeJob] = []
     catalogue = None
     for attempt in range(ROUNDS):
-        added = _jobs(waiting, seed * 1000 + 200 * attempt, style, out)
+        added = _jobs(waiting, seed * 1000 + 200 * attempt, look, out)
         jobs += added
         run_shown(export_and_validate, added, out, runner=runner)
         catalogue = read_catalogue(out)
@@ -129,15 +154,12 @@ def draw_packages(recipe: "Recipe", seed: int, out: Path, runner: Runner) -> "Ca
     return catalogue
 
 
-def _jobs(roles: "list[Role]", first: int, style: str, out: Path) -> list[ShapeJob]:
+def _jobs(roles: "list[Role]", first: int, look: ShapeSettings, out: Path) -> list[ShapeJob]:
     """One object for every draw of the roles, with the sizes that the roles wish for."""
     jobs = []
     for role in roles:
         for category, (depth, width, height) in role.draws:
-            wished = ShapeSettings(
-                depth=depth or None, width=width or None, height=height or None,
-                style=style if category == "StorageFurniture" else None,
-            )  # fmt: skip
+            wished = replace(look, depth=depth or None, width=width or None, height=height or None)
             jobs.append(ShapeJob(category=category, seed=first + len(jobs), out=out, cfg=wished))
     return jobs
 

@@ -22,6 +22,7 @@ from artigen.types import PartLabel
 
 if TYPE_CHECKING:
     from artigen.shapes.draw import Wish
+    from artigen.shapes.families import Suite
     from artigen.shapes.shape import Shape
     from sim_export.package import SimPackage
 
@@ -43,6 +44,11 @@ class ShapeSettings:
     """Height in metres."""
     style: str | None = None
     """Style of the category, such as shaker; docs/reference/kinds.md lists them."""
+    family: str | None = None
+    """Look across kinds, such as shaker, slab or industrial: style, handles and materials."""
+    suite: int | None = None
+    """Choice of the family's materials and hardware; objects of one suite match. The object's seed if unset,
+    or 0 with ``--like`` or ``--topology``."""
     counts: tuple[str, ...] = ()
     """Number of parts by label, such as drawer=3 door=0."""
     like: int | None = None
@@ -100,18 +106,53 @@ def choose_like(category: str, cfg: ShapeSettings) -> ShapeSettings:
         )
     from artigen.shapes.draw import find_seed
 
-    seed = find_seed(category, read_counts(cfg.topology), read_wish(cfg))
+    wish = read_suited_wish(ShapeJob(category=category, seed=0, out=Path(), cfg=cfg))
+    seed = find_seed(category, read_counts(cfg.topology), wish)
     sys.stdout.write(f"{' '.join(cfg.topology)}: all are built as {category} {seed}\n")
     return replace(cfg, like=seed, topology=())
 
 
 def draw_wished(job: ShapeJob) -> "Shape":
     """Draws the object of a job."""
-    from artigen.shapes.draw import draw_shape, draw_variant
+    from artigen.shapes.draw import draw_shape
+    from artigen.shapes.families import dress_shape
 
-    wish, like = read_wish(job.cfg), job.cfg.like
-    if like is None:
-        return draw_shape(job.category, job.seed, wish)
+    wish, like, suite = read_suited_wish(job), job.cfg.like, read_suite(job)
+    shape = draw_shape(job.category, job.seed, wish) if like is None else _draw_like(job, like, wish)
+    return shape if suite is None else dress_shape(shape, suite)
+
+
+def read_suite(job: ShapeJob) -> "Suite | None":
+    """The suite that the object is part of; None without a family.
+
+    Raises:
+        ArtigenError: If the family is not known, or there is a suite without one.
+    """
+    from artigen.shapes.families import FAMILIES, choose_suite
+
+    if job.cfg.family is None:
+        if job.cfg.suite is not None:
+            raise ArtigenError(
+                f"suite {job.cfg.suite} without a family: a suite is a choice of a family's materials and "
+                f"hardware; families are {', '.join(FAMILIES)}"
+            )
+        return None
+    own = job.seed if job.cfg.like is None and not job.cfg.topology else 0
+    return choose_suite(job.cfg.family, own if job.cfg.suite is None else job.cfg.suite)
+
+
+def read_suited_wish(job: ShapeJob) -> "Wish":
+    """The wish among the settings of a job, with the style and the hardware of its suite."""
+    from artigen.shapes.families import wish_suite
+
+    wish, suite = read_wish(job.cfg), read_suite(job)
+    return wish if suite is None else wish_suite(job.category, suite, wish)
+
+
+def _draw_like(job: ShapeJob, like: int, wish: "Wish") -> "Shape":
+    """An object that is built as the one of seed ``like``."""
+    from artigen.shapes.draw import draw_variant
+
     if job.cfg.source != "reference":
         raise ArtigenError(
             f"like {like} with source {job.cfg.source}: what is rebuilt from voxels has hulls as they come; "
@@ -176,7 +217,10 @@ def export_shape(job: ShapeJob) -> Made:
     drawn = draw_wished(job)
     watch.append(("draw", time.perf_counter()))
     made = make_package(drawn, job.cfg.source, splats=job.cfg.splats, textures=job.cfg.textures)
-    package = made if job.name is None else replace(made, name=job.name)
+    suite = read_suite(job)
+    suited = {} if suite is None else {"family": suite.family, "suite": str(suite.seed)}
+    provenance = tuple(sorted((*made.provenance, *suited.items())))
+    package = replace(made, name=job.name or made.name, provenance=provenance)
     watch.append(("export", time.perf_counter()))
     write_package(package, job.out / job.key, "replace")
     watch.append(("write", time.perf_counter()))

@@ -1,7 +1,7 @@
 """`draw_shape`: a procedural object of any category, a pure function of category, seed and wish.
 
-A category is a module of `artigen.shapes.categories` with ``CATEGORY``, its name, and
-``draw(rng, wish) -> Draft``; putting a file there is all it takes to add one.
+A category is a module of `artigen.shapes.categories` with ``CATEGORY``, its name, ``STYLES``, the styles
+that can be wished for, and ``draw(rng, wish) -> Draft``; putting a file there is all it takes to add one.
 """
 
 from collections import Counter
@@ -11,15 +11,18 @@ from functools import cache
 from importlib import import_module
 from pkgutil import iter_modules
 from types import ModuleType
+from typing import TypeVar
 from zlib import crc32
 
 import numpy as np
 
 from artigen.errors import ArtigenError
+from artigen.shapes.fittings.handles import HandleKind
 from artigen.shapes.shape import Shape, ShapePart
 from artigen.shapes.surfaces.finishes import Finish
 from artigen.types import PartLabel
 
+Word = TypeVar("Word", bound=str)
 MAX_DRAWS = 1000
 FEW_DRAWS = 100
 """After so many, a count of more than twice the most seen is given up."""
@@ -27,6 +30,8 @@ CROWDED_DRAWS = 10
 """Draws of an object whose lengths are free, each with other lengths, before it is given up as too large."""
 VARIANTS = 100
 """Draws of an object that is to be built as another one; the last has its very lengths."""
+SHARED_DRAWS = 20
+"""Draws of an object with the choices of its suite, before others are taken."""
 SEARCHED = 500
 """Seeds that are searched for an object with counts that come as they come."""
 SIZE_MARGIN = 0.2
@@ -53,6 +58,24 @@ class Wish:
     style: str | None = None
     counts: tuple[tuple[PartLabel, int], ...] = ()
     """Exact number of parts by label; labels that are not named are free."""
+    handles: tuple[HandleKind, ...] = ()
+    """Kinds of handles, the most wanted first; an object has the first that its category offers."""
+    suite: int | None = None
+    """Seed of what objects of one suite share: handles, how fronts are fitted, stands, worktops."""
+
+    def shared_stream(self, rng: np.random.Generator, attempt: int = 0) -> np.random.Generator:
+        """The stream of choices that objects of a suite share; ``rng`` where there is no suite.
+
+        An object that has not come out right in `SHARED_DRAWS` attempts goes on to the suite's next choices.
+        """
+        return rng if self.suite is None else np.random.default_rng([self.suite, attempt // SHARED_DRAWS])
+
+    def choose_handles(self, offered: tuple[HandleKind, ...]) -> tuple[HandleKind, ...]:
+        """The kinds of handles to draw from: as many as offered, all of the one wanted most."""
+        for kind in self.handles:
+            if kind in offered:
+                return (kind,) * len(offered)
+        return offered
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -79,8 +102,8 @@ def draw_shape(category: str, seed: int, wish: Wish | None = None) -> Shape:
     where the counts are unlikely to be met.
 
     Raises:
-        ShapeError: If the category is unknown, a length is out of bounds, or no draw has the
-            requested counts.
+        ShapeError: If the category or its style is unknown, a length is out of bounds, or no draw has
+            the requested counts.
     """
     wish = wish or Wish()
     draft, _ = _draw_draft(category, seed, wish)
@@ -190,6 +213,10 @@ def _draw_draft(category: str, seed: int, wish: Wish) -> tuple[Draft, int]:
     known = categories()
     if category not in known:
         raise ShapeError(f"category {category!r} is not known, expected one of {', '.join(known)}")
+    if wish.style is not None and wish.style not in (styles := known[category].STYLES):
+        raise ShapeError(
+            f"{category}: style {wish.style!r} is not known, expected one of {', '.join(styles)}"
+        )
     seen: Counter[str] = Counter()
     most: Counter[str] = Counter()
     free = None in (wish.width, wish.depth, wish.height)
@@ -230,18 +257,33 @@ def check_wish(wish: Wish) -> None:
             raise ShapeError(f"{count} parts called base: every object has one")
 
 
-def choose_style(
-    rng: np.random.Generator, category: str, styles: Mapping[str, float], wished: str | None = None
-) -> str:
-    """The wished style, or one drawn by weight; every call takes one number from ``rng``, wished or not.
+def pick(rng: np.random.Generator, weights: Mapping[Word, float]) -> Word:
+    """One of the words, as likely as its weight."""
+    chances = np.array(list(weights.values()))
+    return list(weights)[int(rng.choice(len(chances), p=chances / chances.sum()))]
 
-    Raises:
-        ShapeError: If the category has no such style.
+
+def find_nearest(wish: Wish, sizes: Mapping[Word, Sequence[tuple[float, float]]]) -> tuple[Word, ...]:
+    """The words whose ranges of width, depth and height (m) hold the lengths wished for, or come nearest.
+
+    All of them where no length is wished for.
     """
-    chances = np.array(list(styles.values()))
-    drawn = list(styles)[int(rng.choice(len(styles), p=chances / chances.sum()))]
-    if wished is not None and wished not in styles:
-        raise ShapeError(f"{category}: style {wished!r} is not known, expected one of {', '.join(styles)}")
+    wanted = (wish.width, wish.depth, wish.height)
+    misses = {
+        word: sum(
+            max(low - length, length - high, 0.0)
+            for length, (low, high) in zip(wanted, spans, strict=True)
+            if length is not None
+        )
+        for word, spans in sizes.items()
+    }
+    least = min(misses.values())
+    return tuple(word for word, miss in misses.items() if miss <= least)
+
+
+def choose_style(rng: np.random.Generator, styles: Mapping[str, float], wished: str | None = None) -> str:
+    """The wished style, or one drawn by weight; every call takes one number from ``rng``, wished or not."""
+    drawn = pick(rng, styles)
     return drawn if wished is None else wished
 
 

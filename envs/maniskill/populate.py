@@ -15,6 +15,8 @@ from zlib import crc32
 import numpy as np
 
 from artigen import __version__
+from artigen.shapes.families import choose_suite
+from artigen.shapes.surfaces.finishes import Color
 from artigen.transforms import quat_from_matrix
 
 from .rooms.arrange import Place, Plan
@@ -141,11 +143,14 @@ def _room(
     placements: list[Placement] = []
     fixtures = list(room_shell(plan.size, plan.entrance, RECIPES[kind].wall_color))
     names: dict[int, str] = {}
+    color = choose_filler_color(catalogue)
     for place in plan.places:
         for member in place.cluster.members:
             if member.piece.entry is None:
                 fixtures += (
-                    _bed_fixtures(place, member) if member.piece.role == "bed" else _filler(place, member)
+                    _bed_fixtures(place, member)
+                    if member.piece.role == "bed"
+                    else _filler(place, member, color)
                 )
                 continue
             slug = member.piece.role.replace(" ", "_")
@@ -204,12 +209,18 @@ def _bed_fixtures(place: Place, member: Member) -> list[Fixture]:
     return fixtures
 
 
-def _filler(place: Place, member: Member) -> list[Fixture]:
+def choose_filler_color(catalogue: Catalogue) -> Color:
+    """That of the fronts, where all packages are of one suite; else a light grey."""
+    sources = [dict(entry.provenance) for entry in catalogue.entries]
+    suites = {(source.get("family"), source.get("suite")) for source in sources}
+    if len(suites) != 1 or None in (suite := suites.pop()):
+        return (0.80, 0.79, 0.76)
+    family, seed = suite
+    return choose_suite(str(family), int(str(seed))).finishes["furniture"]["front"].color
+
+
+def _filler(place: Place, member: Member, color: Color) -> list[Fixture]:
     """A cabinet front that closes the corner between two runs."""
     ends = member.piece.boxes.bodies[0] @ place.T[:3, :3].T + place.T[:3, 3]
     name = f"filler_{place.cluster.name}"
-    return [
-        Fixture(
-            name=name, low=corner(ends.min(axis=0)), high=corner(ends.max(axis=0)), color=(0.80, 0.79, 0.76)
-        )
-    ]
+    return [Fixture(name=name, low=corner(ends.min(axis=0)), high=corner(ends.max(axis=0)), color=color)]

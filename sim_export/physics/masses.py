@@ -18,6 +18,7 @@ from sim_export.errors import DegeneratePart
 from sim_export.geometry.occupancy import PartOccupancy
 from sim_export.package import Inertial, Link, Mesh
 from sim_export.physics.inertia import inertia_about, mesh_inertial
+from sim_export.physics.makes import HARDWARE, find_make
 from sim_export.physics.materials import MATERIALS, part_material
 
 _MOVES = 12
@@ -37,22 +38,25 @@ def weigh_part(asset: Asset, part_id: int, mesh: Mesh, occupancy: PartOccupancy)
     if asset.voxels is None:
         raise ValueError(f"asset {asset.name!r} has no voxels; voxelize its surface first")
     part = asset.parts[part_id]
-    material = MATERIALS[part_material(part.label, asset.category)]
-    density = material.density * min(1.0, material.thickest / _thickness(mesh))
+    name, make = part_material(part.label, asset.category), find_make(asset.category)
+    own = MATERIALS[name].density if part.label in HARDWARE else make.wall_density(name)
+    density = own * min(1.0, MATERIALS[name].thickest / mean_thickness(mesh))
     solid = mesh_inertial(mesh, density)
     cavity = binary_erosion(occupancy.occupancy)  # the outermost cells are walls
     cavity[tuple(asset.voxels.coords.T)] = False
-    if not cavity.any():
-        return solid
-    walls = subtract(solid, cells_inertial(cavity, asset.scale / asset.voxels.resolution, density))
+    walls = solid
+    if cavity.any():
+        walls = subtract(solid, cells_inertial(cavity, asset.scale / asset.voxels.resolution, density))
     if walls.mass <= 0:
         raise DegeneratePart(
             f"part {part.name!r}: walls of {walls.mass:.3g} kg around its cavity, expected > 0"
         )
-    return walls
+    if part.parent != -1:
+        return walls
+    return make.fill_base(walls, np.stack([mesh.vertices.min(axis=0), mesh.vertices.max(axis=0)]))
 
 
-def _thickness(mesh: Mesh) -> float:
+def mean_thickness(mesh: Mesh) -> float:
     """Mean thickness (m) of a plate with the volume and area of a mesh; half the diameter for a bar."""
     corners = mesh.vertices[mesh.faces]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])

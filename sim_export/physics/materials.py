@@ -49,7 +49,7 @@ MATERIALS: dict[MaterialName, Material] = {
     "insulating_glass": Material(density=800.0, static_friction=0.5, sliding_friction=0.4),
     "plastic": Material(density=1050.0, static_friction=0.4, sliding_friction=0.3, thickest=0.004),
     "rubber": Material(density=1150.0, static_friction=0.9, sliding_friction=0.8),
-    "foam_panel": Material(density=150.0, static_friction=0.4, sliding_friction=0.3),
+    "foam_panel": Material(density=125.0, static_friction=0.4, sliding_friction=0.3),
     "stone": Material(density=2700.0, static_friction=0.6, sliding_friction=0.5),
 }
 """``steel_sheet`` is a folded or foamed panel. Its density is the mean over the panel's thickness, because
@@ -77,7 +77,7 @@ INSULATED: frozenset[str] = frozenset({"Refrigerator", "ChestFreezer"})
 PLASTIC_CATEGORIES: frozenset[str] = frozenset(
     {"Bottle", "Box", "Laptop", "Printer", "Phone", "Remote", "Suitcase", "Switch", "TrashCan", "Dispenser"}
 )
-METAL_CATEGORIES: frozenset[str] = frozenset({"Faucet", "KitchenPot", "Cart", "Scissors", "Pliers"})
+METAL_CATEGORIES: frozenset[str] = frozenset({"Faucet", "Pot", "Cart", "Scissors", "Pliers", "ToolBox"})
 
 
 def part_material(label: PartLabel, category: str) -> MaterialName:

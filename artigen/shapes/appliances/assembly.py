@@ -1,9 +1,15 @@
 """`Assembly`: what one step of drawing adds to an object."""
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
+import numpy as np
+
+from artigen.shapes.draw import Draft, Wish, choose_lengths, choose_style
+from artigen.shapes.fittings.hardware import Range
 from artigen.shapes.primitives import Primitive
 from artigen.shapes.shape import ShapePart
+from artigen.shapes.surfaces.finishes import Finish
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -19,3 +25,21 @@ class Assembly:
     def close(self) -> tuple[ShapePart, ...]:
         """All parts of the object: the body, made of the pieces, and the parts that hang on it."""
         return ShapePart(name="body", label="base", parent=None, primitives=self.pieces), *self.parts
+
+
+Build = Callable[[np.random.Generator, float, float, float], Assembly]
+"""Draws the parts of an object of a width, depth and height (m)."""
+
+
+def draw_styled(
+    rng: np.random.Generator,
+    wish: Wish,
+    styles: Mapping[str, float],
+    sizes: Mapping[str, tuple[Range, Range, Range]],
+    builders: Mapping[str, Build],
+    draw_finishes: Callable[[np.random.Generator, str], Mapping[str, Finish]],
+) -> Draft:
+    """An object of a category whose styles have sizes and builders of their own."""
+    style = choose_style(rng, styles, wish.style)
+    built = builders[style](rng, *choose_lengths(rng, wish, sizes[style]))
+    return Draft(style=style, parts=built.close(), finishes=tuple(sorted(draw_finishes(rng, style).items())))

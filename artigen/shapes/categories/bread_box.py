@@ -29,7 +29,7 @@ WALL = 0.009
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """A bread box that meets the wish."""
-    style = choose_style(rng, CATEGORY, STYLES, wish.style)
+    style = choose_style(rng, STYLES, wish.style)
     width = choose(rng, 0.33, 0.45, wish.width)
     depth = choose(rng, 0.22, 0.29, wish.depth)
     height = choose(rng, *((0.21, 0.27) if style == "enamel" else (0.17, 0.23)), wish.height)

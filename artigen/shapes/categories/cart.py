@@ -9,14 +9,14 @@ from typing import Literal
 
 import numpy as np
 
-from artigen.shapes.draw import CrowdedError, Draft, ShapeError, Wish, choose
+from artigen.shapes.draw import CrowdedError, Draft, Wish, choose, pick
 from artigen.shapes.fittings.drawers import BoxDesign, make_tray
 from artigen.shapes.fittings.feet import make_castors
 from artigen.shapes.fittings.hardware import GAP, Range, Space, fill_space
 from artigen.shapes.furniture.cabinet import Looks, draw_layout, draw_looks, make_cabinet
 from artigen.shapes.furniture.carcass import fits_engines
-from artigen.shapes.furniture.furniture_kinds import STYLES
-from artigen.shapes.furniture.splits import Cell, Node, Split, Taste, pick
+from artigen.shapes.furniture.furniture_kinds import STYLES as LOOKS
+from artigen.shapes.furniture.splits import Cell, Node, Split, Taste
 from artigen.shapes.primitives import Primitive, box, cylinder, rounded_box
 from artigen.shapes.shape import ShapePart
 from artigen.shapes.surfaces.palette import draw_palette
@@ -43,7 +43,7 @@ class _Kind:
     wheel: Range
 
 
-KINDS: dict[str, _Kind] = {
+STYLES: dict[str, _Kind] = {
     "kitchen": _Kind(
         weight=3.0,
         width=(0.5, 1.15),
@@ -112,10 +112,8 @@ class _Frame:
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """A cart that meets the wish."""
-    style = wish.style or pick(rng, {name: kind.weight for name, kind in KINDS.items()})
-    if style not in KINDS:
-        raise ShapeError(f"{CATEGORY}: style {style!r} is not known, expected one of {', '.join(KINDS)}")
-    kind = KINDS[style]
+    style = wish.style or pick(rng, {name: kind.weight for name, kind in STYLES.items()})
+    kind = STYLES[style]
     palette = kind.palettes[int(rng.integers(len(kind.palettes)))]
     finishes = tuple(sorted(draw_palette(rng, "furniture", palette).items()))
     size = (
@@ -124,7 +122,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
         choose(rng, *kind.height, wish.height),
     )
     for _ in range(MAX_LAYOUTS):
-        parts = _build(rng, kind, size)
+        parts = _build(rng, kind, size, wish)
         if fits_engines(parts):
             return Draft(style=style, parts=parts, finishes=finishes)
     raise CrowdedError(
@@ -132,9 +130,11 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     )
 
 
-def _build(rng: np.random.Generator, kind: _Kind, size: tuple[float, float, float]) -> tuple[ShapePart, ...]:
+def _build(
+    rng: np.random.Generator, kind: _Kind, size: tuple[float, float, float], wish: Wish
+) -> tuple[ShapePart, ...]:
     width, depth, height = size
-    looks = draw_looks(rng, STYLES[kind.looks[int(rng.integers(len(kind.looks)))]], max(size))
+    looks = draw_looks(rng, LOOKS[kind.looks[int(rng.integers(len(kind.looks)))]], max(size), wish)
     looks = replace(looks, margin=GAP, lock=False)
     bar = float(rng.uniform(0.045, 0.065))  # the push bar stands out on the left
     x = (looks.reach - depth / 2, depth / 2)

@@ -32,7 +32,7 @@ PLUG = 0.018
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """A chest freezer that meets the wish."""
-    style = choose_style(rng, CATEGORY, STYLES, wish.style)
+    style = choose_style(rng, STYLES, wish.style)
     shop = style == "shop"
     width = choose(rng, 0.9 if shop else 0.55, 1.7 if shop else 1.4, wish.width)
     depth = choose(rng, 0.55, 0.72, wish.depth)

@@ -44,7 +44,7 @@ Point = tuple[float, float]
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """Draws a desk lamp."""
-    style = choose_style(rng, CATEGORY, STYLES, wish.style)
+    style = choose_style(rng, STYLES, wish.style)
     width, depth, height = choose_size(
         rng, CATEGORY, wish, width=(0.19, 0.24), depth=(0.42, 0.52), height=(0.4, 0.52)
     )

@@ -75,14 +75,16 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
 
 
 def _draw_plan(rng: np.random.Generator, wish: Wish) -> _Plan:
-    low = rng.random() < 0.08  # stands on a worktop
+    low = rng.random() < 0.08 if wish.height is None else wish.height < 0.6  # stands on a worktop
     width = choose(rng, *((0.50, 0.56) if low else (0.43, 0.66)), wish.width)
     depth = choose(rng, *((0.48, 0.54) if low else (0.54, 0.68)), wish.depth)
     height = choose(rng, *((0.43, 0.52) if low else (0.80, 0.90)), wish.height)
     longest = max(width, depth, height)
     paired = rng.random() < 0.06
     length = float(rng.uniform(0.12, 0.16)) if paired else float(rng.uniform(0.55, 0.86)) * width
-    grip = draw_grip(rng, ("bar", "bar", "pull", "arch", "edge"), length=length, longest=longest)
+    grip = draw_grip(
+        rng, wish.choose_handles(("bar", "bar", "pull", "arch", "edge")), length=length, longest=longest
+    )
     return _Plan(
         width=width,
         depth=depth,

@@ -11,19 +11,19 @@ import numpy as np
 
 from artigen.shapes.draw import Draft, Wish, choose_size, choose_style
 from artigen.shapes.fittings.hardware import Range, Space, fill_space
-from artigen.shapes.fittings.hinges import Leaf, build_astragal, fit_hinges, hang_leaves
+from artigen.shapes.fittings.hinges import Leaf, hang_leaves
 from artigen.shapes.fittings.latches import (
-    RELEASED,
     TURN,
+    Hanging,
     Latch,
     build_keep,
     build_latch_stile,
     build_tongue,
-    make_bolt,
+    hang_parts,
 )
 from artigen.shapes.fittings.levers import LeverDesign, build_lever, design_lever
 from artigen.shapes.primitives import Primitive, box, rounded_box
-from artigen.shapes.shape import Motion, Need, ShapePart
+from artigen.shapes.shape import Motion, ShapePart
 from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "Door"
@@ -47,7 +47,7 @@ GRIDS = {
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """Draws a door."""
-    style = choose_style(rng, CATEGORY, STYLES, wish.style)
+    style = choose_style(rng, STYLES, wish.style)
     count = 2 if style == "double" else 1
     wide = float(rng.choice(PAIRS if count == 2 else WIDTHS)) + 2 * BORDER
     tall = float(rng.choice(HEIGHTS)) + BORDER
@@ -64,35 +64,26 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     first = leaves[0]
     latch = Latch(x=first.x, edge=first.edge, side=first.side, level=min(LEVER, 0.55 * height))
     frame = _build_frame(inner, latch if count == 1 else None)
-    parts: list[ShapePart] = []
-    bolts: list[ShapePart] = []
-    for index, leaf in enumerate(leaves):
-        levels = [leaf.z[0] + 0.22, leaf.z[1] - 0.2, *([leaf.z[1] - 0.55] if height > 2.1 else [])]
-        on_leaf, on_frame = fit_hinges(leaf, levels, "handle", straps=(0.03, 0.0085))
-        pieces = [*_build_leaf(leaf, latch, look, (columns if count == 1 else 1, rows)), *on_leaf]
-        frame += on_frame
-        needs = ("lever",) if index == 0 else ("leaf", "bolt")
-        if count == 2 and index == 0:
-            pieces += build_astragal(leaf, "front")
-        if index == 1:
-            at = (leaf.x[0], leaf.edge - leaf.side * STILE / 2, inner.z[1] + BORDER - TRIM)
-            bolt, guides, staple = make_bolt(at, TRIM_THICK, name="bolt", parent="leaf_1", finish="handle")
-            bolts.append(bolt)
-            pieces, frame = [*pieces, *guides], [*frame, *staple]
-        parts.append(
-            ShapePart(
-                name=("leaf", "leaf_1")[index],
-                label="door",
-                parent="frame",
-                primitives=tuple(pieces),
-                motion=leaf.swing(float(np.radians(rng.uniform(88.0, 105.0)))),
-                needs=tuple(Need(part=name, fraction=RELEASED) for name in needs),
-            )
-        )
+    bottom, top = first.z
+    hanging = Hanging(
+        levels=(bottom + 0.22, top - 0.2, *((top - 0.55,) if height > 2.1 else ())),
+        barrel=0.1,
+        straps=(0.03, 0.0085),
+        swing=(88.0, 105.0),
+        key="lever",
+        bolt=(STILE / 2, inner.z[1] + BORDER - TRIM),
+        over=TRIM_THICK,
+        length=0.16,
+        astragal=(0.022, 0.018),
+    )
+    grid = (columns if count == 1 else 1, rows)
+    hinges, parts = hang_parts(rng, leaves, hanging, lambda leaf: _build_leaf(leaf, latch, look, grid))
+    frame += hinges
     base = ShapePart(name="frame", label="base", parent=None, primitives=tuple(frame))
     finishes = draw_palette(rng, "furniture", PALETTES[int(rng.integers(len(PALETTES)))])
-    parts += [*bolts, _make_lever(latch, lever)]
-    return Draft(style=style, parts=(base, *parts), finishes=tuple(sorted(finishes.items())))
+    return Draft(
+        style=style, parts=(base, *parts, _make_lever(latch, lever)), finishes=tuple(sorted(finishes.items()))
+    )
 
 
 def _build_frame(inner: Space, latch: Latch | None) -> list[Primitive]:

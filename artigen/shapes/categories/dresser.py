@@ -13,7 +13,8 @@ from artigen.shapes.fittings.feet import LegKind, StandKind
 from artigen.shapes.fittings.hardware import Range
 from artigen.shapes.furniture.carcass import fits_engines
 from artigen.shapes.furniture.case import Size, build_case, draw_plan
-from artigen.shapes.furniture.furniture_kinds import STYLES, Kind
+from artigen.shapes.furniture.furniture_kinds import STYLES as LOOKS
+from artigen.shapes.furniture.furniture_kinds import Kind
 from artigen.shapes.furniture.splits import Cell, Node, Split, Taste, stack_drawers
 from artigen.shapes.surfaces.palette import draw_palette
 
@@ -34,7 +35,7 @@ class _Look:
     legs: tuple[LegKind, ...] = ("square", "tapered")
 
 
-LOOKS = {
+STYLES = {
     "modern": _Look(
         weight=3, fronts="flat", palettes=("flat",), stands=(("plinth", 2), ("legs", 1.5), ("sled", 1))
     ),
@@ -67,8 +68,8 @@ FORMS: dict[str, tuple[Range, Range]] = {
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """A dresser that meets the wish."""
-    style = choose_style(rng, CATEGORY, {name: look.weight for name, look in LOOKS.items()}, wish.style)
-    look = LOOKS[style]
+    style = choose_style(rng, {name: look.weight for name, look in STYLES.items()}, wish.style)
+    look = STYLES[style]
     wide = rng.random() < 0.62
     if wish.width is not None or wish.height is not None:
         wide = (wish.width or 1.2) > (wish.height or 0.9)
@@ -83,8 +84,8 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     finishes = draw_palette(rng, "furniture", look.palettes[int(rng.integers(len(look.palettes)))])
     if style == "midcentury":
         finishes["leg"] = finishes["top"]
-    for _ in range(MAX_LAYOUTS):
-        plan = draw_plan(rng, kind, STYLES[look.fronts], size)
+    for attempt in range(MAX_LAYOUTS):
+        plan = draw_plan(wish.shared_stream(rng, attempt), kind, LOOKS[look.fronts], size, wish)
         leg = look.legs[int(rng.integers(len(look.legs)))]
         frame = plan.looks.carcass.frame if style in ("shaker", "classic") else 0.0
         looks = replace(plan.looks, carcass=replace(plan.looks.carcass, frame=frame), lock=False)

@@ -26,7 +26,7 @@ STYLES = {"white": 5.0, "steel": 2.0, "black": 1.2, "american": 2.0}
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """A dryer that meets the wish."""
-    style = choose_style(rng, CATEGORY, STYLES, wish.style)
+    style = choose_style(rng, STYLES, wish.style)
     american = style == "american"
     palette = draw_palette(
         rng, "appliance", ("white", "white", "steel")[int(rng.integers(3))] if american else style

@@ -33,7 +33,7 @@ FRONT: Vector = (-1.0, 0.0, 0.0)
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """Draws a faucet."""
-    style = choose_style(rng, CATEGORY, STYLES, wish.style)
+    style = choose_style(rng, STYLES, wish.style)
     wide, deep, tall = SIZES[style]
     width, depth, height = choose_size(rng, CATEGORY, wish, width=wide, depth=deep, height=tall)
     back = depth / 2 - 0.06  # x of the faucet's axis

@@ -67,7 +67,7 @@ class _Kind:
     fronts: tuple[FrontStyle, ...] = ("flat",)
 
 
-KINDS = {
+STYLES = {
     "vertical": _Kind(
         weight=4, width=(0.42, 0.5), depth=(0.58, 0.7), rows=(2, 3, 4, 4, 5), low=0,
         stands=("floor", "plinth"), handles=("cup", "recessed", "pull", "bar"),
@@ -90,8 +90,8 @@ KINDS = {
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """A filing cabinet that meets the wish."""
-    style = choose_style(rng, CATEGORY, {name: kind.weight for name, kind in KINDS.items()}, wish.style)
-    kind = KINDS[style]
+    style = choose_style(rng, {name: kind.weight for name, kind in STYLES.items()}, wish.style)
+    kind = STYLES[style]
     width, depth = choose(rng, *kind.width, wish.width), choose(rng, *kind.depth, wish.depth)
     rows, pitch = int(rng.choice(kind.rows)), float(rng.uniform(0.295, 0.315))
     low = kind.low if rows == 1 else 0
@@ -100,7 +100,8 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     height = drawn if wish.height is None else wish.height
     if wish.height is not None:
         rows, low = _fit_rows(wish.height - stand.height - 0.06, pitch, kind.low)
-    handle = design_handle(rng, kind.handles[int(rng.integers(len(kind.handles)))], longest=height)
+    handles = wish.choose_handles(kind.handles)
+    handle = design_handle(rng, handles[int(rng.integers(len(handles)))], longest=height)
     if style == "lateral" and handle.kind in ("edge", "bar"):
         handle = replace(handle, length=float(rng.uniform(0.3, 0.8)) * width)
     front = FrontDesign(style=kind.fronts[int(rng.integers(len(kind.fronts)))], frame=0.05, handle=handle)

@@ -62,7 +62,7 @@ LOOKS = {
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """A laptop that meets the wish."""
-    style = choose_style(rng, CATEGORY, STYLES, wish.style)
+    style = choose_style(rng, STYLES, wish.style)
     look = LOOKS[style]
     width = choose(rng, *((0.35, 0.4) if style == "gaming" else (0.295, 0.37)), wish.width)
     depth = choose(rng, 0.65 * width, 0.72 * width, wish.depth)

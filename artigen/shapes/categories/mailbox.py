@@ -8,9 +8,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from artigen.shapes.appliances.assembly import Assembly
+from artigen.shapes.appliances.assembly import Assembly, draw_styled
 from artigen.shapes.appliances.cavity import build_shell
-from artigen.shapes.draw import Draft, Wish, choose_lengths, choose_style
+from artigen.shapes.draw import Draft, Wish
 from artigen.shapes.fittings.fronts import FrontDesign, make_door
 from artigen.shapes.fittings.handles import HandleDesign, make_handle
 from artigen.shapes.fittings.hardware import GAP, Panel, Range, Space, hinge, sweep_gap
@@ -48,16 +48,13 @@ KEY = 0.026
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """A mailbox that meets the wish."""
-    style = choose_style(rng, CATEGORY, STYLES, wish.style)
-    width, depth, height = choose_lengths(rng, wish, SIZES[style])
-    build = {
+    builders = {
         "rural": _build_rural,
         "modern": _build_modern,
         "parcel": _build_parcel,
         "cluster": _build_cluster,
-    }[style]
-    built = build(rng, width, depth, height)
-    return Draft(style=style, parts=built.close(), finishes=tuple(sorted(_draw_finishes(rng, style).items())))
+    }
+    return draw_styled(rng, wish, STYLES, SIZES, builders, _draw_finishes)
 
 
 def _draw_finishes(rng: np.random.Generator, style: str) -> dict[str, Finish]:

@@ -46,7 +46,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     controls, extras = _draw_controls(rng, plan)
     parts = [
         _build_body(plan, face, extras),
-        *_draw_door(rng, plan, face),
+        *_draw_door(rng, plan, face, wish),
         *controls,
     ]
     if rng.random() < 0.72:
@@ -108,7 +108,7 @@ def _build_body(plan: _Plan, face: str, extras: tuple[Primitive, ...]) -> ShapeP
     return ShapePart(name="body", label="base", parent=None, primitives=tuple(pieces))
 
 
-def _draw_door(rng: np.random.Generator, plan: _Plan, face: str) -> list[ShapePart]:
+def _draw_door(rng: np.random.Generator, plan: _Plan, face: str, wish: Wish) -> list[ShapePart]:
     panel = plan.door
     margin = float(rng.uniform(0.10, 0.17)) * panel.height
     rail = float(rng.uniform(0.045, 0.07))
@@ -127,7 +127,8 @@ def _draw_door(rng: np.random.Generator, plan: _Plan, face: str) -> list[ShapePa
         return [door]
     span = panel.width if plan.drops else panel.height
     length = float(rng.uniform(0.6, 0.86)) * span
-    design = draw_grip(rng, ("bar", "pull", "arch", "edge"), length=length, longest=plan.width)
+    kinds = wish.choose_handles(("bar", "pull", "arch", "edge"))
+    design = draw_grip(rng, kinds, length=length, longest=plan.width)
     inset = max(0.004, (rail - design.thickness) / 2) if design.kind != "edge" else 0.004
     return [door, mount_grip(panel, design, name="door_handle", parent="door", edge=edge, inset=inset)]
 

@@ -12,7 +12,7 @@ from artigen.shapes.appliances.control_panel import DialDesign, design_dial, mak
 from artigen.shapes.appliances.cooktop import CooktopKind, build_burners
 from artigen.shapes.appliances.oven_cavity import build_rails, choose_levels, make_racks
 from artigen.shapes.appliances.oven_front import FrontLook, make_oven_door, make_warming_drawer
-from artigen.shapes.draw import Draft, Wish, choose
+from artigen.shapes.draw import Draft, Wish, choose, find_nearest, pick
 from artigen.shapes.fittings.feet import make_plinth
 from artigen.shapes.fittings.hardware import GAP, ROOM, Edge, Panel, Range, Space
 from artigen.shapes.primitives import Primitive, box, line, rounded_box
@@ -110,7 +110,8 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
 
 
 def _draw_plan(rng: np.random.Generator, wish: Wish, style: str) -> _Plan:
-    kind = tuple(KINDS)[int(rng.choice(len(KINDS), p=tuple(KINDS.values())))]
+    kinds: dict[Kind, float] = {name: KINDS[name] for name in find_nearest(wish, SIZES)}
+    kind = pick(rng, kinds)
     widths, depths, heights = SIZES[kind]
     width = choose(rng, *widths, wish.width)
     depth = choose(rng, *depths, wish.depth)
@@ -125,7 +126,7 @@ def _draw_plan(rng: np.random.Generator, wish: Wish, style: str) -> _Plan:
     if built_in:
         foot = 0.02 if kind == "rangetop" else 0.0
     length = float(rng.uniform(0.62, 0.86)) * width
-    grip = draw_grip(rng, ("bar", "bar", "pull", "arch"), length=length, longest=longest)
+    grip = draw_grip(rng, wish.choose_handles(("bar", "bar", "pull", "arch")), length=length, longest=longest)
     heat: tuple[CooktopKind, ...] = ("gas", "glass", "coil")
     drawn = heat[int(rng.choice(3, p=(0.55, 0.35, 0.10)))]
     look = FrontLook(

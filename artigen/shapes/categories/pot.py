@@ -41,7 +41,7 @@ LID, DOME, KNOB = 0.005, 0.016, 0.032
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """Draws a pot."""
-    style = choose_style(rng, CATEGORY, STYLES, wish.style)
+    style = choose_style(rng, STYLES, wish.style)
     wide, deep, tall = SIZES[style]
     width, depth, height = choose_size(rng, CATEGORY, wish, width=wide, depth=deep, height=tall)
     radius, rim = depth / 2, height - 0.0015 - LID - DOME - KNOB

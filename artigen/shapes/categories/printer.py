@@ -49,7 +49,7 @@ class _Frame:
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """A printer that meets the wish."""
-    style = choose_style(rng, CATEGORY, STYLES, wish.style)
+    style = choose_style(rng, STYLES, wish.style)
     width, depth, height = choose_lengths(rng, wish, SIZES[style])
     frame = _Frame(x=(0.012 - depth / 2, depth / 2), y=(-width / 2, width / 2))
     built = _build(rng, frame, height, style)

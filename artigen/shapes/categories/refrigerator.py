@@ -17,7 +17,7 @@ from artigen.shapes.appliances.cold_storage import (
     plan_bins,
     reach_inwards,
 )
-from artigen.shapes.draw import Draft, Wish, choose
+from artigen.shapes.draw import Draft, Wish, choose, find_nearest, pick
 from artigen.shapes.fittings.handles import HandleDesign
 from artigen.shapes.fittings.hardware import GAP, Edge, Panel, Range, Space, hinge, slide, sweep_gap
 from artigen.shapes.primitives import Primitive, box
@@ -98,7 +98,8 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
 
 
 def _draw_plan(rng: np.random.Generator, wish: Wish) -> _Plan:
-    kind = tuple(KINDS)[int(rng.choice(len(KINDS), p=tuple(KINDS.values())))]
+    weights: dict[Kind, float] = {name: KINDS[name] for name in find_nearest(wish, SIZES)}
+    kind = pick(rng, weights)
     widths, depths, heights = SIZES[kind]
     width = choose(rng, *widths, wish.width)
     depth = choose(rng, *depths, wish.depth)
@@ -109,7 +110,8 @@ def _draw_plan(rng: np.random.Generator, wish: Wish) -> _Plan:
     x = -depth / 2
     longest = max(width, depth, height)
     kinds = ("bar", "bar", "pull", "edge", "arch") if kind != "display" else ("bar", "pull", "edge")
-    grip = draw_grip(rng, kinds, length=float(rng.uniform(0.24, 0.62)) * min(1.0, height), longest=longest)
+    length = float(rng.uniform(0.24, 0.62)) * min(1.0, height)
+    grip = draw_grip(rng, wish.choose_handles(kinds), length=length, longest=longest)
     return _Plan(
         kind=kind,
         outer=Space(x=(x + thickness + GAP, depth / 2), y=(-width / 2, width / 2), z=(foot, height)),

@@ -8,7 +8,7 @@ from math import radians
 
 import numpy as np
 
-from artigen.shapes.draw import Draft, ShapeError, Wish, choose
+from artigen.shapes.draw import Draft, Wish, choose
 from artigen.shapes.fittings.fronts import FrontDesign, make_door
 from artigen.shapes.fittings.hardware import GAP, PASSING, Panel, Space, fill_space, sweep_gap
 from artigen.shapes.primitives import Primitive, box, cylinder, line
@@ -27,8 +27,6 @@ ARM = 0.0085
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """A safe that meets the wish."""
     style = wish.style or STYLES[int(rng.integers(len(STYLES)))]
-    if style not in STYLES:
-        raise ShapeError(f"{CATEGORY}: style {style!r} is not known, expected one of {', '.join(STYLES)}")
     color = make_lacquer(LACQUERS[COLORS[int(rng.integers(len(COLORS)))]], gloss=float(rng.uniform(0.2, 0.5)))
     finishes = draw_palette(rng, "appliance", "steel") | {"body": color, "front": color}
     width = choose(rng, 0.32, 0.7, wish.width)

@@ -10,8 +10,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from artigen.shapes.appliances.assembly import Assembly
-from artigen.shapes.draw import Draft, Wish, choose_lengths, choose_style
+from artigen.shapes.appliances.assembly import Assembly, draw_styled
+from artigen.shapes.draw import Draft, Wish
 from artigen.shapes.fittings.feet import make_legs, make_plinth
 from artigen.shapes.fittings.handles import HandleDesign, make_handle
 from artigen.shapes.fittings.hardware import GAP, Edge, Panel, Range
@@ -52,13 +52,8 @@ CARDBOARD: Color = (0.72, 0.57, 0.40)
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """A box that meets the wish."""
-    style = choose_style(rng, CATEGORY, STYLES, wish.style)
-    width, depth, height = choose_lengths(rng, wish, SIZES[style])
-    build = {"chest": _build_chest, "trunk": _build_trunk, "plastic": _build_tub, "carton": _build_carton}[
-        style
-    ]
-    built = build(rng, width, depth, height)
-    return Draft(style=style, parts=built.close(), finishes=tuple(sorted(_draw_finishes(rng, style).items())))
+    builders = {"chest": _build_chest, "trunk": _build_trunk, "plastic": _build_tub, "carton": _build_carton}
+    return draw_styled(rng, wish, STYLES, SIZES, builders, _draw_finishes)
 
 
 def _draw_finishes(rng: np.random.Generator, style: str) -> dict[str, Finish]:

@@ -6,13 +6,13 @@ how its front is divided comes from the grammar of `artigen.shapes.furniture.spl
 
 import numpy as np
 
-from artigen.shapes.draw import CrowdedError, Draft, ShapeError, Wish, choose
+from artigen.shapes.draw import CrowdedError, Draft, Wish, choose, find_nearest, pick
 from artigen.shapes.fittings.hardware import Space
 from artigen.shapes.furniture.cabinet import Looks, count_fronts, draw_layout
 from artigen.shapes.furniture.carcass import fits_engines
 from artigen.shapes.furniture.case import CasePlan, Size, build_case, draw_plan, place_case
 from artigen.shapes.furniture.furniture_kinds import KINDS, STYLES, Kind, Style
-from artigen.shapes.furniture.splits import Node, pick
+from artigen.shapes.furniture.splits import Node
 from artigen.shapes.shape import ShapePart
 from artigen.shapes.surfaces.palette import draw_palette
 from artigen.types import PartLabel
@@ -27,8 +27,6 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     It is drawn again while engines could not hold it, and while nothing moves unless counts are wished for.
     """
     style = wish.style or pick(rng, {name: look.weight for name, look in STYLES.items()})
-    if style not in STYLES:
-        raise ShapeError(f"{CATEGORY}: style {style!r} is not known, expected one of {', '.join(STYLES)}")
     kind = _choose_kind(rng, wish, STYLES[style])
     finishes = tuple(sorted(draw_palette(rng, "furniture", style).items()))
     size = (
@@ -36,8 +34,9 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
         choose(rng, *kind.depth, wish.depth),
         choose(rng, *kind.height, wish.height),
     )
-    for _ in range(MAX_LAYOUTS):
-        parts = _build(rng, kind, draw_plan(rng, kind, STYLES[style], size), size, wish)
+    for attempt in range(MAX_LAYOUTS):
+        plan = draw_plan(wish.shared_stream(rng, attempt), kind, STYLES[style], size, wish)
+        parts = _build(rng, kind, plan, size, wish)
         shown = not STYLES[style].closed or any(part.label == "door" for part in parts)
         moves = wish.counts or any(part.motion for part in parts)
         if shown and moves and fits_engines(parts):
@@ -55,15 +54,8 @@ def _choose_kind(rng: np.random.Generator, wish: Wish, style: Style) -> Kind:
         for name, kind in KINDS.items()
         if not style.closed or dict(kind.taste.rules).get("closed", 0) > 0.5
     ]
-    misses = {name: _miss(KINDS[name], wish) for name in shown}
-    least = min(misses.values())
-    return KINDS[pick(rng, {name: KINDS[name].weight for name in shown if misses[name] <= least})]
-
-
-def _miss(kind: Kind, wish: Wish) -> float:
-    """How far the wished sizes lie outside a kind's, in all (m)."""
-    pairs = ((wish.width, kind.width), (wish.depth, kind.depth), (wish.height, kind.height))
-    return sum(max(low - want, want - high, 0.0) for want, (low, high) in pairs if want is not None)
+    sizes = {name: (KINDS[name].width, KINDS[name].depth, KINDS[name].height) for name in shown}
+    return KINDS[pick(rng, {name: KINDS[name].weight for name in find_nearest(wish, sizes)})]
 
 
 def _draw_wanted(rng: np.random.Generator, box: Space, looks: Looks, kind: Kind, wish: Wish) -> Node:

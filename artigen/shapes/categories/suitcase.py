@@ -8,8 +8,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from artigen.shapes.appliances.assembly import Assembly
-from artigen.shapes.draw import Draft, Wish, choose_lengths, choose_style
+from artigen.shapes.appliances.assembly import Assembly, Build, draw_styled
+from artigen.shapes.draw import Draft, Wish
 from artigen.shapes.fittings.bowls import build_bowl
 from artigen.shapes.fittings.carrying import CHANNEL, build_channel, make_grip, make_pull_handle
 from artigen.shapes.fittings.feet import make_castors
@@ -47,11 +47,11 @@ SLENDER = 57
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """A suitcase that meets the wish."""
-    style = choose_style(rng, CATEGORY, STYLES, wish.style)
-    width, depth, height = choose_lengths(rng, wish, SIZES[style])
-    build = _build_standing if style in ("cabin", "large") else _build_lying
-    built = build(rng, width, depth, height)
-    return Draft(style=style, parts=built.close(), finishes=tuple(sorted(_draw_finishes(rng, style).items())))
+    builders: dict[str, Build] = dict.fromkeys(STYLES, _build_lying) | {
+        "cabin": _build_standing,
+        "large": _build_standing,
+    }
+    return draw_styled(rng, wish, STYLES, SIZES, builders, _draw_finishes)
 
 
 def _draw_finishes(rng: np.random.Generator, style: str) -> dict[str, Finish]:

@@ -31,7 +31,7 @@ LIGHT = ((0.94, 0.94, 0.935), (0.94, 0.94, 0.935), (0.9, 0.88, 0.82), (0.2, 0.2,
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """Draws a plate of switches."""
-    style = choose_style(rng, CATEGORY, STYLES, wish.style)
+    style = choose_style(rng, STYLES, wish.style)
     width, depth, height = choose_size(
         rng, CATEGORY, wish, width=(0.115, 0.29), depth=(0.065, 0.09), height=(0.115, 0.145)
     )

@@ -10,13 +10,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from artigen.shapes.categories.storage_furniture import STYLES
-from artigen.shapes.draw import CrowdedError, Draft, ShapeError, Wish, choose
+from artigen.shapes.draw import CrowdedError, Draft, Wish, choose, find_nearest, pick
 from artigen.shapes.fittings.feet import LEG_KINDS, LegKind, make_castors, make_legs
 from artigen.shapes.fittings.hardware import GAP, Range, Space, fill_space, lift
 from artigen.shapes.furniture.cabinet import Looks, draw_layout, draw_looks, make_cabinet
 from artigen.shapes.furniture.carcass import fits_engines, open_carcass
 from artigen.shapes.furniture.sinks import TAP_HEIGHT, make_sink
-from artigen.shapes.furniture.splits import Cell, Node, Split, Taste, lay_out, pick
+from artigen.shapes.furniture.splits import Cell, Node, Split, Taste, lay_out
 from artigen.shapes.furniture.table_frames import (
     PANEL,
     SIDES,
@@ -83,8 +83,6 @@ class _Built:
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """A table that meets the wish."""
     style = wish.style or pick(rng, {name: look.weight for name, look in STYLES.items() if not look.closed})
-    if style not in STYLES:
-        raise ShapeError(f"{CATEGORY}: style {style!r} is not known, expected one of {', '.join(STYLES)}")
     kind = _choose_kind(rng, wish)
     finishes = tuple(sorted(draw_palette(rng, "furniture", style).items()))
     width = choose(rng, *kind.width, wish.width)
@@ -94,8 +92,8 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
         width if kind.round and wish.depth is None else depth,
         choose(rng, *kind.height, wish.height),
     )
-    for _ in range(MAX_LAYOUTS):
-        built = kind.build(rng, _draw_plan(rng, style, size))
+    for attempt in range(MAX_LAYOUTS):
+        built = kind.build(rng, _draw_plan(wish.shared_stream(rng, attempt), style, size, wish))
         body = ShapePart(name=BODY, label="base", parent=None, primitives=built.primitives)
         parts = (body, *built.parts)
         if fits_engines(parts) and (wish.counts or any(part.motion for part in parts)):
@@ -105,11 +103,11 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     )
 
 
-def _draw_plan(rng: np.random.Generator, style: str, size: tuple[float, float, float]) -> _Plan:
+def _draw_plan(rng: np.random.Generator, style: str, size: tuple[float, float, float], wish: Wish) -> _Plan:
     look = STYLES[style]
-    if "knob" in look.handles and rng.random() < 0.45:  # most tables have small handles
+    if not wish.handles and "knob" in look.handles and rng.random() < 0.45:  # most tables have small handles
         look = replace(look, handles=("knob",))
-    looks = draw_looks(rng, look, max(size))
+    looks = draw_looks(rng, look, max(size), wish)
     return _Plan(
         size=size,
         looks=replace(looks, carcass=replace(looks.carcass, lid=False), lock=False, margin=GAP),
@@ -386,19 +384,10 @@ KINDS: dict[str, _Kind] = {
 
 def _choose_kind(rng: np.random.Generator, wish: Wish) -> _Kind:
     """A kind whose sizes include those wished for, or come nearest."""
-    wanted = (wish.width, wish.depth, wish.height)
-    misses = {
-        name: sum(
-            max(low - want, want - high, 0.0)
-            for want, (low, high) in zip(wanted, (kind.width, kind.depth, kind.height), strict=True)
-            if want is not None
-        )
-        + (
-            abs((wish.depth or 0.0) - (wish.width or 0.0))
-            if kind.round and wish.depth and wish.width
-            else 0.0
-        )
+    known = {
+        name: kind
         for name, kind in KINDS.items()
+        if not (kind.round and wish.width and wish.depth and wish.width != wish.depth)
     }
-    least = min(misses.values())
-    return KINDS[pick(rng, {name: kind.weight for name, kind in KINDS.items() if misses[name] <= least})]
+    sizes = {name: (kind.width, kind.depth, kind.height) for name, kind in known.items()}
+    return known[pick(rng, {name: known[name].weight for name in find_nearest(wish, sizes)})]

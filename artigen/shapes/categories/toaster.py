@@ -27,7 +27,7 @@ KNOB = 0.024
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """Draws a toaster."""
-    style = choose_style(rng, CATEGORY, STYLES, wish.style)
+    style = choose_style(rng, STYLES, wish.style)
     four = bool(rng.random() < 0.3) if wish.width is None else wish.width > 0.24
     wide: Range = (0.29, 0.33) if four else (0.165, 0.195)
     width, depth, height = choose_size(
@@ -71,8 +71,8 @@ def _build_bay(
     inner = (x[0] + END, x[1] - END)
     web = 0.006  # half the gap that the lever's arm passes
     pieces = [
-        rounded_box((x[0], y[0], low), (x[1], slots[0][0], high), 0.01, "front"),
-        rounded_box((x[0], slots[1][1], low), (x[1], y[1], high), 0.01, "front"),
+        rounded_box((x[0], y[0], low), (x[1], slots[0][0], high), 0.006, "front"),
+        rounded_box((x[0], slots[1][1], low), (x[1], y[1], high), 0.006, "front"),
         box((inner[1], slots[0][0], low), (x[1] - 0.004, slots[1][1], high - 0.004), "front"),
         box((inner[0] + 0.02, slots[0][1], low), (inner[1], slots[1][0], high - 0.004), "body"),
         box((x[0] + 0.004, slots[0][0], low), (inner[0], middle - web, high - 0.004), "front"),
@@ -100,7 +100,7 @@ def _build_bay(
     parts = [ShapePart(name=f"lever{tag}", label="knob", parent="body", primitives=tuple(lever), motion=down)]
     side = y[0] + 0.5 * (slots[0][0] - y[0])
     face, aside = x[0], y[1] - (side - y[0])
-    dial = design_dial(rng, (0.012, 0.014), endless=0.0)
+    dial = design_dial(rng, (0.0085, 0.0095), endless=0.0)  # within the width of a side
     parts.append(make_dial(dial, (face, side, low + 0.035), name=f"browning{tag}", parent="body", out=FRONT))
     for k, word in enumerate(("cancel", "defrost", "reheat")[: int(rng.integers(1, 4))]):
         at = (face, aside, low + 0.03 + 0.022 * k)

@@ -37,7 +37,7 @@ Drawn = tuple[list[Primitive], list[ShapePart]]
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """Draws a toilet."""
-    style = choose_style(rng, CATEGORY, STYLES, wish.style)
+    style = choose_style(rng, STYLES, wish.style)
     wide, deep, tall = SIZES[style]
     width, depth, height = choose_size(rng, CATEGORY, wish, width=wide, depth=deep, height=tall)
     hung = style == "wall_hung"

@@ -9,8 +9,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from artigen.shapes.appliances.assembly import Assembly
-from artigen.shapes.draw import Draft, Wish, choose_lengths, choose_style
+from artigen.shapes.appliances.assembly import Assembly, draw_styled
+from artigen.shapes.draw import Draft, Wish
 from artigen.shapes.fittings.carrying import CHANNEL, build_channel, make_grip, make_pull_handle
 from artigen.shapes.fittings.drawers import BoxDesign, make_drawer
 from artigen.shapes.fittings.feet import make_wheel
@@ -54,16 +54,13 @@ WALL = 0.007
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """A tool box that meets the wish."""
-    style = choose_style(rng, CATEGORY, STYLES, wish.style)
-    width, depth, height = choose_lengths(rng, wish, SIZES[style])
-    build = {
+    builders = {
         "plastic": _build_plastic,
         "metal": _build_metal,
         "chest": _build_chest,
         "rolling": _build_rolling,
-    }[style]
-    built = build(rng, width, depth, height)
-    return Draft(style=style, parts=built.close(), finishes=tuple(sorted(_draw_finishes(rng, style).items())))
+    }
+    return draw_styled(rng, wish, STYLES, SIZES, builders, _draw_finishes)
 
 
 def _draw_finishes(rng: np.random.Generator, style: str) -> dict[str, Finish]:

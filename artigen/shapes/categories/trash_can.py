@@ -54,7 +54,7 @@ WALL = 0.008
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """A bin that meets the wish."""
-    style = choose_style(rng, CATEGORY, STYLES, wish.style)
+    style = choose_style(rng, STYLES, wish.style)
     width, depth, height = choose_lengths(rng, wish, SIZES[style])
     slender = float(rng.uniform(0.5, 0.8))
     if style in ("pedal", "flip") and wish.width is None:

@@ -12,7 +12,8 @@ from artigen.shapes.draw import CrowdedError, Draft, Wish, choose, choose_style
 from artigen.shapes.fittings.hardware import ROOM, Space
 from artigen.shapes.furniture.carcass import fits_engines, open_carcass
 from artigen.shapes.furniture.case import BODY, CasePlan, Size, build_case, draw_plan, place_case
-from artigen.shapes.furniture.furniture_kinds import STYLES, Kind
+from artigen.shapes.furniture.furniture_kinds import STYLES as LOOKS
+from artigen.shapes.furniture.furniture_kinds import Kind
 from artigen.shapes.furniture.interior import furnish_interior
 from artigen.shapes.furniture.splits import Cell, Node, Split, Taste
 from artigen.shapes.shape import ShapePart
@@ -20,9 +21,11 @@ from artigen.shapes.surfaces.finishes import Finish
 from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "Wardrobe"
-LOOKS = {"flat": 3.0, "shaker": 2.2, "country": 1.0, "louvre": 0.8, "mirrored": 1.4, "sliding": 2.4}
+STYLES = {"flat": 3.0, "shaker": 2.2, "country": 1.0, "louvre": 0.8, "mirrored": 1.4, "sliding": 2.4}
 """Styles and how often they are sold."""
 MAX_LAYOUTS = 100
+MIRRORED = 10
+"""Layouts with mirrors on sliding doors before they are plain: panes of wide ones are too many hulls."""
 DOOR = 0.5
 """Usual width (m) of a door."""
 BACK = 0.014
@@ -40,7 +43,7 @@ MIRROR = Finish(kind="glass", color=(0.74, 0.79, 0.81), accent=(0.80, 0.85, 0.87
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """A wardrobe that meets the wish."""
-    style = choose_style(rng, CATEGORY, LOOKS, wish.style)
+    style = choose_style(rng, STYLES, wish.style)
     slides = style == "sliding"
     doors = int(
         rng.choice((2, 2, 3, 4) if slides else (1, 2, 2, 3) if style == "louvre" else (1, 2, 2, 3, 4))
@@ -51,13 +54,14 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     size = (width, choose(rng, *KIND.depth, wish.depth), choose(rng, *KIND.height, wish.height))
     doors = max(1, round(width / DOOR))
     finishes = draw_palette(rng, "furniture", style) | {"mirror": MIRROR}
-    look = STYLES[{"mirrored": "framed_glass", "sliding": "flat"}.get(style, style)]
+    look = LOOKS[{"mirrored": "framed_glass", "sliding": "flat"}.get(style, style)]
     mirrored = style == "mirrored" or (slides and bool(rng.random() < 0.5))
-    for _ in range(MAX_LAYOUTS):
-        plan = draw_plan(rng, KIND, replace(look, frame=0.0 if slides else 0.5 * look.frame), size)
+    look = replace(look, frame=0.0 if slides else 0.5 * look.frame)
+    for attempt in range(MAX_LAYOUTS):
+        plan = draw_plan(wish.shared_stream(rng, attempt), KIND, look, size, wish)
         fronts = replace(plan.looks.doors, style="framed_glass", glass="mirror")
         carcass = replace(plan.looks.carcass, back=BACK, recess=0.0)
-        doors_look = fronts if mirrored else plan.looks.doors
+        doors_look = fronts if mirrored and (not slides or attempt < MIRRORED) else plan.looks.doors
         plan = replace(plan, looks=replace(plan.looks, doors=doors_look, carcass=carcass, lock=False))
         if slides:
             parts = _build_sliding(rng, plan, size)

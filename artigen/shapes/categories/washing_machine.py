@@ -32,7 +32,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """Draws a washing machine."""
     style = wish.style or str(rng.choice(STYLES, p=(0.58, 0.22, 0.14, 0.06)))
     palette = draw_palette(rng, "appliance", style)
-    loads_at_top = rng.random() < 0.22
+    loads_at_top = rng.random() < 0.22 if wish.height is None else wish.height >= 1.0
     plan = _draw_plan(rng, wish, loads_at_top=loads_at_top)
     built = _draw_top_loader(rng, plan) if loads_at_top else _draw_front_loader(rng, plan)
     return Draft(style=style, parts=built.close(), finishes=tuple(sorted(palette.items())))

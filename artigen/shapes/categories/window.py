@@ -10,14 +10,16 @@ from artigen.shapes.appliances.cavity import build_frame
 from artigen.shapes.draw import Draft, Wish, choose_size, choose_style
 from artigen.shapes.fittings.handles import HandleDesign, make_handle
 from artigen.shapes.fittings.hardware import GAP, Panel, Range, Space, fill_space, slide
-from artigen.shapes.fittings.hinges import Leaf, build_astragal, fit_hinges, hang_leaves
+from artigen.shapes.fittings.hinges import Leaf, hang_leaves
 from artigen.shapes.fittings.latches import (
     RELEASED,
     THROW,
+    Hanging,
     Latch,
     build_keep,
     build_latch_stile,
     build_tongue,
+    hang_parts,
     make_bolt,
 )
 from artigen.shapes.fittings.levers import LeverDesign, build_lever, design_lever
@@ -48,7 +50,7 @@ TWO_LEAVES = 1.12
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     """Draws a window on its sill."""
-    style = choose_style(rng, CATEGORY, STYLES, wish.style)
+    style = choose_style(rng, STYLES, wish.style)
     wide, tall = SIZES[style]
     width, depth, height = choose_size(rng, CATEGORY, wish, width=wide, depth=(0.19, 0.28), height=tall)
     deep = 0.084 if style == "casement" else STOP + SASH + APART + SASH + STOP
@@ -107,34 +109,19 @@ def _draw_casement(rng: np.random.Generator, inner: Space, bars: int) -> Drawn:
     back = (inner.x[0] + LEAF + 0.003, inner.x[1])
     hole = (inner.y[0] + STOP, inner.y[1] - STOP), (inner.z[0] + STOP, inner.z[1] - STOP)
     frame += build_frame(back, (inner.y, inner.z), hole, "body")
-    parts: list[ShapePart] = []
-    bolts: list[ShapePart] = []
-    for index, leaf in enumerate(leaves):
-        levels = (leaf.z[0] + 0.13, leaf.z[1] - 0.13)
-        on_leaf, on_frame = fit_hinges(leaf, levels, "handle", length=0.07, straps=(0.025, 0.02))
-        frame += on_frame
-        pieces = [*_build_leaf(leaf, latch, bars), *on_leaf]
-        needs = ("handle",) if index == 0 else ("leaf", "bolt")
-        if count == 2 and index == 0:
-            pieces += build_astragal(leaf, "front", cover=0.02, inset=0.011)
-        if index == 1:
-            at = (leaf.x[0], leaf.edge - leaf.side * 0.046, inner.z[1] + 0.004)
-            bolt, guides, staple = make_bolt(
-                at, 0.0, name="bolt", parent="leaf_1", finish="handle", length=0.11
-            )
-            bolts.append(bolt)
-            pieces, frame = [*pieces, *guides], [*frame, *staple]
-        parts.append(
-            ShapePart(
-                name=("leaf", "leaf_1")[index],
-                label="door",
-                parent="frame",
-                primitives=tuple(pieces),
-                motion=leaf.swing(float(np.radians(rng.uniform(90.0, 105.0)))),
-                needs=tuple(Need(part=name, fraction=RELEASED) for name in needs),
-            )
-        )
-    return frame, [*parts, *bolts, _make_turn_handle(latch, lever)]
+    hanging = Hanging(
+        levels=(first.z[0] + 0.13, first.z[1] - 0.13),
+        barrel=0.07,
+        straps=(0.025, 0.02),
+        swing=(90.0, 105.0),
+        key="handle",
+        bolt=(0.046, inner.z[1] + 0.004),
+        over=0.0,
+        length=0.11,
+        astragal=(0.02, 0.011),
+    )
+    hinges, parts = hang_parts(rng, leaves, hanging, lambda leaf: _build_leaf(leaf, latch, bars))
+    return [*frame, *hinges], [*parts, _make_turn_handle(latch, lever)]
 
 
 def _build_leaf(leaf: Leaf, latch: Latch, bars: int) -> list[Primitive]:

@@ -98,7 +98,7 @@ def hang_leaves(
 
 
 def fit_hinges(
-    leaf: Leaf, levels: Iterable[float], finish: str, *, length: float = 0.1, straps: tuple[float, float]
+    leaf: Leaf, levels: Iterable[float], finish: str, *, length: float, straps: tuple[float, float]
 ) -> tuple[list[Primitive], list[Primitive]]:
     """Butt hinges at some heights (m): what is on the leaf, and what is on the frame."""
     on_leaf: list[Primitive] = []
@@ -112,7 +112,7 @@ def fit_hinges(
 
 
 def build_astragal(
-    leaf: Leaf, finish: str, *, cover: float = 0.022, inset: float = 0.018, thick: float = 0.012
+    leaf: Leaf, finish: str, *, cover: float, inset: float, thick: float = 0.012
 ) -> tuple[Primitive, ...]:
     """A strip on the leaf that opens first; it covers the gap, and holds the other leaf behind it."""
     edge, x = leaf.edge, leaf.x[0]

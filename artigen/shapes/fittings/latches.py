@@ -7,6 +7,7 @@ keep collide. Pressed down, the lever turns the tongue back into the pocket of t
 ``edge`` is the y of the leaf's edge and ``side`` the way out of it, 1 or -1.
 """
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -14,8 +15,9 @@ import numpy as np
 
 from artigen.shapes.appliances.cavity import build_frame
 from artigen.shapes.fittings.hardware import Range, Space, fill_space
+from artigen.shapes.fittings.hinges import Leaf, build_astragal, fit_hinges
 from artigen.shapes.primitives import Primitive, Vector, box, cylinder, polytope
-from artigen.shapes.shape import Motion, ShapePart
+from artigen.shapes.shape import Motion, Need, ShapePart
 
 TURN = float(np.radians(45.0))
 """How far a lever is pressed down (DIN 18255)."""
@@ -73,6 +75,73 @@ class Latch:
         return Space(x=self.pocket.x, y=(y[0], y[1]), z=(self.level + ends[0], self.level + ends[1]))
 
 
+@dataclass(frozen=True, kw_only=True)
+class Hanging:
+    """How the leaves of a door or a window hang, and what holds them shut; metres."""
+
+    levels: tuple[float, ...]
+    """Heights of the hinges."""
+    barrel: float
+    """Length of a hinge."""
+    straps: tuple[float, float]
+    swing: Range
+    """How far leaves open (degrees)."""
+    key: str
+    """Name of the part that releases the first leaf."""
+    bolt: tuple[float, float]
+    """Of a second leaf: how far its bolt is from the leaf's edge, and where the frame above begins."""
+    over: float
+    """How far that frame stands out before the leaf."""
+    length: float
+    """Of the bolt."""
+    astragal: tuple[float, float]
+    """How far the strip between two leaves covers the second one, and lies on the first one."""
+
+
+def hang_parts(
+    rng: np.random.Generator,
+    leaves: Sequence[Leaf],
+    hanging: Hanging,
+    build_leaf: Callable[[Leaf], Sequence[Primitive]],
+) -> tuple[list[Primitive], list[ShapePart]]:
+    """The leaves of a frame, one or two, on their hinges: what is on the frame, the leaves, then the bolt.
+
+    The key of the latch releases the first leaf; the second one also needs its bolt drawn.
+    """
+    frame: list[Primitive] = []
+    parts: list[ShapePart] = []
+    bolts: list[ShapePart] = []
+    for index, leaf in enumerate(leaves):
+        on_leaf, on_frame = fit_hinges(
+            leaf, hanging.levels, "handle", length=hanging.barrel, straps=hanging.straps
+        )
+        frame += on_frame
+        pieces = [*build_leaf(leaf), *on_leaf]
+        if len(leaves) == 2 and index == 0:
+            cover, inset = hanging.astragal
+            pieces += build_astragal(leaf, "front", cover=cover, inset=inset)
+        if index == 1:
+            at = (leaf.x[0], leaf.edge - leaf.side * hanging.bolt[0], hanging.bolt[1])
+            bolt, guides, staple = make_bolt(
+                at, hanging.over, name="bolt", parent="leaf_1", finish="handle", length=hanging.length
+            )
+            bolts.append(bolt)
+            pieces += guides
+            frame += staple
+        needs = (hanging.key,) if index == 0 else ("leaf", "bolt")
+        parts.append(
+            ShapePart(
+                name=("leaf", "leaf_1")[index],
+                label="door",
+                parent="frame",
+                primitives=tuple(pieces),
+                motion=leaf.swing(float(np.radians(rng.uniform(*hanging.swing)))),
+                needs=tuple(Need(part=name, fraction=RELEASED) for name in needs),
+            )
+        )
+    return frame, [*parts, *bolts]
+
+
 def build_latch_stile(
     latch: Latch, y: Range, z: Range, finish: str, *, through: bool = True
 ) -> tuple[Primitive, ...]:
@@ -116,7 +185,7 @@ def build_tongue(latch: Latch, finish: str, *, through: bool = True) -> tuple[Pr
 
 
 def make_bolt(
-    at: Vector, over: float, *, name: str, parent: str, finish: str, length: float = 0.16
+    at: Vector, over: float, *, name: str, parent: str, finish: str, length: float
 ) -> tuple[ShapePart, tuple[Primitive, ...], tuple[Primitive, ...]]:
     """A surface bolt that stands upright in a staple on the frame above the leaf, and is drawn down.
 

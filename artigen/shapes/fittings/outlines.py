@@ -16,6 +16,8 @@ from artigen.shapes.primitives import Primitive, line, polytope
 
 SHARPEST = 0.2
 """What is left at least of the length of an arc where an outline is taken in."""
+MEETING = 1e-3
+"""Arcs whose ends are up to twice this (m) apart meet: a wall on what is left between them is too thin."""
 _NOTHING = 1e-5
 """Edges (m) shorter than this get no wall."""
 
@@ -65,7 +67,7 @@ class Outline:
     def trace(self) -> Float[np.ndarray, "N 2"]:
         """Corners, counterclockwise, as `trace_corners` has them."""
         half = (self.b[1] - self.b[0]) / 2
-        low, high = ((cut, min(cut, half)) for cut in self.cuts)
+        low, high = ((cut, half if cut > half - MEETING else cut) for cut in self.cuts)
         return trace_corners(self.a, self.b, (low, high, high, low), self.pieces)
 
 

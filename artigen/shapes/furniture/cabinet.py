@@ -5,6 +5,7 @@ from math import radians
 
 import numpy as np
 
+from artigen.shapes.draw import Wish
 from artigen.shapes.fittings.drawers import BoxDesign
 from artigen.shapes.fittings.fronts import FrontDesign, design_front
 from artigen.shapes.fittings.handles import design_handle
@@ -50,9 +51,12 @@ class Looks:
         return 0.0 if self.doors.handle is None else self.doors.handle.reach
 
 
-def draw_looks(rng: np.random.Generator, style: Style, longest: float, hand: float = 1.05) -> Looks:
+def draw_looks(
+    rng: np.random.Generator, style: Style, longest: float, wish: Wish, *, hand: float = 1.05
+) -> Looks:
     """Looks in a style for an object whose longest edge measures ``longest`` metres."""
-    handle = design_handle(rng, style.handles[int(rng.integers(len(style.handles)))], longest=longest)
+    handles = wish.choose_handles(style.handles)
+    handle = design_handle(rng, handles[int(rng.integers(len(handles)))], longest=longest)
     front = style.doors[int(rng.integers(len(style.doors)))]
     doors = replace(design_front(rng, front, handle=handle), hand=hand)
     # A leaf that opens past 90 degrees sweeps over its neighbour's edge, where that has its handle.

@@ -4,11 +4,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from artigen.shapes.draw import Wish, pick
 from artigen.shapes.fittings.feet import StandDesign, design_stand, make_stand
 from artigen.shapes.fittings.hardware import Space
 from artigen.shapes.furniture.cabinet import Looks, draw_looks, has_fronts, list_cells, make_cabinet
 from artigen.shapes.furniture.furniture_kinds import Kind, Style
-from artigen.shapes.furniture.splits import Node, pick
+from artigen.shapes.furniture.splits import Node
 from artigen.shapes.primitives import rounded_box
 from artigen.shapes.shape import ShapePart
 
@@ -31,10 +32,13 @@ class CasePlan:
     """Of the worktop, in front and at each side."""
 
 
-def draw_plan(rng: np.random.Generator, kind: Kind, style: Style, size: Size) -> CasePlan:
-    """The choices for an object of a kind and a style in a size."""
-    looks = draw_looks(rng, style, max(size), kind.hand)
-    covered = bool(rng.random() < kind.worktop)
+def draw_plan(rng: np.random.Generator, kind: Kind, style: Style, size: Size, wish: Wish) -> CasePlan:
+    """The choices for an object of a kind and a style in a size.
+
+    They are the same throughout a suite, in which cabinets that are made for a worktop have one.
+    """
+    looks = draw_looks(rng, style, max(size), wish, hand=kind.hand)
+    covered = bool(rng.random() < kind.worktop) or (wish.suite is not None and kind.rails > 0.0)
     overhang = (float(rng.uniform(0.0, 0.02)), float(rng.choice((0.0, 0.012))))
     frame, recess = float(rng.uniform(0.036, 0.045)), float(rng.uniform(0.012, 0.019))
     carcass = replace(

@@ -8,16 +8,16 @@ room there is, `mirror` turns it over, and `lay_out` gives every cell its openin
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
-from typing import Literal, TypeVar
+from typing import Literal
 
 import numpy as np
 
+from artigen.shapes.draw import pick
 from artigen.shapes.fittings.hardware import Edge, Range
 
 Fill = Literal["open", "drawer", "door", "double", "drop", "lift", "fold", "slide", "blank"]
 Inside = Literal["empty", "shelves", "trays", "rod"]
 
-Word = TypeVar("Word", bound=str)
 FRONT_GAP = 0.003
 """Joint (m) between two fronts."""
 
@@ -387,12 +387,6 @@ def _draw_closed(rng: np.random.Generator, room: Room, taste: Taste) -> Node:
 def _fits(fill: Fill, room: Room) -> bool:
     (narrow, wide), (low, high) = FILL_ROOM[fill]
     return narrow <= room.width <= wide and low <= room.height <= high
-
-
-def pick(rng: np.random.Generator, weights: dict[Word, float]) -> Word:
-    """One of the words, as likely as its weight."""
-    chances = np.array(list(weights.values()))
-    return list(weights)[int(rng.choice(len(chances), p=chances / chances.sum()))]
 
 
 Rule = tuple[Callable[[Room, Taste], float], Callable[[np.random.Generator, Room, Taste], Node]]

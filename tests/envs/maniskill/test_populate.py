@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 from artigen.cli.scene import SceneSettings, scene
-from envs.maniskill.populate import PopulateConfig, populate
+from artigen.errors import ArtigenError
+from artigen.shapes.families import choose_suite
+from envs.maniskill.populate import PopulateConfig, choose_filler_color, populate
 from envs.maniskill.rooms.ajar import open_some
 from envs.maniskill.rooms.catalogue import PopulateError, read_catalogue
 from envs.maniskill.rooms.check import check_room
@@ -413,6 +415,18 @@ def test_the_command_writes_scene_and_plan(folder, tmp_path, capsys):
     assert not (tmp_path / "room" / "room.png").exists()
     assert dict(room.provenance)["packages"].startswith(f"{len(FURNITURE)} proven packages")
     assert room.placements[0].provenance[0] == ("source", f"a box called {room.placements[0].package.name}")
+
+
+def test_panels_have_the_colour_of_the_suite_that_all_packages_are_of(folder, tmp_path):
+    catalogue = read_catalogue(folder)
+    suite = (("family", "shaker"), ("suite", "0"))
+    suited = tuple(replace(entry, provenance=(*entry.provenance, *suite)) for entry in catalogue.entries)
+    front = choose_suite("shaker", 0).finishes["furniture"]["front"].color
+    assert choose_filler_color(replace(catalogue, entries=suited)) == front
+    assert choose_filler_color(replace(catalogue, entries=(*suited[1:], catalogue.entries[0]))) != front
+    assert choose_filler_color(catalogue) != front
+    with pytest.raises(ArtigenError, match="family shaker beside packages"):
+        scene("kitchen", tmp_path / "room", 0, folder, SceneSettings(family="shaker"), pictures="none")
 
 
 def test_hulls_of_the_test_furniture_are_closed():

@@ -338,7 +338,7 @@ LAYOUTS: tuple[Node, ...] = (
 def _cabinet(node: Node, carcass: CarcassDesign, *, inset: bool = False) -> Shape:
     """A cabinet in `OUTER` with flat fronts and the given boards."""
     rng = np.random.default_rng(0)
-    looks = draw_looks(rng, STYLES["flat"], 1.0)
+    looks = draw_looks(rng, STYLES["flat"], 1.0, Wish())
     looks = replace(looks, carcass=carcass, inset=inset, doors=replace(looks.doors, handle=None), lock=False)
     looks = replace(looks, drawers=replace(looks.drawers, handle=None))
     built = make_cabinet(node, OUTER, looks, parent="body")
