@@ -1,9 +1,9 @@
 """Failed checks of a conversion that the source object fails as well.
 
 V107, V203 and V204 are measured again on the source's own meshes and joints. For V201, V202 and V308, points
-of one link's surface are looked for inside closed surfaces of the other, and edges that pierce the other, closed
-or not, at rest and along the joints. Where links share more room than V103 lets hulls stay off the surface, its
-failure is the source's, too.
+of one link's surface are looked for inside closed surfaces of the other, and edges that pierce the other,
+closed or not, at rest and along the joints. Where links share more room than V103 lets hulls stay off the
+surface, its failure is the source's, too.
 """
 
 from collections.abc import Collection, Iterator, Mapping
