@@ -28,6 +28,7 @@ from sim_export.checks.urdf_file import (
 )
 from sim_export.collision.hulls import convex_hull
 from sim_export.errors import DegeneratePart, PackageError
+from sim_export.files.foreign import PLATE_THICKNESS, label_of, read_semantics, thicken
 from sim_export.files.obj import parse_obj, read_mesh
 from sim_export.files.sidecars import FORMAT, VERSION, handles_from_json
 from sim_export.files.urdf import splats_path
@@ -43,23 +44,6 @@ from sim_export.package import (
     SourceMesh,
     Visual,
 )
-
-PLATE_THICKNESS = 1e-3
-
-LABEL_WORDS: tuple[tuple[str, PartLabel], ...] = (
-    ("handle", "handle"),
-    ("knob", "knob"),
-    ("button", "knob"),
-    ("switch", "knob"),
-    ("drawer", "drawer"),
-    ("door", "door"),
-    ("lid", "door"),
-    ("tray", "tray"),
-    ("shelf", "shelf"),
-    ("wheel", "wheel"),
-    ("caster", "wheel"),
-)
-"""Labels for words in PartNet-Mobility's semantics; the first match counts."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -311,7 +295,9 @@ def _read_foreign(
     folder: Path, urdf: UrdfFile, poses: dict[str, Float[np.ndarray, "4 4"]], meta: dict
 ) -> SimPackage:
     """A foreign folder, interpreted as by a simulator."""
-    foreign = _Foreign(folder=folder, poses=poses, labels=_semantics(folder / "semantics.txt"), records=[])
+    foreign = _Foreign(
+        folder=folder, poses=poses, labels=read_semantics(folder / "semantics.txt"), records=[]
+    )
     links = tuple(_foreign_link(foreign, urdf, link) for link in urdf.links)
     return SimPackage(
         name=folder.resolve().name,
@@ -323,32 +309,6 @@ def _read_foreign(
     )
 
 
-def _label_of(text: str) -> PartLabel | None:
-    """Label for a PartNet-Mobility name that contains a known word; else None."""
-    for word, label in LABEL_WORDS:
-        if word in text:
-            return label
-    return None
-
-
-def _semantics(path: Path) -> dict[str, PartLabel]:
-    """Label of every link with known semantics; links that do not move are the base."""
-    labels: dict[str, PartLabel] = {}
-    if not path.is_file():
-        return labels
-    for line in path.read_text(errors="replace").splitlines():
-        fields = line.split()
-        if len(fields) < 3:
-            continue
-        link, kind, name = fields[:3]
-        known = _label_of(name)
-        if kind in ("heavy", "static") or (kind == "free" and known != "wheel"):
-            known = "base"
-        if known is not None:
-            labels[link] = known
-    return labels
-
-
 def _foreign_link(foreign: _Foreign, urdf: UrdfFile, link: UrdfLink) -> Link:
     owner = f"{urdf.path}: link {link.name!r}"
     T = foreign.poses[link.name]
@@ -356,7 +316,7 @@ def _foreign_link(foreign: _Foreign, urdf: UrdfFile, link: UrdfLink) -> Link:
     visuals = []
     for index, shape in enumerate(link.visuals):
         name = shape.name or f"visual_{index}"
-        own = _label_of(name)
+        own = label_of(name)
         visuals.append(
             Visual(
                 name=name,
@@ -413,13 +373,3 @@ def _foreign_hull(foreign: _Foreign, shape: UrdfShape, T: Float[np.ndarray, "4 4
 def link_of(owner: str) -> str:
     """The quoted name at the end of an error's owner."""
     return owner.rsplit("link ", 1)[-1]
-
-
-def thicken(points: Float[np.ndarray, "N 3"], thickness: float) -> Float[np.ndarray, "M 3"]:
-    """Offsets points by half a thickness both ways along every direction in which they are flat."""
-    centered = points - points.mean(axis=0)
-    _, _, directions = np.linalg.svd(np.concatenate([centered, np.zeros((3, 3))]), full_matrices=False)
-    for direction in directions:
-        if np.ptp(points @ direction) < thickness:
-            points = np.concatenate([points - direction * thickness / 2, points + direction * thickness / 2])
-    return points
