@@ -123,7 +123,7 @@ def test_weights_are_read_from_a_folder_whole_or_refused(
     with pytest.raises(SourceError, match=r"1 missing \(register_tokens\)"):
         load_dinov2(tmp_path, SMALL)
     path.write_bytes(path.read_bytes()[:100])
-    with pytest.raises(SourceError, match="whole"):
+    with pytest.raises(SourceError, match="complete"):
         load_dinov2(tmp_path, SMALL)
 
 

@@ -304,7 +304,7 @@ def test_what_cannot_be_measured_is_said_and_nothing_written(
     ("spoil", "message"),
     [
         (lambda folder: (folder / "model.json").unlink(), "no such model"),
-        (lambda folder: (folder / "model.json").write_text("[1]"), "expected what a model says"),
+        (lambda folder: (folder / "model.json").write_text("[1]"), "expected an object with an object"),
         (lambda folder: (folder / "model.json").write_text('{"flow": {"preset": "huge"}}'), "preset 'huge'"),
         (lambda folder: (folder / "flow-0.safetensors").write_bytes(b"x"), "no complete safetensors"),
         (lambda folder: (folder / "vae-0.safetensors").unlink(), r"holds no vae-\*"),

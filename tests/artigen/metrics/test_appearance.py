@@ -247,7 +247,7 @@ def test_an_evaluation_names_states_features_and_the_model(
     assert "closed (RS)" in table
     assert 0 < found["total"]["shape_rest"] < 0.01
     assert found["drawn"]["psnr"] > 0
-    assert "| told | PSNR (dB) |" in table
+    assert "| given | PSNR (dB) |" in table
     assert found["colors"].keys() == {"autoencoded", "drawn"}
     assert all(0 < error < 1 for error in found["colors"].values())
     (tmp_path / "model.json").write_text("{}")
