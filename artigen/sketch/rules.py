@@ -40,6 +40,7 @@ from artigen.sketch.rows import (
 )
 from artigen.sketch.sketch import LEVELS, MAX_NEEDS, lowest_corner
 from artigen.sketch.solid_pieces import room_to_cut
+from artigen.sketch.words import list_styles
 from artigen.types import JOINT_TYPES, PART_LABELS
 
 MAX_ROWS = 220
@@ -203,6 +204,8 @@ class Writer:
             can[forced] = True
         elif not kind:
             can[self._next_kinds()] = True
+        elif kind == "object" and self.name == "style":
+            can[list(list_styles(self.value("category")))] = True
         elif kind == "finish" and self.name == "role":
             can[self._next_roles()] = True
         elif kind == "object" and self.name in self.asked.some:

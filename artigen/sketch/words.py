@@ -3,6 +3,10 @@
 Words may be added anywhere but not removed.
 """
 
+from functools import cache
+
+from artigen.shapes.draw import categories
+
 CATEGORIES = (
     "StorageFurniture", "Table", "Refrigerator", "Dishwasher", "Oven", "WashingMachine", "Microwave",
     "Cart", "Safe", "Box", "BreadBox", "ChestFreezer", "DeskLamp", "Door", "Dresser", "Dryer", "Faucet",
@@ -24,3 +28,10 @@ STYLES = (
 """Styles of all categories."""
 OTHER_STYLE = STYLES.index("other")
 """Placeholder for styles without a word."""
+
+
+@cache
+def list_styles(category: int) -> tuple[int, ...]:
+    """Numbers of the styles that the grammar draws a category in; `OTHER_STYLE` for those without a word."""
+    drawn = categories()[CATEGORIES[category]].STYLES
+    return tuple(sorted({STYLES.index(style) if style in STYLES else OTHER_STYLE for style in drawn}))

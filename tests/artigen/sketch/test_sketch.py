@@ -11,7 +11,7 @@ import pytest
 import torch
 
 from artigen.errors import SourceError
-from artigen.shapes.draw import draw_shape
+from artigen.shapes.draw import categories, draw_shape
 from artigen.shapes.primitives import Primitive, box, cylinder, move, place_vertices, polytope
 from artigen.shapes.shape import Shape
 from artigen.sketch import draw, model
@@ -35,7 +35,7 @@ from artigen.sketch.rows import FIELDS, ROW_KINDS, column, rows_to_sketch, sketc
 from artigen.sketch.rules import Writer
 from artigen.sketch.sketch import STEP, SketchError, read_sketch, write_sketch
 from artigen.sketch.slots import slots
-from artigen.sketch.words import CATEGORIES
+from artigen.sketch.words import CATEGORIES, STYLES
 
 TINY = SketchNetworkConfig(width=32, layers=2, heads=2, pointer=8, picture=None)
 PICTURE = PictureConfig(edge=32, widths=(8, 16, 24), blocks=(1, 1, 1), stem=8)
@@ -135,6 +135,16 @@ def test_the_rules_allow_what_the_grammar_says(category: str, seed: int):
             writer.put(value)
         writer.close()
     assert writer.done
+
+
+@pytest.mark.parametrize("category", CATEGORIES)
+def test_the_rules_allow_the_styles_of_the_category_and_no_others(category: str):
+    writer = Writer(asked=ask(SketchRequest(category=category)))
+    writer.put(ROW_KINDS.index("object"))
+    writer.put(CATEGORIES.index(category))
+    assert writer.name == "style"
+    known = {style if style in STYLES else "other" for style in categories()[category].STYLES}
+    assert {STYLES[index] for index in writer.allowed(len(STYLES)).nonzero()[0]} == known
 
 
 class _Reciter(draw._Pen):

@@ -128,7 +128,9 @@ def test_files_that_are_not_so_are_refused_by_name(tmp_path: Path):
         "expected 'property TYPE NAME'": good.replace(b"float nx", b"half nx"),
         "bytes after the header, expected 204": good[:-1],
         "opacity are missing": good.replace(b"float opacity", b"float opaqueness"),
-        "colours depend on the viewing direction": foreign_file([*REFERENCE_FIELDS, "f_rest_0"], [[*nothing, 0.1]]),
+        "colours depend on the viewing direction": foreign_file(
+            [*REFERENCE_FIELDS, "f_rest_0"], [[*nothing, 0.1]]
+        ),
         "expected quaternions": foreign_file(REFERENCE_FIELDS, [nothing]),
         "NaN or infinite": foreign_file(REFERENCE_FIELDS, [[np.nan, *nothing[1:-1], 1.0]]),
     }
