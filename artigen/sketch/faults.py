@@ -13,6 +13,7 @@ from jaxtyping import Int
 
 from artigen.shapes.primitives import Primitive
 from artigen.shapes.shape import Shape
+from artigen.shapes.solids import list_solids
 from artigen.sketch.contact import (
     Bodies,
     Near,
@@ -36,6 +37,7 @@ from artigen.sketch.opening import (
     measure_held,
     measure_hinge,
 )
+from artigen.sketch.request import SketchRequest
 from artigen.sketch.sweep import (
     TOUCH,
     Meetings,
@@ -68,6 +70,8 @@ MAX_ASPECT = 60.0
 """Ratio of length to thickness beyond which an exporter splits a hull that is not a box."""
 MAX_HULLS, MAX_HULLS_IN_ALL, MAX_LINKS = 32, 256, 64
 """Hulls per body, hulls in total, and bodies."""
+WITHIN = 0.01
+"""Relative tolerance of requested extents."""
 HOPELESS = 4
 """Number of faults at rest beyond which motions are not checked."""
 FLOOR_BAND = 0.005
@@ -356,3 +360,19 @@ def _tips(subject: _Subject) -> Iterator[Fault]:
     if outside > 0.0:
         lowest = int(subject.bodies.low[:, 2].argmin())
         yield Fault(id="tipping", part=subject.name(lowest), value=outside, allowed=0.0)
+
+
+def find_extent_faults(shape: Shape, request: SketchRequest) -> tuple[Fault, ...]:
+    """A fault for every requested extent that the object misses by more than `WITHIN`.
+
+    The object's measured extents are compared, not those in its header. Extents that were not requested are
+    ignored.
+    """
+    solids = list_solids(shape)
+    extents = (solids.high.max(axis=0) - solids.low.min(axis=0)).tolist()
+    requested = (request.depth, request.width, request.height)
+    return tuple(
+        Fault(id="extent", part=name, value=abs(extent - wanted), allowed=WITHIN * wanted)
+        for name, extent, wanted in zip(("depth", "width", "height"), extents, requested, strict=True)
+        if wanted is not None and abs(extent - wanted) > WITHIN * wanted
+    )

@@ -19,7 +19,7 @@ from artigen.sketch.alignment import View, fit_camera
 from artigen.sketch.blocks import Sight
 from artigen.sketch.draw import Draft, DrawConfig, begin_drafts, continue_drafts
 from artigen.sketch.fault import Fault
-from artigen.sketch.faults import find_faults, search_faults
+from artigen.sketch.faults import find_extent_faults, find_faults, search_faults
 from artigen.sketch.network import SketchNetwork, SketchNetworkConfig
 from artigen.sketch.picture import PictureConfig, Seen
 from artigen.sketch.picture_colors import read_colors
@@ -33,8 +33,6 @@ PICTURE_EDGE = 256
 """Edge length (pixels) of the picture for camera fitting and colours."""
 LIKELIEST = DrawConfig(temperature=0.2)
 """Sampling of headers when a picture shows their content."""
-WITHIN = 0.01
-"""Relative tolerance of requested extents."""
 UNREADABLE = "unreadable"
 """Id for tables that do not describe an object."""
 DEFERRED = frozenset(("tipping", "extent"))
@@ -384,21 +382,3 @@ def _judge(table: np.ndarray, seed: int, request: SketchRequest) -> tuple[Shape,
     """The shape of a table and its faults."""
     shape = read_sketch(rows_to_sketch(table), seed)
     return shape, (*find_faults(shape), *find_extent_faults(shape, request))
-
-
-def find_extent_faults(shape: Shape, request: SketchRequest) -> tuple[Fault, ...]:
-    """A fault for every requested extent that the object misses by more than `WITHIN`.
-
-    The object's measured extents are compared, not those in its header. Extents that were not requested are
-    ignored.
-    """
-    from artigen.shapes.solids import list_solids
-
-    solids = list_solids(shape)
-    extents = (solids.high.max(axis=0) - solids.low.min(axis=0)).tolist()
-    requested = (request.depth, request.width, request.height)
-    return tuple(
-        Fault(id="extent", part=name, value=abs(extent - wanted), allowed=WITHIN * wanted)
-        for name, extent, wanted in zip(("depth", "width", "height"), extents, requested, strict=True)
-        if wanted is not None and abs(extent - wanted) > WITHIN * wanted
-    )

@@ -9,7 +9,6 @@ from artigen.shapes.fittings.hardware import Range
 from artigen.shapes.primitives import Primitive, box, cylinder
 
 CooktopKind = Literal["gas", "glass", "coil"]
-COOKTOP_KINDS: tuple[CooktopKind, ...] = ("gas", "glass", "coil")
 
 
 def place_burners(x: Range, y: Range, count: int) -> list[tuple[float, float, float]]:

@@ -3,8 +3,6 @@
 Each stands on a face at a point and looks along ``out``, the axis about which it turns. Lengths in metres.
 """
 
-from typing import Literal
-
 import numpy as np
 
 from artigen.shapes.appliances.control_panel import DIAL_GAP
@@ -15,7 +13,6 @@ PIVOT = 0.007
 """Radius of the pin about which a mixer's lever lifts."""
 LIFT = float(np.radians(25.0))
 """How far a mixer's lever lifts (EN 817: 20 to 30 degrees)."""
-HotSide = Literal[-1, 1]
 
 
 def along(at: Vector, *steps: tuple[Vector, float]) -> Vector:
