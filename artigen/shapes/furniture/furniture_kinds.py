@@ -1,4 +1,4 @@
-"""Tables: kinds of storage furniture and styles of their fronts, with sizes in metres and relative weights."""
+"""Tables: kinds of storage furniture and styles of fronts, with sizes in metres and relative weights."""
 
 from dataclasses import dataclass
 
