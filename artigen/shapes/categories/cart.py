@@ -126,7 +126,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
         if fits_engines(parts):
             return Draft(style=style, parts=parts, finishes=finishes)
     raise CrowdedError(
-        f"{CATEGORY}: no cart of {size} m keeps within what engines hold; wish for a smaller one"
+        f"{CATEGORY}: no cart of {size} m respects the limits of engines; request a smaller one"
     )
 
 

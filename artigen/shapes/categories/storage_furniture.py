@@ -43,8 +43,8 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
         if shown and moves and fits_engines(parts):
             return Draft(style=style, parts=parts, finishes=finishes)
     raise CrowdedError(
-        f"{CATEGORY}: none of {MAX_LAYOUTS} layouts of {size} m (width, depth, height) keeps within what "
-        "engines hold; wish for a smaller one"
+        f"{CATEGORY}: none of {MAX_LAYOUTS} layouts of {size} m (width, depth, height) respects the "
+        "limits of engines; request a smaller one"
     )
 
 

@@ -80,7 +80,7 @@ def _draw_finishes(rng: np.random.Generator, style: str) -> dict[str, Finish]:
 
 
 def _build_standing(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
-    """Two ribbed shells on four wheels that open like a book, with a telescopic handle behind the rear one."""
+    """Two ribbed shells on four wheels that open like a book; a telescopic handle is behind the rear one."""
     grip, behind = FINGER_ROOM + 0.014, CHANNEL + 0.006
     radius = float(rng.uniform(0.018, 0.024))
     x, y = (0.004 - depth / 2, depth / 2 - behind), (-width / 2, width / 2)

@@ -99,7 +99,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
         if fits_engines(parts) and (wish.counts or any(part.motion for part in parts)):
             return Draft(style=style, parts=parts, finishes=finishes)
     raise CrowdedError(
-        f"{CATEGORY}: no table of {size} m keeps within what engines hold; wish for a smaller one"
+        f"{CATEGORY}: no table of {size} m respects the limits of engines; request a smaller one"
     )
 
 

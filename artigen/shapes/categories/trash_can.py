@@ -222,7 +222,7 @@ def _build_flap_bin(rng: np.random.Generator, width: float, depth: float, height
 
 
 def _make_flap(low: tuple[float, float], high: tuple[float, float], y: Range) -> ShapePart:
-    """A plate in the slope from one (x, z) up to another: a lip at its lower edge, a hinge at its upper one."""
+    """A plate in the slope from one (x, z) up to another, with a lip below and a hinge above."""
     thick, gap = 0.008, 0.006
     start, way = np.array(low), np.array(high) - np.array(low)
     length = float(np.hypot(*way))

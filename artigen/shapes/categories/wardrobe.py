@@ -70,8 +70,8 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
         if fits_engines(parts):
             return Draft(style=style, parts=parts, finishes=tuple(sorted(finishes.items())))
     raise CrowdedError(
-        f"{CATEGORY}: none of {MAX_LAYOUTS} layouts of {size} m (width, depth, height) keeps within what "
-        "engines hold; wish for a smaller one"
+        f"{CATEGORY}: none of {MAX_LAYOUTS} layouts of {size} m (width, depth, height) respects the "
+        "limits of engines; request a smaller one"
     )
 
 
