@@ -1,4 +1,4 @@
-"""A joint whose part runs into what carries it ends before it does."""
+"""Shortens the range of a joint whose part collides with its carrier."""
 
 import numpy as np
 
@@ -9,11 +9,11 @@ from sim_export.mend.source import Source, leading_part, link_surfaces, set_join
 from sim_export.source_faults import POSES, overlap_along, show_links
 
 LEAST = 0.5
-"""Share of its range that must be free for a joint to be shortened."""
+"""Smallest share of its range to which a joint is shortened."""
 
 
 def cut_travel(source: Source, cfg: CheckConfig) -> Source:
-    """Lowers upper limits to where a link enters one that carries it, by more than V201 allows."""
+    """Lowers upper limits to where a link enters one of its carriers by more than V201 allows."""
     package = source_package(source)
     shown = show_links(link_surfaces(source))
     parents = {joint.child: joint.parent for joint in package.joints}
