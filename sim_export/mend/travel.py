@@ -36,8 +36,8 @@ def cut_travel(source: Source, cfg: CheckConfig) -> Source:
         source = set_joint(
             source,
             part,
-            f"{source.asset.parts[part].name}: its range was cut to {share:.0%}, beyond which it enters what "
-            f"carries it by {1e3 * depth.max():.1f} mm",
+            f"{source.asset.parts[part].name}: its range was cut to {share:.0%}, beyond which it enters its "
+            f"carrier by {1e3 * depth.max():.1f} mm",
             upper=source.asset.parts[part].joint.upper * share,
         )
     return source
