@@ -112,7 +112,7 @@ def scene(
     path = write_room(room, out)
     _draw(room, out, pictures)
     kinds = len({placement.package for placement in room.placements})
-    left_out = f", {len(catalogue.failed)} packages that did not pass skipped" if catalogue.failed else ""
+    left_out = f", without {len(catalogue.failed)} packages that did not pass" if catalogue.failed else ""
     sys.stdout.write(
         f"{kind} of {room.size[0]:.2f} x {room.size[1]:.2f} m: {len(room.placements)} objects from {kinds} "
         f"packages in {path}, arranged and checked in {spent:.1f} s{left_out}\n"
