@@ -1,7 +1,7 @@
 """Connects the pieces of a link that are apart by struts.
 
 A handle on brackets thinner than a cell, a grate above its hob: what a link shows may be in several pieces
-with narrow gaps between them. A strut, a box no wider than a cell, bridges each gap.
+with narrow gaps between them. Struts, boxes no wider than a cell, bridge each gap.
 """
 
 from collections.abc import Mapping, Sequence
@@ -12,6 +12,7 @@ import numpy as np
 from jaxtyping import Float
 
 from sim_export.geometry.islands import nearest_points, surface_shape
+from sim_export.geometry.sampling import sample_triangles
 from sim_export.geometry.solids import as_solid, solid_arrays
 from sim_export.geometry.tidy import tidy_mesh
 from sim_export.package import Link, Mesh
@@ -22,8 +23,11 @@ WIDEST = 2.5
 """Widest gap that is bridged, in cells."""
 ROOT = 0.5
 """How far a strut stands in what it connects, over its width."""
+LONG = 6.0
+"""Length over width of a strut from which on what faces across a gap is held at both ends, as handles are."""
 SPECK = 0.5
 """Volume, in cells, up to which a piece too far to be connected is left out."""
+_SAMPLES = 400
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -79,7 +83,7 @@ def _brace(
         part, piece = pieces[index]
         solid, count, dropped = changed.get(part, (solids[part], 0, 0))
         if REACH < gap <= WIDEST * cell:
-            changed[part] = (solid + make_strut(piece, whole - piece, ends, cell), count + 1, dropped)
+            changed[part] = (solid + make_struts(piece, whole - piece, ends, cell), count + 1, dropped)
         elif gap > REACH and piece.volume() <= SPECK * cell**3:
             changed[part] = (solid - piece, count, dropped + 1)
             continue
@@ -99,10 +103,10 @@ def _triangles(solid: manifold3d.Manifold) -> Float[np.ndarray, "F 3 3"]:
     return vertices[faces]
 
 
-def make_strut(
+def make_struts(
     piece: manifold3d.Manifold, whole: manifold3d.Manifold, ends: Float[np.ndarray, "2 3"], cell: float
 ) -> manifold3d.Manifold:
-    """A box from a piece to what it belongs to, in the middle of where they face each other.
+    """A box from a piece to what it belongs to, or two near the ends of what faces it along a line.
 
     Args:
         piece: The piece.
@@ -112,22 +116,32 @@ def make_strut(
     """
     gap = float(np.linalg.norm(ends[1] - ends[0]))
     way = (ends[1] - ends[0]) / gap
-    frame = _frame(way)
     patches = (piece.translate((gap + REACH) * way) ^ whole).decompose()
-    middle, across = ends.mean(axis=0), 0.0
+    points = ends.mean(axis=0, keepdims=True)
     if patches:
-        places = _triangles(max(patches, key=lambda patch: patch.volume())).mean(axis=1)
-        place = places[np.linalg.norm(places - places.mean(axis=0), axis=1).argmin()]
-        middle = place + way * (way @ (middle - place))
-        across = float(np.ptp(places @ frame[1:].T, axis=0).min())
+        points = sample_triangles(_triangles(max(patches, key=lambda patch: patch.volume())), _SAMPLES)[0]
+    frame = _frame(way, points)
+    flat = (points - points.mean(axis=0)) @ frame[1:].T
+    low, high = flat.min(axis=0), flat.max(axis=0)
+    length, across = high - low
     width = float(np.clip(across / 2.0, cell / 4.0, cell))
-    height = gap + 2.0 * ROOT * width
-    T = np.column_stack([frame.T, middle])
-    return manifold3d.Manifold.cube((height, width, width), center=True).transform(T)
+    middle = (low + high) / 2.0
+    inset = np.array([length / 2.0 - width, 0.0])
+    targets = [middle - inset, middle + inset] if length > LONG * width else [middle]
+    size = (gap + 2.0 * ROOT * width, width, width)
+    struts = []
+    for target in targets:
+        place = points[np.linalg.norm(flat - target, axis=1).argmin()]
+        at = place + way * (way @ (ends.mean(axis=0) - place))
+        T = np.column_stack([frame.T, at])
+        struts.append(manifold3d.Manifold.cube(size, center=True).transform(T))
+    return manifold3d.Manifold.batch_boolean(struts, manifold3d.OpType.Add)
 
 
-def _frame(way: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 3"]:
-    """Three orthonormal rows, the first along ``way``."""
-    second = np.cross(way, np.eye(3)[np.abs(way).argmin()])
-    second /= np.linalg.norm(second)
+def _frame(way: Float[np.ndarray, "3"], points: Float[np.ndarray, "N 3"]) -> Float[np.ndarray, "3 3"]:
+    """Three orthonormal rows: ``way``, the direction across it in which points spread most, and the third."""
+    across = points - points.mean(axis=0)
+    across = across - np.outer(across @ way, way)
+    spread = across.T @ across + 1e-12 * (np.eye(3) - np.outer(way, way))
+    second = np.linalg.eigh(spread)[1][:, 2]
     return np.stack([way, second, np.cross(way, second)])

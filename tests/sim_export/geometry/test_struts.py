@@ -34,7 +34,7 @@ def brace(*parts: manifold3d.Manifold):
     return braced, whole, meshes
 
 
-def above(gap: float, size=(0.1, 0.06, 0.01)) -> manifold3d.Manifold:
+def above(gap: float, size=(0.09, 0.06, 0.01)) -> manifold3d.Manifold:
     low = np.array([0.15, 0.1, 0.02 + gap])
     return block(low, low + size)
 
@@ -74,3 +74,15 @@ def test_a_row_of_pieces_is_joined_one_to_the_next():
 def test_the_wall_of_a_void_is_no_piece():
     hollow = block((0, 0, 0), (0.3, 0.3, 0.3)) - block((0.05, 0.05, 0.05), (0.25, 0.25, 0.25))
     assert brace(hollow)[0].records == ()
+
+
+@pytest.mark.parametrize(("length", "count"), [(0.028, 1), (0.2, 2)])
+def test_a_long_bar_is_held_near_its_ends(length, count):
+    bar = block((0.1, 0.1, 0.05), (0.1 + length, 0.11, 0.06))
+    _, whole, _ = brace(block(*BODY) + bar)
+    struts = (whole ^ block((0.0, 0.0, 0.03), (0.4, 0.3, 0.04))).decompose()
+    middles = sorted(float(np.mean(solid_arrays(strut)[0][:, 0])) for strut in struts)
+    assert len(middles) == count
+    if count == 2:
+        assert middles[0] < 0.1 + 0.15 * length
+        assert middles[1] > 0.1 + 0.85 * length
