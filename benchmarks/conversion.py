@@ -34,6 +34,7 @@ def main(
     out: Annotated[Path, tyro.conf.arg(aliases=["-o"])] = Path("out/bench"),
     stages: tuple[Stage, ...] = ("convert", "originals", "likeness", "table"),
     workers: int = 2,
+    *,
     visual: Literal["voxels", "source"] = "voxels",
     mend: bool = False,
 ) -> None:
