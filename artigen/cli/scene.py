@@ -52,6 +52,8 @@ class SceneSettings:
     """Radius in metres of the disc kept free for a robot in front of every door and drawer; 0 for none."""
     ajar: float = 0.0
     """Fraction of the doors and drawers that stand open."""
+    contents: float = 0.0
+    """Fraction of the drawers and compartments behind doors that hold loose things."""
     family: str | None = None
     """Look of everything that is drawn, such as shaker, slab or industrial; sampled if unset."""
 
@@ -80,11 +82,15 @@ def scene(
     from envs.maniskill.populate import PopulateConfig, populate
     from envs.maniskill.rooms.ajar import open_some
     from envs.maniskill.rooms.catalogue import read_catalogue
+    from envs.maniskill.rooms.contents import fill_room
     from envs.maniskill.rooms.file import write_room
     from envs.maniskill.rooms.recipes import RECIPES
 
-    if seed < 0 or not 0.0 <= cfg.ajar <= 1.0:
-        raise ArtigenError(f"seed {seed}, ajar {cfg.ajar}: expected a seed from 0 and a share from 0 to 1")
+    if seed < 0 or not (0.0 <= cfg.ajar <= 1.0 and 0.0 <= cfg.contents <= 1.0):
+        raise ArtigenError(
+            f"seed {seed}, ajar {cfg.ajar}, contents {cfg.contents}: expected a seed from 0 and shares from 0"
+            " to 1"
+        )
     try:
         settings = PopulateConfig(
             width=cfg.width, depth=cfg.depth, least=cfg.least, most=cfg.most, sweeps=cfg.sweeps,
@@ -108,14 +114,17 @@ def scene(
     room = populate(kind, seed, catalogue, settings)
     if cfg.ajar > 0.0:
         room = open_some(room, cfg.ajar)
+    if cfg.contents > 0.0:
+        room = fill_room(room, cfg.contents)
     spent = time.perf_counter() - started
     path = write_room(room, out)
     _draw(room, out, pictures)
     kinds = len({placement.package for placement in room.placements})
+    loose = f", with {len(room.contents)} loose things" if room.contents else ""
     left_out = f", without {len(catalogue.failed)} packages that did not pass" if catalogue.failed else ""
     sys.stdout.write(
         f"{kind} of {room.size[0]:.2f} x {room.size[1]:.2f} m: {len(room.placements)} objects from {kinds} "
-        f"packages in {path}, arranged and checked in {spent:.1f} s{left_out}\n"
+        f"packages{loose} in {path}, arranged and checked in {spent:.1f} s{left_out}\n"
     )
     return 0
 

@@ -23,9 +23,9 @@ from mani_skill.utils.structs.types import GPUMemoryConfig, SimConfig
 
 from .load import without_visuals
 from .rooms.file import read_room
-from .rooms.load import load_placement
+from .rooms.load import item_pose, load_item, load_placement
 from .rooms.map import start_place
-from .rooms.room import Fixture, Placement, Room
+from .rooms.room import Fixture, Item, Placement, Room
 
 Rooms = str | Path | Sequence[str | Path]
 AWAY = sapien.Pose(p=[0.0, -4.0, 0.0])
@@ -48,8 +48,9 @@ def room_builder(scenes: Rooms) -> "type[RoomSceneBuilder]":
 class RoomSceneBuilder(SceneBuilder):
     """Builds one of ``build_configs``, which are rooms, in every parallel scene.
 
-    After building, ``rooms`` are the chosen ones, ``placed`` the articulations of each by id, ``starts`` the
-    robot's start in each, and ``scene_objects`` the walls, floor and other fixtures.
+    After building, ``rooms`` are the chosen ones, ``placed`` the articulations of each by id, ``contents``
+    the loose things of each by id, ``starts`` the robot's start in each, and ``scene_objects`` the walls,
+    floor and other fixtures.
     """
 
     build_configs: list[Room] | None = None
@@ -62,6 +63,7 @@ class RoomSceneBuilder(SceneBuilder):
         count = self.env.num_envs
         self.rooms = [self.build_configs[chosen[index % len(chosen)]] for index in range(count)]
         self.placed: list[dict[str, Articulation]] = []
+        self.contents: list[dict[str, Actor]] = []
         self.scene_objects, self.movable_objects, self.articulations = {}, {}, {}
         for index, room in enumerate(self.rooms):
             for fixture in room.fixtures:
@@ -70,10 +72,13 @@ class RoomSceneBuilder(SceneBuilder):
             built = {placement.id: self._build_object(placement, index) for placement in room.placements}
             self.articulations |= {articulation.name: articulation for articulation in built.values()}
             self.placed.append(built)
+            loose = {item.id: self._build_item(room, item, index) for item in room.contents}
+            self.movable_objects |= {actor.name: actor for actor in loose.values()}
+            self.contents.append(loose)
         self.starts = [start_place(room) for room in self.rooms]
 
     def initialize(self, env_idx: torch.Tensor, init_config_idxs: list[int] | None = None) -> None:
-        """Sets all joints to their coordinates in the rooms, at rest."""
+        """Sets all joints to their coordinates in the rooms and all contents to their places, at rest."""
         for index in env_idx.tolist():
             for placement in self.rooms[index].placements:
                 articulation = self.placed[index][placement.id]
@@ -82,6 +87,11 @@ class RoomSceneBuilder(SceneBuilder):
                 if qpos[0]:
                     articulation.set_qpos(torch.tensor(qpos, device=self.env.device))
                     articulation.set_qvel(torch.zeros((1, len(qpos[0])), device=self.env.device))
+            for item in self.rooms[index].contents:
+                actor = self.contents[index][item.id]
+                actor.set_pose(item_pose(self.rooms[index], item))
+                actor.set_linear_velocity(torch.zeros((1, 3), device=self.env.device))
+                actor.set_angular_velocity(torch.zeros((1, 3), device=self.env.device))
 
     def _build_fixture(self, fixture: Fixture, index: int) -> Actor:
         half, middle = (
@@ -105,6 +115,12 @@ class RoomSceneBuilder(SceneBuilder):
         if self.env.num_envs > 1:  # a state has one row per scene, and this object exists in one of them
             self.env.remove_from_state_dict_registry(articulation)
         return articulation
+
+    def _build_item(self, room: Room, item: Item, index: int) -> Actor:
+        actor = load_item(self.scene, room, item, f"{item.id}-{index}", index)
+        if self.env.num_envs > 1:
+            self.env.remove_from_state_dict_registry(actor)
+        return actor
 
 
 register_scene_builder("ArtiGenRoom")(RoomSceneBuilder)

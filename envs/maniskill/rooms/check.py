@@ -6,7 +6,7 @@ that (a fraction of a millimetre).
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -15,16 +15,19 @@ from jaxtyping import Float
 from artigen.transforms import transform_points
 from sim_export.collision.contacts import HullSet, signed_distances
 from sim_export.collision.hulls import convex_hull
+from sim_export.package import Hull, SimPackage
 
 from .footprints import cached_package
 from .map import CELL, ROBOT_HEIGHT, reachable_map, way_to
-from .room import Placement, Room, pose_matrix_of
-from .solids import Solid, fixture_solids, make_solid, place_solid
-from .sweeps import opening_joints, sweep_boxes, sweep_joint
+from .room import Item, Placement, Room, pose_matrix_of
+from .solids import Solid, fixture_solids, item_hulls, item_motion, item_solid, make_solid, place_solid
+from .sweeps import Sweep, opening_joints, sweep_boxes, sweep_joint
 
-ProblemKind = Literal["overlap", "outside", "sweep", "standing", "unreachable"]
+ProblemKind = Literal["overlap", "outside", "sweep", "standing", "unreachable", "unsupported"]
 DEPTH = 1e-6
 """Penetration (m) that is attributed to rounding."""
+RESTS = 0.002
+"""Largest distance (m) of an item from what it lies on."""
 CORNERS = 24
 """Corners of the prism inscribed in the robot's disc."""
 
@@ -41,8 +44,8 @@ class Problem:
 
 
 def check_room(room: Room) -> tuple[Problem, ...]:
-    """All problems of a room: overlaps at rest, objects outside, blocked sweeps and standing places, and
-    standing places that a robot cannot reach from the entrance.
+    """All problems of a room: overlaps at rest, objects outside, blocked sweeps and standing places,
+    standing places that a robot cannot reach from the entrance, and contents that do not lie on anything.
 
     Raises:
         PackageError: If a package cannot be read.
@@ -50,6 +53,7 @@ def check_room(room: Room) -> tuple[Problem, ...]:
     objects = [place_solid(placement) for placement in room.placements]
     fixtures = fixture_solids(room)
     problems = [*_overlaps(objects, fixtures), *_outside(room, objects)]
+    problems += _check_contents(room, objects, fixtures)
     for placement in room.placements:
         others = [solid for solid in (*objects, *fixtures) if solid.id != placement.id]
         problems += _blocked_sweeps(placement, others)
@@ -57,6 +61,79 @@ def check_room(room: Room) -> tuple[Problem, ...]:
     if room.standing_radius > 0.0:
         problems += _unreachable(room, [*objects, *fixtures])
     return tuple(problems)
+
+
+def check_contents(room: Room) -> tuple[Problem, ...]:
+    """The problems of a room that its contents cause."""
+    return tuple(
+        _check_contents(room, [place_solid(entry) for entry in room.placements], fixture_solids(room))
+    )
+
+
+def _check_contents(room: Room, objects: Sequence[Solid], fixtures: Sequence[Solid]) -> list[Problem]:
+    items = [item_solid(item, item_motion(room, item)) for item in room.contents]
+    problems = [*_overlaps(items, [*objects, *fixtures]), *_outside(room, items)]
+    for placement in room.placements:
+        inside = [item for item in room.contents if item.holder == placement.id]
+        names = {item.id for item in inside}
+        around = [solid for solid in (*objects, *fixtures, *items) if solid.id not in (placement.id, *names)]
+        if inside:
+            problems += _unsupported(placement, inside)
+            problems += _blocked_contents(placement, inside, around)
+    return problems
+
+
+def _unsupported(placement: Placement, items: Sequence[Item]) -> list[Problem]:
+    """Items above which nothing of their link is near: an item lowered by `RESTS` must meet it."""
+    links = {link.name: HullSet(hulls=link.hulls) for link in cached_package(placement.package).links}
+    lowered = np.eye(4)
+    lowered[2, 3] = -RESTS
+    problems = []
+    for item in items:
+        found = signed_distances(
+            HullSet(hulls=item_hulls(item)), links[item.link], lowered, np.eye(4)
+        ).distance
+        if not len(found):
+            message = f"{item.id} does not lie on {item.link} of {placement.id}"
+            problems.append(
+                Problem(kind="unsupported", id=item.id, other=placement.id, depth=RESTS, message=message)
+            )
+    return problems
+
+
+def _blocked_contents(placement: Placement, items: Sequence[Item], around: Sequence[Solid]) -> list[Problem]:
+    """Items in the way of a door or drawer of their holder, and obstacles to those that move with it."""
+    package = cached_package(placement.package)
+    T = pose_matrix_of(placement)
+    slots = {link.name: index for index, link in enumerate(package.links)}
+    problems = []
+    for joint in opening_joints(package):
+        sweep = sweep_joint(package, joint)
+        rides = [item for item in items if slots[item.link] in sweep.links]
+        stays = [item_solid(item, T @ sweep.T[0, slots[item.link]]) for item in items if item not in rides]
+        found = [(placement.id, *pair) for pair in _obstacles(package, sweep, T, stays).items()]
+        still = [
+            Hull(vertices=transform_points(T @ sweep.T[0, index], hull.vertices), faces=hull.faces)
+            for index, link in enumerate(package.links)
+            if index not in sweep.links
+            for hull in link.hulls
+        ]
+        for item in rides:
+            alone = replace(
+                package,
+                links=tuple(
+                    replace(link, hulls=item_hulls(item) if link.name == item.link else ())
+                    for link in package.links
+                ),
+            )
+            solids = [make_solid(placement.id, still), *stays, *around]
+            found += [(item.id, *pair) for pair in _obstacles(alone, sweep, T, solids).items()]
+        for name, other, depth in found:
+            message = (
+                f"{other} is {1e3 * depth:.1f} mm in the way of {name} on {joint.name} of {placement.id}"
+            )
+            problems.append(Problem(kind="sweep", id=name, other=other, depth=depth, message=message))
+    return problems
 
 
 def overlapping(room: Room, placement: Placement) -> bool:
@@ -110,30 +187,9 @@ def _outside(room: Room, objects: Sequence[Solid]) -> list[Problem]:
 def _blocked_sweeps(placement: Placement, others: Sequence[Solid]) -> list[Problem]:
     """The first obstacle of each door and drawer."""
     package = cached_package(placement.package)
-    T = pose_matrix_of(placement)
-    near = np.concatenate([np.zeros((0, 2, 3)), *(solid.boxes for solid in others)])
-    owner = [(solid, index) for solid in others for index in range(len(solid.boxes))]
     problems = []
     for joint in opening_joints(package):
-        sweep = sweep_joint(package, joint)
-        boxes, columns = sweep_boxes(package, sweep, T)
-        found: dict[str, float] = {}
-        around = np.array([[boxes[..., 0, :].min(axis=(0, 1)), boxes[..., 1, :].max(axis=(0, 1))]])
-        candidates = np.flatnonzero(_meet(around, near)[0])
-        if not len(candidates):
-            continue
-        for step, column in zip(*np.nonzero(_meet_grid(boxes, near[candidates])), strict=True):
-            index, place = columns[column]
-            points = package.links[index].hulls[place].vertices
-            ends = np.concatenate(
-                [transform_points(T @ sweep.T[at, index], points) for at in (step, step + 1)]
-            )
-            moved = HullSet(hulls=(convex_hull(ends),))
-            for candidate in candidates[_meet(boxes[step, column][None], near[candidates])[0]]:
-                solid, hull = owner[candidate]
-                depth = _depth(moved, HullSet(hulls=(solid.hulls.hulls[hull],)), sweep.slack)
-                if depth > DEPTH:
-                    found[solid.id] = max(found.get(solid.id, 0.0), depth)
+        found = _obstacles(package, sweep_joint(package, joint), pose_matrix_of(placement), others)
         problems += [
             Problem(
                 kind="sweep", id=placement.id, other=other, depth=depth,
@@ -142,6 +198,31 @@ def _blocked_sweeps(placement: Placement, others: Sequence[Solid]) -> list[Probl
             for other, depth in found.items()
         ]  # fmt: skip
     return problems
+
+
+def _obstacles(
+    package: SimPackage, sweep: Sweep, T: Float[np.ndarray, "4 4"], others: Sequence[Solid]
+) -> dict[str, float]:
+    """Solids that a sweep meets, with the depth (m)."""
+    near = np.concatenate([np.zeros((0, 2, 3)), *(solid.boxes for solid in others)])
+    owner = [(solid, index) for solid in others for index in range(len(solid.boxes))]
+    boxes, columns = sweep_boxes(package, sweep, T)
+    found: dict[str, float] = {}
+    around = np.array([[boxes[..., 0, :].min(axis=(0, 1)), boxes[..., 1, :].max(axis=(0, 1))]])
+    candidates = np.flatnonzero(_meet(around, near)[0])
+    if not len(candidates):
+        return found
+    for step, column in zip(*np.nonzero(_meet_grid(boxes, near[candidates])), strict=True):
+        index, place = columns[column]
+        points = package.links[index].hulls[place].vertices
+        ends = np.concatenate([transform_points(T @ sweep.T[at, index], points) for at in (step, step + 1)])
+        moved = HullSet(hulls=(convex_hull(ends),))
+        for candidate in candidates[_meet(boxes[step, column][None], near[candidates])[0]]:
+            solid, hull = owner[candidate]
+            depth = _depth(moved, HullSet(hulls=(solid.hulls.hulls[hull],)), sweep.slack)
+            if depth > DEPTH:
+                found[solid.id] = max(found.get(solid.id, 0.0), depth)
+    return found
 
 
 def _meet_grid(boxes: Float[np.ndarray, "S H 2 3"], near: Float[np.ndarray, "M 2 3"]) -> np.ndarray:

@@ -4,11 +4,12 @@ import json
 import os
 from dataclasses import asdict, fields
 from pathlib import Path
+from typing import Any
 
 from artigen.errors import ArtigenError
 from artigen.io import write_whole
 
-from .room import Entrance, Fixture, Placement, Room
+from .room import Entrance, Fixture, Item, Placement, Room
 
 FORMAT = "artigen-scene"
 VERSION = 1
@@ -28,6 +29,8 @@ def room_json(room: Room, folder: Path) -> str:
         placement["joints"] = dict(placement["joints"])
         placement["provenance"] = dict(placement["provenance"])
     value["provenance"] = dict(value["provenance"])
+    if not room.contents:
+        del value["contents"]
     head = {"format": FORMAT, "version": VERSION, "frame": "corner of the floor, z up, metres, wxyz"}
     return json.dumps(head | value, indent=1) + "\n"
 
@@ -73,6 +76,7 @@ def read_room(path: Path) -> Room:
             fixtures=fixtures,
             entrance=Entrance(**value.pop("entrance")),
             size=tuple(value.pop("size")),
+            contents=tuple(_item(entry) for entry in value.pop("contents", ())),
             provenance=tuple(value.pop("provenance").items()),
             **value,
         )
@@ -81,12 +85,21 @@ def read_room(path: Path) -> Room:
     missing = [
         placement for placement in room.placements if not (placement.package / "mobility.urdf").is_file()
     ]
+    known = {placement.id for placement in room.placements}
+    lost = [item for item in room.contents if item.holder not in known]
+    if lost:
+        raise SceneFileError(f"{path}: {lost[0].id} lies in {lost[0].holder!r}, which is not in the room")
     if missing:
         raise SceneFileError(
             f"{path}: {len(missing)} of {len(room.placements)} packages are missing, "
             f"{missing[0].package} of {missing[0].id} is the first"
         )
     return room
+
+
+def _item(entry: dict[str, Any]) -> Item:
+    lists: dict[str, Any] = {key: tuple(entry[key]) for key in ("position", "quat", "size")}
+    return Item(**{**entry, **lists, "colors": tuple(tuple(color) for color in entry["colors"])})
 
 
 def _placement(entry: dict, folder: Path) -> Placement:

@@ -1,17 +1,26 @@
-"""Loads one object of a room into a ManiSkill scene: fixed in place, its joints with friction in SI units."""
+"""Loads objects of a room into a ManiSkill scene: furniture fixed in place, its joints with friction in SI
+units, and loose contents."""
 
 from typing import TYPE_CHECKING
 
+import numpy as np
 import sapien
 from mani_skill.utils.structs import Pose
 
-from ..load import load_placed
+from sim_export.geometry.primitives import PrimitiveShape
+
+from ..load import SURFACE, load_placed
 from .footprints import cached_package
-from .room import Placement
+from .room import Item, Placement, Room, pose_matrix_of
+from .solids import item_motion
+from .things import thing_solids
 
 if TYPE_CHECKING:
     from mani_skill.envs.scene import ManiSkillScene
-    from mani_skill.utils.structs import Articulation
+    from mani_skill.utils.structs import Actor, Articulation
+
+_ALONG_Z = np.array([[0.0, 0.0, 1.0, 0.0], [0.0, 1.0, 0.0, 0.0], [-1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
+"""Turns a cylinder of SAPIEN, which lies along x, to lie along z."""
 
 
 def load_placement(scene: "ManiSkillScene", placement: Placement, name: str, index: int) -> "Articulation":
@@ -28,3 +37,47 @@ def load_placement(scene: "ManiSkillScene", placement: Placement, name: str, ind
     """
     pose = Pose.create(sapien.Pose(p=list(placement.position), q=list(placement.quat)))
     return load_placed(scene, placement.package, cached_package(placement.package), name, index, pose)
+
+
+def load_item(scene: "ManiSkillScene", room: Room, item: Item, name: str, index: int) -> "Actor":
+    """Builds a loose thing at its place in one of the parallel scenes, as a dynamic actor."""
+    builder = scene.create_actor_builder()
+    material = sapien.physx.PhysxMaterial(**SURFACE)
+    solids = thing_solids(item.thing, item.size)
+    volume = sum(_volume(solid) for solid, _ in solids)
+    for solid, color in solids:
+        paint = None
+        if scene.can_render():
+            paint = sapien.render.RenderMaterial(base_color=[*item.colors[color], 1.0])
+        pose = sapien.Pose(
+            solid.T_object_shape @ _ALONG_Z if solid.kind == "cylinder" else solid.T_object_shape
+        )
+        physics = {"pose": pose, "material": material, "density": item.mass / volume}
+        if solid.kind == "box":
+            x, y, z = (edge / 2.0 for edge in solid.sizes)
+            half = (x, y, z)
+            builder.add_box_collision(half_size=half, **physics)
+            if paint is not None:
+                builder.add_box_visual(pose=pose, half_size=half, material=paint)
+        else:
+            radius, length = solid.sizes
+            builder.add_cylinder_collision(radius=radius, half_length=length / 2.0, **physics)
+            if paint is not None:
+                builder.add_cylinder_visual(
+                    pose=pose, radius=radius, half_length=length / 2.0, material=paint
+                )
+    builder.set_scene_idxs([index])
+    builder.initial_pose = item_pose(room, item)
+    return builder.build(name=name)
+
+
+def item_pose(room: Room, item: Item) -> Pose:
+    """Pose of an item in the room, with the joints at the room's coordinates."""
+    return Pose.create(sapien.Pose(item_motion(room, item) @ pose_matrix_of(item)))
+
+
+def _volume(solid: PrimitiveShape) -> float:
+    """Volume (m^3) of a box or cylinder."""
+    if solid.kind == "box":
+        return float(np.prod(solid.sizes))
+    return float(np.pi * solid.sizes[0] ** 2 * solid.sizes[1])

@@ -1,7 +1,7 @@
 """Renders rooms on the CPU: a dollhouse view, and a plan of the space that stays free.
 
 The walls towards the camera are removed. In the plan bodies are grey, the swept space of doors and drawers is
-orange, and the robot's standing places are blue.
+orange, the robot's standing places are blue, and contents of drawers and cupboards are outlined in green.
 """
 
 from collections.abc import Sequence
@@ -23,8 +23,10 @@ from sim_export.picture.raycast import Surface
 from sim_export.picture.render import move_surface, render_scene, surface_from_mesh, surface_points
 
 from .footprints import cached_package, read_footprint
-from .room import Fixture, Placement, Room, Side, pose_matrix_of
+from .room import Fixture, Item, Placement, Room, Side, pose_matrix_of
+from .solids import item_hulls, item_motion, item_solid
 from .sweeps import opening_joints, sweep_joint
+from .things import thing_solids
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -59,6 +61,7 @@ def draw_room(room: Room, cfg: RoomPictureConfig | None = None) -> UInt8[np.ndar
     surfaces = [
         surface for place in room.placements for surface in placement_surfaces(place, packages[place.package])
     ]
+    surfaces += [surface for item in room.contents for surface in item_surfaces(room, item)]
     surfaces += [fixture_surface(fixture) for fixture in room.fixtures if fixture.name not in hidden]
     viewpoint = Viewpoint(
         azimuth=azimuth, elevation=cfg.elevation, fov=30.0, margin=0.02, width=cfg.width, height=cfg.height
@@ -82,6 +85,17 @@ def placement_surfaces(placement: Placement, package: SimPackage) -> tuple[Surfa
     """An object's visuals in the room, with the joints at the room's coordinates."""
     T = pose_matrix_of(placement) @ link_displacements(package.links, package.joints, dict(placement.joints))
     return tuple(move_surface(surface, T[surface.id]) for surface in package_surfaces(package))
+
+
+def item_surfaces(room: Room, item: Item) -> tuple[Surface, ...]:
+    """A loose thing in its colours, where the joints of its holder put it."""
+    T = item_motion(room, item)
+    return tuple(
+        surface_from_mesh(
+            Mesh(vertices=transform_points(T, hull.vertices), faces=hull.faces, color=item.colors[color])
+        )
+        for hull, (_, color) in zip(item_hulls(item), thing_solids(item.thing, item.size), strict=True)
+    )
 
 
 def fixture_surface(fixture: Fixture) -> Surface:
@@ -130,7 +144,18 @@ def draw_plan(room: Room, cfg: RoomPictureConfig | None = None) -> UInt8[np.ndar
         if not lifted:  # objects above others would cover their names
             name = placement.id.replace("_", " ")
             draw.text(pixel(corners.mean(axis=0)[None])[0], name, fill=(30, 32, 38), font=font, anchor="mm")
+    for item in room.contents:
+        outline = _outline(item_solid(item, item_motion(room, item)).hulls.vertices)
+        draw.polygon(pixel(outline), outline=(50, 120, 70, 160))
     return np.asarray(picture)
+
+
+def _outline(points: Float[np.ndarray, "N 3"]) -> Float[np.ndarray, "V 2"]:
+    """Convex outline from above."""
+    from scipy.spatial import ConvexHull
+
+    flat = points[:, :2]
+    return flat[ConvexHull(flat).vertices]
 
 
 def _rectangle(low: Sequence[float], high: Sequence[float]) -> Float[np.ndarray, "4 2"]:
@@ -146,8 +171,6 @@ def _body_rectangle(placement: Placement) -> Float[np.ndarray, "4 2"]:
 
 def _sweep_outlines(placement: Placement) -> list[Float[np.ndarray, "V 2"]]:
     """Outlines from above of everything that opens, at several poses."""
-    from scipy.spatial import ConvexHull
-
     package = cached_package(placement.package)
     T = pose_matrix_of(placement)
     outlines = []
@@ -160,8 +183,7 @@ def _sweep_outlines(placement: Placement) -> list[Float[np.ndarray, "V 2"]]:
                 for hull in package.links[index].hulls
             ]
             if points:
-                flat = np.concatenate(points)[:, :2]
-                outlines.append(flat[ConvexHull(flat).vertices])
+                outlines.append(_outline(np.concatenate(points)))
     return outlines
 
 

@@ -67,11 +67,32 @@ class Placement:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Item:
+    """A loose thing (`envs.maniskill.rooms.things`) in a drawer or cupboard.
+
+    ``position`` and ``quat`` (wxyz) place it in the frame of the object ``holder`` with all joints at 0; it
+    moves with the holder's ``link``. ``size`` are its extents before it is turned, ``mass`` is in kg, and
+    ``colors`` (sRGB in [0, 1]) are those of its parts.
+    """
+
+    id: str
+    thing: str
+    holder: str
+    link: str
+    position: tuple[float, float, float]
+    quat: tuple[float, float, float, float]
+    size: tuple[float, float, float]
+    mass: float
+    colors: tuple[tuple[float, float, float], ...]
+
+
+@dataclass(frozen=True, kw_only=True)
 class Room:
     """A furnished room.
 
     ``size`` is width (x), depth (y) and height. ``standing_radius`` is that of the robot's free space, 0 if
-    disabled. ``attempt`` counts the arrangements that were rejected before this one.
+    disabled. ``attempt`` counts the arrangements that were rejected before this one. ``contents`` lie in the
+    drawers and cupboards.
     """
 
     kind: RoomKind
@@ -83,6 +104,7 @@ class Room:
     fixtures: tuple[Fixture, ...]
     placements: tuple[Placement, ...]
     provenance: tuple[tuple[str, str], ...] = ()
+    contents: tuple[Item, ...] = ()
 
     def placement(self, name: str) -> Placement:
         """The object with that id; raises `ValueError` with the existing ids."""
@@ -93,8 +115,8 @@ class Room:
         raise ValueError(f"the {self.kind} has no object {name!r}; it has {known}")
 
 
-def pose_matrix_of(placement: Placement) -> Float[np.ndarray, "4 4"]:
-    """Pose of the object's frame in the room."""
+def pose_matrix_of(placement: Placement | Item) -> Float[np.ndarray, "4 4"]:
+    """Pose of an object's frame in the room, or of an item's frame in its holder's."""
     T = np.eye(4)
     T[:3, :3] = matrix_from_quat(np.array(placement.quat))
     T[:3, 3] = placement.position

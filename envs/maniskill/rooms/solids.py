@@ -13,7 +13,8 @@ from sim_export.collision.motion import link_displacements
 from sim_export.package import Hull
 
 from .footprints import cached_package
-from .room import Placement, Room, pose_matrix_of
+from .room import Item, Placement, Room, pose_matrix_of
+from .things import thing_hulls
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -43,6 +44,31 @@ def place_solid(placement: Placement) -> Solid:
         for hull in link.hulls
     ]
     return make_solid(placement.id, hulls)
+
+
+def item_hulls(item: Item) -> tuple[Hull, ...]:
+    """An item's hulls in its holder's frame with all joints at 0."""
+    T = pose_matrix_of(item)
+    return tuple(
+        Hull(vertices=transform_points(T, hull.vertices), faces=hull.faces)
+        for hull in thing_hulls(item.thing, item.size)
+    )
+
+
+def item_motion(room: Room, item: Item) -> Float[np.ndarray, "4 4"]:
+    """Maps the holder's frame with all joints at 0 to the room, as the item moves with its link."""
+    holder = room.placement(item.holder)
+    package = cached_package(holder.package)
+    T = link_displacements(package.links, package.joints, dict(holder.joints))
+    return pose_matrix_of(holder) @ T[[link.name for link in package.links].index(item.link)]
+
+
+def item_solid(item: Item, T: Float[np.ndarray, "4 4"]) -> Solid:
+    """An item's hulls after a motion from its holder's frame."""
+    hulls = item_hulls(item)
+    return make_solid(
+        item.id, [Hull(vertices=transform_points(T, hull.vertices), faces=hull.faces) for hull in hulls]
+    )
 
 
 def make_solid(name: str, hulls: Sequence[Hull]) -> Solid:

@@ -1,0 +1,105 @@
+"""Puts loose things into the drawers and cupboards of a room, selected by its seed."""
+
+from collections import Counter
+from dataclasses import replace
+
+import numpy as np
+from jaxtyping import Float
+
+from artigen.transforms import quat_from_matrix, transform_points
+
+from .check import check_contents
+from .compartments import Compartment, cached_compartments
+from .room import Item, Placement, Room, RoomKind, corner
+from .things import THINGS, Thing, thing_hulls
+
+VARIETY = 3
+"""Largest number of kinds of things in a compartment."""
+TRIES = 40
+"""Number of places tried in a compartment."""
+FILL = (0.2, 0.6)
+"""Range of the share of a floor that is covered, when enough things fit."""
+SPACING = 0.008
+"""Distance (m) between things."""
+LIFT = 0.0005
+"""Distance (m) of things from the floor."""
+SKEW = np.radians(12.0)
+"""Largest angle (radians) between a thing and a wall."""
+
+
+def fill_room(room: Room, share: float) -> Room:
+    """The room with things in about ``share`` of its drawers and cupboards.
+
+    What is in a compartment does not depend on ``share``. Things that fail the check of the room are left
+    out.
+    """
+    items: list[Item] = []
+    for index, placement in enumerate(room.placements):
+        for place, compartment in enumerate(cached_compartments(placement.package)):
+            rng = np.random.default_rng([room.seed, room.attempt, 2, index, place])
+            if rng.random() < share:
+                items += fill_compartment(compartment, room.kind, placement, rng)
+    numbers: Counter[str] = Counter()
+    for index, item in enumerate(items):
+        numbers[item.thing] += 1
+        items[index] = replace(item, id=f"{item.thing}_{numbers[item.thing]}")
+    full = replace(room, contents=tuple(items))
+    failed = {name for problem in check_contents(full) for name in (problem.id, problem.other)}
+    return replace(room, contents=tuple(item for item in items if item.id not in failed))
+
+
+def fill_compartment(
+    compartment: Compartment, kind: RoomKind, holder: Placement, rng: np.random.Generator
+) -> list[Item]:
+    """Things of a few kinds at free places of a compartment; none where none fits."""
+    low, high = np.array(compartment.low), np.array(compartment.high)
+    where = "fridge" if holder.category == "Refrigerator" else f"{kind} {compartment.kind}"
+    fitting = [thing for thing in THINGS if where in thing.where and _fits(thing, high - low)]
+    fitting = [fitting[index] for index in rng.permutation(len(fitting))[:VARIETY]]
+    wanted = float(rng.uniform(*FILL)) * float(np.prod((high - low)[:2]))
+    items: list[Item] = []
+    boxes = np.zeros((0, 2, 2))
+    for _ in range(TRIES if fitting else 0):
+        thing = fitting[int(rng.integers(len(fitting)))]
+        x, y, z = (round(float(value), 4) for value in rng.uniform(thing.low, thing.high))
+        yaw = float(rng.integers(4)) * np.pi / 2 + float(rng.uniform(-SKEW, SKEW))
+        palette = thing.colors[int(rng.integers(len(thing.colors)))]
+        T = _turn(yaw)
+        points = np.concatenate([hull.vertices for hull in thing_hulls(thing.name, (x, y, z))])
+        turned = transform_points(T, points)
+        spare = high - low - np.ptp(turned, axis=0) - np.array([0.0, 0.0, LIFT])
+        at = low[:2] + rng.random(2) * spare[:2] - turned[:, :2].min(axis=0)
+        box = np.stack([turned[:, :2].min(axis=0), turned[:, :2].max(axis=0)]) + at
+        apart = (boxes[:, 0] - SPACING >= box[1]) | (boxes[:, 1] + SPACING <= box[0])
+        if (spare < 0.0).any() or not apart.any(axis=1).all():
+            continue
+        boxes = np.concatenate([boxes, box[None]])
+        w, qx, qy, qz = (round(float(value), 9) + 0.0 for value in quat_from_matrix(T[:3, :3]))
+        items.append(
+            Item(
+                id=f"{thing.name}_{len(items)}",
+                thing=thing.name,
+                holder=holder.id,
+                link=compartment.link,
+                position=corner(np.array([*at, low[2] + LIFT])),
+                quat=(w, qx, qy, qz),
+                size=(x, y, z),
+                mass=round(thing.density * x * y * z, 4),
+                colors=palette,
+            )
+        )
+        if float(np.prod(boxes[:, 1] - boxes[:, 0], axis=1).sum()) > wanted:
+            break
+    return items
+
+
+def _fits(thing: Thing, room: Float[np.ndarray, "3"]) -> bool:
+    """Whether the smallest thing of a kind fits into a box in one of two directions."""
+    x, y, z = thing.low
+    return bool(z < room[2] and min(x, y) < room[:2].min() and max(x, y) < room[:2].max())
+
+
+def _turn(yaw: float) -> Float[np.ndarray, "4 4"]:
+    T = np.eye(4)
+    T[:2, :2] = [[np.cos(yaw), -np.sin(yaw)], [np.sin(yaw), np.cos(yaw)]]
+    return T
