@@ -15,8 +15,9 @@ from jaxtyping import Float
 from artigen.transforms import transform_points
 from sim_export.collision.contacts import HullSet, signed_distances
 from sim_export.collision.hulls import convex_hull
-from sim_export.package import Hull, SimPackage
+from sim_export.package import SimPackage
 
+from ..hulls import move_hull
 from .footprints import cached_package
 from .map import CELL, ROBOT_HEIGHT, reachable_map, way_to
 from .room import Item, Placement, Room, pose_matrix_of
@@ -90,10 +91,8 @@ def _unsupported(placement: Placement, items: Sequence[Item]) -> list[Problem]:
     lowered[2, 3] = -RESTS
     problems = []
     for item in items:
-        found = signed_distances(
-            HullSet(hulls=item_hulls(item)), links[item.link], lowered, np.eye(4)
-        ).distance
-        if not len(found):
+        hulls = HullSet(hulls=item_hulls(item))
+        if not len(signed_distances(hulls, links[item.link], lowered, np.eye(4)).distance):
             message = f"{item.id} does not lie on {item.link} of {placement.id}"
             problems.append(
                 Problem(kind="unsupported", id=item.id, other=placement.id, depth=RESTS, message=message)
@@ -113,7 +112,7 @@ def _blocked_contents(placement: Placement, items: Sequence[Item], around: Seque
         stays = [item_solid(item, T @ sweep.T[0, slots[item.link]]) for item in items if item not in rides]
         found = [(placement.id, *pair) for pair in _obstacles(package, sweep, T, stays).items()]
         still = [
-            Hull(vertices=transform_points(T @ sweep.T[0, index], hull.vertices), faces=hull.faces)
+            move_hull(hull, T @ sweep.T[0, index])
             for index, link in enumerate(package.links)
             if index not in sweep.links
             for hull in link.hulls

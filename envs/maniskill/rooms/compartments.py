@@ -85,8 +85,8 @@ def _on_floors(
             behind = [front for front in fronts if front[0, 2] - 0.05 < level < front[1, 2] - HEIGHT[kind]]
             starts = [_within(floor, front) for front in behind]
         above = solid[solid[:, 1, 2] > level + LEVEL]
-        taken = above[above[:, 0, 2] < level + HEIGHT[kind] + CLEARANCE][:, :, :2]
-        taken = taken + np.array([[-CLEARANCE], [CLEARANCE]])
+        wide = above[:, :, :2] + np.array([[-CLEARANCE], [CLEARANCE]])
+        taken = wide[above[:, 0, 2] < level + HEIGHT[kind] + CLEARANCE]
         still = np.concatenate([_bounds(other) for other in package.links if other.hulls])
         for start in starts:
             for _ in range(PER_FLOOR):
@@ -94,10 +94,8 @@ def _on_floors(
                 if free is None:
                     break
                 taken = np.concatenate([taken, free[None]])
-                over = above[
-                    (np.minimum(above[:, 1, :2], free[1]) > np.maximum(above[:, 0, :2], free[0])).all(axis=1)
-                ]
-                roof = float(over[:, 0, 2].min(initial=np.inf))
+                over = (np.minimum(wide[:, 1], free[1]) > np.maximum(wide[:, 0], free[0])).all(axis=1)
+                roof = float(above[over, 0, 2].min(initial=np.inf))
                 if _roofed(still, free, level) and (kind == "shelf" or _walled(_bounds(link), free, level)):
                     low, high = ((float(x), float(y)) for x, y in free)
                     yield Compartment(

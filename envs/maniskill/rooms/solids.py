@@ -6,12 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from artigen.transforms import transform_points
 from sim_export.collision.contacts import HullSet
 from sim_export.collision.hulls import box_hull
 from sim_export.collision.motion import link_displacements
 from sim_export.package import Hull
 
+from ..hulls import move_hull
 from .footprints import cached_package
 from .room import Item, Placement, Room, pose_matrix_of
 from .things import thing_hulls
@@ -38,21 +38,14 @@ def place_solid(placement: Placement) -> Solid:
     """An object's hulls in the room, with the joints at the room's coordinates."""
     package = cached_package(placement.package)
     T = pose_matrix_of(placement) @ link_displacements(package.links, package.joints, dict(placement.joints))
-    hulls = [
-        Hull(vertices=transform_points(T[index], hull.vertices), faces=hull.faces)
-        for index, link in enumerate(package.links)
-        for hull in link.hulls
-    ]
+    hulls = [move_hull(hull, T[index]) for index, link in enumerate(package.links) for hull in link.hulls]
     return make_solid(placement.id, hulls)
 
 
 def item_hulls(item: Item) -> tuple[Hull, ...]:
     """An item's hulls in its holder's frame with all joints at 0."""
     T = pose_matrix_of(item)
-    return tuple(
-        Hull(vertices=transform_points(T, hull.vertices), faces=hull.faces)
-        for hull in thing_hulls(item.thing, item.size)
-    )
+    return tuple(move_hull(hull, T) for hull in thing_hulls(item.thing, item.size))
 
 
 def item_motion(room: Room, item: Item) -> Float[np.ndarray, "4 4"]:
@@ -65,10 +58,7 @@ def item_motion(room: Room, item: Item) -> Float[np.ndarray, "4 4"]:
 
 def item_solid(item: Item, T: Float[np.ndarray, "4 4"]) -> Solid:
     """An item's hulls after a motion from its holder's frame."""
-    hulls = item_hulls(item)
-    return make_solid(
-        item.id, [Hull(vertices=transform_points(T, hull.vertices), faces=hull.faces) for hull in hulls]
-    )
+    return make_solid(item.id, [move_hull(hull, T) for hull in item_hulls(item)])
 
 
 def make_solid(name: str, hulls: Sequence[Hull]) -> Solid:
