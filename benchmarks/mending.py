@@ -17,6 +17,7 @@ import numpy as np
 import torch
 import tyro
 from jaxtyping import Int
+from roughness import measure_roughness
 from scipy.ndimage import binary_dilation
 from torch import Tensor
 
@@ -25,7 +26,6 @@ from artigen.latent.outline import OutlineBatch, blur_outlines
 from artigen.latent.smoothing import SteadyConfig
 from artigen.latent.structure_vae import decode_cells
 from artigen.metrics.report import format_table
-from artigen.metrics.roughness import measure_roughness
 from artigen.metrics.subjects import Subject, draw_subjects
 from artigen.models.rectified_flow import diffuse
 from artigen.train.batches import condition_batch, outline_batch, patch_batch

@@ -356,22 +356,3 @@ def label_nodes(
             f"is in the label table, labelled {labels[node.id]} for its {joint} ({when})"
         )
     return labels, notes
-
-
-def label_table_markdown() -> str:
-    """The table of names as Markdown, for the documentation."""
-    rows = [
-        "| names, in order of precedence | on a hinge | on a slider | for instance |",
-        "|---|---|---|---|",
-    ]
-    for rule in LABEL_TABLE:
-        names = ", ".join(f"`{name}`" for name in rule.names)
-        rows.append(f"| {names} | {rule.hinge or ''} | {rule.slider or ''} | {rule.example} |")
-    return "\n".join(rows) + "\n"
-
-
-def joint_table_markdown() -> str:
-    """The table of joints as Markdown, for the documentation."""
-    rows = ["| joint | label | when, in order of precedence |", "|---|---|---|"]
-    rows += [f"| {rule.joint} | {rule.label} | {rule.when} |" for rule in JOINT_TABLE]
-    return "\n".join(rows) + "\n"

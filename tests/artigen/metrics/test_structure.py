@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import torch
+from grammar_source import grammar_source
 
 from artigen.latent.presets import PRESETS
 from artigen.latent.structure_vae import StructureVae
 from artigen.metrics.instantiation import pose_set
 from artigen.metrics.retrieval import condition_distance, retrieve
 from artigen.metrics.score import ScoreConfig, score_novelty, score_objects, score_set
-from artigen.metrics.shapes import grammar_source
 from artigen.metrics.strict import PENALTY
 from artigen.metrics.structure import score_reconstruction, score_spread
 from artigen.metrics.subjects import Field, Subject, describe_subject, draw_subjects

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import scipy.ndimage
 import trimesh
+from picture_maps import render_depth, render_ids
 
 from artigen.transforms import rotation_about, screw_motion
 from sim_export.package import Mesh
@@ -22,8 +23,6 @@ from sim_export.picture.lighting import RenderConfig
 from sim_export.picture.raycast import Surface
 from sim_export.picture.render import (
     move_surface,
-    render_depth,
-    render_ids,
     render_scene,
     surface_from_mesh,
     surface_points,
