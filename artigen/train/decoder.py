@@ -88,7 +88,7 @@ def train_decoder(
         outlines = blur_outlines(drawn.fields.outlines, 0.0, generator)
         guess = guess_latents(flow.to(drawn.latents.mean.device), drawn.latents, outlines, generator)
         logits, attributes = network(guess, drawn.fields, outlines)
-        return structure_losses(logits, attributes, drawn.fields.patches, losses, vae.layout)
+        return structure_losses(logits, attributes, drawn.fields.patches, losses)
 
     flow.eval()
     make = partial(_encoded_fields, latents=latents, conditions=conditions)

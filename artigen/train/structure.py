@@ -59,7 +59,7 @@ def train_structure_vae(
         noise = torch.randn(shape, generator=generator, device=generator.device)
         outlines = blur_outlines(fields.outlines, 0.0, generator)
         made = network(patches, noise, outlines)
-        out = structure_losses(made.logits, made.attributes, patches, losses, vae.layout)
+        out = structure_losses(made.logits, made.attributes, patches, losses)
         return {**out, "kl": losses.kl * kl_divergence(made.mean, made.logvar)}
 
     batches = prefetch(draw_batches(examples, field_batch, batch, process_seed(cfg.seed)))

@@ -14,7 +14,7 @@ from scipy.ndimage import label as number_pieces
 from artigen.types import PartLabel
 from artigen.voxels.cleanup.boxes import fill_boxes, find_boxes, reach_box
 from artigen.voxels.cleanup.rows import Owners
-from artigen.voxels.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_joints, name_rows
+from artigen.voxels.fields import ROW, name_joints, name_rows
 
 SLACK = 0.25
 """Cells by which a board may exceed the box of its part."""
@@ -48,7 +48,6 @@ def make_boards(
     logits: Float[np.ndarray, "X Y Z"],
     rows: Float[np.ndarray, "N C"],
     cfg: BoardsConfig | None = None,
-    layout: FieldLayout = DEFAULT_LAYOUT,
 ) -> tuple[Owners, tuple[str, ...]]:
     """Rebuilds parts from boards; returns the new owners and a note of how much changed.
 
@@ -57,18 +56,15 @@ def make_boards(
         logits: Occupancy logits of all cells.
         rows: The outline: channels after occupancy, one row per part.
         cfg: Thresholds for boards; the defaults when None.
-        layout: Layout of the channels.
     """
     cfg, before = cfg or BoardsConfig(), owners
     after = np.full_like(before, -1)
     evidence = (logits / cfg.certain).clip(-1.0, 1.0)
-    boxes = rows[:, after_occupancy(layout.box)]
+    boxes = rows[:, ROW.box]
     sizes = boxes[:, 3:].prod(axis=1)
     exempt = [
         number
-        for number, (label, joint) in enumerate(
-            zip(name_rows(rows, layout), name_joints(rows, layout), strict=True)
-        )
+        for number, (label, joint) in enumerate(zip(name_rows(rows), name_joints(rows), strict=True))
         if label in cfg.exempt or joint == "continuous"
     ]
     for number in np.argsort(-sizes):  # smaller parts overwrite larger ones

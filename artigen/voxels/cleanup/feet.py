@@ -9,7 +9,7 @@ from jaxtyping import Bool, Float, Int
 from scipy.spatial import ConvexHull
 
 from artigen.voxels.cleanup.rows import Owners
-from artigen.voxels.fields import DEFAULT_LAYOUT, FieldLayout, name_rows
+from artigen.voxels.fields import name_rows
 
 THICK = 2
 """Edge of a foot in cells."""
@@ -21,19 +21,14 @@ MARGIN = 2.5
 """Least distance in cells from the middle of an object to the edge of its support."""
 
 
-def extend_feet(
-    owners: Owners,
-    rows: Float[np.ndarray, "N C"],
-    layout: FieldLayout = DEFAULT_LAYOUT,
-) -> tuple[Owners, tuple[str, ...]]:
+def extend_feet(owners: Owners, rows: Float[np.ndarray, "N C"]) -> tuple[Owners, tuple[str, ...]]:
     """Adds or extends feet of a body that stands badly; returns owners and a note.
 
     Args:
         owners: Row of the outline per cell, -1 where empty.
         rows: The outline: channels after occupancy, one row per part.
-        layout: Layout of the channels.
     """
-    bodies = np.flatnonzero(np.array(name_rows(rows, layout)) == "base")
+    bodies = np.flatnonzero(np.array(name_rows(rows)) == "base")
     cells = np.argwhere(owners >= 0)
     if not len(bodies) or not len(cells) or measure_stand(cells) >= MARGIN:
         return owners, ()

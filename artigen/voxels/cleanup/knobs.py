@@ -10,7 +10,7 @@ from scipy.ndimage import binary_dilation
 from artigen.types import PartLabel
 from artigen.voxels.cleanup.boxes import reach_box
 from artigen.voxels.cleanup.rows import Owners
-from artigen.voxels.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_joints, name_rows
+from artigen.voxels.fields import ROW, name_joints, name_rows
 
 KNOB: PartLabel = "knob"
 RIM = 0.25
@@ -21,9 +21,7 @@ ALIKE = 0.5
 """Intersection over union with its disc or box below which a dial is a fragment; intact dials have more."""
 
 
-def shape_knobs(
-    owners: Owners, rows: Float[np.ndarray, "N C"], layout: FieldLayout = DEFAULT_LAYOUT
-) -> tuple[Owners, tuple[str, ...]]:
+def shape_knobs(owners: Owners, rows: Float[np.ndarray, "N C"]) -> tuple[Owners, tuple[str, ...]]:
     """Fills the boxes of buttons and the discs of fragmentary dials; returns owners and a note.
 
     A knob may take cells of the panel where it sticks out of it, but no cells of other parts.
@@ -31,12 +29,11 @@ def shape_knobs(
     Args:
         owners: Row of the outline per cell, -1 where empty.
         rows: The outline: channels after occupancy, one row per part.
-        layout: Layout of the channels.
     """
     before, owners = owners, owners.copy()
-    kinds = name_joints(rows, layout)
-    boxes, axes = rows[:, after_occupancy(layout.box)], rows[:, after_occupancy(layout.axis)]
-    labels = np.array(name_rows(rows, layout))
+    kinds = name_joints(rows)
+    boxes, axes = rows[:, ROW.box], rows[:, ROW.axis]
+    labels = np.array(name_rows(rows))
     base, changed = labels == "base", 0
     for number in np.flatnonzero(labels == KNOB):
         mine, along = owners == number, int(np.abs(axes[number]).argmax())

@@ -10,7 +10,7 @@ from jaxtyping import Bool, Float
 from scipy.ndimage import binary_dilation
 
 from artigen.voxels.cleanup.rows import Owners
-from artigen.voxels.fields import DEFAULT_LAYOUT, FieldLayout, after_occupancy, name_rows
+from artigen.voxels.fields import ROW, name_rows
 from artigen.voxels.segmentation.tree import ALLOWED_PARENTS
 
 BEHIND = {0: 1, 2: -1}
@@ -21,22 +21,19 @@ NEAR = np.ones((5, 5, 5), dtype=bool)
 """Neighbourhood of a knob's cells in which its carrier is sought."""
 
 
-def back_knobs(
-    owners: Owners, rows: Float[np.ndarray, "N C"], layout: FieldLayout = DEFAULT_LAYOUT
-) -> tuple[Owners, tuple[str, ...]]:
+def back_knobs(owners: Owners, rows: Float[np.ndarray, "N C"]) -> tuple[Owners, tuple[str, ...]]:
     """Adds a panel behind knobs that lack one; returns owners and a note of how many.
 
     Args:
         owners: Row of the outline per cell, -1 where empty.
         rows: The outline: channels after occupancy, one row per part.
-        layout: Layout of the channels.
     """
-    owners, labels = owners.copy(), np.array(name_rows(rows, layout))
+    owners, labels = owners.copy(), np.array(name_rows(rows))
     carriers = np.flatnonzero(np.isin(labels, list(ALLOWED_PARENTS["knob"])))
     backed = 0
     for number in np.flatnonzero(labels == "knob"):
         mine = owners == number
-        along = int(np.abs(rows[number, after_occupancy(layout.axis)]).argmax())
+        along = int(np.abs(rows[number, ROW.axis]).argmax())
         if not mine.any() or along not in BEHIND:
             continue
         back, patch = _find_back(mine, along)

@@ -12,7 +12,7 @@ from typing import Literal
 import numpy as np
 
 from artigen.errors import SegmentationError
-from artigen.types import Asset, Part, VoxelGrid
+from artigen.types import PAPER_CATEGORIES, PART_LABELS, Asset, Part, VoxelGrid
 from artigen.voxels.fields import VoxelFields
 from artigen.voxels.segmentation.aggregate import aggregate_part
 from artigen.voxels.segmentation.neighbours import neighbour_pairs
@@ -52,7 +52,7 @@ def partition(fields: VoxelFields, cfg: SegmentConfig) -> Partition:
     """
     if len(fields.coords) == 0:
         raise SegmentationError("the field has no occupied voxel, expected some; was it decoded from logits?")
-    base = fields.layout.labels.index("base")
+    base = PART_LABELS.index("base")
     if not (fields.label_probs.argmax(axis=1) == base).any():
         raise SegmentationError(
             f"none of {len(fields.coords)} voxels is labelled base, "
@@ -137,4 +137,4 @@ def _voted_category(fields: VoxelFields) -> str:
     votes = fields.category_probs.mean(axis=0)
     if len(votes) == 0 or votes.max() < 0.5:
         return "unknown"
-    return fields.layout.categories[int(votes.argmax())]
+    return PAPER_CATEGORIES[int(votes.argmax())]

@@ -6,6 +6,7 @@ import numpy as np
 from jaxtyping import Float, Int
 from scipy.spatial import KDTree
 
+from artigen.types import PART_LABELS
 from artigen.voxels.fields import VoxelFields
 from artigen.voxels.segmentation.partition import Partition, canonical_partition
 
@@ -32,7 +33,7 @@ def partition_paper(fields: VoxelFields, cfg: PaperConfig) -> Partition:
     """
     labels = fields.label_probs.argmax(axis=1)
     instances = np.zeros(len(labels), dtype=np.int64)
-    base = fields.layout.labels.index("base")
+    base = PART_LABELS.index("base")
     for label in np.unique(labels):
         if label != base:
             rows = np.flatnonzero(labels == label)

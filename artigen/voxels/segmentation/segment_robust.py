@@ -13,6 +13,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from artigen.errors import SegmentationError
+from artigen.types import PART_LABELS
 from artigen.voxels.fields import VoxelFields
 from artigen.voxels.segmentation.neighbours import connected_groups, neighbour_pairs
 from artigen.voxels.segmentation.partition import Partition, canonical_partition
@@ -77,7 +78,7 @@ def partition_robust(fields: VoxelFields, cfg: RobustConfig) -> Partition:
     """
     pairs = neighbour_pairs(fields.coords.astype(np.int64), fields.resolution)
     labels = fields.label_probs.argmax(axis=1)
-    base = fields.layout.labels.index("base")
+    base = PART_LABELS.index("base")
     alike = labels[pairs[0]] == labels[pairs[1]]
     floor = np.repeat([cfg.length_floor / fields.resolution, cfg.motion_floor], [9, WIDTH - 9])
     votes = collect_votes(

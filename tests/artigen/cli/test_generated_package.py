@@ -24,7 +24,7 @@ from artigen.shapes.sampling import place_points
 from artigen.shapes.shape import Shape
 from artigen.splats.colors import srgb_from_linear
 from artigen.types import Gaussians
-from artigen.voxels.fields import DEFAULT_LAYOUT, encode
+from artigen.voxels.fields import CHANNELS, encode
 from artigen.voxels.voxelize import drop_unresolved
 from artigen.weights import SHIPPED
 from envs.config import ValidateConfig
@@ -97,7 +97,7 @@ def test_voxels_are_those_that_the_surface_crosses(made: Generated, shape: Shape
     cells = np.unique(rasterize_shape(shape, VOXELS).cells, axis=0)
     np.testing.assert_array_equal(voxels.coords[np.lexsort(voxels.coords.T[::-1])], cells)
     field = encode(made.asset)
-    assert field.shape == (DEFAULT_LAYOUT.channels, VOXELS, VOXELS, VOXELS)
+    assert field.shape == (CHANNELS, VOXELS, VOXELS, VOXELS)
     assert np.count_nonzero(field[0]) == len(cells)
     known = shape_to_asset(shape, VOXELS)
     assert known.voxels is not None

@@ -315,7 +315,7 @@ def test_a_part_out_of_reach_is_reported_or_noted_but_never_guessed():
 
 
 def test_fields_without_a_base_or_without_voxels_are_refused(cabinet_fields):
-    base = cabinet_fields.layout.labels.index("base")
+    base = PART_LABELS.index("base")
     probs = cabinet_fields.label_probs.copy()
     probs[:, base] = 0.0
     probs[probs.sum(axis=1) == 0, base + 1] = 1.0
@@ -329,7 +329,7 @@ def test_a_handful_of_voxels_still_has_its_parts(cabinet_fields):
     columns = {name: value[::3000] for name, value in vars(cabinet_fields).items() if np.ndim(value)}
     few = replace(cabinet_fields, **columns)
     found = segment(few, SegmentConfig(detached="note"), name="few", scale=1.0)
-    said = {few.layout.labels[index] for index in few.label_probs.argmax(axis=1)}
+    said = {PART_LABELS[index] for index in few.label_probs.argmax(axis=1)}
     assert {part.label for part in found.parts} == said
     with pytest.raises(SegmentationError, match="no part lies within"):
         segment(few, name="few", scale=1.0)
