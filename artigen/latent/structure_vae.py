@@ -14,7 +14,7 @@ from artigen.latent.conv_vae import ConvDecoder, ConvEncoder, ConvVaeConfig
 from artigen.latent.outline import OutlineBatch, draw_hint, find_candidates, reach_cells
 from artigen.latent.patch_vae import NEVER, PatchDecoder, PatchEncoder, PatchVaeConfig
 from artigen.latent.patches import PATCH, PatchBatch, as_patches, fold, from_patches, unfold
-from artigen.latent.smoothing import SteadyConfig, steady_occupancy
+from artigen.latent.smoothing import steady_occupancy
 from artigen.latent.volumes import sample_gaussian
 from artigen.types import FULL_TURN
 from artigen.voxels.fields import ROW, VoxelFields
@@ -52,7 +52,8 @@ class StructureVae(nn.Module):
         z: Float[Tensor, "B D X Y Z"],
         index: Int[Tensor, "P"] | None = None,
         outlines: OutlineBatch | None = None,
-        steady: SteadyConfig | None = None,
+        *,
+        steady: bool = False,
     ) -> tuple[Float[Tensor, "N K"], Float[Tensor, "P K C"], Int[Tensor, "P"]]:
         """Occupancy logits of every cell, and the channels of the patches ``index``.
 
@@ -69,8 +70,8 @@ class StructureVae(nn.Module):
             features = self.decoder(z, draw_hint(outlines, candidates, z.shape[2]))
             rows, inside = reach_cells(outlines, candidates, z.shape[2], PATCH)
             logits = self.decoder.occupancy(features, inside)
-            if steady is not None:
-                agreed = steady_occupancy(from_patches(logits, z.shape[2]), outlines, steady)
+            if steady:
+                agreed = steady_occupancy(from_patches(logits, z.shape[2]), outlines)
                 logits = as_patches(agreed).masked_fill(~inside.any(dim=-1), NEVER)
             index = _occupied_patches(logits) if index is None else index
             return logits, self.decoder.attributes(features[index], rows[index], inside[index]), index
@@ -97,7 +98,8 @@ def decode_cells(
     vae: StructureVae,
     z: Float[Tensor, "B D X Y Z"],
     outlines: OutlineBatch | None = None,
-    steady: SteadyConfig | None = None,
+    *,
+    steady: bool = False,
 ) -> tuple[list[VoxelFields], Float[Tensor, "B R R R"]]:
     """Fields of the occupied cells of latents, and the logits of all cells; above 0 a cell is occupied."""
     logits, attributes, index = vae.decode(z, outlines=outlines, steady=steady)

@@ -6,7 +6,7 @@ from torch import Tensor
 
 from artigen.latent.outline import OutlineBatch
 from artigen.latent.patches import as_patches, from_patches
-from artigen.latent.smoothing import SteadyConfig, steady_occupancy
+from artigen.latent.smoothing import steady_occupancy
 from artigen.types import PART_LABELS
 
 EDGE = 32
@@ -65,13 +65,14 @@ def test_no_axis_is_special():
     torch.testing.assert_close(turned, steady_occupancy(logits, NOTHING).permute(0, 3, 1, 2))
 
 
-def test_cells_of_handles_keep_what_was_drawn(handle_outline: OutlineBatch):
+def test_cells_of_handles_keep_what_was_drawn(handle_outline: OutlineBatch, monkeypatch: pytest.MonkeyPatch):
     logits = torch.randn(1, EDGE, EDGE, EDGE, generator=torch.Generator().manual_seed(2))
     steadied = steady_occupancy(logits, handle_outline)
     kept = steadied == logits
     assert kept[0, 16, 16, 16]
     assert not kept[0, 2, 2, 2]
-    assert not (steady_occupancy(logits, handle_outline, SteadyConfig(exempt=())) == logits)[0, 16, 16, 16]
+    monkeypatch.setattr("artigen.latent.smoothing.EXEMPT", ())
+    assert not (steady_occupancy(logits, handle_outline) == logits)[0, 16, 16, 16]
 
 
 @pytest.fixture
