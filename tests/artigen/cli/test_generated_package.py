@@ -9,7 +9,6 @@ from scipy.spatial import KDTree
 
 from artigen.appearance.exact import (
     VOXELS,
-    ShapeAppearanceConfig,
     ShapeAppearanceModel,
     decode_gaussians,
     load_shape_appearance,
@@ -32,8 +31,6 @@ from envs.validate import validate
 from sim_export.files.read import read_package
 from sim_export.files.write import package_files, write_package
 from sim_export.reference import build_reference
-
-COARSE = ShapeAppearanceConfig(zoom=1)
 
 
 @pytest.fixture(scope="module")
@@ -110,7 +107,7 @@ def test_voxels_are_those_that_the_surface_crosses(made: Generated, shape: Shape
 def test_the_same_shape_gives_the_same_gaussians_and_a_finer_grid_more(
     made: Generated, model: ShapeAppearanceModel, shape: Shape
 ):
-    one, two = (decode_gaussians(model, shape, COARSE) for _ in range(2))
+    one, two = (decode_gaussians(model, shape, zoom=1) for _ in range(2))
     assert one.gaussians is not None
     for item in fields(Gaussians):
         np.testing.assert_array_equal(getattr(one.gaussians, item.name), getattr(two.gaussians, item.name))
