@@ -284,7 +284,7 @@ def test_samples_are_uniform_on_the_surface_and_carry_its_colours(source, cabine
 
 
 def test_visuals_lie_where_the_triangles_are(source):
-    from artigen.datasets.wavefront import read_obj
+    from artigen.wavefront import read_obj
 
     mesh = source.triangles
     found = []
