@@ -128,12 +128,6 @@ def decode_tiles(
 ) -> Splats:
     """Encodes and decodes cells of a grid of any edge, in tiles of the edge that the networks take.
 
-    Args:
-        vae: Trained networks.
-        voxels: Cells of the grid.
-        facings: Directions of their outer sides.
-        features: Features of the cells.
-
     Returns:
         Gaussians in the order of the cells.
     """

@@ -134,15 +134,7 @@ def draw_cells(
     rows: Float[np.ndarray, "P C"],
     cfg: GenerateConfig,
 ) -> tuple[Owners, tuple[str, ...]]:
-    """Samples the cells of one object within its outline and cleans them up, with notes of what changed.
-
-    Args:
-        model: Trained networks that take outlines.
-        known: Encoded condition.
-        noise: Initial latent, standard normal.
-        rows: The outline.
-        cfg: Sampler and clean-up.
-    """
+    """Samples the cells of one object within its outline and cleans them up, with notes of what changed."""
     fields, logits = _decode(model, known, noise, rows, cfg)
     return mend_cells(read_owners(fields, rows), logits, rows)
 
