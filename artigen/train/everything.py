@@ -1,16 +1,14 @@
-"""`python -m artigen.train.everything`: generates data, trains, evaluates and stores weights.
+"""`artigen train structure`: generates data, trains, evaluates and stores weights.
 
 Stages whose result is already in the run folder are skipped or resumed, so the same command can be repeated
-after an interruption, or with a larger budget. `artigen train` does the same with a progress bar.
+after an interruption, or with a larger budget.
 """
 
-import argparse
 import json
 import logging
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 
 import torch
 from torch import Tensor, nn
@@ -220,30 +218,3 @@ def _store(cfg: RunConfig, data: RunData, network: nn.Module, name: str) -> None
     }
     tuning = finished_steps(cfg.folder / "decoder") if name == "vae" else 0
     save_model(network, cfg.folder / "model", described | ({"decoder_steps": tuning} if tuning else {}), name)
-
-
-def main() -> None:
-    """Parses arguments with the standard library alone, because training machines may lack tyro."""
-    logging.basicConfig(level=logging.INFO, format="%(asctime)s %(message)s", datefmt="%H:%M:%S")
-    parser = argparse.ArgumentParser(prog="python -m artigen.train.everything", description=__doc__)
-    parser.add_argument("folder", type=Path, help="run folder")
-    parser.add_argument("--preset", choices=sorted(PRESETS), default="compact")
-    parser.add_argument("--minutes", type=float, default=30.0, help="training time of all networks")
-    parser.add_argument("--shards", type=int, default=100, help="shards of training data")
-    parser.add_argument("--held-out", type=int, default=2, help="shards of held-out data")
-    parser.add_argument("--objects", type=int, default=256, help="objects per shard")
-    parser.add_argument("--partnet", type=Path, help="folder with real objects to mix in")
-    parser.add_argument("--real-share", type=float, default=0.1, help="share of real objects")
-    parser.add_argument(
-        "--start", type=Path, help="folder of a model with the initial weights of every network"
-    )
-    parser.add_argument(
-        "--trellis", type=Path, help="checkpoint of TRELLIS with the initial weights of the flow"
-    )
-    parser.add_argument("--encoders", type=Path, help="folder with the public weights of DINOv2 and CLIP")
-    parser.add_argument("--workers", type=int, default=2, help="processes that make data")
-    train_everything(RunConfig(**vars(parser.parse_args())))
-
-
-if __name__ == "__main__":
-    main()

@@ -1,17 +1,15 @@
-"""`python -m artigen.train.appearance.everything`: generates data, trains and stores weights.
+"""`artigen train appearance`: generates data, trains and stores weights.
 
 Stages whose result is already in the run folder are skipped or resumed, so the same command can be repeated
-after an interruption. `artigen train appearance` does the same with a progress bar.
+after an interruption.
 """
 
-import argparse
 import json
 import logging
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import get_args
 
 import torch
 from torch import nn
@@ -212,39 +210,3 @@ def _store(cfg: AppearanceRunConfig, network: nn.Module, name: str, objects: int
         **describe_stage(cfg.home / name.removeprefix("appearance-"), cfg.start, name),
     }
     save_model(network, cfg.folder / "model", described, name)
-
-
-def main() -> None:
-    """Parses arguments with the standard library alone, because training machines may lack tyro."""
-    logging.basicConfig(level=logging.INFO, format="%(asctime)s %(message)s", datefmt="%H:%M:%S")
-    parser = argparse.ArgumentParser(
-        prog="python -m artigen.train.appearance.everything", description=__doc__
-    )
-    parser.add_argument("folder", type=Path, help="run folder")
-    parser.add_argument(
-        "--stage",
-        choices=get_args(AppearanceStage),
-        default="appearance",
-    )
-    parser.add_argument("--preset", choices=sorted(APPEARANCE_TRAINING), default="compact")
-    parser.add_argument("--minutes", type=float, default=30.0, help="training time of both networks")
-    parser.add_argument("--shards", type=int, default=100, help="shards of training data")
-    parser.add_argument("--held-out", type=int, default=2, help="shards of held-out data")
-    parser.add_argument("--objects", type=int, default=16, help="objects per shard")
-    parser.add_argument("--closed", dest="articulated", action="store_false", help="closed objects only")
-    parser.add_argument("--weighting", choices=("seen", "plain"), default="seen", help="views that count")
-    parser.add_argument("--features", choices=("pyramid", "dinov2"), default="pyramid")
-    parser.add_argument("--dinov2", type=Path, help="folder with the weights of DINOv2")
-    parser.add_argument(
-        "--start", type=Path, help="folder of a model with the initial weights of every network"
-    )
-    parser.add_argument(
-        "--structure", type=Path, help="folder of the structure model that samples additional voxels"
-    )
-    parser.add_argument("--workers", type=int, default=2, help="processes that make data")
-    given = vars(parser.parse_args())
-    train_appearance(AppearanceRunConfig(**{k: v for k, v in given.items() if k != "stage"}), given["stage"])
-
-
-if __name__ == "__main__":
-    main()
