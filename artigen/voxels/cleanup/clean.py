@@ -10,9 +10,6 @@ from artigen.voxels.cleanup.boards import make_boards
 from artigen.voxels.cleanup.claim import claim_cells
 from artigen.voxels.cleanup.doorways import clear_doorways
 from artigen.voxels.cleanup.faces import even_faces
-from artigen.voxels.cleanup.feet import extend_feet
-from artigen.voxels.cleanup.knobs import shape_knobs
-from artigen.voxels.cleanup.panels import back_knobs
 from artigen.voxels.cleanup.paths import clear_paths
 from artigen.voxels.cleanup.portholes import round_portholes
 from artigen.voxels.cleanup.revolve import revolve_parts
@@ -41,10 +38,7 @@ def mend_cells(
         partial(clear_paths, logits=logits, rows=rows),
         partial(clear_doorways, rows=rows),
         partial(claim_cells, rows=rows),
-        partial(shape_knobs, rows=rows),
-        partial(extend_feet, rows=rows),
         partial(revolve_parts, rows=rows),
-        partial(back_knobs, rows=rows),
     ]
     notes: list[str] = []
     for stage in stages:
