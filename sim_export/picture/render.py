@@ -10,6 +10,7 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Float, UInt8
 
+from artigen.splats.colors import srgb_from_linear
 from artigen.transforms import transform_points, transform_vectors
 from sim_export.package import Mesh
 from sim_export.picture.camera import Camera, pixel_rays, rays_through
@@ -25,7 +26,7 @@ from sim_export.picture.lighting import (
     shade_samples,
 )
 from sim_export.picture.raycast import Scene, Surface, build_scene
-from sim_export.picture.shading import smooth_corner_normals, srgb_from_linear
+from sim_export.picture.shading import smooth_corner_normals
 
 GOLDEN = 0.618033988749895
 
