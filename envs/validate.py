@@ -18,9 +18,6 @@ from .worker import (
     call_tasks,
     failed_dynamics,
     failed_tasks,
-    run_dynamics,
-    run_static,
-    run_tasks,
 )
 
 REPORT_FILE = "validation.json"
@@ -55,17 +52,6 @@ def validate(folder: Path, cfg: ValidateConfig | None = None, worker: Worker | N
     finally:
         if worker is None:
             own.close()
-    return _finish(folder, static + dynamic + tasks + _engines(job, static, cfg), cfg)
-
-
-def validate_here(folder: Path, cfg: ValidateConfig | None = None) -> Report:
-    """`validate` in the current process, for supervised callers, because an engine may terminate the
-    process."""
-    cfg = ValidateConfig() if cfg is None else cfg
-    job = _job(folder, cfg)
-    static = run_static(job)
-    dynamic = failed_dynamics("V001 failed") if _unreadable(static) else run_dynamics(job)
-    tasks = _tasks(partial(run_tasks, job), static, cfg)
     return _finish(folder, static + dynamic + tasks + _engines(job, static, cfg), cfg)
 
 

@@ -10,7 +10,7 @@ from sample_packages import SAMPLE_PARTS, build_package
 from artigen.runtime.workers import Worker
 from envs.config import ValidateConfig
 from envs.titles import TITLES
-from envs.validate import REPORT_FILE, validate, validate_here, without_seconds
+from envs.validate import REPORT_FILE, validate, without_seconds
 from envs.worker import CheckJob, call_dynamics
 from sim_export.errors import PackageError
 from sim_export.files.write import manifest_problems, write_package
@@ -96,7 +96,7 @@ def test_the_death_of_the_static_half_is_a_failed_v001(folder):
 
 def test_what_cannot_be_parsed_is_not_simulated(tmp_path):
     (tmp_path / "mobility.urdf").write_text("<robot")
-    report = validate_here(tmp_path, SILENT)
+    report = validate(tmp_path, SILENT)
     assert not report.passed
     assert {check.message for check in report.checks if check.level == "L3"} == {"not run: V001 failed"}
     assert list(tmp_path.iterdir()) == [tmp_path / "mobility.urdf"]
