@@ -11,7 +11,7 @@ from artigen.runtime.workers import Worker
 from envs.config import ValidateConfig
 from envs.titles import TITLES
 from envs.validate import REPORT_FILE, validate, validate_here, without_seconds
-from envs.worker import CheckJob, call_dynamics
+from envs.worker import call_dynamics
 from sim_export.errors import PackageError
 from sim_export.files.write import manifest_problems, write_package
 from sim_export.report import report_from_json
@@ -58,11 +58,6 @@ def test_the_report_is_written_and_the_same_every_time(folder):
     assert "not installed" not in dict(report.versions).values()
 
 
-@pytest.fixture
-def job(folder) -> CheckJob:
-    return CheckJob(folder=folder, checks=SILENT.checks, dynamics=SILENT.dynamics)
-
-
 @pytest.mark.parametrize(
     ("action", "argument", "timeout", "reason"),
     [
@@ -71,10 +66,10 @@ def job(folder) -> CheckJob:
         (signal.sigwait, [signal.SIGUSR1], 0.2, "took longer than 0.2 s"),
     ],
 )
-def test_the_death_of_an_engine_is_a_failed_v301(job, action, argument, timeout, reason):
+def test_the_death_of_an_engine_is_a_failed_v301(folder, action, argument, timeout, reason):
     worker = DoomedWorker(action, argument, timeout)
     try:
-        results = call_dynamics(worker, job, timeout)
+        results = call_dynamics(worker, folder, timeout)
     finally:
         worker.close()
     assert [result.id for result in results] == list(TITLES)
