@@ -3,9 +3,9 @@
     python benchmarks/mutants.py --packages sim_export/collision sim_export/checks -o out/mutants.json
 
 A threshold is a number that a module gives a name in capitals, or the default of a dataclass field. A changed
-one is 1.5 times as large, or two thirds; a whole number is one more or one less. Every mutant gets a copy of
-the sources of its own, and the test files that import its module, or else those that import a module that
-does. The result is written after every mutant, and the same command goes on with it.
+one is 1.5 times as large, or two thirds; a whole number is one more or one less. The tests are those of the
+module's own folder, `test_thresholds.py` first, and those that import the module, or else a module that does.
+The result is written after every mutant, and the same command goes on with it.
 """
 
 import argparse
@@ -101,23 +101,24 @@ def change(source: str, threshold: Threshold, *, up: bool) -> str:
 
 
 def find_tests(root: Path, path: str) -> list[str]:
-    """Test files that import a module; if there are none, those that import a module that imports it."""
+    """Test files of a module's folder, and those that import it or, if there are none, one that imports it."""
     tests = {test: _imports(test) for test in sorted((root / "tests").rglob("test_*.py"))}
     module = path.removesuffix(".py").replace("/", ".")
 
     def users(modules: set[str]) -> list[str]:
         return [test.relative_to(root).as_posix() for test, names in tests.items() if names & modules]
 
-    found = users({module})
-    if found:
-        return found
-    importers = {
-        source.relative_to(root).with_suffix("").as_posix().replace("/", ".")
-        for package in SOURCES
-        for source in (root / package).rglob("*.py")
-        if module in _imports(source)
-    }
-    return users(importers)
+    found = users({module}) or users(
+        {
+            source.relative_to(root).with_suffix("").as_posix().replace("/", ".")
+            for package in SOURCES
+            for source in (root / package).rglob("*.py")
+            if module in _imports(source)
+        }
+    )
+    folder = root / "tests" / Path(path).parent
+    own = [test.relative_to(root).as_posix() for test in sorted(folder.glob("test_*.py"))]
+    return sorted({*own, *found}, key=lambda test: (test not in own, "thresholds" not in test, test))
 
 
 def _imports(path: Path) -> set[str]:
