@@ -47,11 +47,11 @@ class Threshold:
 
 
 def find_thresholds(root: Path, packages: list[str]) -> list[Threshold]:
-    """All thresholds of some folders, in the order of their files and lines."""
+    """All thresholds of some folders and files, in the order of their files and lines."""
     return [
         one
         for package in packages
-        for path in sorted((root / package).rglob("*.py"))
+        for path in (sorted((root / package).rglob("*.py")) or [root / package])
         for one in read_thresholds(path.read_text(), path.relative_to(root).as_posix())
     ]
 
@@ -101,7 +101,7 @@ def change(source: str, threshold: Threshold, *, up: bool) -> str:
 
 
 def find_tests(root: Path, path: str) -> list[str]:
-    """Test files of a module's folder, and those that import it or, if there are none, one that imports it."""
+    """Test files of a module's folder, and those that import it, or else a module that imports it."""
     tests = {test: _imports(test) for test in sorted((root / "tests").rglob("test_*.py"))}
     module = path.removesuffix(".py").replace("/", ".")
 

@@ -2,6 +2,8 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from types import SimpleNamespace
+from unittest.mock import MagicMock
 
 import numpy as np
 import pytest
@@ -12,7 +14,7 @@ from artigen.shapes.draw import draw_shape
 from artigen.shapes.primitives import box, place_vertices
 from artigen.shapes.shape import Need, Shape, ShapePart
 from artigen.shapes.surfaces.finishes import Finish
-from artigen.sketch import picture_colors
+from artigen.sketch import model, picture_colors
 from artigen.sketch.alignment import Fit, View, find_hull, place_camera
 from artigen.sketch.batch import make_batch
 from artigen.sketch.model import load_sketch_network
@@ -21,7 +23,7 @@ from artigen.sketch.overlay import find_lines, list_faces, look, measure_evennes
 from artigen.sketch.picture_colors import Spots, find_brightness, read_colors
 from artigen.sketch.piece import NUMBERS, Piece, PieceKind, UnknownSolid
 from artigen.sketch.pieces import build_piece, fit_pieces
-from artigen.sketch.request import nothing_asked
+from artigen.sketch.request import SketchRequest, nothing_asked
 from artigen.sketch.rows import ROW_KINDS, sketch_to_rows
 from artigen.sketch.rules import Writer
 from artigen.sketch.sketch import SketchError, write_sketch
@@ -39,6 +41,23 @@ def test_the_shipped_network_expects_what_the_grammar_draws():
     tables = [sketch_to_rows(write_sketch(draw_shape(category, 1))) for category in KNOWN]
     symbols, numbers = network(make_batch(tables, [nothing_asked()] * len(tables)))
     assert float(symbols.sum() + numbers.sum()) / sum(map(len, tables)) < 3.5
+
+
+def test_an_object_is_given_up_after_eighty_batches_of_one_and_seven(monkeypatch):
+    """And once more, to finish it, here where tables always grow too long."""
+    start = SimpleNamespace(writer=SimpleNamespace(moving=[], delivered=False))
+    asked: list[int] = []
+
+    def draw(_network: object, drafts: list[object], *_: object) -> list[None]:
+        asked.append(len(drafts))
+        return [None] * len(drafts)
+
+    monkeypatch.setattr(model, "begin_drafts", lambda *_: [start])
+    monkeypatch.setattr(model._Hand, "head", lambda *_: start)
+    monkeypatch.setattr(model, "continue_drafts", draw)
+    with pytest.raises(SketchError, match="none of 8 continuations"):
+        model.draw_object(MagicMock(), SketchRequest(), 0)
+    assert asked == [1, 7] * 81
 
 
 def finish(level: float = 0.5, opacity: float = 1.0) -> Finish:
