@@ -14,7 +14,7 @@ from artigen.shapes.draw import draw_shape
 from artigen.shapes.primitives import box, place_vertices
 from artigen.shapes.shape import Need, Shape, ShapePart
 from artigen.shapes.surfaces.finishes import Finish
-from artigen.sketch import model, picture_colors
+from artigen.sketch import alignment, model, picture_colors
 from artigen.sketch.alignment import Fit, View, find_hull, place_camera
 from artigen.sketch.batch import make_batch
 from artigen.sketch.model import load_sketch_network
@@ -98,6 +98,22 @@ def test_a_view_without_zoom_or_shift_fills_the_box_of_the_picture():
     low, high = plane.min(axis=0), plane.max(axis=0)
     np.testing.assert_allclose((low + high) / 2, [40.0, 25.0], atol=1e-9)
     assert np.prod(high - low) == pytest.approx(30.0 * 40.0)
+
+
+@pytest.mark.parametrize(("overlap", "refined"), [(0.961, 3), (0.959, 4)])
+def test_a_fit_that_overlaps_by_less_than_96_percent_is_refined_once_more(monkeypatch, overlap, refined):
+    asked: list[int] = []
+
+    def refine(_score: object, start: View, count: int, _tries: int) -> View:
+        asked.append(count)
+        return start
+
+    monkeypatch.setattr(alignment, "measure_overlap", lambda *_: overlap)
+    monkeypatch.setattr(alignment, "refine", refine)
+    picture = np.zeros((4, 64, 64), dtype=np.float32)
+    picture[:, 10:40, 20:60] = 1.0
+    alignment.fit_camera(blocks(0.1), picture)
+    assert len(asked) == refined
 
 
 def test_faces_three_millimetres_apart_show_an_edge():
