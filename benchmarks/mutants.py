@@ -13,6 +13,7 @@ import ast
 import json
 import os
 import random
+import re
 import shutil
 import subprocess
 import sys
@@ -131,8 +132,8 @@ def _imports(path: Path) -> set[str]:
     return names
 
 
-def run_tests(folder: Path, tests: list[str]) -> bool:
-    """Whether tests pass on the sources in a folder."""
+def run_tests(folder: Path, tests: list[str]) -> str | None:
+    """The first test that fails on the sources in a folder, or None; the first file where pytest names none."""
     command = [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", "-m", "not slow", *tests]
     environment = {
         **os.environ,
@@ -142,11 +143,14 @@ def run_tests(folder: Path, tests: list[str]) -> bool:
     }
     try:
         done = subprocess.run(
-            command, cwd=folder, env=environment, capture_output=True, timeout=TIMEOUT, check=False
+            command, cwd=folder, env=environment, capture_output=True, timeout=TIMEOUT, check=False, text=True
         )
     except subprocess.TimeoutExpired:
-        return False
-    return done.returncode == 0
+        return tests[0]
+    if done.returncode == 0:
+        return None
+    named = re.search(r"^(?:FAILED|ERROR) (.+?)(?: - .*)?$", done.stdout, re.MULTILINE)
+    return named.group(1) if named else tests[0]
 
 
 def main() -> None:
@@ -178,9 +182,11 @@ def main() -> None:
                 source = path.read_text()
                 tests = find_tests(folder, threshold.path)
                 path.write_text(change(source, threshold, up=up))
-                survived = not tests or run_tests(folder, tests)
+                failed = run_tests(folder, tests) if tests else None
                 path.write_text(source)
-                results[key] = ("survived" if tests else "no tests") if survived else "killed"
+                if failed is not None and run_tests(folder, [failed]) is not None:
+                    sys.exit(f"{failed} fails on unchanged sources: nothing can be learned from it")
+                results[key] = "killed" if failed else "survived" if tests else "no tests"
                 write_whole(given.out, json.dumps(results, indent=1))
             print(f"{number} of {len(chosen)}: {key} (was {threshold.value:g}): {results[key]}", flush=True)
     counted = [results[f"{one.key} {'up' if up else 'down'}"] for one, up in zip(chosen, ups, strict=True)]
