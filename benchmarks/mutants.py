@@ -133,7 +133,7 @@ def _imports(path: Path) -> set[str]:
 
 
 def run_tests(folder: Path, tests: list[str]) -> str | None:
-    """The first test that fails on the sources in a folder, or None; the first file where pytest names none."""
+    """The first test that fails on the sources in a folder, or its file; None if all pass."""
     command = [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", "-m", "not slow", *tests]
     environment = {
         **os.environ,
