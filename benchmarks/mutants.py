@@ -1,4 +1,4 @@
-"""Changes thresholds one at a time and runs the tests of their modules: which changes does no test notice?
+"""Changes thresholds one at a time and lists the changes that the tests of their modules miss.
 
     python benchmarks/mutants.py --packages sim_export/collision sim_export/checks -o out/mutants.json
 
@@ -133,7 +133,7 @@ def _imports(path: Path) -> set[str]:
 
 
 def run_tests(folder: Path, tests: list[str]) -> str | None:
-    """The first test that fails on the sources in a folder, or its file; None if all pass, or take too long."""
+    """The first test that fails on the sources in a folder, or its file; None if none does in time."""
     command = [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", "-m", "not slow", *tests]
     environment = {
         **os.environ,

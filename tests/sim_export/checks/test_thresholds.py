@@ -362,7 +362,7 @@ ROWS: list[tuple[str, str, Callable[..., Scene], object, object]] = [
     ("touch on the way", "V201", lambda x: into(x, 1.0, 0.005), 0.9e-4, 1.1e-4),
     ("at rest", "V202", lambda x: overlap(x, related=False), 0.9e-3, 1.1e-3),
     ("at rest in its carrier", "V202", lambda x: overlap(x, related=True), 1.9e-3, 2.1e-3),
-    ("blocked", "V203", bump, 0.016, 0.024),
+    ("blocked", "V203", bump, 0.016, 0.027),
     ("first turn", "V203", swing, 1.05, 0.95),
     ("hinge", "V203", hinged, 0.049, 0.051),
     ("lid", "V203", lambda x: hinged(0.5, x), 59.0, 61.0),
