@@ -43,7 +43,7 @@ class TextureConfig:
     speck: int = 24
     """Difference (levels) from the surrounding texels above which a texel counts as a speck."""
     discs: SurfaceSplatConfig = field(
-        default_factory=lambda: SurfaceSplatConfig(spread=0.6, edge=1.0, neighbours=4, widest=2.0, apart=0.0)
+        default_factory=lambda: SurfaceSplatConfig(spread=0.8, edge=1.0, neighbours=4, widest=2.0, apart=0.0)
     )
     """Discs for surface samples; round also at edges, where their overhang lies beside the mesh."""
 

@@ -18,8 +18,6 @@ from sim_export.package import Hull, Mesh
 
 DECIMALS = 6
 CREASE_DEGREES = 35.0
-PNG_COMPRESSION = 1
-PALETTE_COMPRESSION = 9
 PALETTE = 256
 
 
@@ -183,9 +181,9 @@ def png_bytes(texture: UInt8[np.ndarray, "H W C"]) -> bytes:
     if texture.shape[2] == 3 and (few := _few_colors(texture)) is not None:
         image = Image.fromarray(few.index, "P")
         image.putpalette(few.colors.tobytes())
-        image.save(stream, "PNG", compress_level=PALETTE_COMPRESSION)
+        image.save(stream, "PNG", compress_level=9)
         return stream.getvalue()
-    Image.fromarray(np.ascontiguousarray(texture)).save(stream, "PNG", compress_level=PNG_COMPRESSION)
+    Image.fromarray(np.ascontiguousarray(texture)).save(stream, "PNG", compress_level=1)
     return stream.getvalue()
 
 

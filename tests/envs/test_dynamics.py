@@ -70,7 +70,7 @@ def folder(package: SimPackage, tmp_path_factory: pytest.TempPathFactory) -> Pat
 
 @pytest.fixture(scope="module")
 def trials(folder: Path, package: SimPackage):
-    return run_trials(folder, package, 0.01, DynamicsConfig().trials)
+    return run_trials(folder, package, 0.01)
 
 
 def test_a_sound_cabinet_passes_everything(folder):
@@ -166,7 +166,7 @@ def test_scenes_do_not_depend_on_what_ran_in_the_process_before(package, folder)
 
 
 def test_hulls_that_sapien_knows_behave_as_those_it_reads(folder, package, trials):
-    known = run_trials(folder, package, 0.01, DynamicsConfig().trials, hulls="known")
+    known = run_trials(folder, package, 0.01, hulls="known")
     np.testing.assert_array_equal(known.trace, trials.trace)
 
 
@@ -195,7 +195,6 @@ def test_what_sapien_passes_over_fails_v301(package, tmp_path, damage: Callable[
 
 def test_joints_that_could_meet_are_tried_apart(package, tmp_path):
     """Two square knobs side by side that meet only where both are turned by 45 degrees."""
-    from envs.config import HandConfig
     from envs.package import LoadConfig, load_package
     from envs.plan import plan_trials
     from envs.scene import create_scene
@@ -222,11 +221,11 @@ def test_joints_that_could_meet_are_tried_apart(package, tmp_path):
         return replace(package, links=(*links, body), joints=tuple(joints), handles=(), requires_open=())
 
     groups = {}
-    for distance in (0.0555, 0.06):  # corners reach 28.3 mm from the axis
+    for distance in (0.0565, 0.0567):  # corners reach 28.3 mm from the axis
         folder = write_package(knobs(distance), tmp_path / f"{distance}")
         loaded = load_package(create_scene(0.01), folder, LoadConfig())
-        groups[distance] = len(plan_trials(loaded, HandConfig()).groups)
-    assert groups == {0.0555: 2, 0.06: 1}
+        groups[distance] = len(plan_trials(loaded).groups)
+    assert groups == {0.0565: 2, 0.0567: 1}
 
 
 def test_energy_from_nowhere_fails_v306(trials):

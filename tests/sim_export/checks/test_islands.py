@@ -8,11 +8,11 @@ import pytest
 from artigen.shapes.draw import draw_shape
 from artigen.shapes.primitives import Primitive, box, place_vertices
 from artigen.transforms import matrix_from_rpy
-from sim_export.checks.islands import hull_islands, visual_islands
 from sim_export.checks.suite import run_checks
 from sim_export.collision.contacts import HullSet
 from sim_export.collision.hulls import box_hull
 from sim_export.files.write import write_package
+from sim_export.geometry.islands import hull_islands, visual_islands
 from sim_export.reference import ReferenceConfig, build_reference
 
 REACH = 0.005
@@ -94,3 +94,18 @@ def test_a_table_with_legs_cut_in_two_fails_this_check_alone(tmp_path):
         results = run_checks(write_package(package, tmp_path / name), ("L1", "L2"))
         failed = [result.id for result in results if result.verdict == "fail"]
         assert failed == ([] if name == "whole" else ["V107"])
+
+
+def test_what_the_rest_encloses_is_not_seen_and_no_island():
+    def walls(low, high):
+        hull = box_hull(np.array(low), np.array(high))
+        return hull.vertices[hull.faces]
+
+    closed, within = walls((0.0, 0.0, 0.0), (0.4, 0.4, 0.4)), walls((0.1, 0.1, 0.1), (0.3, 0.3, 0.3))
+    for inner in (within, within[:, ::-1]):  # a block that floats inside, and the wall of a void
+        assert visual_islands(np.concatenate([closed, inner]), REACH) == []
+        assert visual_islands(np.concatenate([closed, inner + 0.5]), REACH) != []
+        opened = closed[closed.mean(axis=1)[:, 2] < 0.39]
+        assert [gap for gap, _ in visual_islands(np.concatenate([opened, inner]), REACH)] == pytest.approx(
+            [0.1]
+        )

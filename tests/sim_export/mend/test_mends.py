@@ -1,10 +1,13 @@
 """A mended source passes the check that it failed, and a sound one is left as it is."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from artigen.types import Asset, Joint, Part
 from sim_export.checks.config import CheckConfig
+from sim_export.checks.handles import check_handles
 from sim_export.checks.opening import door_panel, hinge_offset
 from sim_export.checks.subject import Subject
 from sim_export.collision.hulls import box_hull
@@ -93,9 +96,12 @@ def test_a_part_inside_its_neighbour_moves_out_by_a_short_way():
     assert (mended.shifts[0] == 0.0).all()
 
 
-def test_a_part_deep_inside_its_neighbour_stays_and_is_not_said_to_be_mended():
-    source = chest(box((-0.25, -0.2, -0.1), (0.1, 0.2, 0.1)))
-    assert (mend_source(source).shifts == 0.0).all()
+@pytest.mark.parametrize(("depth", "eighths"), [(0.0043, 2), (0.0072, 2), (0.0252, 8), (0.0265, 0)])
+def test_a_part_moves_by_eighths_of_two_percent_of_the_diagonal_until_it_is_a_millimetre_deep(depth, eighths):
+    """3.1 mm to 25 mm; beyond that it stays, and is not said to be mended."""
+    source = chest(box((-0.25, -0.2, -0.1), (-0.2 + depth, 0.2, 0.1)))
+    moved = np.linalg.norm(mend_source(source).shifts[1])
+    assert moved == pytest.approx(eighths / 8 * 0.02 * np.linalg.norm([0.55, 0.5, 1.0]), rel=1e-3)
 
 
 def test_a_range_that_runs_into_the_body_ends_before_it():
@@ -112,6 +118,32 @@ def test_a_range_that_runs_into_the_body_ends_before_it():
     )
 
 
-def test_a_range_of_which_hardly_any_is_free_is_left_alone():
-    source = chest(box((-0.3, -0.2, -0.1), (-0.21, 0.2, 0.1)), upper=0.3, axis=(1.0, 0, 0))
-    assert mend_source(source).asset.parts[1].joint.upper == pytest.approx(0.3)
+@pytest.mark.parametrize(("free", "upper"), [(0.155, 0.15), (0.145, 0.3)])
+def test_a_range_of_which_less_than_half_is_free_is_left_alone(free, upper):
+    source = chest(box((-0.3 - free, -0.2, -0.1), (-0.2 - free, 0.2, 0.1)), upper=0.3, axis=(1.0, 0, 0))
+    assert mend_source(source).asset.parts[1].joint.upper == pytest.approx(upper)
+
+
+def with_handle(depth):
+    """The cabinet with a bar of 10 mm on its door, ``depth`` (m) behind the door's front."""
+    plain = cabinet(DOOR, (-0.222, -0.25, 0.0))
+    bar = box((-0.232 + depth, 0.15, -0.1), (-0.222 + depth, 0.17, 0.1))
+    parts = (*plain.asset.parts, part_of(bar, "handle_0", "handle", 1, FIXED))
+    return open_source(replace(plain.asset, parts=parts), (*plain.surfaces, bar))
+
+
+@pytest.mark.parametrize(("depth", "moves"), [(0.0, False), (0.006, True), (0.014, True)])
+def test_a_handle_in_its_door_moves_out_until_it_can_be_grasped(depth, moves, tmp_path):
+    def grasped(source):
+        package = source_package(source)
+        subject = Subject(write_package(package, tmp_path / package.name, "replace"))
+        return check_handles(subject, CFG).passed
+
+    source = with_handle(depth)
+    mended = mend_source(source)
+    assert grasped(source) is not moves
+    assert grasped(mended)
+    shift = mended.shifts[2]
+    assert bool(shift[0] < 0.0) is moves  # towards the front
+    assert np.linalg.norm(shift) <= depth + 0.0025
+    assert (mended.shifts[:2] == 0.0).all()
