@@ -46,7 +46,8 @@ class TrialConfig:
     """Tilt of the object in degrees (V305)."""
 
     limit_fraction: float = 0.01
-    """Distance from a limit, as a share of the range, within which it counts as reached ..."""
+    """Distance from a limit, as a share of the range, within which it counts as reached, and as kept at rest
+    (V302, V305) ..."""
 
     limit_degrees: float = 0.5
     """... or, for turning joints, this angle if it is larger."""

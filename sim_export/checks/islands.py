@@ -15,6 +15,8 @@ from sim_export.collision.contacts import HullSet
 # pyright: reportAttributeAccessIssue=false
 
 Distance = Callable[[int, int], float]
+ENCLOSED = 0.99
+"""Winding number from which a point counts as inside of a closed surface; those of open ones are less."""
 
 
 def check_islands(subject: Subject, cfg: CheckConfig) -> Finding:
@@ -41,7 +43,11 @@ def check_islands(subject: Subject, cfg: CheckConfig) -> Finding:
 
 
 def visual_islands(triangles: Float[np.ndarray, "F 3 3"], reach: float) -> list[tuple[float, int]]:
-    """Pieces of a surface farther than ``reach`` from the rest: distance (m) and count of faces of each."""
+    """Pieces of a surface farther than ``reach`` from the rest: distance (m) and count of faces of each.
+
+    A piece inside the solid that the others bound is no island: nobody sees it, or it is the wall of a sealed
+    cavity.
+    """
     if not len(triangles):
         return []
     piece = join_near(triangles, connected_pieces(triangles), reach)
@@ -49,8 +55,17 @@ def visual_islands(triangles: Float[np.ndarray, "F 3 3"], reach: float) -> list[
     pieces = np.split(triangles[order], np.flatnonzero(np.diff(piece[order])) + 1)
     bounds = np.array([_bounds(piece) for piece in pieces])
     shapes = cache(lambda index: _surface_shape(pieces[index]))
+
+    def embedded(rows: Sequence[int]) -> bool:
+        others = [piece for row, piece in enumerate(pieces) if row not in rows]
+        return _turns_around(np.concatenate(others), pieces[rows[0]][0, 0]) > ENCLOSED
+
     return find_islands(
-        bounds, lambda one, other: _distance(shapes(one), shapes(other)), [len(p) for p in pieces], reach
+        bounds,
+        lambda one, other: _distance(shapes(one), shapes(other)),
+        [len(p) for p in pieces],
+        reach,
+        embedded,
     )
 
 
@@ -100,7 +115,11 @@ def _distance(first: object, second: object) -> float:
 
 
 def find_islands(
-    bounds: Float[np.ndarray, "N 2 3"], distance: Distance, sizes: Sequence[int], reach: float
+    bounds: Float[np.ndarray, "N 2 3"],
+    distance: Distance,
+    sizes: Sequence[int],
+    reach: float,
+    belongs: Callable[[Sequence[int]], bool] = lambda _: False,
 ) -> list[tuple[float, int]]:
     """Groups of things that nothing within ``reach`` connects to the largest group.
 
@@ -112,24 +131,26 @@ def find_islands(
         distance: Exact distance of two of them (m).
         sizes: What each counts for.
         reach: Farthest that things may be apart and still hold together (m).
+        belongs: Tells of a group whether it is a part of the rest, however far it is.
     """
     groups = np.arange(len(bounds))
     for first, second, _ in _near_pairs(bounds, reach):
         if groups[first] != groups[second] and distance(first, second) <= reach:
             groups[groups == groups[second]] = groups[first]
-    names = np.unique(groups)
+    names, weights = np.unique(groups), np.bincount(groups, weights=sizes).astype(int)
     if len(names) == 1:
         return []
-    weights = np.array(
-        [sum(size for size, group in zip(sizes, groups, strict=True) if group == n) for n in names]
-    )
+    loose = [name for name in names if not belongs(np.flatnonzero(groups == name).tolist())]
+    main = max(loose, key=lambda name: weights[name])
+    groups[~np.isin(groups, loose)] = main
+    names, weights = np.unique(groups), np.bincount(groups, weights=sizes).astype(int)
     gaps = np.full((len(names), len(names)), np.inf)
     row = {name: index for index, name in enumerate(names.tolist())}
     for first, second, apart in _near_pairs(bounds, np.inf):
         a, b = row[int(groups[first])], row[int(groups[second])]
         if a != b and apart < gaps[a, b]:
             gaps[a, b] = gaps[b, a] = min(gaps[a, b], distance(first, second))
-    return _bridge(gaps, weights)
+    return _bridge(gaps, weights[names])
 
 
 def _bridge(gaps: Float[np.ndarray, "G G"], weights: Int[np.ndarray, "G"]) -> list[tuple[float, int]]:
@@ -142,6 +163,18 @@ def _bridge(gaps: Float[np.ndarray, "G G"], weights: Int[np.ndarray, "G"]) -> li
         out.append((float(rest[:, column].min()), int(weights[column])))
         joined[column] = True
     return out
+
+
+def _turns_around(triangles: Float[np.ndarray, "F 3 3"], point: Float[np.ndarray, "3"]) -> float:
+    """Winding number of a surface about a point: 1 inside of what it bounds, 0 outside.
+
+    The sum of the solid angles of its faces (Van Oosterom and Strackee 1983).
+    """
+    a, b, c = np.moveaxis(triangles - point, 1, 0)
+    far_a, far_b, far_c = (np.linalg.norm(corner, axis=1) for corner in (a, b, c))
+    volume = np.einsum("fi,fi->f", a, np.cross(b, c))
+    sums = [(u * v).sum(axis=1) * far for u, v, far in ((a, b, far_c), (b, c, far_a), (c, a, far_b))]
+    return float(np.arctan2(volume, far_a * far_b * far_c + sum(sums)).sum() / (2 * np.pi))
 
 
 def _near_pairs(bounds: Float[np.ndarray, "N 2 3"], reach: float) -> Iterator[tuple[int, int, float]]:

@@ -18,8 +18,9 @@ from sim_export.collision.hulls import (
 from sim_export.geometry.primitives import is_box
 from sim_export.package import Hull
 
-MAX_CUTS = 3
-"""Times that a hull is cut, and its pieces again; a board needs two."""
+MAX_CUTS = 4
+"""Times that a hull is cut, and its pieces again. A board needs two; a bevelled one that is nearly square
+needs four, as its greatest extent runs from corner to corner."""
 
 
 @dataclass(frozen=True, kw_only=True)
