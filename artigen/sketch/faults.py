@@ -44,7 +44,6 @@ from artigen.sketch.sweep import (
     Path,
     deepest,
     find_meetings,
-    measure_share,
     open_needed,
     place_opened,
     read_path,
@@ -52,14 +51,11 @@ from artigen.sketch.sweep import (
 from artigen.sketch.tree import Tree, read_tree
 from artigen.types import FULL_TURN
 
-MAX_OVERLAP = 0.001
-"""Penetration (m) at rest between bodies of which neither carries the other."""
-MAX_OVERLAP_CARRIED = 0.002
-"""Penetration (m) at rest between a body and its carrier."""
-MAX_ENTRY = 0.002
-"""Penetration (m) along a motion beyond that at rest."""
-MAX_SHARE = 0.01
-"""Share of a body's volume that may enter another one along its motion."""
+MAX_OVERLAP = 1e-6
+"""Penetration (m) of two bodies at rest: that of rounded numbers. Exact bodies touch; checks allow hulls of
+scanned objects more, but MuJoCo pushes apart whatever overlaps (V308)."""
+MAX_PLAY = 0.01
+"""Share of its range that a part may move before its latch holds it."""
 MAX_GAP = 0.005
 """Distance (m) of a body from its carrier."""
 MAX_SLIT = 0.002
@@ -133,7 +129,7 @@ def search_faults(shape: Shape) -> Iterator[Fault]:
         rest=_measure_rest(bodies, near),
     )
     count = 0
-    for finder in (_overlaps, _floating, _loose, _ranges, _trees, _hulls, _tips):
+    for finder in (_overlaps, _floating, _loose, _ranges, _trees, _hulls, _tips, _latches):
         for fault in finder(subject):
             count += 1
             yield fault
@@ -162,8 +158,8 @@ def _follow_parts(shape: Shape, tree: Tree, bodies: Bodies) -> Iterator[_Course]
 
 def _measure_rest(bodies: Bodies, near: Near) -> dict[tuple[int, int], tuple[float, int, int]]:
     found: dict[tuple[int, int], tuple[float, int, int]] = {}
-    apart = bodies.links[near.first] == bodies.links[near.second]
-    for row in np.flatnonzero(~apart & (near.distance < -TOUCH)):
+    same = bodies.links[near.first] == bodies.links[near.second]
+    for row in np.flatnonzero(~same & (near.distance < -MAX_OVERLAP)):
         first, second = int(near.first[row]), int(near.second[row])
         one, other = sorted((int(bodies.links[first]), int(bodies.links[second])))
         depth = float(-near.distance[row])
@@ -175,11 +171,10 @@ def _measure_rest(bodies: Bodies, near: Near) -> dict[tuple[int, int], tuple[flo
 
 
 def _overlaps(subject: _Subject) -> Iterator[Fault]:
-    for (one, other), (depth, first, second) in subject.rest.items():
-        allowed = MAX_OVERLAP_CARRIED if subject.tree.related(one, other) else MAX_OVERLAP
-        if depth > allowed:
+    for depth, first, second in subject.rest.values():
+        if depth > MAX_OVERLAP:
             names = subject.name(first), subject.name(second)
-            yield Fault(id="overlap", part=names[0], other=names[1], value=depth, allowed=allowed)
+            yield Fault(id="overlap", part=names[0], other=names[1], value=depth, allowed=MAX_OVERLAP)
 
 
 def _blocked(subject: _Subject, course: _Course) -> Iterator[Fault]:
@@ -199,12 +194,21 @@ def _judge_meetings(subject: _Subject, course: _Course, rows: Int[np.ndarray, "M
     if excess <= TOUCH:
         return
     names = subject.name(int(found.first[at])), subject.name(int(found.second[at]))
-    if excess > MAX_ENTRY:
-        yield Fault(id="blocked", part=names[0], other=names[1], value=excess, allowed=MAX_ENTRY)
-        return
-    share = measure_share(placed, course.path, found, rows)
-    if share > MAX_SHARE:
-        yield Fault(id="grazing", part=names[0], other=names[1], value=share, allowed=MAX_SHARE)
+    yield Fault(id="blocked", part=names[0], other=names[1], value=excess, allowed=TOUCH)
+
+
+def _latches(subject: _Subject) -> Iterator[Fault]:
+    """Parts that move although a part on them, which they require opened, is closed: nothing holds them."""
+    bodies, tree = subject.bodies, subject.tree
+    numbers = {part.name: index for index, part in enumerate(subject.shape.parts)}
+    for index, part in enumerate(subject.shape.parts):
+        keys = [need.part for need in part.needs if index in tree.ancestors[numbers[need.part]]]
+        if part.motion is None or not keys:
+            continue
+        play = replace(part.motion, upper=MAX_PLAY * part.motion.upper)
+        carried = np.isin(bodies.links, tree.carried(index))
+        if not len(find_meetings(bodies, read_path(play, np.eye(4)), carried).first):
+            yield Fault(id="unheld", part=part.name, other=keys[0], value=1.0, allowed=MAX_PLAY)
 
 
 def _floating(subject: _Subject) -> Iterator[Fault]:
