@@ -9,11 +9,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Int
+from jaxtyping import Bool, Int
 
 from artigen.shapes.primitives import Primitive
 from artigen.shapes.shape import Shape
 from artigen.shapes.solids import list_solids
+from artigen.sketch.cavity import find_cavities, measure_sealed
 from artigen.sketch.contact import (
     Bodies,
     Near,
@@ -28,6 +29,7 @@ from artigen.sketch.fault import Fault, FaultId
 from artigen.sketch.opening import (
     FREE_MARGIN,
     MIN_HELD,
+    MIN_HUNG,
     Opener,
     find_obstacles,
     leans_back,
@@ -36,6 +38,7 @@ from artigen.sketch.opening import (
     measure_handle,
     measure_held,
     measure_hinge,
+    measure_hung,
 )
 from artigen.sketch.request import SketchRequest
 from artigen.sketch.sweep import (
@@ -66,6 +69,8 @@ MAX_ASPECT = 60.0
 """Ratio of length to thickness beyond which an exporter splits a hull that is not a box."""
 MAX_HULLS, MAX_HULLS_IN_ALL, MAX_LINKS = 32, 256, 64
 """Hulls per body, hulls in total, and bodies."""
+MAX_SEALED = 0.5
+"""Share of a panel's area behind which its carrier may enclose a cavity."""
 WITHIN = 0.01
 """Relative tolerance of requested extents."""
 HOPELESS = 4
@@ -107,9 +112,8 @@ class _Subject:
 def find_faults(shape: Shape) -> tuple[Fault, ...]:
     """Finds faults that would make the package of a shape fail its checks.
 
-    Stricter than the checks in one respect: a screw is followed through all of its turns, not only one.
-    Motions of a shape with more than `HOPELESS` faults at rest are skipped, because they are slow to check
-    where everything overlaps.
+    Stricter than the checks: exact bodies must not overlap, and a screw is followed through all of its turns.
+    Motions are skipped after more than `HOPELESS` faults at rest; where everything overlaps, they are slow.
     """
     return tuple(search_faults(shape))
 
@@ -140,7 +144,7 @@ def search_faults(shape: Shape) -> Iterator[Fault]:
         courses.append(course)
         yield from _blocked(subject, course)
     moving = replace(subject, courses=tuple(courses), openers=tuple(list_openers(shape, bodies)))
-    for finder in (_inward, _openings):
+    for finder in (_inward, _openings, _sealed):
         yield from finder(moving)
 
 
@@ -223,15 +227,14 @@ def _floating(subject: _Subject) -> Iterator[Fault]:
         if gap > MAX_GAP:
             names = subject.shape.parts[leader].name, subject.shape.parts[chain[0]].name
             if gap == np.inf:
-                gap = _widest_gap(bodies, leader, chain[0])
+                gap = _measure_gap(bodies, bodies.links == leader, bodies.links == chain[0])
             yield Fault(id="floating", part=names[0], other=names[1], value=gap, allowed=MAX_GAP)
 
 
-def _widest_gap(bodies: Bodies, one: int, other: int) -> float:
-    """Distance (m) between two bodies that are not close, from the bounds of their primitives."""
-    first, second = np.flatnonzero(bodies.links == one), np.flatnonzero(bodies.links == other)
-    pairs = np.stack(np.meshgrid(first, second, indexing="ij")).reshape(2, -1)
-    return float(measure_pairs(bodies, pairs[0], pairs[1]).min())
+def _measure_gap(bodies: Bodies, some: Bool[np.ndarray, "N"], others: Bool[np.ndarray, "N"]) -> float:
+    """Smallest distance (m) between two sets of primitives."""
+    pairs = np.meshgrid(np.flatnonzero(some), np.flatnonzero(others))
+    return float(measure_pairs(bodies, pairs[0].ravel(), pairs[1].ravel()).min())
 
 
 def _loose(subject: _Subject) -> Iterator[Fault]:
@@ -242,14 +245,13 @@ def _loose(subject: _Subject) -> Iterator[Fault]:
     groups = _connect(len(bodies.links), near.first[joined], near.second[joined])
     sizes = (bodies.high - bodies.low).prod(axis=1)
     for leader in np.unique(bodies.links).tolist():
-        rows = np.flatnonzero(bodies.links == leader)
-        volumes = {group: sizes[rows[groups[rows] == group]].sum() for group in np.unique(groups[rows])}
+        own = bodies.links == leader
+        volumes = {group: sizes[groups == group].sum() for group in np.unique(groups[own])}
         main = max(volumes, key=lambda group: volumes[group])
         for group in set(volumes) - {main}:
-            piece, rest = rows[groups[rows] == group], rows[groups[rows] != group]
-            pairs = np.stack(np.meshgrid(piece, rest, indexing="ij")).reshape(2, -1)
-            gap = float(measure_pairs(bodies, pairs[0], pairs[1]).min())
-            name, whole = subject.name(int(piece[0])), set(bodies.parts[piece].tolist())
+            piece, rest = groups == group, own & (groups != group)
+            gap = _measure_gap(bodies, piece, rest)
+            name, whole = subject.name(int(piece.argmax())), set(bodies.parts[piece].tolist())
             apart = not (whole & set(bodies.parts[rest].tolist()))
             kind: FaultId = "floating" if apart else "loose"
             carrier = subject.shape.parts[leader].name if apart else None
@@ -257,16 +259,12 @@ def _loose(subject: _Subject) -> Iterator[Fault]:
 
 
 def _connect(count: int, first: Int[np.ndarray, "C"], second: Int[np.ndarray, "C"]) -> Int[np.ndarray, "N"]:
-    """Connected components: the lowest index that each element is connected to."""
-    group = np.arange(count)
-    while True:
-        lowest = group.copy()
-        np.minimum.at(lowest, first, group[second])
-        np.minimum.at(lowest, second, group[first])
-        lowest = lowest[lowest]
-        if (lowest == group).all():
-            return group
-        group = lowest
+    """Number of the connected component of each element."""
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+
+    graph = coo_matrix((np.ones(len(first), dtype=bool), (first, second)), (count, count))
+    return connected_components(graph, directed=False)[1]
 
 
 def _inward(subject: _Subject) -> Iterator[Fault]:
@@ -297,6 +295,11 @@ def _openings(subject: _Subject) -> Iterator[Fault]:
             off, allowed = measure_hinge(bodies, opener)
             if off > allowed:
                 yield Fault(id="hinge", part=part.name, value=off, allowed=allowed)
+            carrier = subject.tree.ancestors[opener.index][0]
+            hung = measure_hung(bodies, opener, np.flatnonzero(bodies.links == carrier))
+            if hung < MIN_HUNG:
+                name = shape.parts[carrier].name
+                yield Fault(id="unhung", part=part.name, other=name, value=hung, allowed=MIN_HUNG)
         if part.label != "door" and opener.motion.type == "prismatic":
             carriers = find_obstacles(bodies, subject.tree, opener.index)
             held = measure_held(bodies, opener, carriers)
@@ -309,6 +312,18 @@ def _openings(subject: _Subject) -> Iterator[Fault]:
             if missing[best] > 0:
                 name = shape.parts[best].name
                 yield Fault(id="handle", part=name, other=part.name, value=missing[best], allowed=0.0)
+
+
+def _sealed(subject: _Subject) -> Iterator[Fault]:
+    """Drawers and doors that seem to close a cavity which walls enclose on all sides."""
+    openers = [opener for opener in subject.openers if opener.label != "tray"]
+    carriers = [subject.tree.ancestors[opener.index][0] for opener in openers]
+    cavities = {link: find_cavities(subject.bodies, link) for link in set(carriers)}
+    for opener, link in zip(openers, carriers, strict=True):
+        sealed = measure_sealed(subject.bodies, opener, cavities[link])
+        if sealed > MAX_SEALED:
+            one, other = subject.shape.parts[opener.index].name, subject.shape.parts[link].name
+            yield Fault(id="sealed", part=one, other=other, value=sealed, allowed=MAX_SEALED)
 
 
 def _ranges(subject: _Subject) -> Iterator[Fault]:
@@ -356,7 +371,7 @@ def _hulls(subject: _Subject) -> Iterator[Fault]:
 def _is_box(primitive: Primitive) -> bool:
     """Whether the corners are those of the primitive's box in its own frame."""
     corners = np.abs(primitive.vertices)
-    return len(corners) == 8 and bool(np.abs(corners - primitive.size / 2).max() < 1e-9)
+    return len(corners) == 8 and np.allclose(corners, primitive.size / 2, rtol=0.0, atol=1e-9)
 
 
 def _tips(subject: _Subject) -> Iterator[Fault]:

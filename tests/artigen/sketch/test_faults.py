@@ -277,6 +277,43 @@ def test_a_hinge_turns_at_most_once_round(more: float, found: set[str]):
     assert ids(make_shape(plate, dial)) == found
 
 
+@pytest.mark.parametrize(("away", "found"), [(0.049, False), (0.051, True)])
+def test_a_door_hangs_on_what_is_beside_it(away: float, found: bool):  # noqa: FBT001 - a case
+    """Where only the board below is at the hinge, it holds five centimetres of forty-nine."""
+    side = block((0, 0.4), (0.3 + away, 0.32 + away), (0, 0.5))
+    body = replace(shelf_body(), primitives=(*shelf_body().primitives[:3], side))
+    floor = block((0, 0.4), (0.3, 0.32 + away), (0, 0.02))
+    shape = make_shape(replace(body, primitives=(*body.primitives, floor)), door())
+    assert ("unhung" in ids(shape)) == found
+
+
+@pytest.mark.parametrize(("height", "found"), [(0.062, False), (0.054, True)])
+def test_a_door_hangs_along_a_fifth_of_its_hinge(height: float, found: bool):  # noqa: FBT001 - a case
+    """A post beside the hinge counts up to 5 cm beyond its end."""
+    walls = shelf_body().primitives[:3]
+    posts = (block((0, 0.02), (0.3, 0.32), (0.0, height)), block((0.3, 0.38), (0.3, 0.32), (0.02, 0.5)))
+    shape = make_shape(part("body", "base", *walls, *posts, parent=None), door())
+    assert ("unhung" in ids(shape)) == found
+
+
+def sealed_box(wall: float, wide: float, *, hole: bool = False) -> Shape:
+    """A door before a box with walls on all sides, as thick in front as given, whose inside is as wide as
+    given."""
+    top = block((0, 0.4), (-0.3, 0.3), (0.49, 0.51))
+    front = block((0, wall), (-0.3, 0.3 - 0.1 * hole), (0.02, 0.49))
+    fill = block((0, 0.38), (-0.3 + wide, 0.3), (0.02, 0.49))
+    return make_shape(shelf_body(top, front, *(() if hole else (fill,))), door())
+
+
+@pytest.mark.parametrize(
+    ("wall", "wide", "found"),
+    [(0.046, 0.5, True), (0.048, 0.5, False), (0.02, 0.33, True), (0.02, 0.3, False), (0.02, 0.0001, False)],
+)
+def test_no_door_opens_onto_a_sealed_cavity(wall: float, wide: float, found: bool):  # noqa: FBT001 - a case
+    assert ("sealed" in ids(sealed_box(wall, wide))) == found
+    assert ids(sealed_box(wall, wide, hole=True)) == set()
+
+
 def with_grip(*primitives: Primitive) -> Shape:
     return make_shape(shelf_body(), drawer(), part("grip", "handle", *primitives, parent="drawer"))
 
