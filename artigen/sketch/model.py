@@ -49,7 +49,7 @@ class SketchConfig:
     """The same for the header: category, style, counts and extents."""
     candidates: int = 8
     """Continuations per batch: one is drawn first, the others in parallel if it has a fault."""
-    batches: int = 160
+    batches: int = 80
     """Largest number of batches."""
 
     def __post_init__(self) -> None:
