@@ -1,4 +1,4 @@
-"""A public audit of articulated assets, by its published definitions, over folders of packages.
+"""Audits articulated assets in folders of packages by the definitions of a published protocol.
 
     python benchmarks/audit.py FOLDER... [--workers 2]
 

@@ -1,4 +1,4 @@
-"""Averages the sketch networks of two models, of which one was trained on from the other.
+"""Averages the sketch networks of two models, one of which continued the training of the other.
 
     python benchmarks/average_weights.py BEFORE AFTER --out MODEL --share 0.75
 

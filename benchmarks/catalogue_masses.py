@@ -1,11 +1,11 @@
-"""Masses of procedural objects against those that manufacturers publish for objects of the same size.
+"""Compares masses of procedural objects with catalogue masses of objects of the same size.
 
     python benchmarks/catalogue_masses.py --seeds 12 --out out/masses.md
 
 draws objects of every entry's kind, size and style and compares the median of their masses with the
-catalogue's. Figures are net weights of product classes of 2015 to 2024, rounded: typical figures, from which
-single models of a class differ by 10 to 20 %, and not those of a cited model. Writes a table; fails where
-fewer than ``--bar`` of the entries lie within a quarter.
+catalogue's. Catalogue masses are rounded typical net weights of product classes (2015 to 2024), not those of
+a cited model; models of a class differ by 10 to 20 %. Writes a table; fails if fewer than ``--bar`` of the
+entries are within 25 %.
 """
 
 import statistics
@@ -21,12 +21,12 @@ from artigen.shapes.draw import Wish, draw_shape
 from sim_export.reference import weigh_shape
 
 WITHIN = 0.25
-"""Share by which a mass may differ from the catalogue's."""
+"""Largest relative difference from the catalogue's mass."""
 
 
 @dataclass(frozen=True)
 class Entry:
-    """A product class: kind, width, depth and height (m; 0 for the usual ones), mass (kg), what it is."""
+    """A product class: kind, width, depth and height (m; 0 for the usual ones), mass (kg), description."""
 
     category: str
     size: tuple[float, float, float]
@@ -36,7 +36,7 @@ class Entry:
 
     @property
     def wish(self) -> Wish:
-        """What is drawn."""
+        """The wish of its objects."""
         width, depth, height = (length or None for length in self.size)
         return Wish(width=width, depth=depth, height=height, style=self.style)
 
@@ -117,18 +117,18 @@ ENTRIES = (
 
 @dataclass(frozen=True, kw_only=True)
 class Options:
-    """What to weigh."""
+    """Command-line options."""
 
     seeds: int = 12
     """Objects per entry."""
     first: int = 0
-    """Seed of the first one."""
+    """Seed of the first object."""
     category: tuple[str, ...] = ()
-    """Categories; all when empty."""
+    """Categories; all by default."""
     out: Path | None = None
     """File of the table."""
     bar: float = 1.0
-    """Share of the entries that must lie within a quarter."""
+    """Share of the entries that must be within 25 %."""
 
 
 @dataclass(frozen=True)
@@ -140,12 +140,12 @@ class Weighed:
 
     @property
     def median(self) -> float:
-        """Of the masses."""
+        """Median of the masses."""
         return statistics.median(self.masses)
 
     @property
     def good(self) -> bool:
-        """Whether the median lies within a quarter of the catalogue's figure."""
+        """Whether the median is within 25 % of the catalogue's mass."""
         return abs(self.median / self.entry.mass - 1.0) <= WITHIN
 
 

@@ -1,4 +1,4 @@
-"""Converts every object of a PartNet-Mobility folder and measures what came out.
+"""Converts every object of a PartNet-Mobility folder and measures the results.
 
     python benchmarks/conversion.py OBJECTS -o out/bench --stages convert originals likeness table
 

@@ -1,16 +1,15 @@
-"""How much of real objects the pieces of a sketch can say, and what they have no word for.
+"""Measures how much of real objects the pieces of a sketch can represent.
 
     python benchmarks/coverage.py ../shared/data                    # partnet_mobility/ and splits.json
     python benchmarks/coverage.py ../shared/data --per-category 5   # the first few of each category
 
-Every mesh file of an object is split into connected components. A component is said by one piece of
-`artigen.sketch.pieces`, the one that fits best, or by several: it is cut by planes along the axes, where
-that helps most, into at most ``--most`` pieces. Surface is covered that lies within 1 % of the object's
-longest edge of the pieces; pieces are true where they lie so near to the component. What two pieces of a
-component share inside counts for neither.
+Every mesh file of an object is split into connected components. A component is represented by the best piece
+of `artigen.sketch.pieces`, or by several: planes along the axes cut it where that helps most, into at most
+``--most`` pieces. Surface is covered if it is within 1 % of the object's longest edge of the pieces; pieces
+are true where they are that close to the component. Faces shared by two pieces of a component do not count.
 
-Prints Markdown: shares by category, the objects that are covered worst, and the uncovered surface by the
-name of its component. Real objects are PartNet-Mobility folders and not part of this repository.
+Prints Markdown: shares by category, the worst objects, and the uncovered surface by the name of its
+component. Real objects are PartNet-Mobility folders and not part of this repository.
 """
 
 import json
@@ -33,39 +32,39 @@ from artigen.sketch.piece import Piece, across
 from artigen.sketch.pieces import build_piece
 
 NEAR = 0.01
-"""Distance (of the longest edge) within which surface is covered."""
+"""Distance, as a share of the longest edge, within which surface is covered."""
 SMALL = 0.03
-"""Components with a shorter diagonal are left out: they lie within `NEAR` of about any box around them."""
+"""Components with a shorter diagonal are omitted, because nearly any box around them is within `NEAR`."""
 THIN = 0.002
-"""Least edge of a fitted piece: sheets without thickness become boards."""
+"""Minimum edge of a fitted piece, so that sheets without thickness become boards."""
 DENSITY = 40_000
-"""Points per unit of area that stand for a component: 5 mm apart on an object of one metre."""
+"""Sample points per unit of area of a component: 5 mm apart on an object of one metre."""
 FEW, MANY = 400, 120_000
-"""Least and most points on a component."""
+"""Minimum and maximum number of points on a component."""
 LOOKED_AT = 800
-"""Of these points, so many are looked at when pieces are fitted."""
+"""Number of these points that are used for fitting pieces."""
 CUTS = 5
-"""Planes per axis that a cut is tried at."""
+"""Number of planes per axis at which a cut is tried."""
 GOOD = 0.97
-"""Score of a fit that is not cut any further."""
+"""Score from which a fit is not cut further."""
 LEAST_AREA = 0.003
-"""Share of an object's surface below which a component is not cut at all."""
+"""Share of an object's surface below which a component is not cut."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Options:
-    """What to measure."""
+    """Command-line options."""
 
     data: tyro.conf.Positional[Path]
     """Folder with partnet_mobility/ and splits.json."""
     most: int = 10
-    """Pieces for one component."""
+    """Maximum number of pieces of one component."""
     per_category: int | None = None
-    """Objects per category; all of them if not given."""
+    """Objects per category; default: all."""
     worst: int = 25
-    """Lines of the tables of objects and names."""
+    """Number of rows of the tables of objects and names."""
     out: Path | None = None
-    """Where the numbers of every component go, as JSON."""
+    """JSON file for the numbers of every component."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -75,13 +74,13 @@ class Component:
     name: str
     area: float
     points: Float[np.ndarray, "N 3"]
-    """Spread evenly over the surface."""
+    """Points spread evenly over the surface."""
     vertices: Float[np.ndarray, "V 3"]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Said:
-    """What pieces say of a component."""
+    """Scores of the pieces of a component."""
 
     name: str
     area: float
@@ -96,7 +95,7 @@ class Said:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Fit:
-    """Some points of a component and the piece that stands for them."""
+    """Some points of a component and the piece that represents them."""
 
     points: Float[np.ndarray, "N 3"]
     kind: str
@@ -105,7 +104,7 @@ class Fit:
 
 
 def split_components(name: str, table: FaceTable, rng: np.random.Generator) -> Iterator[Component]:
-    """The connected components of a mesh, corners at the same place joined."""
+    """The connected components of a mesh with merged vertices."""
     _, where = np.unique(np.round(table.vertices, 5), axis=0, return_inverse=True)
     faces = where.reshape(-1)[table.faces]
     edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]]])
@@ -140,7 +139,7 @@ def _spread(
 
 
 def propose_pieces(points: Float[np.ndarray, "N 3"]) -> Iterator[Piece]:
-    """Pieces of every kind that may stand for points, each in the points' bounds."""
+    """Candidate pieces of every kind for points, each in the points' bounds."""
     low, high = points.min(axis=0), points.max(axis=0)
     thin = np.maximum(THIN - (high - low), 0.0) / 2
     low, high = low - thin, high + thin
@@ -171,7 +170,7 @@ def _piece(kind, numbers: Sequence[float], *, axis: int = 0, sides: int = 0) -> 
 
 
 def _end_bounds(flat: Float[np.ndarray, "N 2"], share: Float[np.ndarray, "N"]) -> Float[np.ndarray, "4"]:
-    """Bounds of the points near the start of an axis; ``share`` is how far along it each one is."""
+    """Bounds of the points near the start of an axis; ``share`` is the position of each point along it."""
     near = flat[share < 0.06] if (share < 0.06).sum() > 3 else flat
     bottom, top = near.min(axis=0), near.max(axis=0)
     thin = np.maximum(THIN - (top - bottom), 0.0) / 2
@@ -184,7 +183,7 @@ def _propose_frusta(
     high: Float[np.ndarray, "3"],
     ends: list[Float[np.ndarray, "4"]],
 ) -> Iterator[Piece]:
-    """One of four sides and one that is round, from the rectangles at both ends."""
+    """A frustum with four sides and a round one, from the rectangles at both ends."""
     u, v = across(axis)
     for sides in (4, 16):
         first, last = ends
@@ -202,7 +201,7 @@ def _propose_frusta(
 def _propose_prisms(
     axis: int, flat: Float[np.ndarray, "N 2"], low: Float[np.ndarray, "3"], high: Float[np.ndarray, "3"]
 ) -> Iterator[Piece]:
-    """Four corners, two of them in opposite corners of the bounds, for both diagonals."""
+    """Prisms with four corners, two of them in opposite corners of the bounds, for both diagonals."""
     u, v = across(axis)
     try:
         hull = flat[ConvexHull(flat).vertices]
@@ -236,7 +235,7 @@ def _propose_rings(
 
 
 def distance(points: Float[np.ndarray, "N 3"], solids: Sequence[Primitive]) -> Float[np.ndarray, "N"]:
-    """From points to the surfaces of convex solids; beside edges a little less than it is."""
+    """Distance from points to the surfaces of convex solids, slightly underestimated beside edges."""
     away = np.full(len(points), np.inf)
     for solid in solids:
         own = (points - solid.center) @ solid.rotation
@@ -250,7 +249,7 @@ def distance(points: Float[np.ndarray, "N 3"], solids: Sequence[Primitive]) -> F
 
 
 def surface_points(solids: Sequence[Primitive], rng: np.random.Generator) -> Float[np.ndarray, "N 3"]:
-    """Points on convex solids, without those within another one of them."""
+    """Points on convex solids, without those inside another of the solids."""
     found = []
     for index, solid in enumerate(solids):
         corners = place_vertices(solid)[solid.faces]
@@ -266,7 +265,7 @@ def surface_points(solids: Sequence[Primitive], rng: np.random.Generator) -> Flo
 def rate(
     points: Float[np.ndarray, "N 3"], tree: cKDTree, solids: Sequence[Primitive], rng: np.random.Generator
 ) -> tuple[float, float]:
-    """Share of the points that solids cover, and share of the solids' surface that lies on the component."""
+    """Share of the points that the solids cover, and share of the solids' surface on the component."""
     covered = float((distance(points, solids) <= NEAR).mean())
     own = surface_points(solids, rng)
     true = float((tree.query(own, distance_upper_bound=1.0)[0] <= NEAR).mean()) if len(own) else 0.0
@@ -274,19 +273,19 @@ def rate(
 
 
 def join(covered: float, true: float) -> float:
-    """One score of both: their harmonic mean."""
+    """Harmonic mean of two scores."""
     return 2 * covered * true / max(covered + true, 1e-9)
 
 
 def fit_best(
     points: Float[np.ndarray, "N 3"], tree: cKDTree, rng: np.random.Generator, *, boxes: bool = False
 ) -> Fit:
-    """The piece with the best score; with ``boxes`` only the box around the points."""
+    """The piece with the best score; with ``boxes``, only the box around the points."""
     best = Fit(points=points, kind="none", solids=(), score=-1.0)
     for piece in propose_pieces(points):
         try:
             solids = build_piece(piece)
-        except (ValueError, QhullError):  # numbers of a candidate that describe no solid
+        except (ValueError, QhullError):  # a candidate that is no solid
             continue
         score = join(*rate(points, tree, solids, rng))
         if score > best.score:
@@ -299,7 +298,7 @@ def fit_best(
 def cut_fit(
     fit: Fit, vertices: Float[np.ndarray, "V 3"], tree: cKDTree, rng: np.random.Generator
 ) -> tuple[Fit, Fit] | None:
-    """The points in two, by the plane along an axis that two boxes gain most from."""
+    """Splits the points by the plane across an axis with the largest gain for two boxes."""
     best: tuple[float, np.ndarray] | None = None
     for axis in range(3):
         for level in _levels(fit.points[:, axis], vertices[:, axis]):
@@ -317,7 +316,7 @@ def cut_fit(
 
 
 def _levels(along: Float[np.ndarray, "N"], corners: Float[np.ndarray, "V"]) -> list[float]:
-    """Heights at which to cut: beside the corners between the ends, spread evenly where there are many."""
+    """Heights of cuts: beside the corners between the ends; if there are many, an even selection."""
     low, high = along.min(), along.max()
     inner = np.unique(np.round(corners[(corners > low + THIN) & (corners < high - THIN)], 3))
     if len(inner) > CUTS:
@@ -326,7 +325,7 @@ def _levels(along: Float[np.ndarray, "N"], corners: Float[np.ndarray, "V"]) -> l
 
 
 def say(component: Component, most: int, rng: np.random.Generator) -> Said:
-    """What one piece and what several say of a component."""
+    """Scores of one piece and of several pieces for a component."""
     tree = cKDTree(component.points)
     points = component.points[:: -(-len(component.points) // LOOKED_AT)]
     whole = fit_best(points, tree, rng)
@@ -356,7 +355,7 @@ def say(component: Component, most: int, rng: np.random.Generator) -> Said:
 
 
 def measure_object(folder: Path, most: int) -> list[Said]:
-    """Every component of a real object; always the same numbers for the same folder."""
+    """Measures every component of a real object; deterministic."""
     rng = np.random.default_rng(0)
     found = read_object(folder, ReaderConfig(samples=1000))
     components = [
@@ -381,12 +380,12 @@ def _cells(said: Sequence[Said]) -> str:
 
 
 def tabulate(measured: dict[str, dict[str, list[Said]]], worst: int) -> list[str]:
-    """Categories, objects and names as Markdown."""
+    """Tables of categories, objects and names as Markdown."""
     head = "one piece covers | it is true | several cover | they are true |"
     lines = [f"| category | objects | components | {head}", "|---|---|---|---|---|---|---|"]
     every = {key: said for objects in measured.values() for key, said in objects.items()}
     for name, objects in (*sorted(measured.items()), ("all", every)):
-        # Every object counts alike, whatever of its inside its author drew.
+        # Every object has the same weight, regardless of how much of its inside is modelled.
         shares = np.mean([weigh(said) for said in objects.values()], axis=0)
         cells = " | ".join(f"{100 * share:.1f} %" for share in shares)
         lines.append(f"| {name} | {len(objects)} | {sum(map(len, objects.values()))} | {cells} |")

@@ -1,4 +1,4 @@
-"""How fast a data set is opened, streamed and unpacked, and what its bytes are made of.
+"""Measures how fast a data set is opened, streamed and unpacked, and what its bytes consist of.
 
 python benchmarks/datasets_reading.py out/household
 """

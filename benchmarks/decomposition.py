@@ -1,4 +1,4 @@
-"""Collision decomposition: ours against CoACD alone and V-HACD, on the same parts in one run.
+"""Compares convex decompositions of the same parts: ours, CoACD and V-HACD.
 
     python benchmarks/decomposition.py                       # the sample cabinet and turned shapes
     python benchmarks/decomposition.py OBJECTS 7304 46490    # parts of PartNet-Mobility objects as well

@@ -1,4 +1,4 @@
-"""Named ways to break a good package, each with the check that is meant to notice.
+"""Named defects of a sound package, each with the check that must catch it.
 
 Every mutation edits files as a careless tool or person would. The manifest is sealed again after it
 (unless the defect is the broken seal itself), so that the hash does not do the other checks' work.

@@ -1,4 +1,4 @@
-"""Packages in every engine that is there: which checks pass, and how near each joint's friction is.
+"""Runs packages in every installed engine: passed checks, and the accuracy of joint friction.
 
     python benchmarks/engines.py FOLDER... --engines mujoco,pybullet --engine-python pybullet=/path/to/python
 

@@ -1,4 +1,4 @@
-"""How few steps of the sampler are enough: quality and seconds at 50, 25, 12, 6 and 4.
+"""Compares numbers of sampler steps: quality and seconds at 50, 25, 12, 6 and 4.
 
     python benchmarks/few_steps.py --model RUN/model --out out/few_steps
 
@@ -36,12 +36,12 @@ SHOWN = ("valid", "counts", "size", "strict_rest", "strict_articulated", "mmd", 
 
 @dataclass(frozen=True, kw_only=True)
 class Options:
-    """What to run."""
+    """Command-line options."""
 
     model: Path
     """Folder of the trained model."""
     out: Path = Path("out/few_steps")
-    """Where draws and results go."""
+    """Folder for draws and results."""
     steps: tuple[int, ...] = (50, 25, 12, 6, 4)
     """Numbers of steps."""
     strength: float = 0.0

@@ -1,4 +1,4 @@
-"""What SAPIEN's joint friction holds: PhysX's coefficient against a force-limited drive.
+"""Measures the holding force of SAPIEN's joint friction against a force-limited drive.
 
 Prints the holding effort of horizontal drawers and doors as part of the load that they carry, for
 several coefficients and time steps, and beside it that of `envs.friction`, which is what was asked for.

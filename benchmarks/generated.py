@@ -1,4 +1,4 @@
-"""Generated objects by category: which pass every check, how often they were drawn, and what they cost.
+"""Measures generated objects by category: passed checks, number of draws, cost.
 
     python benchmarks/generated.py --out out/generated --each 10
 

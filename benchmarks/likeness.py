@@ -1,4 +1,4 @@
-"""How like its source a converted object is: surfaces in several states, free space kept.
+"""Compares converted objects with their source: surfaces in several states, free space.
 
 Used by conversion.py. All distances in voxels (1/64 of the object's longest edge).
 """

@@ -1,4 +1,4 @@
-"""How much sooner engines load collision that is boxes and cylinders than the same hulls as mesh files.
+"""Compares loading times of packages whose hulls are boxes and cylinders or mesh files.
 
     python benchmarks/load_time.py FOLDER... --rounds 5
 

@@ -1,4 +1,4 @@
-"""The ManiSkill tasks over many packages: do they reset and step, can they be done, how fast are they?
+"""Measures the ManiSkill tasks over many packages: resets, steps, success and speed.
 
 Writes one JSON line per episode, so that an interrupted run goes on where it stopped, and prints the
 tables as Markdown.
@@ -35,7 +35,7 @@ TURNS: tuple[tuple[str, dict[str, Any]], ...] = ((OPEN, {"part": "drawer"}), (ST
 
 @dataclass(frozen=True, kw_only=True)
 class Config:
-    """What is measured."""
+    """Command-line options."""
 
     packages: Path
     """Folder of packages; those without a passed validation are left out, and counted."""

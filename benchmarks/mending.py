@@ -1,4 +1,4 @@
-"""What mending does to drawn cells: how near the truth they are and how rough, with and without each stage.
+"""Measures the clean-up of sampled cells with and without each stage: distance to the truth and roughness.
 
     python benchmarks/mending.py --out out/mending
 
@@ -45,12 +45,12 @@ NEAR = np.ones((3, 3, 3), dtype=bool)
 
 @dataclass(frozen=True, kw_only=True)
 class Options:
-    """What to run."""
+    """Command-line options."""
 
     model: Path = SHIPPED
     """Folder of the trained model."""
     out: Path = Path("out/mending")
-    """Where the table goes."""
+    """Folder for the table."""
     objects: int = 14
     """Held-out objects, categories in turn."""
     time: float = 0.85

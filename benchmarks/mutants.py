@@ -1,4 +1,4 @@
-"""Changes thresholds one at a time and runs the tests of their modules: which changes does no test notice?
+"""Changes thresholds one at a time and lists the changes that the tests of their modules miss.
 
     python benchmarks/mutants.py --packages sim_export/collision sim_export/checks -o out/mutants.json
 

@@ -1,4 +1,4 @@
-"""Colours by a picture: how far the finishes of objects drawn by pictures are from those that are shown.
+"""Measures the colours of objects drawn by pictures against the finishes in the pictures.
 
     python benchmarks/picture_colors.py --each 2
 

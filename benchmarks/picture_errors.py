@@ -1,4 +1,4 @@
-"""Where in pictures of autoencoded objects the errors are, on newly exposed surface and on the rest.
+"""Sorts the errors of autoencoded pictures by what the pixels show, newly exposed and others.
 
     python benchmarks/picture_errors.py --out out/picture_errors
 
@@ -48,12 +48,12 @@ FOLD, STEP = 0.9, 0.05
 
 @dataclass(frozen=True, kw_only=True)
 class Options:
-    """What to run."""
+    """Command-line options."""
 
     model: Path = SHIPPED
     """Folder of the trained appearance model."""
     out: Path = Path("out/picture_errors")
-    """Where the table goes."""
+    """Folder for the table."""
     objects: int = 14
     """Held-out objects, categories in turn."""
 

@@ -1,4 +1,4 @@
-"""Whether a Ray run loses or doubles objects when workers, and then the driver, are killed.
+"""Tests that a Ray run neither loses nor repeats objects when workers and the driver are killed.
 
 Starts a Ray cluster on this machine and `artigen shape --runner ray` on it as a process of its own. A
 random worker process of the cluster is killed with SIGKILL every few seconds, and once half of the objects
@@ -32,7 +32,7 @@ class Options:
     out: Path
     """Folder for the packages; a new one."""
     category: str = "Oven"
-    """What is made."""
+    """Command-line options."""
     count: int = 500
     """Objects."""
     every: float = 20.0

@@ -1,4 +1,4 @@
-"""README's pictures of generated objects, drawn anew from the model that ships.
+"""Draws README's pictures of generated objects anew with the shipped model.
 
     python benchmarks/readme_pictures.py --out out/readme
 

@@ -1,9 +1,9 @@
-"""Furnished rooms by the hundred, and one of them standing in SAPIEN.
+"""Furnishes rooms, checks them, and simulates one of them in SAPIEN.
 
     python benchmarks/rooms.py --packages out/shapes_packages/voxels --count 200 --out out/rooms
 
-Counts what is wrong with every room on its hulls, measures how long rooms take, and lets a room with 20
-objects stand for five seconds. Writes ``rooms.md``.
+Counts violated conditions of every room on its hulls, measures the time per room, and simulates a room with
+20 objects for five seconds. Writes ``rooms.md``.
 """
 
 import json
@@ -32,25 +32,25 @@ KINDS = get_args(RoomKind)
 
 @dataclass(frozen=True, kw_only=True)
 class Options:
-    """What is measured."""
+    """Command-line options."""
 
     packages: Path
     """Folder of validated packages."""
     out: Path = Path("out/rooms")
     """Folder of the table."""
     count: int = 200
-    """Rooms, of the three kinds in turn."""
+    """Number of rooms, of the three kinds in turn."""
     objects: int = 20
-    """Least number of objects of the room that stands in SAPIEN."""
+    """Minimum number of objects of the simulated room."""
     seconds: float = 5.0
-    """How long it stands."""
+    """Simulated duration (s)."""
     timestep: float = 0.01
-    """Seconds per step."""
+    """Time step (s)."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Measured:
-    """One room: its problems by kind, objects, attempts given up, wall and processor seconds."""
+    """One room: problems by kind, objects, rejected attempts, wall and processor seconds."""
 
     kind: RoomKind
     problems: tuple[str, ...]
@@ -62,7 +62,7 @@ class Measured:
 
 
 def measure_room(kind: RoomKind, seed: int, catalogue: Catalogue) -> Measured:
-    """Furnishes one room and checks it a second time, from its own poses."""
+    """Furnishes one room and checks it a second time from its poses."""
     wall, cpu = time.perf_counter(), time.process_time()
     try:
         room = populate(kind, seed, catalogue)
@@ -83,7 +83,7 @@ def measure_room(kind: RoomKind, seed: int, catalogue: Catalogue) -> Measured:
 
 
 def find_full_room(catalogue: Catalogue, objects: int) -> Room:
-    """The first room with at least so many objects."""
+    """The first room with at least a number of objects."""
     cfg = PopulateConfig(least=objects)
     for seed in range(20):
         for kind in KINDS:
@@ -96,7 +96,7 @@ def find_full_room(catalogue: Catalogue, objects: int) -> Room:
 
 @dataclass(frozen=True, kw_only=True)
 class Stood:
-    """How a room stood: the farthest that any hull corner moved (m), by which object, and speed."""
+    """Result of a simulation: largest motion of a hull corner (m), its object, and speed."""
 
     room: str
     objects: int
@@ -107,7 +107,7 @@ class Stood:
 
 
 def stand(room: Room, options: Options, base: str) -> Stood:
-    """Puts a room into SAPIEN, lets it stand under gravity, and measures what moves."""
+    """Simulates a room under gravity in SAPIEN and measures the motion."""
     import sapien
 
     scene = create_scene(options.timestep)
@@ -151,7 +151,7 @@ def stand(room: Room, options: Options, base: str) -> Stood:
 
 
 def corners(entry: LoadedPackage) -> np.ndarray:
-    """All hull corners of an object in the world; wheels and knobs that turn in their place count too."""
+    """All hull corners of an object in the world, including those of turning wheels and knobs."""
     parts = [
         transform_points(pose_matrix(link.entity_pose), link_vertices(link))
         for link in entry.articulation.links
@@ -160,7 +160,7 @@ def corners(entry: LoadedPackage) -> np.ndarray:
 
 
 def describe(results: list[Measured], stood: dict[str, Stood], catalogue: Catalogue, seconds: float) -> str:
-    """Everything as Markdown."""
+    """The results as Markdown."""
     names = ("overlap", "outside", "sweep", "standing", "unreachable")
     lines = [
         f"{len(catalogue.entries)} validated packages, {len(results)} rooms; seconds are wall / processor.",
@@ -202,7 +202,7 @@ def describe(results: list[Measured], stood: dict[str, Stood], catalogue: Catalo
 
 
 def main(options: Options) -> int:
-    """Measures, prints and writes the table; 1 if a promise is not kept."""
+    """Measures, prints and writes the table; returns 1 if a condition is violated."""
     catalogue = read_catalogue(options.packages)
     jobs = [(KINDS[index % len(KINDS)], index // len(KINDS)) for index in range(options.count)]
     results = [measure_room(kind, seed, catalogue) for kind, seed in tqdm(jobs)]

@@ -1,4 +1,4 @@
-"""Two exact cabinets as packages: their boxes are both the hulls and what is seen.
+"""Two exact cabinets as packages, whose boxes are both hulls and visuals.
 
 `cabinet` is the embedded sample; `double` has two doors instead of one, mirror images of each other.
 """

@@ -1,4 +1,4 @@
-"""Seeded defects: is every one caught by the check that is meant for it?
+"""Seeds defects into sound packages and reports which checks catch them.
 
 Breaks a package that passes everything in one way at a time and prints a Markdown table:
 ``python benchmarks/seeded_defects.py [--out table.md]``. Ends with 1 if any defect goes unnoticed.

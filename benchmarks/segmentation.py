@@ -1,4 +1,4 @@
-"""Parts and joints found again from the voxels of real objects: both recipes, true and noisy fields.
+"""Recovers parts and joints from the voxels of real objects: both recipes, true and noisy fields.
 
     python benchmarks/segmentation.py --data ../shared/data --out out/segmentation
 
@@ -38,12 +38,12 @@ RECIPES = ("paper", "robust")
 
 @dataclass(frozen=True, kw_only=True)
 class Options:
-    """What to run."""
+    """Command-line options."""
 
     data: Path
     """Folder with partnet_mobility/ and splits.json."""
     out: Path = Path("out/segmentation")
-    """Where the results go."""
+    """Folder for the results."""
     workers: int = 1
     """Objects at a time."""
     only: tuple[str, ...] = ()

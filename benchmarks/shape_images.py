@@ -1,12 +1,12 @@
-"""Pictures of procedural objects: time of one on a CPU core, and pictures per second in batches.
+"""Times pictures of procedural objects: one on a CPU core, and pictures per second in batches.
 
     python benchmarks/shape_images.py                    # CPU, one thread
     python benchmarks/shape_images.py --device cuda      # batches on a GPU; single pictures stay on the CPU
 
-Every object is seen half open, from the front left, 128 x 128 pixels with shadows and soft corners.
-Single pictures count everything from the shape to the tensors; batches hold one shape from many sides in
-many states. Times of one picture are the best of three, in CPU time, so that other load counts little.
-Prints a markdown table.
+Every object is half open and seen from the front left, with 128 x 128 pixels, shadows and soft corners.
+Single pictures include everything from the shape to the tensors; batches have one shape in many views and
+states. The time of one picture is the best of three in CPU time, which is robust against other load. Prints a
+Markdown table.
 """
 
 import statistics
@@ -25,13 +25,13 @@ from artigen.shapes.shape import Shape
 
 
 def frame_shape(shape: Shape, size: int) -> Cameras:
-    """A camera before the closed object."""
+    """A camera in front of the closed object."""
     points = np.concatenate([place_vertices(p) for part in shape.parts for p in part.primitives])
     return frame_points(points, (-0.8, 0.45, 0.35), width=size, height=size, margin=0.12)
 
 
 def time_picture(shape: Shape, size: int) -> float:
-    """Milliseconds of CPU time for one picture, from the shape on."""
+    """CPU time (ms) of one picture, including the conversion of the shape."""
     cameras, qpos = frame_shape(shape, size), open_parts(shape, 0.5)
     spent = []
     for _ in range(3):
@@ -42,7 +42,7 @@ def time_picture(shape: Shape, size: int) -> float:
 
 
 def rate_batch(shape: Shape, size: int, batch: int, device: str) -> float:
-    """Pictures per second in a batch of one shape that opens."""
+    """Pictures per second in a batch of one opening shape."""
     scene, one = build_scene([shape], device), frame_shape(shape, size)
     cameras = Cameras(
         position=one.position.repeat(batch, 1).to(device),
@@ -61,7 +61,7 @@ def rate_batch(shape: Shape, size: int, batch: int, device: str) -> float:
 
 
 def count_primitives(shapes: Sequence[Shape]) -> float:
-    """Median over shapes."""
+    """Median number of primitives."""
     return statistics.median(sum(len(part.primitives) for part in shape.parts) for shape in shapes)
 
 

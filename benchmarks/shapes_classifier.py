@@ -1,10 +1,10 @@
-"""Can simple features tell procedural objects from real ones? How well, and which give them away.
+"""Classifies procedural against real objects by simple features.
 
     python benchmarks/shapes_classifier.py out/shapes_statistics/features.json
 
-reads what `shapes_statistics.py` measured, takes equally many procedural and real objects of each
-category, and reports cross-validated accuracy of a random forest and of logistic regression (0.5 is
-chance), and the features that the forest decides by most.
+reads the features measured by `shapes_statistics.py`, takes equally many procedural and real objects of each
+category, and reports the cross-validated accuracy of a random forest and of logistic regression (0.5 is
+chance) and the most important features of the forest.
 """
 
 import json
@@ -24,22 +24,22 @@ from sklearn.preprocessing import StandardScaler
 
 @dataclass(frozen=True, kw_only=True)
 class Options:
-    """What to tell apart."""
+    """Command-line options."""
 
     features: tyro.conf.Positional[Path]
     """``features.json`` of shapes_statistics.py."""
     out: Path = Path("out/shapes_statistics/classifier.md")
-    """Where the table goes."""
+    """File of the table."""
     least: int = 8
-    """Categories with fewer real objects are left out."""
+    """Categories with fewer real objects are omitted."""
     repeats: int = 5
-    """Draws of procedural objects, and of folds."""
+    """Number of draws of procedural objects and of folds."""
 
 
 def balance(
     kept: dict[str, list[Features]], category: str | None, least: int, seed: int
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Rows and labels (1 procedural) with as many of each kind in every category."""
+    """Rows and labels (1: procedural), with equally many of both in every category."""
     rng = np.random.default_rng(seed)
     rows, labels = [], []
     names = sorted({one.category for one in kept["real"]})
@@ -72,18 +72,18 @@ def score(rows: np.ndarray, labels: np.ndarray, seed: int) -> dict[str, float]:
 
 
 def tell_tales(rows: np.ndarray, labels: np.ndarray) -> list[tuple[str, float, float]]:
-    """Features in order of what the forest gains by them, with the means of procedural and real objects."""
+    """Features by importance in the forest, with their means over procedural and real objects."""
     gains = models(0)["forest"].fit(rows, labels).feature_importances_
     ours, theirs = rows[labels == 1].mean(axis=0), rows[labels == 0].mean(axis=0)
     return [(feature_names()[k], float(ours[k]), float(theirs[k])) for k in np.argsort(-gains)]
 
 
 def main(options: Options) -> int:
-    """Scores all categories together and each alone."""
+    """Scores all categories together and each separately."""
     stored = json.loads(options.features.read_text())
     kept = {kind: [Features(**one) for one in found] for kind, found in stored.items()}
     names = sorted({one.category for one in kept["real"]} & {one.category for one in kept["procedural"]})
-    lines = ["| objects | of each kind | forest | logistic | what gives them away (procedural / real mean) |"]
+    lines = ["| objects | of each kind | forest | logistic | important features (procedural / real mean) |"]
     lines.append("|---|---|---|---|---|")
     for name in (None, *names):
         scores: dict[str, list[float]] = {"forest": [], "logistic": []}

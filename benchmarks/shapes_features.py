@@ -1,4 +1,4 @@
-"""Simple numbers that describe an articulated object, procedural or real."""
+"""Simple numerical features of an articulated object, procedural or real."""
 
 from collections import Counter
 from dataclasses import dataclass
@@ -17,28 +17,28 @@ PROFILE = 6
 
 @dataclass(frozen=True, kw_only=True)
 class Features:
-    """One object in numbers; lengths in the unit cube, angles in degrees."""
+    """Features of one object; lengths in the unit cube, angles in degrees."""
 
     name: str
     category: str
     counts: dict[str, int]
-    """Parts by label."""
+    """Number of parts by label."""
     joints: dict[str, int]
-    """Parts by joint type."""
+    """Number of parts by joint type."""
     ranges: dict[str, list[float]]
-    """Degrees of revolute joints, and lengths of prismatic ones, by label and type."""
+    """Ranges of revolute (degrees) and prismatic joints (lengths), by label and type."""
     boxes: dict[str, list[list[float]]]
     """Sizes of part boxes by label: depth, width, height."""
     size: tuple[float, float, float]
-    """Depth, width, height."""
+    """Depth, width and height."""
     occupied: int
-    """Cells of 64^3 that the surface passes through."""
+    """Number of cells of 64^3 that the surface passes through."""
     profile: tuple[float, ...]
     """Share of the occupied cells in slices along x, y, z, and per part of the shell or inside."""
 
 
 def describe_asset(asset: Asset) -> Features:
-    """The numbers of an asset that has voxels."""
+    """Features of an asset with voxels."""
     if asset.voxels is None:
         raise ValueError(f"asset {asset.name!r} has no voxels")
     ranges: dict[str, list[float]] = {}
@@ -69,12 +69,12 @@ def describe_asset(asset: Asset) -> Features:
 
 
 def describe_drawn(category: str, seed: int) -> Features:
-    """The numbers of a procedural object."""
+    """Features of a procedural object."""
     return describe_asset(shape_to_asset(draw_shape(category, seed)))
 
 
 def describe_real(folder: Path) -> Features | None:
-    """The numbers of a real object, None where it cannot be read."""
+    """Features of a real object; None if it cannot be read."""
     from artigen.cli.convert import voxelize_object
     from artigen.datasets.partnet_mobility import ReaderConfig, read_object
 
@@ -95,7 +95,7 @@ def feature_names() -> list[str]:
 
 
 def feature_row(features: Features) -> list[float]:
-    """The numbers as one row; what an object does not have is 0."""
+    """The features as one row; 0 for absent parts."""
     row: list[float] = [features.counts.get(label, 0) for label in PART_LABELS]
     row += [features.joints.get(kind, 0) for kind in JOINT_TYPES]
     row += [*features.size, features.occupied, *features.profile]

@@ -1,9 +1,9 @@
-"""Packages of procedural objects, exact ones and ones rebuilt from voxels, through every check.
+"""Runs every check on packages of procedural objects, exact and rebuilt from voxels.
 
     python benchmarks/shapes_packages.py --count 200 --out out/shapes_packages
 
-Resumable: a second run does what is missing or failed. Writes ``packages.md``: how many pass, which
-checks fail how often, and every object that fails with its reasons.
+Resumable: a second run makes what is missing or failed. Writes ``packages.md``: pass rates, counts of failed
+checks, and every failed object with the reasons.
 """
 
 import sys
@@ -26,24 +26,24 @@ Source = Literal["reference", "voxels"]
 
 @dataclass(frozen=True, kw_only=True)
 class Options:
-    """What to export."""
+    """Command-line options."""
 
     out: Path = Path("out/shapes_packages")
     """Folder for packages, journals and the table."""
     category: tuple[str, ...] = ()
-    """Categories; all when empty."""
+    """Categories; all by default."""
     source: tuple[Source, ...] = ("reference", "voxels")
     """Exact primitives, or rebuilt from 64^3 voxels."""
     count: int = 200
     """Objects per category."""
     first: int = 0
-    """Seed of the first one."""
+    """Seed of the first object."""
     workers: int | None = None
-    """Processes side by side; left out, one per core."""
+    """Number of processes; default: one per core."""
 
 
 def run_source(options: Options, source: Source) -> list[Finished]:
-    """Exports and validates all objects one way."""
+    """Exports and validates all objects from one source."""
     names = options.category or tuple(categories())
     out = options.out / source
     jobs = [
@@ -62,7 +62,7 @@ def run_source(options: Options, source: Source) -> list[Finished]:
 
 
 def failed_checks(finished: Finished) -> list[str]:
-    """Ids of the checks that failed, or that there is no package."""
+    """Ids of the failed checks, or the reason why there is no package."""
     if finished.error is not None:
         return ["no package"]
     return sorted({failure.split()[0] for failure in finished.failures})
@@ -84,7 +84,7 @@ def describe(results: list[Finished], source: Source) -> list[str]:
         cells = [name, str(len(own)), f"{passed} ({passed / len(own):.1%})"]
         cells += [str(counts[check]) for check in checks]
         lines.append("| " + " | ".join([*cells, f"{export:.1f} / {tried:.1f}"]) + " |")
-    lines += ["", "| object | what fails |", "|---|---|"]
+    lines += ["", "| object | failed |", "|---|---|"]
     for finished in results:
         if not finished.good:
             said = finished.error or "; ".join(finished.failures)

@@ -1,4 +1,4 @@
-"""Procedural objects beside real ones: counts, joints, ranges, sizes, occupancy; are all counts covered?
+"""Compares procedural with real objects: counts, joints, ranges, sizes, occupancy, coverage of counts.
 
     python benchmarks/shapes_statistics.py ../shared/data/partnet_mobility --out out/shapes_statistics
 
@@ -27,7 +27,7 @@ PROCEDURAL, REAL = (196, 122, 52), (70, 110, 170)
 
 @dataclass(frozen=True, kw_only=True)
 class Options:
-    """What to compare."""
+    """Command-line options."""
 
     real: tyro.conf.Positional[Path]
     """Folder of PartNet-Mobility objects."""
@@ -36,13 +36,13 @@ class Options:
     count: int = 200
     """Procedural objects per category."""
     draws: int = 5_000
-    """Procedural objects drawn per category to see which counts occur."""
+    """Procedural objects per category for the coverage of counts."""
     workers: int = 2
-    """Processes side by side."""
+    """Number of processes."""
 
 
 def measure_real(options: Options) -> list[Features]:
-    """Features of the real objects of all known categories, those that can be read."""
+    """Features of the readable real objects of all known categories."""
     stored = options.out / "real.json"
     if stored.is_file():
         return [Features(**one) for one in json.loads(stored.read_text())]
@@ -59,13 +59,13 @@ def measure_real(options: Options) -> list[Features]:
 
 
 def draw_counts(category: str, seed: int) -> tuple[int, ...]:
-    """Parts by label of one object."""
+    """Number of parts by label of one object."""
     labels = [part.label for part in draw_shape(category, seed).parts]
     return tuple(labels.count(label) for label in PART_LABELS)
 
 
 def quantiles(values: list[float]) -> str:
-    """Median, and the range that holds nine of ten."""
+    """Median, 5 % and 95 % quantile."""
     if not values:
         return "-"
     low, middle, high = np.quantile(values, [0.05, 0.5, 0.95])
@@ -73,7 +73,7 @@ def quantiles(values: list[float]) -> str:
 
 
 def compare(title: str, rows: dict[str, tuple[list[float], list[float]]]) -> list[str]:
-    """A table of quantities, procedural and real, as Markdown."""
+    """A Markdown table of quantities, procedural and real."""
     lines = [f"### {title}", "", "| | procedural | real |", "|---|---|---|"]
     lines += [
         f"| {name} | {quantiles(ours)} | {quantiles(theirs)} |" for name, (ours, theirs) in rows.items()
@@ -82,7 +82,7 @@ def compare(title: str, rows: dict[str, tuple[list[float], list[float]]]) -> lis
 
 
 def quantities(ours: list[Features], theirs: list[Features]) -> dict[str, tuple[list[float], list[float]]]:
-    """Everything that the tables of one category show."""
+    """All quantities in the table of one category."""
     rows: dict[str, tuple[list[float], list[float]]] = {}
 
     def add(name: str, read) -> None:
@@ -112,7 +112,7 @@ def quantities(ours: list[Features], theirs: list[Features]) -> dict[str, tuple[
 
 
 def coverage(theirs: list[Features], seen: list[tuple[int, ...]]) -> list[str]:
-    """Which real objects' counts lie inside the span of the drawn ones, label by label and together."""
+    """Number of real objects whose counts lie in the range of the drawn ones, by label and together."""
     span = np.array(seen)
     low, high = span.min(axis=0), span.max(axis=0)
     known = set(seen)
@@ -136,7 +136,7 @@ def coverage(theirs: list[Features], seen: list[tuple[int, ...]]) -> list[str]:
 
 
 def plot_histograms(rows: dict[str, tuple[list[float], list[float]]], path: Path) -> None:
-    """Small histograms, procedural above and real below, as one PNG."""
+    """Writes a PNG of small histograms, procedural above and real below."""
     tile, across = (260, 130), 4
     names = list(rows)
     sheet = Image.new("RGB", (across * tile[0], -(-len(names) // across) * tile[1]), "white")
@@ -161,7 +161,7 @@ def plot_histograms(rows: dict[str, tuple[list[float], list[float]]], path: Path
 
 
 def main(options: Options) -> int:
-    """Measures, compares and writes."""
+    """Measures and compares, and writes the results."""
     options.out.mkdir(parents=True, exist_ok=True)
     real = measure_real(options)
     lines: list[str] = []

@@ -1,11 +1,11 @@
-"""Geometry laws of procedural objects, measured exactly on as many as wanted.
+"""Checks geometry laws of procedural objects exactly.
 
     python benchmarks/shapes_validity.py --count 1000 --out out/shapes_validity
 
-draws objects of every category and judges each: its parts hang together and stand on the floor, nothing
-overlaps at rest nor along 21 poses of any joint (others closed, or open as the object says), every link
-can be a collision body. Distances are those of convex hulls (`sim_export.collision.contacts`). Writes
-``validity.md`` (table), ``failures.txt`` (category, seed, reason).
+draws objects of every category and judges each: parts are connected and stand on the floor, nothing overlaps
+at rest or at 21 poses of any joint (others closed, or open as required), and every link is a valid collision
+body. Distances are those of convex hulls (`sim_export.collision.contacts`). Writes ``validity.md`` (table)
+and ``failures.txt`` (category, seed, reason).
 """
 
 import sys
@@ -36,53 +36,53 @@ from sim_export.physics.links import link_owners
 
 POSES = 21
 TOUCH = 1e-3
-"""Pieces of a part, and a part that is fixed to another, are at most this (m) apart."""
+"""Largest distance (m) between the primitives of a part, and between a part and one that it is fixed to."""
 GAP = 4e-3
-"""A moving part is at most this far (m) from what carries it."""
+"""Largest distance (m) of a moving part from its carrier."""
 OVERLAP = 1e-4
-"""Depth (m) up to which an overlap is none."""
+"""Depth (m) up to which overlaps are ignored."""
 FLOOR = 1e-4
-"""How far (m) the lowest points may be from the floor."""
+"""Largest distance (m) of the lowest points from the floor."""
 THINNEST = 1.1e-3
-"""Least thickness (m) of a primitive: collision needs it."""
+"""Minimum thickness (m) of a primitive, for collision."""
 AJAR = np.eye(4)
 AJAR[:3, 3] = (3.1e-6, -2.3e-6, 1.7e-6)
-"""Staves of a ring share whole edges; a few micrometres of shift keep their distance well defined."""
+"""Wedges of a ring share whole edges; a shift of a few micrometres keeps their distance well defined."""
 MAX_HULLS = 32
 MAX_HULLS_IN_ALL = 256
 
 
 @dataclass(frozen=True, kw_only=True)
 class Options:
-    """What to judge."""
+    """Command-line options."""
 
     out: Path = Path("out/shapes_validity")
     """Folder for the table and the failures."""
     category: tuple[str, ...] = ()
-    """Categories; all when empty."""
+    """Categories; all by default."""
     count: int = 1000
     """Objects per category."""
     first: int = 0
-    """Seed of the first one."""
+    """Seed of the first object."""
     workers: int = 2
-    """Processes side by side."""
+    """Number of processes."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Verdict:
-    """What was found of one object: one sentence per broken law."""
+    """Result for one object: one sentence per broken law."""
 
     category: str
     seed: int
     problems: tuple[tuple[str, str], ...]
-    """Law and what breaks it."""
+    """Broken law and the parts that break it."""
     seconds: float
     labels: tuple[str, ...] = ()
     joints: tuple[str, ...] = ()
 
 
 class Scene:
-    """A shape as hulls: one set per part, and how the parts move (metres)."""
+    """A shape as hulls, one set per part, with the motion of the parts (metres)."""
 
     def __init__(self, shape: Shape) -> None:
         self.shape = shape
@@ -97,7 +97,7 @@ class Scene:
         self.movable = movable_parts(self.asset)
 
     def moved_parts(self, leader: int) -> list[int]:
-        """The part and everything that hangs from it."""
+        """The part and its descendants."""
         inside = {leader}
         grown = True
         while grown:
@@ -107,7 +107,7 @@ class Scene:
         return sorted(inside)
 
     def opened(self, part: int) -> dict[int, float]:
-        """Coordinates of the parts that must be open before this one moves, their needs and followers too."""
+        """Coordinates of the parts that must be open before this one moves, their needs and followers."""
         found: dict[int, float] = {}
         waiting = [part]
         while waiting:
@@ -125,7 +125,7 @@ class Scene:
         return found
 
     def bodies(self, parts: list[int], T: np.ndarray | None = None) -> tuple[HullSet, np.ndarray]:
-        """Hulls of some parts, displaced by ``T`` (one per part of the asset), and whose they are."""
+        """Hulls of some parts, displaced by ``T`` (one per part of the asset), and their owners."""
         hulls, owners = [], []
         for part in parts:
             for hull in self.hulls[part]:
@@ -139,7 +139,7 @@ class Scene:
 
 
 def judge_shape(shape: Shape) -> Iterator[tuple[str, str]]:
-    """Every broken law of a shape, with what breaks it."""
+    """Every broken law of a shape, with its cause."""
     scene = Scene(shape)
     yield from judge_floor(scene)
     yield from judge_bodies(scene)
@@ -151,7 +151,7 @@ def judge_shape(shape: Shape) -> Iterator[tuple[str, str]]:
 
 
 def judge_floor(scene: Scene) -> Iterator[tuple[str, str]]:
-    """The object stands on the floor with at least three points that are not in line."""
+    """The object stands on the floor with at least three points not in line."""
     points = np.concatenate([hull.vertices for hulls in scene.hulls for hull in hulls])
     lowest = float(points[:, 2].min())
     if abs(lowest) > FLOOR:
@@ -179,7 +179,7 @@ def judge_bodies(scene: Scene) -> Iterator[tuple[str, str]]:
 
 
 def judge_pieces(scene: Scene) -> Iterator[tuple[str, str]]:
-    """All primitives of a part hang together."""
+    """All primitives of a part are connected."""
     for part in range(len(scene.hulls)):
         body, _ = scene.bodies([part])
         found = signed_distances(body, body, np.eye(4), AJAR, TOUCH)
@@ -208,7 +208,7 @@ def judge_carriers(scene: Scene) -> Iterator[tuple[str, str]]:
 
 
 def judge_rest(scene: Scene) -> Iterator[tuple[str, str]]:
-    """Nothing overlaps while all is closed."""
+    """Nothing overlaps when everything is closed."""
     body, owners = scene.bodies(list(range(len(scene.hulls))))
     leaders = scene.owners[owners]
     low, high = np.moveaxis(body.bounds(np.eye(4)), 1, 0)
@@ -229,7 +229,7 @@ def judge_rest(scene: Scene) -> Iterator[tuple[str, str]]:
 
 
 def judge_sweep(scene: Scene, part: int) -> Iterator[tuple[str, str]]:
-    """Nothing is in the way of a joint, from closed to open."""
+    """No joint is blocked between closed and open."""
     column = {other: k for k, other in enumerate(scene.movable)}
     qpos = np.zeros((POSES, len(scene.movable)))
     for other, q in scene.opened(part).items():
@@ -260,7 +260,7 @@ def judge_sweep(scene: Scene, part: int) -> Iterator[tuple[str, str]]:
 
 
 def piece_number(owners: np.ndarray, index: int) -> int:
-    """Which primitive of its part a hull is."""
+    """Index of a hull's primitive in its part."""
     return index - int(np.searchsorted(owners, owners[index])) if (np.diff(owners) >= 0).all() else index
 
 
@@ -284,7 +284,7 @@ def judge_seed(category: str, seed: int) -> Verdict:
 
 
 def write_results(verdicts: list[Verdict], out: Path) -> str:
-    """The table as Markdown; failures one per line."""
+    """Writes the table as Markdown, and the failures, one per line."""
     laws = sorted({law for verdict in verdicts for law, _ in verdict.problems})
     lines = ["| " + " | ".join(["category", "objects", "valid", *laws, "CPU s each"]) + " |"]
     lines.append("|---" * (len(laws) + 4) + "|")

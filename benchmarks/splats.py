@@ -1,4 +1,4 @@
-"""Time and memory of the splat rasteriser, beside gsplat where that and a GPU are at hand.
+"""Measures time and memory of the splat rasteriser, and of gsplat if a GPU is available.
 
     python benchmarks/splats.py --out out/splats --threads 2
 
@@ -28,10 +28,10 @@ from artigen.splats.render import Cameras, RasterConfig, Splats, rasterize
 
 @dataclass(frozen=True, kw_only=True)
 class Options:
-    """What to measure."""
+    """Command-line options."""
 
     out: Path = Path("out/splats")
-    """Where the results go."""
+    """Folder for the results."""
     threads: int = 2
     """Threads of torch on the CPU."""
     rounds: int = 5

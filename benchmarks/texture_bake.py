@@ -1,4 +1,4 @@
-"""How well baked textures repeat the Gaussians they come from: PSNR from the same cameras, closed and open.
+"""Compares baked textures with their Gaussians: PSNR from the same cameras, closed and open.
 
     python benchmarks/texture_bake.py --objects Oven_2 Table_4 --out out/bake
 

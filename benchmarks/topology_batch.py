@@ -1,4 +1,4 @@
-"""Steps per second of one MuJoCo batch of different objects of one topology, against one of equal objects.
+"""Compares MuJoCo batches of different objects of one topology with batches of equal ones.
 
     python benchmarks/topology_batch.py --category StorageFurniture --like 0 --count 64
 

@@ -1,4 +1,4 @@
-"""How many USD assets NVIDIA's SimReady validator accepts, and what their features lack.
+"""Counts USD assets that NVIDIA's SimReady validator accepts, and their missing features.
 
 Usage: python benchmarks/usd_validate.py FOLDER [--profile Robotics-Prop] [--version 4.0.0]
 FOLDER is what `artigen usd -o` wrote. The validator has its own USD: it is installed in an environment of

@@ -1,4 +1,4 @@
-"""Objects per minute with one, two, four and more workers, beside an idle and beside a busy machine.
+"""Measures objects per minute by number of workers, on an idle and on a busy machine.
 
 Every count of workers does the same objects in the same run, so that the ratios hold on any machine. Rounds
 go through all counts in turn, and the best round of each counts: what else runs on the machine disturbs all.
@@ -28,7 +28,7 @@ Command = Literal["shape", "generate", "convert"]
 
 @dataclass(frozen=True, kw_only=True)
 class Options:
-    """What is run."""
+    """Command-line options."""
 
     out: Path
     """Folder for packages, which are removed after each run, and for workers.json."""
@@ -39,7 +39,7 @@ class Options:
     count: int = 8
     """Objects of each run."""
     category: str = "StorageFurniture"
-    """What shape and generate make."""
+    """Command-line options."""
     sources: tuple[Path, ...] = ()
     """Objects that convert reads, ``count`` of them."""
     busy: tuple[int, ...] = (0, 1)

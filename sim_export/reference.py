@@ -1,8 +1,8 @@
-"""`build_reference`: an exact package straight from a `Shape`.
+"""`build_reference`: the exact package of a `Shape`.
 
-Collision is the object's own convex primitives, as boxes and cylinders where they nearly are such; visuals
-are the exact unions of each part's primitives with textures evaluated at every texel; joints and what must
-be open first are what the object says.
+Collision consists of the object's convex primitives, simplified to boxes and cylinders within a tolerance.
+Visuals are the exact unions of each part's primitives, with textures evaluated at every texel. Joints and
+opening order are those of the object.
 """
 
 from collections import Counter
@@ -38,27 +38,27 @@ from sim_export.physics.materials import MATERIALS, MaterialName, finish_materia
 from sim_export.topology import hull_kinds
 
 NEEDLES = 0.008
-"""Share of needles from which a union is not shown; checks allow a hundredth."""
+"""Share of needle triangles above which a union is not used as visual; checks allow a hundredth."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class ReferenceConfig:
-    """How exactly a reference package looks like its object."""
+    """Texture resolution and hull limits of a reference package."""
 
     texel: float = 0.005
     """Edge of a texel (m)."""
     max_size: int = 1024
-    """Longest side of a part's image, texels; larger parts get larger texels."""
+    """Longest side of a part's image (texels); larger parts get larger texels."""
     textures: Literal["own", "shared"] = "own"
-    """``own``: every part has an image of its own, exact at every texel. ``shared``: parts with the same
-    finishes have the same image, whatever their object, with other boards than the object's own."""
+    """``own``: every part has its own image, exact at every texel. ``shared``: parts with the same finishes
+    share an image across objects, so their boards differ from the object's."""
     limits: HullLimits = field(default_factory=HullLimits)
-    """What collision hulls must comply with; a longer primitive is cut, none grows."""
+    """Limits of collision hulls; oblong primitives are cut, none grows."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Union:
-    """The closed surface of a part, and which primitive each face comes from."""
+    """The closed surface of a part, and the primitive of each face."""
 
     mesh: Mesh
     owners: Int[np.ndarray, "F"]
@@ -72,10 +72,10 @@ def build_reference(
     Args:
         shape: The object.
         cfg: Texture resolution and limits of hulls.
-        provenance: Where the object comes from, for ``provenance.json``.
+        provenance: Origin of the object, for ``provenance.json``.
 
     Raises:
-        ExportError: If parts cannot be links or have no mass; names the part.
+        ExportError: If a part cannot be a link or has no mass; the message names the part.
     """
     cfg = cfg or ReferenceConfig()
     center, _ = frame_shape(shape)
@@ -122,7 +122,7 @@ def build_reference(
 
 
 def weigh_shape(shape: Shape) -> float:
-    """Mass (kg) of an object without making its package, which only makes small parts heavier."""
+    """Mass (kg) of an object without making its package, in which very light links are heavier."""
     kinds: dict[str, FinishKind] = {name: finish.kind for name, finish in shape.finishes}
     make = find_make(shape.category, shape.style)
     total = 0.0
@@ -135,7 +135,7 @@ def weigh_shape(shape: Shape) -> float:
 
 
 def describe_build(shape: Shape) -> list[object]:
-    """What decides the topology of an object's package, without making the package."""
+    """Topology of an object's package, without making the package."""
     limits = HullLimits()
     return [
         (
@@ -161,10 +161,10 @@ def _trim(solids: Sequence[Hull], limits: HullLimits) -> tuple[Hull, ...]:
 
 
 def _show(solids: Sequence[Hull], round_ones: Sequence[bool]) -> _Union:
-    """The surface of a part: its exact union where that is a clean mesh, else closed pieces that overlap.
+    """The surface of a part: its exact union if that is a clean mesh, else overlapping closed pieces.
 
-    Unions of crossing wires and of boards that nearly align hold needles and points a hair apart, which
-    files cannot tell from each other. Then round pieces stay by themselves, and if need be all do.
+    Unions of crossing wires and of nearly aligned boards have needles and vertices closer than the precision
+    of files. Then round pieces stay separate and, if necessary, all pieces do.
     """
     level = [Hull(vertices=np.round(solid.vertices, 6), faces=solid.faces) for solid in solids]
     boards = [index for index, is_round in enumerate(round_ones) if not is_round]
@@ -181,7 +181,7 @@ def _unite(solids: Sequence[Hull]) -> _Union:
     """The union of convex solids as one closed mesh."""
     parts = [as_solid(solid).as_original() for solid in solids]
     number = {part.original_id(): index for index, part in enumerate(parts)}
-    # simplify() of a union is not to be had: it loses volume where bevelled boards meet.
+    # No simplify(): it loses volume where bevelled boards meet.
     mesh = manifold3d.Manifold.batch_boolean(parts, manifold3d.OpType.Add).to_mesh64()
     runs = np.diff(np.asarray(mesh.run_index).astype(np.int64)) // 3
     owners = np.repeat([number[int(original)] for original in mesh.run_original_id], runs)
@@ -191,7 +191,7 @@ def _unite(solids: Sequence[Hull]) -> _Union:
 
 
 def _join(pieces: Sequence[tuple[_Union, list[int]]]) -> _Union:
-    """Several surfaces as one; ``owners`` of each become the numbers beside it."""
+    """Joins several surfaces; the ``owners`` of each become the numbers given with it."""
     starts = np.cumsum([0, *(len(union.mesh.vertices) for union, _ in pieces)])
     return _Union(
         mesh=Mesh(
@@ -205,7 +205,7 @@ def _join(pieces: Sequence[tuple[_Union, list[int]]]) -> _Union:
 
 
 def _is_clean(mesh: Mesh) -> bool:
-    """Hardly a needle, and no edge that files with micrometres lose."""
+    """Whether there are few needles and no edges below the precision of files, a micrometre."""
     triangles = mesh.vertices[mesh.faces]
     shortest = np.abs(triangles - np.roll(triangles, -1, axis=1)).max(axis=2).min()
     return bool(shortest > 2e-6 and find_needles(triangles, 1.1e-4).mean() < NEEDLES)
@@ -214,7 +214,7 @@ def _is_clean(mesh: Mesh) -> bool:
 def _paint_part(
     union: _Union, table: PaintTable, start: int, center: Float[np.ndarray, "3"], cfg: ReferenceConfig
 ) -> Mesh:
-    """The mesh with an image, every texel of it coloured as the object is at that place."""
+    """The mesh with an image whose texels have the colour of the object at their place."""
     mesh = union.mesh
     corners = mesh.vertices[mesh.faces]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -236,9 +236,9 @@ def _material(
 
 
 def _weigh(part: ShapePart, solids: Sequence[Hull], made_of: Sequence[MaterialName], make: Make) -> Inertial:
-    """Mass of the union; what two materials share belongs to the one that comes first by name.
+    """Mass properties of the union; volume shared by two materials goes to the first by name.
 
-    Hardware weighs what its material does, everything else what the category's make says.
+    Hardware has the density of its material, other parts that of the category's `Make`.
     """
     hardware = part.label in HARDWARE
     names = sorted(set(made_of))
@@ -256,7 +256,7 @@ def _weigh(part: ShapePart, solids: Sequence[Hull], made_of: Sequence[MaterialNa
         before = mesh
         if known is None:
             inertials.append(added)
-        elif added.mass > (1.0 + 1e-6) * known.mass:  # else it lies inside of the others
+        elif added.mass > (1.0 + 1e-6) * known.mass:  # else it is inside the others
             inertials.append(subtract(added, known))
     drawn = combine(inertials)
     if part.parent is not None:
@@ -266,7 +266,7 @@ def _weigh(part: ShapePart, solids: Sequence[Hull], made_of: Sequence[MaterialNa
 
 
 def _couple(shape: Shape, tree: LinkTree) -> LinkTree:
-    """The tree with followers that mimic their leaders, and springs; one sentence for each."""
+    """Adds followers, which mimic their leaders, and springs to the tree; one record for each."""
     motions = {part.name: part.motion for part in shape.parts if part.motion is not None}
     leading = {link.name: link.parts[0] for link in tree.links if link.parts}
     joints, records = [], list(tree.records)
@@ -285,7 +285,7 @@ def _couple(shape: Shape, tree: LinkTree) -> LinkTree:
 
 
 def find_latched(shape: Shape) -> frozenset[str]:
-    """Parts that a latch holds shut: they need another part moved first that they carry themselves."""
+    """Parts that a latch holds shut: they require a part that they carry to be moved first."""
     parents = {part.name: part.parent for part in shape.parts}
 
     def carriers(name: str | None) -> Iterator[str]:
@@ -299,7 +299,7 @@ def find_latched(shape: Shape) -> frozenset[str]:
 
 
 def _requirements(shape: Shape, tree: LinkTree) -> tuple[Requirement, ...]:
-    """What must be open first, by joint."""
+    """Opening order: the joints that each joint requires open."""
     driving = {link.parts[0]: link.name.replace("link", "joint") for link in tree.links if link.parts}
     return tuple(
         Requirement(joint=driving[part.name], needs=driving[need.part], fraction=need.fraction)

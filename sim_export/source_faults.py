@@ -1,9 +1,9 @@
 """Failed checks of a conversion that the source object fails as well.
 
-V107, V203 and V204 are measured again on the source's own meshes and joints. For V201, V202 and V308, points
-of one link's surface are looked for inside closed surfaces of the other, and edges that pierce the other,
-closed or not, at rest and along the joints. Where links share more room than V103 lets hulls stay off the
-surface, its failure is the source's, too.
+V107, V203 and V204 are measured again on the source's meshes and joints. For V201, V202 and V308, evidence is
+a point of one link's surface inside a closed surface of another, or an edge that pierces another surface, at
+rest or along the joints. A failure of V103 counts as the source's if links overlap by more than V103 allows
+hulls to be off the surface.
 """
 
 from collections.abc import Collection, Iterator, Mapping
@@ -28,9 +28,9 @@ from sim_export.geometry.sampling import sample_triangles
 from sim_export.package import PackageJoint, SimPackage
 
 SAMPLES = 4000
-"""Points on the surface of each link."""
+"""Number of points on the surface of each link."""
 POSES = 21
-"""Poses of every joint."""
+"""Number of poses of every joint."""
 NOTHING = np.zeros((0, 3, 3))
 Surfaces = Mapping[str, Float[np.ndarray, "F 3 3"]]
 
@@ -38,11 +38,11 @@ Surfaces = Mapping[str, Float[np.ndarray, "F 3 3"]]
 def find_source_faults(
     package: SimPackage, surfaces: Surfaces, failed: Collection[str], cfg: CheckConfig | None = None
 ) -> dict[str, str]:
-    """For each failed check that the source fails, too, one sentence with the evidence.
+    """The evidence, one sentence, for each failed check that the source fails as well.
 
     Args:
         package: The object with its own meshes as visuals.
-        surfaces: Triangles of these, by link (m, object frame at rest).
+        surfaces: Triangles of the visuals by link (m, object frame at rest).
         failed: Ids of the checks.
         cfg: Thresholds of the checks.
     """
@@ -71,13 +71,13 @@ def find_source_faults(
         on_the_way = max(overlaps_on_the_way(package, shown), default=(0.0, ""))
         if "V201" in failed:
             out |= _explain("V201", on_the_way, cfg.max_penetration)
-        if "V103" in failed:  # hulls of one of two that share so much room must give way
+        if "V103" in failed:  # hulls of one of two links that overlap this much must shrink
             out |= _explain("V103", max(at_rest, on_the_way), cfg.max_hausdorff * _diagonal(surfaces))
     return out
 
 
 def _farthest_island(surfaces: Surfaces, reach: float) -> dict[str, str]:
-    """The visible piece that is farthest from the rest of its link, if one is too far."""
+    """The visible piece that is farthest from the rest of its link, if it is too far."""
     found = [(gap, name) for name, surface in surfaces.items() for gap, _ in visual_islands(surface, reach)]
     gap, name = max(found, default=(0.0, ""))
     if not found:
@@ -92,14 +92,14 @@ def _diagonal(surfaces: Surfaces) -> float:
 
 
 def _explain(check: str, found: tuple[float, str], least: float) -> dict[str, str]:
-    """An overlap in words, where it is deeper than a check allows."""
+    """An overlap in words, if it is deeper than a check allows."""
     depth, where = found
     return {check: f"as in the source: {where}, {1000 * depth:.0f} mm deep"} if depth > least else {}
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Shown:
-    """A link's surface: points spread over it, its edges, the space that it encloses, and what it meets."""
+    """A link's surface: sample points, edges, enclosed volume, and triangles for intersection tests."""
 
     points: Float[np.ndarray, "N 3"]
     edges: Float[np.ndarray, "E 2 3"]
@@ -107,14 +107,14 @@ class Shown:
     surface: PiercedSurface
 
     def entered(self, other: "Shown", T: Float[np.ndarray, "4 4"]) -> tuple[float, str]:
-        """How deep (m) another surface, moved by ``T``, lies inside of this one or pierces it, and which."""
+        """Depth (m) to which another surface, moved by ``T``, is inside or pierces this one, and the kind."""
         inside = float(find_inside(transform_points(T, other.points), self.space).max(initial=0.0))
         pierced = piercing_depth((self.surface, self.edges), (other.surface, other.edges), T)
         return (inside, "lies inside") if inside >= pierced else (pierced, "pierces")
 
 
 def show_links(surfaces: Surfaces) -> dict[str, Shown]:
-    """What overlaps are measured by, for every link with a surface."""
+    """The surfaces of all links that have one."""
     shown = {name: triangles for name, triangles in surfaces.items() if len(triangles)}
     diagonal = _diagonal(shown)
     return {
@@ -129,7 +129,7 @@ def show_links(surfaces: Surfaces) -> dict[str, Shown]:
 
 
 def overlaps_at_rest(shown: Mapping[str, Shown]) -> Iterator[tuple[float, str]]:
-    """Depth (m) to which one link's surface is within another's, or through it, and which."""
+    """Depth (m) to which one link's surface is inside or pierces another's at rest, with a description."""
     for name, link in shown.items():
         for other in shown.keys() - {name}:
             depth, how = link.entered(shown[other], np.eye(4))
@@ -137,7 +137,7 @@ def overlaps_at_rest(shown: Mapping[str, Shown]) -> Iterator[tuple[float, str]]:
 
 
 def overlaps_on_the_way(package: SimPackage, shown: Mapping[str, Shown]) -> Iterator[tuple[float, str]]:
-    """The same along every joint, less what it is at rest."""
+    """The same along every joint, minus the depth at rest."""
     for joint in driven_joints(package.joints):
         opened = required_openings(joint, package.joints, package.requires_open)
         moved = {package.links[index].name for index in moved_links(package.links, package.joints, joint)}
@@ -154,7 +154,7 @@ def overlap_along(
     pair: tuple[str, str],
     opened: Mapping[str, float],
 ) -> Float[np.ndarray, "P"]:
-    """How deep (m) the second link of a pair is in the first at `POSES` places of a joint."""
+    """Depth (m) of the second link of a pair in the first at `POSES` positions of a joint."""
     slot = {link.name: index for index, link in enumerate(package.links)}
     T = link_displacements(
         package.links, package.joints, {**opened, joint.name: sweep_coordinates(joint, POSES)}

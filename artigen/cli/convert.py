@@ -1,4 +1,4 @@
-"""`artigen convert`: objects in the PartNet-Mobility layout to validated packages."""
+"""`artigen convert`: converts URDFs, PartNet-Mobility folders and object.json files to validated packages."""
 
 import resource
 import sys
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from sim_export.package import SimPackage
 
 COLLISION_CHECKS = ("V006", "V102", "V103", "V104", "V105", "V201", "V202")
-"""Static checks that other hulls may pass."""
+"""Static checks whose result depends on the choice of hulls."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -61,7 +61,7 @@ class ConvertSettings:
 
 @dataclass(frozen=True, kw_only=True)
 class ConvertJob:
-    """One source folder on its way to one package folder."""
+    """Job to convert one source object to a package."""
 
     source: Path
     out: Path
@@ -69,7 +69,7 @@ class ConvertJob:
 
     @property
     def key(self) -> str:
-        """Name of the package: that of the source."""
+        """Name of the package, that of the source."""
         from artigen.datasets.sources import name_source
 
         return name_source(self.source)
@@ -80,7 +80,7 @@ class ConvertJob:
         return f"{self.source.resolve()} {self.cfg}"
 
     def read(self, scratch: Path) -> "SourceObject":
-        """Reads the source and mends it if asked; meshes that cannot stay as they are go into ``scratch``."""
+        """Reads the source and mends it if requested; converted meshes go into ``scratch``."""
         from artigen.datasets.source_object import ReaderConfig
         from artigen.datasets.sources import read_source
 
@@ -135,7 +135,7 @@ def _convert(job: ConvertJob, scratch: Path) -> Made:
 
 
 def mend_object(source: "SourceObject") -> "SourceObject":
-    """A source object with its own faults mended; the same one where it has none."""
+    """The source object with its faults mended; unchanged if it has none."""
     from artigen.datasets.source_object import TriangleMesh
     from sim_export.mend.mends import mend_source
     from sim_export.mend.source import open_source
@@ -164,7 +164,7 @@ def mend_object(source: "SourceObject") -> "SourceObject":
 
 
 def voxelize_object(asset: "Asset") -> "Asset":
-    """Adds the voxels of the surface; parts below the grid's resolution join their parents."""
+    """Adds the voxels of the surface; parts below the grid's resolution are merged into their parents."""
     from artigen.voxels.voxelize import drop_unresolved, voxelize
 
     if asset.surface is None:
@@ -173,7 +173,7 @@ def voxelize_object(asset: "Asset") -> "Asset":
 
 
 def rebuild_from_voxels(asset: "Asset", recipe: Literal["robust", "paper"] = "robust") -> "Asset":
-    """Object to 35-channel field and back: all that is kept besides is the colour of the surface."""
+    """Encodes the object as a 35-channel field and back; besides that, only surface colours are kept."""
     from artigen.datasets.relabel import carry_surface, restore_tree
     from artigen.voxels.fields import DEFAULT_LAYOUT, decode, encode
     from artigen.voxels.segmentation.segment import SegmentConfig, segment
@@ -191,10 +191,10 @@ def rebuild_from_voxels(asset: "Asset", recipe: Literal["robust", "paper"] = "ro
 
 
 def export_source(source, asset: "Asset", provenance: dict[str, str]) -> "Exported":
-    """A package that shows the object's own meshes, with the collision that stands the static checks best.
+    """A package with the object's own meshes and the collision that passes more static checks.
 
-    Hulls come from the surface of the meshes. Where they fail a check, hulls from the 64^3 voxels are tried,
-    too: they are fewer, and closed where the meshes are open.
+    Hulls are made from the triangles of the meshes. If they fail a check, hulls from the 64^3 voxels are
+    tried, too: these are fewer, and closed where the meshes are open.
     """
     from sim_export.export import export_asset
 
@@ -209,7 +209,7 @@ def export_source(source, asset: "Asset", provenance: dict[str, str]) -> "Export
 
 
 def judge_package(package: "SimPackage") -> tuple[int, float]:
-    """How many checks of its collision a package fails, and its value of V103; less is better."""
+    """Number of failed collision checks of a package, and its value of V103; less is better."""
     from sim_export.checks.suite import run_checks
     from sim_export.files.write import write_package
 
@@ -223,13 +223,13 @@ def judge_package(package: "SimPackage") -> tuple[int, float]:
 def _add_seconds(
     first: tuple[tuple[str, float], ...], second: tuple[tuple[str, float], ...]
 ) -> tuple[tuple[str, float], ...]:
-    """Seconds of two exports, stage by stage."""
+    """Adds the seconds of two exports, stage by stage."""
     more = dict(second)
     return tuple((name, spent + more.get(name, 0.0)) for name, spent in first)
 
 
 def place_source_meshes(source, asset: "Asset"):
-    """The object's own mesh files, part by part, in metres; visuals of merged parts follow them."""
+    """The object's mesh files by part, in metres; visuals of merged parts go to the parts they joined."""
     from sim_export.package import SourceMesh
 
     heirs = find_remaining(source.asset, asset)
@@ -243,7 +243,7 @@ def place_source_meshes(source, asset: "Asset"):
 
 
 def place_source_surfaces(source, asset: "Asset"):
-    """The object's own triangles, part by part, in metres; those of merged parts follow them."""
+    """The object's triangles by part, in metres; those of merged parts go to the parts they joined."""
     triangles, heirs = source.triangles, np.array(find_remaining(source.asset, asset))
     corners = asset.scale * triangles.vertices[triangles.faces]
     owners = heirs[triangles.part_ids]
@@ -251,7 +251,7 @@ def place_source_surfaces(source, asset: "Asset"):
 
 
 def find_remaining(before: "Asset", after: "Asset") -> list[int]:
-    """For every part of an asset, the part of what is left of it that it is, or that it was merged into."""
+    """For every part of ``before``, the index of the part of ``after`` that it is or was merged into."""
     names = {part.name: index for index, part in enumerate(after.parts)}
     out = []
     for part in before.parts:
@@ -262,7 +262,7 @@ def find_remaining(before: "Asset", after: "Asset") -> list[int]:
 
 
 def convert_and_validate(worker: Worker, job: ConvertJob, timeout: float) -> Finished:
-    """One object the whole way, in a supervised process."""
+    """Converts and validates one object in a supervised process."""
     finished = make_and_validate(
         worker, job, convert_object, timeout=timeout, validation=job.cfg.validation == "full"
     )
@@ -274,7 +274,7 @@ def convert_and_validate(worker: Worker, job: ConvertJob, timeout: float) -> Fin
 
 
 def explain_failures(job: tuple[ConvertJob, tuple[str, ...]]) -> tuple[str, ...]:
-    """Check and evidence for each failed check that the source fails as well; runs in a worker process."""
+    """Check and evidence of each failed check that the source fails as well; runs in a worker process."""
     with TemporaryDirectory() as scratch:
         return _explain(*job, Path(scratch))
 

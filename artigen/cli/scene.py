@@ -1,4 +1,4 @@
-"""`artigen scene`: a furnished room from a kind and a seed."""
+"""`artigen scene`: furnishes a room from a kind and a seed."""
 
 import sys
 import time
@@ -21,9 +21,9 @@ if TYPE_CHECKING:
     from envs.maniskill.rooms.room import Room
 
 PACKAGES = "packages"
-"""Folder, inside the room's, of objects that are drawn on the spot."""
+"""Subfolder of the room for objects that are drawn for it."""
 ROUNDS = 3
-"""How often objects are drawn again for a role that has none which passed."""
+"""Maximum number of draws for a role without a valid object."""
 FAMILIES = {
     "kitchen": ("shaker", "slab", "rustic", "industrial", "midcentury"),
     "office": ("slab", "industrial", "midcentury", "laboratory"),
@@ -31,7 +31,7 @@ FAMILIES = {
     "bathroom": ("shaker", "slab", "rustic", "laboratory"),
     "workshop": ("industrial", "laboratory"),
 }
-"""Families that the seed chooses from, where none is asked for."""
+"""Families that the seed chooses from by default."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,7 +84,7 @@ def scene(
     from envs.maniskill.rooms.recipes import RECIPES
 
     if seed < 0 or not 0.0 <= cfg.ajar <= 1.0:
-        raise ArtigenError(f"seed {seed}, ajar {cfg.ajar}: no seed below 0, and a part between 0 and 1")
+        raise ArtigenError(f"seed {seed}, ajar {cfg.ajar}: expected a seed from 0 and a share from 0 to 1")
     try:
         settings = PopulateConfig(
             width=cfg.width, depth=cfg.depth, least=cfg.least, most=cfg.most, sweeps=cfg.sweeps,
@@ -94,8 +94,8 @@ def scene(
         raise ArtigenError(str(error)) from error
     if packages is not None and cfg.family is not None:
         raise ArtigenError(
-            f"family {cfg.family} beside packages {packages}: objects of a folder keep their looks; leave "
-            "one of them out"
+            f"family {cfg.family} with packages {packages}: objects of a folder keep their looks; omit one of"
+            " the two"
         )
     if packages is None:
         family = cfg.family or choose_family(kind, seed)
@@ -112,7 +112,7 @@ def scene(
     path = write_room(room, out)
     _draw(room, out, pictures)
     kinds = len({placement.package for placement in room.placements})
-    left_out = f", {len(catalogue.failed)} packages left out that are not proven" if catalogue.failed else ""
+    left_out = f", without {len(catalogue.failed)} packages that did not pass" if catalogue.failed else ""
     sys.stdout.write(
         f"{kind} of {room.size[0]:.2f} x {room.size[1]:.2f} m: {len(room.placements)} objects from {kinds} "
         f"packages in {path}, arranged and checked in {spent:.1f} s{left_out}\n"
@@ -121,15 +121,15 @@ def scene(
 
 
 def choose_family(kind: str, seed: int) -> str:
-    """The family of a room of which none is asked for."""
+    """The default family of a room."""
     families = FAMILIES[kind]
     return families[int(np.random.default_rng(seed).integers(len(families)))]
 
 
 def draw_packages(recipe: "Recipe", seed: int, family: str, out: Path, runner: Runner) -> "Catalogue":
-    """Draws and proves objects for every role of a room, all of one suite of a family.
+    """Draws and validates objects for every role of a room, all of one suite of a family.
 
-    A role without one that passed is drawn again.
+    Roles without a valid object are drawn again.
     """
     from envs.maniskill.rooms.catalogue import read_catalogue
 
@@ -143,7 +143,7 @@ def draw_packages(recipe: "Recipe", seed: int, family: str, out: Path, runner: R
         run_shown(export_and_validate, added, out, runner=runner)
         catalogue = read_catalogue(out)
         drawn = {job.key for job in jobs}
-        # A folder of an earlier run may hold more; the same seed must give the same room.
+        # The folder may hold objects of an earlier run; the same seed must give the same room.
         entries = tuple(entry for entry in catalogue.entries if entry.name in drawn)
         failed = tuple(text for text in catalogue.failed if text.split()[0] in drawn)
         catalogue = replace(catalogue, entries=entries, failed=failed)
@@ -155,7 +155,7 @@ def draw_packages(recipe: "Recipe", seed: int, family: str, out: Path, runner: R
 
 
 def _jobs(roles: "list[Role]", first: int, look: ShapeSettings, out: Path) -> list[ShapeJob]:
-    """One object for every draw of the roles, with the sizes that the roles wish for."""
+    """One job for every draw of the roles, with the sizes of the roles."""
     jobs = []
     for role in roles:
         for category, (depth, width, height) in role.draws:

@@ -1,4 +1,4 @@
-"""`artigen shape`: procedural objects to validated packages."""
+"""`artigen shape`: samples procedural objects and exports them as validated packages."""
 
 import resource
 import sys
@@ -27,9 +27,9 @@ if TYPE_CHECKING:
     from sim_export.package import SimPackage
 
 TIMEOUT = 300.0
-"""Seconds that one stage of one object may take."""
+"""Time limit (seconds) for one stage of one object."""
 SPACING = 1 / 192
-"""Mean distance of the coloured samples that textures are baked from, over the longest edge."""
+"""Mean distance of the coloured surface samples for textures, relative to the longest edge."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -70,14 +70,14 @@ class ShapeSettings:
 
 @dataclass(frozen=True, kw_only=True)
 class ShapeJob:
-    """One procedural object on its way to its package folder."""
+    """Job to make the package of one procedural object."""
 
     category: str
     seed: int
     out: Path
     cfg: ShapeSettings = field(default_factory=ShapeSettings)
     name: str | None = None
-    """Name of the package; without one, category and seed."""
+    """Name of the package; default: category and seed."""
 
     @property
     def key(self) -> str:
@@ -91,10 +91,10 @@ class ShapeJob:
 
 
 def choose_like(category: str, cfg: ShapeSettings) -> ShapeSettings:
-    """The settings with the seed of ``topology``, if that is asked for, as ``like``.
+    """Settings in which ``topology`` is replaced by ``like`` with the seed of the first matching object.
 
     Raises:
-        ArtigenError: If ``like`` or ``counts`` are asked for as well, or no object has the parts.
+        ArtigenError: If ``like`` or ``counts`` are given, too, or no object has the parts.
     """
     if not cfg.topology:
         return cfg
@@ -102,18 +102,18 @@ def choose_like(category: str, cfg: ShapeSettings) -> ShapeSettings:
         raise ArtigenError(
             f"topology {' '.join(cfg.topology)} beside "
             + (f"like {cfg.like}" if cfg.like is not None else f"counts {' '.join(cfg.counts)}")
-            + ": topology chooses the object that all are built as by its parts; leave the other one out"
+            + ": topology already selects the template object by its parts; omit the other option"
         )
     from artigen.shapes.draw import find_seed
 
     wish = read_suited_wish(ShapeJob(category=category, seed=0, out=Path(), cfg=cfg))
     seed = find_seed(category, read_counts(cfg.topology), wish)
-    sys.stdout.write(f"{' '.join(cfg.topology)}: all are built as {category} {seed}\n")
+    sys.stdout.write(f"{' '.join(cfg.topology)}: the template is {category} {seed}\n")
     return replace(cfg, like=seed, topology=())
 
 
 def draw_wished(job: ShapeJob) -> "Shape":
-    """Draws the object of a job."""
+    """Draws the object of a job, in the finishes of its suite."""
     from artigen.shapes.draw import draw_shape
     from artigen.shapes.families import dress_shape
 
@@ -123,10 +123,10 @@ def draw_wished(job: ShapeJob) -> "Shape":
 
 
 def read_suite(job: ShapeJob) -> "Suite | None":
-    """The suite that the object is part of; None without a family.
+    """The suite of the object; None without a family.
 
     Raises:
-        ArtigenError: If the family is not known, or there is a suite without one.
+        ArtigenError: If the family is unknown, or a suite is given without a family.
     """
     from artigen.shapes.families import FAMILIES, choose_suite
 
@@ -142,7 +142,7 @@ def read_suite(job: ShapeJob) -> "Suite | None":
 
 
 def read_suited_wish(job: ShapeJob) -> "Wish":
-    """The wish among the settings of a job, with the style and the hardware of its suite."""
+    """The wish of a job, with the style and hardware of its suite."""
     from artigen.shapes.families import wish_suite
 
     wish, suite = read_wish(job.cfg), read_suite(job)
@@ -150,13 +150,13 @@ def read_suited_wish(job: ShapeJob) -> "Wish":
 
 
 def _draw_like(job: ShapeJob, like: int, wish: "Wish") -> "Shape":
-    """An object that is built as the one of seed ``like``."""
+    """An object with the topology of that of seed ``like``."""
     from artigen.shapes.draw import draw_variant
 
     if job.cfg.source != "reference":
         raise ArtigenError(
-            f"like {like} with source {job.cfg.source}: what is rebuilt from voxels has hulls as they come; "
-            "leave source at reference"
+            f"like {like} with source {job.cfg.source}: reconstruction from voxels changes the collision "
+            "shapes; use source reference"
         )
     from sim_export.reference import describe_build
 
@@ -166,7 +166,7 @@ def _draw_like(job: ShapeJob, like: int, wish: "Wish") -> "Shape":
 
 @cache
 def _build_of(category: str, seed: int, wish: "Wish") -> list[object]:
-    """How the object of a seed is built; drawn once per process."""
+    """Topology of the object of a seed; drawn once per process."""
     from artigen.shapes.draw import draw_shape
     from sim_export.reference import describe_build
 
@@ -174,7 +174,7 @@ def _build_of(category: str, seed: int, wish: "Wish") -> list[object]:
 
 
 def read_wish(cfg: ShapeSettings) -> "Wish":
-    """The wish among the settings, its counts read.
+    """The wish in the settings, with parsed counts.
 
     Raises:
         ArtigenError: If a count is not of the form label=number.
@@ -191,10 +191,10 @@ def read_wish(cfg: ShapeSettings) -> "Wish":
 
 
 def read_counts(texts: Sequence[str]) -> tuple[tuple[PartLabel, int], ...]:
-    """Counts of parts written as ``label=number``, in the order of their labels.
+    """Parses counts of parts written as ``label=number``; sorted by label.
 
     Raises:
-        ArtigenError: If a text is not of that form, or two say different things about one label.
+        ArtigenError: If a text is not of that form, or two texts contradict each other.
     """
     labels: dict[str, PartLabel] = {label: label for label in get_args(PartLabel)}
     counts: dict[PartLabel, int] = {}
@@ -205,7 +205,7 @@ def read_counts(texts: Sequence[str]) -> tuple[tuple[PartLabel, int], ...]:
                 f"count {text!r} is not of the form label=number; labels are {', '.join(labels)}"
             )
         if counts.setdefault(labels[label], int(number)) != int(number):
-            raise ArtigenError(f"counts {label}={counts[labels[label]]} and {text}: both are asked for")
+            raise ArtigenError(f"counts {label}={counts[labels[label]]} and {text} contradict each other")
     return tuple(sorted(counts.items()))
 
 
@@ -238,7 +238,7 @@ def make_package(
     splats: bool = False,
     textures: Literal["own", "shared"] = "own",
 ) -> "SimPackage":
-    """The package of an object: exact, or rebuilt from its voxels as that of a generated one would be."""
+    """The package of an object: exact, or reconstructed from its voxels."""
     from artigen import __version__
     from artigen.shapes.asset import frame_shape, shape_to_asset
     from sim_export.appearance.splats import splat_package
@@ -260,7 +260,7 @@ def make_package(
         return splat_package(package, sampled)
     if textures != "own":
         raise ArtigenError(
-            f"textures {textures} with source {source}: what is rebuilt from voxels has its own"
+            f"textures {textures} with source {source}: only source reference can share textures"
         )
     from artigen.cli.convert import rebuild_from_voxels
     from sim_export.export import export_asset
@@ -271,7 +271,7 @@ def make_package(
 
 
 def export_and_validate(worker: Worker, job: ShapeJob) -> Finished:
-    """One object the whole way, in a supervised process."""
+    """Makes and validates one object in a supervised process."""
     full = job.cfg.validation == "full"
     return make_and_validate(worker, job, export_shape, timeout=TIMEOUT, validation=full)
 
@@ -303,14 +303,14 @@ def shape(
         shard: Run only the K-th of N equal parts, such as 3/64.
     """
     if count < 1 or seed < 0:
-        raise ArtigenError(f"{count} objects from seed {seed}: at least one object, and no seed below 0")
+        raise ArtigenError(f"{count} objects from seed {seed}: expected at least 1 object and a seed from 0")
     cfg = choose_like(category, cfg)
     jobs = [
         ShapeJob(category=category, seed=number, out=out, cfg=cfg) for number in range(seed, seed + count)
     ]
     part, chosen = read_shard(shard), choose_runner(runner, workers)
     pictured = take_part(jobs, part) if sheet else jobs[:1]
-    drawn = [draw_wished(job) for job in pictured]  # says at once what cannot be
+    drawn = [draw_wished(job) for job in pictured]  # fails before any work starts
     results = run_shown(export_and_validate, jobs, out, runner=chosen, part=part)
     if sheet is not None:
         write_sheet(drawn, sheet)
@@ -323,7 +323,7 @@ def shape(
 
 
 def write_sheet(drawn: "list[Shape]", path: Path) -> None:
-    """All objects closed, and below them open, as one PNG."""
+    """Writes a PNG with all objects closed in the top row and open in the bottom row."""
     import numpy as np
     from PIL import Image
 

@@ -1,4 +1,4 @@
-"""Reads `object.json`: the layout of SINGAPO and CAGE, in which the ACD set comes.
+"""Reads `object.json`, the layout of SINGAPO, CAGE and the ACD set.
 
 ``diffuse_tree`` lists the parts: id, name, parent (-1 for the base), a joint with type, range (degrees or
 lengths) and axis, a box, and mesh files in their places, textured ones (``objs``) and plain ones (``plys``).
@@ -41,20 +41,21 @@ logger = logging.getLogger(__name__)
 JOINTS = ("fixed", "revolute", "prismatic", "continuous", "screw")
 OWN_LABELS: dict[str, PartLabel] = dict(zip(PART_LABELS, PART_LABELS, strict=True))
 MESH_KEYS = ("objs", "plys")
-"""Textured meshes first; where there are none, the plain ones."""
+"""Keys of mesh files: textured ones, or plain ones if there are none."""
 
 
 def read_acd(path: Path, scratch: Path, cfg: ReaderConfig | None = None, *, name: str = "") -> SourceObject:
     """Reads one object.json and the meshes that it names.
 
     Args:
-        path: the file.
-        scratch: folder for meshes that cannot stay as they are.
-        cfg: samples, size, category, and which way is up and front.
-        name: of the object; that of its folder where it is not given.
+        path: The file.
+        scratch: Folder for converted meshes.
+        cfg: Samples, size, category, up and front axis.
+        name: Name of the object; default: that of its folder.
 
     Raises:
-        SourceError: names the file, the part, the field, what it holds and what is allowed.
+        SourceError: If the object is invalid; names the file, the part, the field, its value and what is
+            allowed.
     """
     cfg = cfg or ReaderConfig()
     value = read_json(path)
@@ -150,7 +151,7 @@ def _parse_node(item: object, path: Path) -> SourceNode:
 
 
 def _check_tree(nodes: Sequence[SourceNode], path: Path) -> None:
-    """Unique ids, one base, and no part that carries itself."""
+    """Checks for unique ids, one base, and a tree."""
     ids = [node.id for node in nodes]
     bases = [node.id for node in nodes if node.parent == -1]
     if len(set(ids)) != len(ids) or len(bases) != 1:
@@ -168,7 +169,7 @@ def _check_tree(nodes: Sequence[SourceNode], path: Path) -> None:
 def _read_pieces(
     node: SourceNode, owner: int, item: dict, path: Path, scratch: Path, notes: list[str]
 ) -> list[PieceMesh]:
-    """The geometry of one part: its textured meshes, else its plain ones, else its box."""
+    """The geometry of one part: its textured meshes, else its plain meshes, else its box."""
     where = f"{path}: part {node.id} ({node.name})"
     word = node.name if owner != node.id and node.name in (*SPLIT_LABELS, *SHELF_NAMES) else OTHER
     piece = SourcePiece(id=node.id, name=word)
@@ -208,7 +209,7 @@ def _read_pieces(
 
 
 def _find_file(name: str, path: Path, where: str) -> Path:
-    """A mesh as it is named, or in the folders where bare names of meshes lie."""
+    """Path of a mesh: as named, or in the usual folders of bare names."""
     bare = [f"objs/{name}.obj", f"textured_objs/{name}.obj", f"plys/{name}.ply"]
     places = [inside(path.parent, path.parent, place, where) for place in (name, *bare)]
     return next((place for place in places if place.is_file()), places[0])
@@ -217,7 +218,7 @@ def _find_file(name: str, path: Path, where: str) -> Path:
 def _label(
     nodes: Sequence[SourceNode], corners: Mapping[int, np.ndarray], turn: np.ndarray, notes: list[str]
 ) -> dict[int, PartLabel]:
-    """The parts' own names are our labels nearly always; else the tables decide."""
+    """Labels of the parts: their names, which nearly always are labels, else the tables."""
     labels: dict[int, PartLabel] = {}
     for node in nodes:
         own = OWN_LABELS.get(node.name, "base")

@@ -1,4 +1,4 @@
-"""What an object is, from a name that somebody gave it: ``kitchen_base_cabinet_03`` is StorageFurniture."""
+"""Guesses the category of an object from a name: ``kitchen_base_cabinet_03`` is StorageFurniture."""
 
 import re
 from collections.abc import Sequence
@@ -24,22 +24,22 @@ OTHER_WORDS: dict[str, str] = {
     "lid pot": "KitchenPot",
     "kettle": "Kettle",
 }
-"""Nouns that sources use and that nobody asks the model for."""
+"""Nouns of sources that are not in the vocabulary of requests."""
 NO_NAMES = ("mobility", "model", "robot", "object", "partnet", "urdf", "asset", "cvx", "main", "scene")
-"""Words in names of files and robots that say nothing."""
+"""Meaningless words in names of files and robots."""
 
 
 def split_words(name: str) -> list[str]:
-    """The words of a name in lower case: at capitals, digits and everything that is no letter."""
+    """The words of a name in lower case, split at capitals, digits and other characters."""
     spaced = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name)
     return [word for word in re.split(r"[^a-z]+", spaced.lower()) if word]
 
 
 def guess_category(names: Sequence[str]) -> tuple[str, str]:
-    """The category that the first telling name holds, and a note on how it was found.
+    """The category of the first name with a known noun, and a note on how it was found.
 
-    Of several nouns in a name the last one counts, of these the longest. Where no name holds one, the
-    category is the first name that is a word at all, else `UNKNOWN`.
+    The last noun in a name counts, and the longest of those. Without a noun, the category is the first name
+    that is a word, else `UNKNOWN`.
     """
     known = {" ".join(split_words(name)): name for name in SIZE_TABLE}
     known |= {**CATEGORY_WORDS, **OTHER_WORDS}

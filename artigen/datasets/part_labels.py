@@ -1,7 +1,7 @@
-"""Many names for parts, mapped to our eight labels: a table of names, and one of joints for other names.
+"""Labels of parts: a table of names, and a table of joints for parts whose names are unknown.
 
-`LABEL_TABLE` and `JOINT_TABLE` are the whole truth; ``docs/how-to/convert.md`` shows them, and a test keeps
-them equal. PartNet's own names match whole; names of links and joints in a URDF are searched for the words.
+The documentation shows `LABEL_TABLE` and `JOINT_TABLE`; a test keeps it equal. PartNet's names match as a
+whole; names of links and joints in a URDF are searched for the words.
 """
 
 import re
@@ -19,17 +19,17 @@ SourceJoint = Literal["hinge", "slider"]
 JointWord = Literal["hinge", "free hinge", "slider", "fixed"]
 
 SPLIT_LABELS: dict[str, PartLabel] = {"handle": "handle", "knob": "knob"}
-"""Content that becomes a part of its own, fixed to the part that carries it."""
+"""Pieces that become separate parts, fixed to the part that carries them."""
 
 SPLIT_WORDS: dict[str, PartLabel] = {
     **SPLIT_LABELS,
     **dict.fromkeys(("grip", "pull", "bail"), "handle"),
     "shelf": "shelf",
 }
-"""The same by words, in names of a URDF: keys and switches are too many and too small."""
+"""The same by words in names of a URDF, without keys and switches, which are too many and too small."""
 
 SHELF_NAMES: tuple[str, ...] = ("shelf",)
-"""Content of the body that becomes a fixed shelf."""
+"""Pieces of the body that become fixed shelves."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,7 +44,7 @@ class LabelRule:
 
 @dataclass(frozen=True, kw_only=True)
 class MovingPart:
-    """What a joint and the extent of what it moves say about a part.
+    """Properties of a joint and of the part that it moves.
 
     Lengths are shares of the object's longest edge, heights of the object's height.
     """
@@ -63,7 +63,7 @@ class MovingPart:
 
 @dataclass(frozen=True, kw_only=True)
 class JointRule:
-    """A label for parts whose names say nothing, by joint, size and parent."""
+    """A label for parts with unknown names, by joint, size and parent."""
 
     joint: JointWord
     label: PartLabel
@@ -185,7 +185,7 @@ LABEL_TABLE: tuple[LabelRule, ...] = (
         example="handles that move",
     ),
 )
-"""Rules in order of precedence: the first rule that holds one of a part's names decides."""
+"""Rules in order of precedence: the first rule that contains one of a part's names decides."""
 
 JOINT_TABLE: tuple[JointRule, ...] = (
     JointRule(
@@ -217,18 +217,18 @@ JOINT_TABLE: tuple[JointRule, ...] = (
     JointRule(
         joint="slider",
         label="knob",
-        when="travels at most 5 % of the object's longest edge, or is at most 15 % of it large",
+        when="travels at most 5 % of the object's longest edge, or is no larger than 15 % of it",
         holds=lambda part: part.travel <= 0.05 or part.size <= 0.15,
     ),
     JointRule(joint="slider", label="door", when="travels up and down", holds=lambda part: part.upright),
     JointRule(joint="slider", label="drawer", when="any other", holds=lambda part: True),
     JointRule(joint="fixed", label="base", when="any", holds=lambda part: True),
 )
-"""Rules in order of precedence for parts that `LABEL_TABLE` knows no name of."""
+"""Rules in order of precedence for parts without a name in `LABEL_TABLE`."""
 
 
 def choose_label(joint: SourceJoint, names: Sequence[str]) -> PartLabel | None:
-    """Label of the first rule that holds one of a movable part's names, whole."""
+    """Label of the first rule that contains one of a movable part's names."""
     for rule in LABEL_TABLE:
         label = rule.hinge if joint == "hinge" else rule.slider
         if label is not None and any(name in rule.names for name in names):
@@ -237,9 +237,9 @@ def choose_label(joint: SourceJoint, names: Sequence[str]) -> PartLabel | None:
 
 
 def find_word(name: str) -> str | None:
-    """The name of the table that a free-form name holds: of several the last one, of these the longest.
+    """The table name that a free-form name contains: the last one, and the longest of those.
 
-    ``leftDoorHandle_01`` holds ``handle``: the last word says what a thing is, those before it which one.
+    ``leftDoorHandle_01`` contains ``handle``: the last word says what a thing is, those before it which one.
     """
     spaced = re.sub(r"(?<=[a-z])(?=[A-Z])|(?<=[A-Za-z])(?=\d)", " ", name)
     words = [word for word in re.split(r"[^a-z]+", spaced.lower()) if word]
@@ -254,13 +254,13 @@ def find_word(name: str) -> str | None:
 
 
 def label_by_joint(joint: JointWord, part: MovingPart) -> tuple[PartLabel, str]:
-    """Label of a part whose names say nothing, and the condition that decided."""
+    """Label of a part with unknown names, and the condition that decided."""
     rule = next(rule for rule in JOINT_TABLE if rule.joint == joint and rule.holds(part))
     return rule.label, rule.when
 
 
 def joint_word(node: SourceNode) -> JointWord:
-    """How the tables call a node's joint."""
+    """The word of the tables for a node's joint."""
     if node.joint not in MOVING_JOINTS:
         return "fixed"
     if node.joint == "hinge":
@@ -274,13 +274,13 @@ def measure_part(
     labels: Mapping[int, PartLabel],
     T_zup_file: Float[np.ndarray, "4 4"],
 ) -> MovingPart:
-    """What the joint table asks for about one node.
+    """Measures the properties of one node that the joint table uses.
 
     Args:
-        node: a node with a parent.
-        corners: corners of the triangles of every node, as its files hold them.
-        labels: labels of the nodes so far, the parent's among them.
-        T_zup_file: how files are turned to z up.
+        node: Node with a parent.
+        corners: Corners of the triangles of every node in file coordinates.
+        labels: Labels of the nodes so far, including the parent.
+        T_zup_file: Rotation of files to z up.
     """
     turn = T_zup_file[:3, :3]
     turned = {number: points @ turn.T for number, points in corners.items()}
@@ -306,14 +306,14 @@ def guess_label(
     labels: Mapping[int, PartLabel],
     T_zup_file: Float[np.ndarray, "4 4"],
 ) -> tuple[PartLabel, str]:
-    """Label of a movable part, and why: by the first telling name, else by its joint.
+    """Label of a movable part and the reason: the first known name, else its joint.
 
     Args:
-        node: a node with a parent.
-        names: free-form names of the part, the best first.
-        corners: corners of the triangles of every node, as its files hold them.
-        labels: labels of the nodes so far, the parent's among them.
-        T_zup_file: how files are turned to z up.
+        node: Node with a parent.
+        names: Free-form names of the part in order of preference.
+        corners: Corners of the triangles of every node in file coordinates.
+        labels: Labels of the nodes so far, including the parent.
+        T_zup_file: Rotation of files to z up.
     """
     joint = joint_word(node)
     for name in names:
@@ -330,12 +330,12 @@ def label_nodes(
     corners: Mapping[int, Float[np.ndarray, "N 3"]],
     T_zup_file: Float[np.ndarray, "4 4"],
 ) -> tuple[dict[int, PartLabel], list[str]]:
-    """Labels of all nodes by id, with a note for each that only its joint could label.
+    """Labels of all nodes by id, with a note for each node that was labelled by its joint.
 
     Args:
-        nodes: parents before children.
-        corners: corners of the triangles of every node, as its files hold them.
-        T_zup_file: how files are turned to z up.
+        nodes: Nodes, parents before children.
+        corners: Corners of the triangles of every node in file coordinates.
+        T_zup_file: Rotation of files to z up.
     """
     labels: dict[int, PartLabel] = {}
     notes = []

@@ -1,7 +1,7 @@
-"""PartNet-Mobility's JSON files, parsed and checked; nothing here touches geometry.
+"""Parses and checks PartNet-Mobility's JSON files, without geometry.
 
-``mobility_v2.json`` is the original annotation and the truth about parts and joints;
-``result.json`` says which mesh files make up an annotated piece.
+``mobility_v2.json`` is the original annotation, which defines parts and joints;
+``result.json`` lists the mesh files of each annotated piece.
 """
 
 import json
@@ -17,9 +17,9 @@ from artigen.errors import SourceError
 ROOT_JOINTS = ("static", "heavy", "free")
 MOVING_JOINTS = ("hinge", "slider")
 MAX_ANGLE = 720.0
-"""Largest believable hinge limit in degrees."""
+"""Largest plausible hinge limit in degrees."""
 MAX_LENGTH = 100.0
-"""Largest believable coordinate or travel, in PartNet's units (objects are about 2 long)."""
+"""Largest plausible coordinate or travel in PartNet's units (objects are about 2 long)."""
 
 Kind = TypeVar("Kind", int, str, list, dict)
 
@@ -34,7 +34,7 @@ class SourcePiece:
 
 @dataclass(frozen=True, kw_only=True)
 class SourceNode:
-    """One node of mobility_v2.json; degrees and PartNet lengths, PartNet frame (y up)."""
+    """One node of mobility_v2.json: degrees and PartNet lengths in PartNet's frame (y up)."""
 
     id: int
     parent: int
@@ -71,7 +71,7 @@ def read_nodes(path: Path) -> tuple[SourceNode, ...]:
     """Reads mobility_v2.json: all nodes, checked one by one and as a forest.
 
     Raises:
-        SourceError: names the node, the field, what it holds and what is allowed.
+        SourceError: If a node is invalid; names the node, the field, its value and what is allowed.
     """
     value = read_json(path)
     if not isinstance(value, list) or not value:
@@ -144,7 +144,7 @@ def _origin(axis: dict, joint: str, where: str) -> tuple[float, float, float]:
 
 
 def read_field(item: dict, key: str, kind: type[Kind], where: str) -> Kind:
-    """The value of a key, of one kind; raises `SourceError` naming ``where`` it is not."""
+    """The value of a key, checked for its type; raises `SourceError` naming ``where``."""
     value = item.get(key)
     if not isinstance(value, kind) or isinstance(value, bool):
         raise SourceError(f"{where}: {key!r} holds {value!r}, expected {kind.__name__}")

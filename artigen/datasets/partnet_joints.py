@@ -1,9 +1,8 @@
-"""Converts PartNet's joint annotation: finds the closed pose and counts joints from there.
+"""Converts PartNet's joint annotation: finds the closed pose and measures joints from it.
 
-PartNet states limits ``[a, b]`` relative to the pose in which the artist modelled the part, which
-may be half open; limits may start below zero, run backwards, or leave the modelled pose out.
-``a`` is the closed end nearly always. `closed_pose` checks that against the geometry: the closed
-pose is one where the part sticks out least from the box of the body.
+PartNet states limits ``[a, b]`` relative to the modelled pose, which may be half open. Limits may start
+below zero, run backwards, or exclude the modelled pose. ``a`` is nearly always the closed end; `closed_pose`
+verifies that by geometry: in the closed pose the part protrudes least from the body's box.
 """
 
 from dataclasses import dataclass
@@ -19,19 +18,19 @@ from artigen.types import FIXED, FULL_TURN, Joint, PartLabel
 JointKind = Literal["fixed", "revolute", "prismatic", "continuous", "screw"]
 
 HINGE_TOLERANCE = 0.01
-"""Poses whose mean distance outside the body differs by less, in body diagonals, count as equal."""
+"""Poses count as equal if their mean distances outside the body differ by less (in body diagonals) ..."""
 OPEN_TOLERANCE = 0.08
-"""The same, as a share of the distance where the part sticks out most."""
+"""... or by less than this share of the largest distance."""
 BOTH_WAYS = 0.25
-"""A range with at least this share on either side of the modelled pose swings both ways."""
+"""A part swings both ways if at least this share of its range is on either side of the modelled pose."""
 SLIDER_TOLERANCE = 0.1
-"""The same for sliders, in travels."""
+"""Tolerance of equal poses of sliders, as a share of the travel."""
 POSES_TRIED = 61
 
 
 @dataclass(frozen=True, kw_only=True)
 class RestPose:
-    """Rest coordinate and far end in PartNet's own numbers (degrees or lengths)."""
+    """Rest coordinate and far end in PartNet's units (degrees or lengths)."""
 
     rest: float
     far: float
@@ -39,7 +38,7 @@ class RestPose:
 
 
 def joint_kind(node: SourceNode) -> JointKind:
-    """The joint type of a node; a slider that turns freely as well counts as continuous."""
+    """The joint type of a node; a slider that also turns freely counts as continuous."""
     if node.joint == "hinge":
         return "continuous" if node.unlimited else "fixed" if node.a == node.b else "revolute"
     if node.joint != "slider":
@@ -66,19 +65,19 @@ def closed_pose(
     points: Float[np.ndarray, "N 3"],
     body: Float[np.ndarray, "2 3"],
 ) -> RestPose:
-    """Finds the closed pose of a node among its limits.
+    """Finds the closed pose of a node.
 
-    The first candidate wins that sticks out of the body no more than the best one does. Candidates
-    are ``a``, then ``b``. Doors and handles on hinges first try the modelled pose when it lies well
-    between the limits, and doors last the best pose between them (a window that swings both ways).
-    Sliding doors first try the end nearer to the modelled pose. Knobs, buttons and wheels rest at
-    ``a``: pressing a button hides it, which does not close it.
+    The first candidate that protrudes from the body no more than the best one wins. Candidates are ``a``,
+    then ``b``. Hinged doors and handles first try the modelled pose if it is well between the limits, and
+    doors finally try the best pose between them (a window that swings both ways). Sliding doors first try
+    the end nearer to the modelled pose. Knobs, buttons and wheels rest at ``a``: pressing a button hides it,
+    which does not close it.
 
     Args:
-        node: a hinge or slider with limits.
-        label: what the part is.
-        points: points on the part and all that it carries, as modelled.
-        body: lowest and highest corner of the body.
+        node: Hinge or slider with limits.
+        label: Label of the part.
+        points: Points on the part and all that it carries, as modelled.
+        body: Lowest and highest corner of the body.
     """
     candidates = [node.a, node.b]
     tried = np.linspace(node.a, node.b, POSES_TRIED)
@@ -109,13 +108,13 @@ def closed_pose(
 
 
 def _swings_both_ways(node: SourceNode) -> bool:
-    """The modelled pose lies well inside the range; near an end, the part was drawn ajar."""
+    """Whether the modelled pose is well inside the range; near an end, the part was modelled ajar."""
     low, high = sorted((node.a, node.b))
     return low < 0.0 < high and min(-low, high) >= BOTH_WAYS * (high - low)
 
 
 def _protrusions(node: SourceNode, q: np.ndarray, points: np.ndarray, body: np.ndarray) -> np.ndarray:
-    """Mean distance of the points from the body's box, at each pose."""
+    """Mean distance of the points from the body's box at each pose."""
     T = motion(node, q)
     moved = points @ np.swapaxes(T[:, :3, :3], 1, 2) + T[:, None, :3, 3]
     outside = np.maximum(0.0, np.maximum(body[0] - moved, moved - body[1]))
@@ -123,7 +122,7 @@ def _protrusions(node: SourceNode, q: np.ndarray, points: np.ndarray, body: np.n
 
 
 def describe_rest(node: SourceNode, rest: float, far: float) -> str:
-    """How the closed pose differs from the pose and the range in the files; empty where it does not."""
+    """The differences of the closed pose from the pose and range in the files; empty if there are none."""
     unit = " degrees" if node.joint == "hinge" else ""
     where = f"node {node.id} ({node.name}): limits [{node.a:g}, {node.b:g}]{unit}"
     said = []
@@ -139,13 +138,13 @@ def describe_rest(node: SourceNode, rest: float, far: float) -> str:
 def build_joint(
     node: SourceNode, pose: RestPose, T_unit_partnet: Float[np.ndarray, "4 4"], scale: float
 ) -> Joint:
-    """The joint of a node in the unit cube, counted from its rest pose and opening positively.
+    """The joint of a node in the unit cube, measured from its rest pose, opening positively.
 
     Args:
-        node: the annotation.
-        pose: rest and far end; ignored for joints without limits.
-        T_unit_partnet: rigid placement of the (already scaled) parent geometry at rest.
-        scale: unit-cube lengths per PartNet length.
+        node: Annotation.
+        pose: Rest and far end; ignored for joints without limits.
+        T_unit_partnet: Rigid placement of the scaled parent geometry at rest.
+        scale: Unit-cube lengths per PartNet length.
     """
     kind = joint_kind(node)
     if kind == "fixed":
@@ -168,11 +167,11 @@ def build_joint(
 
 
 def describe_joint(node: SourceNode) -> str:
-    """Says where the joint was simplified; empty where it is as annotated."""
+    """How the joint was simplified; empty if it is as annotated."""
     kind = joint_kind(node)
     where = f"node {node.id} ({node.name})"
     if kind == "continuous" and node.joint == "slider":
-        return f"{where} turns freely and slides by {abs(node.b - node.a):g}; the slide was left out"
+        return f"{where} turns freely and slides by {abs(node.b - node.a):g}; the slide was dropped"
     if kind == "fixed" and node.joint in MOVING_JOINTS:
         return f"{where}: limits [{node.a:g}, {node.b:g}] leave no motion, made fixed"
     if kind == "screw":

@@ -1,7 +1,7 @@
-"""Which mesh files belong to which annotated piece, and the triangles in them.
+"""Assigns mesh files to annotated pieces and reads their triangles.
 
-``result.json`` decides where it is there; otherwise the number in a URDF visual's name
-(``handle-12``), otherwise the link that holds the visual. Every deviation becomes a note.
+``result.json`` decides if it exists; otherwise the number in the URDF visual's name (``handle-12``);
+otherwise the link of the visual. Every deviation becomes a note.
 """
 
 import re
@@ -22,9 +22,9 @@ MESH_FOLDER = "textured_objs"
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class PieceMesh:
-    """One mesh file and the annotated piece that it draws; ``p_tree = T_tree_file * (scale * p_file)``.
+    """One mesh file and its annotated piece; ``p_tree = T_tree_file * (scale * p_file)``.
 
-    ``mesh`` is placed already: its frame is that of the joints.
+    ``mesh`` is already in the frame of the joints.
     """
 
     node: int
@@ -36,7 +36,7 @@ class PieceMesh:
 
     @property
     def visual_name(self) -> str:
-        """The name PartNet's URDF gives to such a visual."""
+        """The name of this visual in PartNet's URDF."""
         return f"{self.piece.name}-{self.piece.id}"
 
 
@@ -55,18 +55,18 @@ def read_pieces(
     urdf: UrdfFile,
     files: dict[int, tuple[str, ...]],
 ) -> tuple[tuple[PieceMesh, ...], tuple[str, ...]]:
-    """Reads every mesh of the live nodes; returns them with notes on what was missing.
+    """Reads every mesh of the live nodes; returns them with notes on missing files.
 
     Args:
-        folder: the object.
-        nodes: all nodes, junk too, so that junk meshes are not taken for somebody else's.
-        live: ids of the nodes to read.
-        urdf: the object's URDF.
-        files: mesh names of annotated ids, from result.json; empty where there is none.
+        folder: Folder of the object.
+        nodes: All nodes, including junk, so that meshes of junk are not assigned to other nodes.
+        live: Ids of the nodes to read.
+        urdf: The object's URDF.
+        files: Mesh names by annotated id, from result.json; empty without one.
 
     Raises:
-        SourceError: a mesh is malformed or outside the folder, or a node that the URDF draws has lost
-            all its files.
+        SourceError: If a mesh is malformed or outside the folder, or all files of a node that the URDF draws
+            are missing.
     """
     references, notes = _collect(folder, nodes, urdf, files)
     pieces: list[PieceMesh] = []
@@ -129,13 +129,13 @@ def _collect(
             unlisted += path.is_file()
     if homeless:
         notes.append(
-            f"{len(homeless)} visuals belong to no annotated part and were left out: {', '.join(homeless)}"
+            f"{len(homeless)} visuals belong to no annotated part and were dropped: {', '.join(homeless)}"
         )
     if unlisted:
         notes.append(f"{unlisted} mesh files that the URDF leaves out were added from result.json")
     primitives = [visual.name or visual.link for visual in urdf.visuals if visual.kind != "mesh"]
     if primitives:
-        notes.append(f"{len(primitives)} visuals without a mesh file were left out: {', '.join(primitives)}")
+        notes.append(f"{len(primitives)} visuals without a mesh file were dropped: {', '.join(primitives)}")
     return list(found.values()), notes
 
 
@@ -150,7 +150,7 @@ def _owner_by_name(
 def _owner_by_link(
     visual: UrdfShape, above: dict[str, str], known: dict[int, SourceNode]
 ) -> tuple[SourceNode, SourcePiece] | None:
-    """The node of the link, or of the nearest link above it that has one."""
+    """The node of the link, or of its nearest ancestor that has one."""
     link: str | None = visual.link
     while link is not None:
         match = re.fullmatch(r"link_(\d+)", link)

@@ -1,8 +1,7 @@
-"""Reads any PartNet-Mobility folder into an `Asset`: parts, joints, coloured surface, real size.
+"""Reads PartNet-Mobility folders into an `Asset`: parts, joints, coloured surface, size in metres.
 
-``mobility_v2.json`` is the truth about parts and joints, mesh files are drawn where they lie, and
-everything that was decided on the way (a rest pose moved, a mesh missing, a URDF that disagrees) is
-a sentence in ``asset.notes``. See docs/reference/partnet_mobility.md.
+``mobility_v2.json`` defines parts and joints. Every decision (a moved rest pose, a missing mesh, a URDF that
+disagrees) is a note in ``asset.notes``. See docs/reference/partnet_mobility.md.
 """
 
 import logging
@@ -27,18 +26,18 @@ from artigen.types import PartLabel
 logger = logging.getLogger(__name__)
 
 POINTS_PER_NODE = 2000
-"""Corners looked at when the closed pose is sought; more change nothing but the time."""
+"""Number of corners used to find the closed pose; more only take longer."""
 
 
 def read_object(folder: Path, cfg: ReaderConfig | None = None) -> SourceObject:
     """Reads one PartNet-Mobility folder.
 
     Args:
-        folder: holds mobility_v2.json, mobility.urdf, meta.json, textured_objs/ and, usually, result.json.
-        cfg: sample count, seed and size; the defaults are for 64^3 voxels.
+        folder: Holds mobility_v2.json, mobility.urdf, meta.json, textured_objs/ and usually result.json.
+        cfg: Sample count, seed and size; the defaults suit 64^3 voxels.
 
     Raises:
-        SourceError: the folder cannot be read; one sentence names file, element and value.
+        SourceError: If the folder cannot be read; the message names file, element and value.
     """
     cfg = cfg or ReaderConfig()
     category = cfg.category or _read_category(folder / "meta.json")
@@ -79,11 +78,11 @@ def _read_category(path: Path) -> str:
 
 
 def _keep_live(nodes: tuple[SourceNode, ...], folder: Path) -> tuple[tuple[SourceNode, ...], list[str]]:
-    """Drops junk and all that hangs on it; checks that one root is left."""
+    """Drops junk and its descendants; checks that one root remains."""
     dead = {node.id for node in nodes if node.joint == "junk"}
     while grown := {node.id for node in nodes if node.parent in dead} - dead:
         dead |= grown
-    notes = [f"node {node.id} ({node.name}) is junk and was left out" for node in nodes if node.id in dead]
+    notes = [f"node {node.id} ({node.name}) is junk and was dropped" for node in nodes if node.id in dead]
     live = tuple(node for node in nodes if node.id not in dead)
     roots = [f"{node.id} ({node.name})" for node in live if node.parent == -1]
     if len(roots) != 1:
@@ -97,7 +96,7 @@ def _keep_live(nodes: tuple[SourceNode, ...], folder: Path) -> tuple[tuple[Sourc
 def _keep_drawn(
     nodes: tuple[SourceNode, ...], pieces: tuple[PieceMesh, ...], folder: Path
 ) -> tuple[tuple[SourceNode, ...], list[str]]:
-    """Leaves out movable parts whose geometry the source has lost altogether; the base may not be one."""
+    """Drops movable parts without any geometry in the source; a base without geometry is an error."""
     drawn = {piece.node for piece in pieces}
     notes = []
     for node in nodes:
@@ -111,14 +110,14 @@ def _keep_drawn(
         children = [child.id for child in nodes if child.parent == node.id]
         if children:
             raise SourceError(f"{where} has no geometry, but carries nodes {children}")
-        notes.append(f"node {node.id} ({node.name}) was left out: none of its mesh files exists")
+        notes.append(f"node {node.id} ({node.name}) was dropped: none of its mesh files exists")
     return tuple(node for node in nodes if node.id in drawn), notes
 
 
 def find_rest_poses(
     nodes: Sequence[SourceNode], labels: Mapping[int, PartLabel], corners: Mapping[int, np.ndarray]
 ) -> dict[int, RestPose]:
-    """Closed pose of every node; zero where there is nothing to choose."""
+    """Closed pose of every node; zero for nodes without a choice."""
     base = next(node.id for node in nodes if node.parent == -1)
     body = np.stack([corners[base].min(axis=0), corners[base].max(axis=0)])
     poses = {}
@@ -131,18 +130,18 @@ def find_rest_poses(
 
 
 def _find_turn(nodes: tuple[SourceNode, ...], urdf: UrdfFile) -> tuple[np.ndarray, list[str]]:
-    """How mesh files are turned to z up: as the URDF places the base, which is nearly always the same."""
+    """Rotation of mesh files to z up: that of the base in the URDF, which is nearly always the same."""
     base = next(node for node in nodes if node.parent == -1)
     placed = urdf.T_base_link.get(f"link_{base.id}")
     if placed is None or np.allclose(placed[:3, :3], T_ZUP_FROM_PARTNET[:3, :3], atol=1e-4):
         return T_ZUP_FROM_PARTNET, []
     turn = np.eye(4)
     turn[:3, :3] = placed[:3, :3]
-    return turn, ["the URDF turns the base otherwise than PartNet-Mobility does; its own turn was taken"]
+    return turn, ["the URDF rotates the base differently from PartNet-Mobility; its rotation is used"]
 
 
 def choose_size(category: str, extents: np.ndarray, cfg: ReaderConfig) -> tuple[float, tuple[str, ...]]:
-    """Longest edge in metres of an object whose files have no metres, and a note where it is a guess."""
+    """Longest edge in metres of an object with normalised lengths, and a note if it is a guess."""
     if cfg.size is not None:
         return cfg.size, ()
     size, known = estimate_size(category, extents)

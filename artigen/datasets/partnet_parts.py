@@ -1,4 +1,4 @@
-"""Builds parts from annotated nodes and meshes: placed at rest, handles and shelves split off."""
+"""Builds parts from annotated nodes and meshes: places them at rest, splits off handles and shelves."""
 
 from dataclasses import dataclass
 
@@ -15,7 +15,7 @@ from artigen.types import FIXED, Joint, Part, PartLabel
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Placement:
-    """Where each node's mesh files lie at rest: ``p_unit = T_unit[node] * (scale * p_file)``.
+    """Placement of each node's mesh files at rest: ``p_unit = T_unit[node] * (scale * p_file)``.
 
     ``extents`` are depth, width and height in PartNet lengths.
     """
@@ -39,7 +39,7 @@ def place_nodes(
     pieces: tuple[PieceMesh, ...],
     T_zup_file: Float[np.ndarray, "4 4"],
 ) -> Placement:
-    """Moves every node to its rest pose, turns z up, and fits the whole into the unit cube."""
+    """Moves every node to its rest pose, rotates z up, and fits the object into the unit cube."""
     moved = {node.id: T_zup_file for node in nodes if node.parent == -1}
     for node in order_nodes(nodes):
         if node.id not in moved:
@@ -58,7 +58,7 @@ def place_nodes(
 
 
 def order_nodes(nodes: tuple[SourceNode, ...]) -> list[SourceNode]:
-    """The base, then all others in order of their ids, but parents before children."""
+    """The base, then all others by id, parents before children."""
     order = [node for node in nodes if node.parent == -1]
     waiting = sorted((node for node in nodes if node.parent != -1), key=lambda node: node.id)
     while waiting:
@@ -78,11 +78,11 @@ def build_parts(
     placement: Placement,
     gap: float,
 ) -> tuple[tuple[Part, ...], tuple[Int[np.ndarray, "F"], ...]]:
-    """The parts of the object, and for every mesh the part of each of its faces.
+    """The parts of the object, and for every mesh the part of each face.
 
-    Handles and knobs inside another part, and shelves inside the body, become parts with a fixed
-    joint: one per annotated piece, and one per separate piece of it that is farther than ``gap``
-    from the others. A part never loses all its geometry to them.
+    Handles and knobs inside another part, and shelves inside the body, become parts with a fixed joint: one
+    per annotated piece and per component that is farther than ``gap`` from the others. A part never loses all
+    of its geometry this way.
     """
     drafts: list[_Draft] = []
     owners = tuple(np.full(len(table.faces), -1) for table in tables)
@@ -118,7 +118,7 @@ def _count_up(drafts: list[_Draft], stem: str) -> str:
 def _choose_splits(
     node: SourceNode, label: PartLabel, pieces: list[PieceMesh]
 ) -> list[tuple[PartLabel, int]]:
-    """Label and id of the annotated pieces that become parts of their own."""
+    """Label and id of the annotated pieces that become separate parts."""
     chosen: list[tuple[PartLabel, int]] = []
     left = {piece.piece.id for piece in pieces}
     for number, name in sorted({(piece.piece.id, piece.piece.name) for piece in pieces}):

@@ -25,7 +25,7 @@ class FaceTable:
 
 
 def make_face_table(mesh: ObjMesh, T_unit_file: Float[np.ndarray, "4 4"], scale: float) -> FaceTable:
-    """Places a mesh: scaled first, then moved rigidly."""
+    """Scales a mesh, then moves it rigidly."""
     vertices = (scale * mesh.vertices) @ T_unit_file[:3, :3].T + T_unit_file[:3, 3]
     return FaceTable(
         vertices=vertices,
@@ -38,7 +38,7 @@ def make_face_table(mesh: ObjMesh, T_unit_file: Float[np.ndarray, "4 4"], scale:
 
 
 def split_pieces(tables: Sequence[FaceTable], gap: float) -> list[Int[np.ndarray, "F"]]:
-    """Numbers the spatially separate pieces of some meshes, face by face.
+    """Numbers of the spatially separate pieces of some meshes, face by face.
 
     Connected triangles belong together, and so do components whose boxes are within ``gap``.
     """
@@ -76,7 +76,7 @@ def sample_surface(
     """Draws ``count`` points uniformly by area, stratified, with normals and colours.
 
     Raises:
-        SourceError: an image cannot be decoded, or the surface has no area.
+        SourceError: If an image cannot be decoded, or the surface has no area.
     """
     corners = np.concatenate([table.corners for table in tables])
     cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -84,7 +84,7 @@ def sample_surface(
     ends = np.cumsum(area)
     if not ends[-1] > 0:
         raise SourceError(f"the {len(corners)} triangles of the object have no area")
-    # One draw in each of `count` equal shares of the area: even coverage, and sorted by face.
+    # One draw in each of `count` equal shares of the area: even coverage, sorted by face.
     drawn = (np.arange(count) + rng.random(count)) * (ends[-1] / count)
     face = np.minimum(np.searchsorted(ends, drawn, side="right"), len(corners) - 1)
     weights = _barycentric(count, rng)
@@ -115,7 +115,7 @@ def look_up_colors(
         uv: Texture coordinates of the points.
 
     Raises:
-        SourceError: an image cannot be decoded.
+        SourceError: If an image cannot be decoded.
     """
     materials = [material for table in tables for material in table.materials]
     offsets = np.cumsum([0, *(len(table.materials) for table in tables)])

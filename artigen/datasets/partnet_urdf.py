@@ -1,7 +1,7 @@
-"""Compares the URDF of a PartNet-Mobility folder with its annotation, which is the truth.
+"""Compares the URDF of a PartNet-Mobility folder with its annotation, which takes precedence.
 
-The URDF is one export of the annotation, and repositories that carry these objects have sometimes edited
-it; so it is used to find meshes, and compared with the annotation, but not trusted.
+The URDF is an export of the annotation that redistributors have sometimes edited. It is used to find meshes
+and compared with the annotation, but not trusted.
 """
 
 from pathlib import Path
@@ -23,7 +23,7 @@ EXPECTED_TYPES: dict[str, tuple[str, ...]] = {
 
 
 def compare_urdf(nodes: tuple[SourceNode, ...], urdf: UrdfFile) -> list[str]:
-    """Says where the URDF differs from mobility_v2.json, which is what is used."""
+    """The differences of the URDF from mobility_v2.json, which is used."""
     joints = {joint.child: joint for joint in urdf.joints}
     changed = [
         change
@@ -32,7 +32,7 @@ def compare_urdf(nodes: tuple[SourceNode, ...], urdf: UrdfFile) -> list[str]:
     ]
     notes = []
     if changed:
-        notes.append(f"the URDF differs from mobility_v2.json, which was taken: {', '.join(changed)}")
+        notes.append(f"the URDF differs from mobility_v2.json, which is used: {', '.join(changed)}")
     known = {f"link_{node.id}" for node in nodes} | {"base"}
     known |= {f"link_{node.id}_helper" for node in nodes if node.rotates}
     extra = [link for link in urdf.links if link not in known]
@@ -46,7 +46,7 @@ def compare_urdf(nodes: tuple[SourceNode, ...], urdf: UrdfFile) -> list[str]:
         if shifted:
             notes.append(
                 f"{len(shifted)} visuals are shifted by the URDF ({', '.join(dict.fromkeys(shifted))}); "
-                "they were drawn where their mesh files lie"
+                "the places in their mesh files are used"
             )
     return notes
 
@@ -66,7 +66,7 @@ def _compare_joint(node: SourceNode, joint: UrdfJoint | None) -> str:
 
 
 def check_scales(urdf: UrdfFile, path: Path) -> None:
-    """Raises `SourceError` where the URDF scales a mesh: the annotation knows of one length only."""
+    """Raises `SourceError` if the URDF scales a mesh, since the annotation has one unit of length."""
     for visual in urdf.visuals:
         if visual.scale != (1.0, 1.0, 1.0):
             scale = " ".join(f"{value:g}" for value in visual.scale)

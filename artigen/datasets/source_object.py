@@ -1,4 +1,4 @@
-"""An object as read from somebody's files: the asset, its exact triangles, and the mesh files that show it.
+"""A source object: the asset, its exact triangles, and its mesh files.
 
 Readers of every layout find nodes, joints and meshes; `assemble` turns these into a `SourceObject`.
 """
@@ -23,23 +23,23 @@ Direction = Literal["x", "-x", "y", "-y", "z", "-z"]
 
 @dataclass(frozen=True, kw_only=True)
 class ReaderConfig:
-    """How an object is read."""
+    """Settings of the readers."""
 
     samples: int = 600_000
-    """Points drawn from the surface of the whole object; too few leave holes in 64^3 voxels."""
+    """Number of points sampled on the surface of the object; too few leave holes in 64^3 voxels."""
     seed: int = 0
     """Seed of the surface samples."""
     size: float | None = None
-    """Longest edge of the closed object in metres; None keeps the lengths of a URDF, and takes it from the
-    category table where a layout has no metres."""
+    """Longest edge of the closed object in metres; None keeps the lengths of a URDF and uses the category
+    table for layouts without metres."""
     piece_gap: float = 0.04
-    """Handles of one name that are farther apart become parts of their own (unit-cube lengths)."""
+    """Handles of one name that are farther apart become separate parts (unit-cube lengths)."""
     category: str | None = None
-    """What the object is; None takes it from the object's own files or name."""
+    """Category of the object; None takes it from its files or name."""
     up: Direction | None = None
-    """Which way is up in a URDF or object.json; None is z in a URDF, y in object.json."""
+    """Up axis of a URDF or object.json; None is z in a URDF, y in object.json."""
     front: Direction | None = None
-    """Which way the front faces; None is -x in a URDF, z in object.json."""
+    """Axis that the front faces; None is -x in a URDF, z in object.json."""
 
     def __post_init__(self) -> None:
         if self.samples < 1:
@@ -52,7 +52,7 @@ class ReaderConfig:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SourceVisual:
-    """A mesh file of the source and where it lies: ``p_unit = T_unit_file * (scale * p_file)``."""
+    """A mesh file of the source and its placement: ``p_unit = T_unit_file * (scale * p_file)``."""
 
     part: int
     name: str
@@ -63,7 +63,7 @@ class SourceVisual:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class TriangleMesh:
-    """The source's own triangles in the unit cube at rest, with the part of each."""
+    """The source's triangles in the unit cube at rest, with the part of each."""
 
     vertices: Float[np.ndarray, "V 3"]
     faces: Int[np.ndarray, "F 3"]
@@ -80,20 +80,20 @@ class TriangleMesh:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SourceObject:
-    """An object as read: the asset, its exact triangles, and the source's own mesh files."""
+    """An object as read: the asset, its exact triangles, and the source's mesh files."""
 
     asset: Asset
     visuals: tuple[SourceVisual, ...]
     triangles: TriangleMesh
     tables: tuple[FaceTable, ...]
-    """The same triangles file by file, with texture coordinates and materials."""
+    """The same triangles by file, with texture coordinates and materials."""
     follows: tuple[tuple[str, str], ...] = ()
-    """Parts that another part moves along, each with that part; both close and open together."""
+    """Parts that follow another part, with that part; both close and open together."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SourceTree:
-    """What a reader found: nodes with their meshes, labels and rest poses; lengths as in the files."""
+    """Result of a reader: nodes with their meshes, labels and rest poses; lengths as in the files."""
 
     nodes: tuple[SourceNode, ...]
     pieces: tuple[PieceMesh, ...]
@@ -113,18 +113,18 @@ def assemble(
     choose_size: Callable[[Float[np.ndarray, "3"]], tuple[float, tuple[str, ...]]],
     notes: tuple[str, ...],
 ) -> SourceObject:
-    """Places everything at rest in the unit cube, makes parts of the nodes, and samples the surface.
+    """Places the object at rest in the unit cube, makes parts of the nodes, and samples the surface.
 
     Args:
-        tree: what was found.
-        cfg: samples, seed and gap.
-        name: of the asset.
-        category: of the asset.
-        choose_size: longest edge in metres, and why, of an object with these extents in file lengths.
-        notes: what was decided so far.
+        tree: Result of a reader.
+        cfg: Samples, seed and gap.
+        name: Name of the asset.
+        category: Category of the asset.
+        choose_size: Longest edge in metres and notes for an object with given extents in file lengths.
+        notes: Notes so far.
 
     Raises:
-        SourceError: the surface has no area, or an image cannot be decoded.
+        SourceError: If the surface has no area, or an image cannot be decoded.
     """
     nodes, pieces = tree.nodes, tree.pieces
     placement = place_nodes(nodes, dict(tree.poses), pieces, tree.T_zup_file)
@@ -136,7 +136,7 @@ def assemble(
     )
     size, size_notes = choose_size(placement.extents)
     surface = sample_surface(tables, owners, cfg.samples, np.random.default_rng(cfg.seed))
-    main: dict[int, int] = {}  # splits come after the part that they are split from
+    main: dict[int, int] = {}  # split parts come after the part that they are split from
     for piece, owner in zip(pieces, owners, strict=True):
         main[piece.node] = min(main.get(piece.node, len(parts)), int(owner.min()))
     asset = Asset(

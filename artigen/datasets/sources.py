@@ -1,4 +1,4 @@
-"""Objects of other people, whatever their layout: PartNet-Mobility folders, any URDF, object.json."""
+"""Finds and reads source objects of any layout: PartNet-Mobility folders, URDFs, object.json."""
 
 from pathlib import Path
 from typing import Literal
@@ -15,13 +15,13 @@ ANNOTATION = "mobility_v2.json"
 TREE = "object.json"
 MAIN = "mobility.urdf"
 COMMON_NAMES = ("mobility", "model", "robot", "object", "main", "urdf", "mobility_annotation_gapartnet")
-"""Names of files that many objects share; such an object is called as its folder is."""
+"""Generic file names; such an object takes the name of its folder."""
 
 
 def find_layout(source: Path) -> Layout | None:
-    """How an object is laid out; None where a path is none.
+    """The layout of an object; None if the path is no object.
 
-    A package that artigen wrote has PartNet's annotation without its meshes: its URDF counts.
+    A package written by artigen has PartNet's annotation without its meshes, so its URDF counts.
     """
     if source.is_file():
         return "URDF" if source.suffix.lower() == ".urdf" else "object.json" if source.name == TREE else None
@@ -39,13 +39,13 @@ def _is_package(folder: Path) -> bool:
 
 
 def _find_urdf(folder: Path) -> Path | None:
-    """The URDF of a folder that holds one object: the main one, or the only one."""
+    """The URDF of a folder with one object: the main one, or the only one."""
     files = sorted((*folder.glob("*.urdf"), *folder.glob("urdf/*.urdf")))
     return folder / MAIN if (folder / MAIN).is_file() else files[0] if len(files) == 1 else None
 
 
 def find_sources(paths: tuple[Path, ...]) -> list[Path]:
-    """The objects among ``paths``, and those directly inside of any other folder."""
+    """The objects among ``paths``, and those directly inside any other folder."""
     found: list[Path] = []
     for path in paths:
         inside = (
@@ -56,7 +56,7 @@ def find_sources(paths: tuple[Path, ...]) -> list[Path]:
 
 
 def name_source(source: Path) -> str:
-    """What the package of an object is called: its file, or its folder where files all have one name."""
+    """Name of an object's package: that of its file, or of its folder if the file name is generic."""
     if source.is_file() and source.stem.lower() not in COMMON_NAMES:
         return source.stem
     return source.resolve().parent.name if source.is_file() else source.resolve().name
@@ -66,12 +66,12 @@ def read_source(source: Path, scratch: Path, cfg: ReaderConfig | None = None) ->
     """Reads one object, whatever its layout.
 
     Args:
-        source: a folder or file.
-        scratch: folder for meshes that cannot stay as they are; needed until the package is written.
-        cfg: how it is read.
+        source: Folder or file.
+        scratch: Folder for converted meshes, needed until the package is written.
+        cfg: Reader settings.
 
     Raises:
-        SourceError: the object cannot be read; one sentence names file, element and value.
+        SourceError: If the object cannot be read; the message names file, element and value.
     """
     cfg, name = cfg or ReaderConfig(), name_source(source)
     match find_layout(source):

@@ -1,7 +1,7 @@
-"""Any URDF as plain values: links, joints, and the shapes that links show or touch with.
+"""Reads any URDF as plain values: links, joints, visual and collision shapes.
 
-yourdfpy parses; before that the XML is checked element by element, so that errors name the element and the
-value. Files are untrusted: entities, cycles, several roots and numbers that are not finite are refused.
+yourdfpy parses the file after the XML has been checked element by element, so that errors name the element
+and its value. Files are untrusted: entities, cycles, several roots and non-finite numbers are refused.
 """
 
 import io
@@ -40,14 +40,14 @@ NUMBERS: dict[tuple[str, str], tuple[int, ...]] = {
     ("color", "rgba"): (4,),
     **{(kind, key): (count,) for kind, keys in SHAPE_NUMBERS.items() for key, count in keys.items()},
 }
-"""How many numbers these attributes hold, where they are given."""
+"""Number of values of these attributes."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class UrdfShape:
     """A visual or collision element, and its placement at zero joint values.
 
-    ``size`` holds what the kind of primitive asks for: edges, radius and length, or radius.
+    ``size`` depends on the kind of primitive: edges, radius and length, or radius.
     """
 
     link: str
@@ -62,7 +62,7 @@ class UrdfShape:
 
 @dataclass(frozen=True, kw_only=True)
 class UrdfJoint:
-    """What a URDF joint says; limits are None where they are not given."""
+    """A joint of a URDF; missing limits are None."""
 
     name: str
     type: str
@@ -78,7 +78,7 @@ class UrdfJoint:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class UrdfFile:
-    """What matters here of a URDF; joints in file order."""
+    """The relevant contents of a URDF; joints in file order."""
 
     name: str
     links: tuple[str, ...]
@@ -89,7 +89,7 @@ class UrdfFile:
 
     @property
     def root(self) -> str:
-        """The link that is nobody's child."""
+        """The link that is no child."""
         children = {joint.child for joint in self.joints}
         return next(link for link in self.links if link not in children)
 
@@ -98,7 +98,7 @@ def read_urdf(path: Path) -> UrdfFile:
     """Reads links, joints and shapes of one URDF.
 
     Raises:
-        SourceError: names the element and its value.
+        SourceError: If the file is invalid; names the element and its value.
     """
     from yourdfpy import URDF
 
@@ -157,7 +157,7 @@ def _parse_xml(content: bytes, path: Path) -> "Element":
 
 
 def _check_elements(robot: "Element", path: Path) -> None:
-    """Names, types, references and numbers of all that is read of a URDF."""
+    """Checks names, types, references and numbers of all elements that are read."""
     _attribute(robot, "name", str(path))
     links = _names(robot.findall("link"), path)
     joints = robot.findall("joint")
@@ -279,7 +279,7 @@ def _origin(origin: np.ndarray | None) -> np.ndarray:
 def _chain(
     links: tuple[str, ...], joints: tuple[UrdfJoint, ...], origins: dict[str, np.ndarray], path: Path
 ) -> dict[str, np.ndarray]:
-    """Placement of every link at zero joint values, which also proves that the links form one tree."""
+    """Placement of every link at zero joint values; raises unless the links form one tree."""
     above = {joint.child: joint.parent for joint in joints}
     if len(above) != len(joints):
         children = [joint.child for joint in joints]

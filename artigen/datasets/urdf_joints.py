@@ -1,7 +1,7 @@
-"""From the joints of a URDF to nodes: one per joint that moves, links joined by fixed joints as one.
+"""Converts the joints of a URDF to nodes: one node per moving joint; links joined by fixed joints are one.
 
-Two joints in a row of which the second mimics the first along the same axis are a screw. Other mimics make
-followers, which go from end to end with what they follow.
+Two joints in a row of which the second mimics the first along the same axis are a screw. Other mimics are
+followers, which open and close with their leader.
 """
 
 from collections.abc import Mapping
@@ -16,16 +16,16 @@ from artigen.errors import SourceError
 from artigen.types import FULL_TURN
 
 ROUND = 1e-3
-"""A revolute joint may turn farther than once by this (rad); beyond that it turns without end."""
+"""A revolute joint that exceeds a full turn by more than this (rad) becomes continuous."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Tree:
-    """Nodes of a URDF; those of hinges hold degrees, their ids count joints, the body's is the largest."""
+    """Nodes of a URDF; hinges are in degrees, ids follow the joints, and the body's id is the largest."""
 
     nodes: tuple[SourceNode, ...]
     owners: Mapping[str, int]
-    """Node of every link that may show something."""
+    """Node of every link that may have visuals."""
     joint_names: Mapping[int, str]
     follows: Mapping[int, int]
     notes: tuple[str, ...] = ()
@@ -44,7 +44,7 @@ def build_tree(urdf: UrdfFile, path: Path) -> Tree:
     """The nodes of a URDF, in its own frame at zero joint values.
 
     Raises:
-        SourceError: names the joint, what it holds and what is allowed.
+        SourceError: If a joint is invalid; names the joint, its value and what is allowed.
     """
     notes: list[str] = []
     joints = {joint.name: _check(joint, urdf, path, notes) for joint in urdf.joints}
@@ -89,7 +89,7 @@ def build_tree(urdf: UrdfFile, path: Path) -> Tree:
 
 
 def _check(joint: UrdfJoint, urdf: UrdfFile, path: Path, notes: list[str]) -> UrdfJoint:
-    """The joint with a type and limits that a part can have."""
+    """The joint with a type and limits that are valid for a part."""
     where = f"{path}: joint {joint.name!r}"
     shown = {shape.link for shape in (*urdf.visuals, *urdf.collisions)}
     alone = sum(other.parent == urdf.root for other in urdf.joints) == 1
@@ -111,7 +111,7 @@ def _check(joint: UrdfJoint, urdf: UrdfFile, path: Path, notes: list[str]) -> Ur
         return joint
     lower, upper = joint.lower, joint.upper
     if lower is None or upper is None:
-        if joint.mimic is not None:  # what it follows limits it
+        if joint.mimic is not None:  # its leader limits it
             return joint
         raise SourceError(
             f"{where}: a {joint.type} joint with limits [{lower}, {upper}], expected <limit lower= upper=>, "
@@ -133,7 +133,7 @@ def _check(joint: UrdfJoint, urdf: UrdfFile, path: Path, notes: list[str]) -> Ur
 
 
 def _find_screws(joints: Mapping[str, UrdfJoint], urdf: UrdfFile) -> dict[str, str]:
-    """The travelling joint of every screw, with the turning one that it mimics."""
+    """The sliding joint of every screw, with the turning joint that it mimics."""
     shown = {shape.link for shape in urdf.visuals}
     found = {}
     for joint in joints.values():
@@ -149,9 +149,9 @@ def _find_screws(joints: Mapping[str, UrdfJoint], urdf: UrdfFile) -> dict[str, s
 def _simplify_chains(
     joints: Mapping[str, UrdfJoint], screws: frozenset[str], urdf: UrdfFile, notes: list[str]
 ) -> dict[str, UrdfJoint]:
-    """One of two joints in a row through an empty link, made fixed: a part has one joint.
+    """Fixes one of two joints in a row through an empty link, because a part has one joint.
 
-    The one that turns without end stays, else the one that turns, else the second.
+    The continuous joint stays, else the one that turns, else the second.
     """
     shown = {shape.link for shape in (*urdf.visuals, *urdf.collisions)}
     rank = ("fixed", "prismatic", "revolute", "continuous")
@@ -173,7 +173,7 @@ def _simplify_chains(
 
 
 def _resolve(joint: UrdfJoint, joints: Mapping[str, UrdfJoint], path: Path) -> _Coupling:
-    """What a joint follows in the end, through others that follow as well."""
+    """The joint that a joint follows, directly or through other followers."""
     ratio, offset, at, seen = 1.0, 0.0, joint, {joint.name}
     while at.mimic is not None:
         offset += ratio * at.offset
@@ -191,7 +191,7 @@ def _resolve(joint: UrdfJoint, joints: Mapping[str, UrdfJoint], path: Path) -> _
 
 
 def _follow(joint: UrdfJoint, leader: UrdfJoint, coupling: _Coupling, path: Path) -> UrdfJoint:
-    """The joint with the ends that its leader takes it to: lower where the leader is at its lower limit."""
+    """The joint with the limits that its leader moves it to: lower at the leader's lower limit."""
     if coupling.ratio == 0.0:
         raise SourceError(f"{path}: joint {joint.name!r} mimics {leader.name!r} times 0, which moves nothing")
     ends = [coupling.ratio * (value or 0.0) + coupling.offset for value in (leader.lower, leader.upper)]
@@ -200,7 +200,7 @@ def _follow(joint: UrdfJoint, leader: UrdfJoint, coupling: _Coupling, path: Path
 
 
 def _build_node(joint: UrdfJoint, turn: UrdfJoint, number: int, urdf: UrdfFile, path: Path) -> SourceNode:
-    """A node without its parent; ``turn`` is the joint itself, or the one that turns a screw."""
+    """A node without its parent; ``turn`` is the joint itself or the turning joint of a screw."""
     T = urdf.T_base_link[joint.child]
     direction = T[:3, :3] @ np.array(joint.axis)
     x, y, z = (direction / np.linalg.norm(direction)).tolist()

@@ -1,7 +1,7 @@
-"""Reads any URDF into a `SourceObject`: no side files, labels from names and joints, lengths as they are.
+"""Reads any URDF into a `SourceObject`, without side files: labels from names and joints, lengths in metres.
 
-Links joined by fixed joints are one body; every joint that moves makes a part. What is guessed or left out is
-a sentence in ``asset.notes``; what cannot be an articulated object is refused. See docs/how-to/convert.md.
+Links joined by fixed joints are one body; every moving joint makes a part. Guesses and omissions are notes in
+``asset.notes``; a URDF that is no articulated object is refused. See docs/how-to/convert.md.
 """
 
 import logging
@@ -40,11 +40,11 @@ from artigen.types import PartLabel
 logger = logging.getLogger(__name__)
 
 CLOSED_SHARE = 0.02
-"""A limit within this share of the range from 0 is the closed end: URDFs are modelled closed."""
+"""A limit within this share of the range from 0 is the closed end, because URDFs are modelled closed."""
 POINTS_PER_NODE = 2000
 PACKAGE_FILE = "package.xml"
 ANCESTORS = 4
-"""Folders above a URDF in which ``package://`` paths are looked for, its own included."""
+"""Number of parent folders of a URDF in which ``package://`` paths are looked up, including its own."""
 OTHER = "other"
 
 
@@ -54,13 +54,13 @@ def read_urdf_object(
     """Reads one URDF and the meshes that it names.
 
     Args:
-        path: the URDF.
-        scratch: folder for meshes that cannot stay as they are; needed until the package is written.
-        cfg: samples, size, category, and which way is up and front.
-        name: of the object; that of the file where it is not given.
+        path: The URDF.
+        scratch: Folder for converted meshes, needed until the package is written.
+        cfg: Samples, size, category, up and front axis.
+        name: Name of the object; default: that of the file.
 
     Raises:
-        SourceError: names the file, the element, its value and what is allowed.
+        SourceError: If the object is invalid; names the file, the element, its value and what is allowed.
     """
     cfg = cfg or ReaderConfig()
     urdf = read_urdf(path)
@@ -101,7 +101,7 @@ def read_urdf_object(
 
 
 def _find_category(urdf: UrdfFile, path: Path, name: str, cfg: ReaderConfig) -> tuple[str, str]:
-    """What was asked for, what a ``meta.json`` beside the URDF says, or a guess by names; and a note."""
+    """The requested category, that of a ``meta.json`` beside the URDF, or a guess by names; and a note."""
     meta = path.parent / "meta.json"
     value = read_json(meta) if meta.is_file() else None
     said = value.get("model_cat") if isinstance(value, dict) else None
@@ -111,10 +111,10 @@ def _find_category(urdf: UrdfFile, path: Path, name: str, cfg: ReaderConfig) -> 
 
 
 def turn_upright(up: Direction, front: Direction) -> Float[np.ndarray, "4 4"]:
-    """The rotation that turns ``up`` to z and ``front`` to -x.
+    """The rotation of ``up`` to z and ``front`` to -x.
 
     Raises:
-        SourceError: both lie along one axis.
+        SourceError: If both are along one axis.
     """
     if up[-1] == front[-1]:
         raise SourceError(f"up is {up} and the front faces {front}: they lie along one axis, expected two")
@@ -131,7 +131,7 @@ def _axis(direction: Direction) -> np.ndarray:
 def read_shapes(
     urdf: UrdfFile, tree: Tree, path: Path, scratch: Path
 ) -> tuple[tuple[PieceMesh, ...], list[str]]:
-    """The geometry of every node: what it shows, or what it touches with where it shows nothing."""
+    """The geometry of every node: its visuals, or its collision shapes if it has none."""
     pieces: list[PieceMesh] = []
     notes, touched = [], []
     numbers: dict[tuple[int, str], int] = {}
@@ -158,7 +158,7 @@ def read_shapes(
 
 
 def _load_placed(shape: UrdfShape, path: Path, scratch: Path) -> tuple[PlacedMesh | None, str]:
-    """The triangles of a shape, or None and why there are none."""
+    """The triangles of a shape, or None and the reason."""
     if shape.kind != "mesh":
         return load_shape(shape, None, path.parent, scratch), ""
     file = find_mesh(shape.file, path)
@@ -168,7 +168,7 @@ def _load_placed(shape: UrdfShape, path: Path, scratch: Path) -> tuple[PlacedMes
 
 
 def _piece_name(shape: UrdfShape, *, leads: bool) -> str:
-    """``handle``, ``knob``, ``shelf`` where the visual or its fixed link is called so."""
+    """``handle``, ``knob`` or ``shelf`` if the visual or its fixed link has that name."""
     for name in (shape.name,) if leads else (shape.name, shape.link):
         label = SPLIT_WORDS.get(find_word(name) or "")
         if label is not None:
@@ -183,14 +183,14 @@ def _place(shape: UrdfShape, placed: PlacedMesh, node: int, piece: SourcePiece) 
 
 
 def find_mesh(name: str, urdf: Path) -> Path:
-    """Where a mesh that a URDF names should lie: the first file there is, else the first place looked at.
+    """Path of a mesh that a URDF names: the first one that exists, else the first candidate.
 
-    ``package://`` and ``model://`` paths are looked for in the folders above the URDF, with and without the
-    package's name. No path may leave the package: the folder with ``package.xml``, else the one above the
-    URDF's own.
+    ``package://`` and ``model://`` paths are looked up in the parent folders of the URDF, with and without
+    the package's name. No path may leave the package: the folder with ``package.xml``, else the one above
+    the URDF's folder.
 
     Raises:
-        SourceError: the path leaves the package.
+        SourceError: If the path leaves the package.
     """
     above = [urdf.resolve().parent, *urdf.resolve().parent.parents][:ANCESTORS]
     scheme, _, rest = name.rpartition("://")
@@ -212,13 +212,13 @@ def find_mesh(name: str, urdf: Path) -> Path:
 
 
 def _common_root(urdf: Path, file: Path) -> Path:
-    """The folder that holds both a URDF and a mesh; materials and images lie in it."""
+    """The common folder of a URDF and a mesh, in which materials and images are."""
     mesh = file.resolve()
     return next(folder for folder in urdf.resolve().parents if mesh.is_relative_to(folder))
 
 
 def _keep_drawn(tree: Tree, drawn: set[int], path: Path) -> tuple[Tree, list[str]]:
-    """Leaves out links without any geometry that carry nothing; refuses others."""
+    """Drops links without geometry that carry nothing; refuses others."""
     notes = []
     nodes = list(tree.nodes)
     while empty := [node for node in nodes if node.id not in drawn]:
@@ -245,7 +245,7 @@ def label_links(
     corners: Mapping[int, np.ndarray],
     T_zup_file: np.ndarray,
 ) -> tuple[dict[int, PartLabel], list[str]]:
-    """Labels of all nodes by id: by the words in the names of link, joint and visuals, else by the joint."""
+    """Labels of all nodes by id: by words in the names of link, joint and visuals, else by the joint."""
     labels: dict[int, PartLabel] = {}
     said = []
     for node in nodes:
@@ -266,7 +266,7 @@ def rest_nodes(
     labels: Mapping[int, PartLabel],
     corners: Mapping[int, np.ndarray],
 ) -> dict[int, RestPose]:
-    """Closed pose of every node: the limit at 0, else as for PartNet; followers close with their leaders."""
+    """Closed pose of every node: the limit at 0, else as for PartNet; followers close with their leader."""
     base = next(node.id for node in nodes if node.parent == -1)
     body = np.stack([corners[base].min(axis=0), corners[base].max(axis=0)])
     poses = {node.id: RestPose(rest=0.0, far=0.0) for node in nodes}

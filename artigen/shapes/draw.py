@@ -1,7 +1,7 @@
 """`draw_shape`: a procedural object of any category, a pure function of category, seed and wish.
 
-A category is a module of `artigen.shapes.categories` with ``CATEGORY``, its name, ``STYLES``, the styles
-that can be wished for, and ``draw(rng, wish) -> Draft``; putting a file there is all it takes to add one.
+A category is a module of `artigen.shapes.categories` with its name ``CATEGORY``, the styles ``STYLES`` that a
+wish may name, and ``draw(rng, wish) -> Draft``. Adding a file there adds a category.
 """
 
 from collections import Counter
@@ -25,19 +25,19 @@ from artigen.types import PartLabel
 Word = TypeVar("Word", bound=str)
 MAX_DRAWS = 1000
 FEW_DRAWS = 100
-"""After so many, a count of more than twice the most seen is given up."""
+"""Draws after which a count of more than twice the largest one seen is given up."""
 CROWDED_DRAWS = 10
-"""Draws of an object whose lengths are free, each with other lengths, before it is given up as too large."""
+"""Draws with other lengths of an object with free lengths before it is given up as too large."""
 VARIANTS = 100
-"""Draws of an object that is to be built as another one; the last has its very lengths."""
+"""Draws of a variant of a template; the last one has the template's lengths."""
 SHARED_DRAWS = 20
-"""Draws of an object with the choices of its suite, before others are taken."""
+"""Draws of an object with one set of choices of its suite before the next set."""
 SEARCHED = 500
-"""Seeds that are searched for an object with counts that come as they come."""
+"""Seeds that are searched for an object with given counts."""
 SIZE_MARGIN = 0.2
-"""Share by which a length may be wished beyond what is usual, of objects that cannot be of any size."""
+"""Share by which a wished length may exceed the usual range of categories without arbitrary sizes."""
 LENGTHS = (0.02, 10.0)
-"""Lengths that can be wished for (m)."""
+"""Range of wished lengths (m)."""
 
 
 class ShapeError(ArtigenError):
@@ -45,7 +45,7 @@ class ShapeError(ArtigenError):
 
 
 class CrowdedError(ShapeError):
-    """At these lengths, every layout that was drawn has more parts or hulls than engines hold."""
+    """Every layout drawn at these lengths exceeds the limits of engines on parts or hulls."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -59,19 +59,19 @@ class Wish:
     counts: tuple[tuple[PartLabel, int], ...] = ()
     """Exact number of parts by label; labels that are not named are free."""
     handles: tuple[HandleKind, ...] = ()
-    """Kinds of handles, the most wanted first; an object has the first that its category offers."""
+    """Kinds of handles in order of preference; an object has the first one that its category offers."""
     suite: int | None = None
-    """Seed of what objects of one suite share: handles, how fronts are fitted, stands, worktops."""
+    """Seed of the choices that objects of one suite share: handles, fitting of fronts, stands, worktops."""
 
     def shared_stream(self, rng: np.random.Generator, attempt: int = 0) -> np.random.Generator:
-        """The stream of choices that objects of a suite share; ``rng`` where there is no suite.
+        """The random stream of choices that objects of a suite share; ``rng`` without a suite.
 
-        An object that has not come out right in `SHARED_DRAWS` attempts goes on to the suite's next choices.
+        After `SHARED_DRAWS` unsuccessful draws, an object uses the suite's next choices.
         """
         return rng if self.suite is None else np.random.default_rng([self.suite, attempt // SHARED_DRAWS])
 
     def choose_handles(self, offered: tuple[HandleKind, ...]) -> tuple[HandleKind, ...]:
-        """The kinds of handles to draw from: as many as offered, all of the one wanted most."""
+        """The kinds of handles to draw from: as many as offered, all equal to the preferred one."""
         for kind in self.handles:
             if kind in offered:
                 return (kind,) * len(offered)
@@ -80,7 +80,7 @@ class Wish:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Draft:
-    """What a category draws: everything of a `Shape` but its name."""
+    """Result of a category's draw function: a `Shape` without its name."""
 
     style: str
     parts: tuple[ShapePart, ...]
@@ -89,7 +89,7 @@ class Draft:
 
 @cache
 def categories() -> dict[str, ModuleType]:
-    """The modules that draw, by category name, sorted."""
+    """Modules of the categories by name, sorted."""
     package = import_module("artigen.shapes.categories")
     modules = [import_module(f"{package.__name__}.{found.name}") for found in iter_modules(package.__path__)]
     return {module.CATEGORY: module for module in sorted(modules, key=lambda module: module.CATEGORY)}
@@ -147,7 +147,7 @@ def draw_variant(
         shape = _make_shape(category, seed, replace(draft, finishes=worn))
         if fits(shape):
             return shape
-    raise ShapeError(f"{category}: none of {VARIANTS} variants of seed {like} by seed {seed} is built alike")
+    raise ShapeError(f"{category}: none of {VARIANTS} variants of seed {like} by seed {seed} fits it")
 
 
 def find_seed(

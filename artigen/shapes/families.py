@@ -1,9 +1,9 @@
-"""Families: looks that are sold across kinds, so that the objects of a room belong together.
+"""Families: looks across kinds, so that the objects of a room match.
 
-A `Family` says which style, handles and materials it means; a `Suite` is one choice of each. The style of
-an object is the first of the family's words that its category has, its handles are the first that it offers.
-Finishes are changed by role: wood, paint and stone of furniture, enamel and sheet of appliances, metal of
-fittings. What has another material, such as glass, rubber or a mirror, stays as it is.
+A `Family` lists styles, handles and materials; a `Suite` is one choice of each. An object gets the first
+style of the family that its category has and the first handles that it offers. Finishes change by role:
+wood, paint and stone of furniture, enamel and sheet of appliances, metal of fittings. Other materials, such
+as glass, rubber or mirrors, stay.
 """
 
 from collections.abc import Mapping
@@ -28,20 +28,20 @@ from artigen.shapes.surfaces.materials import (
 
 @dataclass(frozen=True, kw_only=True)
 class Scheme:
-    """Materials that are sold together, by their names in `WOODS`, `LACQUERS`, `STONES` and `METALS`."""
+    """Matching materials, by their names in `WOODS`, `LACQUERS`, `STONES` and `METALS`."""
 
     front: str
     top: str
     metal: str
-    """Handles, taps, fittings."""
+    """Material of handles, taps and fittings."""
     appliance: str
-    """Of `APPLIANCES`."""
+    """Key of `APPLIANCES`."""
     body: str = ""
-    """As the front where none is given."""
+    """Default: that of the front."""
     leg: str = ""
-    """As the body where none is given."""
+    """Default: that of the body."""
     frame: str = "white"
-    """Doors, windows and their frames."""
+    """Material of doors, windows and their frames."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,27 +49,27 @@ class Family:
     """A look across kinds."""
 
     styles: tuple[str, ...]
-    """Styles of the categories, the most wanted first."""
+    """Styles of the categories, in order of preference."""
     handles: tuple[tuple[HandleKind, ...], ...]
-    """Handles of a suite, the most wanted first; a suite has one of these lists."""
+    """Lists of handles in order of preference; a suite uses one of the lists."""
     schemes: tuple[Scheme, ...]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Suite:
-    """One choice of a family: objects of one suite belong together."""
+    """One choice of a family; objects of one suite match."""
 
     family: str
     seed: int
     styles: tuple[str, ...]
     handles: tuple[HandleKind, ...]
     finishes: Mapping[str, Mapping[str, Finish]]
-    """By trade and role."""
+    """Finishes by trade and role."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Appliance:
-    """The look of the appliances of a suite: the style of their categories, housing and front."""
+    """Design of the appliances of a suite: style, housing and front."""
 
     style: str
     body: Finish
@@ -202,19 +202,19 @@ TRADES: dict[str, tuple[str, ...]] = {
     ),
     "fittings": ("Faucet", "DeskLamp", "Switch", "Toilet"),
 }  # fmt: skip
-"""What suites clothe alike; objects of other categories keep their finishes."""
+"""Categories by trade; a suite changes the finishes of a trade together, and of no other category."""
 WORN: dict[str, frozenset[FinishKind]] = {
     "furniture": frozenset({"wood", "lacquer", "stone"}),
     "joinery": frozenset({"wood", "lacquer", "stone"}),
     "appliance": frozenset({"lacquer", "steel"}),
     "fittings": frozenset({"wood", "lacquer", "stone"}),
 }
-"""Materials that a suite changes, beside the metal of `METAL_ROLES`."""
+"""Materials that a suite changes, in addition to the metal of `METAL_ROLES`."""
 METAL_ROLES = frozenset({"handle", "accent", "arm"})
 
 
 def choose_suite(family: str, seed: int) -> Suite:
-    """One suite of a family; the same arguments give the same one.
+    """One suite of a family, a pure function of its arguments.
 
     Raises:
         ShapeError: If the family is not known.
@@ -249,7 +249,7 @@ def choose_suite(family: str, seed: int) -> Suite:
 
 
 def wish_suite(category: str, suite: Suite, wish: Wish | None = None) -> Wish:
-    """The wish with the suite's style, where the category has one of them, and its hardware."""
+    """The wish with the suite's hardware and with its style if the category has one of its styles."""
     wish = wish or Wish()
     known = categories()[category].STYLES if category in categories() else ()
     style = wish.style or next((style for style in suite.styles if style in known), None)
@@ -271,7 +271,7 @@ def dress_shape(shape: Shape, suite: Suite) -> Shape:
 
 
 def _make(name: str) -> Finish:
-    """A lacquer, wood or stone by its name."""
+    """The lacquer, wood or stone with that name."""
     if name in LACQUERS:
         return make_lacquer(LACQUERS[name])
     return make_wood(name, 0) if name in WOODS else make_stone(name, 0)

@@ -1,1 +1,1 @@
-"""Repairs of faults that a source object has itself: what a person would do about them, each recorded."""
+"""Repairs faults of source objects; every change is recorded."""

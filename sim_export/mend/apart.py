@@ -1,4 +1,4 @@
-"""A part that stands inside its neighbour moves out of it, where a short way leads out."""
+"""Moves a part out of its neighbour if a short translation suffices."""
 
 import numpy as np
 
@@ -7,15 +7,15 @@ from sim_export.mend.source import Source, leading_part, link_surfaces, move_par
 from sim_export.source_faults import Shown, show_links
 
 FARTHEST = 0.02
-"""Longest way out, over the object's diagonal."""
+"""Longest translation relative to the object's diagonal."""
 STEPS = 8
-"""Lengths of it that are tried, the shortest first."""
+"""Shares of the longest translation that are tried, in ascending order."""
 FREE = 0.5
-"""Share of the overlap allowed at rest that a part that was moved may keep."""
+"""Remaining overlap of a moved part as a share of the overlap allowed at rest."""
 
 
 def pull_apart(source: Source, cfg: CheckConfig) -> Source:
-    """Moves movable links out of what they overlap at rest, along an axis, where that frees them."""
+    """Moves movable links along an axis out of the links that they overlap at rest, if that frees them."""
     surfaces = link_surfaces(source)
     shown = show_links(surfaces)
     corners = np.concatenate([triangles.reshape(-1, 3) for triangles in surfaces.values()])
@@ -48,7 +48,7 @@ def pull_apart(source: Source, cfg: CheckConfig) -> Source:
 
 
 def _depth(shown: dict[str, Shown], name: str, shift: np.ndarray) -> float:
-    """How deep (m) a link, moved by ``shift`` (m), overlaps any other."""
+    """Depth (m) to which a link, moved by ``shift`` (m), overlaps any other link."""
     T = np.eye(4)
     T[:3, 3] = shift
     back = np.eye(4)

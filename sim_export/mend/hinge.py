@@ -1,4 +1,4 @@
-"""A hinge that lies inside its door moves to the nearer edge."""
+"""Moves a hinge inside its door to the nearer edge."""
 
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -11,7 +11,7 @@ from sim_export.mend.source import Source, leading_part, set_joint, source_packa
 
 
 def move_hinges(source: Source, cfg: CheckConfig) -> Source:
-    """Moves every hinge that V203 finds off the edge of its door there, across the panel."""
+    """Moves every hinge that fails V203 across the panel to the edge of its door."""
     with TemporaryDirectory() as scratch:
         subject = Subject(write_package(source_package(source), Path(scratch) / source.asset.name))
         joints = [joint for joint in panel_joints(subject) if joint.type == "revolute"]

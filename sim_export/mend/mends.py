@@ -1,4 +1,4 @@
-"""Which fault is mended how, and in which order."""
+"""The repairs and their order."""
 
 from collections.abc import Callable
 
@@ -13,11 +13,11 @@ MENDS: tuple[tuple[str, str, Callable[[Source, CheckConfig], Source]], ...] = (
     ("V202", "apart", pull_apart),
     ("V201", "travel", cut_travel),
 )
-"""Check that a source fails, name of the mend, and what it does. Places come before ranges."""
+"""Failed check, name and function of each repair; positions come before ranges."""
 
 
 def mend_source(source: Source, cfg: CheckConfig | None = None) -> Source:
-    """The object with its own faults mended, and a record of each; the same object where it has none."""
+    """The object with its faults mended and a record of each; unchanged if it has none."""
     for check, name, mend in MENDS:
         mended = mend(source, cfg or CheckConfig())
         new = mended.records[len(source.records) :]

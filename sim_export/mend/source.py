@@ -1,4 +1,4 @@
-"""A source object as mends see it: parts, joints and surfaces, and how far parts were moved."""
+"""The source object for repairs: parts, joints, surfaces, and translations of parts."""
 
 from dataclasses import dataclass, replace
 
@@ -13,10 +13,10 @@ from sim_export.physics.links import PartGeometry, build_links, link_names, link
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Source:
-    """An object before it is converted.
+    """An object before conversion.
 
-    ``surfaces`` are the triangles of every part (m, object frame at rest), ``shifts`` how far each part was
-    moved (m), ``records`` what was mended, one sentence each.
+    ``surfaces`` are the triangles of every part (m, object frame at rest), ``shifts`` the translation of each
+    part (m), ``records`` the repairs, one sentence each.
     """
 
     asset: Asset
@@ -26,12 +26,12 @@ class Source:
 
 
 def open_source(asset: Asset, surfaces: tuple[Float[np.ndarray, "F 3 3"], ...]) -> Source:
-    """An object of which nothing has been mended yet."""
+    """An object without repairs."""
     return Source(asset=asset, surfaces=tuple(surfaces), shifts=np.zeros((len(surfaces), 3)))
 
 
 def source_package(source: Source) -> SimPackage:
-    """The object as a package that checks can judge: its own surface, and one convex hull of every part."""
+    """The object as a package for checks: its own surface, and one convex hull per part."""
     geometry = [
         PartGeometry(
             visuals=(_as_mesh(triangles),) if len(triangles) else (),
@@ -55,12 +55,12 @@ def _as_mesh(triangles: Float[np.ndarray, "F 3 3"]) -> Mesh:
 
 
 def leading_part(source: Source, link: str) -> int:
-    """The part that leads a link."""
+    """Index of the part that leads a link."""
     return next(part for part, name in link_names(source.asset).items() if name == link)
 
 
 def link_surfaces(source: Source) -> dict[str, Float[np.ndarray, "F 3 3"]]:
-    """Triangles of every link that has any."""
+    """Triangles of every link that has triangles."""
     owners = link_owners(source.asset)
     found = {
         name: np.concatenate([s for s, owner in zip(source.surfaces, owners, strict=True) if owner == part])
@@ -70,14 +70,14 @@ def link_surfaces(source: Source) -> dict[str, Float[np.ndarray, "F 3 3"]]:
 
 
 def set_joint(source: Source, part: int, record: str, **changes: object) -> Source:
-    """The object with one joint changed; its fields are in lengths of the unit cube."""
+    """The object with one joint changed; its fields are in unit-cube lengths."""
     parts = list(source.asset.parts)
     parts[part] = replace(parts[part], joint=replace(parts[part].joint, **changes))  # pyright: ignore[reportArgumentType]
     return replace(source, asset=replace(source.asset, parts=tuple(parts)), records=(*source.records, record))
 
 
 def move_part(source: Source, part: int, shift: Float[np.ndarray, "3"], record: str) -> Source:
-    """The object with a part, and all that hangs from it, moved by ``shift`` (m), joints included."""
+    """The object with a part and its descendants moved by ``shift`` (m), including joints."""
     asset, step = source.asset, np.asarray(shift) / source.asset.scale
     moved = np.zeros(len(asset.parts), dtype=bool)
     moved[part] = True

@@ -1,4 +1,4 @@
-"""A joint whose part runs into what carries it ends before it does."""
+"""Shortens the range of a joint whose part collides with its carrier."""
 
 import numpy as np
 
@@ -9,11 +9,11 @@ from sim_export.mend.source import Source, leading_part, link_surfaces, set_join
 from sim_export.source_faults import POSES, overlap_along, show_links
 
 LEAST = 0.5
-"""Share of its range that must be free for a joint to be shortened."""
+"""Smallest share of its range to which a joint is shortened."""
 
 
 def cut_travel(source: Source, cfg: CheckConfig) -> Source:
-    """Lowers upper limits to where a link enters one that carries it, by more than V201 allows."""
+    """Lowers upper limits to where a link enters one of its carriers by more than V201 allows."""
     package = source_package(source)
     shown = show_links(link_surfaces(source))
     parents = {joint.child: joint.parent for joint in package.joints}
@@ -36,8 +36,8 @@ def cut_travel(source: Source, cfg: CheckConfig) -> Source:
         source = set_joint(
             source,
             part,
-            f"{source.asset.parts[part].name}: its range was cut to {share:.0%}, beyond which it enters what "
-            f"carries it by {1e3 * depth.max():.1f} mm",
+            f"{source.asset.parts[part].name}: its range was cut to {share:.0%}, beyond which it enters its "
+            f"carrier by {1e3 * depth.max():.1f} mm",
             upper=source.asset.parts[part].joint.upper * share,
         )
     return source

@@ -1,4 +1,4 @@
-"""Parts that another part moves along, as a pedal does a lid: their joints mimic that part's joint."""
+"""Followers: parts driven by another part, such as a lid by its pedal; their joints mimic that part's."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -9,15 +9,14 @@ from sim_export.package import Link, PackageJoint, Requirement, SimPackage
 def couple_followers(
     links: Sequence[Link], joints: Sequence[PackageJoint], follows: Mapping[str, str]
 ) -> tuple[tuple[PackageJoint, ...], tuple[str, ...]]:
-    """Joints of which some follow others, and one sentence for each of these.
+    """Makes some joints follow others; returns the joints and one record per follower.
 
-    Both are closed and both are open at the same time. A follower resists nothing: what moves it does.
+    Follower and leader close and open together. A follower has no resistance; its leader has.
 
     Args:
         links: The links, each led by its first part.
         joints: Their joints.
-        follows: For each part that follows another one, that part. Pairs of which a part leads no link any
-            more, being merged into another one, are left as they are.
+        follows: Leader of each follower. Pairs with a part that was merged into another one are ignored.
     """
     leading = {link.name: link.parts[0] for link in links if link.parts}
     by_part = {leading[joint.child]: joint for joint in joints if joint.child in leading}
@@ -30,16 +29,17 @@ def couple_followers(
                 joint, mimic=leader.name, mimic_multiplier=ratio, friction=0.0, damping=0.0, spring=0.0
             )
             records.append(
-                f"{joint.name} follows {leader.name} times {ratio:.6g}; engines without <mimic> let it go"
+                f"{joint.name} follows {leader.name} times {ratio:.6g}; engines without <mimic> leave it free"
             )
         out.append(joint)
     return tuple(out), tuple(records)
 
 
 def follow_parts(package: SimPackage, follows: Mapping[str, str]) -> SimPackage:
-    """A package whose joints moved one by one so far, with those that follow others.
+    """Adds followers to a package of independent joints.
 
-    What a follower needs open, its leader needs, and where a follower must be open, its leader must.
+    Requirements of a follower become requirements of its leader; a joint that requires a follower requires
+    its leader instead.
     """
     joints, records = couple_followers(package.links, package.joints, follows)
     leaders = {joint.name: joint.mimic for joint in joints if joint.mimic is not None and not joint.is_travel}

@@ -1,8 +1,8 @@
-"""How objects of a category are made, where what is drawn does not say it.
+"""Real wall thickness, density and hidden mass of objects by category.
 
-Walls are drawn as thick as collision wants them, bodies are drawn solid where nobody sees inside, and motors,
-compressors and batteries are not drawn at all. A `Make` says what the parts really weigh; its numbers are
-engineering estimates that `benchmarks/catalogue_masses.py` holds against catalogues.
+Walls are drawn as thick as collision requires, bodies are solid where the inside is invisible, and motors,
+compressors and batteries are not drawn. A `Make` corrects the masses; its numbers are engineering estimates,
+which `benchmarks/catalogue_masses.py` compares with catalogues.
 """
 
 from collections.abc import Mapping
@@ -17,31 +17,31 @@ from sim_export.physics.materials import MATERIALS, MaterialName
 
 @dataclass(frozen=True, kw_only=True)
 class Make:
-    """What differs from `MATERIALS` in objects of a category, and what is hidden in their bases."""
+    """Differences from `MATERIALS` in objects of a category, and hidden mass of their bases."""
 
     density: Mapping[MaterialName, float] = field(default_factory=dict)
-    """Of walls as they are drawn (kg/m^3)."""
+    """Density of walls as drawn (kg/m^3)."""
     wall: Mapping[MaterialName, float] = field(default_factory=dict)
-    """Thickness of real walls (m); thicker ones weigh what walls of this thickness do."""
+    """Real wall thickness (m); thicker drawn walls have the mass of this thickness."""
     hidden: float = 0.0
-    """Mass in the base that is not drawn (kg)."""
+    """Hidden mass in the base (kg)."""
     filled: float = 0.0
-    """The same, by the volume of the box around the base (kg/m^3)."""
+    """Hidden mass by the volume of the box around the base (kg/m^3)."""
 
     def wall_density(self, material: MaterialName, thickness: float | None = None) -> float:
-        """Mean density (kg/m^3) of drawn walls; of real ones, where no thickness (m) is given."""
+        """Mean density (kg/m^3) of walls drawn with a thickness (m); without one, that of real walls."""
         own = self.density.get(material, MATERIALS[material].density)
         return own if thickness is None else own * min(1.0, self.wall.get(material, thickness) / thickness)
 
     def fill_base(self, drawn: Inertial, box: Float[np.ndarray, "2 3"]) -> Inertial:
-        """The mass properties of a base within a box (m) with what is hidden in it, spread as the base is."""
+        """Mass properties of a base in a box (m) plus its hidden mass, distributed like the base."""
         hidden = self.hidden + self.filled * float(np.prod(box[1] - box[0]))
         share = 1.0 + hidden / drawn.mass
         return replace(drawn, mass=share * drawn.mass, inertia=share * drawn.inertia)
 
 
 HARDWARE = frozenset({"handle", "knob", "wheel"})
-"""Labels of parts that weigh what their material does, whatever they belong to."""
+"""Labels of parts that have the density of their material in every category."""
 PLAIN = Make()
 MAKES: dict[str, Make] = {
     # Compressors; counterweights of concrete and motors; fans; pumps; transformers.
@@ -51,7 +51,7 @@ MAKES: dict[str, Make] = {
     "Dryer": Make(hidden=4.0, filled=30.0),
     "Dishwasher": Make(hidden=2.0, filled=25.0),
     "Microwave": Make(hidden=4.0, wall={"glass": 0.004}),
-    # Thin sheet, and sheet that is thicker than that of appliances.
+    # Sheet that is thinner or thicker than that of appliances.
     "Toaster": Make(density={"steel_sheet": 210.0}),
     "FilingCabinet": Make(density={"steel_sheet": 480.0}),
     # Counterweights keep them from tipping with a drawer open (EN 14073).
@@ -81,7 +81,7 @@ MAKES: dict[str, Make] = {
     "Box chest": Make(density={"wood_board": 480.0, "plastic": 480.0}),
     "Box trunk": Make(density={"wood_board": 480.0, "plastic": 480.0}),
 }
-"""By category, or by category and style."""
+"""Makes by category, or by category and style."""
 
 
 def find_make(category: str, style: str | None = None) -> Make:

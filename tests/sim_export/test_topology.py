@@ -77,7 +77,7 @@ def test_the_last_seed_that_is_searched_counts():
 def test_parts_can_be_asked_for_in_place_of_a_seed(tmp_path, capsys):
     settings = ShapeSettings(topology=("drawer=0", "door=1"), width=0.5, validation="none")
     assert shape("Safe", tmp_path, count=2, cfg=settings, workers=1) == 0
-    assert "all are built as Safe 0" in capsys.readouterr().out
+    assert "the template is Safe 0" in capsys.readouterr().out
     packages = [read_package(folder) for folder in find_packages([tmp_path])]
     assert len(packages) == 2
     assert len({find_topology(package) for package in packages}) == 1

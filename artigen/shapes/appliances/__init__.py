@@ -1,1 +1,1 @@
-"""What appliances are built of."""
+"""Components of appliances: housings, doors, racks, drums, controls, hobs."""

@@ -19,16 +19,16 @@ def build_leaf(
     bevel: float = 0.0,
     niche: tuple[Range, Range] | None = None,
 ) -> tuple[Primitive, ...]:
-    """An insulated leaf that fills its panel: outer skin, gasket, and a liner that bulges into the opening.
+    """An insulated leaf that fills its panel: outer skin, gasket and a liner that enters the opening.
 
-    Gasket and liner reach through the skin, as thin layers alone would be too oblong for engines.
+    Gasket and liner extend through the skin, because separate thin layers would be too oblong for engines.
 
     Args:
-        panel: Front, with the gasket in its thickness.
-        opening: Ranges of y and z that are free behind it.
-        finish: Outside.
-        lining: Rear side.
-        bevel: What is taken off the edges of the skin (m).
+        panel: Front, including the gasket in its thickness.
+        opening: Free ranges of y and z behind it.
+        finish: Role of the finish of the outside.
+        lining: Role of the finish of the rear side.
+        bevel: Chamfer of the skin's edges (m).
         niche: (y, z) ranges of a dispenser: a dark recess with a spout and a drip tray.
     """
     seal, inset, bulge = 0.009, 0.006, 0.012
@@ -53,7 +53,7 @@ def build_leaf(
 def build_window_leaf(
     panel: Panel, window: tuple[Range, Range], finish: str, lining: str, *, glass: str = "glass"
 ) -> tuple[Primitive, ...]:
-    """A leaf with a pane: four boards around the window, the glass a little behind the face."""
+    """A leaf with a window: four boards, and glass slightly behind the face."""
     frame = build_frame((panel.x, panel.back), (panel.y, panel.z), window, finish)
     size = max(window[0][1] - window[0][0], window[1][1] - window[1][0])
     thickness = max(0.006, size / SLENDER)
@@ -74,7 +74,7 @@ def draw_grip(
     longest: float,
     finish: str = "handle",
 ) -> HandleDesign:
-    """A handle for an appliance whose longest edge measures ``longest`` metres."""
+    """Draws a handle for an appliance whose longest edge is ``longest`` metres."""
     kind = kinds[int(rng.integers(len(kinds)))]
     thickness = float(np.clip(rng.uniform(0.016, 0.021) * longest, 0.012, 0.032))
     return HandleDesign(kind=kind, length=max(length, 0.1), thickness=thickness, finish=finish)
@@ -90,9 +90,9 @@ def mount_grip(
     inset: float,
     level: float | None = None,
 ) -> ShapePart:
-    """A handle opposite to the ``edge`` where a panel is hinged, along the top of one that slides (None).
+    """A handle opposite the hinged ``edge`` of a panel, or along the top of a sliding one (None).
 
-    It lies ``inset`` metres from the rim, and is centred there or at height ``level``.
+    It is ``inset`` metres from the rim, centred or at height ``level``.
     """
     y, z = panel.center
     half = design.thickness / 2 + inset

@@ -1,4 +1,4 @@
-"""`Assembly`: what one step of drawing adds to an object."""
+"""`Assembly`: solids and parts that one step of drawing adds to an object."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from artigen.shapes.surfaces.finishes import Finish
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Assembly:
-    """Pieces of the body, and parts of their own; steps are added up."""
+    """Solids of the body, and separate parts; assemblies can be added."""
 
     pieces: tuple[Primitive, ...] = ()
     parts: tuple[ShapePart, ...] = ()
@@ -23,12 +23,12 @@ class Assembly:
         return Assembly(pieces=self.pieces + other.pieces, parts=self.parts + other.parts)
 
     def close(self) -> tuple[ShapePart, ...]:
-        """All parts of the object: the body, made of the pieces, and the parts that hang on it."""
+        """All parts of the object: the body, made of the solids, and the parts that it carries."""
         return ShapePart(name="body", label="base", parent=None, primitives=self.pieces), *self.parts
 
 
 Build = Callable[[np.random.Generator, float, float, float], Assembly]
-"""Draws the parts of an object of a width, depth and height (m)."""
+"""Draws the parts of an object with the given width, depth and height (m)."""
 
 
 def draw_styled(
@@ -39,7 +39,7 @@ def draw_styled(
     builders: Mapping[str, Build],
     draw_finishes: Callable[[np.random.Generator, str], Mapping[str, Finish]],
 ) -> Draft:
-    """An object of a category whose styles have sizes and builders of their own."""
+    """Draws an object of a category whose styles have their own sizes and builders."""
     style = choose_style(rng, styles, wish.style)
     built = builders[style](rng, *choose_lengths(rng, wish, sizes[style]))
     return Draft(style=style, parts=built.close(), finishes=tuple(sorted(draw_finishes(rng, style).items())))

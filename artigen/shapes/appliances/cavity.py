@@ -1,4 +1,4 @@
-"""Hollow housings: boards around spaces that are open to the front, lined on the inside."""
+"""Hollow housings: boards around a cavity that is open to the front, with a lining."""
 
 from collections.abc import Sequence
 
@@ -13,7 +13,7 @@ SIDES: dict[str, Vector] = {
     "back": (-1.0, 0.0, 0.0),
     "front": (1.0, 0.0, 0.0),
 }
-"""Which way the inner face of each wall of a housing looks."""
+"""Direction of the inner face of each wall of a housing."""
 
 
 def build_shell(
@@ -25,15 +25,15 @@ def build_shell(
     ends: tuple[str, str] | None = None,
     bevel: float = 0.0,
 ) -> tuple[Primitive, ...]:
-    """Left, right, top, bottom and back wall between two boxes that share their front plane.
+    """Five walls (left, right, top, bottom, back) between two boxes that share their front plane.
 
     Args:
-        outer: Housing.
-        inner: Hollow, which begins at the front of ``outer``.
-        finish: Outer surface.
-        lining: Surface of the hollow.
-        ends: Finishes of top and bottom where they differ.
-        bevel: What is taken off the outer edges of the two sides (m).
+        outer: Outer box.
+        inner: Cavity, which begins at the front of ``outer``.
+        finish: Role of the finish of the outside.
+        lining: Role of the finish of the cavity.
+        ends: Finishes of top and bottom if they differ.
+        bevel: Chamfer of the outer edges of the two sides (m).
     """
     top, bottom = ends or (finish, finish)
     (x0, x1), (y0, y1), (z0, z1) = outer.x, outer.y, outer.z
@@ -49,13 +49,13 @@ def build_shell(
 
 
 def build_frame(x: Range, outer: tuple[Range, Range], inner: tuple[Range, Range], finish: str):
-    """Four boards around a rectangular hole, upright in the y-z plane: bezels, gaskets, door frames.
+    """Four boards around a rectangular hole in the y-z plane: bezels, gaskets, door frames.
 
     Args:
-        x: Front and back.
-        outer: (y, z) ranges of the outline.
-        inner: (y, z) ranges of the hole.
-        finish: Surface.
+        x: Front and rear face.
+        outer: Ranges (y, z) of the outline.
+        inner: Ranges (y, z) of the hole.
+        finish: Role of the finish.
     """
     (y0, y1), (z0, z1) = outer
     (hy0, hy1), (hz0, hz1) = inner
@@ -68,7 +68,7 @@ def build_frame(x: Range, outer: tuple[Range, Range], inner: tuple[Range, Range]
 
 
 def build_tub(space: Space, wall: float, finish: str) -> tuple[Primitive, ...]:
-    """A box without a lid that fills a space: drawers, crispers, bins."""
+    """An open box that fills a space: drawers, crispers, bins."""
     (x0, x1), (y0, y1), (z0, z1) = space.x, space.y, space.z
     return (
         box((x0, y0, z0), (x1, y1, z0 + wall), finish),
@@ -88,13 +88,13 @@ def build_feet(
 
 
 def divide_range(span: Range, count: int, gap: float) -> list[Range]:
-    """Equal lengths along a range with ``gap`` between them."""
+    """Divides a range into equal intervals with ``gap`` between them."""
     size = (span[1] - span[0] - gap * (count - 1)) / count
     return [(span[0] + k * (size + gap), span[0] + k * (size + gap) + size) for k in range(count)]
 
 
 def share_range(span: Range, shares: Sequence[float], gap: float) -> list[Range]:
-    """Lengths in proportion to ``shares`` along a range with ``gap`` between them."""
+    """Divides a range into intervals proportional to ``shares`` with ``gap`` between them."""
     free = span[1] - span[0] - gap * (len(shares) - 1)
     out: list[Range] = []
     start = span[0]

@@ -1,4 +1,4 @@
-"""Insides of refrigerators: glass shelves, crispers, freezer baskets, and doors with bins."""
+"""Interiors of refrigerators: glass shelves, crispers, freezer baskets, doors with bins."""
 
 from dataclasses import dataclass
 from math import cos, sin, sqrt
@@ -14,24 +14,24 @@ from artigen.shapes.shape import Need, ShapePart
 from artigen.types import PartLabel
 
 LOW = 0.26
-"""Height above the floor of a compartment (m) up to which tubs stand and doors carry no bins."""
+"""Height (m) above the floor of a compartment that is reserved for tubs; doors have no bins there."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class BinPlan:
-    """Where the rear side of a door carries bins, metres."""
+    """Bins on the rear side of a door (m)."""
 
     depth: float
-    """How far ribs and bins reach into the cabinet."""
+    """Protrusion of ribs and bins into the cabinet."""
     z: Range
     levels: tuple[float, ...]
-    """Floors of the bins."""
+    """Heights of the bins' floors."""
 
 
 def reach_inwards(panel: Panel, upper: float, start: float, depth: float) -> float:
-    """How far (m) an open leaf covers the opening, from its hinge edge, in front of the cabinet.
+    """Width (m), from the hinged edge, of the opening that an open leaf covers.
 
-    The leaf has a ridge on its rear side that begins ``start`` from the hinge edge and is ``depth`` deep.
+    The leaf has a ridge on its rear side, which begins ``start`` from the hinged edge and is ``depth`` deep.
     """
     corners = [(0.0, panel.thickness), (panel.width, 0.0), (panel.width, panel.thickness)]
     if depth:
@@ -40,7 +40,7 @@ def reach_inwards(panel: Panel, upper: float, start: float, depth: float) -> flo
 
 
 def plan_bins(rng: np.random.Generator, depth: float, z: Range) -> BinPlan | None:
-    """Bins one above the other within a range of heights; None where not even one fits."""
+    """Stacked bins within a range of heights; None if not even one fits."""
     count = int(min(rng.integers(2, 5), (z[1] - z[0]) / 0.17))
     if count < 1:
         return None
@@ -60,15 +60,15 @@ def build_cold_leaf(
     bevel: float,
     niche: tuple[Range, Range] | None = None,
 ) -> tuple[Primitive, ...]:
-    """An insulated leaf; its bins stand between two ribs that clear the walls of ``opening`` as it turns.
+    """An insulated leaf with bins between two ribs, which clear the walls of ``opening`` as it turns.
 
     Args:
-        panel: Front, gasket included.
-        edge: Where it is hinged, "left" or "right".
-        opening: Ranges of y and z that are free behind it.
-        bins: What its rear side carries.
-        bevel: Of the outer edges (m).
-        niche: (y, z) ranges of a dispenser.
+        panel: Front, including the gasket.
+        edge: Hinged edge, "left" or "right".
+        opening: Free ranges of y and z behind it.
+        bins: Bins on its rear side.
+        bevel: Chamfer of the outer edges (m).
+        niche: Ranges (y, z) of a dispenser.
     """
     leaf = build_leaf(panel, opening, "front", "inside", bevel=bevel, niche=niche)
     if bins is None:
@@ -93,7 +93,7 @@ def build_cold_leaf(
 
 
 def build_shelf(space: Space, level: float, *, trim: bool) -> tuple[Primitive, ...]:
-    """A pane across a cabinet at a height, with a moulding along its front edge."""
+    """A glass shelf across a cabinet at a height, with a moulding along its front edge."""
     thickness = max(0.007, space.width / SLENDER, space.depth / SLENDER)
     (x0, x1), (y0, y1) = space.x, space.y
     edge = x0 + 0.016 if trim else x0
@@ -117,7 +117,7 @@ def build_crisper(space: Space, finish: str) -> tuple[Primitive, ...]:
 def make_crispers(
     space: Space, count: int, *, stem: str, label: PartLabel, finish: str, needs: tuple[Need, ...]
 ) -> list[ShapePart]:
-    """Tubs side by side that fill a space but for the clearance between them."""
+    """Tubs side by side that fill a space, except for the clearance between them."""
     out = []
     for k, (y0, y1) in enumerate(reversed(divide_range(space.y, count, GAP))):
         tub = Space(x=space.x, y=(y0, y1), z=(space.z[0] + GAP, space.z[1]))
@@ -135,7 +135,7 @@ def make_crispers(
 
 
 def build_freezer_drawer(panel: Panel, space: Space, *, bevel: float) -> tuple[Primitive, ...]:
-    """An insulated front with a basket behind it that hangs on its rear side."""
+    """An insulated front with a basket on its rear side."""
     wall = max(0.008, max(space.width, space.depth) / SLENDER)
     low = space.z[0] + 0.012
     tub = Space(
@@ -159,19 +159,19 @@ def draw_shelves_and_crispers(
     needs: tuple[Need, ...],
     full: bool,
 ) -> tuple[list[ShapePart], list[ShapePart]]:
-    """What a compartment holds: shelves at uneven heights, tubs at its bottom.
+    """Draws the contents of a compartment: shelves at uneven heights, tubs at its bottom.
 
     Args:
-        rng: Source of every choice.
-        space: The free room.
-        stem: What distinguishes the names of its parts.
-        bins: How far the bins of the doors reach in (m).
-        crispers: Range of y in which tubs pass the open doors; None for no tubs.
-        needs: What must be open before a tub slides.
-        full: Tubs up to the top, as in freezers.
+        rng: Random generator.
+        space: Free space.
+        stem: Prefix that makes the names of its parts unique.
+        bins: Depth (m) of the bins on the doors.
+        crispers: Range of y in which tubs clear the open doors; None for no tubs.
+        needs: Parts that must be open before a tub slides.
+        full: Whether tubs fill the compartment, as in freezers.
 
     Returns:
-        The shelves, and what slides.
+        The shelves and the sliding parts.
     """
     front = space.x[0] + bins + (0.03 if bins else 0.045)
     pane = max(0.007, space.width / SLENDER, space.depth / SLENDER)
@@ -193,7 +193,7 @@ def draw_shelves_and_crispers(
             )
             if row < rows - 1 or rows == 1:
                 levels.append(bottom + tall + 0.008 + pane)
-            bottom += tall + 0.009 + pane  # mouldings stand up by a millimetre
+            bottom += tall + 0.009 + pane  # mouldings protrude by a millimetre
     room = space.z[1] - 0.14 - bottom
     wanted = min(int(room / rng.uniform(0.20, 0.34)), 5 if crispers is None else 4)
     if room > 0.08 and wanted > 0:
@@ -201,7 +201,7 @@ def draw_shelves_and_crispers(
     trim = crispers is not None and not (full and len(levels) > 3)
     shelves = []
     for k, level in enumerate(levels):
-        # Low shelves lie below the bins and reach further forward.
+        # Low shelves are below the bins and extend further forward.
         x = (front if level > space.z[0] + LOW else space.x[0] + 0.045, space.x[1])
         pieces = build_shelf(Space(x=x, y=space.y, z=space.z), level, trim=trim)
         shelves.append(ShapePart(name=f"shelf_{stem}_{k}", label="shelf", parent="body", primitives=pieces))

@@ -1,7 +1,7 @@
-"""Dials, push buttons, displays: what people turn and press on appliances.
+"""Controls of appliances: dials, push buttons, displays.
 
-Controls stand on a face that looks along ``out``: (-1, 0, 0) on a front, (0, 0, 1) on a hob, or slanted in
-the x-z plane. A dial floats `DIAL_GAP` before its face, a button far enough to be pressed by its travel.
+Controls are on a face with normal ``out``: (-1, 0, 0) on a front, (0, 0, 1) on a hob, or slanted in the x-z
+plane. The gap between a dial and its face is `DIAL_GAP`, that of a button its travel.
 """
 
 from dataclasses import dataclass, replace
@@ -23,23 +23,23 @@ FRONT: Vector = (-1.0, 0.0, 0.0)
 
 @dataclass(frozen=True, kw_only=True)
 class DialDesign:
-    """One model of dial, so that all of an appliance match; metres."""
+    """One model of dial, shared by all dials of an appliance (m)."""
 
     kind: DialKind
     radius: float
     length: float
-    """How far it stands out of its panel."""
+    """Protrusion from its panel."""
     finish: str
     mark: str
-    """Finish of pointer or collar."""
+    """Role of the finish of pointer or collar."""
     upper: float
-    """Range (rad); 0 turns without end."""
+    """Range (rad); 0 for no limits."""
 
 
 def design_dial(
     rng: np.random.Generator, radius: Range, *, endless: float, finish: str = "handle"
 ) -> DialDesign:
-    """A dial with a radius from a range; ``endless`` is the chance that it turns without end."""
+    """Draws a dial with a radius from a range; ``endless`` is the probability of no limits."""
     kinds: tuple[DialKind, ...] = ("round", "grip", "collar", "faceted")
     drawn = float(rng.uniform(*radius))
     return DialDesign(
@@ -53,7 +53,7 @@ def design_dial(
 
 
 def make_dial(design: DialDesign, at: Vector, *, name: str, parent: str, out: Vector = FRONT) -> ShapePart:
-    """A dial whose axis meets the face at ``at`` and points along ``out`` (unit, in the x-z plane)."""
+    """A dial whose axis meets the face at ``at`` and points along ``out`` (unit vector in the x-z plane)."""
     place = _Placing(at=np.array(at), out=np.array(out))
     low, high, r = DIAL_GAP, DIAL_GAP + design.length, design.radius
     middle = low + 0.45 * design.length
@@ -92,7 +92,7 @@ def make_button(
     shape: Literal["round", "square"] = "square",
     out: Vector = FRONT,
 ) -> ShapePart:
-    """A push button, ``size`` (width, height, length) in metres, that yields by `PRESS` into its face."""
+    """A push button of ``size`` (width, height, length; m) with a travel of `PRESS` into its face."""
     width, height, length = size
     place = _Placing(at=np.array(at), out=np.array(out))
     low = 0.0012 + PRESS
@@ -116,19 +116,19 @@ def spread_controls(
     counts: tuple[int, int],
     parent: str = "body",
 ) -> tuple[list[Primitive], list[ShapePart]]:
-    """A row of dials on a band at ``x``, with a display, and keys, between its two halves.
+    """A row of dials on a band at ``x``, with a display and keys between its two halves.
 
     Args:
-        rng: Source of every choice.
-        design: Of the dials.
+        rng: Random generator.
+        design: Design of the dials.
         x: Face of the band.
-        y: Its range across.
-        z: Its range upwards.
-        counts: Dials and keys; keys that find no room are left out.
-        parent: What the controls stand on.
+        y: Range of the band across.
+        z: Range of the band upwards.
+        counts: Number of dials and keys; keys that do not fit are omitted.
+        parent: Name of the part that carries the controls.
 
     Returns:
-        What is fixed to the band, and the controls.
+        The solids fixed to the band, and the controls.
     """
     dials, keys = counts
     middle = (z[0] + z[1]) / 2
@@ -172,14 +172,14 @@ def _make_keys(y: Range, at: tuple[float, float], count: int, parent: str) -> li
 
 
 def build_display(x: float, y: Range, z: Range, finish: str = "panel") -> Primitive:
-    """A dark window that stands 3 to 4 mm out of a front at ``x``."""
+    """A dark window that protrudes 3 to 4 mm from a front at ``x``."""
     rise = max(0.003, (y[1] - y[0]) / 50)
     return box((x - rise, y[0], z[0]), (x, y[1], z[1]), finish)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class _Placing:
-    """Coordinates of a control: out of its face, across (y), and up along the face."""
+    """Local coordinates of a control: out of its face, across (y), and up along the face."""
 
     at: np.ndarray
     out: np.ndarray

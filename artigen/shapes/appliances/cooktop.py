@@ -12,7 +12,7 @@ CooktopKind = Literal["gas", "glass", "coil"]
 
 
 def place_burners(x: Range, y: Range, count: int) -> list[tuple[float, float, float]]:
-    """Centres (x, y) and free radius of burners in two rows; an odd one stands alone in the middle column."""
+    """Centres (x, y) and free radius of burners in two rows; an odd one is alone in the middle column."""
     columns = divide_range(y, (count + 1) // 2, 0.0)
     rows = [sum(row) / 2 for row in divide_range(x, 2, 0.0)]
     radius = min(columns[0][1] - columns[0][0], (x[1] - x[0]) / 2) / 2
@@ -46,7 +46,7 @@ def build_burners(
 
 
 def build_grate(x: Range, y: Range, z: float, *, cheeks: int) -> tuple[Primitive, ...]:
-    """Cast iron over a column of burners: cheeks, or one spine, that stand on the hob, and two cross bars."""
+    """A cast-iron grate over a column of burners: cheeks or one spine on the hob, and two cross bars."""
     bar = max(0.009, (x[1] - x[0]) / 50)
     top = z + 0.034
     low, high = y[0] + 0.012, y[1] - 0.012

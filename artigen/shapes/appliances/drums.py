@@ -8,15 +8,15 @@ from artigen.shapes.primitives import Primitive, Vector, box, cylinder, move, pr
 from artigen.shapes.shape import Motion, ShapePart
 
 SHEET = 0.0115
-"""Thickness of a drum's wall (m): engines mishandle thinner ones of this length."""
+"""Thickness of a drum's wall (m); engines mishandle thinner walls of this length."""
 
 
 def make_drum(
     center: Vector, axis: str, span: Range, radius: float, *, paddles: int, finish: str = "steel"
 ) -> ShapePart:
-    """A drum about an axis ("x" or "z") through ``center``, open where ``span`` begins (x) or ends (z).
+    """A drum about an axis ("x" or "z") through ``center``, open at the beginning (x) or end (z) of ``span``.
 
-    It floats `GAP` before the bearing that the housing has behind its closed end.
+    Its gap to the bearing of the housing, behind its closed end, is `GAP`.
     """
     closed = span[1] if axis == "x" else span[0]
     inwards = -SHEET if axis == "x" else SHEET
@@ -42,12 +42,12 @@ def make_drum(
 
 
 def fit_radius(room: float) -> float:
-    """Inner radius of the drum that turns within ``room`` metres of its axis."""
+    """Inner radius of a drum with ``room`` metres around its axis."""
     return float(room * np.cos(np.pi / 16)) - SHEET
 
 
 def build_bearing(drum_end: float, wall: float, center: Vector, axis: str) -> Primitive:
-    """What a drum turns on: from the housing's ``wall`` to `GAP` before the drum, along the axis."""
+    """The bearing of a drum, from the housing's ``wall`` to `GAP` before the drum, along the axis."""
     x, y, z = center
     gap = GAP if wall > drum_end else -GAP
     ends = [(drum_end + gap, y, z), (wall, y, z)] if axis == "x" else [(x, y, drum_end + gap), (x, y, wall)]
@@ -55,13 +55,13 @@ def build_bearing(drum_end: float, wall: float, center: Vector, axis: str) -> Pr
 
 
 def build_porthole(panel: Panel, glass: float, depth: float, finish: str) -> tuple[Primitive, ...]:
-    """A round door that fills its square panel: a ring that swells towards the glass, and a bowl behind it.
+    """A round door that fills its square panel: a ring that rises towards the glass, and a bowl behind it.
 
     Args:
-        panel: The square around it.
-        glass: Radius of the bowl's mouth (m).
-        depth: How far the bowl reaches behind the panel (m).
-        finish: Of the glass.
+        panel: Square around the door.
+        glass: Radius of the bowl's opening (m).
+        depth: Depth of the bowl behind the panel (m).
+        finish: Role of the finish of the glass.
     """
     y, z = panel.center
     center, radius, thickness = (panel.x, y, z), panel.width / 2, panel.thickness
@@ -76,7 +76,7 @@ def build_porthole(panel: Panel, glass: float, depth: float, finish: str) -> tup
 
 
 def _build_agitator(foot: Vector, height: float, fins: int) -> list[Primitive]:
-    """A post with fins that stands in a drum."""
+    """The agitator of a drum: a post with fins."""
     x, y, z = foot
     post = cylinder((x, y, z), (x, y, z + height), 0.045, "plastic")
     cap = cylinder((x, y, z), (x, y, z + 0.03), 0.13, "plastic")

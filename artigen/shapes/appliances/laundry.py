@@ -1,4 +1,4 @@
-"""What washing machines and dryers have in common: cabinet, round door, drum, and the band of controls."""
+"""Components of washing machines and dryers: cabinet, round door, drum, control band."""
 
 from dataclasses import dataclass
 
@@ -14,7 +14,7 @@ from artigen.shapes.primitives import Primitive, box, line, rounded_box
 from artigen.shapes.shape import ShapePart
 
 WALL = 0.024
-"""Sides and back of the housing (m)."""
+"""Thickness of sides and back of the housing (m)."""
 LID = 0.022
 """Thickness of the top (m)."""
 FACE = 0.03
@@ -23,17 +23,17 @@ FACE = 0.03
 
 @dataclass(frozen=True, kw_only=True)
 class LaundryPlan:
-    """Sizes that all parts share; metres."""
+    """Dimensions that all parts share (m)."""
 
     width: float
     depth: float
     height: float
     pedestal: float
-    """Height of a drawer below; 0 without."""
+    """Height of a drawer below; 0 for none."""
     thickness: float
-    """Of the door or the lid."""
+    """Thickness of the door or lid."""
     band: float
-    """Height of the band of controls, or of the console."""
+    """Height of the control band or console."""
     longest: float
 
     @property
@@ -42,14 +42,14 @@ class LaundryPlan:
 
 
 def seat_drum(rng: np.random.Generator, drum: ShapePart, bearing: Primitive) -> Assembly:
-    """The drum on its bearing; now and then there is none, as in machines on show."""
+    """Draws the drum and its bearing; sometimes none, as in display models."""
     if rng.random() < 0.15:
         return Assembly(pieces=(bearing,))
     return Assembly(pieces=(bearing,), parts=(drum,))
 
 
 def draw_porthole(rng: np.random.Generator, plan: LaundryPlan, panel: Panel, hole: float) -> Assembly:
-    """The round door, with a handle half of the time."""
+    """Draws the round door, with a handle half of the time."""
     edge = "left" if rng.random() < 0.8 else "right"
     glass = "clear" if rng.random() < 0.45 else "glass"
     mouth = 0.84 * hole
@@ -71,7 +71,7 @@ def draw_porthole(rng: np.random.Generator, plan: LaundryPlan, panel: Panel, hol
 
 
 def build_cabinet(plan: LaundryPlan, x: float, z: Range) -> list[Primitive]:
-    """Sides, back, floor and worktop; sides and back stand on the floor of the cabinet's lowest tier."""
+    """Sides, back, floor and worktop; sides and back begin at the floor of the cabinet's lowest tier."""
     back, (y0, y1) = plan.depth / 2, plan.y
     low = z[0] - plan.pedestal
     inner = (y0 + WALL, y1 - WALL)
@@ -85,7 +85,7 @@ def build_cabinet(plan: LaundryPlan, x: float, z: Range) -> list[Primitive]:
 
 
 def draw_band(rng: np.random.Generator, plan: LaundryPlan, x: float, z: Range) -> Assembly:
-    """The band of controls above the porthole, with a detergent drawer at its left end most of the time."""
+    """Draws the control band above the porthole, usually with a detergent drawer at its left end."""
     finish = "panel" if rng.random() < 0.45 else "front"
     left = plan.y[1]
     built = Assembly()
@@ -106,7 +106,7 @@ def draw_band(rng: np.random.Generator, plan: LaundryPlan, x: float, z: Range) -
 def draw_box_drawer(
     rng: np.random.Generator, plan: LaundryPlan, x: float, place: tuple[float, Range], finish: str
 ) -> Assembly:
-    """A drawer of two chambers between a y and the left side, and the shelf it runs on."""
+    """A drawer with two chambers between a y and the left side, and the shelf that it runs on."""
     left, z = place
     y, wall = (left + GAP, plan.y[1]), plan.y[1] - WALL
     low, high = z[0] + GAP, z[1] - GAP

@@ -1,4 +1,4 @@
-"""Inside an oven: a hollow with rails at several levels, wire racks and baking sheets that slide on them."""
+"""Interiors of ovens: rails at several levels, wire racks and baking sheets that slide on them."""
 
 import numpy as np
 
@@ -8,11 +8,11 @@ from artigen.shapes.primitives import Primitive, box
 from artigen.shapes.shape import Need, ShapePart
 
 RAIL = 0.024
-"""How far a rail stands out of its wall (m)."""
+"""Protrusion of a rail from its wall (m)."""
 
 
 def choose_levels(rng: np.random.Generator, space: Space, floor: float, count: int) -> list[float]:
-    """Heights (m) of at most ``count`` racks, the lowest one above ``floor``, apart enough to cook."""
+    """Heights (m) of at most ``count`` racks above ``floor``, far enough apart for dishes."""
     low, high = max(space.z[0] + 0.045, floor), space.z[1] - 0.09
     count = max(0, min(count, int((high - low) / 0.075) + 1))
     if count == 0:
@@ -38,9 +38,9 @@ def build_rails(space: Space, levels: list[float]) -> tuple[Primitive, ...]:
 def make_racks(
     rng: np.random.Generator, space: Space, levels: list[float], *, stem: str, door: str, aside: float = ROOM
 ) -> list[ShapePart]:
-    """What lies on the rails: wire racks, now and then a baking sheet; they slide when ``door`` is open.
+    """Draws wire racks and sometimes a baking sheet, which slide when ``door`` is open.
 
-    ``aside`` (m) is the room at each side; what has no rails runs in grooves, close to the walls.
+    ``aside`` (m) is the clearance at each side; racks without rails run in grooves close to the walls.
     """
     out = []
     for k, level in enumerate(levels):

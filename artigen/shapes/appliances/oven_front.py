@@ -16,14 +16,14 @@ from artigen.shapes.shape import ShapePart
 
 @dataclass(frozen=True, kw_only=True)
 class FrontLook:
-    """What the fronts of one oven have in common."""
+    """Design of the fronts of one oven."""
 
     face: str
-    """Finish."""
+    """Role of the finish."""
     grip: HandleDesign | None
-    """None for lips that are one piece with the doors."""
+    """None for grip lips that are one piece with the doors."""
     longest: float
-    """Longest edge of the oven (m); lips and handles are made in proportion."""
+    """Longest edge of the oven (m), which lips and handles are proportional to."""
 
 
 def make_oven_door(
@@ -34,7 +34,7 @@ def make_oven_door(
     name: str,
     edge: Literal["bottom", "left", "right"],
 ) -> list[ShapePart]:
-    """A door with a window, and its handle, that fills its slot but for the gaps it needs to turn."""
+    """A door with a window and a handle, which fills its slot except for the gaps that it needs to turn."""
     low, high = (0.002, sweep_gap(slot.height, slot.thickness)) if edge == "bottom" else (0.0, 0.003)
     panel = Panel(x=slot.x, thickness=slot.thickness, y=slot.y, z=(slot.z[0] + low, slot.z[1] - high))
     aside = float(rng.uniform(0.08, 0.17)) * panel.width
@@ -58,7 +58,7 @@ def make_oven_door(
 def make_warming_drawer(
     rng: np.random.Generator, panel: Panel, tub: Space, look: FrontLook
 ) -> list[ShapePart]:
-    """A low drawer: a front, and a steel box that fills ``tub`` behind it."""
+    """A warming drawer: a front, and a steel box that fills ``tub`` behind it."""
     wall = max(0.008, max(tub.width, tub.depth) / SLENDER)
     face = "front" if rng.random() < 0.5 else look.face
     low, high = (panel.x, panel.y[0], panel.z[0]), (panel.back, panel.y[1], panel.z[1])
@@ -78,7 +78,7 @@ def make_warming_drawer(
 def _build_lip(
     panel: Panel, edge: Literal["bottom", "left", "right"], aside: float, longest: float
 ) -> Primitive:
-    """A strip along the side that opens, ``aside`` metres short at both ends, for the fingertips."""
+    """A grip lip for the fingertips along the free edge, ``aside`` metres short at both ends."""
     size, inset = max(0.018, 0.017 * longest), 0.008
     y, z = (panel.y[0] + aside, panel.y[1] - aside), (panel.z[1] - inset - size, panel.z[1] - inset)
     if edge != "bottom":

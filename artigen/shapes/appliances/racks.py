@@ -1,4 +1,4 @@
-"""Wire racks, baskets and sheet pans: what slides in ovens, dishwashers and refrigerators."""
+"""Wire racks, baskets and sheet pans of ovens, dishwashers and refrigerators."""
 
 import numpy as np
 
@@ -6,16 +6,16 @@ from artigen.shapes.fittings.hardware import Space
 from artigen.shapes.primitives import Primitive, box, cylinder
 
 SLENDER = 55.0
-"""Length of a rod over its thickness: engines mishandle what is longer."""
+"""Largest ratio of a rod's length to its thickness; engines mishandle longer ones."""
 
 
 def wire_gauge(length: float, least: float = 0.006) -> float:
-    """Thickness (m) of a wire that spans ``length``."""
+    """Thickness (m) of a wire of length ``length``."""
     return max(least, length / SLENDER)
 
 
 def build_rack(space: Space, finish: str, *, bars: int, lip: float = 0.0) -> tuple[Primitive, ...]:
-    """A flat wire rack at the bottom of a space: a frame, bars from front to back, a raised rear edge.
+    """A flat wire rack at the bottom of a space: a frame, bars from front to back, a raised rear stop.
 
     The frame fills the space sideways and in depth; ``lip`` is the height of the rear stop (m).
     """
@@ -38,7 +38,7 @@ def build_rack(space: Space, finish: str, *, bars: int, lip: float = 0.0) -> tup
 
 
 def build_basket(space: Space, finish: str, *, bars: int, posts: int, tines: int) -> tuple[Primitive, ...]:
-    """A wire basket that fills a space: floor, rim, upright wires in between, a row of tines for plates."""
+    """A wire basket that fills a space: floor, rim, vertical wires between, a row of tines for plates."""
     (x0, x1), (y0, y1), (z0, z1) = space.x, space.y, space.z
     gauge = wire_gauge(max(space.width, space.depth))
     r = gauge / 2

@@ -1,4 +1,4 @@
-"""Round things from convex pieces: rings and drums of wedges, plates with a round hole."""
+"""Round solids made of convex pieces: rings and drums of wedges, plates with a round hole."""
 
 from functools import cache
 from itertools import pairwise
@@ -21,16 +21,16 @@ def build_ring(
     sides: int = 16,
     lining: str | None = None,
 ) -> tuple[Primitive, ...]:
-    """Wedges around an axis ("x" or "z"): a tube, or a funnel where the two ends differ.
+    """A ring of wedges around an axis ("x" or "z"): a tube, or a funnel if its ends differ.
 
     Args:
-        center: A point on the axis; ``span`` counts from it.
+        center: Point on the axis, from which ``span`` counts.
         axis: Direction of the axis.
-        span: Where the tube begins and ends along the axis.
-        radii: Inner (of the free circle) and outer radius (of the corners) at the two ends.
-        finish: Surface.
+        span: Ends of the tube along the axis.
+        radii: Inner radius (of the free circle) and outer radius (of the corners) at the two ends.
+        finish: Role of the finish.
         sides: Number of wedges.
-        lining: Finish of the inside of the tube.
+        lining: Role of the finish of the inside.
     """
     wedge = _wedge(axis, span, radii, finish, sides)
     if lining is not None:
@@ -49,9 +49,9 @@ def build_pierced_plate(
     sides: int = 12,
     lining: str | None = None,
 ) -> tuple[Primitive, ...]:
-    """An upright plate (y, z ranges in ``outline``) with a round hole (y, z, radius of the free circle).
+    """A vertical plate (y, z ranges in ``outline``) with a round hole (y, z, radius of the free circle).
 
-    Each piece is the part of the plate within one sector, beyond one side of the polygon around the hole.
+    Each piece is the part of the plate in one sector outside one side of the polygon around the hole.
     """
     y, z, radius = hole
     rim = radius / np.cos(np.pi / sides)
@@ -73,7 +73,7 @@ def build_pierced_plate(
 
 
 def _reach_edge(angle: float, outline: tuple[Range, Range], center: tuple[float, float]) -> np.ndarray:
-    """Where a ray from the centre leaves the rectangle, relative to the centre."""
+    """Point, relative to the centre, where a ray from the centre leaves the rectangle."""
     ray = np.array([np.cos(angle), np.sin(angle)])
     limits = [
         (outline[k][1 if ray[k] > 0 else 0] - center[k]) / ray[k] for k in (0, 1) if abs(ray[k]) > 1e-12
@@ -83,7 +83,7 @@ def _reach_edge(angle: float, outline: tuple[Range, Range], center: tuple[float,
 
 @cache
 def _wedge(axis: str, span: Range, radii: tuple[Range, Range], finish: str, sides: int) -> Primitive:
-    """One piece of a ring about the object's origin, centred on +y (axis x) or +x (axis z)."""
+    """One wedge of a ring about the origin, centred on +y (axis x) or +x (axis z)."""
     half = np.pi / sides
     corners = []
     for along, (inner, outer) in zip(span, radii, strict=True):

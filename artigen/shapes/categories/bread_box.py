@@ -1,7 +1,7 @@
-"""BreadBox: a box on a kitchen counter with a front that drops, a curved lid that swings up, or a lid on top.
+"""BreadBox: a counter-top box with a drop front, a curved lid that swings up, or a lid on top.
 
-Bread bins of catalogues are 0.33 to 0.45 m wide, 0.22 to 0.29 m deep and 0.16 to 0.25 m high: a loaf of
-1 kg is 0.3 m long and 0.13 m high.
+Catalogue sizes are 0.33 to 0.45 m wide, 0.22 to 0.29 m deep and 0.16 to 0.25 m high; a loaf of 1 kg is 0.3 m
+long and 0.13 m high.
 """
 
 import numpy as np
@@ -28,7 +28,7 @@ WALL = 0.009
 
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
-    """A bread box that meets the wish."""
+    """Draws a bread box that meets the wish."""
     style = choose_style(rng, STYLES, wish.style)
     width = choose(rng, 0.33, 0.45, wish.width)
     depth = choose(rng, 0.22, 0.29, wish.depth)
@@ -58,7 +58,7 @@ def _draw_finishes(rng: np.random.Generator, style: str) -> dict[str, Finish]:
 
 
 def _build_drop(rng: np.random.Generator, size: tuple[float, float, float], style: str) -> Assembly:
-    """A box whose front drops forwards; with a pane in ``window``; some have a shelf."""
+    """A box with a drop front, with a pane in style ``window``; some have a shelf."""
     width, depth, height = size
     kinds: tuple[HandleKind, ...] = ("knob", "bar", "edge")
     kind = kinds[int(rng.integers(3))]
@@ -94,7 +94,7 @@ def _build_drop(rng: np.random.Generator, size: tuple[float, float, float], styl
 
 
 def _build_curved(rng: np.random.Generator, size: tuple[float, float, float], style: str) -> Assembly:
-    """Two cheeks, and between them a lid in a quarter of an ellipse that swings up about its rear edge."""
+    """Two cheeks with a quarter-ellipse lid between, which swings up about its rear edge."""
     width, depth, height = size
 
     x, y = (-depth / 2, depth / 2), (-width / 2, width / 2)
@@ -141,7 +141,7 @@ def _build_curved(rng: np.random.Generator, size: tuple[float, float, float], st
 
 
 def _build_enamel(rng: np.random.Generator, size: tuple[float, float, float], style: str) -> Assembly:
-    """An upright box with a lid on top and a grip on it, or at its sides."""
+    """A tall box with a lid on top and a grip on the lid or at the sides."""
     width, depth, height = size
     grip = FINGER_ROOM + 0.012
     x, y = (-depth / 2, depth / 2), (-width / 2, width / 2)

@@ -1,7 +1,7 @@
-"""Cart: kitchen trolleys, service carts and tool carts on four castors, with a bar to push them.
+"""Cart: kitchen trolleys, service carts and tool carts on four castors, with a push bar.
 
-A cart is a stack of tiers between four posts, drawn one by one: boards, baskets, trays that pull out, rows of
-drawers, cabinets. Tool carts are one cabinet of drawers under a rimmed top.
+A cart is a stack of tiers between four posts: boards, baskets, pull-out trays, rows of drawers, cabinets.
+Tool carts are one cabinet of drawers under a rimmed top.
 """
 
 from dataclasses import dataclass, replace
@@ -29,7 +29,7 @@ Tier = Literal["board", "basket", "pull_out", "drawers", "cabinet"]
 
 @dataclass(frozen=True, kw_only=True)
 class _Kind:
-    """A style of cart: chance, sizes (m), palettes, posts and what its tiers are."""
+    """A style of cart: weight, sizes (m), palettes, posts and tiers."""
 
     weight: float
     width: Range
@@ -39,7 +39,7 @@ class _Kind:
     looks: tuple[str, ...]
     post: Range
     tiers: tuple[tuple[Tier, float], ...]
-    """Chances of tiers; none for a cart that is one cabinet."""
+    """Weights of tiers; none for a cart that is one cabinet."""
     wheel: Range
 
 
@@ -96,7 +96,7 @@ TOOLS = Taste(
 
 @dataclass(frozen=True, kw_only=True)
 class _Frame:
-    """Where a cart's tiers go: the box over its castors, posts included, metres."""
+    """The space of a cart's tiers: the box over its castors, including posts (m)."""
 
     x: Range
     y: Range
@@ -106,12 +106,12 @@ class _Frame:
 
     @property
     def inner(self) -> Range:
-        """Between the posts (y)."""
+        """Range of y between the posts."""
         return self.y[0] + self.post, self.y[1] - self.post
 
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
-    """A cart that meets the wish."""
+    """Draws a cart that meets the wish."""
     style = wish.style or pick(rng, {name: kind.weight for name, kind in STYLES.items()})
     kind = STYLES[style]
     palette = kind.palettes[int(rng.integers(len(kind.palettes)))]
@@ -126,7 +126,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
         if fits_engines(parts):
             return Draft(style=style, parts=parts, finishes=finishes)
     raise CrowdedError(
-        f"{CATEGORY}: no cart of {size} m keeps within what engines hold; wish for a smaller one"
+        f"{CATEGORY}: no cart of {size} m respects the limits of engines; request a smaller one"
     )
 
 
@@ -136,7 +136,7 @@ def _build(
     width, depth, height = size
     looks = draw_looks(rng, LOOKS[kind.looks[int(rng.integers(len(kind.looks)))]], max(size), wish)
     looks = replace(looks, margin=GAP, lock=False)
-    bar = float(rng.uniform(0.045, 0.065))  # the push bar stands out on the left
+    bar = float(rng.uniform(0.045, 0.065))  # the push bar protrudes on the left
     x = (looks.reach - depth / 2, depth / 2)
     y = (-width / 2, width / 2 - bar)
     stand = make_castors(x, y, float(rng.uniform(*kind.wheel)), parent=BODY, swivel=bool(rng.random() < 0.45))
@@ -149,7 +149,7 @@ def _build(
 def _stack_tiers(
     rng: np.random.Generator, frame: _Frame, kind: _Kind
 ) -> tuple[list[Primitive], list[ShapePart]]:
-    """Posts, a top, and two or three tiers below it; the lowest begins at the castors."""
+    """Posts, a top, and two or three tiers below; the lowest begins at the castors."""
     top = float(rng.uniform(0.02, 0.035))
     high = frame.z[1] - top
     over = 0.0 if kind.post[0] < 0.03 else float(rng.uniform(0.0, 0.02))
@@ -182,7 +182,7 @@ def _stack_tiers(
 def _build_tier(
     rng: np.random.Generator, frame: _Frame, tier: Tier, z: Range, tag: str
 ) -> tuple[tuple[Primitive, ...], tuple[ShapePart, ...]]:
-    """One tier between the posts: what joins the body, and parts."""
+    """One tier between the posts: solids of the body, and parts."""
     tall = z[1] - z[0]
     wall = max(0.010, (frame.inner[1] - frame.inner[0]) / 60)
     if tier == "drawers" and tall > 0.14:
@@ -219,7 +219,7 @@ def _build_tier(
 
 
 def _make_basket(x: Range, y: Range, z: Range, wall: float) -> tuple[Primitive, ...]:
-    """A board, with a rim up to the end of ``z`` if that is higher than the board."""
+    """A board, with a rim up to the top of ``z`` if that is higher than the board."""
     floor = fill_space(Space(x=x, y=y, z=(z[0], z[0] + 1.3 * wall)), "inside" if z[1] > z[0] else "top")
     up = (z[0] + 1.3 * wall, z[1])
     if up[1] - up[0] < 0.01:
@@ -264,7 +264,7 @@ def _build_chest(rng: np.random.Generator, frame: _Frame) -> tuple[list[Primitiv
 
 
 def _make_push_bar(frame: _Frame, reach: float) -> ShapePart:
-    """A rod along the left end on two arms, below the top."""
+    """A push bar along the left end on two arms, below the top."""
     radius = 0.011 + 0.06 * (reach - 0.045)
     z, y = frame.z[1] - 0.09, frame.y[1] + reach - radius
     first, last = frame.x[0] + frame.post, frame.x[1] - frame.post

@@ -1,7 +1,7 @@
-"""ChestFreezer: an insulated chest with a lid and hanging baskets, or with panes that slide, as shops have.
+"""ChestFreezer: an insulated chest with a lid and baskets, or with sliding panes as in shops.
 
-Chests of 100 to 400 l are 0.55 to 1.4 m wide, 0.55 to 0.72 m deep and 0.83 to 0.9 m high; their walls are 55
-to 75 mm of foam. At one end a step in the floor covers the compressor.
+Chests of 100 to 400 l are 0.55 to 1.4 m wide, 0.55 to 0.72 m deep and 0.83 to 0.9 m high, with foam walls of
+55 to 75 mm. A step in the floor at one end covers the compressor.
 """
 
 import numpy as np
@@ -25,13 +25,13 @@ STYLES = {"white": 4.0, "steel": 1.5, "black": 1.0, "shop": 2.0}
 ADS = ((0.16, 0.35, 0.62), (0.70, 0.14, 0.14), (0.12, 0.45, 0.42), (0.90, 0.62, 0.16))
 """Colours of the bands around freezers in shops."""
 RAISED = 0.008
-"""How far (m) the handle stands above the lid, for a hand to take it."""
+"""Height (m) of the handle above the lid."""
 PLUG = 0.018
-"""How far (m) the lid's liner reaches into the chest."""
+"""Depth (m) of the lid's liner in the chest."""
 
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
-    """A chest freezer that meets the wish."""
+    """Draws a chest freezer that meets the wish."""
     style = choose_style(rng, STYLES, wish.style)
     shop = style == "shop"
     width = choose(rng, 0.9 if shop else 0.55, 1.7 if shop else 1.4, wish.width)
@@ -48,7 +48,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
 
 
 def _build(rng: np.random.Generator, width: float, depth: float, height: float, *, shop: bool) -> Assembly:
-    """The chest on its feet, what covers it, what hangs in it, and its controls."""
+    """The chest on its feet, its lid or panes, its baskets and its controls."""
     dial = design_dial(rng, (0.018, 0.024), endless=0.3)
     reach, foot = max(0.0 if shop else 0.028, dial.length + DIAL_GAP), float(rng.uniform(0.02, 0.045))
     x, y = (reach - depth / 2, depth / 2), (-width / 2, width / 2)
@@ -83,7 +83,7 @@ def _build(rng: np.random.Generator, width: float, depth: float, height: float, 
 
 
 def _make_lid(outline: tuple[Range, Range], hollow: Space, z: Range, upper: float) -> ShapePart:
-    """An insulated lid: skin, gasket, and a liner that reaches into the chest."""
+    """An insulated lid: skin, gasket, and a liner that enters the chest."""
     x, y = outline
     skin = rounded_box((x[0], y[0], z[0] + 0.012), (x[1], y[1], z[1]), 0.006, "front")
     gasket = box((x[0] + 0.012, y[0] + 0.012, z[0]), (x[1] - 0.012, y[1] - 0.012, z[0] + 0.02), "rubber")
@@ -101,7 +101,7 @@ def _make_lid(outline: tuple[Range, Range], hollow: Space, z: Range, upper: floa
 def _make_baskets(
     hollow: Space, level: float, step: float, count: int, covers: tuple[str, ...]
 ) -> list[ShapePart]:
-    """Wire baskets: one stands on the step, the next one on the floor; they are lifted out."""
+    """Wire baskets that lift out: one on the step, the next one on the floor."""
     out = []
     start = hollow.y[0] + ROOM
     for k in range(count):
@@ -124,7 +124,7 @@ def _make_baskets(
 
 
 def _build_panes(outline: tuple[Range, Range], rim: float, height: float, wall: float) -> Assembly:
-    """A frame with two panes that slide past each other."""
+    """A frame with two sliding panes."""
     x, y = outline
     inner_x, inner_y = (x[0] + 0.4 * wall, x[1] - 0.4 * wall), (y[0] + 0.4 * wall, y[1] - 0.4 * wall)
     frame: list[Primitive] = [

@@ -1,7 +1,7 @@
-"""DeskLamp: a foot, a lower and an upper arm, and a head that tilts: a chain of three hinges, and a switch.
+"""DeskLamp: a foot, a lower arm, an upper arm and a tilting head (a chain of three hinges), and a switch.
 
-Arms of 300 to 450 mm as of balanced-arm lamps. At rest the lower arm leans back and the upper one forward;
-from there the lower arm comes forward, the upper one goes up, and the head looks up.
+Arms are 300 to 450 mm long, as in balanced-arm lamps. At rest the lower arm leans back and the upper one
+forward. The joints move the lower arm forward, the upper arm up and the head up.
 """
 
 import numpy as np
@@ -32,14 +32,14 @@ COLORS = {
     "dome": ("forest", "navy", "cream", "black", "terracotta", "sage"),
 }
 OUTER, INNER, PLAY = 0.0185, 0.0095, 0.0025
-"""Distances (m) of the two rods of an arm from the middle: the lower arm and the head straddle the upper."""
+"""Distances (m) of the two rods of an arm from the middle; lower arm and head straddle the upper arm."""
 ROD = 0.0045
 KNOB = 0.013
 """Radius of the knobs on the hinges."""
 ROUND = float(np.cos(np.pi / SEGMENTS))
-"""Extent of the prism that stands for a cylinder, over the cylinder's."""
+"""Ratio of the extent of the prism that approximates a cylinder to the cylinder's."""
 Point = tuple[float, float]
-"""In the plane of the arms: x and z."""
+"""Coordinates (x, z) in the plane of the arms."""
 
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
@@ -53,7 +53,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     droop = float(np.radians(rng.uniform(4.0, 14.0)))
     base = (0.0, plate + 0.045)
     top = height - KNOB * ROUND
-    # The elbow is so far behind the foot that the weight of arms and head holds every hinge at rest.
+    # The elbow is behind the foot so that gravity holds every hinge at rest.
     forward = depth - front - KNOB * ROUND
     elbow = (0.53 * forward + float(rng.uniform(0.066, 0.076)), top)
     back = max(elbow[0] + KNOB * ROUND, foot)
@@ -111,7 +111,7 @@ def _draw_finishes(rng: np.random.Generator, style: str) -> tuple[tuple[str, Fin
 
 
 def _build_arm(start: Point, end: Point, apart: float, *, flat: bool, springs: bool) -> list[Primitive]:
-    """Two rods or flat bars beside each other, spacers between them, and knobs on the hinge at the end."""
+    """Two rods or flat bars side by side, with spacers between them and knobs on the hinge at the end."""
     way = np.array(end) - np.array(start)
     way /= np.linalg.norm(way)
     over = 0.006
@@ -143,7 +143,7 @@ def _build_arm(start: Point, end: Point, apart: float, *, flat: bool, springs: b
 
 
 def _build_head(rng: np.random.Generator, style: str) -> tuple[list[Primitive], float]:
-    """A head about its hinge in the origin, and how far it reaches forward (m)."""
+    """A head with its hinge at the origin, and its extent forward (m)."""
     sides = ((-OUTER - ROD, -OUTER + ROD), (OUTER - ROD, OUTER + ROD))
     cheeks = [box((-0.008, low, -0.034), (0.008, high, 0.008), "arm") for low, high in sides]
     if style == "led":
@@ -156,7 +156,7 @@ def _build_head(rng: np.random.Generator, style: str) -> tuple[list[Primitive], 
         mouth, neck = float(rng.uniform(0.066, 0.08)), 0.03
         tall = float(rng.uniform(0.1, 0.13)) if style == "architect" else float(rng.uniform(0.075, 0.095))
         low, wall = -0.06 - tall, 0.006
-        belly = 0.9 if style == "dome" else 0.42  # how wide the shade is where its wall bends
+        belly = 0.9 if style == "dome" else 0.42  # radius of the shade where its wall bends
         bend = -0.06 - (0.45 if style == "dome" else 0.4) * tall
         middle = neck + belly * (mouth - neck)
         top, waist, rim = ((radius, radius + wall) for radius in (neck, middle, mouth))

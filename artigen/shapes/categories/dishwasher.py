@@ -1,4 +1,4 @@
-"""Dishwashers: a door that drops in front of a steel tub with racks, or drawers that are tubs themselves."""
+"""Dishwasher: a drop-down door before a steel tub with racks, or drawers that are tubs."""
 
 from dataclasses import dataclass
 
@@ -20,14 +20,14 @@ from artigen.shapes.surfaces.palette import draw_palette
 CATEGORY = "Dishwasher"
 STYLES = ("steel", "white", "black", "retro")
 BASED = 0.6
-"""Chance of a closed base in place of feet."""
+"""Probability of a closed base instead of feet."""
 BULGE = 0.012
-"""How far the liner of the door reaches into the tub (m)."""
+"""Depth of the door's liner in the tub (m)."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class _Plan:
-    """Sizes and choices that all parts share; metres."""
+    """Dimensions (m) and choices that all parts share."""
 
     width: float
     depth: float
@@ -36,13 +36,13 @@ class _Plan:
     toe: float
     """Lower edge of housing and fronts."""
     base: float
-    """How far a closed base stands back behind the front of the housing; 0 for feet."""
+    """Setback of a closed base from the front of the housing; 0 for feet."""
     lid: float
-    """Thickness of a worktop of its own; 0 where it is built in."""
+    """Thickness of the machine's own worktop; 0 if built in."""
     wall: float
     grip: HandleDesign | None
     paired: bool
-    """Whether two short handles stand side by side, as on fronts that match a kitchen."""
+    """Whether there are two short handles side by side, as on fronts that match a kitchen."""
     drawers: int
 
     @property
@@ -51,7 +51,7 @@ class _Plan:
 
     @property
     def front(self) -> float:
-        """Front face of the housing."""
+        """x of the front face of the housing."""
         return self.x + self.thickness + GAP
 
     @property
@@ -60,7 +60,7 @@ class _Plan:
 
     @property
     def top(self) -> float:
-        """Upper edge of fronts and housing."""
+        """Height of the upper edge of fronts and housing."""
         return self.height - self.lid
 
 
@@ -101,7 +101,7 @@ def _draw_plan(rng: np.random.Generator, wish: Wish) -> _Plan:
 
 
 def _build_base(plan: _Plan) -> list[Primitive]:
-    """Feet and a toe kick, or a closed base; and the worktop."""
+    """Feet and a toe kick, or a closed base, and the worktop."""
     outer_x = (plan.front, -plan.x)
     if plan.base:
         pieces = list(make_plinth((plan.front + plan.base, -plan.x), plan.y, plan.toe, "body"))
@@ -122,7 +122,7 @@ def _draw_door_and_racks(rng: np.random.Generator, plan: _Plan) -> Assembly:
     """Tub, door, and racks that slide out over the open door."""
     outer = Space(x=(plan.front, -plan.x), y=plan.y, z=(plan.toe, plan.top))
     sill = plan.toe + 0.003
-    # The liner of the open door lies level with the floor of the tub.
+    # The liner of the open door is level with the floor of the tub.
     floor = sill + plan.thickness + BULGE + 0.004
     tub = Space(
         x=(plan.front, -plan.x - plan.wall),
@@ -135,7 +135,7 @@ def _draw_door_and_racks(rng: np.random.Generator, plan: _Plan) -> Assembly:
 
 
 def _build_spray_arm(tub: Space) -> tuple[Primitive, ...]:
-    """A hub under the ceiling of the tub with an arm."""
+    """A spray arm on a hub under the ceiling of the tub."""
     x, top, reach = sum(tub.x) / 2, tub.z[1], 0.38 * tub.width
     return (
         cylinder((x, 0.0, top - 0.02), (x, 0.0, top), 0.03, "plastic"),
@@ -144,7 +144,7 @@ def _build_spray_arm(tub: Space) -> tuple[Primitive, ...]:
 
 
 def _draw_door(rng: np.random.Generator, plan: _Plan, sill: float, tub: Space) -> Assembly:
-    """The door with a control strip on its upper edge, or below a strip of the housing."""
+    """The door with controls on its upper edge, or below a control strip of the housing."""
     strip = float(rng.uniform(0.07, 0.12))
     fixed = rng.random() < 0.4
     top = plan.top - 0.003
@@ -172,7 +172,7 @@ def _draw_door(rng: np.random.Generator, plan: _Plan, sill: float, tub: Space) -
 
 
 def _build_liner(leaf: Panel, tub: Space) -> tuple[Primitive, ...]:
-    """What bulges from the rear side of the door into the tub, with the box for detergent."""
+    """The liner of the door, which enters the tub, with the detergent box."""
     y, z = (tub.y[0] + 0.03, tub.y[1] - 0.03), (tub.z[0] + 0.02, min(leaf.z[1], tub.z[1]) - 0.04)
     rear, level = leaf.back + BULGE, z[0] + 0.5 * (z[1] - z[0])
     return (
@@ -187,7 +187,7 @@ def _draw_controls(
     dial = design_dial(rng, (0.019, 0.027), endless=0.7)
     dials = int(rng.choice((0, 1, 2), p=(0.5, 0.42, 0.08)))
     counts = (
-        dials if parent == "body" else 0,  # doors that drop carry keys; dials are on housings
+        dials if parent == "body" else 0,  # drop-down doors have keys; dials are on housings
         int(rng.choice((0, 1, 3, 4, 5, 6), p=(0.5, 0.1, 0.1, 0.13, 0.1, 0.07))),
     )
     across = (y[0] + 0.03, y[1] - 0.03)
@@ -216,7 +216,7 @@ def _mount(plan: _Plan, panel: Panel, parent: str) -> list[ShapePart]:
 
 
 def _draw_racks(rng: np.random.Generator, tub: Space) -> Assembly:
-    """Baskets from below, the topmost perhaps a flat tray for cutlery, on rails of the tub."""
+    """Draws baskets from the bottom up on rails of the tub; the topmost may be a flat cutlery tray."""
     most = 3 if tub.height > 0.6 else (2 if tub.height > 0.42 else 1)
     count = min(most, int(rng.choice((0, 1, 2, 3), p=(0.3, 0.2, 0.35, 0.15))))
     rails: list[Primitive] = []
@@ -257,7 +257,7 @@ def _draw_racks(rng: np.random.Generator, tub: Space) -> Assembly:
 
 
 def _draw_drawers(rng: np.random.Generator, plan: _Plan) -> Assembly:
-    """One or two drawers, each a tub with a front."""
+    """Draws one or two drawers, each a tub with a front."""
     outer = Space(x=(plan.front, -plan.x), y=plan.y, z=(plan.toe, plan.top))
     wall = plan.wall
     hollow = Space(
@@ -292,7 +292,7 @@ def _draw_drawers(rng: np.random.Generator, plan: _Plan) -> Assembly:
 
 
 def _tub_wall(tub: Space) -> float:
-    """Thickness of a drawer's walls (m): engines mishandle thinner ones of this size."""
+    """Thickness of a drawer's walls (m); engines mishandle thinner walls of this size."""
     return max(0.012, max(tub.width, tub.depth, tub.height) / 55)
 
 

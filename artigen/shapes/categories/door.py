@@ -1,8 +1,8 @@
-"""Door: a room door in its frame, with levers on both sides whose latch holds it shut.
+"""Door: a room door in its frame, held shut by a latch with levers on both sides.
 
-Leaves are those of DIN 18101 (610 to 985 mm wide, 1,985 or 2,110 mm high, 40 mm thick, levers 1,050 mm above
-the floor). The lever turns a tongue out of its keep in the frame; only then does the leaf open. Of a double
-door, the leaf with the lever opens first, and a bolt holds the other one.
+Leaves follow DIN 18101 (610 to 985 mm wide, 1,985 or 2,110 mm high, 40 mm thick, levers 1,050 mm above the
+floor). The leaf opens once the lever has turned a tongue out of its keep in the frame. The leaf with the
+lever of a double door opens first; a bolt holds the other one.
 """
 
 from itertools import pairwise
@@ -32,17 +32,17 @@ PALETTES = ("white", "white", "white", "oak", "oak", "walnut", "grey", "cream", 
 WIDTHS, PAIRS, HEIGHTS = (0.61, 0.735, 0.86, 0.985), (1.26, 1.51, 1.76), (1.985, 1.985, 2.11)
 THICK = 0.04
 LINING, TRIM, TRIM_THICK, STOP = 0.025, 0.062, 0.012, 0.013
-"""Of the frame (m): boards beside the leaf, casings around them, and what the leaf closes against."""
+"""Thickness (m) of the frame: linings beside the leaf, casings around them, and stops."""
 BORDER = TRIM + 0.006
-"""From the edge of the casing to the leaf; casings stand back a little from the edge of the lining."""
+"""Distance (m) from the edge of the casing to the leaf; casings are set back from the edge of the lining."""
 STILE = 0.112
-"""Width of stiles (m): twice the backset of the lock."""
+"""Width of stiles (m), twice the backset of the lock."""
 LEVER = 1.05
 GRIDS = {
     "panelled": ((1, 2), (2, 2), (2, 3), (1, 1), (1, 3)),
     "glazed": ((1, 1), (1, 1), (1, 3), (2, 4), (1, 4)),
 }
-"""Columns and rows of fields."""
+"""Numbers of columns and rows of fields."""
 
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
@@ -111,7 +111,7 @@ def _build_frame(inner: Space, latch: Latch | None) -> list[Primitive]:
 
 
 def _build_leaf(leaf: Leaf, latch: Latch, look: str, grid: tuple[int, int]) -> list[Primitive]:
-    """Stiles and rails around fields of board or glass; the lock stile holds the latch, or its keep."""
+    """Stiles and rails around fields of board or glass; the lock stile holds the latch or its keep."""
     (x0, x1), (z0, z1), finish = leaf.x, leaf.z, "front"
     hung, field, lock = leaf.stiles(STILE)
     if leaf.edge == latch.edge:
@@ -133,7 +133,7 @@ def _build_leaf(leaf: Leaf, latch: Latch, look: str, grid: tuple[int, int]) -> l
     posts = [(float(y) - slim / 2, float(y) + slim / 2) for y in edges[1:-1]]
     rails = [(z0, bottom), *between, (top, z1)]
     pieces += [box((x0, field[0], low), (x1, field[1], high), finish) for low, high in rails]
-    if look == "glazed":  # one pane, and bars on both faces of it
+    if look == "glazed":  # one pane with bars on both faces
         middle = (x0 + x1) / 2
         pieces += [box((x0 + 0.006, y[0], bottom), (x1 - 0.006, y[1], top), finish) for y in posts]
         pane = box((middle - 0.004, field[0], bottom), (middle + 0.004, field[1], top), "glass")
@@ -146,7 +146,7 @@ def _build_leaf(leaf: Leaf, latch: Latch, look: str, grid: tuple[int, int]) -> l
 
 
 def _build_field(x: Range, y: Range, z: Range, finish: str) -> Primitive:
-    """A raised panel: its bevelled edges run into the frame as far as their corners are cut."""
+    """A raised panel, whose bevelled edges enter the frame."""
     back, slope = 0.004, 0.014
     over = slope / 2
     low, high = (x[0] + back, y[0] - over, z[0] - over), (x[1] - back, y[1] + over, z[1] + over)

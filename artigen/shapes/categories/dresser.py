@@ -1,7 +1,7 @@
-"""Dresser: a low, wide chest of drawers for clothes, or a tall one, on feet, at times with a cupboard.
+"""Dresser: a wide or tall chest of drawers for clothes on feet, sometimes with a cupboard.
 
-Sizes are those of furniture catalogues: wide ones 1.1 to 1.8 m by 0.72 to 0.95 m, tall ones 0.7 to 1.05 m by
-1.0 to 1.35 m, 0.42 to 0.53 m deep; drawers are at most 1 m wide, for a person to pull with two hands.
+Catalogue sizes (width by height): wide ones 1.1 to 1.8 m by 0.72 to 0.95 m, tall ones 0.7 to 1.05 m by 1.0 to
+1.35 m, 0.42 to 0.53 m deep. Drawers are at most 1 m wide, for two hands.
 """
 
 from dataclasses import dataclass, replace
@@ -21,12 +21,12 @@ from artigen.shapes.surfaces.palette import draw_palette
 CATEGORY = "Dresser"
 MAX_LAYOUTS = 100
 WIDE = 1.1
-"""Width (m) from which drawers lie in columns side by side."""
+"""Width (m) from which drawers are in columns."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class _Look:
-    """A style: fronts and handles as furniture of that name has them, and its feet."""
+    """A style: fronts, handles, and feet."""
 
     weight: float
     fronts: str
@@ -58,7 +58,7 @@ STYLES = {
     ),
 }
 MOST_DRAWERS = 9
-"""In columns and rows of one width."""
+"""Maximum number of drawers, in columns and rows of equal width."""
 FORMS: dict[str, tuple[Range, Range]] = {
     "wide": ((1.1, 1.8), (0.72, 0.95)),
     "tall": ((0.7, 1.05), (1.0, 1.35)),
@@ -67,7 +67,7 @@ FORMS: dict[str, tuple[Range, Range]] = {
 
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
-    """A dresser that meets the wish."""
+    """Draws a dresser that meets the wish."""
     style = choose_style(rng, {name: look.weight for name, look in STYLES.items()}, wish.style)
     look = STYLES[style]
     wide = rng.random() < 0.62
@@ -94,13 +94,13 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
         if fits_engines(parts):
             return Draft(style=style, parts=parts, finishes=tuple(sorted(finishes.items())))
     raise CrowdedError(
-        f"{CATEGORY}: none of {MAX_LAYOUTS} layouts of {size} m (width, depth, height) keeps within what "
-        "engines hold; wish for a smaller one"
+        f"{CATEGORY}: none of {MAX_LAYOUTS} layouts of {size} m (width, depth, height) respects the "
+        "limits of engines; request a smaller one"
     )
 
 
 def _draw_layout(rng: np.random.Generator, size: Size) -> Node:
-    """Drawers in columns, often below a row of smaller ones; now and then with a cupboard between."""
+    """Draws drawers in columns, often below a row of smaller ones, sometimes with a cupboard between."""
     width, _, height = size
     rows = int(np.clip(round(height / float(rng.uniform(0.2, 0.27))), 2, 7))
     small = rng.random() < 0.55
@@ -126,7 +126,7 @@ def _draw_layout(rng: np.random.Generator, size: Size) -> Node:
 
 
 def _stand_abreast(cells: tuple[Node, ...]) -> Node:
-    """Columns of one width."""
+    """Columns of equal width."""
     if len(cells) == 1:
         return cells[0]
     return Split(along="columns", shares=(1.0,) * len(cells), children=cells)

@@ -1,7 +1,7 @@
 """Dryer: a drum behind a round or square door, a water tank and a flap before the heat exchanger.
 
-Tumble dryers as IEC 61121 measures them are 0.6 m wide, 0.85 m high and 0.55 to 0.66 m deep in Europe;
-American ones are 0.69 m wide, 0.97 to 1.0 m high and up to 0.76 m deep.
+European tumble dryers are 0.6 m wide, 0.85 m high and 0.55 to 0.66 m deep; American ones are 0.69 m wide,
+0.97 to 1.0 m high and up to 0.76 m deep.
 """
 
 from dataclasses import replace
@@ -25,7 +25,7 @@ STYLES = {"white": 5.0, "steel": 2.0, "black": 1.2, "american": 2.0}
 
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
-    """A dryer that meets the wish."""
+    """Draws a dryer that meets the wish."""
     style = choose_style(rng, STYLES, wish.style)
     american = style == "american"
     palette = draw_palette(
@@ -75,7 +75,7 @@ def _build(rng: np.random.Generator, plan: LaundryPlan, *, square: bool) -> Asse
 def _make_door(
     rng: np.random.Generator, plan: LaundryPlan, panel: Panel, hole: float, *, square: bool
 ) -> Assembly:
-    """A round door with a bowl of glass or sheet, or a square one with a plug; most have a grip."""
+    """A round door with a glass or sheet bowl, or a square one with a plug; most have a grip."""
     edge = "right" if rng.random() < 0.8 else "left"
     upper = float(np.radians(rng.uniform(100, 165)))
     y, z = panel.center
@@ -104,7 +104,7 @@ def _make_door(
 
 
 def _make_filter(x: float, sill: float, lowest: float) -> ShapePart:
-    """The lint filter: a sieve below the opening, behind the front, that is drawn up by a tab."""
+    """The lint filter: a sieve behind the front, below the opening, which is pulled up by a tab."""
     front, half, low = x + GAP, 0.085, max(sill - 0.11, lowest)
     solids = (
         box((front, -half, low), (front + 0.014, half, sill - 0.004), "plastic"),
@@ -122,7 +122,7 @@ def _make_filter(x: float, sill: float, lowest: float) -> ShapePart:
 
 
 def _make_kick(rng: np.random.Generator, plan: LaundryPlan, x: float, z: Range) -> Assembly:
-    """The plate above the floor, and a flap in it before the fins of the heat exchanger."""
+    """The kick plate, with a flap before the fins of the heat exchanger."""
     wide, thick = float(rng.uniform(0.24, 0.34)), 0.014
     left = plan.y[1] - 0.05 if rng.random() < 0.5 else plan.y[0] + 0.05 + wide
     hole_y, hole_z = (left - wide, left), (z[0], z[1])

@@ -1,7 +1,7 @@
-"""Faucet: basin and kitchen mixers on a piece of worktop, with levers, taps and spouts that swivel.
+"""Faucet: basin and kitchen mixers on a piece of worktop, with levers, taps and swivelling spouts.
 
-Basin mixers reach 110 to 160 mm forward, kitchen mixers 180 to 240 mm and 300 to 420 mm up; taps of bridge
-faucets stand 203 mm apart (8 inches). Levers in the middle give cold water and turn one way only, to warm.
+Basin mixers extend 110 to 160 mm forward, kitchen mixers 180 to 240 mm forward and 300 to 420 mm up; taps of
+bridge faucets are 203 mm (8 inches) apart. A lever is cold in the middle and turns one way, to warm.
 """
 
 import numpy as np
@@ -22,11 +22,11 @@ SIZES: dict[str, tuple[Range, Range, Range]] = {
     "kitchen": ((0.18, 0.24), (0.24, 0.3), (0.32, 0.44)),
     "bridge": ((0.29, 0.34), (0.2, 0.26), (0.26, 0.34)),
 }
-"""Width and depth, with the piece of worktop, and height."""
+"""Width and depth, including the piece of worktop, and height."""
 METALS = ("chrome", "chrome", "steel", "black", "brass", "bronze")
 DECK = 0.03
 ROUND = float(np.cos(np.pi / SEGMENTS))
-"""Extent of the prism that stands for a cylinder, over the cylinder's."""
+"""Ratio of the extent of the prism that approximates a cylinder to the cylinder's."""
 UP: Vector = (0.0, 0.0, 1.0)
 FRONT: Vector = (-1.0, 0.0, 0.0)
 
@@ -50,7 +50,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
 
 
 def _build_aerator(x: float, z: float, radius: float) -> Primitive:
-    """What is on the end of a tube that points down."""
+    """The aerator on the end of a tube that points down."""
     return cylinder((x, 0.0, z - 0.008), (x, 0.0, z + 0.012), 1.12 * radius, "handle")
 
 
@@ -58,11 +58,11 @@ def _build_spout(x: Range, z: Range, top: float, bend: float, radius: float) -> 
     """A tube from its foot up, across and down to its aerator.
 
     Args:
-        x: Of the foot and of the aerator (m).
-        z: Of the foot and of the aerator.
-        top: Height of the tube's middle where it is highest.
+        x: x of the foot and of the aerator (m).
+        z: Height of the foot and of the aerator.
+        top: Highest point of the tube's middle.
         bend: Radius of its bends.
-        radius: Of the tube.
+        radius: Radius of the tube.
     """
     path = [(x[0], 0.0, z[0]), (x[0], 0.0, top), (x[1], 0.0, top), (x[1], 0.0, z[1])]
     bow = abs(x[1] - x[0]) < 2 * bend + 1e-9
@@ -73,7 +73,7 @@ def _build_spout(x: Range, z: Range, top: float, bend: float, radius: float) -> 
 def _draw_single(
     rng: np.random.Generator, x: float, reach: float, height: float
 ) -> tuple[tuple[Primitive, ...], tuple[ShapePart, ...]]:
-    """A pillar with a fixed spout, and on top the cartridge with its lever."""
+    """A pillar with a fixed spout, and the cartridge with its lever on top."""
     radius = float(rng.uniform(0.021, 0.026))
     cap = 0.02
     top = height - cap - 0.0015 - 2 * PIVOT - (0.013 - PIVOT)
@@ -107,7 +107,7 @@ def _draw_single(
 def _draw_kitchen(
     rng: np.random.Generator, x: float, reach: float, height: float
 ) -> tuple[tuple[Primitive, ...], tuple[ShapePart, ...]]:
-    """A high spout that swivels on a body with a lever at its side."""
+    """A high swivelling spout on a body with a lever at its side."""
     radius, tube = float(rng.uniform(0.022, 0.026)), 0.0125
     neck = DECK + 0.11
     pieces = (
@@ -141,7 +141,7 @@ def _draw_kitchen(
 
 
 def _make_swivel(foot: Vector, pieces: tuple[Primitive, ...]) -> ShapePart:
-    """A spout that turns about the upright axis through its foot."""
+    """A spout that turns about the vertical axis through its foot."""
     turn = Motion(type="continuous", axis=UP, origin=foot, upper=2 * np.pi)
     return ShapePart(name="spout", label="handle", parent="body", primitives=pieces, motion=turn)
 
@@ -149,7 +149,7 @@ def _make_swivel(foot: Vector, pieces: tuple[Primitive, ...]) -> ShapePart:
 def _draw_bridge(
     rng: np.random.Generator, x: float, reach: float, height: float
 ) -> tuple[tuple[Primitive, ...], tuple[ShapePart, ...]]:
-    """Two taps on pillars that a bridge joins, and a spout that swivels on its middle."""
+    """Two taps on pillars joined by a bridge, with a swivelling spout on its middle."""
     apart, level, tube = 0.1015, DECK + 0.055, 0.0115
     pieces = [cylinder((x, -apart, level), (x, apart, level), 0.011, "handle")]
     for y in (-apart, apart):

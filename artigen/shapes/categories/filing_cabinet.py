@@ -1,8 +1,8 @@
-"""FilingCabinet: steel drawers for hanging files, tall, wide, on castors below a desk, or of wood.
+"""FilingCabinet: drawers for hanging files: vertical, lateral, a pedestal on castors, or wooden.
 
-A hanging file for A4 paper (ISO 216: 210 mm x 297 mm) is 346 mm wide and 245 mm high; drawers are a little
-over 300 mm apart for it. Outer sizes are those of office catalogues: uprights 0.47 m x 0.62 m and 0.71, 1.02,
-1.32 or 1.62 m high, laterals 0.8 to 1.07 m wide and 0.45 to 0.5 m deep, pedestals 0.4 m x 0.56 m.
+A hanging file for A4 paper (ISO 216: 210 mm x 297 mm) is 346 mm wide and 245 mm high, so drawers are slightly
+more than 300 mm apart. Catalogue sizes: vertical ones 0.47 m x 0.62 m and 0.71, 1.02, 1.32 or 1.62 m high,
+lateral ones 0.8 to 1.07 m wide and 0.45 to 0.5 m deep, pedestals 0.4 m x 0.56 m.
 """
 
 from collections.abc import Sequence
@@ -38,30 +38,30 @@ PAINTS = (
     "terracotta",
 )
 NEUTRAL = ("light_grey", "white", "grey", "anthracite")
-"""Bodies on which fronts of another colour are sold."""
+"""Body colours that may have fronts of another colour."""
 SEAM = 0.006
-"""Distance (m) between two fronts."""
+"""Gap (m) between two fronts."""
 FOLDERS = ((0.80, 0.66, 0.42), (0.42, 0.52, 0.42), (0.36, 0.46, 0.60), (0.70, 0.36, 0.28))
 FILE = (0.346, 0.245)
 """Width and height of a hanging file for A4 (m)."""
 CROWN = 0.034
 """Height (m) of a rail with a lock above the drawers."""
 KEY = 0.026
-"""How far (m) a key stands out."""
+"""Protrusion (m) of a key."""
 RUNNER = 0.0115
 """Thickness (m) of a telescopic runner."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class _Kind:
-    """Sizes of a style, metres; ``rows`` are numbers of file drawers, 0.3 m of height each."""
+    """Sizes of a style (m); ``rows`` are numbers of file drawers, 0.3 m of height each."""
 
     weight: float
     width: Range
     depth: Range
     rows: Sequence[int]
     low: int
-    """Low drawers above the file drawers."""
+    """Number of low drawers above the file drawers."""
     stands: tuple[StandKind, ...]
     handles: tuple[HandleKind, ...]
     fronts: tuple[FrontStyle, ...] = ("flat",)
@@ -89,7 +89,7 @@ STYLES = {
 
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
-    """A filing cabinet that meets the wish."""
+    """Draws a filing cabinet that meets the wish."""
     style = choose_style(rng, {name: kind.weight for name, kind in STYLES.items()}, wish.style)
     kind = STYLES[style]
     width, depth = choose(rng, *kind.width, wish.width), choose(rng, *kind.depth, wish.depth)
@@ -120,7 +120,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
 
 
 def _fit_rows(height: float, pitch: float, low: int) -> tuple[int, int]:
-    """File drawers, and low drawers above them, that a height (m) is divided into."""
+    """Numbers of file drawers and of low drawers above them that fit a height (m)."""
     rows = int(np.clip(round(height / pitch), 1, 6))
     if low and height < 2.5 * pitch:
         return 1, int(np.clip(round((height - pitch) / (0.4 * pitch)), 0, 3))
@@ -128,7 +128,7 @@ def _fit_rows(height: float, pitch: float, low: int) -> tuple[int, int]:
 
 
 def _draw_finishes(rng: np.random.Generator, style: str) -> dict[str, Finish]:
-    """Painted steel, its fronts now and then in another colour; or timber."""
+    """Painted steel, sometimes with fronts of another colour, or wood."""
     folder, paint, other = (int(rng.integers(len(of))) for of in (FOLDERS, PAINTS, NEUTRAL))
     gloss, same = float(rng.uniform(0.15, 0.35)), bool(rng.random() < 0.75)
     wooden = draw_palette(rng, "furniture", "classic" if rng.random() < 0.6 else "oak")
@@ -151,12 +151,12 @@ def _build(
     *,
     wooden: bool,
 ) -> tuple[ShapePart, ...]:
-    """The body and its drawers from top to bottom."""
+    """The body, and its drawers from top to bottom."""
     thick = float(rng.uniform(0.016, 0.022))
     board = max(0.018, outer.height / 56)
     design = CarcassDesign(board=board, back=max(0.012, outer.height / 56), lining=None)
     body = replace(outer, x=(outer.x[0] + thick + GAP, outer.x[1]))
-    if wooden:  # the top stands out over the fronts
+    if wooden:  # the top overhangs the fronts
         body, lid = (
             replace(body, z=(body.z[0], outer.z[1] - 0.022)),
             replace(outer, z=(outer.z[1] - 0.022, outer.z[1])),
@@ -198,7 +198,7 @@ def _build(
 
 
 def _divide(span: Range, shares: Sequence[float]) -> list[Range]:
-    """Fronts from top to bottom, a seam apart."""
+    """Fronts from top to bottom, separated by seams."""
     free = span[1] - span[0] - SEAM * (len(shares) - 1)
     heights = free * np.array(shares) / sum(shares)
     tops = span[1] - np.concatenate([[0.0], np.cumsum(heights + SEAM)[:-1]])
@@ -213,7 +213,7 @@ def _make_runners(space: Space, front: float) -> list[Primitive]:
 
 
 def _make_files(rng: np.random.Generator, space: Space, filled: float) -> list[Primitive]:
-    """Hanging files: across a narrow drawer one behind the other, along a wide one side by side."""
+    """Hanging files: one behind the other in a narrow drawer, side by side in a wide one."""
     floor = space.z[0] + GAP + 0.006
     top = min(floor + FILE[1], space.z[1] - 0.012)
     along, across = (space.y, space.x) if space.width > 0.6 else (space.x, space.y)
@@ -230,7 +230,7 @@ def _make_files(rng: np.random.Generator, space: Space, filled: float) -> list[P
 
 
 def _make_label(panel: Panel) -> list[Primitive]:
-    """A card in a frame, above the handle."""
+    """A label frame above the handle."""
     y, z = panel.center[0], panel.z[1] - 0.033
     frame = box((panel.x - 0.003, y - 0.045, z - 0.017), (panel.x, y + 0.045, z + 0.017), "handle")
     card = box((panel.x - 0.0045, y - 0.039, z - 0.012), (panel.x, y + 0.039, z + 0.012), "paper")

@@ -1,7 +1,8 @@
-"""Laptop: a screen that opens over a keyboard; light, for business, for games, and in colours.
+"""Laptop: a screen that opens over a keyboard.
 
 Outlines follow the screen (16:10 or 16:9, 13 to 17 inches): 0.30 m x 0.21 m to 0.40 m x 0.27 m, 14 to 26 mm
-thick. Keys are 19 mm apart (ISO 9241-410); a key block is one piece where its keys would be too many hulls.
+thick. Keys are 19 mm apart (ISO 9241-410). Blocks of keys are single solids, which limits the number of
+hulls.
 """
 
 from dataclasses import dataclass
@@ -20,14 +21,14 @@ from artigen.shapes.surfaces.materials import make_glass, make_metal
 CATEGORY = "Laptop"
 STYLES = {"light": 3.0, "business": 2.0, "gaming": 1.5, "colour": 1.5}
 PITCH = 0.01905
-"""Distance (m) of two keys."""
+"""Distance (m) between keys."""
 BARREL = 0.0045
 """Radius (m) of the hinge."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class _Look:
-    """Thickness of base and lid (m), colours, and how far the lid opens (degrees)."""
+    """Thickness of base and lid (m), colours, and opening angle of the lid (degrees)."""
 
     base: Range
     lid: Range
@@ -61,7 +62,7 @@ LOOKS = {
 
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
-    """A laptop that meets the wish."""
+    """Draws a laptop that meets the wish."""
     style = choose_style(rng, STYLES, wish.style)
     look = LOOKS[style]
     width = choose(rng, *((0.35, 0.4) if style == "gaming" else (0.295, 0.37)), wish.width)
@@ -96,7 +97,7 @@ def _draw_finishes(rng: np.random.Generator, look: _Look, style: str) -> dict[st
 def _build(
     rng: np.random.Generator, size: tuple[float, float, float, float], look: _Look, style: str
 ) -> Assembly:
-    """Base and lid, which turns about a barrel behind the base."""
+    """The base, and the lid, which turns about a barrel behind the base."""
     width, depth, thick, lid = size
     foot = 0.002
     x, y = (-depth / 2, depth / 2 - BARREL), (-width / 2, width / 2)
@@ -139,11 +140,11 @@ ROWS: tuple[tuple[float, ...], ...] = (
     (2.3, 5.0, 5.0, 2.7),
     (4.0, 6.5, 4.5),
 )
-"""Widths of key blocks in keys, from the rear row on: 15 keys each."""
+"""Widths of key blocks in keys, row by row from the rear; 15 keys per row."""
 
 
 def _build_keys(front: float, rear: float, y: Range, top: float, style: str) -> list[Primitive]:
-    """Six rows of keys in a dark field, the touchpad before them."""
+    """Six rows of keys on a dark field, with the touchpad before them."""
     pitch = min(PITCH, 0.92 * (y[1] - y[0]) / 15)
     wide, gap, rise = 15 * pitch, 0.0022, 0.0012
     back = rear - 0.018

@@ -1,7 +1,7 @@
-"""Mailbox: an arched box with a flag on a post, a box with a flap on legs, a parcel locker, a cluster.
+"""Mailbox: an arched box with a flag on a post, a box with a flap on legs, a parcel locker, a cluster box.
 
-USPS-STD-7C has the bottom of a box at the road 1.04 to 1.14 m above it, and boxes from 0.16 m x 0.48 m x
-0.19 m to 0.29 m x 0.58 m x 0.38 m; EN 13724 has slots of 230 to 280 mm by 30 to 35 mm for letters of C4 size.
+USPS-STD-7C places the bottom of a roadside box 1.04 to 1.14 m above the road; boxes measure 0.16 m x 0.48 m x
+0.19 m to 0.29 m x 0.58 m x 0.38 m. EN 13724 has slots of 230 to 280 mm by 30 to 35 mm for C4 letters.
 """
 
 from dataclasses import replace
@@ -43,11 +43,11 @@ PAINTS: tuple[Color, ...] = (
 )  # fmt: skip
 WALL = 0.008
 KEY = 0.026
-"""How far (m) a key stands out."""
+"""Protrusion (m) of a key."""
 
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
-    """A mailbox that meets the wish."""
+    """Draws a mailbox that meets the wish."""
     builders = {
         "rural": _build_rural,
         "modern": _build_modern,
@@ -77,7 +77,7 @@ def _draw_finishes(rng: np.random.Generator, style: str) -> dict[str, Finish]:
 
 
 def _build_rural(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
-    """The arched box with its door in front and its flag at the right, on a post in a block."""
+    """An arched box with a front door and a flag on its right side, on a post in a block."""
     flag, grip = 0.0055, 0.03
     x, y = (grip - depth / 2, depth / 2), (flag - width / 2, width / 2)
     half, middle = (y[1] - y[0]) / 2, (y[0] + y[1]) / 2
@@ -88,7 +88,7 @@ def _build_rural(rng: np.random.Generator, width: float, depth: float, height: f
     arch = np.array([(middle + half * np.cos(t), spring + half * np.sin(t)) for t in turns])
     outline = np.concatenate(
         [[(y[1], z[0])], arch, [(y[0], z[0])]]
-    )  # (y, z), from left over the top to the right
+    )  # (y, z), from the left over the top to the right
     thick = 0.010
     start = x[0] + thick + GAP
     walls = [
@@ -127,7 +127,7 @@ def _build_rural(rng: np.random.Generator, width: float, depth: float, height: f
 
 
 def _make_flag(at: tuple[float, float, float], long: float) -> ShapePart:
-    """A flag on the right side: it lies towards the rear and is turned up for outgoing mail."""
+    """A flag on the right side, which points to the rear and is turned up for outgoing mail."""
     x, y, z = at
     solids = (
         box((x - 0.012, y - 0.004, z - 0.008), (x + long, y, z + 0.008), "mark"),
@@ -138,7 +138,7 @@ def _make_flag(at: tuple[float, float, float], long: float) -> ShapePart:
 
 
 def _build_modern(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
-    """A box on two legs with a foot plate: a flap over the slot, a door with a lock below."""
+    """A box on two legs with a foot plate: a flap over the slot, and a door with a lock below."""
     tall = float(rng.uniform(0.32, 0.5))
     x, y = (KEY - depth / 2, depth / 2), (-width / 2, width / 2)
     legs = [
@@ -151,7 +151,7 @@ def _build_modern(rng: np.random.Generator, width: float, depth: float, height: 
 
 
 def _build_parcel(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
-    """A column: a flap for letters, a door for them, a large one for parcels."""
+    """A column: a flap and a door for letters, and a large door for parcels."""
     x, y = (KEY - depth / 2, depth / 2), (-width / 2, width / 2)
     plinth = box((x[0] + 0.05, y[0] + 0.03, 0.0), (x[1] - 0.03, y[1] - 0.03, 0.04), "leg")
     rest = height - 0.04 - 0.1
@@ -162,7 +162,7 @@ def _build_parcel(rng: np.random.Generator, width: float, depth: float, height: 
 
 
 def _build_box(rng: np.random.Generator, outer: Space, heights: tuple[float, ...]) -> Assembly:
-    """A box whose front is, from the top, a flap over a slot, then doors with locks."""
+    """A box whose front is, from the top, a flap over a slot and doors with locks."""
     thick = 0.012
     front, wall = outer.x[0], 0.010
     shell = Space(x=(front + thick + GAP, outer.x[1]), y=outer.y, z=outer.z)
@@ -236,11 +236,11 @@ def _build_box(rng: np.random.Generator, outer: Space, heights: tuple[float, ...
 
 
 def _make_locked_door(panel: Panel, name: str, upper: float, *, left: bool) -> list[ShapePart]:
-    """A door with a lock, and a card for the name where there is room."""
+    """A door with a lock, and a name card if it fits."""
     plain = FrontDesign(style="flat", frame=0.0, handle=None)
     door = make_door(panel, plain, name=name, parent="body", edge="right" if left else "left", upper=upper)[0]
     at = panel.y[1] - 0.025 if left else panel.y[0] + 0.025
-    if panel.height < 0.25 and panel.width > 0.2:  # a card with a name
+    if panel.height < 0.25 and panel.width > 0.2:  # name card
         middle = panel.center
         low = (panel.x - 0.0015, middle[0] - 0.04, middle[1] - 0.014)
         card = box(low, (panel.x + 0.003, middle[0] + 0.04, middle[1] + 0.014), "paper")
@@ -249,7 +249,7 @@ def _make_locked_door(panel: Panel, name: str, upper: float, *, left: bool) -> l
 
 
 def _build_cluster(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
-    """Compartments with doors and locks, in columns, on a pedestal."""
+    """A cluster box: columns of compartments with doors and locks on a pedestal."""
     foot = float(rng.uniform(0.35, 0.5))
     x, y = (KEY - depth / 2, depth / 2), (-width / 2, width / 2)
     thick, wall = 0.012, 0.012

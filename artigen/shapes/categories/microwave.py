@@ -1,4 +1,4 @@
-"""Microwave ovens: a door beside a control panel or below one, a cavity with a turntable, keys and dials."""
+"""Microwave: a door beside or below a control panel, a cavity with a turntable, keys and dials."""
 
 from dataclasses import dataclass
 
@@ -20,7 +20,7 @@ STYLES = ("steel", "black", "white", "retro")
 
 @dataclass(frozen=True, kw_only=True)
 class _Plan:
-    """Where things are, metres."""
+    """Layout of the parts (m)."""
 
     width: float
     depth: float
@@ -33,7 +33,7 @@ class _Plan:
 
     @property
     def front(self) -> float:
-        """Front face of the housing, behind the door."""
+        """x of the front face of the housing, behind the door."""
         return self.door.back + GAP
 
 
@@ -134,7 +134,7 @@ def _draw_door(rng: np.random.Generator, plan: _Plan, face: str, wish: Wish) -> 
 
 
 def _draw_controls(rng: np.random.Generator, plan: _Plan) -> tuple[list[ShapePart], tuple[Primitive, ...]]:
-    """Controls and what is fixed to the panel between them."""
+    """Draws the controls and the fixed parts of the panel between them."""
     if plan.drops:
         return _draw_strip(rng, plan)
     panel = plan.controls
@@ -147,7 +147,7 @@ def _draw_controls(rng: np.random.Generator, plan: _Plan) -> tuple[list[ShapePar
         tall = float(rng.uniform(0.026, 0.042))
         extras.append(build_display(panel.x, inner, (high - tall, high)))
         high -= tall + 0.012
-    if rng.random() < 0.45:  # a button that throws the door open
+    if rng.random() < 0.45:  # a button that releases the door
         tall = float(rng.uniform(0.024, 0.036))
         size = (0.8 * (inner[1] - inner[0]), tall, 0.008)
         at = (panel.x, y, low + tall / 2)
@@ -199,7 +199,7 @@ def _draw_keys(rng: np.random.Generator, x: float, y: Range, z: Range, rows: int
 
 
 def _draw_strip(rng: np.random.Generator, plan: _Plan) -> tuple[list[ShapePart], tuple[Primitive, ...]]:
-    """Controls above a door that drops: a display in the middle, dials or keys beside it."""
+    """Draws the controls above a drop-down door: a display in the middle, dials or keys beside it."""
     panel = plan.controls
     y, z = panel.center
     third = panel.width / 3
@@ -213,7 +213,7 @@ def _draw_strip(rng: np.random.Generator, plan: _Plan) -> tuple[list[ShapePart],
 
 
 def _draw_turntable(rng: np.random.Generator, plan: _Plan) -> ShapePart:
-    """A glass plate on a coupling that stands `GAP` above the floor of the cavity."""
+    """Draws a glass plate on a coupling, `GAP` above the floor of the cavity."""
     space = plan.hollow
     radius = min(0.46 * min(space.width, space.depth), float(rng.uniform(0.12, 0.18)))
     y = (space.y[0] + space.y[1]) / 2

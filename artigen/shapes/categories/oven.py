@@ -1,4 +1,4 @@
-"""Ovens: ranges with a hob, wall ovens and hobs alone, as bands of controls, ovens and drawers."""
+"""Oven: ranges with a hob, wall ovens and hobs, built of bands of controls, ovens and drawers."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -39,30 +39,30 @@ SIZES: dict[Kind, tuple[Range, Range, Range]] = {
     "hob": ((0.56, 0.92), (0.48, 0.55), (0.06, 0.13)),
     "rangetop": ((0.75, 1.22), (0.58, 0.70), (0.18, 0.26)),
 }
-"""Width, depth without handles, height without an upstand."""
+"""Width, depth without handles, height without upstand."""
 SKIN = 0.024
-"""Sides and back of the housing (m)."""
+"""Thickness of sides and back of the housing (m)."""
 BASED = 0.5
-"""Chance that a range stands on a closed base."""
+"""Probability that a range has a closed base."""
 MAX_PIECES = 32 - 4
-"""Pieces of the body: engines take 32 on one link, and four are feet or boards of the base."""
+"""Maximum number of solids of the body: 32 per link minus four feet or base boards."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class _Plan:
-    """Sizes and choices that all parts share; metres."""
+    """Dimensions (m) and choices that all parts share."""
 
     kind: Kind
     width: float
     depth: float
     height: float
     thickness: float
-    """Of the doors."""
+    """Thickness of the doors."""
     wall: float
-    """Between a cavity and what is above, below and beside it."""
+    """Thickness of the walls above, below and beside a cavity."""
     foot: float
     base: float
-    """How far a closed base stands back behind the front of the housing; 0 for feet."""
+    """Setback of a closed base from the front of the housing; 0 for feet."""
     look: FrontLook
     cooktop: CooktopKind
     burners: int
@@ -72,12 +72,12 @@ class _Plan:
 
     @property
     def x(self) -> float:
-        """Front face of doors and controls."""
+        """x of the front face of doors and controls."""
         return -self.depth / 2
 
     @property
     def front(self) -> float:
-        """Front face of the housing."""
+        """x of the front face of the housing."""
         return self.x + self.thickness + GAP
 
     @property
@@ -153,7 +153,7 @@ def _draw_plan(rng: np.random.Generator, wish: Wish, style: str) -> _Plan:
 
 
 def _draw_dial(rng: np.random.Generator, face: str) -> DialDesign:
-    """Dials that stand out from what they stand on."""
+    """Draws dials that contrast with their background."""
     dark = rng.random() < 0.4 and face != "panel"
     return design_dial(rng, (0.017, 0.026), endless=0.72, finish="rubber" if dark else "handle")
 
@@ -167,7 +167,7 @@ def _draw_burners(rng: np.random.Generator, kind: Kind, width: float) -> int:
 
 
 def _draw_top(rng: np.random.Generator, plan: _Plan) -> tuple[Assembly, float]:
-    """Worktop with its burners and upstand, and the height of its underside."""
+    """Draws the worktop with its burners and upstand; returns the height of its underside, too."""
     if plan.kind in ("wall", "double_wall"):
         return Assembly(), plan.height
     under = plan.height - float(rng.uniform(0.026, 0.04))
@@ -184,7 +184,8 @@ def _draw_top(rng: np.random.Generator, plan: _Plan) -> tuple[Assembly, float]:
 
 
 def _draw_controls(rng: np.random.Generator, plan: _Plan, top: float) -> tuple[Assembly, float]:
-    """Dials, keys and a display on a band under the worktop or on the upstand; the band's lower edge."""
+    """Draws dials, keys and a display on a band under the worktop or on the upstand; returns the lower edge
+    of the band, too."""
     bands: tuple[Primitive, ...] = ()
     if plan.rear_controls:
         lower = top
@@ -217,9 +218,9 @@ def _count_dials(rng: np.random.Generator, plan: _Plan) -> int:
 
 
 def _draw_bands(rng: np.random.Generator, plan: _Plan, z: Range, room: int) -> Assembly:
-    """Housing below the controls: one or two rows of ovens, perhaps a drawer under them.
+    """Draws the housing below the controls: one or two rows of ovens, sometimes with a drawer below.
 
-    The body has ``room`` for that many pieces more.
+    The body may have ``room`` further solids.
     """
     rows = (1.0,)
     if plan.kind in ("double_range", "double_wall"):
@@ -245,7 +246,7 @@ def _draw_bands(rng: np.random.Generator, plan: _Plan, z: Range, room: int) -> A
 def _draw_oven_row(
     rng: np.random.Generator, plan: _Plan, row: str, z: Range, *, racks: int, room: int
 ) -> Assembly:
-    """Ovens side by side: floor and ceiling, what stands between and beside them, doors and racks."""
+    """Draws ovens side by side: floor and ceiling, walls between and beside them, doors and racks."""
     inner, back = (plan.y[0] + SKIN, plan.y[1] - SKIN), -plan.x - SKIN
     floor, ceiling = z[0] + plan.wall, z[1] - 0.7 * plan.wall
     columns = [plan.y]
@@ -254,7 +255,7 @@ def _draw_oven_row(
     edge: Edge = "bottom"
     if plan.kind == "wall" and rng.random() < 0.3:
         edge = "left" if rng.random() < 0.5 else "right"
-    # Racks must pass the edge of a leaf that is hinged at the side.
+    # Racks must clear the edge of a side-hinged leaf.
     cheek = 0.0 if edge == "bottom" else plan.thickness + 0.008 - SKIN
     pieces = [
         line(box((plan.front, inner[0], z[0]), (back, inner[1], floor), "body"), "cavity", SIDES["bottom"]),
@@ -285,7 +286,7 @@ def _draw_oven_row(
 
 
 def _draw_drawer(rng: np.random.Generator, plan: _Plan, z: Range, inner: Range) -> Assembly:
-    """A warming drawer, and the floor under it."""
+    """Draws a warming drawer and the floor below it."""
     floor, back = z[0] + SKIN, -plan.x - SKIN
     board = box((plan.front, inner[0], z[0]), (back, inner[1], floor), "body")
     panel = Panel(x=plan.x, thickness=plan.thickness, y=plan.y, z=(z[0], z[1] - 0.003))
@@ -299,7 +300,7 @@ def _draw_drawer(rng: np.random.Generator, plan: _Plan, z: Range, inner: Range) 
 
 
 def _draw_hob(rng: np.random.Generator, plan: _Plan) -> Assembly:
-    """A hob to be let into a worktop, dials along its front or right side."""
+    """Draws a built-in hob with dials along its front or right side."""
     lid = plan.height - max(0.012, plan.width / 55)
     finish = "panel" if plan.cooktop == "glass" else "top"
     margin = 2.6 * plan.dial.radius + 0.02

@@ -1,6 +1,6 @@
 """Pot: a saucepan, casserole or stockpot with a loose lid that lifts.
 
-Diameters of 160 to 280 mm as pots are sold for hobs of 145 to 210 mm; saucepans have a grip of 150 to 190 mm.
+Diameters are 160 to 280 mm, for burners of 145 to 210 mm; saucepans have a grip of 150 to 190 mm.
 """
 
 from itertools import pairwise
@@ -30,11 +30,11 @@ SIZES: dict[str, tuple[Range, Range, Range]] = {
     "saucepan": ((0.34, 0.4), (0.16, 0.2), (0.14, 0.17)),
     "stockpot": ((0.33, 0.39), (0.24, 0.28), (0.26, 0.33)),
 }
-"""Width with handles, diameter, height with the lid."""
+"""Width including handles, diameter, height including the lid."""
 ENAMELS = ("terracotta", "navy", "cream", "forest", "black", "sage", "blue")
 WALL, BOTTOM, SIDES = 0.005, 0.008, 16
 ROUND = float(np.cos(np.pi / SIDES))
-"""Of a prism: the distance of its faces from the axis over that of its edges."""
+"""Ratio of the distance of a prism's faces from its axis to that of its edges."""
 LID, DOME, KNOB = 0.005, 0.016, 0.032
 """Heights of the lid's rim, of its dome, and of the knob on it."""
 
@@ -63,7 +63,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
 
 
 def _make_lid(axis: float, radius: float, rim: float, wall: float) -> tuple[ShapePart, ShapePart]:
-    """A flat rim, a dome and a collar that hangs into the pot; it lifts clear of it."""
+    """A lid that lifts out of the pot: a flat rim, a dome, and a collar that fits into the pot."""
     low = rim + 0.0015
     turns = (np.arange(SIDES) + 0.5) * 2 * np.pi / SIDES
     circle = 0.86 * radius * np.column_stack([np.cos(turns), np.sin(turns)])
@@ -81,7 +81,7 @@ def _make_lid(axis: float, radius: float, rim: float, wall: float) -> tuple[Shap
 
 
 def _build_ears(rng: np.random.Generator, radius: float, width: float, rim: float) -> tuple[Primitive, ...]:
-    """Two bows below the rim, left and right."""
+    """Two handles below the rim, left and right."""
     rod, level, half = 0.0055, 0.82 * rim, float(rng.uniform(0.038, 0.05))
     root = (radius**2 - half**2) ** 0.5 - WALL
     bend, pieces = 0.014, []
@@ -100,7 +100,7 @@ def _build_ears(rng: np.random.Generator, radius: float, width: float, rim: floa
 
 
 def _build_grip(rng: np.random.Generator, start: float, width: float) -> tuple[Primitive, ...]:
-    """A long grip to the right, on a stub at the wall; it rises a little."""
+    """A long, slightly rising grip on the right."""
     rise = float(rng.uniform(0.012, 0.03))
     end = -width / 2
     neck = start - 0.03

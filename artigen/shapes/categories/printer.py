@@ -1,8 +1,8 @@
-"""Printer: an inkjet with a scanner, a laser printer, a multifunction one with cassettes, a copier.
+"""Printer: an inkjet with a scanner, a laser printer, a multifunction printer with cassettes, a copier.
 
-Cassettes hold A4 (ISO 216: 210 mm x 297 mm) lengthwise. Inkjets are 0.40 to 0.46 m wide, 0.31 to 0.38 m deep
-and 0.15 to 0.22 m high; lasers 0.36 to 0.42 m wide and 0.22 to 0.30 m high; copiers on castors 0.56 to 0.64 m
-wide and 1.0 to 1.15 m high.
+Cassettes hold A4 paper (ISO 216: 210 mm x 297 mm) lengthwise. Inkjets are 0.40 to 0.46 m wide, 0.31 to 0.38 m
+deep and 0.15 to 0.22 m high; laser printers 0.36 to 0.42 m wide and 0.22 to 0.30 m high; copiers on castors
+0.56 to 0.64 m wide and 1.0 to 1.15 m high.
 """
 
 from dataclasses import dataclass
@@ -36,19 +36,19 @@ WALL, FRONT = 0.012, 0.016
 
 @dataclass(frozen=True, kw_only=True)
 class _Frame:
-    """The housing that all parts share: ranges of x and y (m); fronts stand at ``x[0]``."""
+    """The housing: ranges of x and y (m); fronts are at ``x[0]``."""
 
     x: Range
     y: Range
 
     @property
     def inner(self) -> Range:
-        """Between the sides."""
+        """Range of y between the sides."""
         return self.y[0] + WALL, self.y[1] - WALL
 
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
-    """A printer that meets the wish."""
+    """Draws a printer that meets the wish."""
     style = choose_style(rng, STYLES, wish.style)
     width, depth, height = choose_lengths(rng, wish, SIZES[style])
     frame = _Frame(x=(0.012 - depth / 2, depth / 2), y=(-width / 2, width / 2))
@@ -77,7 +77,7 @@ def _draw_finishes(rng: np.random.Generator) -> dict[str, Finish]:
 
 
 def _build(rng: np.random.Generator, frame: _Frame, height: float, style: str) -> Assembly:
-    """From the floor up: feet, cassettes, the engine, the bay into which paper comes out, the scanner."""
+    """Stacks, from the floor up: feet, cassettes, the printing unit, the output bay, the scanner."""
     copier, scans = style == "copier", style != "laser"
     built, low = _make_foot(frame, copier=copier)
     scanner = {"inkjet": 0.055, "laser": 0.0, "multifunction": 0.11, "copier": 0.16}[style]
@@ -114,7 +114,7 @@ def _build(rng: np.random.Generator, frame: _Frame, height: float, style: str) -
 
 
 def _make_foot(frame: _Frame, *, copier: bool) -> tuple[Assembly, float]:
-    """Castors, or rubber feet, the floor of the housing, and the height of its upper side."""
+    """Castors or rubber feet, and the floor of the housing; returns the height of its upper side, too."""
     if copier:
         castors = make_castors(frame.x, frame.y, 0.025, parent="body", swivel=False)
         level, pieces, parts = castors.height, [*castors.primitives], castors.parts
@@ -139,7 +139,7 @@ def _make_walls(frame: _Frame, z: Range, front: float) -> list[Primitive]:
 
 
 def _make_cassette(frame: _Frame, z: Range, name: str) -> Assembly:
-    """A paper tray with a grip in its front and a stack of paper, below a deck."""
+    """A cassette below a deck: a paper tray with a grip in its front and a stack of paper."""
     front, thick = frame.x[0], FRONT
     deck = z[1] - 0.008
     pieces: list[Primitive] = []
@@ -172,7 +172,7 @@ def _make_cassette(frame: _Frame, z: Range, name: str) -> Assembly:
 
 
 def _make_engine(rng: np.random.Generator, frame: _Frame, z: Range, *, opens: bool) -> Assembly:
-    """The printing unit: closed, or with a front that drops before the toner."""
+    """The printing unit: closed, or with a drop front before the toner."""
     front, thick = frame.x[0], 0.014
     if not opens or z[1] - z[0] < 0.09:
         body = rounded_box((front, frame.y[0], z[0]), (frame.x[1], frame.y[1], z[1]), 0.003, "body")
@@ -205,7 +205,7 @@ def _make_engine(rng: np.random.Generator, frame: _Frame, z: Range, *, opens: bo
 
 
 def _make_bay(frame: _Frame, z: Range, *, deep: float) -> Assembly:
-    """An open storey between the engine and the scanner, with a tray that is drawn out of it."""
+    """The output bay, an open storey between printing unit and scanner, with a pull-out tray."""
     back = frame.x[0] + deep * 0.75 * (frame.x[1] - frame.x[0])
     pieces = [
         box((frame.x[0], frame.y[0], z[0]), (back, frame.y[0] + 0.03, z[1]), "body"),
@@ -225,7 +225,7 @@ def _make_bay(frame: _Frame, z: Range, *, deep: float) -> Assembly:
 
 
 def _make_top_tray(frame: _Frame, top: float) -> Assembly:
-    """A hollow in the top into which a laser printer lays its sheets."""
+    """The output tray of a laser printer, a hollow in its top."""
     low, side = top - 0.04, 0.06
     x = (frame.x[0] + 0.03, frame.x[1] - 0.08)
     slope = np.array([(x[0], low), (x[1], low), (x[0], low + 0.028), (x[1], low + 0.004)])
@@ -243,7 +243,7 @@ def _make_top_tray(frame: _Frame, top: float) -> Assembly:
 
 
 def _make_scanner(rng: np.random.Generator, frame: _Frame, z: Range, height: float, lid: float) -> Assembly:
-    """A housing with a pane, and a lid over it; what is higher than the lid is a feeder on it."""
+    """The scanner: a housing with a pane and a lid; height beyond that of a lid becomes a document feeder."""
     x, y, bed = frame.x, frame.y, z[1]
     crest = height - bed - GAP - lid
     housing = rounded_box((x[0], y[0], z[0]), (x[1], y[1], bed - 0.001), 0.002, "body")
@@ -272,7 +272,7 @@ def _make_scanner(rng: np.random.Generator, frame: _Frame, z: Range, height: flo
 
 
 def _make_controls(rng: np.random.Generator, frame: _Frame, z: Range, y: Range) -> Assembly:
-    """A display and a row of buttons beside it, on the front; the last one is green."""
+    """A display and a row of buttons on the front; the last button is green."""
     x, middle, half = frame.x[0], (z[0] + z[1]) / 2, 0.34 * (z[1] - z[0])
     count, wide = int(rng.integers(2, 6)), y[1] - y[0]
     split = y[1] - float(rng.uniform(0.35, 0.55)) * wide

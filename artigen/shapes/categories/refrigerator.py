@@ -1,4 +1,4 @@
-"""Refrigerators: rows of cold compartments behind doors, pairs of doors, freezer drawers or glass."""
+"""Refrigerator: rows of compartments behind doors, pairs of doors, freezer drawers or glass doors."""
 
 from dataclasses import dataclass
 from itertools import pairwise
@@ -50,32 +50,32 @@ SIZES: dict[Kind, tuple[Range, Range, Range]] = {
     "french": ((0.76, 0.94), (0.70, 0.88), (1.68, 1.84)),
     "display": ((0.48, 1.60), (0.50, 0.72), (0.85, 2.00)),
 }
-"""Width, depth without handles, height."""
+"""Width, depth without handles, and height."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class _Cell:
-    """A compartment: what is behind the front, and the front."""
+    """A compartment: its front and the free space behind it."""
 
     frozen: bool
     front: FrontKind
     y: Range
     z: Range
-    """Of the front, gaps included."""
+    """Ranges of the front, including gaps."""
     space: Space
-    """The free room behind."""
+    """Free space behind the front."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class _Plan:
     kind: Kind
     outer: Space
-    """Housing."""
+    """Outer box of the housing."""
     floor: float
-    """Lower edge of the fronts."""
+    """Height of the lower edge of the fronts."""
     x: float
     thickness: float
-    """Front face of the leaves, and their thickness."""
+    """x of the front face of the leaves, and their thickness."""
     wall: float
     longest: float
     edge: Edge
@@ -90,8 +90,8 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     plan = _draw_plan(rng, wish)
     cells = _draw_cells(rng, plan)
     built = Assembly(pieces=tuple(_build_housing(plan, cells)))
-    moulded = rng.random() < 0.12  # shelves that are one piece with the cabinet
-    bare = rng.random() < 0.45  # nothing behind solid doors, as delivered
+    moulded = rng.random() < 0.12  # shelves that are part of the cabinet
+    bare = rng.random() < 0.45  # empty behind solid doors
     for index, cell in enumerate(cells):
         built += _draw_compartment(rng, plan, cell, f"{index}", moulded=moulded, bare=bare)
     return Draft(style=style, parts=built.close(), finishes=tuple(sorted(palette.items())))
@@ -127,7 +127,7 @@ def _draw_plan(rng: np.random.Generator, wish: Wish) -> _Plan:
 
 
 def _draw_cells(rng: np.random.Generator, plan: _Plan) -> list[_Cell]:
-    """Splits the front into rows and columns, from the top left."""
+    """Splits the front into rows and columns, from the top left on."""
     y, z = plan.outer.y, (plan.floor, plan.outer.z[1])
     share = float(rng.uniform(0.26, 0.40))
     cut = z[0] + share * (z[1] - z[0])
@@ -158,7 +158,7 @@ def _draw_cells(rng: np.random.Generator, plan: _Plan) -> list[_Cell]:
 
 
 def _make_cell(plan: _Plan, y: Range, z: Range, *, frozen: bool, front: FrontKind) -> _Cell:
-    """The room behind a front: walls outside, half a partition where a neighbour begins."""
+    """The space behind a front, minus the outer walls and half of each partition to a neighbour."""
     outer, wall, half = plan.outer, plan.wall, 0.021
     left = wall if y[1] == outer.y[1] else half
     right = wall if y[0] == outer.y[0] else half
@@ -171,7 +171,7 @@ def _make_cell(plan: _Plan, y: Range, z: Range, *, frozen: bool, front: FrontKin
 
 
 def _build_housing(plan: _Plan, cells: list[_Cell]) -> list[Primitive]:
-    """Walls, partitions between compartments, feet and the grille below the fronts."""
+    """Walls, partitions between compartments, feet, and the grille below the fronts."""
     outer, spaces = plan.outer, [cell.space for cell in cells]
     hollow = Space(
         x=spaces[0].x,
@@ -197,7 +197,7 @@ def _build_housing(plan: _Plan, cells: list[_Cell]) -> list[Primitive]:
 def _draw_compartment(
     rng: np.random.Generator, plan: _Plan, cell: _Cell, stem: str, *, moulded: bool, bare: bool
 ) -> Assembly:
-    """The fronts of a compartment and what is behind them."""
+    """Draws the fronts of a compartment and its contents."""
     seam = 0.003
     low = cell.z[0] + (0.0 if cell.z[0] == plan.floor else seam)
     high = cell.z[1] - (0.0 if cell.z[1] == plan.outer.z[1] else seam)
@@ -223,11 +223,11 @@ def _draw_compartment(
 def _draw_doors(
     rng: np.random.Generator, plan: _Plan, cell: _Cell, z: Range, stem: str
 ) -> tuple[list[ShapePart], tuple[Need, ...], Range, float]:
-    """Doors of a compartment.
+    """Draws the doors of a compartment.
 
     Returns:
-        The parts; what must be open before something slides out between the doors; the range of y that is
-        free then at the height of the crispers; the depth of the bins behind the doors.
+        The parts; the parts that must be open before a crisper slides out; the range of y that is then free
+        at the height of the crispers; the depth of the bins on the doors.
     """
     upper = float(np.radians(rng.uniform(92, 150)))
     depth = float(rng.uniform(0.07, 0.11)) if rng.random() < (0.5 if cell.frozen else 0.88) else 0.0
@@ -271,12 +271,12 @@ def _draw_niche(rng: np.random.Generator, panel: Panel) -> tuple[Range, Range] |
 
 
 def _half(y: Range, panel: Panel, edge: Edge) -> Range:
-    """The part of an opening behind one of two doors."""
+    """The half of an opening behind one of two doors."""
     return (panel.y[0], y[1]) if edge == "left" else (y[0], panel.y[1])
 
 
 def _place_doors(plan: _Plan, cell: _Cell, z: Range) -> list[tuple[Panel, Edge]]:
-    """Panels of the doors of a compartment with the edge where each is hinged, from the left."""
+    """Panels of the doors of a compartment, from the left, each with its hinged edge."""
     if cell.front == "pair":
         middle = sum(cell.y) / 2
         gap = sweep_gap((cell.y[1] - cell.y[0]) / 2, plan.thickness)
@@ -295,7 +295,7 @@ def _place_doors(plan: _Plan, cell: _Cell, z: Range) -> list[tuple[Panel, Edge]]
 
 
 def _mount(plan: _Plan, panel: Panel, edge: Edge, parent: str) -> list[ShapePart]:
-    """An upright handle near the free edge, at the height of a hand as far as the door has it."""
+    """A vertical handle near the free edge, as close to hand height as the door allows."""
     if plan.grip is None:
         return []
     half = min(plan.grip.length, 0.86 * panel.height) / 2
@@ -325,11 +325,11 @@ def _make_drawer(plan: _Plan, cell: _Cell, panel: Panel, stem: str) -> list[Shap
 
 
 def _draw_glass_doors(rng: np.random.Generator, plan: _Plan, cell: _Cell, z: Range) -> list[ShapePart]:
-    """One to three glass doors side by side, hinged on the same edge."""
+    """Draws one to three glass doors side by side, hinged on the same edge."""
     count = int(np.clip(round((cell.y[1] - cell.y[0]) / rng.uniform(0.42, 0.65)), 1, 3))
     gap = sweep_gap((cell.y[1] - cell.y[0]) / count, plan.thickness)
     rail = float(rng.uniform(0.035, 0.06))
-    # A door that opens beyond a right angle would meet the handle of its neighbour.
+    # A door that opens beyond 90 degrees would hit the handle of its neighbour.
     upper = float(np.radians(rng.uniform(90, 120) if count == 1 else 90))
     parts: list[ShapePart] = []
     for k, y in enumerate(reversed(divide_range(cell.y, count, gap))):

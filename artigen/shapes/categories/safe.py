@@ -1,7 +1,4 @@
-"""Safe: a steel box with thick walls, a heavy door, a dial or handwheel that turns on it, and shelves.
-
-What a new category takes: sizes, a look for each style, and the parts.
-"""
+"""Safe: a steel box with thick walls, a heavy door with a turning dial or handwheel, and shelves."""
 
 from dataclasses import replace
 from math import radians
@@ -25,7 +22,7 @@ ARM = 0.0085
 
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
-    """A safe that meets the wish."""
+    """Draws a safe that meets the wish."""
     style = wish.style or STYLES[int(rng.integers(len(STYLES)))]
     color = make_lacquer(LACQUERS[COLORS[int(rng.integers(len(COLORS)))]], gloss=float(rng.uniform(0.2, 0.5)))
     finishes = draw_palette(rng, "appliance", "steel") | {"body": color, "front": color}
@@ -33,7 +30,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     depth = choose(rng, 0.3, 0.6, wish.depth)
     height = choose(rng, 0.3, 1.4, wish.height)
     wall = float(rng.uniform(0.03, 0.06))
-    reach = 0.06  # of what turns on the door
+    reach = 0.06  # of the parts that turn on the door
     foot = float(rng.choice((0.0, 0.025)))
     outer = Space(x=(reach - depth / 2, depth / 2), y=(-width / 2, width / 2), z=(foot, height))
     thick = float(rng.uniform(0.7, 1.0)) * wall
@@ -58,7 +55,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
 
 
 def _make_body(outer: Space, wall: float, foot: float) -> tuple[Primitive, ...]:
-    """Six walls but the front, lined on their inner sides, on four pads where there is a ``foot``."""
+    """Five walls without the front, with a lining, on four pads if ``foot`` is not 0."""
     x, y, z = outer.x, outer.y, outer.z
     inner_y, back = (y[0] + wall, y[1] - wall), x[1] - wall
     walls = (
@@ -77,7 +74,7 @@ def _make_body(outer: Space, wall: float, foot: float) -> tuple[Primitive, ...]:
 
 
 def _make_lock(panel: Panel, style: str) -> tuple[tuple[Primitive, ...], tuple[ShapePart, ...]]:
-    """A dial or keypad above a lever or handwheel: what joins the door, and what turns on it."""
+    """A dial or keypad above a lever or handwheel: solids of the door, and turning parts."""
     y, z = panel.center
     size = _lock_size(panel)
     apart = min(0.3 * panel.height, 2.6 * size) / 2 + 0.012
@@ -89,18 +86,18 @@ def _make_lock(panel: Panel, style: str) -> tuple[tuple[Primitive, ...], tuple[S
 
 
 def _lock_size(panel: Panel) -> float:
-    """Radius of the largest dial (m); spokes reach a quarter further."""
+    """Radius of the largest dial (m); spokes are a quarter longer."""
     return float(np.clip(0.17 * min(panel.width, panel.height), 0.03, 0.07))
 
 
 def _passes_side(panel: Panel, upper: float, beside: float) -> bool:
-    """Whether a lock on a door that folds back stays clear of the body, ``beside`` metres from the hinge."""
+    """Whether a lock ``beside`` metres from the hinge clears the body when the door is folded back."""
     nearest = panel.width / 2 - 1.25 * _lock_size(panel) - ARM
     return nearest * np.cos(np.pi - upper) > beside + PASSING
 
 
 def _make_keypad(panel: Panel, at: tuple[float, float], size: float) -> tuple[Primitive, ...]:
-    """A plate with nine keys."""
+    """A keypad: a plate with nine keys."""
     x, pitch, half = panel.x - 0.008, 0.5 * size, 0.17 * size
     plate = box((x, at[0] - size, at[1] - 0.9 * size), (panel.x, at[0] + size, at[1] + 0.9 * size), "panel")
     keys = [
@@ -112,7 +109,7 @@ def _make_keypad(panel: Panel, at: tuple[float, float], size: float) -> tuple[Pr
 
 
 def _make_dial(name: str, panel: Panel, at: tuple[float, float], radius: float) -> ShapePart:
-    """A combination dial: a flange, a knob, and a mark that shows how far it is turned."""
+    """A combination dial: a flange, a knob and a mark."""
     x = panel.x - 0.0015
     solids = (
         cylinder((x, *at), (x - 0.008, *at), radius, "panel"),
@@ -127,7 +124,7 @@ def _make_dial(name: str, panel: Panel, at: tuple[float, float], radius: float) 
 
 
 def _make_spokes(panel: Panel, at: tuple[float, float], radius: float, count: int) -> ShapePart:
-    """A hub with arms; two arms are a lever that turns a quarter, four a handwheel that spins."""
+    """A hub with arms: two arms are a lever with a quarter turn, four a handwheel without limits."""
     x = panel.x - 0.0015
     solids = [cylinder((x, *at), (x - 0.035, *at), 0.4 * radius, "steel")]
     for k in range(count):
@@ -146,7 +143,7 @@ def _turn(x: float, at: tuple[float, float], upper: float) -> Motion:
 
 
 def _make_shelves(rng: np.random.Generator, outer: Space, wall: float, front: float) -> list[ShapePart]:
-    """Loose shelves a hand apart or further."""
+    """Loose shelves, at least a hand's width apart."""
     low, high = outer.z[0] + wall, outer.z[1] - wall
     count = int((high - low) / float(rng.uniform(0.18, 0.3)))
     levels = [low + (k + 1) * (high - low) / (count + 1) for k in range(count)]

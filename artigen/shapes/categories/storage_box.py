@@ -1,8 +1,8 @@
 """Box: a wooden chest, a trunk with a curved lid, a plastic tub with clips, a carton with flaps.
 
-Chests are 0.7 to 1.2 m wide and knee-high; plastic tubs follow the modules of a Euro pallet of 0.8 m x 1.2 m:
-0.6 m x 0.4 m, and its half; cartons are of type 0201 of the FEFCO code: four flaps, each half as long as the
-box is deep, of which the outer pair meets in the middle.
+Chests are 0.7 to 1.2 m wide and knee-high. Plastic tubs follow the modules of a Euro pallet of 0.8 m x 1.2 m:
+0.6 m x 0.4 m, and half of it. Cartons are FEFCO type 0201: four flaps, each half as long as the box is deep,
+of which the outer pair meets in the middle.
 """
 
 from dataclasses import replace
@@ -46,18 +46,18 @@ TUBS: tuple[Color, ...] = (
     (0.40, 0.56, 0.44), (0.90, 0.86, 0.76),
 )  # fmt: skip
 HASP, BAIL = 0.0135, 0.039
-"""How far (m) a hasp and a side handle stand out."""
+"""Protrusion (m) of a hasp and of a side handle."""
 CARDBOARD: Color = (0.72, 0.57, 0.40)
 
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
-    """A box that meets the wish."""
+    """Draws a box that meets the wish."""
     builders = {"chest": _build_chest, "trunk": _build_trunk, "plastic": _build_tub, "carton": _build_carton}
     return draw_styled(rng, wish, STYLES, SIZES, builders, _draw_finishes)
 
 
 def _draw_finishes(rng: np.random.Generator, style: str) -> dict[str, Finish]:
-    """Wood or paint, moulded plastic, or brown board with tape."""
+    """Wood or paint, moulded plastic, or brown cardboard with tape."""
     seed, tub, lid = int(rng.integers(2**30)), int(rng.integers(len(TUBS))), int(rng.integers(len(TUBS)))
     wood = ("pine", "oak", "walnut", "teak", "classic", "white")[int(rng.integers(6))]
     finishes = draw_palette(rng, "furniture", wood)
@@ -87,7 +87,7 @@ def _draw_finishes(rng: np.random.Generator, style: str) -> dict[str, Finish]:
 
 
 def _build_chest(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
-    """Boards on a plinth or on legs, and a lid that stands out a little."""
+    """Boards on a plinth or on legs, and a slightly overhanging lid."""
     wall, lid = float(rng.uniform(0.018, 0.024)), float(rng.uniform(0.02, 0.03))
     over = float(rng.uniform(0.006, 0.018))
     x, y = (over - depth / 2, depth / 2), (over - width / 2, width / 2 - over)
@@ -111,7 +111,7 @@ def _build_chest(rng: np.random.Generator, width: float, depth: float, height: f
 
 
 def _frame_front(x: float, y: Range, z: Range, fields: int) -> list[Primitive]:
-    """Stiles and rails laid on the front."""
+    """Stiles and rails on the front."""
     wide, thick = 0.055, 0.006
     stiles = np.linspace(y[0], y[1] - wide, fields + 1)
     out = [box((x - thick, float(a), z[0]), (x, float(a) + wide, z[1]), "body") for a in stiles]
@@ -122,7 +122,7 @@ def _frame_front(x: float, y: Range, z: Range, fields: int) -> list[Primitive]:
 
 
 def _build_trunk(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
-    """A box with straps below a curved lid, a hasp in front, handles at the sides, a tray within."""
+    """A box with straps, a curved lid, a hasp in front, handles at the sides and a tray inside."""
     wall, strap = 0.02, 0.004
     x, y = (HASP - depth / 2, depth / 2 - strap), (BAIL - width / 2, width / 2 - BAIL)
     rise = float(rng.uniform(0.24, 0.34)) * depth
@@ -167,7 +167,7 @@ def _build_trunk(rng: np.random.Generator, width: float, depth: float, height: f
 
 
 def _make_side_handles(half: float, z: float) -> list[ShapePart]:
-    """Bails on both sides of a body that is ``half`` metres wide to either side."""
+    """Side handles of a body that is ``2 * half`` metres wide."""
     panel = Panel(x=-half, thickness=0.02, y=(-0.3, 0.3), z=(z - 0.1, z + 0.1))
     design = HandleDesign(kind="arch", length=0.13, thickness=0.012, finish="metal")
     made = make_handle(panel, design, name="handle", parent="body", upright=False, at=(0.0, z))
@@ -175,7 +175,7 @@ def _make_side_handles(half: float, z: float) -> list[ShapePart]:
 
 
 def _build_tub(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
-    """A tub that narrows downwards, a lid with a raised field, a clip at each side; some on wheels."""
+    """A tub that tapers downwards, a lid with a raised field and a clip at each side; some have wheels."""
     wall, clip = 0.006, 0.0115
     x, y = (-depth / 2, depth / 2), (clip - width / 2, width / 2 - clip)
     thick, rise = 0.012, float(rng.uniform(0.006, 0.014))
@@ -215,11 +215,11 @@ def _build_tub(rng: np.random.Generator, width: float, depth: float, height: flo
 
 
 def _build_carton(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
-    """A carton of two or four flaps: the outer ones, front and rear, close over those at the sides."""
+    """A carton with two or four flaps; the outer ones, front and rear, close over those at the sides."""
     wall = max(0.005, max(width, depth, height) / 56)
     x, y = (-depth / 2, depth / 2), (-width / 2, width / 2)
     four = bool(rng.random() < 0.75)
-    upper = height - wall - GAP  # of the front and rear wall
+    upper = height - wall - GAP  # front and rear wall
     side = upper - wall - GAP if four else upper
     inner = (x[0] + wall, x[1] - wall)
     pieces = (
@@ -276,7 +276,7 @@ def _build_carton(rng: np.random.Generator, width: float, depth: float, height: 
 
 
 def _mark_carton(rng: np.random.Generator, x: float, y: Range, height: float) -> tuple[Primitive, ...]:
-    """A paper label on the front."""
+    """Adds a paper label to the front."""
     wide, high = 0.3 * (y[1] - y[0]), 0.28 * height
     left = float(rng.uniform(y[0] + 0.03, y[1] - 0.03 - wide))
     return (box((x - 0.0012, left, 0.5 * height), (x + 0.002, left + wide, 0.5 * height + high), "paper"),)

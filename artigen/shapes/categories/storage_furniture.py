@@ -1,7 +1,7 @@
 """StorageFurniture: cabinets, dressers, wardrobes, sideboards, nightstands, bookcases, TV stands.
 
-A kind of furniture is a size, a taste and what it stands on (`artigen.shapes.furniture.furniture_kinds`);
-how its front is divided comes from the grammar of `artigen.shapes.furniture.splits`.
+A kind of furniture has sizes, a taste and stands (`artigen.shapes.furniture.furniture_kinds`); the grammar of
+`artigen.shapes.furniture.splits` divides its front.
 """
 
 import numpy as np
@@ -22,9 +22,10 @@ MAX_LAYOUTS = 100
 
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
-    """A piece of storage furniture that meets the wish.
+    """Draws a piece of storage furniture that meets the wish.
 
-    It is drawn again while engines could not hold it, and while nothing moves unless counts are wished for.
+    It is redrawn while it exceeds the limits of engines and, unless counts are wished for, while nothing
+    moves.
     """
     style = wish.style or pick(rng, {name: look.weight for name, look in STYLES.items()})
     kind = _choose_kind(rng, wish, STYLES[style])
@@ -42,13 +43,13 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
         if shown and moves and fits_engines(parts):
             return Draft(style=style, parts=parts, finishes=finishes)
     raise CrowdedError(
-        f"{CATEGORY}: none of {MAX_LAYOUTS} layouts of {size} m (width, depth, height) keeps within what "
-        "engines hold; wish for a smaller one"
+        f"{CATEGORY}: none of {MAX_LAYOUTS} layouts of {size} m (width, depth, height) respects the "
+        "limits of engines; request a smaller one"
     )
 
 
 def _choose_kind(rng: np.random.Generator, wish: Wish, style: Style) -> Kind:
-    """A kind whose sizes include those wished for, or come nearest."""
+    """Draws a kind whose sizes include the wished ones or are closest to them."""
     shown = [
         name
         for name, kind in KINDS.items()
@@ -59,7 +60,7 @@ def _choose_kind(rng: np.random.Generator, wish: Wish, style: Style) -> Kind:
 
 
 def _draw_wanted(rng: np.random.Generator, box: Space, looks: Looks, kind: Kind, wish: Wish) -> Node:
-    """A layout, the first of `MAX_LAYOUTS` that has the drawers and doors wished for, or the last one."""
+    """The first of `MAX_LAYOUTS` layouts with the wished numbers of drawers and doors, or the last one."""
     wanted: list[tuple[PartLabel, int]] = [
         (label, count) for label, count in wish.counts if label in ("drawer", "door")
     ]
@@ -75,5 +76,5 @@ def _draw_wanted(rng: np.random.Generator, box: Space, looks: Looks, kind: Kind,
 def _build(
     rng: np.random.Generator, kind: Kind, plan: CasePlan, size: Size, wish: Wish
 ) -> tuple[ShapePart, ...]:
-    """One layout of a plan in a size."""
+    """Builds one layout of a plan in a size."""
     return build_case(plan, _draw_wanted(rng, place_case(plan, size), plan.looks, kind, wish), size)

@@ -1,7 +1,7 @@
-"""Suitcase: a hard shell on four wheels, standing, with rods to pull it by; a case that lies and opens.
+"""Suitcase: a standing hard shell on four wheels with a telescopic handle, or a lying case with a lid.
 
-Cabin luggage is at most 0.55 m x 0.40 m x 0.20 m with most airlines (wheels and handles included); medium and
-large shells are 0.66 and 0.76 m high. Cases that are carried are 0.45 to 0.7 m wide and 0.13 to 0.2 m thick.
+Most airlines allow cabin luggage of 0.55 m x 0.40 m x 0.20 m, including wheels and handles; medium and large
+shells are 0.66 and 0.76 m high. Carried cases are 0.45 to 0.7 m wide and 0.13 to 0.2 m thick.
 """
 
 from dataclasses import replace
@@ -40,13 +40,13 @@ SHELLS: tuple[Color, ...] = (
 LEATHERS: tuple[Color, ...] = ((0.42, 0.25, 0.14), (0.30, 0.18, 0.11), (0.55, 0.36, 0.20), (0.14, 0.12, 0.11),
                                (0.20, 0.27, 0.22))  # fmt: skip
 WALL = 0.007
-"""Least thickness (m) of a shell with its lining."""
+"""Minimum thickness (m) of a shell with its lining."""
 SLENDER = 57
-"""Longest edge of a plate or strap over its thickness."""
+"""Largest ratio of the longest edge of a plate or strap to its thickness."""
 
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
-    """A suitcase that meets the wish."""
+    """Draws a suitcase that meets the wish."""
     builders: dict[str, Build] = dict.fromkeys(STYLES, _build_lying) | {
         "cabin": _build_standing,
         "large": _build_standing,
@@ -80,7 +80,7 @@ def _draw_finishes(rng: np.random.Generator, style: str) -> dict[str, Finish]:
 
 
 def _build_standing(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
-    """Two ribbed shells that open like a book, on four wheels; the rods run behind the rear one."""
+    """Two ribbed shells on four wheels that open like a book; a telescopic handle is behind the rear one."""
     grip, behind = FINGER_ROOM + 0.014, CHANNEL + 0.006
     radius = float(rng.uniform(0.018, 0.024))
     x, y = (0.004 - depth / 2, depth / 2 - behind), (-width / 2, width / 2)
@@ -121,7 +121,7 @@ def _build_standing(rng: np.random.Generator, width: float, depth: float, height
 
 
 def _build_ribs(rng: np.random.Generator, x: float, y: Range, z: Range, radius: float) -> list[Primitive]:
-    """Ribs on the front, upright or level."""
+    """Vertical or horizontal ribs on the front."""
     thick, count = 0.004, int(rng.integers(4, 8))
     upright = rng.random() < 0.65
     low_y, high_y, low_z, high_z = y[0] + radius, y[1] - radius, z[0] + radius, z[1] - radius
@@ -153,7 +153,7 @@ def _cross_straps(x: float, y: Range, z: Range) -> list[Primitive]:
 
 
 def _build_lying(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
-    """A case on its back: the lid opens upwards once its latches do; the handle is between them."""
+    """A case on its back, whose lid opens upwards after its latches; the handle is between these."""
     reach, band = 0.041, 0.004
     x, y = (reach - depth / 2, depth / 2 + band), (-width / 2, width / 2)
     seam = float(rng.uniform(0.5, 0.62)) * height

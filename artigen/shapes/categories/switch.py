@@ -1,6 +1,6 @@
 """Switch: rockers, toggles, dimmers and push buttons on a piece of wall.
 
-Plates of 80 mm with 71 mm from one insert to the next (DIN 49075); rockers tilt by 10 degrees, toggles by 50.
+Plates are 80 mm wide and inserts 71 mm apart (DIN 49075); rockers tilt by 10 degrees, toggles by 50.
 """
 
 from dataclasses import replace
@@ -21,9 +21,9 @@ CATEGORY = "Switch"
 STYLES = {"rocker": 0.4, "toggle": 0.25, "dimmer": 0.15, "buttons": 0.2}
 PLATE, PITCH, HIGH = 0.08, 0.071, 0.08
 THICK = 0.009
-"""Of a plate."""
+"""Thickness (m) of a plate."""
 REACH = {"rocker": 0.00565, "toggle": 0.03, "dimmer": 0.026, "buttons": 0.016}
-"""How far what one moves stands out of its plate."""
+"""Protrusion of the moving parts from their plate."""
 ROCK, FLIP = float(np.radians(10.0)), float(np.radians(50.0))
 SIGNALS = ((0.13, 0.5, 0.25), (0.7, 0.13, 0.12), (0.12, 0.12, 0.125), (0.85, 0.65, 0.1), (0.15, 0.3, 0.6))
 LIGHT = ((0.94, 0.94, 0.935), (0.94, 0.94, 0.935), (0.9, 0.88, 0.82), (0.2, 0.2, 0.21), (0.75, 0.75, 0.74))
@@ -36,7 +36,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
         rng, CATEGORY, wish, width=(0.115, 0.29), depth=(0.065, 0.09), height=(0.115, 0.145)
     )
     count = max(1, int((width - 0.02 - PLATE) / PITCH) + 1)
-    face = -depth / 2 + REACH[style]  # x of the face of the plate
+    face = -depth / 2 + REACH[style]  # x of the plate's face
     wide, (low, high) = PLATE + (count - 1) * PITCH, ((height - HIGH) / 2, (height + HIGH) / 2)
     wall = box((face + THICK, -width / 2, 0.0), (depth / 2, width / 2, height), "wall")
     places = [((count - 1) / 2 - k) * PITCH for k in range(count)]
@@ -83,7 +83,7 @@ def _draw_finishes(rng: np.random.Generator, style: str) -> tuple[tuple[str, Fin
 
 
 def _build_plate(face: float, wide: float, z: tuple[float, float], places: list[float]) -> list[Primitive]:
-    """A frame with a window for each rocker, and what closes them behind."""
+    """A frame with a window for each rocker, and a back."""
     half, back = 0.0295, face + THICK
     inner = wide / 2 - 0.004
     pieces = [box((back - 0.002, -inner, z[0] + 0.004), (back, inner, z[1] - 0.004), "panel")]
@@ -96,7 +96,7 @@ def _build_plate(face: float, wide: float, z: tuple[float, float], places: list[
 
 
 def _make_rocker(name: str, at: Vector) -> ShapePart:
-    """A rocker that is pressed in at its lower half, and tilts over to the upper one."""
+    """A rocker with its lower half pressed in, which tilts to the upper one."""
     half, thick = 0.0275, 0.0055
     pivot = (at[0] - 0.0006, at[1], at[2])
     flat = np.array([(a, c) for a in (-thick / 2, thick / 2) for c in (-half, half)])
@@ -109,7 +109,7 @@ def _make_rocker(name: str, at: Vector) -> ShapePart:
 
 
 def _make_toggle(name: str, at: Vector) -> tuple[ShapePart, Primitive]:
-    """A lever that points down and flips up, before a collar."""
+    """A toggle before a collar, which points down and flips up."""
     x, y, z = at
     collar = cylinder((x - 0.004, y, z), (x, y, z), 0.014, "accent")
     pivot = (x - 0.004 - DIAL_GAP - 0.0055, y, z)

@@ -1,7 +1,7 @@
 """Table: dining and side tables, desks, coffee tables, consoles, kitchen islands with a sink, screw tables.
 
-A table is a top on supports: a frame of legs with drawers hung in it, pedestals and panels side by side, a
-cabinet with a basin, or a column on which a round top is screwed up.
+A table is a top on supports: a frame of legs with drawers, pedestals and panels side by side, a cabinet with
+a basin, or a column with a round top on a screw.
 """
 
 from collections.abc import Callable, Sequence
@@ -39,8 +39,8 @@ CATEGORY = "Table"
 BODY = "body"
 MAX_LAYOUTS = 60
 OVERHANGING, ARCHED, STRETCHED, CLOSED, GIRDED = 0.4, 0.2, 0.3, 0.2, 0.75
-"""Chances of a frame with a top that stands out, arched aprons, stretchers, closed sides (small ones twice as
-often), and an apron around the drawers."""
+"""Probabilities of an overhanging top, arched aprons, stretchers, closed sides (twice for small tables), and
+an apron around the drawers."""
 TOPS: dict[TopKind, float] = {"plain": 0.8, "rounded": 0.12, "oval": 0.08}
 PEDESTAL = Taste(
     module=(0.3, 0.7),
@@ -61,10 +61,10 @@ UNDER_SINK = Taste(
 
 @dataclass(frozen=True, kw_only=True)
 class _Plan:
-    """What every kind of table is built from, metres."""
+    """Choices that every kind of table is built from (m)."""
 
     size: tuple[float, float, float]
-    """Width, depth, height."""
+    """Width, depth and height."""
     looks: Looks
     top: float
     """Thickness of the top."""
@@ -74,14 +74,14 @@ class _Plan:
 
 @dataclass(frozen=True, kw_only=True)
 class _Built:
-    """Solids of the body, and parts that hang from it."""
+    """Solids of the body, and the parts that it carries."""
 
     primitives: tuple[Primitive, ...]
     parts: tuple[ShapePart, ...] = ()
 
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
-    """A table that meets the wish."""
+    """Draws a table that meets the wish."""
     style = wish.style or pick(rng, {name: look.weight for name, look in STYLES.items() if not look.closed})
     kind = _choose_kind(rng, wish)
     finishes = tuple(sorted(draw_palette(rng, "furniture", style).items()))
@@ -99,7 +99,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
         if fits_engines(parts) and (wish.counts or any(part.motion for part in parts)):
             return Draft(style=style, parts=parts, finishes=finishes)
     raise CrowdedError(
-        f"{CATEGORY}: no table of {size} m keeps within what engines hold; wish for a smaller one"
+        f"{CATEGORY}: no table of {size} m respects the limits of engines; request a smaller one"
     )
 
 
@@ -125,7 +125,7 @@ def _make_top(plan: _Plan) -> Primitive:
 
 @dataclass(frozen=True, kw_only=True)
 class _Footing:
-    """The rectangle that the legs of a frame stand in, and the top over it (m)."""
+    """The rectangle of a frame's legs, and the top over it (m)."""
 
     x: Range
     y: Range
@@ -133,7 +133,7 @@ class _Footing:
 
 
 def _draw_footing(rng: np.random.Generator, plan: _Plan) -> _Footing:
-    """Legs near the edges of the top or well within them; where the top is round, below it all the same."""
+    """Places legs near the edges of the top or well within them, always below the top."""
     width, depth, height = plan.size
     ahead, aside = 0.0, 0.02
     if rng.random() < OVERHANGING:
@@ -166,7 +166,7 @@ def _build_frame(rng: np.random.Generator, plan: _Plan) -> _Built:
     parts: list[ShapePart] = []
     solids: list[Primitive] = [*footing.top]
     rolling = high < 0.55 and rng.random() < 0.35
-    long = rolling and width > 0.95 and rng.random() < 0.2  # three pairs of legs, and no drawers between them
+    long = rolling and width > 0.95 and rng.random() < 0.2  # three pairs of legs and no drawers
     if rolling:
         swivel, radius = bool(rng.random() < 0.3) or long, float(rng.uniform(0.022, 0.03))
         stand = make_castors(x, y, radius, parent=BODY, swivel=swivel, pairs=3 if long else 2)
@@ -183,7 +183,7 @@ def _build_frame(rng: np.random.Generator, plan: _Plan) -> _Built:
     drawers = min(max(drawers, int(np.ceil(room / 1.05))) if drawers and not long else 0, int(room / 0.24))
     deep = float(rng.uniform(0.085, min(0.15, 0.35 * (high - low) + 0.02)))
     arch = float(rng.uniform(0.03, 0.06)) if rng.random() < ARCHED and not long and room > 0.25 else 0.0
-    behind = x[1] - max(0.25 * leg + WALL, 0.5 * leg + PANEL / 2)  # what stands between the rear legs
+    behind = x[1] - max(0.25 * leg + WALL, 0.5 * leg + PANEL / 2)  # x of the rear boards
     if drawers:
         girded = closed or rng.random() < GIRDED
         back = min(x[0] + float(rng.uniform(0.45, 1.0)) * (x[1] - x[0]), behind if girded else x[1])
@@ -210,7 +210,7 @@ def _build_frame(rng: np.random.Generator, plan: _Plan) -> _Built:
 
 
 def _hang_drawers(count: int, space: Space, looks: Looks, rng: np.random.Generator) -> _Built:
-    """A row of drawers in a low carcass, at times two rows."""
+    """One or sometimes two rows of drawers in a low carcass."""
     drawer: Node = Cell(fill="drawer")
     if space.height > 0.17 and rng.random() < 0.3:
         drawer = Split(along="rows", shares=(1.0, 1.0), children=(drawer, drawer), board=False)
@@ -223,7 +223,7 @@ def _hang_drawers(count: int, space: Space, looks: Looks, rng: np.random.Generat
 
 
 def _make_shelf(legs: Sequence[Primitive], z: float) -> ShapePart:
-    """A board between four legs, held by their inner sides at the height of its upper face."""
+    """A board between four legs, with its upper face at a height."""
     top = z + 0.02
     centers = np.array([leg.center for leg in legs])
     inner = []
@@ -238,7 +238,7 @@ def _make_shelf(legs: Sequence[Primitive], z: float) -> ShapePart:
 
 
 def _build_desk(rng: np.random.Generator, plan: _Plan) -> _Built:
-    """A top on pedestals, side panels or legs, with a modesty board, and at times drawers between them."""
+    """A top on pedestals, side panels or legs, with a modesty board and sometimes drawers between them."""
     width, depth, height = plan.size
     high = height - plan.top
     reach = plan.looks.reach
@@ -289,7 +289,7 @@ def _rename(part: ShapePart, tag: str) -> ShapePart:
 
 
 def _build_sink(rng: np.random.Generator, plan: _Plan) -> _Built:
-    """A worktop with a basin, over a cabinet or an open frame; the tap is as high as the table."""
+    """A worktop with a basin over a cabinet or an open frame; the height includes the tap."""
     width, depth, total = plan.size
     high = total - TAP_HEIGHT - plan.top
     x, y = (plan.looks.reach - depth / 2 + 0.005, depth / 2), (-width / 2, width / 2)
@@ -314,7 +314,7 @@ def _build_sink(rng: np.random.Generator, plan: _Plan) -> _Built:
 
 
 def _widest_column(node: Node, space: Space, looks: Looks) -> Range:
-    """The span of y in which a basin hangs free of boards."""
+    """The widest range of y without boards, for a basin."""
     edges = dict.fromkeys(("left", "right", "top", "bottom"), 0.0)
     y, z = open_carcass(space, looks.carcass)
     cells, _ = lay_out(node, y, z, board=looks.carcass.inner, reach=edges, inset=looks.inset)
@@ -322,14 +322,14 @@ def _widest_column(node: Node, space: Space, looks: Looks) -> Range:
 
 
 def _build_screw(rng: np.random.Generator, plan: _Plan) -> _Built:
-    """A round top on a threaded spindle that turns up out of a column on a foot."""
+    """A round top on a threaded spindle in a column on a foot."""
     width, depth, height = plan.size
     radius = min(width, depth) / 2
     rise = float(rng.uniform(0.07, 0.12))
     spindle, gap, wall = 0.022, 0.0025, 0.014
     foot = float(rng.uniform(0.02, 0.035))
     under = height - plan.top
-    plate = under - 0.012  # a flange under the top carries the spindle
+    plate = under - 0.012  # a flange under the top holds the spindle
     mouth = plate - gap
     start = mouth - rise - 0.12
     inner, outer = spindle + gap, spindle + gap + wall
@@ -359,7 +359,7 @@ def _build_screw(rng: np.random.Generator, plan: _Plan) -> _Built:
 
 @dataclass(frozen=True, kw_only=True)
 class _Kind:
-    """A kind of table: chance, ranges of its size (m), and what builds it."""
+    """A kind of table: weight, ranges of its size (m), and its builder."""
 
     weight: float
     width: Range
@@ -383,7 +383,7 @@ KINDS: dict[str, _Kind] = {
 
 
 def _choose_kind(rng: np.random.Generator, wish: Wish) -> _Kind:
-    """A kind whose sizes include those wished for, or come nearest."""
+    """Draws a kind whose sizes include the wished ones or are closest to them."""
     known = {
         name: kind
         for name, kind in KINDS.items()

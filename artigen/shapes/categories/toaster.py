@@ -1,4 +1,4 @@
-"""Toaster: levers that lower the bread, a dial for the browning, buttons, and a tray for crumbs.
+"""Toaster: levers that lower the bread, a browning dial, buttons, and a crumb tray.
 
 Toasters for two slices are 160 to 190 mm wide, 270 to 310 mm deep and 180 to 210 mm high, those for four
 about 300 mm wide; slots are 30 to 38 mm wide, levers travel 60 to 70 mm.
@@ -17,12 +17,12 @@ from artigen.shapes.surfaces.palette import draw_palette
 CATEGORY = "Toaster"
 STYLES = {"steel": 0.3, "white": 0.2, "black": 0.2, "retro": 0.3}
 FOOT, FLOOR, END, WALL = 0.008, 0.012, 0.03, 0.016
-"""Heights of feet and of the room for the tray (m); thickness of the ends and of the sides."""
+"""Heights (m) of the feet and of the tray's space; thickness (m) of the ends and of the sides."""
 SLOT, TRAVEL = 0.034, 0.062
 SPRING = 4.0
-"""N that push a lever up; pressed down, twice that."""
+"""Force (N) that pushes a lever up; twice that when pressed down."""
 KNOB = 0.024
-"""How far the knob of a lever stands out."""
+"""Protrusion of a lever's knob."""
 
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
@@ -69,7 +69,7 @@ def _build_bay(
     middle, apart = sum(y) / 2, 0.25 * (y[1] - y[0]) - 0.004
     slots = [(middle + side * apart - SLOT / 2, middle + side * apart + SLOT / 2) for side in (-1.0, 1.0)]
     inner = (x[0] + END, x[1] - END)
-    web = 0.006  # half the gap that the lever's arm passes
+    web = 0.006  # half of the gap for the lever's arm
     pieces = [
         rounded_box((x[0], y[0], low), (x[1], slots[0][0], high), 0.006, "front"),
         rounded_box((x[0], slots[1][1], low), (x[1], y[1], high), 0.006, "front"),
@@ -112,7 +112,7 @@ def _build_bay(
 
 
 def _make_tray(x: Range, y: Range) -> ShapePart:
-    """A flat tray with a lip, drawn out to the front below the slots."""
+    """A flat tray with a lip below the slots, which slides out to the front."""
     low, top = FOOT + 0.008 + GAP, FOOT + FLOOR + 0.022 - 0.008 - GAP
     span = (y[0] + WALL + 0.004, y[1] - WALL - 0.004)
     end = x[1] - END - 0.006

@@ -1,7 +1,7 @@
-"""Toilet: a bowl with seat and lid on hinges, and a cistern that a lever or buttons flush.
+"""Toilet: a bowl with hinged seat and lid, and a cistern with a flush lever or buttons.
 
-Sizes of EN 997 and EN 33: 355 to 400 mm wide, 620 to 700 mm deep with the cistern, seats 400 to 430 mm above
-the floor; bowls that hang on a wall stand out by 490 to 540 mm, their flush plates measure 246 by 164 mm.
+Sizes follow EN 997 and EN 33: 355 to 400 mm wide, 620 to 700 mm deep with the cistern, seats 400 to 430 mm
+above the floor. Wall-hung bowls protrude by 490 to 540 mm; their flush plates measure 246 by 164 mm.
 """
 
 import numpy as np
@@ -23,16 +23,16 @@ SIZES: dict[str, tuple[Range, Range, Range]] = {
     "skirted": ((0.36, 0.4), (0.62, 0.68), (0.78, 0.86)),
     "wall_hung": ((0.5, 0.6), (0.7, 0.76), (1.08, 1.18)),
 }
-"""Width, depth and height; what hangs comes with the piece of wall that holds it."""
+"""Width, depth and height; wall-hung bowls include their piece of wall."""
 GLAZES = ((0.95, 0.95, 0.945), (0.95, 0.95, 0.945), (0.93, 0.92, 0.88), (0.2, 0.2, 0.21))
 TANK, WALL = 0.165, 0.19
-"""Depth of a cistern, and of a piece of wall."""
+"""Depth of a cistern and of a piece of wall."""
 RIM, SEAT, LID = 0.4, 0.017, 0.016
 """Height of the bowl's rim; thickness of seat and lid."""
 SLIT = 0.0025
 UP: Vector = (0.0, 0.0, 1.0)
 Drawn = tuple[list[Primitive], list[ShapePart]]
-"""Pieces of the body, and the parts that move."""
+"""Solids of the body, and the moving parts."""
 
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
@@ -42,7 +42,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
     width, depth, height = choose_size(rng, CATEGORY, wish, width=wide, depth=deep, height=tall)
     hung = style == "wall_hung"
     half = min(width / 2, 0.185) if hung else width / 2
-    behind = depth / 2 - (WALL if hung else TANK)  # front of what stands behind the bowl
+    behind = depth / 2 - (WALL if hung else TANK)  # front of the cistern or wall
     hinge = behind - 0.085
     length = hinge + depth / 2
     outline = draw_egg((hinge - 0.4 * length, 0.0), 0.6 * length, 0.4 * length, half)
@@ -68,7 +68,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
 
 
 def _build_bowl(style: str, outline: Outline, behind: float, back: float) -> list[Primitive]:
-    """A rim around a hollow, its bottom, what carries it, and the block behind the seat."""
+    """A rim around a hollow, its bottom, its support, and the block behind the seat."""
     low, taper = (0.2, 0.055) if style != "skirted" else (0.24, 0.0)
     foot, under = outline.shrink(taper), low - 0.03
     middle, end, half = sum(outline.a) / 2, outline.a[1], outline.b[1]
@@ -91,7 +91,7 @@ def _build_bowl(style: str, outline: Outline, behind: float, back: float) -> lis
 
 
 def _make_seat(outline: Outline, hinge: float, upper: float) -> tuple[ShapePart, ShapePart]:
-    """A ring and a lid above it that turn about one line behind them; the lid goes first."""
+    """A seat ring and a lid that turn about one axis behind them; the lid opens first."""
     low = RIM + SLIT
     edge = outline.shrink(0.002)
     ring = build_loft(edge, 2, (low, low + SEAT), "front", wall=0.07)
@@ -124,7 +124,7 @@ def _make_seat(outline: Outline, hinge: float, upper: float) -> tuple[ShapePart,
 def _draw_cistern(
     rng: np.random.Generator, style: str, front: float, back: float, width: float, height: float
 ) -> Drawn:
-    """A tank with a lid on the block behind the bowl, and a lever on its front or buttons on top."""
+    """Draws a tank with a lid on the block behind the bowl, and a lever on its front or buttons on top."""
     buttons = style == "skirted" or rng.random() < 0.4
     lid = 0.03
     top = height - (0.0012 + PRESS + 0.006 if buttons else 0.0)
@@ -167,7 +167,7 @@ def _draw_cistern(
 
 
 def _draw_wall(front: float, back: float, width: float, height: float) -> Drawn:
-    """A piece of wall with a plate of two buttons."""
+    """Draws a piece of wall with a flush plate of two buttons."""
     level = height - 0.16
     wall = box((front, -width / 2, 0.0), (back, width / 2, height), "wall")
     plate = box((front - 0.006, -0.123, level - 0.082), (front, 0.123, level + 0.082), "panel")

@@ -1,7 +1,7 @@
-"""ToolBox: a plastic or a steel box to carry, a chest with drawers, and one on wheels.
+"""ToolBox: a portable plastic or steel box, a bench chest with drawers, or a box on wheels.
 
-Boxes are sold by their length in inches: 13 to 26 (0.33 to 0.66 m), half as deep and as high; chests for a
-bench are 0.5 to 0.7 m wide and 0.3 to 0.42 m high, boxes on wheels 0.6 m high.
+Boxes are sold by their length of 13 to 26 inches (0.33 to 0.66 m), half as deep and high; bench chests are
+0.5 to 0.7 m wide and 0.3 to 0.42 m high, boxes on wheels 0.6 m high.
 """
 
 from dataclasses import replace
@@ -48,12 +48,12 @@ PAIRS: tuple[tuple[Color, Color], ...] = (
     ((0.16, 0.29, 0.48), (0.16, 0.16, 0.17)), ((0.17, 0.17, 0.18), (0.86, 0.44, 0.12)),
     ((0.14, 0.36, 0.36), (0.17, 0.17, 0.18)), ((0.40, 0.42, 0.43), (0.70, 0.14, 0.12)),
 )  # fmt: skip
-"""Body and lid of plastic boxes."""
+"""Colours of body and lid of plastic boxes."""
 WALL = 0.007
 
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
-    """A tool box that meets the wish."""
+    """Draws a tool box that meets the wish."""
     builders = {
         "plastic": _build_plastic,
         "metal": _build_metal,
@@ -80,7 +80,7 @@ def _draw_finishes(rng: np.random.Generator, style: str) -> dict[str, Finish]:
 def _make_latches(
     rng: np.random.Generator, x: float, width: float, rim: float, rise: float
 ) -> list[ShapePart]:
-    """One latch in the middle of the front, or two."""
+    """One latch in the middle of the front, or two latches."""
     half, count = float(rng.uniform(0.02, 0.03)), int(rng.choice((1, 2, 2)))
     places = [0.0] if count == 1 else [-0.3 * width, 0.3 * width]
     return [
@@ -125,7 +125,7 @@ def _build_plastic(rng: np.random.Generator, width: float, depth: float, height:
 
 
 def _build_band(x: Range, y: Range, z: Range, finish: str) -> list[Primitive]:
-    """A rib around the upper edge of a tub, 3 mm proud in front."""
+    """A rib around the upper edge of a tub, which protrudes 3 mm in front."""
     return [
         box((x[0] - 0.003, y[0], z[0]), (x[0] + WALL, y[1], z[1]), finish),
         box((x[0] + WALL, y[0], z[0]), (x[1], y[0] + WALL, z[1]), finish),
@@ -136,9 +136,9 @@ def _build_band(x: Range, y: Range, z: Range, finish: str) -> list[Primitive]:
 def _add_tray(
     outline: tuple[Range, Range], rim: float, pieces: list[Primitive], lean: float = 0.0
 ) -> list[ShapePart]:
-    """A tray with a bar to lift it by, on two ledges that are added to the body.
+    """Adds a tray with a carrying bar, on two ledges of the body.
 
-    ``outline`` is that of the body at its bottom; at its rim it is wider by ``lean`` on every side.
+    ``outline`` is that of the body at its bottom; the rim is wider by ``lean`` on every side.
     """
     x, y = shrink(outline, WALL)
     level = max(0.45 * rim, rim - 0.075)
@@ -161,7 +161,7 @@ def _add_tray(
 
 
 def _build_metal(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
-    """Folded steel, its lid a gable with a grip along its ridge."""
+    """A box of folded steel with a gabled lid and a grip along its ridge."""
     reach, grip = 0.012, FINGER_ROOM + 0.014
     x, y = (reach - depth / 2, depth / 2), (-width / 2, width / 2)
     rise = float(rng.uniform(0.24, 0.36)) * (height - grip)
@@ -199,7 +199,7 @@ def _build_chest(rng: np.random.Generator, width: float, depth: float, height: f
 
 
 def _build_rolling(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
-    """The same on two wheels, higher, with rods to pull it by behind."""
+    """A higher chest on two wheels, with a telescopic handle behind."""
     behind, lip = CHANNEL + 0.006, 0.024
     radius, tread, foot = float(rng.uniform(0.055, 0.075)), 0.034, 0.03
     aside = tread + GAP + 0.002
@@ -239,9 +239,9 @@ def _stack(
     foot: float,
     aside: float = 0.0,
 ) -> Assembly:
-    """Drawers below a well, and a lid as high as ``rise`` on it.
+    """Drawers below a well with a lid of height ``rise``.
 
-    ``behind`` and ``aside`` (m) leave room at the rear and at each side, ``foot`` below.
+    ``behind``, ``aside`` and ``foot`` (m) are the space left at the rear, at each side and below.
     """
     width, depth, height = size
     lip, thick = 0.024, 0.012

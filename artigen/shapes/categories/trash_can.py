@@ -1,8 +1,7 @@
-"""TrashCan: bins with a pedal, with a lid, with a flap below a hood, for sorting, and on two wheels.
+"""TrashCan: pedal bins, bins with a lid or a flap below a hood, sorting bins, and wheeled bins.
 
-Sizes are those of catalogues: pedal bins of 5 to 40 l (0.2 to 0.34 m across, 0.28 to 0.68 m high), kitchen
-bins of up to 60 l; wheeled bins as EN 840-1 has them, from 80 l (0.45 m x 0.53 m x 0.94 m) to 240 l (0.58 m x
-0.74 m x 1.07 m).
+Catalogue sizes: pedal bins of 5 to 40 l (0.2 to 0.34 m across, 0.28 to 0.68 m high), kitchen bins of up to 60
+l, and wheeled bins of EN 840-1 from 80 l (0.45 m x 0.53 m x 0.94 m) to 240 l (0.58 m x 0.74 m x 1.07 m).
 """
 
 from dataclasses import replace
@@ -37,23 +36,23 @@ SHELL: tuple[Color, ...] = (
 )  # fmt: skip
 STREET: tuple[Color, ...] = ((0.14, 0.33, 0.20), (0.20, 0.21, 0.22), (0.15, 0.26, 0.44), (0.33, 0.23, 0.16))
 SORTED: tuple[Color, ...] = ((0.22, 0.42, 0.66), (0.86, 0.72, 0.20), (0.28, 0.52, 0.30), (0.45, 0.31, 0.20))
-"""Paper, packaging, glass and compost."""
+"""Lid colours: paper, packaging, glass and compost."""
 ROUND = 22
-"""Sides of a round bin."""
+"""Number of sides of a round bin."""
 LIDS = ("first", "second", "third", "fourth")
-"""Finishes of the lids of a bin for sorted waste."""
+"""Roles of the finishes of the lids of a sorting bin."""
 SLENDER = 56
-"""Length of a wall over its thickness, at most."""
+"""Largest ratio of a wall's length to its thickness."""
 PEDAL, HUB = 0.045, 0.012
-"""How far (m) a pedal stands out in front, and a hinge behind."""
+"""Protrusion (m) of a pedal in front and of a hinge behind."""
 SPRING = 1.0
-"""N m that pull a pedal up: 10 N at its tread."""
+"""Torque (N m) that pulls a pedal up: 10 N at its tread."""
 WALL = 0.008
-"""Thickness (m) of moulded walls."""
+"""Thickness (m) of moulded plastic walls."""
 
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
-    """A bin that meets the wish."""
+    """Draws a bin that meets the wish."""
     style = choose_style(rng, STYLES, wish.style)
     width, depth, height = choose_lengths(rng, wish, SIZES[style])
     slender = float(rng.uniform(0.5, 0.8))
@@ -61,7 +60,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
         width = max(min(width, slender * height), 0.42 * height)
     if (
         style == "pedal" and wish.depth is None and rng.random() < 0.7
-    ):  # round: as deep as wide, and the pedal
+    ):  # round: as deep as wide, plus the pedal
         depth = width + HUB + PEDAL
     build = {
         "pedal": _build_pedal_bin,
@@ -76,7 +75,7 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
 
 
 def _draw_finishes(rng: np.random.Generator, style: str) -> dict[str, Finish]:
-    """The shell, its lid, and what is within."""
+    """Finishes of the shell, its lid and its bucket."""
     seed = int(rng.integers(2**30))
     colors = STREET if style == "wheeled" else SHELL
     shell = make_plastic(colors[int(rng.integers(len(colors)))])
@@ -100,7 +99,7 @@ def _draw_finishes(rng: np.random.Generator, style: str) -> dict[str, Finish]:
 
 
 def _build_pedal_bin(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
-    """A steel bin, round or not, a lid on top that a pedal below opens, and a bucket that is lifted out."""
+    """A round or square steel bin with a pedal that opens its lid, and a bucket that lifts out."""
     thick, foot, under = float(rng.uniform(0.016, 0.024)), 0.05, 0.032
     x = (PEDAL - depth / 2, depth / 2 - HUB)
     y = (-width / 2, width / 2)
@@ -166,7 +165,7 @@ def _build_pedal_bin(rng: np.random.Generator, width: float, depth: float, heigh
 
 
 def _make_pedal(tip: float, pivot: float, width: float, under: float) -> ShapePart:
-    """A lever that runs out below the front and gives way by a centimetre; it hangs just below ``under``."""
+    """A pedal lever just below ``under`` that protrudes in front and moves by a centimetre."""
     top = under - 0.0015
     half = min(0.045, 0.17 * width)
     solids = (
@@ -186,7 +185,7 @@ def _circle(radius: float, sides: int = SEGMENTS) -> np.ndarray:
 
 
 def _build_flip_bin(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
-    """A moulded bin that narrows downwards, and a lid with a lip."""
+    """A moulded bin that tapers downwards, and a lid with a lip."""
     lip, rise = 0.014, float(rng.uniform(0.014, 0.03))
     x, y = (lip - depth / 2, depth / 2), (-width / 2, width / 2)
     rim = height - rise - 0.012 - GAP
@@ -203,12 +202,12 @@ def _build_flip_bin(rng: np.random.Generator, width: float, depth: float, height
 
 
 def _build_flap_bin(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
-    """A bin below a hood with a flap in its slope, hinged at its upper edge."""
+    """A bin below a sloping hood with a flap, which is hinged at its upper edge."""
     x, y = (-depth / 2, depth / 2), (-width / 2, width / 2)
     rim, wall = height - float(rng.uniform(0.5, 0.62)) * depth, 0.01
     taper = float(rng.uniform(0.0, 0.12)) * min(width, depth)
     walls = build_vessel(shrink((x, y), taper / 2), (x, y), (0.0, rim), wall, "body")
-    front, top = x[0] + 0.008, x[0] + float(rng.uniform(0.55, 0.7)) * depth  # the slope begins and ends
+    front, top = x[0] + 0.008, x[0] + float(rng.uniform(0.55, 0.7)) * depth  # ends of the slope
     eaves = rim + 0.03
     cheek = np.array([(rim, front), (eaves, front), (height, top), (height, x[1]), (rim, x[1])])
     hood = [prism(cheek, (0, a, 0), (0, a + wall, 0), "front") for a in (y[0], y[1] - wall)]
@@ -223,13 +222,13 @@ def _build_flap_bin(rng: np.random.Generator, width: float, depth: float, height
 
 
 def _make_flap(low: tuple[float, float], high: tuple[float, float], y: Range) -> ShapePart:
-    """A plate in the slope from one (x, z) up to another, a lip at its lower edge; the hinge is above."""
+    """A plate in the slope from one (x, z) up to another, with a lip below and a hinge above."""
     thick, gap = 0.008, 0.006
     start, way = np.array(low), np.array(high) - np.array(low)
     length = float(np.hypot(*way))
     along = way / length
     out = np.array([-along[1], along[0]])
-    top = length - thick - gap  # its inner edge swings as far as it is thick
+    top = length - thick - gap  # its inner edge swings by its thickness
 
     def plate(run: Range, rise: Range, across: Range) -> Primitive:
         flat = [start + s * along + t * out for s in run for t in rise]
@@ -246,7 +245,7 @@ def _make_flap(low: tuple[float, float], high: tuple[float, float], y: Range) ->
 
 
 def _build_sorting_bin(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
-    """Compartments side by side, each with a bucket and a lid in the colour of what goes in."""
+    """Compartments side by side, each with a bucket and a lid in the colour of its waste."""
     count = int(np.clip(round(width / float(rng.uniform(0.2, 0.28))), 2, 4))
     lip, thick = 0.014, 0.018
     x, y = (lip - depth / 2, depth / 2), (-width / 2, width / 2)
@@ -287,7 +286,7 @@ def _build_sorting_bin(rng: np.random.Generator, width: float, depth: float, hei
 
 
 def _build_wheeled_bin(rng: np.random.Generator, width: float, depth: float, height: float) -> Assembly:
-    """A bin of EN 840: it narrows downwards, rolls on two wheels behind and is pushed by a bar at its rim."""
+    """A bin of EN 840, which tapers downwards and has two wheels behind and a push bar at its rim."""
     bar, lip, wall = 0.05, 0.016, 0.010
     x, y = (lip - depth / 2, depth / 2 - bar), (-width / 2, width / 2)
     rise = float(rng.uniform(0.035, 0.06))
@@ -321,7 +320,7 @@ def _build_wheeled_bin(rng: np.random.Generator, width: float, depth: float, hei
         motion=hinge_lid((x[0], pivot), y, low, float(np.radians(rng.uniform(82, 90)))),
     )  # fmt: skip
     axle_x, level = bottom[0][1] - 0.3 * radius, radius * float(np.cos(np.pi / SEGMENTS))
-    spread = (y[1] - bottom[1][1]) * (2 * radius / rim)  # how far the sides lean out over the wheels
+    spread = (y[1] - bottom[1][1]) * (2 * radius / rim)  # outward lean of the sides at the wheels
     parts: list[ShapePart] = [lid, handle]
     for index, side in enumerate((-1.0, 1.0)):
         face = bottom[1][1] + spread + GAP + 0.002

@@ -1,7 +1,7 @@
-"""Wardrobe: a tall cupboard for clothes, with a rail to hang them on, behind hinged or sliding doors.
+"""Wardrobe: a tall cupboard with a clothes rail behind hinged or sliding doors.
 
-Clothes on hangers need 0.5 m of depth and 0.9 to 1.5 m of height below the rail; catalogues have wardrobes of
-1.75 to 2.3 m by 0.5 m per door, 0.5 to 0.66 m deep.
+Clothes on hangers need 0.5 m of depth and 0.9 to 1.5 m of height below the rail. Catalogue sizes are 1.75 to
+2.3 m high, 0.5 m wide per door and 0.5 to 0.66 m deep.
 """
 
 from dataclasses import replace
@@ -22,14 +22,14 @@ from artigen.shapes.surfaces.palette import draw_palette
 
 CATEGORY = "Wardrobe"
 STYLES = {"flat": 3.0, "shaker": 2.2, "country": 1.0, "louvre": 0.8, "mirrored": 1.4, "sliding": 2.4}
-"""Styles and how often they are sold."""
+"""Styles and their weights."""
 MAX_LAYOUTS = 100
 MIRRORED = 10
-"""Layouts with mirrors on sliding doors before they are plain: panes of wide ones are too many hulls."""
+"""Layouts with mirrored sliding doors that are tried before plain ones; wide mirrors need too many hulls."""
 DOOR = 0.5
 """Usual width (m) of a door."""
 BACK = 0.014
-"""Thickness (m) of the back: as thin as engines take it at this height."""
+"""Thickness (m) of the back: the minimum for engines at this height."""
 KIND = Kind(
     weight=1,
     width=(0.5, 2.2),
@@ -42,7 +42,7 @@ MIRROR = Finish(kind="glass", color=(0.74, 0.79, 0.81), accent=(0.80, 0.85, 0.87
 
 
 def draw(rng: np.random.Generator, wish: Wish) -> Draft:
-    """A wardrobe that meets the wish."""
+    """Draws a wardrobe that meets the wish."""
     style = choose_style(rng, STYLES, wish.style)
     slides = style == "sliding"
     doors = int(
@@ -70,13 +70,13 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
         if fits_engines(parts):
             return Draft(style=style, parts=parts, finishes=tuple(sorted(finishes.items())))
     raise CrowdedError(
-        f"{CATEGORY}: none of {MAX_LAYOUTS} layouts of {size} m (width, depth, height) keeps within what "
-        "engines hold; wish for a smaller one"
+        f"{CATEGORY}: none of {MAX_LAYOUTS} layouts of {size} m (width, depth, height) respects the "
+        "limits of engines; request a smaller one"
     )
 
 
 def _draw_hinged(rng: np.random.Generator, doors: int, size: Size) -> Node:
-    """Tall doors, single and in pairs, at times above drawers or below lockers."""
+    """Draws tall doors, single and in pairs, sometimes above drawers or below lockers."""
     height = size[2]
     pairs = doors // 2 if rng.random() < 0.75 else max(doors // 2 - 1, 0)
     widths = [2] * pairs + [1] * (doors - 2 * pairs)
@@ -110,7 +110,7 @@ def _draw_hinged(rng: np.random.Generator, doors: int, size: Size) -> Node:
 
 
 def _build_sliding(rng: np.random.Generator, plan: CasePlan, size: Size) -> tuple[ShapePart, ...]:
-    """Two doors that pass each other, and behind them a rail beside shelves."""
+    """Two sliding doors before a clothes rail beside shelves."""
     parts = build_case(plan, Cell(fill="slide"), size)
     rail = Cell(fill="open", inside="rod", count=1)
     shelves = Cell(fill="open", inside="shelves", count=int(rng.integers(3, 6)))

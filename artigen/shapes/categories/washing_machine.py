@@ -1,4 +1,4 @@
-"""Washing machines: a porthole before a lying drum, or a lid over a standing one."""
+"""WashingMachine: a round door before a horizontal drum, or a lid over a vertical one."""
 
 import numpy as np
 
@@ -86,7 +86,7 @@ def _draw_front_loader(rng: np.random.Generator, plan: LaundryPlan) -> Assembly:
 
 
 def _draw_pedestal(rng: np.random.Generator, plan: LaundryPlan, x: float, foot: float) -> Assembly:
-    """A drawer under the machine, and the floor below it."""
+    """Draws a drawer under the machine and the floor below it."""
     inner, back = (plan.y[0] + WALL, plan.y[1] - WALL), plan.depth / 2 - WALL
     board = box((x + FACE, inner[0], foot), (back, inner[1], foot + 0.018), "body")
     panel = Panel(x=x + FACE - 0.028 - GAP, thickness=0.028, y=plan.y, z=(foot, foot + plan.pedestal - 0.004))
@@ -112,7 +112,7 @@ def _draw_pedestal(rng: np.random.Generator, plan: LaundryPlan, x: float, foot: 
 
 
 def _draw_top_loader(rng: np.random.Generator, plan: LaundryPlan) -> Assembly:
-    """A standing drum under a lid, a console with the controls behind it."""
+    """Draws a vertical drum under a lid, with a console of controls behind."""
     x, back, y = -plan.depth / 2, plan.depth / 2, plan.y
     foot = float(rng.uniform(0.015, 0.03))
     deck = plan.height - plan.band - 0.03
@@ -137,7 +137,7 @@ def _draw_top_loader(rng: np.random.Generator, plan: LaundryPlan) -> Assembly:
         type="revolute",
         axis=(0.0, 1.0, 0.0),
         origin=(hinge_x, 0.0, extent[2][1]),
-        upper=float(np.radians(rng.uniform(78, 90))),  # the dials are in the way of more
+        upper=float(np.radians(rng.uniform(78, 90))),  # more would collide with the dials
     )
     lid = _build_lid(rng, extent, 0.016 * plan.longest)
     door = ShapePart(name="lid", label="door", parent="body", primitives=lid, motion=motion)
@@ -152,7 +152,7 @@ def _draw_top_loader(rng: np.random.Generator, plan: LaundryPlan) -> Assembly:
 
 
 def _build_tall_cabinet(plan: LaundryPlan, z: Range) -> tuple[Primitive, ...]:
-    """Four walls and a floor, lined with steel."""
+    """Four walls and a floor with a steel lining."""
     x, back, (y0, y1) = -plan.depth / 2, plan.depth / 2, plan.y
     inner = (y0 + WALL, y1 - WALL)
     walls = (
@@ -166,7 +166,7 @@ def _build_tall_cabinet(plan: LaundryPlan, z: Range) -> tuple[Primitive, ...]:
 
 
 def _build_deck(outline: tuple[Range, Range], hole: tuple[Range, Range], z: Range) -> tuple[Primitive, ...]:
-    """A lying frame around the opening for the laundry; ranges of x and y."""
+    """A horizontal frame around the opening for the laundry (ranges of x and y)."""
     ((x0, x1), (y0, y1)), ((a, b), (c, d)) = outline, hole
     return (
         box((x0, y0, z[0]), (x1, c, z[1]), "top"),
@@ -179,7 +179,7 @@ def _build_deck(outline: tuple[Range, Range], hole: tuple[Range, Range], z: Rang
 def _build_lid(
     rng: np.random.Generator, extent: tuple[Range, Range, Range], lip: float
 ) -> tuple[Primitive, ...]:
-    """A lid with a lip along its front edge; half of them have a pane."""
+    """A lid with a lip along its front edge; half of the lids have a pane."""
     (x0, x1), (y0, y1), (z0, z1) = extent
     grip = box((x0 - 0.012, -0.12, z1 - max(lip, 0.016)), (x0, 0.12, z1), "front")
     if rng.random() < 0.4:

@@ -1,7 +1,7 @@
-"""Window: casements that a turned handle sets free, sashes that slide up, panes that slide sideways.
+"""Window: casements with a turning handle, sashes that slide up, panes that slide sideways.
 
-Profiles of 70 to 80 mm as in DIN 68121 (IV 68, IV 78), insulating glass of 24 mm, handles that turn by 90
-degrees. What opens is held by its handle, by a cam on the meeting rail, or by a bolt.
+Profiles are 70 to 80 mm as in DIN 68121 (IV 68, IV 78), insulating glass is 24 mm thick, and handles turn by
+90 degrees. A leaf is held by its handle, by a cam on the meeting rail, or by a bolt.
 """
 
 import numpy as np
@@ -38,12 +38,12 @@ SIZES: dict[str, tuple[Range, Range]] = {
 """Width and height."""
 PROFILE, SILL, OVERHANG = 0.055, 0.024, 0.03
 LEAF = 0.056
-"""Thickness of a casement's leaf."""
+"""Thickness of a casement leaf."""
 SASH, APART, RAIL, STOP = 0.036, 0.008, 0.048, 0.012
-"""Of sashes that slide: their thickness, the gap between their tracks, their rails, the stops beside them."""
+"""Sliding sashes: thickness, gap between their tracks, width of their rails and of the stops beside them."""
 PANE = 0.024
 Drawn = tuple[list[Primitive], list[ShapePart]]
-"""Pieces of the frame, and the parts that move."""
+"""Solids of the frame, and the moving parts."""
 TWO_LEAVES = 1.12
 """Width from which a casement window has two leaves."""
 
@@ -68,12 +68,12 @@ def draw(rng: np.random.Generator, wish: Wish) -> Draft:
 
 
 def _outline(inner: Space) -> tuple[Range, Range]:
-    """The frame's outer edges (y, z)."""
+    """Outer edges (y, z) of the frame."""
     return (inner.y[0] - PROFILE, inner.y[1] + PROFILE), (inner.z[0] - PROFILE, inner.z[1] + PROFILE)
 
 
 def _glaze(x: Range, y: Range, z: Range, bars: int) -> list[Primitive]:
-    """A pane, with so many bars across and one upright where there are bars."""
+    """A pane with a number of horizontal bars and, if there are any, one vertical bar."""
     middle, half = sum(x) / 2, min(PANE, 0.6 * (x[1] - x[0])) / 2
     pieces = [box((middle - half, y[0], z[0]), (middle + half, y[1], z[1]), "glass")]
     out = (middle - half - 0.006, middle + half + 0.006)
@@ -87,7 +87,7 @@ def _glaze(x: Range, y: Range, z: Range, bars: int) -> list[Primitive]:
 
 
 def _draw_casement(rng: np.random.Generator, inner: Space, bars: int) -> Drawn:
-    """One leaf, or two that meet; the handle of the first turns a tongue out of its keep."""
+    """Draws one leaf or two; the handle of the first turns a tongue out of its keep."""
     count = 2 if inner.width > TWO_LEAVES - 2 * (PROFILE + OVERHANG) else 1
     lever = design_lever(rng, (0.105, 0.125), 0.052)
     lever = LeverDesign(kind=lever.kind, length=lever.length, reach=lever.reach, thickness=0.016, rose=0.02)
@@ -125,7 +125,7 @@ def _draw_casement(rng: np.random.Generator, inner: Space, bars: int) -> Drawn:
 
 
 def _build_leaf(leaf: Leaf, latch: Latch, bars: int) -> list[Primitive]:
-    """Stiles and rails around a pane; the lock stile holds the latch, or its keep."""
+    """Stiles and rails around a pane; the lock stile holds the latch or its keep."""
     (x0, x1), (z0, z1), wide = leaf.x, leaf.z, 0.078
     hung, field, lock = leaf.stiles(wide)
     if leaf.edge == latch.edge:
@@ -139,7 +139,7 @@ def _build_leaf(leaf: Leaf, latch: Latch, bars: int) -> list[Primitive]:
 
 
 def _make_turn_handle(latch: Latch, design: LeverDesign) -> ShapePart:
-    """A handle that points down, and turns level to open."""
+    """A handle that points down and turns to horizontal to open."""
     (y, z) = latch.axis
     lever = build_lever(design, (latch.x[0], y, z), out=-1.0, along=(0.0, -1.0))
     motion = Motion(type="revolute", axis=(-latch.side, 0.0, 0.0), origin=(latch.x[0], y, z), upper=np.pi / 2)
@@ -148,7 +148,7 @@ def _make_turn_handle(latch: Latch, design: LeverDesign) -> ShapePart:
 
 
 def _build_tracks(inner: Space, *, upright: bool) -> list[Primitive]:
-    """A frame with stops before, between and behind two tracks: at its sides, or above and below."""
+    """A frame with stops before, between and behind two tracks, at its sides or above and below."""
     x, outline = inner.x, _outline(inner)
     pieces = list(build_frame(x, outline, (inner.y, inner.z), "body"))
     middle = x[0] + STOP + SASH
@@ -162,13 +162,13 @@ def _build_tracks(inner: Space, *, upright: bool) -> list[Primitive]:
 
 
 def _build_sash(x: Range, y: Range, z: Range, rails: tuple[float, float], bars: int) -> list[Primitive]:
-    """Stiles, a lower and an upper rail of given heights, and the pane."""
+    """Stiles, a lower and an upper rail of the given heights, and the pane."""
     hole = (y[0] + RAIL, y[1] - RAIL), (z[0] + rails[0], z[1] - rails[1])
     return [*build_frame(x, (y, z), hole, "front"), *_glaze(x, *hole, bars)]
 
 
 def _draw_sashes(rng: np.random.Generator, inner: Space, bars: int) -> Drawn:
-    """A sash that slides up before a fixed one; a cam on its rail lies in a notch of the other one."""
+    """Draws a sash that slides up before a fixed one, held by a cam on its rail in a notch of the other."""
     front = (inner.x[0] + STOP, inner.x[0] + STOP + SASH)
     back = (front[1] + APART, front[1] + APART + SASH)
     y = (inner.y[0] + GAP, inner.y[1] - GAP)
@@ -216,7 +216,7 @@ def _draw_sashes(rng: np.random.Generator, inner: Space, bars: int) -> Drawn:
 
 
 def _draw_sliding(rng: np.random.Generator, inner: Space, bars: int) -> Drawn:
-    """A sash that slides before a fixed one; a bolt in the frame above holds it."""
+    """Draws a sash that slides sideways before a fixed one, held by a bolt in the frame above."""
     front = (inner.x[0] + STOP, inner.x[0] + STOP + SASH)
     back = (front[1] + APART, front[1] + APART + SASH)
     z = (inner.z[0] + GAP, inner.z[1] - GAP)

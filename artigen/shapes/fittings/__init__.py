@@ -1,1 +1,1 @@
-"""Fronts and what hangs on them: hinges, runners, handles, drawers, feet."""
+"""Fronts and fittings: hinges, runners, handles, drawers, latches, feet."""

@@ -15,16 +15,16 @@ def build_bowl(
     bevel: float = 0.0,
     lining: str | None = None,
 ) -> tuple[Primitive, ...]:
-    """A face and walls around a hollow that is open at one end.
+    """A bowl: a closed face and walls around a hollow that is open at one end.
 
     Args:
-        outline: Across the axis: (y, z) for x, (x, y) for z.
-        span: Where the closed and where the open end are along the axis; either may be the larger.
+        outline: Outline across the axis: (y, z) for x, (x, y) for z.
+        span: Coordinates of the closed and of the open end along the axis, in either order.
         wall: Thickness (m).
-        finish: Surface.
+        finish: Role of the finish.
         axis: 0 or 2 for x or z.
-        bevel: What is taken off the edges of the face (m); the face is at least as thick.
-        lining: Surface of the inside.
+        bevel: Chamfer of the edges of the face (m); the face is at least as thick.
+        lining: Finish of the inside.
     """
     way = 1.0 if span[1] > span[0] else -1.0
     inner = span[0] + way * max(wall, bevel)

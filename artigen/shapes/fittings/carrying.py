@@ -1,19 +1,19 @@
-"""What luggage and tool boxes are carried and pulled by: grips on posts, rods that are drawn out."""
+"""Carrying handles and telescopic handles of luggage and tool boxes."""
 
 from artigen.shapes.fittings.hardware import FINGER_ROOM, GAP, Range, slide
 from artigen.shapes.primitives import Primitive, Vector, box, rounded_box
 from artigen.shapes.shape import ShapePart
 
 ROD = 0.013
-"""Edge (m) of a rod that is drawn out."""
+"""Edge (m) of a telescopic rod."""
 CHANNEL = ROD + 2 * GAP
-"""Depth (m) of the channel in which such rods run."""
+"""Depth (m) of the channel that telescopic rods run in."""
 
 
 def make_grip(
     at: Vector, length: float, *, name: str, parent: str, finish: str = "handle", thick: float = 0.016
 ) -> ShapePart:
-    """A grip along y on two posts on a face that looks up; it is `FINGER_ROOM` and its thickness high."""
+    """A grip along y on two posts on an upward face; `FINGER_ROOM` plus its thickness high."""
     x, y, z = at
     low, half, deep = z + FINGER_ROOM, length / 2, 0.6 * thick
     posts = [box((x - deep, a, z), (x + deep, a + thick, low), finish) for a in (y - half, y + half - thick)]
@@ -24,15 +24,15 @@ def make_grip(
 def make_pull_handle(
     x: float, spread: float, z: Range, travel: float, *, parent: str, finish: str = "steel"
 ) -> ShapePart:
-    """Two rods and a grip that are drawn up out of a channel which begins at ``x`` (m, its front face).
+    """A telescopic handle: two rods and a grip that slide up out of a channel.
 
     Args:
-        x: Front face of the channel; rods keep `GAP` from both faces.
-        spread: Distance of the rods.
-        z: Lower end of the rods, and upper side of the grip.
-        travel: How far they come out.
-        parent: What the channel belongs to.
-        finish: Of the rods.
+        x: Front face of the channel (m); rods keep `GAP` from both faces.
+        spread: Distance between the rods.
+        z: Lower end of the rods and top of the grip.
+        travel: Range of the joint (m).
+        parent: Name of the part with the channel.
+        finish: Finish of the rods.
     """
     front, half = x + GAP, spread / 2
     rods: list[Primitive] = [
@@ -52,7 +52,7 @@ def make_pull_handle(
 def build_channel(
     x: float, spread: float, z: Range, finish: str, *, wall: float = 0.006
 ) -> tuple[Primitive, ...]:
-    """Cheeks and a cover behind a face at ``x`` that make a channel for `make_pull_handle`, open above."""
+    """The channel of `make_pull_handle` behind a face at ``x``: cheeks and a cover, open at the top."""
     half = spread / 2 + ROD / 2 + GAP
     back = x + CHANNEL
     return (

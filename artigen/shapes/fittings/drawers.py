@@ -8,22 +8,22 @@ from artigen.shapes.primitives import Primitive
 from artigen.shapes.shape import Need, ShapePart
 
 MAX_RATIO = 56.0
-"""Longest edge of a board over its thickness: engines replace more oblong hulls by boxes."""
+"""Largest ratio of a board's length to its thickness; engines replace more oblong hulls by boxes."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class BoxDesign:
-    """How drawer boxes are built, metres."""
+    """Dimensions of drawer boxes (m)."""
 
     wall: float = 0.013
-    """Sides and back."""
+    """Thickness of sides and back."""
     floor: float = 0.008
-    """Least thickness of the bottom; long bottoms are thicker."""
+    """Minimum thickness of the bottom; long bottoms are thicker."""
     rim: float = 0.75
-    """Height of the walls as a share of the space."""
+    """Height of the walls relative to the space."""
     finish: str = "drawer"
     side_gap: float = GAP
-    """Room on each side of the box; 13 mm where there are runners."""
+    """Clearance on each side of the box; 13 mm with runners."""
 
 
 def make_drawer(
@@ -36,16 +36,16 @@ def make_drawer(
     parent: str,
     travel: float = 0.75,
 ) -> tuple[ShapePart, ...]:
-    """A drawer that fills a space behind its front, and its handles.
+    """A drawer that fills a space behind its front, with its handles.
 
     Args:
-        panel: The front; the box begins at its rear face.
-        space: What is free behind it, walls and neighbours excluded; the box keeps its clearances.
-        front: Look of the front.
-        box: How the box is built.
-        name: Of the drawer.
-        parent: What it runs in.
-        travel: Share of the box's depth that it slides.
+        panel: Rectangle of the front; the box begins at its rear face.
+        space: Free space behind it; the box keeps its clearances within it.
+        front: Design of the front.
+        box: Design of the box.
+        name: Name of the drawer.
+        parent: Name of the part that it runs in.
+        travel: Range as a share of the box's depth.
     """
     front = suit_drawer(panel, front)
     depth = space.x[1] - GAP - panel.back
@@ -63,7 +63,7 @@ def make_drawer(
 def make_tray(
     space: Space, box: BoxDesign, *, name: str, parent: str, needs: tuple[Need, ...] = (), travel: float = 0.7
 ) -> ShapePart:
-    """A low drawer without front that slides out once the doors before it are open."""
+    """A low drawer without a front, which slides out once the doors before it are open."""
     front, back = space.x[0], space.x[1] - GAP
     solids = make_box(space, box, (front + box.wall, back))
     y, z = _inner_edges(space, box)
@@ -80,7 +80,7 @@ def make_tray(
 
 
 def make_box(space: Space, box: BoxDesign, x: Range) -> tuple[Primitive, ...]:
-    """Bottom, back and two sides between ``x``; the front closes the box."""
+    """Bottom, back and two sides over the range ``x``; the front closes the box."""
     y, z = _inner_edges(space, box)
     rim = z[0] + _rim(space, box)
     floor = max(box.floor, max(x[1] - x[0], y[1] - y[0]) / MAX_RATIO)

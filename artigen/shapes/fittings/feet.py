@@ -1,4 +1,4 @@
-"""What furniture stands on: legs, plinths, sleds, castors that roll and feet that are screwed level."""
+"""Stands of furniture: legs, plinths, sled bases, castors and levelling feet."""
 
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -14,14 +14,14 @@ LegKind = Literal["square", "tapered", "round", "splayed"]
 LEG_KINDS: tuple[LegKind, ...] = get_args(LegKind)
 StandKind = Literal["floor", "plinth", "toe_kick", "legs", "sled", "castors", "screw_feet"]
 NOTCHED = 0.55
-"""Chance that the sides of a toe kick are notched."""
+"""Probability that the sides of a toe kick are notched."""
 SCREW_TRAVEL = 0.003
-"""How far (m) a levelling foot can be screwed in."""
+"""Travel (m) of a levelling foot."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Stand:
-    """What carries a body whose underside is at ``height``: solids of the body, and parts that move."""
+    """The stand of a body whose underside is at ``height``: solids of the body, and moving parts."""
 
     height: float
     primitives: tuple[Primitive, ...] = ()
@@ -30,19 +30,19 @@ class Stand:
 
 @dataclass(frozen=True, kw_only=True)
 class StandDesign:
-    """What a body stands on, metres."""
+    """Type and dimensions (m) of a stand."""
 
     kind: StandKind
     height: float
     leg: LegKind = "square"
     width: float = 0.04
-    """Of a leg or tube; the radius of a wheel."""
+    """Thickness of a leg or tube; radius of a wheel."""
     notch: float = 0.0
-    """How far the sides of a toe kick stand back with its board; 0 for sides that run on to the front."""
+    """Setback of the sides of a toe kick, like its board; 0 if the sides reach the front."""
 
 
 def design_stand(rng: np.random.Generator, kind: StandKind, height: float) -> StandDesign:
-    """A stand for an object that is ``height`` metres high in all."""
+    """A stand for an object with a total height of ``height`` metres."""
     drawn = float(rng.uniform(0.0, 1.0))
     leg = LEG_KINDS[int(rng.integers(len(LEG_KINDS)))]
     width = float(rng.uniform(0.03, 0.045))
@@ -97,7 +97,7 @@ def make_stand(design: StandDesign, x: Range, y: Range, *, parent: str) -> Stand
 
 
 def make_toe_kick(x: Range, y: Range, height: float, notch: float = 0.0) -> tuple[Primitive, ...]:
-    """Sides that run on to the floor and a board that leaves room for toes: between them, or before them."""
+    """Sides that reach the floor and a recessed board between or before them."""
     wall, room = 0.018, notch or 0.05
     if notch:
         sides = (x[0] + room + wall, x[1])
@@ -141,7 +141,7 @@ def make_legs(
 
 @lru_cache(maxsize=64)
 def _make_leg(sides: int, low: float, high: float, height: float, lean: tuple[float, float]) -> Primitive:
-    """A leg that widens from the floor to its top at x = y = 0, and leans by (x, y)."""
+    """A leg that tapers towards the floor from its top at x = y = 0 and leans by (x, y)."""
     turns = (np.arange(sides) + 0.5) * 2 * np.pi / sides
     ring = np.column_stack([np.cos(turns), np.sin(turns)])
     ring /= 2 * np.abs(ring).max()
@@ -151,7 +151,7 @@ def _make_leg(sides: int, low: float, high: float, height: float, lean: tuple[fl
 
 
 def make_plinth(x: Range, y: Range, height: float, finish: str) -> tuple[Primitive, ...]:
-    """A frame of boards on the floor under a body: front, back and two sides; long ones are thicker."""
+    """A frame of four boards on the floor under a body; long boards are thicker."""
     wall = max(0.018, max(x[1] - x[0], y[1] - y[0]) / 56)
     return tuple(
         box(low, high, finish)
@@ -165,7 +165,7 @@ def make_plinth(x: Range, y: Range, height: float, finish: str) -> tuple[Primiti
 
 
 def make_sled(x: Range, y: Range, height: float, width: float, finish: str) -> tuple[Primitive, ...]:
-    """Two flat loops of square tube, left and right: a runner on the floor and two posts each."""
+    """A sled base of square tube: left and right, a runner on the floor and two posts."""
     out = []
     for low in (y[0], y[1] - width):
         span = (low, low + width)
@@ -178,10 +178,10 @@ def make_sled(x: Range, y: Range, height: float, width: float, finish: str) -> t
 def make_castors(
     x: Range, y: Range, radius: float, *, parent: str, swivel: bool, pairs: int = 2, finish: str = "steel"
 ) -> Stand:
-    """Pairs of castors within the rectangle x by y; with ``swivel`` the left forks turn too (all of three).
+    """Pairs of castors within the rectangle x by y; with ``swivel`` the left forks turn too, or all of three.
 
-    A fork is a plate and two cheeks; it belongs to the parent unless it turns about its upright axle, as on
-    the end of a cart where people push. Wheels roll about y.
+    A fork is a plate and two cheeks. It belongs to the parent unless it swivels about its vertical axle, as
+    at the push bar of a cart. Wheels roll about y.
     """
     width, wall = max(0.024, 0.7 * radius), 0.005
     plate = max(0.006, 0.12 * radius)
@@ -228,9 +228,9 @@ def _make_fork(
 
 
 def make_wheel(name: str, parent: str, center: Vector, width: float) -> ShapePart:
-    """A tyre with a hub that stands out a little on both sides, turning about y.
+    """A tyre with a slightly protruding hub that rolls about y.
 
-    The prism that stands for it in simulators rests on the floor with a flat side, the tyre gives way.
+    In simulators it is a prism that rests on a flat side.
     """
     x, y, z = center
     radius = z / np.cos(np.pi / SEGMENTS)
@@ -242,10 +242,10 @@ def make_wheel(name: str, parent: str, center: Vector, width: float) -> ShapePar
 
 
 def make_screw_feet(x: Range, y: Range, *, parent: str, radius: float = 0.022) -> Stand:
-    """Four levelling feet: each turns beside its bracket and rises by `SCREW_TRAVEL` in 1.5 turns.
+    """Four levelling feet, screws beside brackets that rise by `SCREW_TRAVEL` in 1.5 turns.
 
-    A foot is a pad and a stem below an underside that stays clear of it screwed in. The brackets reach the
-    floor and bear the load: threads in simulators yield under it.
+    A foot is a pad and a stem, which stays clear of the underside when screwed in. The brackets reach the
+    floor and bear the load, since threads yield in simulators.
     """
     pad, stem = 0.012, 0.007
     room = SCREW_TRAVEL + GAP

@@ -22,15 +22,15 @@ PANE = 0.005
 
 @dataclass(frozen=True, kw_only=True)
 class FrontDesign:
-    """How the fronts of an object look, metres."""
+    """Design of an object's fronts (lengths in metres)."""
 
     style: FrontStyle
     frame: float
-    """Width of stiles and rails."""
+    """Width of stiles and rails of a frame."""
     handle: HandleDesign | None
     """None for fronts without handles."""
     hand: float = 1.05
-    """Height (m, object frame) of the hand that takes a tall door."""
+    """Height (m, object frame) at which a hand takes a tall door."""
     finish: str = "front"
     glass: str = "glass"
 
@@ -42,7 +42,7 @@ def design_front(
     handle: HandleDesign | None = None,
     finish: str = "front",
 ) -> FrontDesign:
-    """Fronts with frames of 45 to 75 mm that handles fit on; the style is drawn unless it is given."""
+    """Draws a design with frames of 45 to 75 mm, wide enough for the handles; the style if not given."""
     drawn = FRONT_STYLES[int(rng.choice(len(FRONT_STYLES), p=(0.5, 0.2, 0.1, 0.1, 0.06, 0.04)))]
     stile = 0.0 if handle is None else min(handle.height, 0.05) + 0.012
     frame = max(float(rng.uniform(0.045, 0.075)), stile)
@@ -50,7 +50,7 @@ def design_front(
 
 
 def suit_drawer(panel: Panel, design: FrontDesign) -> FrontDesign:
-    """The design for a drawer: a slab where a frame would hold glass or slats, or no handle."""
+    """The design for a drawer: a slab if a frame would hold glass or slats, or could carry no handle."""
     field = _find_field(panel, design)
     if field is None:
         return design
@@ -79,7 +79,7 @@ def make_front(panel: Panel, design: FrontDesign) -> tuple[Primitive, ...]:
 
 
 def _frame_width(panel: Panel, design: FrontDesign) -> float:
-    """Width of stiles and rails (m); 0 where the front is a slab."""
+    """Width of stiles and rails (m); 0 for a slab."""
     frame = min(design.frame, 0.3 * panel.height, 0.3 * panel.width)
     framed = design.style in ("shaker", "framed_glass", "raised", "louvre")
     return frame if framed and frame >= 0.02 and min(panel.width, panel.height) >= 0.11 else 0.0
@@ -92,7 +92,7 @@ def _inside_frame(panel: Panel, frame: float) -> Panel:
 
 
 def _find_field(panel: Panel, design: FrontDesign) -> Panel | None:
-    """What lies within the frame, from its face on; None for a slab."""
+    """The field within the frame, from the face of the front on; None for a slab."""
     frame = _frame_width(panel, design)
     if not frame:
         return None
@@ -112,7 +112,7 @@ def _can_rise(field: Panel) -> bool:
 
 
 def _raise_field(field: Panel) -> Panel:
-    """A plate before the sunken field, away from the frame."""
+    """A raised plate on the sunken field, clear of the frame."""
     raised = _inside_frame(field, 0.022)
     return replace(raised, x=field.x + 0.002, thickness=_sink_field(field).x - field.x - 0.002)
 
@@ -120,7 +120,7 @@ def _raise_field(field: Panel) -> Panel:
 def make_door(
     panel: Panel, design: FrontDesign, *, name: str, parent: str, edge: Edge, upper: float
 ) -> tuple[ShapePart, ...]:
-    """A door hinged along ``edge`` of its panel that opens by ``upper`` radians, and its handle."""
+    """A door hinged along ``edge`` of its panel that opens by ``upper`` radians, with its handle."""
     door = ShapePart(
         name=name,
         label="door",
@@ -132,17 +132,17 @@ def make_door(
 
 
 def fit_handle(panel: Panel, design: FrontDesign, *, parent: str, edge: Edge | None) -> tuple[ShapePart, ...]:
-    """The handle of a front where people put it, or nothing; wide drawers have two knobs or cups."""
+    """The handles of a front in their usual place; wide drawers have two knobs or cups."""
     handle = design.handle
     if handle is None:
         return ()
-    if edge in ("left", "right") and handle.kind == "cup":  # cups are for drawers; their doors have knobs
+    if edge in ("left", "right") and handle.kind == "cup":  # cups are for drawers, knobs for doors
         handle = HandleDesign(
             kind="knob", length=0.36 * handle.length, thickness=handle.thickness, finish=handle.finish
         )
     upright, (y, z) = place_handle(panel, handle, edge, design.hand)
     field = None if handle.kind == "edge" else _find_field(panel, design)
-    if field is not None and edge is None:  # on what the frame holds
+    if field is not None and edge is None:  # on the field
         half = handle.height / 2
         panel, z = replace(panel, x=field.x), float(np.clip(z, field.z[0] + half, field.z[1] - half))
     elif field is not None and edge is not None:  # in the middle of the stile or rail
@@ -175,7 +175,7 @@ def _fill(panel: Panel, finish: str, bevel: float = 0.0) -> Primitive:
 
 
 def _make_field(field: Panel, design: FrontDesign) -> list[Primitive]:
-    """What a frame holds, set back from its face."""
+    """The filling of a frame, set back from its face."""
     if design.style == "framed_glass":
         pane = replace(field, x=field.x + (field.thickness - PANE) / 2, thickness=PANE)
         return [_fill(pane, design.glass)]
@@ -189,7 +189,7 @@ def _make_field(field: Panel, design: FrontDesign) -> list[Primitive]:
 
 
 def _make_louvres(field: Panel, sheet: Panel, design: FrontDesign) -> list[Primitive]:
-    """Slats that stand out of a sheet: at most twelve, a hand apart on tall doors."""
+    """At most twelve slats on a sheet, a hand's width apart on tall doors."""
     count = int(np.clip(round(field.height / 0.06), 2, 12))
     pitch = field.height / count
     slats = [
@@ -205,7 +205,7 @@ def _make_louvres(field: Panel, sheet: Panel, design: FrontDesign) -> list[Primi
 
 
 def _make_planks(panel: Panel, design: FrontDesign) -> tuple[Primitive, ...]:
-    """Upright boards with bevelled edges, at most eight, side by side."""
+    """At most eight vertical boards with bevelled edges, side by side."""
     count = int(np.clip(round(panel.width / 0.1), 1, 8))
     edges = np.linspace(*panel.y, count + 1)
     return tuple(

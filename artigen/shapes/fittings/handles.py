@@ -1,7 +1,7 @@
-"""Handles of eight kinds, and where people put them.
+"""Handles of eight kinds and their usual places.
 
 A `HandleDesign` is chosen once for an object, so that its handles match; `make_handle` fits it to a panel.
-Bars, pulls and arches leave room for fingers behind them, the other kinds stand out far enough to be pinched.
+Bars, pulls and arches leave room for fingers behind them; the other kinds protrude enough to be pinched.
 """
 
 from collections.abc import Callable
@@ -23,13 +23,13 @@ FINGERS = 0.027
 
 @dataclass(frozen=True, kw_only=True)
 class HandleDesign:
-    """One model from a hardware shop, metres."""
+    """One handle model (lengths in metres)."""
 
     kind: HandleKind
     length: float
-    """Along the handle; a panel that is shorter gets a shorter one."""
+    """Length; shorter panels get shorter handles."""
     thickness: float
-    """Of a bar or lip, seen from the front."""
+    """Thickness of a bar or lip, seen from the front."""
     finish: str = "handle"
 
     @property
@@ -40,7 +40,7 @@ class HandleDesign:
 
     @property
     def reach(self) -> float:
-        """How far it stands out of its panel."""
+        """Protrusion from its panel."""
         bow = FINGERS + self.thickness
         return {"knob": 0.030, "cup": 0.026, "recessed": 0.008, "edge": 0.022, "block": 0.028}.get(
             self.kind, bow
@@ -62,7 +62,7 @@ LENGTHS: dict[HandleKind, tuple[float, float]] = {
 def design_handle(
     rng: np.random.Generator, kind: HandleKind | None = None, *, longest: float = 1.0, finish: str = "handle"
 ) -> HandleDesign:
-    """A design for an object ``longest`` metres long; large objects get stronger ones."""
+    """Draws a design for an object with longest edge ``longest`` (m); large objects get thicker handles."""
     drawn = HANDLE_KINDS[int(rng.choice(len(HANDLE_KINDS), p=(0.26, 0.17, 0.1, 0.2, 0.08, 0.06, 0.09, 0.04)))]
     kind = kind or drawn
     low, high = LENGTHS[kind]
@@ -74,13 +74,13 @@ def design_handle(
 def place_handle(
     panel: Panel, design: HandleDesign, edge: Edge | None, hand: float = 1.05
 ) -> tuple[bool, tuple[float, float]]:
-    """Where people put a handle: whether it stands upright, and its centre as (y, z).
+    """The usual place of a handle: whether it is vertical, and its centre as (y, z).
 
     Args:
         panel: The front.
-        design: What is put there.
-        edge: Where the front is hinged; None for a drawer.
-        hand: Height (m, object frame) of the hand that takes it.
+        design: The handle.
+        edge: Hinged edge of the front; None for a drawer.
+        hand: Height (m, object frame) at which a hand takes it.
     """
     y, z = panel.center
     upright = edge in ("left", "right") and design.kind not in ("cup", "knob")
@@ -96,7 +96,7 @@ def place_handle(
         z = panel.z[0] + half + room
     elif edge == "bottom" or design.kind == "edge":
         z = panel.z[1] - half - room
-    elif panel.height > 0.22:  # deep drawers are pulled at their upper third
+    elif panel.height > 0.22:  # deep drawers have it in their upper third
         z = panel.z[1] - max(half + 0.03, 0.08)
     return upright, (y, z)
 
@@ -121,9 +121,9 @@ def make_handle(
 
 @dataclass(frozen=True)
 class _Solid:
-    """A piece of a handle in (out of the panel, along the handle, across it), metres.
+    """A piece of a handle in (out of the panel, along the handle, across it) coordinates, metres.
 
-    A box between two corners, a rod between two ends where there is a ``radius``, else a hull of ``corners``.
+    It is a box between two corners, a rod between two ends if it has a ``radius``, or a hull of ``corners``.
     """
 
     low: Vector = (0.0, 0.0, 0.0)
@@ -136,7 +136,7 @@ class _Solid:
 
 @lru_cache(maxsize=64)
 def _build_model(design: HandleDesign, long: float, upright: bool) -> tuple[Primitive, ...]:  # noqa: FBT001
-    """The pieces on a panel at x = 0, about y = z = 0; hulls are slow to find, and handles alike."""
+    """The pieces on a panel at x = 0, about y = z = 0; cached, since an object's handles are alike."""
     return tuple(
         _place_solid(solid, solid.finish or design.finish, upright)
         for solid in _BUILDERS[design.kind](design, long)
@@ -159,7 +159,7 @@ def _place_solid(solid: _Solid, finish: str, upright: bool) -> Primitive:  # noq
 
 
 def _build_bar(design: HandleDesign, long: float) -> list[_Solid]:
-    """A round rod on two posts that stand in from its ends."""
+    """A round rod on two posts, inset from its ends."""
     radius = design.thickness / 2
     middle, foot = FINGERS + radius, 0.36 * long
     posts = [
@@ -170,7 +170,7 @@ def _build_bar(design: HandleDesign, long: float) -> list[_Solid]:
 
 
 def _build_pull(design: HandleDesign, long: float) -> list[_Solid]:
-    """A square bracket: feet at the very ends."""
+    """A square bracket with feet at its ends."""
     half, end = design.thickness / 2, long / 2
     feet = [
         _Solid(low=(0, side * (end - 2 * half), -half), high=(FINGERS, side * end, half)) for side in (-1, 1)
@@ -180,7 +180,7 @@ def _build_pull(design: HandleDesign, long: float) -> list[_Solid]:
 
 
 def _build_arch(design: HandleDesign, long: float) -> list[_Solid]:
-    """A bow of five straight pieces between an outer and an inner half ellipse."""
+    """A bow of five straight pieces between two half ellipses."""
     half = design.thickness / 2
     turns = np.linspace(0, np.pi, 6)
     outer, inner = (
@@ -208,7 +208,7 @@ def _build_knob(design: HandleDesign, long: float) -> list[_Solid]:
 
 
 def _build_cup(design: HandleDesign, long: float) -> list[_Solid]:
-    """A shell that is open below: a roof, a slanted front, two cheeks."""
+    """A cup that is open below: a roof, a slanted front, two cheeks."""
     high, deep, wall, half = design.height / 2, design.reach, 0.004, long / 2
     roof = 0.5 * deep
     slant = ((roof, high), (roof - wall, high), (deep, -high), (deep - wall, -high))
@@ -224,7 +224,7 @@ def _build_cup(design: HandleDesign, long: float) -> list[_Solid]:
 
 
 def _build_recessed(design: HandleDesign, long: float) -> list[_Solid]:
-    """A flush grip: a raised rim around a dark hollow."""
+    """A recessed grip: a raised rim around a dark hollow."""
     half, high, rim, deep = long / 2, design.height / 2, 0.009, design.reach
     return [
         _Solid(low=(0, rim - half, rim - high), high=(0.003, half - rim, high - rim), finish="rubber"),
@@ -236,7 +236,7 @@ def _build_recessed(design: HandleDesign, long: float) -> list[_Solid]:
 
 
 def _build_edge(design: HandleDesign, long: float) -> list[_Solid]:
-    """A profile along the free edge of a front, thick enough to be held."""
+    """A profile along the free edge of a front, thick enough to grip."""
     half = design.thickness / 2
     return [_Solid(low=(0, -long / 2, -half), high=(design.reach, long / 2, half), bevel=0.3 * half)]
 

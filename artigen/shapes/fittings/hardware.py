@@ -1,7 +1,7 @@
-"""Fronts as rectangles, the spaces behind them, and the hinges and runners that move them.
+"""Front panels, the spaces behind them, and their hinges and runners.
 
 Metres, z up, front -x. Seen from the front, left is +y. A front is hinged at the *front outer* corner of its
-edge: up to 90 degrees the leaf then stays within its own outline, and it never enters what lies behind it.
+edge: up to 90 degrees the leaf stays within its own outline, and it never moves backwards.
 """
 
 from collections.abc import Iterable
@@ -16,22 +16,22 @@ from artigen.shapes.shape import Motion
 Edge = Literal["left", "right", "top", "bottom"]
 Range = tuple[float, float]
 GAP = 0.0025
-"""Clearance (m) between a moving part and what it does not belong to."""
+"""Clearance (m) between a moving part and other parts."""
 ROOM = 0.014
-"""Room (m) beside racks and tubs that run on wheels, rails or runners."""
+"""Space (m) beside racks and tubs that run on wheels, rails or runners."""
 FINGER_ROOM = 0.028
-"""Free height (m) below a grip that is taken from above."""
+"""Free height (m) below a grip that is held from above."""
 PASSING = 0.003
-"""Least distance (m) at which the inner corner of a leaf swings past what is beside it. At centimetres per
-step engines foresee contacts there that never come about, and keep some: half of this was too little."""
+"""Smallest distance (m) at which the inner corner of a leaf swings past its neighbours. At centimetres per
+step, engines predict contacts there that never happen; half this distance was too little."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Panel:
-    """The rectangle of a front, metres: it lies at ``x`` and reaches ``thickness`` back."""
+    """The rectangle of a front (m): its face lies at ``x`` and it extends back by ``thickness``."""
 
     x: float
-    """Front face, the smallest x."""
+    """x of the front face, the smallest x."""
     thickness: float
     y: Range
     """Right and left edge, seen from the front."""
@@ -79,14 +79,14 @@ class Space:
 
 
 def fill_space(space: Space, finish: str, bevel: float = 0.0) -> Primitive:
-    """A box, with its edges taken off by ``bevel`` (m), that takes all of a space."""
+    """A box that fills a space, with edges chamfered by ``bevel`` (m)."""
     low: Vector = (space.x[0], space.y[0], space.z[0])
     high: Vector = (space.x[1], space.y[1], space.z[1])
     return rounded_box(low, high, bevel, finish)
 
 
 def lift(primitives: Iterable[Primitive], height: float) -> tuple[Primitive, ...]:
-    """The solids raised by ``height`` metres."""
+    """Solids raised by ``height`` metres."""
     up = np.array([0.0, 0.0, height])
     return tuple(replace(primitive, center=primitive.center + up) for primitive in primitives)
 
@@ -104,10 +104,10 @@ def hinge(panel: Panel, edge: Edge, upper: float) -> Motion:
 
 
 def slide(upper: float, axis: Vector = (-1.0, 0.0, 0.0)) -> Motion:
-    """A runner that travels ``upper`` metres, towards the viewer unless ``axis`` says otherwise."""
+    """A runner that travels ``upper`` metres towards the viewer, or along ``axis``."""
     return Motion(type="prismatic", axis=axis, upper=upper)
 
 
 def sweep_gap(width: float, thickness: float) -> float:
-    """Room (m) that a leaf needs beside its free edge: its inner corner swings wider than the leaf is."""
+    """Space (m) that a leaf needs beside its free edge, where its inner corner swings out."""
     return max(GAP, (width**2 + thickness**2) ** 0.5 - width + PASSING)

@@ -1,4 +1,4 @@
-"""Leaves of doors and windows between jambs, and their butt hinges: a barrel before the face of the leaf."""
+"""Leaves of doors and windows between jambs, and butt hinges whose barrel is before the leaf's face."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -9,9 +9,9 @@ from artigen.shapes.primitives import Primitive, box, cylinder
 from artigen.shapes.shape import Motion
 
 BARREL = 0.0065
-"""Radius (m) of the barrel of a door hinge (DIN 18268: 13 to 16 mm across)."""
+"""Radius (m) of the barrel of a door hinge (DIN 18268: 13 to 16 mm diameter)."""
 AXIS = BARREL + 0.0015
-"""Distance (m) of the axis before the face: the barrel stays clear of the leaf that turns about it."""
+"""Distance (m) of the axis before the face, which keeps the barrel clear of the turning leaf."""
 
 
 def build_butt_hinge(
@@ -22,14 +22,14 @@ def build_butt_hinge(
     *,
     straps: tuple[float, float] = (0.02, 0.02),
 ) -> tuple[tuple[Primitive, ...], tuple[Primitive, ...]]:
-    """Two knuckles about an upright axis, each with a strap: what is on the leaf, and what is on the frame.
+    """Two knuckles about a vertical axis, each with a strap: the solids on the leaf and those on the frame.
 
     Args:
-        at: Middle of the hinge on its axis; leaf and frame have their faces `AXIS` behind it.
-        length: Of the barrel (m).
-        side: 1 where the frame is on the left (+y) of the axis, -1 where it is on the right.
-        finish: Surface.
-        straps: How far the straps lie on leaf and frame, from the axis (m).
+        at: Middle of the hinge on its axis; the faces of leaf and frame are `AXIS` behind it.
+        length: Length of the barrel (m).
+        side: 1 if the frame is on the left (+y) of the axis, -1 if it is on the right.
+        finish: Role of the finish.
+        straps: Extent of the straps on leaf and frame, from the axis (m).
     """
     x, y, z = at
     half = length / 2
@@ -44,7 +44,7 @@ def build_butt_hinge(
 
 @dataclass(frozen=True, kw_only=True)
 class Leaf:
-    """Where a leaf hangs between jambs: its faces and edges; ``side`` is the way (y) from hinges to lock."""
+    """A leaf between jambs: its faces and edges; ``side`` is the direction (y) from hinges to lock."""
 
     x: Range
     y: Range
@@ -53,22 +53,22 @@ class Leaf:
 
     @property
     def hung(self) -> float:
-        """The y of its hinged edge."""
+        """y of the hinged edge."""
         return self.y[0] if self.side > 0 else self.y[1]
 
     @property
     def edge(self) -> float:
-        """The y of its edge with the lock."""
+        """y of the edge with the lock."""
         return self.y[1] if self.side > 0 else self.y[0]
 
     def stiles(self, width: float) -> tuple[Range, Range, Range]:
-        """Ranges across (y): the stile that is hung, what lies between, the stile with the lock."""
+        """y ranges of the hinge stile, the field between, and the lock stile."""
         low, high = (self.y[0], self.y[0] + width), (self.y[1] - width, self.y[1])
         between = (low[1], high[0])
         return (low, between, high) if self.side > 0 else (high, between, low)
 
     def swing(self, upper: float) -> Motion:
-        """A hinge before the face that opens by ``upper`` radians towards the viewer."""
+        """A hinge axis before the face; the leaf opens by ``upper`` radians towards the viewer."""
         origin = (self.x[0] - AXIS, self.hung, self.z[0])
         return Motion(type="revolute", axis=(0.0, 0.0, float(self.side)), origin=origin, upper=upper)
 
@@ -79,12 +79,12 @@ def hang_leaves(
     """One leaf, or two that meet in the middle, in a frame that is flush with its front.
 
     Args:
-        inner: The free space within the frame.
-        thick: Of a leaf (m).
-        count: 1 or 2; the first of two is the one that has the lever.
-        hand: The way (y) from the hinges of the first leaf to its lock.
-        sill: Gap (m) below.
-        head: Gap (m) above.
+        inner: Free space within the frame.
+        thick: Thickness of a leaf (m).
+        count: 1 or 2 leaves; the first has the lever.
+        hand: Direction (y) from the hinges of the first leaf to its lock.
+        sill: Gap below (m).
+        head: Gap above (m).
     """
     x, z = (inner.x[0], inner.x[0] + thick), (inner.z[0] + sill, inner.z[1] - head)
     (low, high), middle = inner.y, sum(inner.y) / 2
@@ -100,7 +100,7 @@ def hang_leaves(
 def fit_hinges(
     leaf: Leaf, levels: Iterable[float], finish: str, *, length: float, straps: tuple[float, float]
 ) -> tuple[list[Primitive], list[Primitive]]:
-    """Butt hinges at some heights (m): what is on the leaf, and what is on the frame."""
+    """Butt hinges at the given heights (m): the solids on the leaf and those on the frame."""
     on_leaf: list[Primitive] = []
     on_frame: list[Primitive] = []
     for z in levels:
@@ -114,7 +114,7 @@ def fit_hinges(
 def build_astragal(
     leaf: Leaf, finish: str, *, cover: float, inset: float, thick: float = 0.012
 ) -> tuple[Primitive, ...]:
-    """A strip on the leaf that opens first; it covers the gap, and holds the other leaf behind it."""
+    """A strip on the leaf that opens first, which covers the gap and holds back the other leaf."""
     edge, x = leaf.edge, leaf.x[0]
     low, high = sorted((edge - leaf.side * inset, edge))
     over = sorted((edge - leaf.side * inset, edge + leaf.side * cover))

@@ -1,10 +1,9 @@
-"""Latches that hold leaves shut: a tongue on the spindle of a lever, and a bolt that slides.
+"""Latches that hold leaves shut: a tongue on the spindle of a lever, and a sliding bolt.
 
-The tongue reaches out of the leaf's edge into its keep.
-
-With the lever at rest the tongue lies in the keep, and the leaf cannot move: in simulators too, as tongue and
-keep collide. Pressed down, the lever turns the tongue back into the pocket of the leaf. Lengths in metres;
-``edge`` is the y of the leaf's edge and ``side`` the way out of it, 1 or -1.
+With the lever at rest the tongue lies in its keep beyond the leaf's edge and the leaf cannot move, in
+simulators too, because tongue and keep collide. Pressed down, the lever turns the tongue back into the pocket
+of the leaf. Lengths are in metres; ``edge`` is the y of the leaf's edge and ``side`` the direction out of it,
+1 or -1.
 """
 
 from collections.abc import Callable, Sequence
@@ -20,26 +19,26 @@ from artigen.shapes.primitives import Primitive, Vector, box, cylinder, polytope
 from artigen.shapes.shape import Motion, Need, ShapePart
 
 TURN = float(np.radians(45.0))
-"""How far a lever is pressed down (DIN 18255)."""
+"""Angle (rad) by which a lever is pressed down (DIN 18255)."""
 RELEASED = 0.9
-"""Share of its turn at which the tongue has left the keep."""
+"""Share of the lever's range at which the tongue has left the keep."""
 THROW = 0.0105
-"""How far the tongue reaches out of the edge."""
+"""Length of the tongue beyond the leaf's edge."""
 TONGUE = 0.0075
 """Half the height of the tongue."""
 THICK = 0.012
-"""Of the tongue."""
+"""Thickness of the tongue."""
 PLAY = 0.004
-"""Free space beside the tongue; with less, engines that foresee contacts jam it in its keep."""
+"""Free space beside the tongue; with less, engines that predict contacts jam it in its keep."""
 BOLT_PLAY = 0.002
-"""Free space around a bolt in its staple: a leaf that is held by bolt and tongue moves by both."""
+"""Free space around a bolt in its staple: a leaf held by bolt and tongue has the play of both."""
 HOLE = 0.011
-"""Half the edge of the square holes that the spindle passes."""
+"""Half the edge of the square holes for the spindle."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Latch:
-    """Where a latch lies in its leaf."""
+    """Place of a latch in its leaf."""
 
     x: Range
     """Front and rear face of the leaf."""
@@ -48,9 +47,9 @@ class Latch:
     level: float
     """Height of the spindle."""
     backset: float = 0.055
-    """From the edge to the spindle (DIN 18251)."""
+    """Distance from the edge to the spindle (DIN 18251)."""
     lift: Literal[-1, 1] = 1
-    """Whether the tongue rises or drops as it leaves the keep."""
+    """1 if the tongue rises as it leaves the keep, -1 if it drops."""
 
     @property
     def axis(self) -> tuple[float, float]:
@@ -70,14 +69,14 @@ class Latch:
     def keep(self) -> Space:
         """The free space in the frame, beyond the edge."""
         y = sorted((self.edge, self.edge + self.side * (THROW + PLAY)))
-        rise = ((self.backset + THROW) ** 2 - self.backset**2) ** 0.5  # where the tip leaves the edge
+        rise = ((self.backset + THROW) ** 2 - self.backset**2) ** 0.5  # when the tip passes the edge
         ends = sorted((-self.lift * (TONGUE + PLAY), self.lift * (rise + TONGUE + PLAY)))
         return Space(x=self.pocket.x, y=(y[0], y[1]), z=(self.level + ends[0], self.level + ends[1]))
 
 
 @dataclass(frozen=True, kw_only=True)
 class Hanging:
-    """How the leaves of a door or a window hang, and what holds them shut; metres."""
+    """Hinges, bolt and astragal of the leaves of a door or window (lengths in metres)."""
 
     levels: tuple[float, ...]
     """Heights of the hinges."""
@@ -85,17 +84,17 @@ class Hanging:
     """Length of a hinge."""
     straps: tuple[float, float]
     swing: Range
-    """How far leaves open (degrees)."""
+    """Range of the opening angle (degrees)."""
     key: str
     """Name of the part that releases the first leaf."""
     bolt: tuple[float, float]
-    """Of a second leaf: how far its bolt is from the leaf's edge, and where the frame above begins."""
+    """Bolt of a second leaf: its distance from the leaf's edge, and the height where the frame begins."""
     over: float
-    """How far that frame stands out before the leaf."""
+    """Protrusion of that frame before the leaf."""
     length: float
-    """Of the bolt."""
+    """Length of the bolt."""
     astragal: tuple[float, float]
-    """How far the strip between two leaves covers the second one, and lies on the first one."""
+    """Overlap of the strip between two leaves with the second leaf, and with the first."""
 
 
 def hang_parts(
@@ -104,9 +103,9 @@ def hang_parts(
     hanging: Hanging,
     build_leaf: Callable[[Leaf], Sequence[Primitive]],
 ) -> tuple[list[Primitive], list[ShapePart]]:
-    """The leaves of a frame, one or two, on their hinges: what is on the frame, the leaves, then the bolt.
+    """One or two leaves on their hinges: the solids on the frame, and the leaves and the bolt.
 
-    The key of the latch releases the first leaf; the second one also needs its bolt drawn.
+    The key of the latch releases the first leaf; the second leaf waits for the first and for its bolt.
     """
     frame: list[Primitive] = []
     parts: list[ShapePart] = []
@@ -145,7 +144,7 @@ def hang_parts(
 def build_latch_stile(
     latch: Latch, y: Range, z: Range, finish: str, *, through: bool = True
 ) -> tuple[Primitive, ...]:
-    """Solid boards around the pocket of a leaf's latch, and two skins; the spindle passes one or both."""
+    """Boards around the pocket of a leaf's latch, and two skins; the spindle passes through one or both."""
     free, (front, back) = latch.pocket, latch.x
     behind = (y[0], free.y[0]) if latch.side > 0 else (free.y[1], y[1])
     hole_y, hole_z = ((at - HOLE, at + HOLE) for at in latch.axis)
@@ -173,7 +172,7 @@ def build_keep(latch: Latch, jamb: Space, finish: str) -> tuple[Primitive, ...]:
 
 
 def build_tongue(latch: Latch, finish: str, *, through: bool = True) -> tuple[Primitive, ...]:
-    """Tongue, hub and the spindle to the lever before the leaf, or to those on both faces."""
+    """Tongue, hub, and the spindle to a lever before the leaf, or to levers on both faces."""
     (y, z), free = latch.axis, latch.pocket
     x = (free.x[0] + PLAY, free.x[1] - PLAY)
     tip, high = y + latch.side * (latch.backset + THROW), latch.lift * TONGUE
@@ -187,18 +186,18 @@ def build_tongue(latch: Latch, finish: str, *, through: bool = True) -> tuple[Pr
 def make_bolt(
     at: Vector, over: float, *, name: str, parent: str, finish: str, length: float
 ) -> tuple[ShapePart, tuple[Primitive, ...], tuple[Primitive, ...]]:
-    """A surface bolt that stands upright in a staple on the frame above the leaf, and is drawn down.
+    """A vertical surface bolt in a staple on the frame above the leaf, which is drawn down to open.
 
     Args:
-        at: On the leaf's face, under the edge of the frame's face that the bolt reaches over.
-        over: How far (m) the frame's face stands out before the leaf's.
-        name: Of the bolt.
-        parent: The leaf.
-        finish: Surface.
-        length: Of the rod (m).
+        at: Point on the leaf's face below the edge of the frame's face that the bolt reaches over.
+        over: Protrusion (m) of the frame's face before the leaf's.
+        name: Name of the bolt.
+        parent: Name of the leaf.
+        finish: Role of the finish.
+        length: Length of the rod (m).
 
     Returns:
-        The bolt, and what is fixed to the leaf and to the frame.
+        The bolt, the solids fixed to the leaf and those fixed to the frame.
     """
     x, y, z = at
     radius, reach = 0.006, 0.022

@@ -1,7 +1,7 @@
 """Lever handles of doors and windows: a rose, a neck and a grip that a hand presses down or turns.
 
-Sizes are those of the trade: roses of 50 to 54 mm, grips of 105 to 140 mm whose middle is 50 to 60 mm away
-from the leaf (DIN 18255).
+Usual sizes (DIN 18255): roses of 50 to 54 mm, grips of 105 to 140 mm whose middle is 50 to 60 mm away from
+the leaf.
 """
 
 from dataclasses import dataclass
@@ -19,18 +19,18 @@ LEVER_KINDS: tuple[LeverKind, ...] = get_args(LeverKind)
 BEND = 0.018
 """Radius (m) of the bend between neck and grip."""
 ROSE_GAP = 0.0015
-"""How far (m) a rose that turns with its lever floats before the leaf."""
+"""Gap (m) between the leaf and a rose that turns with its lever."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class LeverDesign:
-    """One model of lever handle, metres."""
+    """One model of lever handle (m)."""
 
     kind: LeverKind
     length: float
-    """From the axis to the end of the grip."""
+    """Distance from the axis to the end of the grip."""
     reach: float
-    """From the leaf to the far side of the grip."""
+    """Distance from the leaf to the far side of the grip."""
     thickness: float = 0.019
     rose: float = 0.026
     """Radius of the rose."""
@@ -38,7 +38,7 @@ class LeverDesign:
 
 
 def design_lever(rng: np.random.Generator, length: Range = (0.115, 0.14), reach: float = 0.06) -> LeverDesign:
-    """A lever of one of three kinds."""
+    """Draws a lever of one of three kinds."""
     kind = LEVER_KINDS[int(rng.integers(len(LEVER_KINDS)))]
     return LeverDesign(kind=kind, length=float(rng.uniform(*length)), reach=reach)
 

@@ -1,8 +1,8 @@
-"""Lids, flaps and the vessels below them: what is hinged at its lower rear edge and opens upwards.
+"""Lids and flaps that are hinged at their lower rear edge and open upwards, and the vessels below them.
 
-A lid that turns about its lower rear edge by up to 180 degrees never enters what is below it and before its
-hinge: every point that starts above the hinge stays above it or behind it. What reaches down within the
-walls, a plug, needs room before it (`sweep_gap`); what reaches down outside of them, an apron, needs none.
+A lid that turns about its lower rear edge by up to 180 degrees does not collide with the vessel: every point
+that starts above the hinge stays above or behind it. A plug, which reaches down within the walls, needs space
+before it (`sweep_gap`); an apron, which reaches down outside of them, needs none.
 """
 
 import numpy as np
@@ -23,8 +23,8 @@ def hinge_lid(x: Range, y: Range, z: float, upper: float, edge: Edge | None = No
         x: Front and rear edge (m).
         y: Right and left edge (m).
         z: Height of its underside (m).
-        upper: How far it opens (rad), at most pi.
-        edge: Where it is hinged: "left", "right", "bottom" for the front; None for the rear.
+        upper: Opening angle (rad), at most pi.
+        edge: Hinged edge: "left", "right", "bottom" for the front; None for the rear.
     """
     middle = ((x[0] + x[1]) / 2, (y[0] + y[1]) / 2, z)
     axis, origin = {
@@ -39,18 +39,18 @@ def hinge_lid(x: Range, y: Range, z: float, upper: float, edge: Edge | None = No
 def build_vessel(
     bottom: Rectangle, top: Rectangle, z: Range, wall: float, finish: str, *, lining: str | None = None
 ) -> tuple[Primitive, ...]:
-    """A floor and four walls that may lean outwards, open at the top.
+    """A vessel that is open at the top: a floor and four walls, which may lean outwards.
 
     Args:
         bottom: Outline at the lower end of ``z``.
         top: Outline at its upper end.
         z: From the underside of the floor to the rim (m).
         wall: Thickness (m).
-        finish: Surface.
-        lining: Surface of the inside; None where it is the same.
+        finish: Role of the finish.
+        lining: Role of the finish of the inside; None for that of the outside.
     """
     (bx, by), (tx, ty) = bottom, top
-    half = wall / 2  # front and rear reach into the sides: leaning faces that only touch make unclean unions
+    half = wall / 2  # into the sides: unions of leaning faces that only touch are unclean
     inner_b, inner_t = (by[0] + half, by[1] - half), (ty[0] + half, ty[1] - half)
     share = wall / (z[1] - z[0])
     floor_x, floor_y = (
@@ -79,7 +79,7 @@ def make_lift_out(
     lid: str = "lid",
     parent: str = "body",
 ) -> ShapePart:
-    """An open tray that fills a rectangle and is lifted out by nearly its height once the lid is open."""
+    """An open tray that fills a rectangle and lifts by nearly its height once the lid is open."""
     solids = build_vessel(outline, outline, z, wall, finish)
     lift = slide(0.85 * (z[1] - z[0]), (0.0, 0.0, 1.0))
     return ShapePart(
@@ -94,7 +94,7 @@ def loft(low: Rectangle, high: Rectangle, z: Range, finish: str) -> Primitive:
 
 
 def shrink(outline: Rectangle, by: float) -> Rectangle:
-    """A rectangle taken in by so much (m) on every side."""
+    """A rectangle inset by a distance (m) on every side."""
     (x0, x1), (y0, y1) = outline
     return (x0 + by, x1 - by), (y0 + by, y1 - by)
 
@@ -109,14 +109,14 @@ def trace_arch(x: Range, z: float, rise: float, pieces: int = 6) -> Float[np.nda
 def build_roof(
     outline: Float[np.ndarray, "N 2"], wall: float, y: Range, finish: str, *, ends: bool = True
 ) -> tuple[Primitive, ...]:
-    """A lid whose cross-section is convex: plates along its outline, and a board at each end.
+    """A lid of convex cross-section: plates along its outline, and a board at each end.
 
     Args:
         outline: Points (x, z) from the front lower edge over the top to the rear one, both at one height.
         wall: Thickness (m), measured about the middle of the lower edges.
         y: Right and left end (m).
-        finish: Surface.
-        ends: Whether the ends are closed.
+        finish: Role of the finish.
+        ends: Whether to close the ends.
     """
     foot = np.array([(outline[0, 0] + outline[-1, 0]) / 2, outline[0, 1]])
     reach = np.array([outline[-1, 0] - foot[0], outline[:, 1].max() - foot[1]])
@@ -133,7 +133,7 @@ def build_roof(
 def build_half_shell(
     space: Space, wall: float, side: Vector, finish: str, lining: str
 ) -> tuple[Primitive, ...]:
-    """Five plates of a box that is open towards ``side`` (a unit vector along an axis) and fills a space."""
+    """A box of five plates that fills a space and is open towards ``side`` (a unit vector along an axis)."""
     spans = [space.x, space.y, space.z]
     out = []
     for axis in range(3):
@@ -146,7 +146,7 @@ def build_half_shell(
                 if end == 0
                 else (spans[axis][1] - wall, spans[axis][1])
             )
-            for other in range(axis):  # plates meet edge to face, the earlier axes' ones run through
+            for other in range(axis):  # plates meet edge to face; those of earlier axes run through
                 low[other] += wall if side[other] != -1.0 else 0.0
                 high[other] -= wall if side[other] != 1.0 else 0.0
             plate = box((low[0], low[1], low[2]), (high[0], high[1], high[2]), finish)

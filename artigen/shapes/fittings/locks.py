@@ -1,4 +1,4 @@
-"""Locks that a key turns, and latches that a hand flips: what keeps fronts and lids closed."""
+"""Cylinder locks of fronts, and flip latches of lids."""
 
 import numpy as np
 
@@ -7,20 +7,20 @@ from artigen.shapes.primitives import Vector, box, cylinder
 from artigen.shapes.shape import Motion, ShapePart
 
 FREE = 0.0015
-"""Distance (m) at which a lock turns before its face."""
+"""Gap (m) between a turning lock and its face."""
 
 
 def make_lock(
     at: Vector, *, name: str, parent: str, radius: float = 0.011, finish: str = "handle"
 ) -> ShapePart:
-    """A cylinder lock with its key, on a face at x that looks to the front; it turns by a quarter.
+    """A cylinder lock with its key on a front face at x, which turns by a quarter.
 
     Args:
-        at: Where its axis meets the face (m).
-        name: Of the part.
-        parent: What it turns on.
-        radius: Of the cylinder (m).
-        finish: Surface.
+        at: Point where its axis meets the face (m).
+        name: Name of the part.
+        parent: Name of the part that carries it.
+        radius: Radius of the cylinder (m).
+        finish: Role of the finish.
     """
     x, y, z = at
     solids = (
@@ -34,18 +34,18 @@ def make_lock(
 def make_latch(
     x: float, y: Range, z: Range, *, name: str, parent: str, upper: float = 1.9, finish: str = "steel"
 ) -> ShapePart:
-    """A latch before a face at x that holds a lid down and flips outwards about its lower edge.
+    """A latch before a face at x, which holds a lid down and flips outwards about its lower edge.
 
-    Its plate is 4 mm thick and stands `FREE` before the face; a lip at its upper end is for the fingers.
+    Its plate is 4 mm thick, is `FREE` from the face and has a lip for the fingers at its upper end.
 
     Args:
         x: Front face of the box, and of the lid where the latch reaches it.
-        y: Edges across (m).
-        z: Lower edge, on the box, and upper edge, on the lid.
-        name: Of the part.
-        parent: The box.
-        upper: How far it opens (rad).
-        finish: Surface.
+        y: Left and right edge (m).
+        z: Lower edge, on the box, and upper edge, on the lid (m).
+        name: Name of the part.
+        parent: Name of the box.
+        upper: Opening angle (rad).
+        finish: Role of the finish.
     """
     face = x - FREE
     solids = (

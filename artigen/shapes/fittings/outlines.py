@@ -1,7 +1,7 @@
 """Outlines with rounded or cut corners, and the solids and hollow bodies between two of them.
 
-An outline is a rectangle whose corners give way to arcs of a quarter of an ellipse: a box with rounded edges,
-an arch, and, where the arcs meet, an egg.
+An outline is a rectangle whose corners are quarter ellipses: a box with rounded edges, an arch or, where the
+arcs meet, an egg.
 """
 
 from collections.abc import Sequence
@@ -15,11 +15,11 @@ from artigen.shapes.fittings.hardware import Range
 from artigen.shapes.primitives import Primitive, line, polytope
 
 SHARPEST = 0.2
-"""What is left at least of the length of an arc where an outline is taken in."""
+"""Smallest remaining share of an arc's length when an outline is inset."""
 MEETING = 1e-3
-"""Arcs whose ends are up to twice this (m) apart meet: a wall on what is left between them is too thin."""
+"""Arcs whose ends are up to twice this (m) apart are joined; a wall on the edge between is too thin."""
 _NOTHING = 1e-5
-"""Edges (m) shorter than this get no wall."""
+"""Edges shorter than this (m) get no wall."""
 
 
 def trace_corners(
@@ -30,11 +30,11 @@ def trace_corners(
     Args:
         a: Range along the first axis.
         b: Range along the second axis.
-        cuts: How far each corner is cut off along either axis; zero for a sharp one.
+        cuts: Cut of each corner along either axis; zero for a sharp corner.
         pieces: Straight pieces of each arc.
 
     Returns:
-        ``pieces + 1`` points for each corner; where arcs meet, and at sharp corners, points are the same.
+        ``pieces + 1`` points per corner; they coincide where arcs meet and at sharp corners.
     """
     turns = np.linspace(0.0, np.pi / 2, pieces + 1)
     out = []
@@ -52,27 +52,27 @@ class Outline:
     a: Range
     b: Range
     cuts: tuple[float, float]
-    """How far the corners at the low and at the high end of ``a`` are rounded: along ``a``, and as far along
-    ``b``, at most to the middle."""
+    """Radius of the corners at the low and at the high end of ``a``: along ``a``, and as far along ``b``, at
+    most to the middle."""
     pieces: int = 2
     """Straight pieces of each corner."""
 
     def shrink(self, by: float) -> "Outline":
-        """The same, taken in by so much on every side."""
+        """The outline inset by a distance on every side."""
         a, b = (self.a[0] + by, self.a[1] - by), (self.b[0] + by, self.b[1] - by)
         low, high = (max(cut - by, SHARPEST * cut) for cut in self.cuts)
         fit = min(1.0, (a[1] - a[0]) / (low + high)) if low + high > 0 else 1.0
         return Outline(a=a, b=b, cuts=(fit * low, fit * high), pieces=self.pieces)
 
     def trace(self) -> Float[np.ndarray, "N 2"]:
-        """Corners, counterclockwise, as `trace_corners` has them."""
+        """Corners, counterclockwise, as in `trace_corners`."""
         half = (self.b[1] - self.b[0]) / 2
         low, high = ((cut, half if cut > half - MEETING else cut) for cut in self.cuts)
         return trace_corners(self.a, self.b, (low, high, high, low), self.pieces)
 
 
 def draw_egg(center: tuple[float, float], front: float, back: float, half: float, pieces: int = 4) -> Outline:
-    """An outline that reaches ``front`` to -a, ``back`` to +a and ``half`` to both sides (m).
+    """An egg-shaped outline that extends ``front`` to -a, ``back`` to +a and ``half`` to both sides (m).
 
     Arcs are quarters of ellipses where ``front`` and ``back`` are longer than ``half``.
     """
@@ -90,16 +90,16 @@ def build_loft(
     wall: float = 0.0,
     lining: str | None = None,
 ) -> tuple[Primitive, ...]:
-    """A solid along an axis, or walls around a hollow that is open at both ends.
+    """A solid along an axis, or the walls of a tube that is open at both ends.
 
     Args:
-        outline: Of the wider end; its axes follow ``axis`` in cyclic order.
-        axis: 0 to 2 for x to z.
-        span: Where it begins and ends along the axis (m), the lower end first.
-        finish: Surface.
-        inset: How much narrower the low end is on every side; the high end, if negative (m).
-        wall: Thickness across the axis (m); 0 for a solid.
-        lining: Surface of the inside of the walls.
+        outline: Outline of the wider end; its axes follow ``axis`` in cyclic order.
+        axis: 0, 1 or 2 for x, y or z.
+        span: Low and high end along the axis (m).
+        finish: Role of the finish.
+        inset: Inset of the low end on every side (m); of the high end if negative.
+        wall: Wall thickness across the axis (m); 0 for a solid.
+        lining: Role of the finish of the inside.
     """
     narrow = outline.shrink(abs(inset))
     ends = (narrow, outline) if inset > 0 else (outline, narrow)
@@ -123,7 +123,7 @@ def build_loft(
 
 
 def _lift(flat: Float[np.ndarray, "N 2"], at: float, axis: int) -> Float[np.ndarray, "N 3"]:
-    """Points across an axis, at a place along it."""
+    """Points in the plane across an axis, at a coordinate along it."""
     out = np.full((len(flat), 3), at, dtype=float)
     out[:, [(axis + 1) % 3, (axis + 2) % 3]] = flat
     return out

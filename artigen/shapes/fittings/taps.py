@@ -1,6 +1,6 @@
-"""Taps: cartridges that turn with a lever that lifts, cross handles, quarter-turn levers, hand wheels.
+"""Taps: mixer cartridges with a lever, cross handles, quarter-turn levers, hand wheels.
 
-Each stands on a face at a point and looks along ``out``, the axis about which it turns. Lengths in metres.
+Each stands at a point of a face and points along ``out``, its axis of rotation. Lengths are in metres.
 """
 
 import numpy as np
@@ -10,19 +10,19 @@ from artigen.shapes.primitives import Primitive, Vector, cylinder, polytope
 from artigen.shapes.shape import Motion, ShapePart
 
 PIVOT = 0.007
-"""Radius of the pin about which a mixer's lever lifts."""
+"""Radius of the pin that a mixer's lever lifts about."""
 LIFT = float(np.radians(25.0))
-"""How far a mixer's lever lifts (EN 817: 20 to 30 degrees)."""
+"""Range of a mixer's lever (EN 817: 20 to 30 degrees)."""
 
 
 def along(at: Vector, *steps: tuple[Vector, float]) -> Vector:
-    """A point moved by some lengths along some directions."""
+    """A point moved by the given lengths along the given directions."""
     x, y, z = np.array(at) + sum((length * np.array(way) for way, length in steps), np.zeros(3))
     return float(x), float(y), float(z)
 
 
 def cross(first: Vector, second: Vector) -> Vector:
-    """The direction upright to two others."""
+    """The direction perpendicular to two others."""
     x, y, z = np.cross(first, second)
     return float(x), float(y), float(z)
 
@@ -40,19 +40,19 @@ def make_mixer(
     turn: float,
     finish: str,
 ) -> tuple[ShapePart, ShapePart]:
-    """A cartridge that turns about ``out`` for heat, and on it a lever along ``ahead`` that lifts for flow.
+    """A cartridge that turns about ``out`` (temperature) with a lever along ``ahead`` that lifts (flow).
 
     Args:
         at: Middle of the face that the cartridge stands on.
         out: Axis of the cartridge, away from the face (unit).
-        ahead: Way of the lever, upright to ``out`` (unit).
-        name: Of the lever; the cartridge has the name with ``_cartridge``.
-        parent: What carries both.
-        radius: Of the cartridge.
-        height: Of the cartridge above the face.
-        length: From the axis to the tip of the lever.
-        turn: Range of the cartridge (rad); its sign says which way.
-        finish: Surface.
+        ahead: Direction of the lever, perpendicular to ``out`` (unit).
+        name: Name of the lever; the cartridge is ``name`` with ``_cartridge``.
+        parent: Name of the part that carries both.
+        radius: Radius of the cartridge.
+        height: Height of the cartridge above the face.
+        length: Distance from the axis to the tip of the lever.
+        turn: Range of the cartridge (rad); its sign is the direction.
+        finish: Role of the finish.
     """
     aside = cross(ahead, out)
     spin: Vector = out if turn > 0 else (-out[0], -out[1], -out[2])
@@ -103,13 +103,13 @@ def make_cross_handle(
     Args:
         at: Middle of the face that it stands on.
         out: Its axis, away from the face (unit).
-        ahead: Way of its first arm, upright to ``out`` (unit).
-        name: Of the part.
-        parent: What carries it.
+        ahead: Direction of its first arm, perpendicular to ``out`` (unit).
+        name: Name of the part.
+        parent: Name of the part that carries it.
         reach: Length of an arm from the axis.
-        height: Of the hub's top above the face.
-        finish: Surface.
-        arms: How many.
+        height: Height of the hub's top above the face.
+        finish: Role of the finish.
+        arms: Number of arms.
         upper: Range (rad).
     """
     aside = cross(out, ahead)

@@ -1,6 +1,6 @@
 """Round tubes and rods: straight, leaning and bent by a quarter: spouts, lever handles, bails, lamp arms.
 
-All have `SEGMENTS` sides that lie alike, so that the pieces of one tube meet corner to corner.
+All have `SEGMENTS` sides in the same orientation, so that the pieces of a tube meet corner to corner.
 """
 
 from collections.abc import Sequence
@@ -13,13 +13,13 @@ from artigen.shapes.primitives import SEGMENTS, Primitive, Vector, cylinder, pol
 
 
 def lean_rod(start: Vector, end: Vector, radii: float | tuple[float, float], finish: str) -> Primitive:
-    """A round rod between two points (m), whose ends are upright to the axis along which it runs most.
+    """A round rod between two points (m), whose ends are perpendicular to the axis closest to its direction.
 
     Args:
         start: Centre of one end.
         end: Centre of the other.
-        radii: Of its edges, in the planes of its ends: one for both, or one each.
-        finish: Surface.
+        radii: Radius of its edges in the planes of its ends: one for both, or one each.
+        finish: Role of the finish.
     """
     ends, sizes = np.array([start, end], dtype=float), np.broadcast_to(np.asarray(radii, dtype=float), 2)
     way = np.abs(ends[1] - ends[0])
@@ -37,15 +37,15 @@ def bend_elbow(
     """A quarter of a bent tube.
 
     Args:
-        center: The point about which it bends (m).
-        ways: From there to the middle of its one end and to that of the other: unit vectors along two axes.
-        bend: Distance of the tube's middle from the center, at least its radius (m).
-        radius: Of the tube's edges (m).
-        finish: Surface.
-        pieces: Straight pieces.
+        center: Centre of the bend (m).
+        ways: Unit vectors along two axes, from the centre to the middle of each end.
+        bend: Distance of the tube's middle from the centre (m), at least the tube's radius.
+        radius: Radius of the tube's edges (m).
+        finish: Role of the finish.
+        pieces: Number of straight pieces.
     """
     first, second = np.array(ways)
-    if (np.abs(second).argmax() - np.abs(first).argmax()) % 3 != 1:  # the same pieces from either end
+    if (np.abs(second).argmax() - np.abs(first).argmax()) % 3 != 1:  # the same pieces in both directions
         first, second = second, first
     aside = np.cross(first, second)
     turns = (np.arange(SEGMENTS) + 0.5) * 2 * np.pi / SEGMENTS
@@ -60,14 +60,14 @@ def bend_elbow(
 def lay_pipe(
     path: Sequence[Vector], radius: float, bend: float, finish: str, *, pieces: int = 3
 ) -> tuple[Primitive, ...]:
-    """A tube along legs that run along the axes, with round bends where they meet.
+    """A tube of legs along the axes with round bends between them.
 
     Args:
         path: Ends of the legs (m).
-        radius: Of the tube (m).
-        bend: Radius of the bends (m), measured to the tube's middle.
-        finish: Surface.
-        pieces: Straight pieces of each bend.
+        radius: Radius of the tube (m).
+        bend: Radius of the bends (m), to the tube's middle.
+        finish: Role of the finish.
+        pieces: Number of straight pieces per bend.
     """
     points = np.array(path, dtype=float)
     ways = np.diff(points, axis=0)

@@ -1,4 +1,4 @@
-"""Parts turned about the vertical by quarters: what is made for a front, put on a side or on the back."""
+"""Rotates parts about the vertical by quarter turns: from the front to a side or the back."""
 
 from dataclasses import replace
 
@@ -8,11 +8,11 @@ from artigen.shapes.primitives import Vector, move
 from artigen.shapes.shape import ShapePart
 
 QUARTERS: dict[str, int] = {"front": 0, "right": 1, "back": 2, "left": 3}
-"""Turns by 90 degrees, counterclockwise from above, that bring the front (-x) to a side: right is -y."""
+"""Counterclockwise quarter turns, seen from above, from the front (-x) to each side; right is -y."""
 
 
 def turn_part(part: ShapePart, side: str) -> ShapePart:
-    """A part that is made for a front at -x, on another side of the origin's vertical: "right" is -y."""
+    """A part designed for a front at -x, rotated about the z axis to another side; "right" is -y."""
     quarters = QUARTERS[side]
     solids = tuple(move(solid, turn=quarters * np.pi / 2) for solid in part.primitives)
     if part.motion is None:

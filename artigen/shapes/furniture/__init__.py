@@ -1,1 +1,1 @@
-"""What cabinets and tables are built of."""
+"""Components of cabinets and tables: layouts, carcasses, cells, frames."""

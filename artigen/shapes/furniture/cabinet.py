@@ -1,4 +1,4 @@
-"""A cabinet in a given box: the looks it shares with its neighbours, its carcass and all its cells."""
+"""A cabinet in a given box: its design, shared with its neighbours, its carcass and its cells."""
 
 from dataclasses import dataclass, replace
 from math import radians
@@ -17,49 +17,49 @@ from artigen.shapes.furniture.splits import FRONT_GAP, Cell, Node, Room, Taste, 
 from artigen.types import PartLabel
 
 FACED = ("drawer", "door", "double", "drop", "lift", "fold")
-"""Fills whose fronts lie before the body, not within it."""
+"""Fillings whose fronts lie before the body instead of within it."""
 MAX_DRAWERS_ON_RUNNERS = 5
 OVERLAY = 0.012
-"""How far (m) fronts reach over the stiles and rails of a face frame."""
+"""Overlap (m) of fronts with the stiles and rails of a face frame."""
 PUSH_OPEN = 0.04
-"""Chance of fronts without handles, which open when they are pushed."""
+"""Probability of fronts without handles, which open when pushed."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Looks:
-    """All that the cabinets of one object have in common, metres and radians."""
+    """Design that the cabinets of one object share (metres, radians)."""
 
     doors: FrontDesign
     drawers: FrontDesign
     carcass: CarcassDesign
     box: BoxDesign
     thickness: float
-    """Of fronts."""
+    """Thickness of fronts."""
     inset: bool
-    """Fronts lie within the carcass, else before it."""
+    """Whether fronts lie within the carcass instead of before it."""
     swing: float
     wide_swing: float
     travel: float
     runners: bool
     lock: bool
     margin: float = 0.0005
-    """How far fronts stay within the outline of the carcass."""
+    """Distance of fronts from the outline of the carcass."""
 
     @property
     def reach(self) -> float:
-        """How far handles stand out of the fronts."""
+        """Protrusion of handles from the fronts."""
         return 0.0 if self.doors.handle is None else self.doors.handle.reach
 
 
 def draw_looks(
     rng: np.random.Generator, style: Style, longest: float, wish: Wish, *, hand: float = 1.05
 ) -> Looks:
-    """Looks in a style for an object whose longest edge measures ``longest`` metres."""
+    """Draws a design in a style for an object whose longest edge is ``longest`` metres."""
     handles = wish.choose_handles(style.handles)
     handle = design_handle(rng, handles[int(rng.integers(len(handles)))], longest=longest)
     front = style.doors[int(rng.integers(len(style.doors)))]
     doors = replace(design_front(rng, front, handle=handle), hand=hand)
-    # A leaf that opens past 90 degrees sweeps over its neighbour's edge, where that has its handle.
+    # A leaf that opens past 90 degrees sweeps over the edge of its neighbour, where that has its handle.
     margin = 0.0 if handle.kind == "edge" else 0.006
     limit = 90.0 + np.degrees(np.arctan2(margin + 0.0025, handle.reach))
     narrow = [angle for angle in (95.0, 100.0, 105.0, 110.0) if angle < limit]
@@ -84,20 +84,20 @@ def draw_looks(
 
 
 def draw_layout(rng: np.random.Generator, outer: Space, looks: Looks, taste: Taste) -> Node:
-    """What the front of a cabinet of this size is divided into."""
+    """Draws the layout of the front of a cabinet of this size."""
     y, z = open_carcass(outer, looks.carcass)
     return draw_node(rng, Room(width=y[1] - y[0], height=z[1] - z[0], bottom=z[0]), taste)
 
 
 def list_cells(node: Node) -> list[Cell]:
-    """The cells of a layout, first to last."""
+    """The cells of a layout, in order."""
     return (
         [node] if isinstance(node, Cell) else [cell for child in node.children for cell in list_cells(child)]
     )
 
 
 def count_fronts(node: Node) -> dict[PartLabel, int]:
-    """Drawers and doors of a layout."""
+    """Number of drawers and of doors of a layout."""
     fills = [cell.fill for cell in list_cells(node)]
     doors = sum(
         {"open": 0, "blank": 0, "drawer": 0, "double": 2, "fold": 2, "slide": 2}.get(fill, 1)
@@ -107,18 +107,18 @@ def count_fronts(node: Node) -> dict[PartLabel, int]:
 
 
 def has_fronts(node: Node) -> bool:
-    """Whether a layout has fronts that lie before the body."""
+    """Whether a layout has fronts before the body."""
     return any(cell.fill in FACED for cell in list_cells(node))
 
 
 def make_cabinet(node: Node, outer: Space, looks: Looks, *, parent: str, prefix: str = "") -> Furnished:
-    """A layout built into a box whose front is the face of the fronts, handles excluded.
+    """Builds a layout into a box whose front is the face of the fronts, handles excluded.
 
     Args:
         node: The layout.
-        outer: The box, with room for the fronts at its small x.
-        looks: Designs.
-        parent: The part that the solids join and that all else hangs from.
+        outer: The box, including the thickness of the fronts.
+        looks: Design.
+        parent: Name of the part that the solids join and that carries all other parts.
         prefix: Makes the names of parts unique among several cabinets.
     """
     body_x = outer.x[0]
@@ -160,7 +160,7 @@ def make_cabinet(node: Node, outer: Space, looks: Looks, *, parent: str, prefix:
 
 
 def _reach_of_fronts(looks: Looks) -> dict[Edge, float]:
-    """How far fronts extend beyond the opening at the carcass' edges."""
+    """Extent of fronts beyond the opening at the carcass' edges."""
     if looks.inset:
         return {"left": -GAP, "right": -GAP, "top": -GAP, "bottom": -GAP}
     if looks.carcass.frame:

@@ -1,7 +1,7 @@
-"""The body of a cabinet: sides, bottom, top, back and the boards between its cells, at times behind a frame.
+"""The body of a cabinet: sides, bottom, top, back, boards between its cells, and an optional face frame.
 
-A face frame is glued before the boards: its stiles and rails narrow the openings that fronts close, and what
-stands behind is as wide as the carcass.
+A face frame is glued before the boards. Its stiles and rails narrow the openings that fronts close; the space
+behind is as wide as the carcass.
 """
 
 from collections.abc import Iterable, Sequence
@@ -14,13 +14,13 @@ from artigen.shapes.primitives import Primitive, Vector, line
 from artigen.shapes.shape import ShapePart
 
 HULL_RATIO = 59.0
-"""Longest over shortest edge of a hull that engines take, with room for rounding to the steps of a sketch."""
+"""Largest ratio of a hull's longest to shortest edge for engines, with a margin for rounding in sketches."""
 MAX_HULLS_ON_LINK = 32
 MAX_HULLS = 256
 FRAME_DEPTH = 0.019
 """Thickness (m) of a face frame."""
 RAIL = 0.08
-"""Width (m) of the rails of an open top, and of the one that a cabinet hangs by."""
+"""Width (m) of the rails of an open top and of a hanging rail."""
 _SAME = 1e-9
 Boards = tuple[tuple[Range, Range], ...]
 """Rectangles (y, z) of the boards between cells."""
@@ -28,31 +28,31 @@ Boards = tuple[tuple[Range, Range], ...]
 
 @dataclass(frozen=True, kw_only=True)
 class CarcassDesign:
-    """Boards of a body, metres."""
+    """Boards of a body (m)."""
 
     board: float = 0.018
-    """Sides, bottom, top."""
+    """Thickness of sides, bottom and top."""
     inner: float = 0.018
-    """Boards between cells."""
+    """Thickness of boards between cells."""
     back: float = 0.008
-    """0 for a body without a back."""
+    """Thickness of the back; 0 for none."""
     finish: str = "body"
     lining: str | None = "inside"
-    """Finish of what faces the inside; None where boards are alike on both sides."""
+    """Role of the finish of inner faces; None for that of the outside."""
     lid: bool = True
-    """Whether there is a top between the sides; without one something else covers them."""
+    """Whether there is a top between the sides; otherwise another part covers them."""
     rails: bool = False
-    """Whether the top is two rails, front and back, for a worktop that is laid on many cabinets."""
+    """Whether the top is two rails, front and back, for a worktop over several cabinets."""
     frame: float = 0.0
-    """Width of the stiles and rails of a face frame; 0 without one."""
+    """Width of the stiles and rails of a face frame; 0 for none."""
     recess: float = 0.0
-    """How far the back lies within the sides; a rail behind it then hangs the cabinet."""
+    """Inset of the back between the sides; a hanging rail is then behind it."""
 
 
 def make_carcass(outer: Space, design: CarcassDesign, boards: Boards) -> tuple[Primitive, ...]:
-    """Boards around the opening of ``outer``, and the inner boards given as (y, z) rectangles.
+    """Boards around the opening of ``outer``, and inner boards given as (y, z) rectangles.
 
-    Sides run from floor to top, bottom and top between them; the back covers all from behind, or lies within.
+    Sides run from floor to top, with bottom and top between them; the back covers all or is inset.
     """
     framed = _make_frame(outer, design, boards) if design.frame else ()
     front = outer.x[0] + (FRAME_DEPTH if design.frame else 0.0)
@@ -86,7 +86,7 @@ def make_carcass(outer: Space, design: CarcassDesign, boards: Boards) -> tuple[P
 
 
 def open_carcass(outer: Space, design: CarcassDesign) -> tuple[Range, Range]:
-    """The opening that fronts close, as (y, z): within the face frame, if there is one."""
+    """The opening (y, z) that fronts close: within the face frame, if any."""
     if not design.frame:
         return _inside(outer, design)
     f = design.frame
@@ -94,7 +94,7 @@ def open_carcass(outer: Space, design: CarcassDesign) -> tuple[Range, Range]:
 
 
 def widen(y: Range, z: Range, outer: Space, design: CarcassDesign, boards: Boards) -> tuple[Range, Range]:
-    """What is free behind an opening (y, z): up to sides, bottom, top and boards, which a frame covers."""
+    """The free space (y, z) behind an opening: up to sides, bottom, top and boards, which a frame covers."""
     if not design.frame:
         return y, z
     opening, inside = open_carcass(outer, design), _inside(outer, design)
@@ -111,14 +111,14 @@ def widen(y: Range, z: Range, outer: Space, design: CarcassDesign, boards: Board
 
 
 def _inside(outer: Space, design: CarcassDesign) -> tuple[Range, Range]:
-    """The room between sides, bottom and top as (y, z)."""
+    """The space (y, z) between sides, bottom and top."""
     t = design.board
     top = outer.z[1] - (t if design.lid else 0.0)
     return (outer.y[0] + t, outer.y[1] - t), (outer.z[0] + t, top)
 
 
 def _make_frame(outer: Space, design: CarcassDesign, boards: Boards) -> tuple[Primitive, ...]:
-    """Two stiles, the rails between them, and one before every board."""
+    """A face frame: two stiles, the rails between them, and one member before every board."""
     y, z = open_carcass(outer, design)
     stiles = ((outer.y[0], y[0]), outer.z), ((y[1], outer.y[1]), outer.z)
     rails = (y, (outer.z[0], z[0])), (y, (z[1], outer.z[1]))
@@ -132,7 +132,7 @@ def _make_frame(outer: Space, design: CarcassDesign, boards: Boards) -> tuple[Pr
 def _thin_board(
     rectangle: tuple[Range, Range], outer: Space, design: CarcassDesign, boards: Boards
 ) -> tuple[Range, Range]:
-    """The board behind a member of a face frame: thinner than it, and longer."""
+    """The board behind a member of a face frame, thinner and longer than the member."""
     (y, z), spare = rectangle, (design.frame - design.inner) / 2
     long_y, long_z = widen(y, z, outer, design, boards)
     if z[1] - z[0] < y[1] - y[0]:
@@ -145,7 +145,7 @@ def _line(board: Primitive, design: CarcassDesign, side: Vector) -> Primitive:
 
 
 def count_hulls(primitives: Iterable[Primitive]) -> int:
-    """Hulls that engines take for these solids: oblong ones are cut along their longer edges."""
+    """Number of hulls for these solids in engines; oblong ones are split along their longer edges."""
     return sum(
         int(np.prod(np.ceil(primitive.size / (HULL_RATIO * primitive.size.min()) - 1e-9)))
         for primitive in primitives
@@ -153,7 +153,7 @@ def count_hulls(primitives: Iterable[Primitive]) -> int:
 
 
 def fits_engines(parts: Sequence[ShapePart], max_links: int = 60) -> bool:
-    """Whether an object stays within what engines hold: links, hulls on a link, hulls in all."""
+    """Whether an object respects the limits of engines: links, hulls per link, hulls in total."""
     owner: dict[str, str] = {}
     hulls: dict[str, int] = {}
     for part in parts:  # parents come first

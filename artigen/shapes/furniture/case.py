@@ -1,4 +1,4 @@
-"""A piece of case furniture: a cabinet on its stand, with or without a worktop."""
+"""Case furniture: a cabinet on a stand, with or without a worktop."""
 
 from dataclasses import dataclass, replace
 
@@ -14,7 +14,7 @@ from artigen.shapes.primitives import rounded_box
 from artigen.shapes.shape import ShapePart
 
 RECESSED = 0.6
-"""Chance of a back that lies within the sides, with a rail behind it."""
+"""Probability of a back between the sides with a hanging rail behind it."""
 BODY = "body"
 Size = tuple[float, float, float]
 """Width, depth and height (m)."""
@@ -22,20 +22,20 @@ Size = tuple[float, float, float]
 
 @dataclass(frozen=True, kw_only=True)
 class CasePlan:
-    """All choices of one object but its layout; lengths in metres."""
+    """All choices of one object except its layout (lengths in metres)."""
 
     looks: Looks
     stand: StandDesign
     worktop: float
-    """Thickness; 0 without one."""
+    """Thickness of the worktop; 0 for none."""
     overhang: tuple[float, float]
-    """Of the worktop, in front and at each side."""
+    """Overhang of the worktop, in front and at each side."""
 
 
 def draw_plan(rng: np.random.Generator, kind: Kind, style: Style, size: Size, wish: Wish) -> CasePlan:
-    """The choices for an object of a kind and a style in a size.
+    """Draws the choices for an object of a kind, style and size.
 
-    They are the same throughout a suite, in which cabinets that are made for a worktop have one.
+    They are equal throughout a suite, in which cabinets made for a worktop have one.
     """
     looks = draw_looks(rng, style, max(size), wish, hand=kind.hand)
     covered = bool(rng.random() < kind.worktop) or (wish.suite is not None and kind.rails > 0.0)
@@ -57,7 +57,7 @@ def draw_plan(rng: np.random.Generator, kind: Kind, style: Style, size: Size, wi
 
 
 def place_case(plan: CasePlan, size: Size) -> Space:
-    """The box of the cabinet in an object of a size: above the stand, below and within the worktop."""
+    """The box of the cabinet in an object of a size: above the stand, below the worktop."""
     width, depth, height = size
     ahead, aside = plan.overhang
     return Space(
@@ -68,10 +68,10 @@ def place_case(plan: CasePlan, size: Size) -> Space:
 
 
 def build_case(plan: CasePlan, node: Node, size: Size) -> tuple[ShapePart, ...]:
-    """All parts of an object whose front is divided as ``node`` says; the first one is its body."""
+    """All parts of an object with the layout ``node``; the first one is its body."""
     width, depth, height = size
     box, ahead, looks = place_case(plan, size), plan.overhang[0], plan.looks
-    if any(cell.fill == "slide" for cell in list_cells(node)):  # they run in the carcass, not behind a frame
+    if any(cell.fill == "slide" for cell in list_cells(node)):  # they run in the carcass
         looks = replace(looks, carcass=replace(looks.carcass, frame=0.0))
     if has_fronts(node):
         box = replace(box, x=(max(ahead, plan.looks.reach) - depth / 2, depth / 2))

@@ -1,7 +1,7 @@
-"""Furnishes the cells of a layout: fronts that move, and what is behind them.
+"""Furnishes the cells of a layout: moving fronts, and their contents.
 
-`furnish_cell` turns one `Placed` cell into solids that join the body and parts that hang from it. All choices
-that an object makes once (looks, swings, runners) are in a `Fitting`.
+`furnish_cell` turns one `Placed` cell into solids that join the body and parts that it carries. A `Fitting`
+holds the choices that are made once per object (design, swings, runners).
 """
 
 from dataclasses import dataclass, replace
@@ -33,44 +33,44 @@ RUNNER = 0.0105
 
 @dataclass(frozen=True, kw_only=True)
 class Fitting:
-    """What all cells of one body have in common, metres and radians."""
+    """Choices that all cells of one body share (metres, radians)."""
 
     front_x: float
-    """Front face of the fronts."""
+    """x of the front face of the fronts."""
     thickness: float
-    """Of the fronts."""
+    """Thickness of the fronts."""
     body: Range
-    """Front and inner back of the body (x)."""
+    """x of the front and of the inner back of the body."""
     doors: FrontDesign
     drawers: FrontDesign
     box: BoxDesign
     parent: str = "body"
     swing: float = radians(100)
-    """Of doors with a neighbour on their hinged edge."""
+    """Swing of doors with a neighbour on their hinged edge."""
     wide_swing: float = radians(110)
-    """Of doors whose hinged edge is free."""
+    """Swing of doors whose hinged edge is free."""
     travel: float = 0.75
-    """Of drawers, as a share of their depth."""
+    """Travel of drawers, as a share of their depth."""
     runners: bool = False
-    """Whether drawers run on rails that can be seen; else the box fills its opening."""
+    """Whether drawers run on visible rails; otherwise the box fills its opening."""
     shelf: float = 0.016
     """Thickness of loose shelves."""
     lock: bool = False
     """Whether doors have a turning lock."""
     frame: float = 0.0
-    """Depth of a face frame at the front of the body, 0 without one."""
+    """Depth of a face frame at the front of the body; 0 for none."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Furnished:
-    """What a cell adds to the body, and the parts that hang from it."""
+    """Solids that a cell adds to the body, and the parts that the body carries."""
 
     primitives: tuple[Primitive, ...] = ()
     parts: tuple[ShapePart, ...] = ()
 
 
 def furnish_cells(placed: tuple[Placed, ...], fitting: Fitting, prefix: str = "") -> Furnished:
-    """All cells, named by a prefix and their place in the layout."""
+    """Furnishes all cells, named by a prefix and their place in the layout."""
     done = [furnish_cell(cell, fitting, f"{prefix}{index}") for index, cell in enumerate(placed)]
     return Furnished(
         primitives=tuple(primitive for cell in done for primitive in cell.primitives),
@@ -79,7 +79,7 @@ def furnish_cells(placed: tuple[Placed, ...], fitting: Fitting, prefix: str = ""
 
 
 def furnish_cell(placed: Placed, fitting: Fitting, tag: str) -> Furnished:
-    """One cell; ``tag`` makes its names unique."""
+    """Furnishes one cell; ``tag`` makes its names unique."""
     fill = placed.cell.fill
     if fill == "drawer":
         return _hang_drawer(placed, fitting, tag)
@@ -99,7 +99,7 @@ def furnish_cell(placed: Placed, fitting: Fitting, tag: str) -> Furnished:
 
 
 def front_panel(placed: Placed, fitting: Fitting) -> Panel:
-    """The front of a whole cell."""
+    """The front panel of a whole cell."""
     return Panel(x=fitting.front_x, thickness=fitting.thickness, y=placed.front_y, z=placed.front_z)
 
 
@@ -129,7 +129,7 @@ def _hang_drawer(placed: Placed, fitting: Fitting, tag: str) -> Furnished:
 
 
 def _make_blank(placed: Placed, fitting: Fitting) -> Primitive:
-    """A board before the body where other cells have fronts, or within the opening."""
+    """A fixed board: before the body like the fronts of other cells, or within the opening."""
     if fitting.body[0] - fitting.front_x > 0.5 * fitting.thickness:
         x = (fitting.front_x, fitting.body[0])
         return fill_space(Space(x=x, y=placed.front_y, z=placed.front_z), fitting.doors.finish)
@@ -180,7 +180,7 @@ def _choose_swing(placed: Placed, edge: Edge, fitting: Fitting) -> float:
 
 
 def _make_lock(panel: Panel, parts: tuple[ShapePart, ...], edge: Edge) -> ShapePart:
-    """A knob with a bow that turns on the door beside its free edge, clear of the handle."""
+    """A turning lock with a key near the door's free edge, clear of the handle."""
     door, radius = parts[0].name, 0.015
     y = panel.y[0] + 0.03 if edge == "left" else panel.y[1] - 0.03
     z = panel.center[1]
@@ -196,7 +196,7 @@ def _make_lock(panel: Panel, parts: tuple[ShapePart, ...], edge: Edge) -> ShapeP
 
 
 def _hang_folding(panel: Panel, cell: Cell, fitting: Fitting, name: str) -> tuple[ShapePart, ...]:
-    """Two leaves: the second hangs on the free edge of the first."""
+    """A folding pair: the second leaf is hinged on the free edge of the first."""
     room = GAP / 2
     middle = panel.center[0]
     left, right = (
@@ -223,7 +223,7 @@ SLIDING_GRIP = HandleDesign(kind="recessed", length=0.15, thickness=0.012)
 
 
 def _hang_sliding(placed: Placed, fitting: Fitting, tag: str) -> tuple[ShapePart, ...]:
-    """Two leaves on two tracks within the opening, the left one in front; each slides over the other."""
+    """Two sliding leaves on two tracks within the opening, the left one in front."""
     overlap, margin = 0.03, 0.028
     y, z = (placed.y[0] + GAP, placed.y[1] - GAP), (placed.z[0] + GAP, placed.z[1] - GAP)
     width = (y[1] - y[0] + overlap) / 2
@@ -241,7 +241,7 @@ def _hang_sliding(placed: Placed, fitting: Fitting, tag: str) -> tuple[ShapePart
         return make_handle(panel, grip, name=f"{name}_handle_{index}", parent=name, upright=True, at=at)
 
     grips = [hold(front, names[0], at, k) for k, at in enumerate((front.y[1] - inset, front.y[0] + inset))]
-    still = hold(rear, names[1], rear.y[0] + inset, 0)  # it trails its leaf, whose leading edge is covered
+    still = hold(rear, names[1], rear.y[0] + inset, 0)  # its leading edge is covered
     leaves = [
         ShapePart(
             name=name, label="door", parent=fitting.parent, primitives=solids, motion=slide(travel, axis)
@@ -257,7 +257,7 @@ def _hang_sliding(placed: Placed, fitting: Fitting, tag: str) -> tuple[ShapePart
 def _fill_inside(
     placed: Placed, fitting: Fitting, tag: str, start: float, needs: tuple[Need, ...]
 ) -> Furnished:
-    """Shelves, trays or a rod between ``start`` and the back."""
+    """Shelves, trays or a hanging rod between ``start`` and the back."""
     cell = placed.cell
     span = (start, fitting.body[1])
     low, high = placed.z
@@ -285,7 +285,7 @@ def _make_shelf(x: Range, y: Range, z: float, fitting: Fitting, name: str) -> Sh
 
 
 def _hang_trays(placed: Placed, fitting: Fitting, tag: str, x: Range, needs: tuple[Need, ...]) -> Furnished:
-    """Trays on blocks that keep them clear of the opened doors."""
+    """Trays on spacers that keep them clear of the open doors."""
     block = fitting.thickness + 0.007
     pitch = (placed.z[1] - placed.z[0]) / placed.cell.count
     y = (placed.y[0] + block, placed.y[1] - block)

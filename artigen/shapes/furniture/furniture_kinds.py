@@ -1,4 +1,4 @@
-"""Kinds of storage furniture and looks of their fronts, as tables: sizes in metres, weights relative."""
+"""Tables: kinds of storage furniture and styles of fronts, with sizes in metres and relative weights."""
 
 from dataclasses import dataclass
 
@@ -11,18 +11,18 @@ from artigen.shapes.furniture.splits import Fill, Taste
 
 @dataclass(frozen=True, kw_only=True)
 class Style:
-    """A look: fronts, handles and how often it is sold."""
+    """A style: fronts, handles and relative frequency."""
 
     weight: float
     doors: tuple[FrontStyle, ...]
     drawers: tuple[FrontStyle, ...]
     handles: tuple[HandleKind, ...]
     inset: float
-    """Chance of fronts that lie within the body."""
+    """Probability of fronts within the body."""
     frame: float = 0.0
-    """Chance of a face frame before the body."""
+    """Probability of a face frame before the body."""
     closed: bool = False
-    """Whether it takes a door to show it."""
+    """Whether the style needs a door to be recognisable."""
 
 
 STYLES: dict[str, Style] = {
@@ -87,7 +87,7 @@ STYLES: dict[str, Style] = {
 
 @dataclass(frozen=True, kw_only=True)
 class Kind:
-    """A kind of furniture: ranges of its size (m), what it stands on, how it is divided."""
+    """A kind of furniture: ranges of its size (m), stands, division of its front."""
 
     weight: float
     width: Range
@@ -96,11 +96,11 @@ class Kind:
     stands: tuple[tuple[StandKind, float], ...]
     taste: Taste
     worktop: float = 0.0
-    """Chance of a top that covers the sides and stands out."""
+    """Probability of a top that covers the sides and overhangs."""
     rails: float = 0.0
-    """Chance that a top which is not covered is two rails: a worktop comes later."""
+    """Probability that a top without overhang is two rails for a later worktop."""
     hand: float = 1.05
-    """Height (m) of the hand that takes a tall door."""
+    """Height (m) at which a hand takes a tall door."""
 
 
 DOORS: tuple[tuple[Fill, float], ...] = (

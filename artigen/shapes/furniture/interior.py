@@ -1,4 +1,4 @@
-"""What is behind doors that cover several compartments: boards, shelves and rails, in the depth of a case."""
+"""Interiors behind doors that cover several compartments: boards, shelves and rails."""
 
 from artigen.shapes.fittings.hardware import GAP, Edge, Space, fill_space
 from artigen.shapes.furniture.cabinet import Looks
@@ -10,13 +10,13 @@ from artigen.shapes.primitives import Primitive
 def furnish_interior(
     space: Space, node: Node, looks: Looks, *, parent: str, prefix: str = "in_"
 ) -> Furnished:
-    """Open cells in a space, and the boards between them.
+    """Furnishes open cells in a space, with the boards between them.
 
     Args:
-        space: What is free behind the doors.
-        node: How it is divided; all its cells are open.
-        looks: Designs.
-        parent: The part that the boards join and that all else hangs from.
+        space: Free space behind the doors.
+        node: Layout; all its cells are open.
+        looks: Design.
+        parent: Name of the part that the boards join and that carries all other parts.
         prefix: Makes the names of parts unique.
     """
     edges: tuple[Edge, ...] = ("left", "right", "top", "bottom")

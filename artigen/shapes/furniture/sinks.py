@@ -1,4 +1,4 @@
-"""A basin cut out of a worktop, with a tap whose lever turns."""
+"""Sinks: a basin in a worktop and a tap with a turning lever."""
 
 from dataclasses import dataclass
 
@@ -9,7 +9,7 @@ from artigen.shapes.primitives import Primitive, cylinder
 from artigen.shapes.shape import Motion, ShapePart
 
 TAP_HEIGHT = 0.27
-"""How far (m) the tap stands above the worktop."""
+"""Height (m) of the tap above the worktop."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -21,7 +21,7 @@ class Sink:
 
 
 def make_sink(rng: np.random.Generator, top: Space, span: Range, *, parent: str) -> Sink:
-    """A worktop in a box: four boards around a steel basin that keeps within the ``span`` of y."""
+    """A worktop in a box: four boards around a steel basin within the ``span`` of y."""
     width, depth = top.width, top.depth
     under, height = top.z
     long = min(float(rng.uniform(0.36, 0.6)), span[1] - span[0] - 0.1)
@@ -55,7 +55,7 @@ def make_sink(rng: np.random.Generator, top: Space, span: Range, *, parent: str)
 def _make_tap(
     foot: tuple[float, float, float], wide: float, parent: str
 ) -> tuple[tuple[Primitive, ...], ShapePart]:
-    """A column with a spout over the basin, and a lever on its side that turns up."""
+    """A column with a spout over the basin, and a lever on its side that turns upwards."""
     x, y, z = foot
     tall, reach, radius = TAP_HEIGHT - 0.013, 0.55 * wide + 0.05, 0.013
     spout = (

@@ -1,8 +1,8 @@
-"""A small grammar of splits: how the front of a piece of furniture is divided, and what each cell holds.
+"""A split grammar for the fronts of furniture: how a front is divided, and what each cell holds.
 
-A `Node` is a `Cell` or a `Split` of a rectangle into rows (top to bottom) or columns (left to right, seen
-from the front) with proportions; `draw_node` derives one from a `Taste` by rules whose weights depend on the
-room there is, `mirror` turns it over, and `lay_out` gives every cell its opening and its front.
+A `Node` is a `Cell`, or a `Split` of a rectangle into rows (top to bottom) or columns (left to right, seen
+from the front) with proportions. `draw_node` derives one from a `Taste` by rules whose weights depend on the
+space, `mirror` reflects it, and `lay_out` gives every cell its opening and front.
 """
 
 from collections.abc import Callable
@@ -19,24 +19,24 @@ Fill = Literal["open", "drawer", "door", "double", "drop", "lift", "fold", "slid
 Inside = Literal["empty", "shelves", "trays", "rod"]
 
 FRONT_GAP = 0.003
-"""Joint (m) between two fronts."""
+"""Gap (m) between two fronts."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Cell:
-    """What closes an opening and what is behind it."""
+    """The closure of an opening and the contents behind it."""
 
     fill: Fill
     edge: Edge = "left"
-    """Hinge of a single door, fixed edge of a folding pair."""
+    """Hinged edge of a single door, fixed edge of a folding pair."""
     inside: Inside = "empty"
     count: int = 0
-    """Shelves or trays."""
+    """Number of shelves or trays."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Split:
-    """A rectangle in rows or columns; ``board`` says whether boards part them."""
+    """A rectangle divided into rows or columns; ``board`` says whether boards separate them."""
 
     along: Literal["rows", "columns"]
     shares: tuple[float, ...]
@@ -49,7 +49,7 @@ Node = Cell | Split
 
 @dataclass(frozen=True, kw_only=True)
 class Taste:
-    """What a kind of furniture likes; weights are relative chances, lengths metres."""
+    """Preferences of a kind of furniture: relative weights, lengths in metres."""
 
     module: Range = (0.36, 0.75)
     """Width of a column."""
@@ -57,21 +57,21 @@ class Taste:
     """Height of a drawer front."""
     rules: tuple[tuple[str, float], ...] = (("columns", 1.0), ("stack", 1.0), ("closed", 2.0), ("open", 0.4))
     fills: tuple[tuple[Fill, float], ...] = (("door", 3.0), ("double", 2.0))
-    """How closed cells are closed."""
+    """Closures of closed cells."""
     symmetry: float = 0.8
-    """Chance that columns of mirrored widths are mirror images."""
+    """Probability that columns of mirrored widths are mirror images."""
     shelf_pitch: Range = (0.24, 0.38)
     rod: float = 0.0
-    """Chance of a hanging rod where there is room for clothes."""
+    """Probability of a hanging rod where there is space for clothes."""
     trays: float = 0.15
-    """Chance of trays behind a door."""
+    """Probability of trays behind a door."""
     levels: int = 3
-    """Nested splits at most."""
+    """Maximum depth of nested splits."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Room:
-    """Where a node goes: metres, and how it got there."""
+    """The rectangle of a node (m), and its derivation."""
 
     width: float
     height: float
@@ -79,12 +79,12 @@ class Room:
     """Height of its lower edge above the floor."""
     level: int = 0
     within: str = ""
-    """Rule that made it; no rule follows itself."""
+    """The rule that made it; no rule follows itself."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Placed:
-    """A cell with its opening between boards, its front, and the edges beside which other fronts are."""
+    """A cell with its opening between boards, its front, and the edges next to other fronts."""
 
     cell: Cell
     y: Range
@@ -92,13 +92,13 @@ class Placed:
     front_y: Range
     front_z: Range
     room_y: Range
-    """What is free behind the opening: more than it where a face frame narrows it."""
+    """The free space behind the opening, larger than the opening if a face frame narrows that."""
     room_z: Range
     shared: frozenset[Edge] = field(default_factory=frozenset)
 
 
 def draw_node(rng: np.random.Generator, room: Room, taste: Taste) -> Node:
-    """Derives the node of a room: one rule of those that apply, by their weights."""
+    """Derives the node of a room by one of the applicable rules, chosen by weight."""
     weights = {
         name: weight * _RULES[name][0](room, taste)
         for name, weight in taste.rules
@@ -111,7 +111,7 @@ def draw_node(rng: np.random.Generator, room: Room, taste: Taste) -> Node:
 
 
 def mirror(node: Node) -> Node:
-    """The node seen in a mirror: left and right change places."""
+    """The node with left and right exchanged."""
     if isinstance(node, Cell):
         flipped: dict[Edge, Edge] = {"left": "right", "right": "left"}
         return replace(node, edge=flipped.get(node.edge, node.edge))
@@ -141,13 +141,13 @@ def lay_out(
     """Openings and fronts of all cells, and the boards between them as (y, z) rectangles.
 
     Args:
-        node: What is laid out.
+        node: The layout.
         y: Right and left edge of the opening (m).
         z: Lower and upper edge.
         board: Thickness of inner boards.
-        reach: How far fronts extend beyond the opening at each edge; negative for a front within it.
-        inset: Whether fronts stay within openings at inner boards too.
-        overlay: How far fronts reach over inner boards (m); as far as there is room if not given.
+        reach: Extent of fronts beyond the opening at each edge; negative for a front within it.
+        inset: Whether fronts stay within openings at inner boards, too.
+        overlay: Overlap (m) of fronts with inner boards; default: as far as possible.
     """
     if isinstance(node, Cell):
         front_y = (y[0] - reach["right"], y[1] + reach["left"])
@@ -182,7 +182,7 @@ def lay_out(
 
 
 def _divide(span: Range, shares: tuple[float, ...], board: float) -> list[Range]:
-    """Parts of a span from its upper end down, with a board between any two."""
+    """Divides a span from its upper end down, with boards between the parts."""
     free = span[1] - span[0] - board * (len(shares) - 1)
     parts = free * np.array(shares) / sum(shares)
     tops = span[1] - np.concatenate([[0.0], np.cumsum(parts + board)[:-1]])
@@ -198,7 +198,7 @@ COLUMNS = {
 
 
 def _columns_fit(room: Room, taste: Taste) -> float:
-    """Likely where a single front would be too wide, impossible where columns would be too narrow."""
+    """Weight: high if a single front would be too wide, 0 if columns would be too narrow."""
     if room.width < 2 * taste.module[0]:
         return 0.0
     return 1.0 + 8.0 * max(0.0, room.width / taste.module[1] - 1.2)
@@ -213,7 +213,7 @@ def _draw_columns(rng: np.random.Generator, room: Room, taste: Taste) -> Node:
     options = [s for s in COLUMNS[count] if min(s) / sum(s) * room.width >= 0.8 * low]
     shares = options[int(rng.integers(len(options)))] if options else (1.0,) * count
     children: list[Node] = []
-    same = rng.random() < 0.35  # the first column again and again
+    same = rng.random() < 0.35  # repeat the first column
     for index, share in enumerate(shares):
         inner = replace(room, width=room.width * share / sum(shares), level=room.level + 1, within="columns")
         twin = len(shares) - 1 - index
@@ -223,7 +223,7 @@ def _draw_columns(rng: np.random.Generator, room: Room, taste: Taste) -> Node:
             children.append(children[0])
         else:
             children.append(draw_node(rng, inner, taste))
-    if rng.random() < 0.92:  # doors open away from the middle, not against each other
+    if rng.random() < 0.92:  # doors open away from the middle
         half = (len(children) - 1) / 2
         children = [
             turn_doors(child, "left" if index < half else "right") if index != half else child
@@ -235,13 +235,13 @@ def _draw_columns(rng: np.random.Generator, room: Room, taste: Taste) -> Node:
 def _stack_fits(room: Room, taste: Taste) -> float:
     if not (0.2 <= room.width <= 1.25 and taste.drawer[0] * 1.6 <= room.height):
         return 0.0
-    if room.bottom + room.height > 1.45:  # nobody looks into a drawer above
+    if room.bottom + room.height > 1.45:  # drawers above eye level are useless
         return 0.0
     return 1.0 if room.height > 0.3 else 0.4
 
 
 def _draw_stack(rng: np.random.Generator, room: Room, taste: Taste) -> Node:
-    """Drawers one above the other: equal, growing downwards, or shallow ones on top."""
+    """Stacked drawers: equal, growing downwards, or with shallow ones on top."""
     low, high = taste.drawer
     few, many = max(1, int(np.ceil(room.height / high))), max(1, int(room.height / low))
     count = int(rng.integers(few, min(many, few + 2) + 1)) if many > few else few
@@ -255,7 +255,7 @@ def _draw_stack(rng: np.random.Generator, room: Room, taste: Taste) -> Node:
 
 
 def stack_drawers(shares: tuple[float, ...]) -> Node:
-    """Drawers of these heights from top to bottom, without boards between them."""
+    """Drawers of the given heights from top to bottom, without boards between them."""
     drawer = Cell(fill="drawer")
     if len(shares) == 1:
         return drawer
@@ -267,7 +267,7 @@ def _row_fits(room: Room, taste: Taste) -> float:
 
 
 def _draw_drawer_row(rng: np.random.Generator, room: Room, taste: Taste) -> Node:
-    """A row of drawers above the rest, at times below it."""
+    """A row of drawers above the rest, sometimes below it."""
     high = float(rng.uniform(taste.drawer[0], min(taste.drawer[1], 0.2)))
     count = int(np.clip(round(room.width / rng.uniform(0.4, 0.9)), 1, 4))
     drawers: Node = Cell(fill="drawer")
@@ -286,7 +286,7 @@ def _tall(room: Room, taste: Taste) -> float:
 
 
 def _draw_rows(rng: np.random.Generator, room: Room, taste: Taste) -> Node:
-    """A tall room in two: lockers above, drawers below, or two parts in a pleasing proportion."""
+    """A tall space in two: lockers above, drawers below, or two parts in a typical proportion."""
     kind = rng.choice(3, p=(0.25, 0.4, 0.35))
     if kind == 0:
         top = float(rng.uniform(0.3, 0.42))
@@ -326,7 +326,7 @@ def _blank_fits(room: Room, taste: Taste) -> float:
 
 
 def _draw_blank(rng: np.random.Generator, room: Room, taste: Taste) -> Node:
-    """A board that does not open: beside a door in a corner, or in place of a drawer below a basin."""
+    """A fixed board: beside a door in a corner, or in place of a drawer below a basin."""
     along: Literal["rows", "columns"] = "columns" if room.width > 0.75 and rng.random() < 0.5 else "rows"
     if room.height < 0.55:
         along = "columns"
@@ -360,7 +360,7 @@ FILL_ROOM: dict[Fill, tuple[Range, Range]] = {
     "slide": ((0.75, 2.4), (0.3, 2.2)),
     "drawer": ((0.2, 1.2), (0.09, 0.42)),
 }
-"""Width and height that each kind of front is sold in (m)."""
+"""Usual ranges of width and height of each kind of front (m)."""
 
 
 def _closed_fits(room: Room, taste: Taste) -> float:
@@ -368,7 +368,7 @@ def _closed_fits(room: Room, taste: Taste) -> float:
 
 
 def _draw_closed(rng: np.random.Generator, room: Room, taste: Taste) -> Node:
-    """A front that suits the room's size, and what is behind it."""
+    """A front that suits the size of the space, and the contents behind it."""
     weights: dict[Fill, float] = {fill: weight for fill, weight in taste.fills if _fits(fill, room)}
     if not weights:
         return _draw_open(rng, room, taste)

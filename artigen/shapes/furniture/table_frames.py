@@ -1,4 +1,4 @@
-"""What a table has beside its legs: tops with round corners or ends, aprons, stretchers, closed sides."""
+"""Components of tables besides legs: tops with round corners or ends, aprons, stretchers, closed sides."""
 
 from collections.abc import Sequence
 from itertools import pairwise
@@ -10,9 +10,9 @@ from artigen.shapes.fittings.hardware import Range, Space, fill_space
 from artigen.shapes.primitives import Primitive, Vector, box, cylinder, prism, rounded_box
 
 TopKind = Literal["plain", "rounded", "oval"]
-"""A rectangle, one with round corners, or one with half circles at its ends."""
+"""A rectangle, a rectangle with round corners, or one with semicircular ends."""
 StretcherKind = Literal["h", "ring", "rear"]
-"""Bars between the legs at both sides, with one between these, one in front and one behind, or one behind."""
+"""Stretchers at both sides, joined by one in the middle, by one in front and one behind, or by one behind."""
 STRETCHER_KINDS: tuple[StretcherKind, ...] = get_args(StretcherKind)
 Side = Literal["front", "back", "right", "left"]
 SIDES: tuple[Side, ...] = get_args(Side)
@@ -21,11 +21,11 @@ WALL = 0.02
 PANEL = 0.015
 """Thickness (m) of the boards that close a side."""
 ARCH = ((0.0, 1.0), (0.09, 0.62), (0.24, 0.2), (0.38, 0.0))
-"""How far along an arched apron the lower edge hangs down, as shares of its length and of the rise."""
+"""Lower edge of an arched apron: shares of its length and of the rise."""
 
 
 def make_top(width: float, depth: float, z: Range, kind: TopKind, radius: float) -> tuple[Primitive, ...]:
-    """A board centred on the object; ``radius`` (m) is that of round corners."""
+    """A board centred on the object, with round corners of ``radius`` (m)."""
     x, y = depth / 2, width / 2
     if kind == "plain":
         return (rounded_box((-x, -y, z[0]), (x, y, z[1]), 0.003, "top"),)
@@ -41,12 +41,12 @@ def make_top(width: float, depth: float, z: Range, kind: TopKind, radius: float)
 
 
 def most_radius(ahead: float, aside: float) -> float:
-    """Greatest radius (m) of a corner that still covers a leg so far within both edges."""
+    """Largest corner radius (m) that still covers a leg at the given distance from both edges."""
     return ahead + aside + float(np.sqrt(2 * ahead * aside))
 
 
 def inset_of_oval(depth: float, ahead: float) -> float:
-    """How far (m) legs stand from the ends of an oval top to be below it, ``ahead`` from its long edges."""
+    """Distance (m) of legs from the ends of an oval top that covers them, ``ahead`` from its long edges."""
     half = depth / 2
     return half - float(np.sqrt(half**2 - (half - ahead) ** 2))
 
@@ -54,15 +54,15 @@ def inset_of_oval(depth: float, ahead: float) -> float:
 def make_apron(
     x: Range, y: Range, z: Range, leg: float, *, sides: Sequence[Side] = SIDES, arch: float = 0.0
 ) -> tuple[Primitive, ...]:
-    """Boards between legs that stand in the rectangle x by y, set back from their outer faces.
+    """Apron boards between legs in the rectangle x by y, set back from the legs' outer faces.
 
     Args:
-        x: Outer faces of the legs.
-        y: Outer faces of the legs.
+        x: Outer faces of the legs (m).
+        y: Outer faces of the legs (m).
         z: Lower and upper edge of the boards.
         leg: Width of a leg (m).
-        sides: Where there are boards.
-        arch: How far the boards in front and behind hang down beside the legs, in an arch (m).
+        sides: Sides that have boards.
+        arch: Rise (m) of the arch of the front and rear boards; 0 for straight ones.
     """
     setback = 0.25 * leg
     spans: dict[Side, tuple[Range, Range]] = {
@@ -82,7 +82,7 @@ def make_apron(
 
 
 def make_arch(x: Range, y: Range, z: Range, rise: float, finish: str) -> tuple[Primitive, ...]:
-    """A board that hangs down by ``rise`` (m) at both ends, along an arch of straight pieces."""
+    """An arched board of straight pieces, lower by ``rise`` (m) at both ends."""
     length = y[1] - y[0]
     made: list[Primitive] = []
     for sign, end in ((1.0, y[0]), (-1.0, y[1])):
@@ -100,7 +100,7 @@ def make_arch(x: Range, y: Range, z: Range, rise: float, finish: str) -> tuple[P
 def make_stretchers(
     legs: Sequence[Primitive], z: float, width: float, kind: StretcherKind
 ) -> tuple[Primitive, ...]:
-    """Bars from leg to leg whose lower edges are at ``z``; they end within the legs, at their axes."""
+    """Bars from leg to leg with lower edges at ``z``; they end at the axes of the legs."""
     x, y = _span_axes(legs)
     up, half = (z, z + 1.3 * width), width / 2
     bars = [Space(x=x, y=(at - half, at + half), z=up) for at in y]
@@ -111,7 +111,7 @@ def make_stretchers(
 
 
 def make_panels(legs: Sequence[Primitive], z: Range) -> tuple[Primitive, ...]:
-    """Boards that close the sides and the back between the legs, at their axes."""
+    """Boards that close the sides and the back between the legs, at the axes of the legs."""
     x, y = _span_axes(legs)
     half = PANEL / 2
     boards = [Space(x=x, y=(at - half, at + half), z=z) for at in y]
@@ -120,6 +120,6 @@ def make_panels(legs: Sequence[Primitive], z: Range) -> tuple[Primitive, ...]:
 
 
 def _span_axes(legs: Sequence[Primitive]) -> tuple[Range, Range]:
-    """Where the axes of the outermost legs are (x, y)."""
+    """Axes (x, y) of the outermost legs."""
     low, high = (pick([leg.center for leg in legs], axis=0) for pick in (np.min, np.max))
     return (float(low[0]), float(high[0])), (float(low[1]), float(high[1]))

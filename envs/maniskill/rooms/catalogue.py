@@ -76,7 +76,7 @@ def read_catalogue(folder: Path) -> Catalogue:
             entries.append(entry)
     if not entries:
         reasons = [
-            f"{len(failed)} not proven, {failed[0]} is the first" if failed else "",
+            f"{len(failed)} did not pass, {failed[0]} is the first" if failed else "",
             f"{len(foreign)} not written by artigen, {foreign[0]} is the first" if foreign else "",
         ]
         raise PopulateError(

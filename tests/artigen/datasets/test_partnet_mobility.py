@@ -191,7 +191,7 @@ def test_a_slider_that_turns_is_a_screw_and_one_that_turns_freely_is_continuous(
     edit_json(folder / "mobility_v2.json", lambda v: v[3]["jointData"]["limit"].update(noRotationLimit=True))
     asset = read_object(folder, FAST).asset
     assert asset.parts[7].joint.type == "continuous"
-    assert any("the slide was left out" in note for note in asset.notes)
+    assert any("the slide was dropped" in note for note in asset.notes)
 
 
 def test_the_annotation_wins_over_the_urdf(folder, cabinet):
@@ -336,7 +336,7 @@ def test_missing_meshes_are_noted_while_geometry_is_left(folder):
     urdf = folder / "mobility.urdf"
     urdf.write_text(re.sub(r"<(visual|collision)[^>]*>[^\n]*original-9\.obj[^\n]*", "", urdf.read_text()))
     asset = read_object(folder, FAST).asset
-    assert "node 2 (knob) was left out: none of its mesh files exists" in asset.notes
+    assert "node 2 (knob) was dropped: none of its mesh files exists" in asset.notes
 
 
 BOMB = '<!DOCTYPE x [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;">]>'

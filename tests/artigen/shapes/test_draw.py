@@ -67,7 +67,7 @@ def test_counts_out_of_all_proportion_are_given_up_early():
 def test_lengths_that_hold_no_layout_are_drawn_again_unless_they_are_wished_for():
     drawn = draw_shape("StorageFurniture", 10106)  # the first lengths of this seed hold none
     assert len(drawn.parts) > 1
-    with pytest.raises(ShapeError, match="wish for a smaller one"):
+    with pytest.raises(ShapeError, match="request a smaller one"):
         draw_shape("StorageFurniture", 10106, Wish(width=6.0, depth=0.6, height=6.0))
 
 

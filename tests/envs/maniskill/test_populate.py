@@ -425,7 +425,7 @@ def test_panels_have_the_colour_of_the_suite_that_all_packages_are_of(folder, tm
     assert choose_filler_color(replace(catalogue, entries=suited)) == front
     assert choose_filler_color(replace(catalogue, entries=(*suited[1:], catalogue.entries[0]))) != front
     assert choose_filler_color(catalogue) != front
-    with pytest.raises(ArtigenError, match="family shaker beside packages"):
+    with pytest.raises(ArtigenError, match="family shaker with packages"):
         scene("kitchen", tmp_path / "room", 0, folder, SceneSettings(family="shaker"), pictures="none")
 
 
