@@ -139,7 +139,7 @@ def _measure(first: object, second: object) -> "tuple[float, coal.DistanceResult
 def find_islands(
     bounds: Float[np.ndarray, "N 2 3"], distance: Distance, sizes: Sequence[int], reach: float
 ) -> list[Island]:
-    """Groups of things that nothing within ``reach`` connects to the largest group.
+    """Groups of things that nothing within ``reach`` connects to the one with the largest thing.
 
     Things hold together by single linkage; the gap of a group is the width that the shortest bridges to the
     largest group ask for.
@@ -158,7 +158,8 @@ def find_islands(
     if len(names) == 1:
         return []
     members = [np.flatnonzero(groups == name) for name in names]
-    weights = np.array([sum(sizes[k] for k in own.tolist()) for own in members])
+    extents = np.linalg.norm(bounds[:, 1] - bounds[:, 0], axis=1)
+    main = int(np.argmax([extents[own].max() for own in members]))
     gaps = np.full((len(names), len(names)), np.inf)
     row = {name: index for index, name in enumerate(names.tolist())}
     for first, second, apart in _near_pairs(bounds, np.inf):
@@ -166,8 +167,8 @@ def find_islands(
         if a != b and apart < gaps[a, b]:
             gaps[a, b] = gaps[b, a] = min(gaps[a, b], distance(first, second))
     return [
-        Island(gap=gap, size=int(weights[index]), members=members[index])
-        for gap, index in _bridge(gaps, int(weights.argmax()))
+        Island(gap=gap, size=sum(sizes[k] for k in members[index].tolist()), members=members[index])
+        for gap, index in _bridge(gaps, main)
     ]
 
 
