@@ -1,6 +1,6 @@
 """``ArtiGen/Actuate-v0``: open one joint by pulling at its handle."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
 import gymnasium as gym
@@ -10,7 +10,6 @@ from jaxtyping import Float
 from artigen.transforms import inverse, transform_points
 
 from .base import SUBSTEPS, PackageEnv, open_fractions
-from .config import HandConfig
 from .hand import measure_moved, pose_matrix
 from .loaded import LoadedJoint, advance, qpos_of
 from .package import LoadConfig
@@ -23,13 +22,10 @@ ON_AXIS = 0.01
 
 @dataclass(frozen=True, kw_only=True)
 class ActuateConfig:
-    """Target joint and hand limits."""
+    """Target joint and success."""
 
     joint: str | None = None
     """Name of the joint; ``None`` samples one at every reset."""
-
-    hand: HandConfig = field(default_factory=HandConfig)
-    """Largest forces and torques; a full action is the largest one for the joint."""
 
     success_fraction: float = 0.9
     """Share of the range (of a full turn without limits) that counts as open."""
@@ -39,7 +35,7 @@ class ActuateEnv(PackageEnv):
     """The object has a fixed base and starts at rest; joints that the target requires to be open are open.
 
     **Action** ``[1]`` in [-1, 1]: force at the handle in its direction of motion as the joint opens, as a
-    share of the hand's largest force (30 N on a drawer, 10 N m on a door and at most 30 N at its handle, 10 N
+    share of the hand's largest force (30 N on a drawer, 20 N m on a door and at most 30 N at its handle, 10 N
     on a button, 1 N m on a knob; the weight of what is lifted is added). A handle on the joint's axis, such
     as a knob, is turned by a torque instead.
 
@@ -81,7 +77,7 @@ class ActuateEnv(PackageEnv):
                 "opening_direction": gym.spaces.Box(-1.0, 1.0, (3,), np.float32),
             }
         )
-        self._plans = plan_trials(self.loaded, self.cfg.hand).joints
+        self._plans = plan_trials(self.loaded).joints
         self._target = 0
         self._grip = np.zeros(3)
         self._travel = 0.0

@@ -1,6 +1,6 @@
 """Forces that a hand applies to a joint: magnitude, place and direction.
 
-A person pulls a drawer with at most 30 N and turns a door with at most 10 N m, and never with more than 30 N
+A person pulls a drawer with at most 30 N and turns a door with at most 20 N m, and never with more than 30 N
 at its handle, which limits the torque on small lids. Fingers push a button with 10 N and turn a knob with 10
 N at its rim and at most 1 N m. The hand also carries the weight of what it lifts, because packages do not
 model the springs and counterweights of appliances.
@@ -13,15 +13,23 @@ import numpy as np
 from jaxtyping import Float
 
 from artigen.transforms import rotation_about, transform_points
+from sim_export.physics.materials import GRAVITY
 
-from .config import HandConfig
 from .loaded import LoadedJoint, LoadedPackage, moving_links
 
 if TYPE_CHECKING:
     import sapien
     from sapien.physx import PhysxArticulationLinkComponent, PhysxCollisionShape
 
-GRAVITY = 9.81
+PULL = 30.0
+"""Largest force (N) on a drawer, or at the handle of a turning part."""
+TURN = 20.0
+"""Largest torque (N m) on a door, lid or wheel: 22 N at the handle of a door 0.9 m wide, the most that
+interior doors may need (2010 ADA Standards, 404.2.9)."""
+PUSH = 10.0
+"""Largest force (N) of fingers, on a button or at the rim of a knob."""
+TWIST = 1.0
+"""Largest torque (N m) of fingers on a knob."""
 FINGER_LABELS = ("knob",)
 
 
@@ -81,13 +89,13 @@ def measure_moved(loaded: LoadedPackage, joint: LoadedJoint) -> Moved:
     )
 
 
-def hand_effort(joint: LoadedJoint, moved: Moved, cfg: HandConfig) -> float:
+def hand_effort(joint: LoadedJoint, moved: Moved) -> float:
     """Largest effort of a hand on a joint: N for sliding joints, N m for turning ones."""
     fingers = joint.label in FINGER_LABELS
     if joint.spec.type == "prismatic":
-        return cfg.push if fingers else cfg.pull
+        return PUSH if fingers else PULL
     lever = _lever(joint, moved)
-    return min(cfg.twist, cfg.push * lever) if fingers else min(cfg.turn, cfg.pull * lever)
+    return min(TWIST, PUSH * lever) if fingers else min(TURN, PULL * lever)
 
 
 def weight_effort(joint: LoadedJoint, moved: Moved, q: Float[np.ndarray, "N"]) -> Float[np.ndarray, "N"]:

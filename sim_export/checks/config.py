@@ -20,6 +20,7 @@ CATEGORY_DIAGONALS: tuple[tuple[str, float, float], ...] = (
     ("Suitcase", 0.3, 1.5),
     ("Switch", 0.05, 0.6),
     ("Table", 0.3, 3.5),
+    ("Wardrobe", 1.0, 4.0),
     ("WashingMachine", 0.5, 2.0),
     ("Window", 0.3, 3.5),
 )
@@ -53,9 +54,6 @@ class CheckConfig:
 
     max_mass: float = 500.0
     """V007: kg; heavier links are a unit error."""
-
-    max_mass_ratio: float = 100.0
-    """V007: heaviest over lightest link; above it the message warns, the verdict stays."""
 
     inertia_tolerance: float = 1e-6
     """V008: relative slack of the triangle inequality between principal moments."""
@@ -169,9 +167,6 @@ class CheckConfig:
 
     min_protrusion: float = 0.005
     """V204: how far (m) a handle must stand out of its panel to be pinched."""
-
-    max_mirror_angle: float = 10.0
-    """V205: degrees between one door's opening direction and the mirrored one of its twin."""
 
     min_retained: float = 0.1
     """V206: share of a drawer's depth that is still inside its parent when it is open."""

@@ -21,7 +21,9 @@ from envs.dynamics import (
     check_energy,
     check_mujoco,
     check_repeat,
+    check_rest,
     check_stand,
+    check_stays_closed,
 )
 from envs.titles import TITLES
 from envs.trials import run_trials
@@ -70,7 +72,7 @@ def folder(package: SimPackage, tmp_path_factory: pytest.TempPathFactory) -> Pat
 
 @pytest.fixture(scope="module")
 def trials(folder: Path, package: SimPackage):
-    return run_trials(folder, package, 0.01, DynamicsConfig().trials)
+    return run_trials(folder, package, 0.01)
 
 
 def test_a_sound_cabinet_passes_everything(folder):
@@ -140,6 +142,21 @@ def test_a_seeded_defect_fails_its_check(package, tmp_path, defect, check):
     assert verdicts["V301"] == verdicts["V307"] == "pass"
 
 
+@pytest.mark.parametrize(
+    ("kind", "upper", "allowed"),
+    [("revolute", 2.0, 0.02), ("revolute", 0.5, np.radians(0.5)), ("prismatic", 0.4, 0.004)],
+)
+def test_a_joint_keeps_its_place_within_what_counts_as_its_limit(trials, kind, upper, allowed):
+    joint = replace(trials.joints[0], type=kind, lower=0.0, upper=upper)
+    none = np.zeros(1)
+    for drift, verdict in ((0.999 * allowed, "pass"), (1.001 * allowed, "fail")):
+        moved = np.array([drift])
+        run = replace(trials, joints=(joint,), rest_drift=moved, rest_speed=none, lean_drift=moved)
+        for check in (check_rest, check_stays_closed):
+            result = check(run)
+            assert (result.verdict, result.threshold) == (verdict, pytest.approx(allowed, rel=1e-3))
+
+
 def test_what_depends_on_the_step_size_fails_v309(package, tmp_path):
     wrong = seeded(package, "stiff knob")
     folder = write_package(wrong, tmp_path / "cabinet")
@@ -166,7 +183,7 @@ def test_scenes_do_not_depend_on_what_ran_in_the_process_before(package, folder)
 
 
 def test_hulls_that_sapien_knows_behave_as_those_it_reads(folder, package, trials):
-    known = run_trials(folder, package, 0.01, DynamicsConfig().trials, hulls="known")
+    known = run_trials(folder, package, 0.01, hulls="known")
     np.testing.assert_array_equal(known.trace, trials.trace)
 
 
@@ -195,7 +212,6 @@ def test_what_sapien_passes_over_fails_v301(package, tmp_path, damage: Callable[
 
 def test_joints_that_could_meet_are_tried_apart(package, tmp_path):
     """Two square knobs side by side that meet only where both are turned by 45 degrees."""
-    from envs.config import HandConfig
     from envs.package import LoadConfig, load_package
     from envs.plan import plan_trials
     from envs.scene import create_scene
@@ -222,11 +238,11 @@ def test_joints_that_could_meet_are_tried_apart(package, tmp_path):
         return replace(package, links=(*links, body), joints=tuple(joints), handles=(), requires_open=())
 
     groups = {}
-    for distance in (0.0555, 0.06):  # corners reach 28.3 mm from the axis
+    for distance in (0.0565, 0.0567):  # corners reach 28.3 mm from the axis
         folder = write_package(knobs(distance), tmp_path / f"{distance}")
         loaded = load_package(create_scene(0.01), folder, LoadConfig())
-        groups[distance] = len(plan_trials(loaded, HandConfig()).groups)
-    assert groups == {0.0555: 2, 0.06: 1}
+        groups[distance] = len(plan_trials(loaded).groups)
+    assert groups == {0.0565: 2, 0.0567: 1}
 
 
 def test_energy_from_nowhere_fails_v306(trials):

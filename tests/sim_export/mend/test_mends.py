@@ -12,6 +12,7 @@ from sim_export.checks.opening import door_panel, hinge_offset
 from sim_export.checks.subject import Subject
 from sim_export.collision.hulls import box_hull
 from sim_export.files.write import write_package
+from sim_export.geometry.islands import visual_islands
 from sim_export.mend.mends import mend_source
 from sim_export.mend.source import link_surfaces, open_source, source_package
 from sim_export.source_faults import overlaps_at_rest, overlaps_on_the_way, show_links
@@ -96,9 +97,12 @@ def test_a_part_inside_its_neighbour_moves_out_by_a_short_way():
     assert (mended.shifts[0] == 0.0).all()
 
 
-def test_a_part_deep_inside_its_neighbour_stays_and_is_not_said_to_be_mended():
-    source = chest(box((-0.25, -0.2, -0.1), (0.1, 0.2, 0.1)))
-    assert (mend_source(source).shifts == 0.0).all()
+@pytest.mark.parametrize(("depth", "eighths"), [(0.0043, 2), (0.0072, 2), (0.0252, 8), (0.0265, 0)])
+def test_a_part_moves_by_eighths_of_two_percent_of_the_diagonal_until_it_is_a_millimetre_deep(depth, eighths):
+    """3.1 mm to 25 mm; beyond that it stays, and is not said to be mended."""
+    source = chest(box((-0.25, -0.2, -0.1), (-0.2 + depth, 0.2, 0.1)))
+    moved = np.linalg.norm(mend_source(source).shifts[1])
+    assert moved == pytest.approx(eighths / 8 * 0.02 * np.linalg.norm([0.55, 0.5, 1.0]), rel=1e-3)
 
 
 def test_a_range_that_runs_into_the_body_ends_before_it():
@@ -115,9 +119,10 @@ def test_a_range_that_runs_into_the_body_ends_before_it():
     )
 
 
-def test_a_range_of_which_hardly_any_is_free_is_left_alone():
-    source = chest(box((-0.3, -0.2, -0.1), (-0.21, 0.2, 0.1)), upper=0.3, axis=(1.0, 0, 0))
-    assert mend_source(source).asset.parts[1].joint.upper == pytest.approx(0.3)
+@pytest.mark.parametrize(("free", "upper"), [(0.155, 0.15), (0.145, 0.3)])
+def test_a_range_of_which_less_than_half_is_free_is_left_alone(free, upper):
+    source = chest(box((-0.3 - free, -0.2, -0.1), (-0.2 - free, 0.2, 0.1)), upper=0.3, axis=(1.0, 0, 0))
+    assert mend_source(source).asset.parts[1].joint.upper == pytest.approx(upper)
 
 
 def with_handle(depth):
@@ -143,3 +148,19 @@ def test_a_handle_in_its_door_moves_out_until_it_can_be_grasped(depth, moves, tm
     assert bool(shift[0] < 0.0) is moves  # towards the front
     assert np.linalg.norm(shift) <= depth + 0.0025
     assert (mended.shifts[:2] == 0.0).all()
+
+
+@pytest.mark.parametrize(("gap", "held"), [(0.004, False), (0.006, True), (0.0399, True), (0.041, False)])
+def test_a_piece_that_floats_within_reach_is_held_by_a_post(gap, held):
+    sound = cabinet(DOOR, (-0.222, -0.25, 0.0))
+    knob = box((-0.242 - gap, 0.15, -0.02), (-0.222 - gap, 0.19, 0.02))
+    parts = (*sound.asset.parts, part_of(knob, "knob_0", "knob", 1, FIXED))
+    source = open_source(replace(sound.asset, parts=parts), (*sound.surfaces, knob))
+    mended = mend_source(source)
+    left = [len(visual_islands(shown, CFG.max_island)) for shown in link_surfaces(mended).values()]
+    assert (len(mended.posts) == 1) is held
+    assert any(left) is (gap > 0.04)
+    if held:
+        part, post = mended.posts[0]
+        assert part == 1  # the door, whose link holds both
+        assert np.ptp(post.reshape(-1, 3), axis=0).max() == pytest.approx(gap + 0.012)
