@@ -407,10 +407,15 @@ def test_pictures_show_the_room(rooms):
 
 
 def test_the_command_writes_scene_and_plan(folder, tmp_path, capsys):
-    cfg = SceneSettings(ajar=0.3)
+    cfg = SceneSettings(ajar=0.3, contents=1.0)
     assert scene("bedroom", tmp_path / "room", 1, folder, cfg, pictures="plan") == 0
     room = read_room(tmp_path / "room")
-    assert f"{len(room.placements)} objects" in capsys.readouterr().out
+    said = capsys.readouterr().out
+    assert f"{len(room.placements)} objects" in said
+    assert f"with {len(room.contents)} loose things" in said
+    assert {"wardrobe_1"} <= {item.holder for item in room.contents}
+    with pytest.raises(ArtigenError, match=r"contents 1\.5: expected .* shares from 0 to 1"):
+        scene("bedroom", tmp_path / "room", 1, folder, SceneSettings(contents=1.5), pictures="none")
     assert (tmp_path / "room" / "plan.png").stat().st_size > 5000
     assert not (tmp_path / "room" / "room.png").exists()
     assert dict(room.provenance)["packages"].startswith(f"{len(FURNITURE)} proven packages")
