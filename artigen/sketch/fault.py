@@ -2,13 +2,15 @@
 
 Each id corresponds to one measurement of a check:
 
-overlap    V202  two rigid bodies overlap at rest
+overlap    V202  two rigid bodies overlap at rest; a little of it fails V308 alone
 blocked    V201  a body collides with another one along its joint's range
-grazing    V201  a body enters another one by a small depth, but with much of its volume
+unheld     V305  a part requires its latch opened, which does not hold it closed
 floating   V104  a gap separates a body, or a fixed part, from its carrier
 loose            pieces of a part are detached from the rest; visible, but no check measures it
 inward     V203  a drawer or door opens into the body, or away from its handle
 hinge      V203  a door rotates about a line that is not its edge
+unhung           the line that a door rotates about is away from its carrier; no check measures it
+sealed           walls enclose the cavity behind a door on all sides; visible, but no check measures it
 handle     V204  a handle cannot be grasped
 released   V206  a drawer leaves its carrier when it is open
 range      V005  a slide is longer than the object, or a hinge turns more than one revolution
@@ -24,7 +26,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 FaultId = Literal[
-    "overlap", "blocked", "grazing", "floating", "loose", "inward", "hinge",
+    "overlap", "blocked", "unheld", "floating", "loose", "inward", "hinge", "unhung", "sealed",
     "handle", "released", "range", "thin", "crowded", "tipping", "unmet", "adrift", "extent",
 ]  # fmt: skip
 
@@ -35,7 +37,8 @@ _METRES = {"overlap", "blocked", "floating", "loose", "hinge", "handle", "thin",
 class Fault:
     """A defect: its id, the parts involved, the measured value and the limit.
 
-    ``value`` and ``allowed`` are metres; shares for ``grazing``, ``inward`` and ``released``; counts for
+    ``value`` and ``allowed`` are metres; shares for ``unheld``, ``unhung``, ``sealed``, ``inward`` and
+    ``released``; counts for
     ``crowded``; metres of a slide or radians of a hinge for ``range`` and ``adrift``; unused for ``unmet``.
     """
 
@@ -58,12 +61,15 @@ class Fault:
 _SENTENCES: dict[FaultId, str] = {
     "overlap": "{part} and {other} overlap by {value} at rest, allowed is {allowed}",
     "blocked": "{part} runs into {other} by {value} along its range, allowed is {allowed}",
-    "grazing": "{part} enters {other} with {value} of its volume along its range, allowed is {allowed}",
+    "unheld": "{part} moves by {value} of its range although {other} on it is closed, allowed is {allowed}",
     "floating": "{part} is {value} away from {other}, allowed is {allowed}",
     "loose": "pieces of {part} are {value} away from the rest, allowed is {allowed}",
     "inward": "{part} opens into {other} or away from its handle: {value} more sight lines are blocked ahead "
     "than behind, allowed is {allowed}",
     "hinge": "{part} rotates about a line {value} from its edge, allowed is {allowed}",
+    "unhung": "{part} hangs on {other} along {value} of its hinge, at least {allowed} is needed",
+    "sealed": "{part} opens onto a cavity that {other} encloses, over {value} of its area, "
+    "allowed is {allowed}",
     "handle": "{part} cannot be grasped: {value} of clearance is missing, allowed is {allowed}",
     "released": "{part} keeps {value} of its depth in its carrier when open, at least {allowed} is needed",
     "range": "{part} moves by {value} (m or rad), allowed is {allowed}",

@@ -9,11 +9,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
-from jaxtyping import Int
+from jaxtyping import Bool, Int
 
 from artigen.shapes.primitives import Primitive
 from artigen.shapes.shape import Shape
 from artigen.shapes.solids import list_solids
+from artigen.sketch.cavity import find_cavities, measure_sealed
 from artigen.sketch.contact import (
     Bodies,
     Near,
@@ -28,6 +29,7 @@ from artigen.sketch.fault import Fault, FaultId
 from artigen.sketch.opening import (
     FREE_MARGIN,
     MIN_HELD,
+    MIN_HUNG,
     Opener,
     find_obstacles,
     leans_back,
@@ -36,6 +38,7 @@ from artigen.sketch.opening import (
     measure_handle,
     measure_held,
     measure_hinge,
+    measure_hung,
 )
 from artigen.sketch.request import SketchRequest
 from artigen.sketch.sweep import (
@@ -44,7 +47,6 @@ from artigen.sketch.sweep import (
     Path,
     deepest,
     find_meetings,
-    measure_share,
     open_needed,
     place_opened,
     read_path,
@@ -52,14 +54,11 @@ from artigen.sketch.sweep import (
 from artigen.sketch.tree import Tree, read_tree
 from artigen.types import FULL_TURN
 
-MAX_OVERLAP = 0.001
-"""Penetration (m) at rest between bodies of which neither carries the other."""
-MAX_OVERLAP_CARRIED = 0.002
-"""Penetration (m) at rest between a body and its carrier."""
-MAX_ENTRY = 0.002
-"""Penetration (m) along a motion beyond that at rest."""
-MAX_SHARE = 0.01
-"""Share of a body's volume that may enter another one along its motion."""
+MAX_OVERLAP = 1e-6
+"""Penetration (m) of two bodies at rest: that of rounded numbers. Exact bodies touch; checks allow hulls of
+scanned objects more, but MuJoCo pushes apart whatever overlaps (V308)."""
+MAX_PLAY = 0.01
+"""Share of its range that a part may move before its latch holds it."""
 MAX_GAP = 0.005
 """Distance (m) of a body from its carrier."""
 MAX_SLIT = 0.002
@@ -70,6 +69,8 @@ MAX_ASPECT = 60.0
 """Ratio of length to thickness beyond which an exporter splits a hull that is not a box."""
 MAX_HULLS, MAX_HULLS_IN_ALL, MAX_LINKS = 32, 256, 64
 """Hulls per body, hulls in total, and bodies."""
+MAX_SEALED = 0.5
+"""Share of a panel's area behind which its carrier may enclose a cavity."""
 WITHIN = 0.01
 """Relative tolerance of requested extents."""
 HOPELESS = 4
@@ -111,9 +112,8 @@ class _Subject:
 def find_faults(shape: Shape) -> tuple[Fault, ...]:
     """Finds faults that would make the package of a shape fail its checks.
 
-    Stricter than the checks in one respect: a screw is followed through all of its turns, not only one.
-    Motions of a shape with more than `HOPELESS` faults at rest are skipped, because they are slow to check
-    where everything overlaps.
+    Stricter than the checks: exact bodies must not overlap, and a screw is followed through all of its turns.
+    Motions are skipped after more than `HOPELESS` faults at rest; where everything overlaps, they are slow.
     """
     return tuple(search_faults(shape))
 
@@ -133,7 +133,7 @@ def search_faults(shape: Shape) -> Iterator[Fault]:
         rest=_measure_rest(bodies, near),
     )
     count = 0
-    for finder in (_overlaps, _floating, _loose, _ranges, _trees, _hulls, _tips):
+    for finder in (_overlaps, _floating, _loose, _ranges, _trees, _hulls, _tips, _latches):
         for fault in finder(subject):
             count += 1
             yield fault
@@ -144,7 +144,7 @@ def search_faults(shape: Shape) -> Iterator[Fault]:
         courses.append(course)
         yield from _blocked(subject, course)
     moving = replace(subject, courses=tuple(courses), openers=tuple(list_openers(shape, bodies)))
-    for finder in (_inward, _openings):
+    for finder in (_inward, _openings, _sealed):
         yield from finder(moving)
 
 
@@ -162,8 +162,8 @@ def _follow_parts(shape: Shape, tree: Tree, bodies: Bodies) -> Iterator[_Course]
 
 def _measure_rest(bodies: Bodies, near: Near) -> dict[tuple[int, int], tuple[float, int, int]]:
     found: dict[tuple[int, int], tuple[float, int, int]] = {}
-    apart = bodies.links[near.first] == bodies.links[near.second]
-    for row in np.flatnonzero(~apart & (near.distance < -TOUCH)):
+    same = bodies.links[near.first] == bodies.links[near.second]
+    for row in np.flatnonzero(~same & (near.distance < -MAX_OVERLAP)):
         first, second = int(near.first[row]), int(near.second[row])
         one, other = sorted((int(bodies.links[first]), int(bodies.links[second])))
         depth = float(-near.distance[row])
@@ -175,11 +175,10 @@ def _measure_rest(bodies: Bodies, near: Near) -> dict[tuple[int, int], tuple[flo
 
 
 def _overlaps(subject: _Subject) -> Iterator[Fault]:
-    for (one, other), (depth, first, second) in subject.rest.items():
-        allowed = MAX_OVERLAP_CARRIED if subject.tree.related(one, other) else MAX_OVERLAP
-        if depth > allowed:
+    for depth, first, second in subject.rest.values():
+        if depth > MAX_OVERLAP:
             names = subject.name(first), subject.name(second)
-            yield Fault(id="overlap", part=names[0], other=names[1], value=depth, allowed=allowed)
+            yield Fault(id="overlap", part=names[0], other=names[1], value=depth, allowed=MAX_OVERLAP)
 
 
 def _blocked(subject: _Subject, course: _Course) -> Iterator[Fault]:
@@ -199,12 +198,21 @@ def _judge_meetings(subject: _Subject, course: _Course, rows: Int[np.ndarray, "M
     if excess <= TOUCH:
         return
     names = subject.name(int(found.first[at])), subject.name(int(found.second[at]))
-    if excess > MAX_ENTRY:
-        yield Fault(id="blocked", part=names[0], other=names[1], value=excess, allowed=MAX_ENTRY)
-        return
-    share = measure_share(placed, course.path, found, rows)
-    if share > MAX_SHARE:
-        yield Fault(id="grazing", part=names[0], other=names[1], value=share, allowed=MAX_SHARE)
+    yield Fault(id="blocked", part=names[0], other=names[1], value=excess, allowed=TOUCH)
+
+
+def _latches(subject: _Subject) -> Iterator[Fault]:
+    """Parts that move although a part on them, which they require opened, is closed: nothing holds them."""
+    bodies, tree = subject.bodies, subject.tree
+    numbers = {part.name: index for index, part in enumerate(subject.shape.parts)}
+    for index, part in enumerate(subject.shape.parts):
+        keys = [need.part for need in part.needs if index in tree.ancestors[numbers[need.part]]]
+        if part.motion is None or not keys:
+            continue
+        play = replace(part.motion, upper=MAX_PLAY * part.motion.upper)
+        carried = np.isin(bodies.links, tree.carried(index))
+        if not len(find_meetings(bodies, read_path(play, np.eye(4)), carried).first):
+            yield Fault(id="unheld", part=part.name, other=keys[0], value=1.0, allowed=MAX_PLAY)
 
 
 def _floating(subject: _Subject) -> Iterator[Fault]:
@@ -219,15 +227,14 @@ def _floating(subject: _Subject) -> Iterator[Fault]:
         if gap > MAX_GAP:
             names = subject.shape.parts[leader].name, subject.shape.parts[chain[0]].name
             if gap == np.inf:
-                gap = _widest_gap(bodies, leader, chain[0])
+                gap = _measure_gap(bodies, bodies.links == leader, bodies.links == chain[0])
             yield Fault(id="floating", part=names[0], other=names[1], value=gap, allowed=MAX_GAP)
 
 
-def _widest_gap(bodies: Bodies, one: int, other: int) -> float:
-    """Distance (m) between two bodies that are not close, from the bounds of their primitives."""
-    first, second = np.flatnonzero(bodies.links == one), np.flatnonzero(bodies.links == other)
-    pairs = np.stack(np.meshgrid(first, second, indexing="ij")).reshape(2, -1)
-    return float(measure_pairs(bodies, pairs[0], pairs[1]).min())
+def _measure_gap(bodies: Bodies, some: Bool[np.ndarray, "N"], others: Bool[np.ndarray, "N"]) -> float:
+    """Smallest distance (m) between two sets of primitives."""
+    pairs = np.meshgrid(np.flatnonzero(some), np.flatnonzero(others))
+    return float(measure_pairs(bodies, pairs[0].ravel(), pairs[1].ravel()).min())
 
 
 def _loose(subject: _Subject) -> Iterator[Fault]:
@@ -238,14 +245,13 @@ def _loose(subject: _Subject) -> Iterator[Fault]:
     groups = _connect(len(bodies.links), near.first[joined], near.second[joined])
     sizes = (bodies.high - bodies.low).prod(axis=1)
     for leader in np.unique(bodies.links).tolist():
-        rows = np.flatnonzero(bodies.links == leader)
-        volumes = {group: sizes[rows[groups[rows] == group]].sum() for group in np.unique(groups[rows])}
+        own = bodies.links == leader
+        volumes = {group: sizes[groups == group].sum() for group in np.unique(groups[own])}
         main = max(volumes, key=lambda group: volumes[group])
         for group in set(volumes) - {main}:
-            piece, rest = rows[groups[rows] == group], rows[groups[rows] != group]
-            pairs = np.stack(np.meshgrid(piece, rest, indexing="ij")).reshape(2, -1)
-            gap = float(measure_pairs(bodies, pairs[0], pairs[1]).min())
-            name, whole = subject.name(int(piece[0])), set(bodies.parts[piece].tolist())
+            piece, rest = groups == group, own & (groups != group)
+            gap = _measure_gap(bodies, piece, rest)
+            name, whole = subject.name(int(piece.argmax())), set(bodies.parts[piece].tolist())
             apart = not (whole & set(bodies.parts[rest].tolist()))
             kind: FaultId = "floating" if apart else "loose"
             carrier = subject.shape.parts[leader].name if apart else None
@@ -253,16 +259,12 @@ def _loose(subject: _Subject) -> Iterator[Fault]:
 
 
 def _connect(count: int, first: Int[np.ndarray, "C"], second: Int[np.ndarray, "C"]) -> Int[np.ndarray, "N"]:
-    """Connected components: the lowest index that each element is connected to."""
-    group = np.arange(count)
-    while True:
-        lowest = group.copy()
-        np.minimum.at(lowest, first, group[second])
-        np.minimum.at(lowest, second, group[first])
-        lowest = lowest[lowest]
-        if (lowest == group).all():
-            return group
-        group = lowest
+    """Number of the connected component of each element."""
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+
+    graph = coo_matrix((np.ones(len(first), dtype=bool), (first, second)), (count, count))
+    return connected_components(graph, directed=False)[1]
 
 
 def _inward(subject: _Subject) -> Iterator[Fault]:
@@ -293,6 +295,11 @@ def _openings(subject: _Subject) -> Iterator[Fault]:
             off, allowed = measure_hinge(bodies, opener)
             if off > allowed:
                 yield Fault(id="hinge", part=part.name, value=off, allowed=allowed)
+            carrier = subject.tree.ancestors[opener.index][0]
+            hung = measure_hung(bodies, opener, np.flatnonzero(bodies.links == carrier))
+            if hung < MIN_HUNG:
+                name = shape.parts[carrier].name
+                yield Fault(id="unhung", part=part.name, other=name, value=hung, allowed=MIN_HUNG)
         if part.label != "door" and opener.motion.type == "prismatic":
             carriers = find_obstacles(bodies, subject.tree, opener.index)
             held = measure_held(bodies, opener, carriers)
@@ -305,6 +312,18 @@ def _openings(subject: _Subject) -> Iterator[Fault]:
             if missing[best] > 0:
                 name = shape.parts[best].name
                 yield Fault(id="handle", part=name, other=part.name, value=missing[best], allowed=0.0)
+
+
+def _sealed(subject: _Subject) -> Iterator[Fault]:
+    """Drawers and doors that seem to close a cavity which walls enclose on all sides."""
+    openers = [opener for opener in subject.openers if opener.label != "tray"]
+    carriers = [subject.tree.ancestors[opener.index][0] for opener in openers]
+    cavities = {link: find_cavities(subject.bodies, link) for link in set(carriers)}
+    for opener, link in zip(openers, carriers, strict=True):
+        sealed = measure_sealed(subject.bodies, opener, cavities[link])
+        if sealed > MAX_SEALED:
+            one, other = subject.shape.parts[opener.index].name, subject.shape.parts[link].name
+            yield Fault(id="sealed", part=one, other=other, value=sealed, allowed=MAX_SEALED)
 
 
 def _ranges(subject: _Subject) -> Iterator[Fault]:
@@ -352,7 +371,7 @@ def _hulls(subject: _Subject) -> Iterator[Fault]:
 def _is_box(primitive: Primitive) -> bool:
     """Whether the corners are those of the primitive's box in its own frame."""
     corners = np.abs(primitive.vertices)
-    return len(corners) == 8 and bool(np.abs(corners - primitive.size / 2).max() < 1e-9)
+    return len(corners) == 8 and np.allclose(corners, primitive.size / 2, rtol=0.0, atol=1e-9)
 
 
 def _tips(subject: _Subject) -> Iterator[Fault]:

@@ -18,6 +18,9 @@ FIRST_TURN = 1.0
 """Largest rotation (radians) for which the tangent stands for the motion of a door's points."""
 EDGE_RATIO = 0.05
 """Largest distance of a hinge from the edge of its door, as a share of the door's width."""
+MIN_HUNG, HUNG_WITHIN = 0.2, 0.05
+"""Smallest share of a hinge's length that is at the carrier, and the distance (m) that counts as such. A door
+that only its top and bottom edge hold covers its opening in part."""
 MIN_HELD = 0.1
 """Smallest share of a drawer's depth that stays inside its carrier."""
 HOOK_DEPTH = 0.025
@@ -29,6 +32,8 @@ PROTRUSION = 0.005
 _PARALLEL = 0.5
 """Cosine between axis and panel normal above which a lid spins in its plane and has no hinge edge."""
 _COLUMNS = 24
+_HINGE_POINTS, _BEHIND = 101, 0.005
+"""Points along a hinge, and their distance (m) behind the door."""
 _GOLDEN = np.array([0.7548776662466927, 0.5698402909980532])
 """Steps of a low-discrepancy sequence in the unit square."""
 
@@ -104,6 +109,21 @@ def measure_hinge(bodies: Bodies, opener: Opener) -> tuple[float, float]:
     low, high, hinge = float(extent.min()), float(extent.max()), float(origin @ across)
     allowed = max(EDGE_RATIO * (high - low), float(np.ptp(points @ normal)) / 2)
     return min(abs(hinge - low), abs(hinge - high)), allowed
+
+
+def measure_hung(bodies: Bodies, opener: Opener, carrier: Int[np.ndarray, "C"]) -> float:
+    """Share of a door's height along its hinge at which its carrier is beside the hinge, behind the door."""
+    axis, origin = np.array(opener.motion.axis), np.array(opener.motion.origin)
+    points = bodies.vertices[opener.body].reshape(-1, 3)
+    out = opener.velocity((points.min(axis=0) + points.max(axis=0))[None] / 2)[0]
+    side = int(np.abs(out).argmax())
+    normal = np.eye(3)[side] * np.sign(out[side])
+    heights = (points - origin) @ axis
+    line = origin + np.linspace(heights.min(), heights.max(), _HINGE_POINTS)[:, None] * axis
+    line += np.outer((points @ normal).min() - _BEHIND - line @ normal, normal)
+    planes = bodies.planes[carrier]
+    outside = planes[:, :, :3] @ line.T + planes[:, :, 3:]
+    return float((outside.max(axis=1).min(axis=0) < HUNG_WITHIN).mean())
 
 
 def measure_held(bodies: Bodies, opener: Opener, carriers: Int[np.ndarray, "C"]) -> float:

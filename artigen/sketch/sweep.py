@@ -24,9 +24,6 @@ POSES = (21, 401)
 """Smallest and largest number of poses over a range."""
 RUN = 16
 """Consecutive poses that are pruned together."""
-SHARE_POINTS, SHARE_POSES = 16_000, 60
-"""Sample points in a body's bounds, and approximate number of poses against each solid, for measuring
-volume."""
 _ON_AXIS = 1e-6
 
 
@@ -45,7 +42,7 @@ class Path:
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Meetings:
     """Penetrations along a path deeper than `TOUCH`: primitives, pose and depth (m, upper bound unless
-    exact)."""
+    exact); exact ones, of boxes on slides, have no pose."""
 
     first: Int[np.ndarray, "C"]
     second: Int[np.ndarray, "C"]
@@ -103,14 +100,13 @@ def find_meetings(bodies: Bodies, path: Path, carried: Bool[np.ndarray, "N"]) ->
     else:
         first, second = _turning_pairs(bodies, path, ours, others)
         depth, known = np.zeros(len(first)), np.zeros(len(first), dtype=bool)
-    slid = _slide_deepest(bodies, path, first[known], second[known])
     rows, T, deep = _measure(bodies, path, ours, first[~known], second[~known])
     return Meetings(
         first=np.concatenate([first[known], first[~known][rows]]),
         second=np.concatenate([second[known], second[~known][rows]]),
-        T=np.concatenate([slid, T]),
+        T=np.concatenate([np.tile(np.eye(4), (int(known.sum()), 1, 1)), T]),
         depth=np.concatenate([depth[known], deep]),
-        exact=np.concatenate([np.ones(len(slid), dtype=bool), np.zeros(len(rows), dtype=bool)]),
+        exact=np.arange(known.sum() + len(rows)) < known.sum(),
     )
 
 
@@ -145,15 +141,6 @@ def _sliding_pairs(
     depth = shared.min(axis=2)
     i, j = np.nonzero(depth > TOUCH)
     return ours[i], others[j], depth[i, j]
-
-
-def _slide_deepest(
-    bodies: Bodies, path: Path, first: Int[np.ndarray, "C"], second: Int[np.ndarray, "C"]
-) -> Float[np.ndarray, "C 4 4"]:
-    """Displacements of deepest overlap of pairs of axis-aligned boxes along a slide."""
-    middle = (bodies.low + bodies.high) / 2
-    ways = np.clip((middle[second] - middle[first]) @ path.axis, 0.0, path.travel)
-    return screw_motion(path.axis, path.origin, np.zeros_like(ways), ways)
 
 
 def _turning_pairs(
@@ -286,49 +273,3 @@ def _frame_about(axis: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3 3"]:
     first = np.cross(helper, axis)
     first /= np.linalg.norm(first)
     return np.column_stack([first, np.cross(axis, first), axis])
-
-
-def measure_share(bodies: Bodies, path: Path, found: Meetings, rows: Int[np.ndarray, "M"]) -> float:
-    """Share of a moving body's volume that enters another body along its path and is outside at the start.
-
-    Args:
-        bodies: All primitives, at the start of the path.
-        path: The motion.
-        found: Penetrations along the path.
-        rows: Those between the two bodies.
-    """
-    link, other = (bodies.links[ids[rows[0]]] for ids in (found.first, found.second))
-    points = _fill_body(bodies, np.flatnonzero(bodies.links == link))
-    at_first = np.zeros(len(points), dtype=bool)
-    for obstacle in np.flatnonzero(bodies.links == other):
-        at_first |= _inside(bodies, int(obstacle), points)
-    outside, entered = points[~at_first], np.zeros(int((~at_first).sum()), dtype=bool)
-    for obstacle in np.unique(found.second[rows]):
-        met = rows[found.second[rows] == obstacle]
-        slid = found.exact[met].any()  # slides are recorded at their deepest pose only
-        poses = _sample_poses(path, path.travel) if slid else found.T[met]
-        for T in poses[:: max(1, len(poses) // SHARE_POSES)]:
-            left = np.flatnonzero(~entered)
-            entered[left] = _inside(bodies, int(obstacle), transform_points(T, outside[left]))
-    return float(entered.sum() / len(points))
-
-
-def _fill_body(bodies: Bodies, rows: Int[np.ndarray, "M"]) -> Float[np.ndarray, "S 3"]:
-    """Points sampled in the union of primitives; deterministic."""
-    low, high = bodies.low[rows].min(axis=0), bodies.high[rows].max(axis=0)
-    for count in (SHARE_POINTS, 8 * SHARE_POINTS):
-        points = np.random.default_rng(0).uniform(low, high, size=(count, 3))
-        inside = np.zeros(count, dtype=bool)
-        for row in rows:
-            inside |= _inside(bodies, int(row), points)
-        if inside.sum() >= SHARE_POINTS / 16:
-            break
-    return points[inside]
-
-
-def _inside(bodies: Bodies, row: int, points: Float[np.ndarray, "S 3"]) -> Bool[np.ndarray, "S"]:
-    near = ((points > bodies.low[row]) & (points < bodies.high[row])).all(axis=1)
-    if not bodies.upright[row]:
-        planes = bodies.planes[row]
-        near[near] = (points[near] @ planes[:, :3].T + planes[:, 3] < 0).all(axis=1)
-    return near

@@ -20,6 +20,7 @@ CATEGORY_DIAGONALS: tuple[tuple[str, float, float], ...] = (
     ("Suitcase", 0.3, 1.5),
     ("Switch", 0.05, 0.6),
     ("Table", 0.3, 3.5),
+    ("Wardrobe", 1.0, 4.0),
     ("WashingMachine", 0.5, 2.0),
     ("Window", 0.3, 3.5),
 )

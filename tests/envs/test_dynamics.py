@@ -21,7 +21,9 @@ from envs.dynamics import (
     check_energy,
     check_mujoco,
     check_repeat,
+    check_rest,
     check_stand,
+    check_stays_closed,
 )
 from envs.titles import TITLES
 from envs.trials import run_trials
@@ -138,6 +140,21 @@ def test_a_seeded_defect_fails_its_check(package, tmp_path, defect, check):
     verdicts = {result.id: result.verdict for result in check_dynamics(folder, wrong, ONE_STEP_SIZE)}
     assert verdicts[check] == "fail"
     assert verdicts["V301"] == verdicts["V307"] == "pass"
+
+
+@pytest.mark.parametrize(
+    ("kind", "upper", "allowed"),
+    [("revolute", 2.0, 0.02), ("revolute", 0.5, np.radians(0.5)), ("prismatic", 0.4, 0.004)],
+)
+def test_a_joint_keeps_its_place_within_what_counts_as_its_limit(trials, kind, upper, allowed):
+    joint = replace(trials.joints[0], type=kind, lower=0.0, upper=upper)
+    none = np.zeros(1)
+    for drift, verdict in ((0.999 * allowed, "pass"), (1.001 * allowed, "fail")):
+        moved = np.array([drift])
+        run = replace(trials, joints=(joint,), rest_drift=moved, rest_speed=none, lean_drift=moved)
+        for check in (check_rest, check_stays_closed):
+            result = check(run)
+            assert (result.verdict, result.threshold) == (verdict, pytest.approx(allowed, rel=1e-3))
 
 
 def test_what_depends_on_the_step_size_fails_v309(package, tmp_path):

@@ -8,6 +8,7 @@ import pytest
 from artigen.shapes.draw import categories, draw_shape
 from artigen.shapes.furniture.furniture_kinds import KINDS
 from artigen.shapes.shape import Shape
+from sim_export.checks.config import CheckConfig
 
 SEEDS = range(12)
 Range = tuple[float, float]
@@ -85,3 +86,13 @@ def test_wardrobes_are_deep_enough_for_hangers():
     """DIN 68890: clothes on hangers need 500 mm."""
     for seed in range(4):
         assert extents(draw_shape("Wardrobe", seed))[1] >= 0.5 - 1e-6
+
+
+@pytest.mark.parametrize("category", ["Wardrobe", "Switch", "Laptop", "Refrigerator"])
+def test_the_size_check_knows_the_largest_and_the_smallest_kinds(category: str):
+    """V009 tells units apart; it must not refuse what the grammar draws."""
+    cfg = CheckConfig()
+    low, high = {name: rest for name, *rest in cfg.category_diagonals}.get(category, cfg.diagonal_range)
+    for seed in range(30):
+        size = draw_shape(category, seed).condition
+        assert low <= np.linalg.norm([size.depth, size.width, size.height]) <= high

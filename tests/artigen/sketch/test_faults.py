@@ -20,6 +20,7 @@ from artigen.sketch.sweep import deepest, find_meetings, open_needed, place_open
 from artigen.sketch.tree import read_tree
 from artigen.sketch.words import CATEGORIES
 from artigen.types import PartLabel
+from envs.trials import LIMIT_FRACTION
 from sim_export.checks.config import CheckConfig
 from sim_export.checks.suite import run_checks
 from sim_export.collision.contacts import HullSet, find_penetration, signed_distances
@@ -33,7 +34,6 @@ FINISH = Finish(kind="plastic", color=(0.5, 0.5, 0.5), accent=(0.4, 0.4, 0.4))
 CHECKS = {
     "overlap": "V202",
     "blocked": "V201",
-    "grazing": "V201",
     "floating": "V104",
     "inward": "V203",
     "hinge": "V203",
@@ -118,11 +118,9 @@ def test_procedural_shapes_have_none(category: str):
 
 def test_thresholds_are_those_of_the_checks():
     checks = CheckConfig()
-    assert (
-        checks.max_rest_overlap,
-        checks.max_rest_overlap_parent,
-    ) == (faults.MAX_OVERLAP, faults.MAX_OVERLAP_CARRIED)
-    assert (checks.max_penetration, checks.max_swept_overlap) == (faults.MAX_ENTRY, faults.MAX_SHARE)
+    assert faults.MAX_OVERLAP < checks.max_rest_overlap <= checks.max_rest_overlap_parent  # of scans
+    assert checks.max_penetration > sweep.TOUCH
+    assert LIMIT_FRACTION == faults.MAX_PLAY
     assert (checks.max_gap, checks.min_thickness) == (faults.MAX_GAP, faults.MIN_THICKNESS)
     assert checks.max_hulls_per_link >= faults.MAX_HULLS  # real objects may have more on one link
     assert checks.max_hulls == faults.MAX_HULLS_IN_ALL
@@ -137,16 +135,13 @@ def test_thresholds_are_those_of_the_checks():
     assert (checks.max_grasp_width, checks.min_protrusion) == (opening.GRASP_WIDTH, opening.PROTRUSION)
 
 
-@pytest.mark.parametrize(("deep", "found"), [(0.0019, set()), (0.0021, {"overlap"})])
-def test_a_drawer_may_overlap_its_body_a_little(deep: float, found: set[str]):
-    shape = make_shape(shelf_body(), drawer(y=(-0.297, 0.3 + deep)))
-    assert ids(shape) == found
-    assert all(fault.value == pytest.approx(deep) for fault in find_faults(shape))
-
-
-@pytest.mark.parametrize(("deep", "found"), [(0.0009, set()), (0.0011, {"overlap"})])
-def test_two_drawers_may_overlap_less(deep: float, found: set[str]):
-    assert ids(make_shape(shelf_body(), drawer(), drawer("upper", z=(0.2 - deep, 0.4)))) == found
+@pytest.mark.parametrize(("deep", "found"), [(0.0, set()), (9e-7, set()), (1.1e-6, {"overlap"})])
+def test_bodies_touch_and_do_not_overlap(deep: float, found: set[str]):
+    walled = make_shape(shelf_body(), drawer(y=(-0.297, 0.3 + deep)))
+    stacked = make_shape(shelf_body(), drawer(), drawer("upper", z=(0.2 - deep, 0.4)))
+    for shape in (walled, stacked):
+        assert ids(shape) == found
+        assert all(fault.value == pytest.approx(deep) for fault in find_faults(shape))
 
 
 def with_stop(deep: float) -> Shape:
@@ -158,32 +153,34 @@ def with_stop(deep: float) -> Shape:
     return make_shape(shelf_body(*bars), drawer())
 
 
-@pytest.mark.parametrize(("deep", "found"), [(0.0019, set()), (0.0021, {"blocked"})])
-def test_a_drawer_may_enter_what_is_on_its_way_a_little(deep: float, found: set[str]):
+@pytest.mark.parametrize(("deep", "found"), [(0.00009, set()), (0.00011, {"blocked"})])
+def test_nothing_is_on_the_way_of_a_drawer(deep: float, found: set[str]):
     shape = with_stop(deep)
     assert ids(shape) == found
     for fault in find_faults(shape):
         assert (fault.part, fault.other, fault.value) == ("drawer", "body", pytest.approx(deep))
-        assert fault.text == "drawer runs into body by 2.1 mm along its range, allowed is 2 mm"
+        assert fault.text == "drawer runs into body by 0.11 mm along its range, allowed is 0.1 mm"
 
 
-def with_lip(height: float, deep: float) -> Shape:
-    """A board that slides out under a lip, as wide as itself, that reaches down too far."""
-    lip = block((-0.02, 0.0), (-0.32, 0.32), (0.023 + height - deep, 0.2))
-    return make_shape(shelf_body(lip), drawer(z=(0.023, 0.023 + height)))
+def latched(play: float) -> Shape:
+    """A door whose lever has a tongue that lies behind a keep, with this much room (m) at 0.59 m from the
+    hinge."""
+    keep = (
+        block((-0.1, 0.0), (-0.32, -0.302), (0.2, 0.3)),
+        block((-0.1, -0.08), (-0.302, -0.28), (0.2, 0.3)),
+    )
+    tongue = block((-0.08 + play, -0.03), (-0.301, -0.29), (0.24, 0.26))
+    grip = block((-0.05, -0.023), (-0.29, -0.27), (0.24, 0.26))
+    press = Motion(type="revolute", axis=(1.0, 0.0, 0.0), origin=(-0.03, -0.28, 0.25), upper=1.0)
+    lever = part("lever", "knob", grip, tongue, motion=press, parent="door")
+    leaf = replace(door(), needs=(Need(part="lever", fraction=0.9),))
+    return make_shape(shelf_body(*keep), leaf, lever)
 
 
-@pytest.mark.parametrize(
-    ("height", "deep", "found"),
-    [
-        (0.01, 0.00016, set()),  # 0.9 % of the board slides into the lip
-        (0.01, 0.0002, {"grazing"}),  # 1.1 %
-        (0.004, 0.00009, set()),  # 1.2 %, but hardly a touch
-        (0.004, 0.00011, {"grazing"}),
-    ],
-)
-def test_little_of_a_body_may_graze_another(height: float, deep: float, found: set[str]):
-    assert ids(with_lip(height, deep)) == found
+@pytest.mark.parametrize(("play", "held"), [(0.0, True), (0.0086, True), (0.0092, False), (0.03, False)])
+def test_a_latch_holds_its_door(play: float, held: bool):  # noqa: FBT001 - a case
+    """A hundredth of the door's range, 1.5 rad, is 8.8 mm at the tongue."""
+    assert ("unheld" in ids(latched(play))) != held
 
 
 def test_what_overlaps_at_rest_is_not_counted_on_the_way():
@@ -278,6 +275,43 @@ def test_a_hinge_turns_at_most_once_round(more: float, found: set[str]):
     spin = Motion(type="revolute", axis=(0.0, 0.0, 1.0), upper=2 * np.pi + more)
     dial = part("dial", "knob", cylinder((0, 0, 0.01), (0, 0, 0.05), 0.02, "paint"), motion=spin)
     assert ids(make_shape(plate, dial)) == found
+
+
+@pytest.mark.parametrize(("away", "found"), [(0.049, False), (0.051, True)])
+def test_a_door_hangs_on_what_is_beside_it(away: float, found: bool):  # noqa: FBT001 - a case
+    """Where only the board below is at the hinge, it holds five centimetres of forty-nine."""
+    side = block((0, 0.4), (0.3 + away, 0.32 + away), (0, 0.5))
+    body = replace(shelf_body(), primitives=(*shelf_body().primitives[:3], side))
+    floor = block((0, 0.4), (0.3, 0.32 + away), (0, 0.02))
+    shape = make_shape(replace(body, primitives=(*body.primitives, floor)), door())
+    assert ("unhung" in ids(shape)) == found
+
+
+@pytest.mark.parametrize(("height", "found"), [(0.062, False), (0.054, True)])
+def test_a_door_hangs_along_a_fifth_of_its_hinge(height: float, found: bool):  # noqa: FBT001 - a case
+    """A post beside the hinge counts up to 5 cm beyond its end."""
+    walls = shelf_body().primitives[:3]
+    posts = (block((0, 0.02), (0.3, 0.32), (0.0, height)), block((0.3, 0.38), (0.3, 0.32), (0.02, 0.5)))
+    shape = make_shape(part("body", "base", *walls, *posts, parent=None), door())
+    assert ("unhung" in ids(shape)) == found
+
+
+def sealed_box(wall: float, wide: float, *, hole: bool = False) -> Shape:
+    """A door before a box with walls on all sides, as thick in front as given, whose inside is as wide as
+    given."""
+    top = block((0, 0.4), (-0.3, 0.3), (0.49, 0.51))
+    front = block((0, wall), (-0.3, 0.3 - 0.1 * hole), (0.02, 0.49))
+    fill = block((0, 0.38), (-0.3 + wide, 0.3), (0.02, 0.49))
+    return make_shape(shelf_body(top, front, *(() if hole else (fill,))), door())
+
+
+@pytest.mark.parametrize(
+    ("wall", "wide", "found"),
+    [(0.046, 0.5, True), (0.048, 0.5, False), (0.02, 0.33, True), (0.02, 0.3, False), (0.02, 0.0001, False)],
+)
+def test_no_door_opens_onto_a_sealed_cavity(wall: float, wide: float, found: bool):  # noqa: FBT001 - a case
+    assert ("sealed" in ids(sealed_box(wall, wide))) == found
+    assert ids(sealed_box(wall, wide, hole=True)) == set()
 
 
 def with_grip(*primitives: Primitive) -> Shape:
@@ -552,7 +586,9 @@ def test_checks_of_the_package_agree(defect: str, tmp_path: Path):
     shape = DEFECTS[defect]()
     write_package(make_package(shape, "reference"), tmp_path / "package", "replace")
     failed = {check.id for check in run_checks(tmp_path / "package") if check.verdict == "fail"}
-    assert {CHECKS[fault.id] for fault in find_faults(shape) if fault.id in CHECKS} == failed
+    found = {CHECKS[fault.id] for fault in find_faults(shape) if fault.id in CHECKS}
+    assert failed <= found
+    assert found - failed <= {"V201", "V202"}  # exact bodies touch at most
     assert bool(failed) == (defect != "none")
 
 

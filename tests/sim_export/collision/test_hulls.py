@@ -3,9 +3,12 @@
 import numpy as np
 import pytest
 
+from artigen.shapes.primitives import place_vertices, rounded_box
+from sim_export.collision.hull_limits import HullLimits, hull_aspect, trim_hull
 from sim_export.collision.hulls import FLAT, clip_hull, convex_hull, hull_volume, reduce_hull
 from sim_export.errors import DegeneratePart
 from sim_export.geometry.solids import as_solid
+from sim_export.package import Hull
 
 
 @pytest.mark.parametrize("apart", [1e-15, 1e-14, 1e-12, 1e-10, 1e-8])
@@ -48,3 +51,13 @@ def test_a_slanted_plate_stays_one_when_it_loses_corners():
         reduced = reduce_hull(convex_hull(slanted), max_vertices=16, max_polygons=20)
         assert len(reduced.vertices) <= 16
         assert 0.0 < hull_volume(reduced) < hull_volume(convex_hull(slanted))
+
+
+@pytest.mark.parametrize("sides", [(0.587, 0.615), (0.61, 0.61), (0.3, 1.8), (1.2, 1.7)])
+def test_a_bevelled_plate_that_is_cut_loses_nothing(sides: tuple[float, float]):
+    plate = rounded_box((0.0, 0.0, 0.0), (0.006, *sides), 0.002, "front")
+    hull, limits = Hull(vertices=place_vertices(plate), faces=plate.faces), HullLimits()
+    pieces = trim_hull(hull, limits)
+    assert len(pieces) > 1
+    assert max(map(hull_aspect, pieces)) <= limits.max_aspect + 1e-6
+    assert sum(map(hull_volume, pieces)) == pytest.approx(hull_volume(hull))
