@@ -34,7 +34,9 @@ def main(
     out: Annotated[Path, tyro.conf.arg(aliases=["-o"])] = Path("out/bench"),
     stages: tuple[Stage, ...] = ("convert", "originals", "likeness", "table"),
     workers: int = 2,
+    *,
     visual: Literal["voxels", "source"] = "voxels",
+    mend: bool = False,
 ) -> None:
     """Runs the stages in the order given."""
     splits = json.loads((objects / "splits.json").read_text())
@@ -44,7 +46,7 @@ def main(
     for stage in stages:
         if stage == "convert":
             folders = tuple(sources / key for keys in groups.values() for key in keys)
-            convert(folders, out / "packages", ConvertSettings(visual=visual), workers=workers)
+            convert(folders, out / "packages", ConvertSettings(visual=visual, mend=mend), workers=workers)
         elif stage == "originals":
             validate_originals(sources, groups, out / "originals", workers)
         elif stage == "likeness":

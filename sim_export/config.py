@@ -19,9 +19,6 @@ from sim_export.geometry.meshing import MeshingConfig
 from sim_export.geometry.wheels import WheelConfig
 from sim_export.physics.annotations import HandleConfig
 
-MOST_OF_LINK = 96
-"""Largest number of hulls of a link that is made from a source's surface."""
-
 
 @dataclass(frozen=True, kw_only=True)
 class ExportConfig:
@@ -62,13 +59,6 @@ class ExportConfig:
 
 
 def for_surfaces(cfg: ExportConfig) -> ExportConfig:
-    """Settings for hulls made from a source's own surface: sheets, and more hulls per link."""
-    addition = replace(cfg.attachment.addition, max_hulls=MOST_OF_LINK)
-    return replace(
-        cfg,
-        clearance=replace(
-            cfg.clearance, max_hulls=MOST_OF_LINK, relief=replace(cfg.clearance.relief, sheets=True)
-        ),
-        feet=replace(cfg.feet, addition=addition),
-        attachment=replace(cfg.attachment, addition=addition),
-    )
+    """Settings for hulls made from a source's own surface, which may be sheets."""
+    relief = replace(cfg.clearance.relief, sheets=True)
+    return replace(cfg, clearance=replace(cfg.clearance, relief=relief))

@@ -29,6 +29,8 @@ from sim_export.config import ExportConfig, for_surfaces
 from sim_export.geometry.boards import fill_boards
 from sim_export.geometry.meshing import mesh_parts, solid_parts
 from sim_export.geometry.separation import separate_solids
+from sim_export.geometry.strays import settle_strays
+from sim_export.geometry.struts import brace_links
 from sim_export.geometry.wheels import round_wheels
 from sim_export.package import Inertial, Link, Mesh, SimPackage, SourceMesh
 from sim_export.physics.annotations import annotate_handles
@@ -89,7 +91,8 @@ def export_asset(
     watch = _Stopwatch()
     if asset.voxels is None:
         raise ValueError(f"asset {asset.name!r} has no voxels; voxelize its surface first")
-    voxels, gaps = fill_boards(asset.voxels, link_owners(asset))
+    voxels, settled = settle_strays(asset, link_owners(asset))
+    voxels, gaps = fill_boards(voxels, link_owners(asset))
     asset = replace(asset, voxels=voxels)
     solids, given_up = separate_solids(asset, solid_parts(asset), link_owners(asset))
     plain = mesh_parts(asset, cfg.meshing, solids)
@@ -140,7 +143,8 @@ def export_asset(
     if source_meshes is None:
         filled = fill_meshes(tree.links, solid, asset.scale / voxels.resolution, cfg.filling)
         trimmed = trim_meshes(tree.links, tree.joints, needs, filled.meshes, cfg.trimming)
-        trimmed = replace(trimmed, records=(*filled.records, *trimmed.records))
+        braced = brace_links(tree.links, trimmed.meshes, asset.scale / voxels.resolution)
+        trimmed = Trimmed(meshes=braced.meshes, records=(*filled.records, *trimmed.records, *braced.records))
         links, painted = _paint(asset, tree.links, trimmed.meshes, cfg.texture)
         tree = replace(tree, links=links, records=(*tree.records, *painted))
     if asset.gaussians is not None:
@@ -150,6 +154,7 @@ def export_asset(
     watch.lap("texture")
     records = (
         *asset.notes,
+        *settled,
         *([f"{gaps} cells between the faces of boards were filled"] if gaps else []),
         *(
             f"{p.name}: {said}"

@@ -16,13 +16,13 @@ from jaxtyping import Float
 
 from artigen.transforms import inverse, transform_points
 from sim_export.checks.config import CheckConfig
-from sim_export.checks.islands import visual_islands
 from sim_export.checks.suite import run_checks
 from sim_export.collision.free_space import FreeSpace, find_free_space, find_inside
 from sim_export.collision.hulls import wrap_surface
 from sim_export.collision.motion import driven_joints, link_displacements, moved_links
 from sim_export.collision.requirements import required_openings, sweep_coordinates
 from sim_export.files.write import write_package
+from sim_export.geometry.islands import visual_islands
 from sim_export.geometry.piercing import PiercedSurface, find_edges, piercing_depth
 from sim_export.geometry.sampling import sample_triangles
 from sim_export.package import PackageJoint, SimPackage

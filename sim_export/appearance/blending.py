@@ -18,12 +18,13 @@ from artigen.types import Gaussians
 
 MAX_ALPHA = 0.99
 """Largest alpha of one Gaussian, as in the rasteriser."""
-EDGE = 0.1
+EDGE = 0.05
 """Smallest alpha at which a Gaussian counts for the height of the top sheet."""
 PRESENT = 0.1
 """Summed unnormalised density below which the mean opacity at a place is undefined."""
-CLOSED = 1.3
-"""Summed alpha from which a sheet counts as closed."""
+CLOSED = 0.3
+"""Summed alpha from which a sheet counts as closed. Samples drawn at random leave gaps, in which the sheet
+below must not show: behind the front of a panel lies the back of its other side, often of another colour."""
 CELLS = 64
 """Largest number of cells along each axis for discarding Gaussians far from all places."""
 

@@ -45,7 +45,7 @@ class TextureConfig:
     blend: BlendConfig = field(default_factory=BlendConfig)
     """Selection of Gaussians at a texel."""
     discs: SurfaceSplatConfig = field(
-        default_factory=lambda: SurfaceSplatConfig(spread=0.6, edge=1.0, neighbours=4, widest=2.0, apart=0.0)
+        default_factory=lambda: SurfaceSplatConfig(spread=0.8, edge=1.0, neighbours=4, widest=2.0, apart=0.0)
     )
     """Discs for surface samples; round also at edges, where their overhang lies beside the mesh."""
 

@@ -109,7 +109,7 @@ def judge_grip(grip: Grip, name: str, cfg: CheckConfig) -> tuple[float, str]:
 def measure_grip(subject: Subject, joint: PackageJoint, handle: Shape) -> Grip:
     """Measures a handle against the rest of its link, along the approach direction of the hand."""
     center = (handle.vertices.min(axis=0) + handle.vertices.max(axis=0)) / 2.0
-    out = _way_out(subject, joint, center)
+    out = way_out(subject, joint, center)
     frame = _frame_along(out / np.linalg.norm(out))
     grip = handle.triangles @ frame.T
     rest = [s for s in subject.visuals if s.link == handle.link and "handle" not in s.name and len(s.faces)]
@@ -122,7 +122,7 @@ def measure_grip(subject: Subject, joint: PackageJoint, handle: Shape) -> Grip:
     return Grip(front=front, clearance=clearance, width=width, protrusion=protrusion)
 
 
-def _way_out(subject: Subject, joint: PackageJoint, center: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3"]:
+def way_out(subject: Subject, joint: PackageJoint, center: Float[np.ndarray, "3"]) -> Float[np.ndarray, "3"]:
     """Outward direction at a handle: its first motion, or the panel normal for a door that slides in its
     plane."""
     way = velocity_at(joint, center[None])[0]

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from sim_export.collision.contacts import HullSet, signed_distances
-from sim_export.collision.hull_limits import hull_aspect
+from sim_export.collision.hull_limits import MOST_OF_LINK, hull_aspect
 from sim_export.collision.hulls import convex_hull
 from sim_export.collision.sweeps import Sweep, SweepConfig
 from sim_export.package import Hull
@@ -22,7 +22,7 @@ class AdditionConfig:
     """What stays free (m) around it; engines push apart what touches, however little."""
     tolerance: float = 2e-5
     """Depth (m) to which a stretched hull may enter another link; it may have touched that before."""
-    max_hulls: int = 32
+    max_hulls: int = MOST_OF_LINK
     """Most hulls of a link; where there would be one more, a hull is stretched instead."""
     max_vertices: int = 32
     """Most vertices of such a stretched hull."""

@@ -30,8 +30,9 @@ class AttachmentConfig:
     far: float = 0.032
     """A gap beyond this is left alone too: the two do not touch in the source either. A cell of an object of
     two metres in a grid of 64^3 is as long: drawn parts may hang a cell off their body."""
-    rooms: tuple[float, ...] = (0.0003, 0.001, 0.004)
-    """What stays free between a peg and the link it reaches for, tried in this order."""
+    rooms: tuple[float, ...] = (0.001, 0.004)
+    """What stays free between a peg and the link it reaches for, tried in this order. Engines round hulls by
+    some tenths of a millimetre: at 0.3 mm, knobs of 15 g stuck at a turn of 30 degrees."""
     root: float = 1e-3
     """How deep a peg stands in its own link."""
     widths: tuple[float, ...] = (0.012, 0.006, 0.003, 0.0015)

@@ -15,7 +15,7 @@ from jaxtyping import Float
 
 from sim_export.collision.contacts import HullSet, penetration_depths, signed_distances
 from sim_export.collision.cut_hulls import CutHulls, LinkRelief
-from sim_export.collision.hull_limits import HullLimits
+from sim_export.collision.hull_limits import MOST_OF_LINK, HullLimits
 from sim_export.collision.motion import (
     driven_joints,
     link_displacements,
@@ -49,7 +49,7 @@ class ClearanceConfig:
     """Limits of cutting."""
     limits: HullLimits = field(default_factory=HullLimits)
     """What hulls must be like after cutting."""
-    max_hulls: int = 32
+    max_hulls: int = MOST_OF_LINK
     """Most hulls of a link that notches may lead to."""
     max_growth: float = 1.5
     """Most hulls over those that a link had, but for the first eight; what turns inside of something is

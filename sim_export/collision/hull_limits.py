@@ -18,6 +18,8 @@ from sim_export.collision.hulls import (
 from sim_export.geometry.primitives import is_box
 from sim_export.package import Hull
 
+MOST_OF_LINK = 96
+"""Hulls of a link after clearance and additions, at most; check V006 allows as many."""
 MAX_CUTS = 4
 """Times that a hull is cut, and its pieces again. A board needs two; a bevelled one that is nearly square
 needs four, as its greatest extent runs from corner to corner."""

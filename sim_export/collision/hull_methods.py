@@ -63,9 +63,9 @@ class DecomposeConfig:
 
     method: Literal["auto", "boxes", "pieces", "coacd"] = "auto"
     """One method, or the cheapest that is good enough."""
-    max_hulls: int = 30
-    """Most hulls per part, and per link; a few less than checked, for what clearance may have to
-    split; physics engines slow down with every one."""
+    max_hulls: int = 60
+    """Most hulls per part, and per link; fewer than `MOST_OF_LINK`, for what clearance may have to split.
+    Physics engines slow down with every one."""
     tolerance: float = 0.05
     """Volume error up to which `auto` takes the first few boxes rather than looking for better hulls."""
     few: int = 12

@@ -4,6 +4,7 @@ from collections.abc import Callable
 
 from sim_export.checks.config import CheckConfig
 from sim_export.mend.apart import pull_apart
+from sim_export.mend.handle import move_handles
 from sim_export.mend.hinge import move_hinges
 from sim_export.mend.source import Source
 from sim_export.mend.travel import cut_travel
@@ -11,6 +12,7 @@ from sim_export.mend.travel import cut_travel
 MENDS: tuple[tuple[str, str, Callable[[Source, CheckConfig], Source]], ...] = (
     ("V203", "hinge", move_hinges),
     ("V202", "apart", pull_apart),
+    ("V204", "handle", move_handles),
     ("V201", "travel", cut_travel),
 )
 """Failed check, name and function of each repair; positions come before ranges."""

@@ -372,3 +372,26 @@ def test_of_two_sheets_a_hair_apart_only_the_outer_one_shows():
     wrong = np.abs(shown[frame].astype(float) - BLUE).max(axis=1)
     assert np.median(wrong) < 8
     assert wrong.mean() < 12
+
+
+def test_a_sheet_behind_does_not_show_through_the_gaps_between_random_samples():
+    """A panel of doubled faces: brown outside, and the white backs of the other side 12 mm below."""
+    plate = box_mesh(0.4, 0.3, 0.02)
+    cfg = TextureConfig()
+    rng = np.random.default_rng(3)
+    points = rng.uniform([-0.2, -0.15, 0.0], [0.2, 0.15, 0.0], (12000, 3))
+    points[:, 2] = np.where(np.arange(12000) % 2, 0.01, -0.002)
+    colors = np.where(points[:, 2:] > 0, [110, 60, 30], [255, 255, 255]).astype(np.uint8)
+    samples = SurfaceSamples(
+        points=points,
+        normals=np.tile([0.0, 0.0, 1.0], (12000, 1)),
+        colors=colors,
+        part_ids=np.zeros(12000, dtype=np.int64),
+    )
+    discs = splat_surface(samples, cfg.discs)
+    ahead = matrix_from_quat(discs.quats)[:, :, 2]
+    baked = bake_mesh(plate, discs, voxel=0.016, normals=ahead, cfg=cfg).mesh
+    faces, weights, places = random_places(baked)
+    top = places[:, 2] > 0.0099
+    seen = look_up(baked, faces[top], weights[top])
+    assert np.count_nonzero(seen[:, 2] > 60) <= 0.002 * top.sum()

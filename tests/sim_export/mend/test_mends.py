@@ -1,10 +1,13 @@
 """A mended source passes the check that it failed, and a sound one is left as it is."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from artigen.types import Asset, Joint, Part
 from sim_export.checks.config import CheckConfig
+from sim_export.checks.handles import check_handles
 from sim_export.checks.opening import door_panel, hinge_offset
 from sim_export.checks.subject import Subject
 from sim_export.collision.hulls import box_hull
@@ -115,3 +118,28 @@ def test_a_range_that_runs_into_the_body_ends_before_it():
 def test_a_range_of_which_hardly_any_is_free_is_left_alone():
     source = chest(box((-0.3, -0.2, -0.1), (-0.21, 0.2, 0.1)), upper=0.3, axis=(1.0, 0, 0))
     assert mend_source(source).asset.parts[1].joint.upper == pytest.approx(0.3)
+
+
+def with_handle(depth):
+    """The cabinet with a bar of 10 mm on its door, ``depth`` (m) behind the door's front."""
+    plain = cabinet(DOOR, (-0.222, -0.25, 0.0))
+    bar = box((-0.232 + depth, 0.15, -0.1), (-0.222 + depth, 0.17, 0.1))
+    parts = (*plain.asset.parts, part_of(bar, "handle_0", "handle", 1, FIXED))
+    return open_source(replace(plain.asset, parts=parts), (*plain.surfaces, bar))
+
+
+@pytest.mark.parametrize(("depth", "moves"), [(0.0, False), (0.006, True), (0.014, True)])
+def test_a_handle_in_its_door_moves_out_until_it_can_be_grasped(depth, moves, tmp_path):
+    def grasped(source):
+        package = source_package(source)
+        subject = Subject(write_package(package, tmp_path / package.name, "replace"))
+        return check_handles(subject, CFG).passed
+
+    source = with_handle(depth)
+    mended = mend_source(source)
+    assert grasped(source) is not moves
+    assert grasped(mended)
+    shift = mended.shifts[2]
+    assert bool(shift[0] < 0.0) is moves  # towards the front
+    assert np.linalg.norm(shift) <= depth + 0.0025
+    assert (mended.shifts[:2] == 0.0).all()

@@ -1,0 +1,88 @@
+"""Pieces of a link within reach are one after bracing, and nothing else changes."""
+
+import manifold3d
+import numpy as np
+import pytest
+
+from sim_export.geometry.solids import as_solid, solid_arrays
+from sim_export.geometry.struts import REACH, SPECK, WIDEST, brace_links
+from sim_export.package import Inertial, Link, Mesh
+
+CELL = 0.016
+BODY = ((0.0, 0.0, 0.0), (0.4, 0.3, 0.02))
+
+
+def block(low, high) -> manifold3d.Manifold:
+    size = np.subtract(high, low)
+    return manifold3d.Manifold.cube(tuple(size)).translate(tuple(low))
+
+
+def as_mesh(solid: manifold3d.Manifold) -> Mesh:
+    vertices, faces = solid_arrays(solid)
+    return Mesh(vertices=vertices, faces=faces)
+
+
+def brace(*parts: manifold3d.Manifold):
+    names = tuple(f"part_{k}" for k in range(len(parts)))
+    inertial = Inertial(mass=1.0, com=np.zeros(3), inertia=np.eye(3))
+    link = Link(name="link_0", label="base", parts=names, visuals=(), hulls=(), inertial=inertial)
+    meshes = {name: as_mesh(solid) for name, solid in zip(names, parts, strict=True)}
+    braced = brace_links([link], meshes, CELL)
+    whole = manifold3d.Manifold.batch_boolean(
+        [as_solid(mesh) for mesh in braced.meshes.values()], manifold3d.OpType.Add
+    )
+    return braced, whole, meshes
+
+
+def above(gap: float, size=(0.09, 0.06, 0.01)) -> manifold3d.Manifold:
+    low = np.array([0.15, 0.1, 0.02 + gap])
+    return block(low, low + size)
+
+
+@pytest.mark.parametrize("gap", [0.003, 0.02, WIDEST * CELL - 1e-4])
+@pytest.mark.parametrize("together", [True, False], ids=["one part", "two parts"])
+def test_pieces_within_reach_become_one_by_a_strut_as_narrow_as_a_cell(gap, together):
+    parts = (block(*BODY) + above(gap),) if together else (block(*BODY), above(gap))
+    before = sum(part.volume() for part in parts)
+    braced, whole, _ = brace(*parts)
+    assert len(whole.decompose()) == 1
+    assert 0.0 < whole.volume() - before <= gap * CELL**2 * (1.0 + 1e-6)
+    assert len(braced.records) == 1
+
+
+@pytest.mark.parametrize("gap", [0.0, REACH - 1e-4, WIDEST * CELL + 1e-4])
+def test_what_is_near_enough_or_too_far_stays_as_it_is(gap):
+    braced, _, meshes = brace(block(*BODY), above(gap))
+    assert braced.records == ()
+    assert dict(braced.meshes) == meshes
+
+
+@pytest.mark.parametrize(("share", "left"), [(0.99, 1), (1.01, 2)])
+def test_a_speck_out_of_reach_is_left_out_and_more_is_not(share, left):
+    edge = (share * SPECK) ** (1 / 3) * CELL
+    _, whole, _ = brace(block(*BODY) + above(0.2, (edge, edge, edge)))
+    assert len(whole.decompose()) == left
+
+
+def test_a_row_of_pieces_is_joined_one_to_the_next():
+    gaps = 0.02 + np.arange(3) * 0.04
+    braced, whole, _ = brace(block(*BODY), *(above(gap) for gap in gaps))
+    assert len(whole.decompose()) == 1
+    assert len(braced.records) == 3
+
+
+def test_the_wall_of_a_void_is_no_piece():
+    hollow = block((0, 0, 0), (0.3, 0.3, 0.3)) - block((0.05, 0.05, 0.05), (0.25, 0.25, 0.25))
+    assert brace(hollow)[0].records == ()
+
+
+@pytest.mark.parametrize(("length", "count"), [(0.028, 1), (0.2, 2)])
+def test_a_long_bar_is_held_near_its_ends(length, count):
+    bar = block((0.1, 0.1, 0.05), (0.1 + length, 0.11, 0.06))
+    _, whole, _ = brace(block(*BODY) + bar)
+    struts = (whole ^ block((0.0, 0.0, 0.03), (0.4, 0.3, 0.04))).decompose()
+    middles = sorted(float(np.mean(solid_arrays(strut)[0][:, 0])) for strut in struts)
+    assert len(middles) == count
+    if count == 2:
+        assert middles[0] < 0.1 + 0.15 * length
+        assert middles[1] > 0.1 + 0.85 * length
